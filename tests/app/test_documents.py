@@ -169,6 +169,7 @@ def test_units_that_are_none_are_refused(client, cases):
 # ---- woundon report ---------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_command_writes_a_report_of_cases(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "base.toml").write_text(template("nip"))
@@ -209,6 +210,7 @@ def installed(monkeypatch):
     monkeypatch.setattr(kinds, "entry_points", entry_points)
 
 
+@pytest.mark.slow
 def test_a_figure_of_the_thesis_is_drawn(installed):
     from woundon.app import documents
     from woundon.app.input_forms import exhibits as plugins

@@ -177,6 +177,7 @@ print(plain.consistency.power_balance)
     assert float(said[6]) < 1e-4
 
 
+@pytest.mark.slow
 def test_a_body_in_case_files_studies_files_and_reports(case: Path, told) -> None:
     out = told("solve", "case.toml", "--set", "drum.layers.0.thickness=5 mm",
                "--save", "nip.nc", "--plot", "nip.png")  # fmt: skip
@@ -285,6 +286,7 @@ print(wo.fit(problem, data, {"friction": (0.01, 1.0)}, profiles=False, starts=2)
     assert friction == pytest.approx(0.22314, abs=1e-4)  # ln(1.25)
 
 
+@pytest.mark.slow
 def test_a_new_case_of_a_kind_is_solved_as_printed(tmp_path: Path, told) -> None:
     (tmp_path / "new.toml").write_text(told("new", "capstan"), "utf-8")
     assert "web tension behind the bar" in told("capstan", "new.toml")

@@ -66,6 +66,7 @@ def test_the_response_of_a_thin_coating_is_continuous() -> None:
         np.testing.assert_allclose(*slopes, rtol=0, atol=1e-4 * np.abs(slopes[0]).max())
 
 
+@pytest.mark.slow
 def test_most_are_solved() -> None:
     solved = 0
     for seed in range(10):

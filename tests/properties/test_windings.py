@@ -29,6 +29,7 @@ def changed(**changes: Any) -> wo.WindingResult:
     return wo.solve(CASE.replace(**changes), nodes=25, rtol=2e-2)
 
 
+@pytest.mark.slow
 def test_a_softer_nip_adds_less_tension():
     """A covered drum spreads the load: less pressure, so less stretch of what rolls under it."""
     soft = changed(drum=SOFT)

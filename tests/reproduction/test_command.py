@@ -100,6 +100,7 @@ def test_two_processes_do_the_same(tmp_path, capsys: Capture):
         assert one.read_bytes() == other.read_bytes()
 
 
+@pytest.mark.slow
 def test_all_are_summed_up(tmp_path, capsys: Capture, monkeypatch):
     monkeypatch.setattr(exhibits, "NAMES", ("fig5", "table4"))
     monkeypatch.delattr(publication, "in_processes")  # one process is this one

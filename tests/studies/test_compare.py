@@ -110,6 +110,7 @@ def test_parts_of_the_budget_add_in_squares(predicted):
     assert check.spread[0] == pytest.approx(abs(sides[1] - sides[0]) / 2, rel=0.05)
 
 
+@pytest.mark.slow
 def test_independent_deviations_average_out_and_common_ones_do_not(predicted):
     alone = check_of(predicted, nodes=65).agreement("wound_on_tension")
     error = alone.bias_uncertainty**2 - 3.0**2 / len(LOADS)
@@ -213,6 +214,7 @@ def causes(check: wo.Comparison) -> str:
     return "; ".join(cause for entry in check.explanations for cause in entry.causes)
 
 
+@pytest.mark.slow
 def test_a_nip_that_is_wider_at_all_loads_points_to_a_softer_roll():
     width = np.array([wo.solve(NIP.replace(nip_load=P)).nip_width for P in LOADS])
     table = {"nip_load": LOADS, "nip_width": 1.05 * width, "nip_width +-": [2e-5] * 6}

@@ -257,6 +257,7 @@ def test_the_nip_width_separates_the_moduli_of_table_2(capsys: pytest.CaptureFix
     assert max(errors[2]) < 0.035
 
 
+@pytest.mark.slow
 def test_a_pull_tab_determines_the_stack_of_a_roll():
     """Of a roll: a pressure to 20 % determines K2 to 20 % over the elasticity of the pressure."""
     roll = wo.RollProblem.example()

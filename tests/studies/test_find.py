@@ -71,6 +71,7 @@ def test_a_value_is_recovered_from_the_output_that_it_gives(field, value):
     assert single.wound_on_tension == pytest.approx(tension, rel=2e-7)
 
 
+@pytest.mark.slow
 def test_all_solutions_are_found():
     """The wound-on tension has a maximum over the angle of a short wrap."""
     problem = wo.NipProblem.example()
@@ -94,6 +95,7 @@ def test_the_uncertainty_is_the_error_over_the_slope():
     assert found.uncertainty == pytest.approx(error / abs(slope), rel=0.02)
 
 
+@pytest.mark.slow
 def test_the_tension_for_a_pressure_in_a_roll_is_found():
     problem = wo.RollProblem.example()
     pressure = wo.solve(problem.replace(wound_on_tension=600.0)).mid_pressure

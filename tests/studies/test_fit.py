@@ -196,6 +196,7 @@ def test_intervals_are_those_of_whole_refits_for_the_measured_tensions():
         assert abs(np.log(end / true)) < 1e-2 * reach
 
 
+@pytest.mark.slow
 def test_starts_look_around_on_few_nodes():
     """On few nodes all starts descend; the minimum that they end in is that of all nodes."""
     vary = {"roll.material.shear": (1e6, 1e8), "roll_friction": (0.05, 0.8)}
@@ -315,6 +316,7 @@ def test_bad_fits_are_refused(data, vary, says):
         wo.fit(paper_nip(), data, vary)
 
 
+@pytest.mark.slow
 def test_profiles_are_those_asked_for():
     data = {"nip_load": LOADS, "outlet_tension": [560.0, 640.0, 700.0, 800.0]}
     vary = {"roll.material.shear": (1e6, 1e8), "roll_friction": (0.05, 0.8)}
@@ -353,7 +355,7 @@ BY_LAST_DIGITS = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("output", ["rig_tension", slow_case("wound_on_tension")])
+@pytest.mark.parametrize("output", [slow_case("rig_tension"), slow_case("wound_on_tension")])
 def test_the_measured_tensions_are_fitted(output):
     """To what meshes of 57 to 257 nodes differ by: estimates by 0.07 standard errors, with wraps
     by 0.2, standard errors by 5 and 18 %.

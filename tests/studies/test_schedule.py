@@ -48,6 +48,7 @@ def grid(problem: wo.RollProblem) -> list[tuple[float, float]]:
     return found
 
 
+@pytest.mark.slow
 def test_the_best_schedule_is_no_worse_than_brute_force(
     best: wo.OptimisedSchedule, grid: list[tuple[float, float]]
 ) -> None:

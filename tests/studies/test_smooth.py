@@ -37,6 +37,7 @@ def test_on_one_grid_there_are_no_jumps():
     assert np.median(off) < 2e-5 * own.max()
 
 
+@pytest.mark.slow
 def test_between_grids_the_jumps_stay_below_the_stated_error():
     """Where the estimate asks for a finer grid the result moves by the error it told."""
     NIT, error = _scan()

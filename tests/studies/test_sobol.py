@@ -39,6 +39,7 @@ def test_a_sum_has_no_interactions():
     assert found.total_order[0] == pytest.approx([0.8, 0.2], abs=0.02)
 
 
+@pytest.mark.slow
 def test_the_nip_knows_its_strong_inputs():
     """In one narrow range of each input the shares follow from the exact derivatives."""
     problem, names = paper_nip(), ("nip_load", "roll_friction", "roll.material.shear")

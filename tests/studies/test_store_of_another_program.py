@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray
+from slow_cases import slow_case
 
 import woundon as wo
 from woundon.cli import commands as cli
@@ -74,7 +75,7 @@ def by(program: Path, study: Path, out: Path, *more: str) -> subprocess.Complete
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("complete", [True, False])
+@pytest.mark.parametrize("complete", [slow_case(True), False])
 def test_another_program_does_not_resume_a_study(
     complete: bool, study: Path, copied: Path, tmp_path: Path
 ):
@@ -99,6 +100,7 @@ def test_another_program_does_not_resume_a_study(
     assert by(copied, study, out, "--chunk", "1", "--resume").returncode == 0
 
 
+@pytest.mark.slow
 def test_a_new_file_is_another_program_and_a_cache_is_not(
     study: Path, copied: Path, tmp_path: Path
 ):

@@ -144,6 +144,7 @@ def test_the_verdict_names_the_smallest_reserve_and_what_to_change(
     assert "No margin" in wo.margins(winding.roll, wo.Limits()).verdict
 
 
+@pytest.mark.slow
 def test_reserves_are_outputs_of_studies(winding: wo.WindingResult) -> None:
     for margin in winding.margins:
         reserve = getattr(winding.margins, margin.name)

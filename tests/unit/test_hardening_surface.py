@@ -255,6 +255,7 @@ def test_few_iterations_and_factorisations(wraps: Any) -> None:
     assert ring_of(problem.roll).factorisations <= 50
 
 
+@pytest.mark.slow
 def test_a_nip_does_not_depend_on_earlier_nips() -> None:
     """The rings keep their last state, that of another load here."""
     problem = nip(roll()).replace(roll_wrap=1.0)

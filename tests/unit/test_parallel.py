@@ -176,6 +176,7 @@ print(int(np.isfinite(data.wound_on_tension).sum()), "solved")
 """
 
 
+@pytest.mark.slow
 @posix
 def test_a_study_in_a_script_without_a_guard(tmp_path: Path):
     """40 chunks, of which the workers hold two at a time."""

@@ -111,6 +111,7 @@ def said(script: str, folder: Path, backend: str) -> str:
     return run.stdout
 
 
+@pytest.mark.slow
 def test_a_script_shows_what_it_drew_and_did_not_save(tmp_path: Path) -> None:
     """What it saves needs no pyplot; from the command line neither."""
     script = """

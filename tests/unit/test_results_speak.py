@@ -95,6 +95,7 @@ def test_print_says_what_the_command_says(kind: str, tmp_path, capsys) -> None:
     assert capsys.readouterr().out == f"{coarse_solution(problem, NODES)}\n"
 
 
+@pytest.mark.slow
 def test_a_printed_sensitivity_is_the_commands(tmp_path, capsys) -> None:
     case = tmp_path / "case.toml"
     case.write_text(template("nip"), encoding="utf-8")
@@ -103,6 +104,7 @@ def test_a_printed_sensitivity_is_the_commands(tmp_path, capsys) -> None:
     assert capsys.readouterr().out == f"{result}\n\n{result.sensitivity()}\n"
 
 
+@pytest.mark.slow
 def test_a_printed_fit_is_the_commands(tmp_path, capsys) -> None:
     case, data = tmp_path / "case.toml", tmp_path / "data.csv"
     case.write_text(template("nip"), encoding="utf-8")

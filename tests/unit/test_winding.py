@@ -81,6 +81,7 @@ def wandering() -> wo.WindingResult:
         return wo.solve(problem, **COARSE)
 
 
+@pytest.mark.slow
 def test_schedules_that_wander_take_as_few_nips_as_smooth_ones():
     run = wandering()
     assert run.nip_radius.size <= 20

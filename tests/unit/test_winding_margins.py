@@ -108,6 +108,7 @@ def test_an_acceleration_needs_a_density() -> None:
     )
 
 
+@pytest.mark.slow
 def test_every_panel_is_drawn(wound: wo.WindingResult) -> None:
     names = list(winding_panels(wound))
     figure = wound.plot(panels=names)

@@ -103,6 +103,7 @@ def test_a_soft_surface_makes_a_wide_nip() -> None:
     assert hard < between < soft
 
 
+@pytest.mark.slow
 def test_it_rolls_in_wrapped_nips_and_against_rollers() -> None:
     problem = EXAMPLE.replace(roll=roll(pressure=GRADED))
     assert wo.solve(problem.replace(roll_wrap=np.pi), nodes=33).residuals.largest <= 1e-8

@@ -336,6 +336,7 @@ def windings(winding):
     return {speed: wind(winding, speed) for speed in (0.0, 2.0)}
 
 
+@pytest.mark.slow
 def test_a_winding_at_rest_has_no_air(winding, windings):
     dry, still = wo.solve(winding, **COARSE), windings[0.0]
     within = dry.agreed  # of nips and roll, which a last turn for the film's sake may better

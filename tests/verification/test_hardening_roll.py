@@ -52,6 +52,7 @@ def test_a_stack_that_does_not_harden_is_the_linear_roll() -> None:
     assert found.peak_pressure == pytest.approx(wanted.peak_pressure, rel=1e-7)
 
 
+@pytest.mark.slow
 def test_under_a_light_load_it_is_the_linear_roll_of_the_wound_pressure() -> None:
     """At 0.2 N/m p_max is 4 kPa and K1 + P0 100 kPa: the rest falls with the pressure."""
     missed = []
@@ -66,6 +67,7 @@ def test_under_a_light_load_it_is_the_linear_roll_of_the_wound_pressure() -> Non
     assert missed[0] > 2 * missed[1]
 
 
+@pytest.mark.slow
 def test_stiff_from_the_start_it_is_linear() -> None:
     """K2 (K1 + P0) kept and K1 -> infinity: by 1/K1."""
     missed = []

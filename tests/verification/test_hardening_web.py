@@ -215,6 +215,7 @@ def test_case_file_result_file_and_sweep(tmp_path: Path) -> None:
     assert warm.residuals.largest <= 1e-8
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("wrapped", [False, slow_case(True)])
 def test_the_report_says_whether_it_hardens(wrapped: bool) -> None:
     def told(problem: Any) -> str:

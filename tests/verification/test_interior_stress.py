@@ -238,6 +238,7 @@ def hardening_nip(nodes: int) -> wo.NipResult:
     return wo.solve(newsprint_nip(roll=roll), nodes=nodes)
 
 
+@pytest.mark.slow
 def test_every_circle_of_a_hardening_roll_carries_force_and_torque():
     # Equilibrium, of stresses interpolated between quadrature points
     nip = hardening_nip(65)
@@ -246,6 +247,7 @@ def test_every_circle_of_a_hardening_roll_carries_force_and_torque():
         assert resultants(s.x, s.normal, s.shear, R - s.depth) == pytest.approx(given, rel=5e-3)
 
 
+@pytest.mark.slow
 def test_the_stresses_of_a_hardening_roll_converge():
     # Convergence of the largest shear: finite elements follow the mesh of the nip
     z = 66e-6 * np.array([1, 4, 16, 60])

@@ -48,7 +48,7 @@ def differences(problem: Any, nodes: int, step: float, names: tuple[str, ...]) -
 
 
 @pytest.mark.parametrize("wrapped", [False, True])
-@pytest.mark.parametrize("seed", [*range(100, 103), *map(slow_case, range(103, 108))])
+@pytest.mark.parametrize("seed", [100, 101, *map(slow_case, range(102, 108))])
 def test_derivatives_are_those_of_the_solved_equations(seed: int, wrapped: bool) -> None:
     """Elasticities, those of NIT relative to at least 1 % of mu+ P."""
     problem: Any = random_nip(seed).replace(web_tension=600.0)
@@ -165,6 +165,7 @@ def test_what_is_one_number_twice_has_one_slope() -> None:
     np.testing.assert_allclose(T_out[others], NIT[others], rtol=1e-7)
 
 
+@pytest.mark.slow
 def test_a_zone_change_is_announced_and_its_two_sides_differ() -> None:
     # on a soft cover a node's change is felt; on a hard drum the two slopes are nearly the same
     cover = wo.Cylinder(radius=0.5, core_radius=0.48, material=wo.material("soft-cover"))

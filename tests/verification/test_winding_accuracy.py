@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from slow_cases import slow_case
 
 import woundon as wo
 
@@ -27,7 +28,7 @@ pytestmark = pytest.mark.filterwarnings("ignore::woundon.ResolutionWarning")
     ("tension", "load", "friction", "shear", "radius"),
     [
         (207.85659124613983, 1578.5119236247078, 0.2884195401345401, 2.8116e6, 0.1086),
-        (214.6296494010098, 1387.0781981489881, 0.34015974081464495, 1.1488e7, 0.3684),
+        slow_case(214.6296494010098, 1387.0781981489881, 0.34015974081464495, 1.1488e7, 0.3684),
     ],
 )
 def test_nips_and_roll_agree_to_the_requested_tolerance(
@@ -93,6 +94,7 @@ def test_the_pressure_error_covers_that_of_the_tension() -> None:
         assert own + moved <= relative(run, name)
 
 
+@pytest.mark.slow
 def test_the_core_pressure_error_covers_that_of_the_tension_near_the_core() -> None:
     """Near the core, up to 5 % of its radius, the interpolation is less exact."""
     run = wound(65, 5e-2)

@@ -82,6 +82,7 @@ def test_the_cases_of_section_4_9():
     assert signs == {"2": (1, -1), "3": (-1, 1), "4": (1, 1), "w": (0, 1)}
 
 
+@pytest.mark.slow
 def test_the_first_case_does_not_come_up():
     """v+ and strain both negative: not among random nips, which all are solved or slack."""
     draw = np.random.default_rng(5)

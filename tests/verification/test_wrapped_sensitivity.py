@@ -123,6 +123,7 @@ LOADS = [1000.0, 4000.0]
 HARDENING: Any = nip(roll()).replace(roll_wrap=pi / 2)
 
 
+@pytest.mark.slow
 def test_fits_take_them_with_what_is_tied() -> None:
     loads = np.array(LOADS[:1])
     measured = Measured({"nip_load": loads}, {"wound_on_tension": np.zeros(1)}, {})
