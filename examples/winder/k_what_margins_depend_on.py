@@ -13,7 +13,7 @@ pressure. The stiffness of the core, within a factor of three, matters only for 
 the core.
 
 With sixteen base samples the indices are accurate to about 0.3, which is enough to decide what
-to measure first. ``woundon sensitivity`` does the same for a study file, on all cores, and can
+to measure first. ``woundon sobol`` does the same for a study file, on all cores, and can
 be resumed.
 """
 

@@ -1,6 +1,7 @@
 """The public names, listed once: lazy_loader and type checkers read them here."""
 
 from . import kinds as kinds
+from . import plugins as plugins
 from . import theories as theories
 from .errors import InputWarning as InputWarning
 from .errors import InvalidProblem as InvalidProblem

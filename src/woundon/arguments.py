@@ -2,14 +2,31 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from .errors import InvalidProblem, one_of
 from .problems.messages import quote
 
-__all__ = ["check_type", "nodes_or_rtol", "tolerance", "whole_number"]
+__all__ = ["Option", "check_type", "nodes_or_rtol", "tolerance", "whole_number"]
+
+
+class Option(NamedTuple):
+    """Description of a solver's option, as metadata of its annotation.
+
+    ``Annotated[int | None, Option("Nodes on the last mesh.", "7 to 2049.")]``
+
+    Attributes
+    ----------
+    help : str
+        The sentence that the help of the command line shows.
+    details : str
+        Range, default and conditions, which differ between kinds of problem.
+    """
+
+    help: str
+    details: str = ""
 
 
 def check_type(name: str, value: Any, *types: type[Any]) -> None:

@@ -248,15 +248,15 @@ result.save("nip.json")
     record = json.loads((tmp_path / "nip.json").read_text("utf-8"))
     assert record["outputs"]["mean_pressure"] > 0
     assert record["units"]["mean_pressure"] == "Pa"
-    assert "mean pressure" in told("nip", "--help")
+    assert "mean pressure" in told("describe", "nip")
 
 
 # ---- a kind -------------------------------------------------------------------------------------
 
 
 def test_a_kind_has_all_that_woundons_have(case: Path, told) -> None:
-    assert "capstan" in anew("-m", "woundon", "--help", cwd=case)
-    help_text = told("capstan", "--help")
+    assert "capstan" in anew("-m", "woundon", "new", "--help", cwd=case)
+    help_text = told("describe", "capstan")
     for word in ("web_tension", "angle of wrap", "tension_behind_bar", "--nodes"):
         assert word in help_text
     out = told("solve", "capstan.toml", "--save", "c.json", "--plot", "c.png")
@@ -289,4 +289,27 @@ print(wo.fit(problem, data, {"friction": (0.01, 1.0)}, profiles=False, starts=2)
 @pytest.mark.slow
 def test_a_new_case_of_a_kind_is_solved_as_printed(tmp_path: Path, told) -> None:
     (tmp_path / "new.toml").write_text(told("new", "capstan"), "utf-8")
-    assert "web tension behind the bar" in told("capstan", "new.toml")
+    assert "web tension behind the bar" in told("solve", "new.toml")
+
+
+# ---- a command and figures ----------------------------------------------------------------------
+
+
+def test_a_command_stands_next_to_woundons(told, tmp_path: Path) -> None:
+    assert told("capstan-table", "--friction", "0.2").splitlines()[-1] == "180 deg  1.874"
+    listed = anew("-m", "woundon", "--help", cwd=tmp_path)
+    assert (
+        "capstan-table  Print the tension ratios of a capstan." in listed.partition("Plug-ins")[2]
+    )
+
+
+def test_a_figure_is_on_the_page(told) -> None:
+    said = told(
+        code="""
+from woundon.app.input_forms import catalogue
+from woundon.app.documents import exhibit
+print([one["label"] for one in catalogue()["exhibits"] if one["name"] == "capstan"])
+print(b"<svg" in exhibit("capstan"))
+"""
+    )
+    assert said.split() == ["['Capstan']", "True"]

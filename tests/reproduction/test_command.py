@@ -10,15 +10,16 @@ import sys
 import time
 import tomllib
 from collections.abc import Iterator
-from importlib.metadata import EntryPoint, EntryPoints
 from pathlib import Path
 from threading import Thread
 
 import pytest
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
+from woundon import plugins
 from woundon.cli import commands as cli
-from woundon.jorkama2001 import exhibits, publication
+from woundon.jorkama2001 import exhibits, plugin, publication
+from woundon.jorkama2001.command import thesis
 from woundon.jorkama2001.publication import _write_module
 
 PROJECT = Path(__file__).parents[2] / "pyproject.toml"
@@ -33,16 +34,13 @@ Capture = pytest.CaptureFixture[str]
 posix = pytest.mark.skipif(os.name == "nt", reason="signals and terminals of POSIX")
 
 
-@pytest.fixture(autouse=True)
-def _installed(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Have the commands that the project declares, whether or not it has been installed."""
-    declared = tomllib.loads(PROJECT.read_text("utf-8"))["project"]["entry-points"][cli.COMMANDS]
-    points = EntryPoints(EntryPoint(*item, cli.COMMANDS) for item in declared.items())
-    monkeypatch.setattr(cli, "entry_points", points.select)
+def test_the_project_declares_its_plug_in():
+    declared = tomllib.loads(PROJECT.read_text("utf-8"))["project"]["entry-points"]
+    assert declared == {plugins.GROUP: {"jorkama2001": plugin.__name__}}
+    assert plugins.commands()["thesis"] is thesis
 
 
-def test_the_command_is_found_late():
-    assert [*cli.entry_points(group=cli.COMMANDS)]
+def test_the_command_line_alone_does_not_import_the_reproduction():
     code = "import sys; import woundon.cli.commands; sys.exit('jorkama2001' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 

@@ -94,7 +94,7 @@ def test_what_is_found_in_a_folder_is_told_in_a_line(
 
 
 def test_nodes_and_rtol_are_one_or_the_other(capsys: pytest.CaptureFixture[str]):
-    assert cli.main(["nip", str(CASE), "--nodes", "65", "--rtol", "1e-3"]) == 2
+    assert cli.main(["solve", str(CASE), "--nodes", "65", "--rtol", "1e-3"]) == 2
     assert capsys.readouterr().err == (
         "error: nodes: 65 is given together with rtol, which chooses the nodes; omit one\n"
     )
@@ -108,12 +108,12 @@ def test_sensitivity_tells_the_shares(tmp_path: Path, capsys: pytest.CaptureFixt
         encoding="utf-8",
     )
     out = tmp_path / "out"
-    command = ["sensitivity", str(path), "--out", str(out), "--samples", "16", "--workers", "1"]
+    command = ["sobol", str(path), "--out", str(out), "--samples", "16", "--workers", "1"]
     assert cli.main(command) == 0
     said = capsys.readouterr().out
     assert said.startswith("wound_on_tension: share of the variance, alone / with interactions")
-    assert (out / "sensitivity.png").stat().st_size > 10_000
-    with xarray.open_dataset(out / "sensitivity.nc", engine="scipy") as data:
+    assert (out / "sobol.png").stat().st_size > 10_000
+    with xarray.open_dataset(out / "sobol.nc", engine="scipy") as data:
         # the interactions are weak, so the shares add up to about one
         assert float(data.total_order.sum()) == pytest.approx(1, abs=0.3)
 
@@ -254,9 +254,9 @@ def _rms(nip: wo.NipProblem, shear: float) -> float:
     ("options", "says"),
     [
         (["--vary", "roll.material.sheer"], "did you mean 'shear'"),
-        (["--vary", "roll.material.shear=1"], "'1' are not bounds; write LOW:HIGH"),
+        (["--vary", "roll.material.shear=1"], "'1': must be written FIELD=LOW:HIGH"),
         (["--vary", "roll.material.shear=1 mm:2 mm"], "mm"),
-        (["--vary", "roll_friction", "--tie", "web.material"], "must be written NAME=NAME"),
+        (["--vary", "roll_friction", "--tie", "web.material"], "must be written FIELD=FIELD"),
         (["--vary", "roll_friction", "--column", "WOT=half_width"], "has no column 'WOT'"),
         (["--vary", "roll_friction", "--plot", "fit.bmp"], "bmp"),
         (["--vary", "roll_friction", "--plot", "no/fit.png"], "the folder 'no' does not exist"),

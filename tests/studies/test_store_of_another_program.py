@@ -179,12 +179,12 @@ def test_indices_of_a_complete_study_are_exported_to_another_folder(study: Path,
     )
     study.write_text(f'case = "case.toml"\n{ranges}', encoding="utf-8")
     out, exported = tmp_path / "out", tmp_path / "exported"
-    command = ["sensitivity", str(study), "--out", str(out), "--workers", "1", "--samples", "4"]
+    command = ["sobol", str(study), "--out", str(out), "--workers", "1", "--samples", "4"]
     assert cli.main(command) == 0
     before = state(out)
     assert cli.main([*command, "--resume", "--export-to", str(exported)]) == 0
     assert state(out) == before
-    assert (exported / "sensitivity.nc").exists()
+    assert (exported / "sobol.nc").exists()
 
 
 @pytest.mark.skipif(

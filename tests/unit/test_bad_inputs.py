@@ -603,7 +603,7 @@ CASES: list[tuple[str, str, str]] = [
 
 def refused_by_command(capsys: pytest.CaptureFixture[str], *args: str) -> str:
     """Return what the command line says; it must end with code 2 and without a traceback."""
-    assert main(["nip", *args]) == 2
+    assert main(["solve", *args]) == 2
     said = capsys.readouterr()
     assert said.out == ""
     assert "Traceback" not in said.err

@@ -53,7 +53,12 @@ def test_the_script_of_each_shell_is_written(shell, environment):
 
 @pytest.mark.parametrize(
     ("typed", "completed"),
-    [("woundon so", ["solve"]), ("woundon rollers --rt", ["--rtol"]), slow_case("woundon xyz", [])],
+    [
+        ("woundon sol", ["solve"]),
+        ("woundon solve --rt", ["--rtol"]),
+        ("woundon new ro", ["rollers", "roll"]),
+        slow_case("woundon xyz", []),
+    ],
 )
 def test_bash_completes_commands_and_options(typed, completed, environment):
     words = typed.split()

@@ -11,12 +11,12 @@ import re
 import tomllib
 from pathlib import Path
 
-import click
 import pytest
 
 import woundon
 from woundon import kinds
 from woundon.cli import commands as cli
+from woundon.jorkama2001.command import thesis
 
 ROOT = Path(__file__).parents[2]
 
@@ -27,13 +27,8 @@ PROSE = ("*.md", "docs/**/*.md", "docs/*.py", "docs/_ext/*.py", "examples/**/*.*
 KINDS = [kind for kind in kinds.every() if kind.problem.__module__.startswith("woundon.")]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
 EXTRAS = PROJECT["optional-dependencies"]
-# plug-ins add commands by entry points; those of this project are documented too
-PLUG_INS = {found.name for found in kinds.entry_points(group="woundon.commands")}
-COMMANDS = (
-    set(cli.commands.list_commands(click.Context(cli.commands)))
-    - PLUG_INS
-    - {kind.command for kind in kinds.every()}
-) | set(PROJECT["entry-points"]["woundon.commands"])
+# the plug-in of this project is documented too
+COMMANDS = {*cli.commands.commands, thesis.name}
 MODULES = {
     f"{module.name}/" if module.ispkg else f"{module.name}.py"
     for module in pkgutil.iter_modules(woundon.__path__)
@@ -68,7 +63,7 @@ def test_every_kind_is_documented(kind: kinds.Kind) -> None:
 
 def test_the_command_line_page_lists_the_kinds() -> None:
     listed = first_column("docs/howto/command_line.md", "kind")
-    assert sorted(listed) == sorted(kind.command for kind in KINDS)
+    assert sorted(listed) == sorted(kind.name for kind in KINDS)
 
 
 def test_the_command_line_page_lists_the_commands() -> None:

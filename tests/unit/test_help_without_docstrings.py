@@ -9,7 +9,8 @@ from functools import cache
 
 import pytest
 
-from woundon import kinds
+from woundon import plugins
+from woundon.cli.commands import commands
 
 PRINT_HELP = """\
 import sys
@@ -20,10 +21,7 @@ for name in sys.argv[1:]:
     if code:
         sys.exit(code)
 """
-OTHERS = ("new", "materials", "solve", "app", "report", "design", "sweep", "fit", "sensitivity",
-          "find", "table", "compare", "window", "plan", "thesis")  # fmt: skip
-COMMANDS = ("", *OTHERS, *(kind.command for kind in kinds.every()
-                           if kind.problem.__module__.startswith("woundon.")))  # fmt: skip
+COMMANDS = ("", *commands.commands, *plugins.commands())
 
 
 @cache

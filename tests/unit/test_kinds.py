@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import pytest
 from thesis_cases import newsprint_nip
 
 import woundon as wo
-from woundon import kinds
+from woundon import kinds, plugins
+from woundon.arguments import Option
 from woundon.problems.fields import Number
 from woundon.quantities import length, line_load
 from woundon.report.panels import Panel
@@ -52,10 +51,10 @@ def solve_hammock(problem: HammockProblem, *, terms: int = 1) -> HammockResult:
 
 @pytest.fixture
 def registry(monkeypatch: pytest.MonkeyPatch) -> dict[str, kinds.Kind]:
-    """The registry with woundon's own kinds alone, as it was again afterwards."""
+    """The registry with three of woundon's kinds alone; it is restored afterwards."""
     known = {name: kind for name, kind in kinds._KINDS.items() if name in OWN}
     monkeypatch.setattr(kinds, "_KINDS", known)
-    monkeypatch.setattr(kinds, "load_plugins", lambda: None)
+    monkeypatch.setattr(plugins, "load", lambda: None)
     return known
 
 
@@ -69,7 +68,6 @@ HAMMOCK = HammockProblem(span=2.0, web_tension=100.0)
 def test_a_kind_is_its_problem_its_solver_and_its_result(name: str) -> None:
     kind, (problem, result) = kinds.named(name), OWN[name]
     assert (kind.name, kind.problem, kind.result) == (name, problem, result)
-    assert kind.command == name.replace("_", "-")
     assert kind.about.endswith(".")
     assert name in REPORTS
     assert name in PANELS
@@ -145,7 +143,7 @@ def test_a_kind_needs_three_things(registry: dict[str, kinds.Kind]) -> None:
     kinds.register(HammockProblem, solve_hammock, HammockResult)
     kind = kinds.named("hammock")
     assert [k.name for k in kinds.every()] == [*OWN, "hammock"]
-    assert (kind.command, kind.about) == ("hammock", "A web that hangs between two rollers.")
+    assert (kind.name, kind.about) == ("hammock", "A web that hangs between two rollers.")
     result = wo.solve(HAMMOCK)
     assert result.sag == pytest.approx(5e-3)
     assert wo.solve(HAMMOCK, terms=2).sag == pytest.approx(1e-2)
@@ -167,7 +165,7 @@ def test_what_is_given_is_taken(registry: dict[str, kinds.Kind], tmp_path: Path)
         check=lambda **options: said.append(options),
     )  # fmt: skip
     kind = kinds.of(HAMMOCK)
-    assert (kind.name, kind.command, kind.about) == ("hanging_web", "hanging-web", "Sagging.")
+    assert (kind.name, kind.about) == ("hanging_web", "Sagging.")
     assert kind.report(None) == ["sag"]
     assert kind.check is not None
     kind.check(terms=3)
@@ -196,15 +194,31 @@ def test_a_class_below_a_kinds_is_no_kind_of_its_own(registry: dict[str, kinds.K
         wo.solve(LoadedNip.example())
 
 
-def test_kinds_are_known_without_loading_their_solvers() -> None:
-    code = (
-        "import sys, woundon as wo; from woundon import kinds;"
-        "assert [k.name for k in kinds.every()]"
-        " == ['nip', 'rollers', 'roll', 'winding'];"
-        "assert kinds.of(wo.NipProblem.example()).name == 'nip';"
-        "sys.exit(any(m in sys.modules for m in ('scipy', 'matplotlib', 'woundon.nip.solve')))"
-    )
-    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+def solve_hammock_by(
+    problem: HammockProblem,
+    *,
+    terms: Annotated[int | None, Option("Number of terms.", "1 to 9.")] = None,
+    method: Literal["series", "shooting"] = "series",
+    tolerance: float = 1e-3,
+    start: HammockResult | None = None,
+    span: float = 1.0,  # a field of the problem
+) -> HammockResult:
+    return solve_hammock(problem)
+
+
+def test_the_options_of_a_solver_are_read_from_its_signature(registry: Any) -> None:
+    kinds.register(HammockProblem, solve_hammock_by, HammockResult)
+    assert kinds.named("hammock").solver_options() == {
+        "terms": (int, (), "Number of terms.", "1 to 9."),
+        "method": (str, ("series", "shooting"), "", ""),
+        "tolerance": (float, (), "", ""),
+    }
+
+
+@pytest.mark.parametrize("kind", kinds.every(), ids=lambda kind: kind.name)
+def test_every_option_of_a_solver_has_a_help_text(kind: kinds.Kind) -> None:
+    for name, option in kind.solver_options().items():
+        assert option.help.endswith("."), name
 
 
 # ---- plug-ins -----------------------------------------------------------------------------------
@@ -216,15 +230,26 @@ def test_plug_ins_are_imported_once_before_the_first_look_up(
     loaded: list[str] = []
 
     class EntryPoint:
+        name = "hammock"
+
         def load(self) -> None:
-            loaded.append("hammock")
+            loaded.append(self.name)
             kinds.register(HammockProblem, solve_hammock, HammockResult)
 
+    class Broken(EntryPoint):
+        name = "broken"
+
+        def load(self) -> None:
+            raise ImportError("No module named 'elsewhere'")
+
     monkeypatch.setattr(kinds, "_KINDS", dict(kinds._KINDS))
-    monkeypatch.setattr(kinds, "load_plugins", cache(kinds.load_plugins.__wrapped__))
+    monkeypatch.setattr(plugins, "load", cache(plugins.load.__wrapped__))
     monkeypatch.setattr(
-        kinds, "entry_points", lambda group: [EntryPoint()] if group == kinds.PLUGINS else []
-    )
+        plugins.metadata, "entry_points",
+        lambda group: [Broken(), EntryPoint()] if group == "woundon.plugins" else [],
+    )  # fmt: skip
+    with pytest.warns(RuntimeWarning, match=r"plug-in broken cannot be loaded: .*'elsewhere'"):
+        assert kinds.named("hammock").problem is HammockProblem
     assert wo.solve(HAMMOCK).sag == pytest.approx(5e-3)
     assert kinds.named("hammock") is kinds.of(HAMMOCK)
     assert loaded == ["hammock"]

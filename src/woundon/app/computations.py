@@ -128,7 +128,7 @@ def checked_options(kind: kinds.Kind, given: Mapping[str, Any]) -> dict[str, Any
     known, read = kind.solver_options(), dict[str, Any]()
     for name, value in given.items():
         if name not in known:
-            text = f"no option of the kind {kind.command!r}; it has {', '.join(known) or 'none'}"
+            text = f"no option of the kind {kind.name!r}; it has {', '.join(known) or 'none'}"
             raise InvalidProblem.at(name, text)
         of = known[name].type
         try:

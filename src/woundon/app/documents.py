@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from typing import Any
 
-from .. import kinds
+from .. import kinds, plugins
 from ..errors import InvalidProblem, did_you_mean
 from ..io.case_files import make_problem, tables_of_text
 from ..io.case_texts import to_toml
@@ -18,7 +18,7 @@ from ..io.python_texts import to_python
 from ..io.result_files import writer_for
 from ..problems.messages import quote
 from .computations import as_json, problem_of, solved
-from .input_forms import exhibits, tables_of
+from .input_forms import tables_of
 
 __all__ = ["case_file", "exhibit", "figure", "python_text", "read_case", "report", "result_file"]
 
@@ -80,11 +80,10 @@ def report(asked: Mapping[str, Any]) -> bytes:
 
 def exhibit(name: str) -> bytes:
     """Compute a figure of a plug-in and return it as SVG."""
-    owners = {one["name"]: plugin for plugin in exhibits() for one in plugin.known()}
+    owners = {figure["name"]: group for group in plugins.figures() for figure in group.list()}
     if name not in owners:
         raise InvalidProblem.at("name", f"{quote(name)} is unknown{did_you_mean(name, owners)}")
-    drawn: bytes = owners[name].drawn(name)
-    return drawn
+    return owners[name].draw(name)
 
 
 def _solved_cases(cases: Sequence[Mapping[str, Any]]) -> tuple[list[Any], list[str]]:

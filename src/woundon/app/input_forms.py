@@ -13,7 +13,7 @@ from typing import Any, Literal, get_args, get_origin
 
 import numpy as np
 
-from .. import __version__, kinds
+from .. import __version__, kinds, plugins
 from ..errors import InvalidProblem
 from ..io.case_texts import SCHEMA
 from ..problems.description import Description
@@ -23,7 +23,7 @@ from ..problems.units import MILL, alike, definitions
 from ..quantities import OF_FIELD, Quantity, is_list, members_of, outputs, quantity_of
 from .limits import LIMITS
 
-__all__ = ["catalogue", "exhibits", "tables_of", "told_of"]
+__all__ = ["catalogue", "tables_of", "told_of"]
 
 
 @cache
@@ -46,14 +46,9 @@ def catalogue() -> dict[str, Any]:
         "units": _units(forms, told),
         "unit_definitions": definitions(),
         "systems": {"SI": {}, "mill": MILL},
-        "exhibits": [one for plugin in exhibits() for one in plugin.known()],
+        "exhibits": [figure for group in plugins.figures() for figure in group.list()],
         "limits": LIMITS,
     }
-
-
-def exhibits() -> list[Any]:
-    """Return who has figures to show: modules with ``known()`` and ``drawn(name)``."""
-    return [found.load() for found in kinds.entry_points(group="woundon.exhibits")]
 
 
 def tables_of(description: Any) -> dict[str, Any]:
@@ -81,8 +76,8 @@ def _kind(kind: kinds.Kind) -> dict[str, Any]:
         "outputs": list(_outputs(kind.result)),
         "exact_sensitivity": hasattr(kind.result, "sensitivity"),
         "options": [
-            {"name": name, "type": option.type.__name__, "words": list(option.words),
-             "about": option.about}
+            {"name": name, "type": option.type.__name__, "words": list(option.choices),
+             "about": f"{option.help} {option.details}".strip()}
             for name, option in kind.solver_options().items()
         ],
     }  # fmt: skip

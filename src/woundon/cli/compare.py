@@ -1,4 +1,4 @@
-"""The command ``woundon compare``: measured values against predictions."""
+"""The command ``woundon compare``: compare measured values with predictions."""
 
 from __future__ import annotations
 
@@ -7,13 +7,24 @@ from typing import Any
 
 import click
 
-from ..errors import InvalidProblem
-from ..io.chosen_units import units_of
-from .options import COLUMNS, PATH, PLOT, SETTINGS, TIES, UNITS, check_output_files
+from .options import (
+    COLUMNS,
+    JSON,
+    NODES,
+    PATH,
+    PLOT,
+    RTOL,
+    SETTINGS,
+    TIES,
+    UNITS,
+    Pair,
+    as_number,
+    check_output_files,
+)
 
 __all__ = ["compare"]
 
-_TAB = ("slope", "offset", "friction", "area", "faces", "deviation")
+TAB_OPTIONS = ("slope", "offset", "friction", "area", "faces", "deviation")
 
 
 @click.command(
@@ -21,7 +32,7 @@ _TAB = ("slope", "offset", "friction", "area", "faces", "deviation")
     Compare a table of measured values (.csv or .xlsx) with the predictions for a case.
 
     A column is an input or an output by its name, with its unit, e.g. "nip_load [kN/m]",
-    "wound_on_tension [N/m]", "nip_width [mm]"; "nip_width +- [mm]" holds standard deviations. Of a
+    "wound_on_tension [N/m]", "nip_width [mm]"; "nip_width +- [mm]" holds standard deviations. For a
     roll or a winding also "pressure [kPa]", "pull_tab_force [N]" and "length [m]", with a column
     "measured_radius [mm]" or "diameter [mm]". Residuals, their error budget and possible
     explanations are printed. Exit status: 0 if a value has a prediction, 3 if the solver did not
@@ -35,27 +46,49 @@ _TAB = ("slope", "offset", "friction", "area", "faces", "deviation")
 @click.option("--tab-offset", metavar="VALUE", help="Pressure at zero force.")
 @click.option("--tab-friction", type=float, help="Coefficient of friction of the tab.")
 @click.option("--tab-area", metavar="VALUE", help='Area of one face of the tab, "12 cm^2".')
-@click.option("--tab-faces", type=click.IntRange(1, 2), help="Sliding faces of the tab; 2.")
-@click.option("--tab-deviation", metavar="VALUE",
-              help='Relative standard deviation of the calibration, "5 %".')  # fmt: skip
-@click.option("--spread", "spreads", multiple=True, metavar="FIELD=VALUE",
-              help='Standard deviation of a field, "1 MPa" or "10 %"; repeatable.')  # fmt: skip
+@click.option(
+    "--tab-faces", type=click.IntRange(1, 2), help="Sliding faces of the tab; by default 2."
+)
+@click.option(
+    "--tab-deviation",
+    metavar="VALUE",
+    help='Relative standard deviation of the calibration, "5 %".',
+)
+@click.option(
+    "--spread",
+    "spreads",
+    multiple=True,
+    type=Pair("FIELD=VALUE"),
+    metavar="FIELD=VALUE",
+    help='Standard deviation of a field, "1 MPa" or "10 %"; repeatable.',
+)
 @COLUMNS
 @TIES
 @SETTINGS
 @UNITS
-@click.option("--nodes", type=int, help="Number of nodes along the nip.")
-@click.option("--rtol", type=float, help="Relative error of the solver.")
-@click.option("--json", "as_json", is_flag=True, help="Print the comparison as JSON.")
+@NODES
+@RTOL
+@JSON
 @click.option("--save", type=PATH, metavar="FILE", help="Save all values as .csv or .xlsx, in SI.")
 @PLOT
 def compare(
-    measured: Path, case: Path, spreads: tuple[str, ...], columns: tuple[str, ...],
-    ties: tuple[str, ...], settings: tuple[str, ...], chosen: tuple[str, ...], nodes: int | None,
-    rtol: float | None, as_json: bool, save: Path | None, plot: Path | None, **tab: Any,
-) -> None:  # fmt: skip
+    measured: Path,
+    case: Path,
+    spreads: tuple[tuple[str, str], ...],
+    columns: tuple[tuple[str, str], ...],
+    ties: tuple[tuple[str, str], ...],
+    settings: tuple[str, ...],
+    chosen: tuple[str, ...],
+    nodes: int | None,
+    rtol: float | None,
+    as_json: bool,
+    save: Path | None,
+    plot: Path | None,
+    **tab: Any,
+) -> None:
     """Compare a table of measured values with the predictions for a case."""
     from ..io.case_files import load_case
+    from ..io.chosen_units import units_of
     from ..studies.case_table import check_table_path, write_table
     from ..studies.compare import compare as compare_with
     from ..studies.pull_tab import PullTab
@@ -64,36 +97,27 @@ def compare(
         check_table_path(save)
     check_output_files(plot, save)
     problem = load_case(case, settings)
-    calibration = {
-        name: _number(value) for name in _TAB if (value := tab[f"tab_{name}"]) is not None
+    given = {name: tab[f"tab_{name}"] for name in TAB_OPTIONS}
+    calibration: dict[str, Any] = {
+        name: as_number(value) if isinstance(value, str) else value
+        for name, value in given.items()
+        if value is not None
     }
     with units_of(chosen):
         comparison = compare_with(
-            problem, measured, tab=PullTab(**calibration) if calibration else None,
-            spread={name: _number(value) for name, value in map(_pair, spreads) if value},
-            columns={name: of or None for name, of in map(_pair, columns)},
-            tie=dict(map(_pair, ties)), nodes=nodes, rtol=rtol,
-        )  # fmt: skip
+            problem,
+            measured,
+            tab=PullTab(**calibration) if calibration else None,
+            spread={name: as_number(value) for name, value in spreads},
+            columns={name: assigned or None for name, assigned in columns},
+            tie=dict(ties),
+            nodes=nodes,
+            rtol=rtol,
+        )
         if save:
             write_table(comparison.to_dataframe(), save)
         if plot:
             comparison.plot(plot)
-        for line in (
-            [comparison.to_json()] if as_json else [*comparison.lines(), "", *comparison.table()]
-        ):
+        text = [*comparison.lines(), "", *comparison.table()]
+        for line in [comparison.to_json()] if as_json else text:
             click.echo(line)
-
-
-def _pair(text: str) -> tuple[str, str]:
-    left, sign, right = (part.strip() for part in text.partition("="))
-    if not sign or not left:
-        raise InvalidProblem.at(text, "must be written NAME=VALUE")
-    return left, right
-
-
-def _number(text: Any) -> Any:
-    """Return a plain number as one, which is SI; anything else as text with its unit."""
-    try:
-        return float(text) if isinstance(text, str) else text
-    except ValueError:
-        return text

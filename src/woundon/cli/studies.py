@@ -1,33 +1,45 @@
-"""The commands ``woundon sweep``, ``fit``, ``plan`` and ``sensitivity``: parse, call, show."""
+"""The commands ``woundon sweep``, ``sobol``, ``fit`` and ``plan``."""
 
 from __future__ import annotations
 
 import os
 import time
+import warnings
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..errors import InvalidProblem
-from ..io.chosen_units import units_of
-from ..io.files import check_writable
-from .options import COLUMNS, PATH, PLOT, SETTINGS, TIES, UNITS, check_output_files
+from ..errors import InvalidProblem, ValidityWarning
+from .options import (
+    COLUMNS,
+    JSON,
+    NODES,
+    PATH,
+    PLOT,
+    SETTINGS,
+    TIES,
+    UNITS,
+    WORKERS,
+    FieldRange,
+    check_output_files,
+)
 
 if TYPE_CHECKING:
     from ..studies.table import Table
 
-__all__ = ["fit", "plan", "sensitivity", "sweep"]
+__all__ = ["fit", "plan", "sobol", "sweep"]
 
-_EXPORTS = (".nc", ".csv", ".xlsx", ".parquet")
+EXPORTS = ("nc", "csv", "xlsx", "parquet")
 
 
-def _running(command: Any) -> Any:
-    """Add the options of how a study is run."""
+def _execution_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the options for processes and folders of a study."""
     for option in (
-        click.option("--workers", type=int, help="Processes; by default one a core."),
+        WORKERS,
         click.option("--scheduler", metavar="ADDRESS", help="Dask scheduler, tcp://host:port."),
-        click.option("--resume", is_flag=True, help="Go on with the study that DIR holds."),
+        click.option("--resume", is_flag=True, help="Resume the study in DIR."),
         click.option("--out", type=PATH, required=True, metavar="DIR", help="Folder of results."),
         click.option(
             "--export-to",
@@ -44,54 +56,78 @@ def _running(command: Any) -> Any:
     help="""\
     Solve all cases of a study file, e.g. examples/study_nip_load_and_shear.toml.
 
-    Every chunk of cases is added to DIR/study.sqlite when it is solved: --resume continues a study
-    that was stopped, by whatever means, and exports a complete one, from a read-only medium too
-    with --export-to.
+    Results are written to DIR/study.sqlite chunk by chunk, so that an interrupted study can be
+    resumed with --resume. The same option exports a complete study again, with --export-to also
+    from a read-only medium.
     """,
     short_help="Solve all cases of a study file.",
 )
 @click.argument("study", type=PATH)
-@_running
-@click.option("--chunk", type=click.IntRange(1), help="Cases solved in a row.")
+@_execution_options
+@click.option("--chunk", type=click.IntRange(1), help="Number of cases per chunk.")
 @UNITS
 @click.option(
-    "--export", "exports", multiple=True, type=click.Choice([e[1:] for e in _EXPORTS]),
-    default=("nc", "csv"), show_default=True, help="File formats of the result; repeatable.",
-)  # fmt: skip
+    "--export",
+    "exports",
+    multiple=True,
+    type=click.Choice(EXPORTS),
+    default=("nc", "csv"),
+    show_default=True,
+    help="File formats of the result; repeatable.",
+)
 def sweep(
-    study: Path, out: Path, resume: bool, scheduler: str | None, workers: int | None,
-    chunk: int | None, chosen: tuple[str, ...], exports: tuple[str, ...], export_to: Path | None,
-) -> int:  # fmt: skip
-    """Solve all cases of a study file, e.g. examples/study_nip_load_and_shear.toml."""
+    study: Path,
+    out: Path,
+    resume: bool,
+    scheduler: str | None,
+    workers: int | None,
+    chunk: int | None,
+    chosen: tuple[str, ...],
+    exports: tuple[str, ...],
+    export_to: Path | None,
+) -> int:
+    """Solve all cases of a study file."""
+    from ..io.chosen_units import units_of
     from ..studies.api import study_of
     from ..studies.engine import run_study
     from ..studies.export import check_export, export
     from ..studies.runners import runner_for
     from ..studies.studyfile import load_study
 
-    told = load_study(study)
+    loaded = load_study(study)
     folder = _export_folder(out, export_to)
     targets = [folder / f"study.{ending}" for ending in exports]
     for target in targets:
         check_export(target)
-    began = time.perf_counter()
+    start = time.perf_counter()
     with units_of(chosen):
         model, cases = study_of(
-            told.problem, told.over, told.outputs, columns=told.columns, tie=told.tie,
-            **told.design, options=told.options,
-        )  # fmt: skip
-        table = _stoppable(
-            run_study, model, cases, runner_for(workers, scheduler),
-            out=out, resume=resume, chunk=chunk, progress=True,
-        )  # fmt: skip
-    seconds = time.perf_counter() - began
+            loaded.problem,
+            loaded.over,
+            loaded.outputs,
+            columns=loaded.columns,
+            tie=loaded.tie,
+            **loaded.design,
+            options=loaded.options,
+        )
+        table = _resumable(
+            run_study,
+            model,
+            cases,
+            runner_for(workers, scheduler),
+            out=out,
+            resume=resume,
+            chunk=chunk,
+            progress=True,
+        )
+    seconds = time.perf_counter() - start
     for target in targets:
         export(table, target)
     figures = [folder / f"{output}.png" for output in table.outputs]
     for output, figure in zip(table.outputs, figures, strict=True):
         table.plot(output, figure)
-    code = _summary(table, seconds)
-    _written([*targets, *figures])
+    code = _print_summary(table, seconds)
+    _print_written([*targets, *figures])
     return code
 
 
@@ -105,29 +141,21 @@ def _export_folder(out: Path, export_to: Path | None) -> Path:
     return export_to or out
 
 
-def _stoppable(run: Any, *args: Any, **kwargs: Any) -> Any:
-    """Run, warnings in a line each; after Ctrl-C say how to go on."""
-    import warnings
-
-    from ..errors import ValidityWarning
-
-    def show(message: Warning | str, *where: Any) -> None:
-        click.secho(f"warning: {message}", fg="yellow", err=True)
-
+def _resumable(run: Callable[..., Any], *args: Any, **kwargs: Any) -> Any:
+    """Run a study; after Ctrl-C say how to resume it."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("always")
             warnings.simplefilter("ignore", ValidityWarning)  # the summary counts them
-            warnings.showwarning = show  # type: ignore[assignment]
             return run(*args, **kwargs)
     except KeyboardInterrupt:
-        text = f"stopped; what was solved is in {kwargs['out']}, --resume goes on from there"
+        text = f"interrupted; the solved cases are in {kwargs['out']}, --resume continues"
         click.echo(text, err=True)
         raise click.Abort from None
 
 
-def _summary(table: Table, seconds: float) -> int:
-    """Show what came out; return the exit code, 3 where no case at all was solved."""
+def _print_summary(table: Table, seconds: float) -> int:
+    """Print failures, warnings and ranges of the outputs; return the exit code, 3 if all failed."""
     import numpy as np
 
     from ..studies.table import failures
@@ -139,55 +167,72 @@ def _summary(table: Table, seconds: float) -> int:
     warned = int(np.count_nonzero(table.warnings != ""))
     if warned:
         first = table.warnings[table.warnings != ""][0]
-        click.secho(f"  {warned} leave the model's validity, the first: {first}", fg="yellow")
+        text = f"  {warned} outside the validity range of the model, the first: {first}"
+        click.secho(text, fg="yellow")
     for name, values in table.outputs.items():
         if np.isfinite(values).any():
-            about = table.quantities[name]
-            unit, shown = about.in_table(values)
-            range_of = f"{np.nanmin(shown):.5g} to {np.nanmax(shown):.5g}"
-            click.echo(f"{about.meaning}: {range_of}{'' if unit == '1' else f' {unit}'}")
+            quantity = table.quantities[name]
+            unit, shown = quantity.in_table(values)
+            text = f"{quantity.meaning}: {np.nanmin(shown):.5g} to {np.nanmax(shown):.5g}"
+            click.echo(text if unit == "1" else f"{text} {unit}")
     return 3 if failed == size else 0
 
 
-def _written(paths: list[Path]) -> None:
+def _print_written(paths: list[Path]) -> None:
     click.echo("written: " + ", ".join(str(path) for path in paths))
 
 
 @click.command(
     help="""\
-    Tell how much of each output's variance the ranges of a study file explain (Sobol indices).
+    Compute Sobol' indices: the share of each output's variance explained by each input range.
 
-    Every entry of [over] is a range { from, to }.  It takes samples * (inputs + 2) cases.
+    Every entry of [over] in the study file is a range { from, to }. The number of cases is
+    samples * (inputs + 2). The derivatives at a single case are computed by 'woundon solve
+    --sensitivity'.
     """,
-    short_help="Tell which inputs of a study file matter (Sobol indices).",
+    short_help="Rank the inputs of a study by Sobol' sensitivity indices.",
 )
 @click.argument("study", type=PATH)
-@_running
-@click.option("--samples", type=int, help="Base samples, a power of 2; 256 by default.")
-def sensitivity(
-    study: Path, out: Path, resume: bool, scheduler: str | None, workers: int | None,
-    samples: int | None, export_to: Path | None,
-) -> None:  # fmt: skip
-    """Compute the Sobol indices of the ranges of a study file."""
+@_execution_options
+@click.option("--samples", type=int, help="Base samples, a power of 2; by default 256.")
+def sobol(
+    study: Path,
+    out: Path,
+    resume: bool,
+    scheduler: str | None,
+    workers: int | None,
+    samples: int | None,
+    export_to: Path | None,
+) -> None:
+    """Compute the Sobol' indices of the ranges of a study file."""
     from ..studies.api import global_sensitivity
     from ..studies.studyfile import load_study
 
-    told = load_study(study, ranges=True)
+    loaded = load_study(study, ranges=True)
     folder = _export_folder(out, export_to)
-    drawn = {k: v for k, v in told.design.items() if k in ("samples", "seed")}
+    design = {k: v for k, v in loaded.design.items() if k in ("samples", "seed")}
     if samples is not None:
-        drawn["samples"] = samples
-    indices = _stoppable(
-        global_sensitivity, told.problem, told.over, told.outputs, tie=told.tie, **drawn,
-        options=told.options, out=out, resume=resume, scheduler=scheduler, workers=workers,
+        design["samples"] = samples
+    indices = _resumable(
+        global_sensitivity,
+        loaded.problem,
+        loaded.over,
+        loaded.outputs,
+        tie=loaded.tie,
+        **design,
+        options=loaded.options,
+        out=out,
+        resume=resume,
+        scheduler=scheduler,
+        workers=workers,
         progress=True,
-    )  # fmt: skip
+    )
     for line in indices.lines():
         click.echo(line)
-    targets = [folder / "sensitivity.nc", folder / "sensitivity.png"]
+    targets = [folder / "sobol.nc", folder / "sobol.png"]
     indices.to_dataset().to_netcdf(targets[0], engine="scipy")
     indices.plot(targets[1])
-    _written(targets)
+    _print_written(targets)
 
 
 @click.command(
@@ -202,50 +247,84 @@ def sensitivity(
 @click.argument("case", type=PATH)
 @click.argument("data", type=PATH)
 @click.option(
-    "--vary", "varied", multiple=True, required=True, metavar="FIELD[=LOW:HIGH]",
-    help="What to fit, e.g. roll.material.shear='1 MPa:100 MPa'; repeatable.",
-)  # fmt: skip
+    "--vary",
+    "varied",
+    multiple=True,
+    required=True,
+    type=FieldRange(),
+    metavar="FIELD[=LOW:HIGH]",
+    help="A field to fit, e.g. roll.material.shear='1 MPa:100 MPa'; repeatable.",
+)
 @TIES
 @COLUMNS
 @SETTINGS
 @UNITS
-@click.option("--starts", type=click.IntRange(1), default=6, show_default=True)
-@click.option("--nodes", type=int, help="Number of nodes along the nip.")
-@click.option("--no-profiles", is_flag=True, help="Leave out the profile-likelihood intervals.")
-@click.option("--json", "as_json", is_flag=True, help="Print the fit as JSON.")
-@click.option("--save", type=PATH, help="Save the fit as .json.")
+@click.option(
+    "--starts",
+    type=click.IntRange(1),
+    default=6,
+    show_default=True,
+    help="Number of initial guesses.",
+)
+@NODES
+@click.option("--no-profiles", is_flag=True, help="Omit the profile-likelihood intervals.")
+@JSON
+@click.option("--save", type=PATH, metavar="FILE.json", help="Save the fit.")
 @PLOT
 def fit(
-    case: Path, data: Path, varied: tuple[str, ...], ties: tuple[str, ...],
-    columns: tuple[str, ...], settings: tuple[str, ...], chosen: tuple[str, ...], starts: int,
-    nodes: int | None, no_profiles: bool, as_json: bool, save: Path | None, plot: Path | None,
-) -> None:  # fmt: skip
+    case: Path,
+    data: Path,
+    varied: tuple[tuple[str, tuple[str | float, str | float] | None], ...],
+    ties: tuple[tuple[str, str], ...],
+    columns: tuple[tuple[str, str], ...],
+    settings: tuple[str, ...],
+    chosen: tuple[str, ...],
+    starts: int,
+    nodes: int | None,
+    no_profiles: bool,
+    as_json: bool,
+    save: Path | None,
+    plot: Path | None,
+) -> None:
     """Fit fields of a case to measured data (.csv or .xlsx, units in the header)."""
     from ..io.case_files import load_case
+    from ..io.chosen_units import units_of
     from ..studies.api import fit as fit_problem
 
     problem = load_case(case, settings)
-    if plot:
-        from ..report.figures import check_format
-
-        check_format(plot)
     if save and save.suffix != ".json":
         raise InvalidProblem.at(str(save), f"the ending {save.suffix!r} is not .json")
-    for path in filter(None, (save, plot)):
-        check_writable(path)
+    check_output_files(plot, save)
     with units_of(chosen):
         found = fit_problem(
-            problem, data, dict(_varied(problem, text) for text in varied),
-            tie=dict(_pair(text) for text in ties), starts=starts, nodes=nodes,
-            columns={name: of or None for name, of in map(_pair, columns)},
-            profiles=not no_profiles, progress=True,
-        )  # fmt: skip
+            problem,
+            data,
+            {name: _bounds_in_si(problem, name, bounds) for name, bounds in varied},
+            tie=dict(ties),
+            starts=starts,
+            nodes=nodes,
+            columns={name: assigned or None for name, assigned in columns},
+            profiles=not no_profiles,
+            progress=True,
+        )
     if save:
         save.write_text(found.to_json(), encoding="utf-8")
     if plot:
         found.plot(plot)
     for line in [found.to_json()] if as_json else found.lines():
         click.echo(line)
+
+
+def _bounds_in_si(
+    problem: Any, name: str, bounds: tuple[str | float, str | float] | None
+) -> tuple[float, float] | None:
+    """Return the bounds of a field in SI; None for an unknown field, which the fit rejects."""
+    from ..studies.kind_model import field_quantity, number_in_si
+
+    if bounds is None or field_quantity(problem, name) is None:
+        return None
+    low, high = bounds
+    return number_in_si(problem, name, low), number_in_si(problem, name, high)
 
 
 @click.command(
@@ -261,17 +340,26 @@ def fit(
 )
 @click.argument("study", type=PATH)
 @click.option("--count", type=click.IntRange(1), help="Number of measurements to select.")
-@click.option("--draws", type=click.IntRange(0),
-              help="Points drawn at which the ranking is repeated; 3.")  # fmt: skip
+@click.option(
+    "--draws",
+    type=click.IntRange(0),
+    help="Number of random points at which the ranking is repeated; by default 3.",
+)
 @UNITS
-@click.option("--json", "as_json", is_flag=True, help="Print the plan as JSON.")
+@JSON
 @click.option("--save", type=PATH, metavar="FILE", help="Save the steps as .csv or .xlsx, in SI.")
 @PLOT
 def plan(
-    study: Path, count: int | None, draws: int | None, chosen: tuple[str, ...], as_json: bool,
-    save: Path | None, plot: Path | None,
-) -> None:  # fmt: skip
+    study: Path,
+    count: int | None,
+    draws: int | None,
+    chosen: tuple[str, ...],
+    as_json: bool,
+    save: Path | None,
+    plot: Path | None,
+) -> None:
     """Rank the candidate measurements of a study file."""
+    from ..io.chosen_units import units_of
     from ..studies.case_table import check_table_path, write_table
     from ..studies.experiment import next_experiment
     from ..studies.plan_file import load_plan
@@ -289,33 +377,3 @@ def plan(
             found.plot(plot)
         for line in [found.to_json()] if as_json else found.lines():
             click.echo(line)
-
-
-def _pair(text: str) -> tuple[str, str]:
-    left, sign, right = (part.strip() for part in text.partition("="))
-    if not sign or not left:
-        raise InvalidProblem.at(text, "must be written NAME=NAME")
-    return left, right
-
-
-def _varied(problem: Any, text: str) -> tuple[str, tuple[float, float] | None]:
-    """Return field and bounds of "FIELD" or "FIELD=LOW:HIGH"."""
-    from ..studies.kind_model import field_quantity, number_in_si
-
-    name, sign, bounds = (part.strip() for part in text.partition("="))
-    quantity = field_quantity(problem, name)
-    if not sign or quantity is None:
-        return name, None
-    ends = bounds.split(":")
-    if len(ends) != 2:
-        raise InvalidProblem.at(name, f"{bounds!r} are not bounds; write LOW:HIGH")
-    low, high = (number_in_si(problem, name, _number(end)) for end in ends)
-    return name, (low, high)
-
-
-def _number(text: str) -> str | float:
-    """Return a plain number as one, which is SI; anything else as text with its unit."""
-    try:
-        return float(text)
-    except ValueError:
-        return text

@@ -7,10 +7,9 @@ from pathlib import Path
 
 import click
 
-from ..errors import InvalidProblem
-from ..io.chosen_units import units_of
+from ..errors import InvalidProblem, unwarned
 from ..io.files import check_writable
-from .options import COLUMNS, PATH, TIES, UNITS
+from .options import COLUMNS, NODES, PATH, RTOL, SETTINGS, TIES, UNITS, WORKERS, KindName
 
 __all__ = ["table"]
 
@@ -30,28 +29,47 @@ MOST_REASONS = 5
     short_help="Solve the cases of a spreadsheet, one in each row.",
 )
 @click.argument("cases", type=PATH)
-@click.option("-o", "--out", type=PATH, required=True, metavar="FILE",
-              help="Table of the results, .csv or .xlsx.")  # fmt: skip
+@click.option(
+    "-o",
+    "--out",
+    type=PATH,
+    required=True,
+    metavar="FILE",
+    help="Table of the results, .csv or .xlsx.",
+)
 @click.option("--case", type=PATH, metavar="CASE.toml", help="Values of all other fields.")
-@click.option("--kind", help="Kind of problem of a table without --case.")
-@click.option("--set", "settings", multiple=True, metavar="FIELD=VALUE",
-              help="Change a field of --case; repeatable.")  # fmt: skip
-@click.option("--output", "outputs", multiple=True, metavar="NAME",
-              help="An output; repeatable; by default all.")  # fmt: skip
+@click.option("--kind", type=KindName(), help="Kind of problem of a table without --case.")
+@SETTINGS
+@click.option(
+    "--output",
+    "outputs",
+    multiple=True,
+    metavar="NAME",
+    help="An output; by default all; repeatable.",
+)
 @COLUMNS
 @TIES
 @UNITS
-@click.option("--workers", type=int, help="Processes; by default one a core.")
-@click.option("--nodes", type=int, help="Number of nodes along the nip.")
-@click.option("--rtol", type=float, help="Relative error of the solver.")
+@WORKERS
+@NODES
+@RTOL
 def table(
-    cases: Path, out: Path, case: Path | None, kind: str | None, settings: tuple[str, ...],
-    outputs: tuple[str, ...], columns: tuple[str, ...], ties: tuple[str, ...],
-    chosen: tuple[str, ...], workers: int | None, nodes: int | None, rtol: float | None,
-) -> int:  # fmt: skip
+    cases: Path,
+    out: Path,
+    case: Path | None,
+    kind: str | None,
+    settings: tuple[str, ...],
+    outputs: tuple[str, ...],
+    columns: tuple[tuple[str, str], ...],
+    ties: tuple[tuple[str, str], ...],
+    chosen: tuple[str, ...],
+    workers: int | None,
+    nodes: int | None,
+    rtol: float | None,
+) -> int:
     """Solve the cases of a table (.csv or .xlsx), one in each row."""
-    from ..errors import unwarned
     from ..io.case_files import load_case
+    from ..io.chosen_units import units_of
     from ..studies.case_table import check_table_path, solve_table, write_table
     from ..studies.table import failures
 
@@ -60,17 +78,24 @@ def table(
     if settings and case is None:
         raise InvalidProblem.at("--set", "changes a field of --case, which is not given")
     problem = load_case(case, settings) if case else None
-    began = time.perf_counter()
+    start = time.perf_counter()
     with units_of(chosen), unwarned():
         solved = solve_table(
-            cases, problem, outputs or None, kind=kind, workers=workers, progress=True,
-            columns={name: of or None for name, of in map(_pair, columns)},
-            tie=dict(_pair(text) for text in ties), nodes=nodes, rtol=rtol,
-        )  # fmt: skip
+            cases,
+            problem,
+            outputs or None,
+            kind=kind,
+            workers=workers,
+            progress=True,
+            columns={name: assigned or None for name, assigned in columns},
+            tie=dict(ties),
+            nodes=nodes,
+            rtol=rtol,
+        )
     write_table(solved, out)
     failure = solved["failure"].to_numpy(dtype=object)
     size, failed = len(failure), int((failure != "").sum())
-    click.echo(f"{size} rows in {time.perf_counter() - began:.1f} s, {failed} failed")
+    click.echo(f"{size} rows in {time.perf_counter() - start:.1f} s, {failed} failed")
     for reason, count in failures(failure, MOST_REASONS):
         click.secho(f"  {count} x {reason}", fg="red")
     warned = int((solved["warnings"] != "").sum())
@@ -78,10 +103,3 @@ def table(
         click.secho(f"  {warned} with a warning; see the column 'warnings'", fg="yellow")
     click.echo(f"written: {out}")
     return 3 if failed == size else 0
-
-
-def _pair(text: str) -> tuple[str, str]:
-    left, sign, right = (part.strip() for part in text.partition("="))
-    if not sign or not left:
-        raise InvalidProblem.at(text, "must be written NAME=NAME")
-    return left, right

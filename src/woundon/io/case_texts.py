@@ -22,7 +22,7 @@ from ..problems.problem import Problem
 from ..problems.units import written
 from ..quantities import Quantity, members_of, quantity_of
 
-__all__ = ["SCHEMA", "described", "template", "to_toml"]
+__all__ = ["SCHEMA", "field_comment", "field_ranges", "template", "to_toml"]
 
 SCHEMA = 1
 _WIDTH = 100
@@ -220,7 +220,7 @@ class _Writer:
             comment = "a name ('woundon materials' lists them), or a table of its fields"
             return Row(name, json.dumps(_name_of(value)), self.told(comment))
         text = "..." if value is None else _value(value, quantity) or _plain(value)
-        return Row(name, text, self.told(described(about)))
+        return Row(name, text, self.told(field_comment(about)))
 
     def kind(self, thing: Family, admitted: tuple[type[Any], ...]) -> Row:
         """Return the line that names a member of an open set; the first lists all of a field's."""
@@ -268,22 +268,36 @@ def _plain(value: Any) -> str:
 # ---- what is said of a field --------------------------------------------------------------------
 
 
-def described(field: Any) -> str:
-    """Return a field's symbol, meaning, usual and admissible range, in the unit for display."""
+def field_comment(field: Any) -> str:
+    """Return symbol, meaning, typical and allowed range of a field, in the unit for display."""
     quantity = quantity_of(field)
     if quantity is None:
         words = [part for part in get_args(field.annotation) if isinstance(part, str)]
         return one_of(map(json.dumps, words)) if words else field.description or ""
-    text, unit = f"{quantity.symbol}: {quantity.meaning}", quantity.display
-    usual, limits = "", _limits(field, quantity)
-    if quantity.typical:
-        usual = " to ".join(_number(quantity.shown(end)) for end in quantity.typical)
-    if usual:
-        text += f", {f'{usual} {unit}'.rstrip().replace(' ', _TIED)}"
-    if limits and limits != usual:
-        told = limits if usual else f"{limits} {unit}".rstrip()
-        text += f" ({told.replace(' ', _TIED)})"
+    text, ranges = f"{quantity.symbol}: {quantity.meaning}", field_ranges(field, quantity)
+    if ranges:
+        comma = "" if ranges.startswith("(") else ","
+        text += f"{comma} {ranges.replace(' ', _TIED).replace(f'{_TIED}(', ' (')}"
     return text if field.is_required() or field.default is not None else f"{text}; optional"
+
+
+def field_ranges(field: Any, quantity: Quantity, with_unit: bool = True) -> str:
+    """Return the typical range of a field and, in parentheses, the allowed range.
+
+    >>> from woundon import NipProblem
+    >>> from woundon.quantities import quantity_of
+    >>> field = NipProblem.model_fields["roll_friction"]
+    >>> field_ranges(field, quantity_of(field))
+    '0.1 to 0.6 (1e-08 to 10)'
+    """
+    typical, limits = "", _limits(field, quantity)
+    if quantity.typical:
+        typical = " to ".join(_number(quantity.shown(end)) for end in quantity.typical)
+    unit = f" {quantity.display}" if with_unit and quantity.display else ""
+    parts = [f"{typical}{unit}"] if typical else []
+    if limits and limits != typical:
+        parts.append(f"({limits})" if typical else f"({limits}{unit})")
+    return " ".join(parts)
 
 
 def _limits(field: Any, quantity: Quantity) -> str:

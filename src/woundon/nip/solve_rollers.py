@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from itertools import pairwise
 from math import isfinite, nan
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
-from ..arguments import check_type, nodes_or_rtol, tolerance, whole_number
+from ..arguments import Option, check_type, nodes_or_rtol, tolerance, whole_number
 from ..contact.newton import NewtonFailed
 from ..contact.refinement import CHANGES, Refinement, refine
 from ..errors import RESOLUTION, NotConverged
@@ -35,6 +35,11 @@ LEAST_RTOL, MOST_RTOL = 1e-5, 0.1
 # Largest meshes: by default, with an explicit rtol, and with an explicit number of nodes.
 DEFAULT_NODES, MOST_NODES, LARGEST_MESH = 257, 1025, 2049
 LEAST_NODES = 7
+NODES_OPTION = Option("Number of nodes on the last mesh.", "7 to 2049.")
+RTOL_OPTION = Option(
+    "Relative error of the solver.",
+    "1e-5 to 0.1, of half width, peak pressure, and creepage or tangential load; default 1e-3.",
+)
 # Creepages and tangential loads near zero are not known to a relative error: they are measured by
 # at least this share of those of full slip.
 FLOOR = 0.01
@@ -44,9 +49,13 @@ INCONSISTENT = 3.0
 
 @one_thread
 def solve_rollers(
-    problem: RollerProblem, *, nodes: int | None = None, rtol: float | None = None,
-    start: RollerResult | None = None, progress: Callable[[float], None] | None = None,
-) -> RollerResult:  # fmt: skip
+    problem: RollerProblem,
+    *,
+    nodes: Annotated[int | None, NODES_OPTION] = None,
+    rtol: Annotated[float | None, RTOL_OPTION] = None,
+    start: RollerResult | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> RollerResult:
     """Solve two rollers in contact: pressure, traction, stick and slip.
 
     The mesh is refined until the estimated errors of the half width, the peak pressure, and the

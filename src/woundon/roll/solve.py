@@ -12,11 +12,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import inf, log
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from ..arguments import check_type, tolerance
+from ..arguments import Option, check_type, tolerance
 from ..errors import NotConverged
 from ..parallel import one_thread
 from ..problems.roll import RollProblem
@@ -49,6 +49,10 @@ Array = np.ndarray
 Told = Callable[[float], None]
 
 DEFAULT_RTOL = 1e-3
+RTOL_OPTION = Option(
+    "Relative error of the solver.",
+    "1e-8 to 0.1, of the pressure relative to the largest; default 1e-3.",
+)
 # tolerance of the stages and cells of them, for the largest rtol and each one less by a factor of
 # four; then half the cells more, until nodes and stages both leave less than asked
 FIRST, CELLS = 0.008, 28
@@ -71,7 +75,7 @@ NEAR = 0.15  # of the build-up
 def solve_wound_roll(
     problem: RollProblem,
     *,
-    rtol: float = DEFAULT_RTOL,
+    rtol: Annotated[float, RTOL_OPTION] = DEFAULT_RTOL,
     progress: Callable[[float], None] | None = None,
 ) -> RollResult:
     """Solve for the pressure and the stresses that winding leaves in a roll.

@@ -239,7 +239,7 @@ def _kind_of_columns(sheet: Sheet, columns: Mapping[str, str | None] | None) -> 
         missing = sum(field.is_required() and name not in heads for name, field in fields.items())
         candidates.append((missing, len(fields), kind))
     if not candidates:
-        known = one_of(kind.command for kind in kinds.every())
+        known = one_of(kind.name for kind in kinds.every())
         text = f"without a case the columns must be fields of one kind of problem: {known}"
         raise InvalidProblem([(sheet.where, text), *faults[0].faults])
     return min(candidates, key=lambda entry: entry[:2])[2]

@@ -23,11 +23,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
-from ..arguments import check_type, tolerance, whole_number
+from ..arguments import Option, check_type, tolerance, whole_number
 from ..errors import NotConverged, unwarned
 from ..parallel import one_thread
 from ..problems.schedules import Profile
@@ -64,15 +64,28 @@ LEAST_SECANT = 1e-6  # of a share, a step that tells how steep answers are: less
 SPARE = 0.9  # of what nips and roll are to agree to, at which the turns end
 ROUNDING = 1e-13
 LEAST_RTOL, LEAST_AGREED, LEAST_NODES = 1e-6, 1e-8, 25
+RTOL_OPTION = Option(
+    "Relative error of the solver.",
+    "1e-6 to 0.1, of the wound-on tension interpolated between the nips, and of the pressure in "
+    "the roll; default 1e-3.",
+)
+NODES_OPTION = Option(
+    "Number of nodes on the last mesh.",
+    "25 to 1025, of every nip; default 65. With fewer there is no error estimate.",
+)
+AGREED_OPTION = Option(
+    "Relative tolerance of the nip-roll iteration.",
+    "1e-8 to 1e-2, of the wound-on tension; default 1e-6, and 1e-5 with a direct roll.",
+)
 
 
 @one_thread
 def solve_winding(
     problem: WindingProblem,
     *,
-    rtol: float = RTOL,
-    nodes: int = NODES,
-    agreed: float | None = None,
+    rtol: Annotated[float, RTOL_OPTION] = RTOL,
+    nodes: Annotated[int, NODES_OPTION] = NODES,
+    agreed: Annotated[float | None, AGREED_OPTION] = None,
     start: WindingResult | None = None,
     progress: Progress | None = None,
 ) -> WindingResult:

@@ -1,4 +1,4 @@
-"""A plug-in: a body, an output and a kind of problem that woundon does not know.
+"""A plug-in: a body, an output, a kind of problem, a command and a figure.
 
 A package that has this as a module names it in its entry points, and woundon imports it by itself:
 
@@ -9,9 +9,11 @@ A package that has this as a module names it in its entry points, and woundon im
 from __future__ import annotations
 
 from dataclasses import dataclass
+from io import BytesIO
 from math import exp, pi
 from typing import Annotated, ClassVar
 
+import click
 import numpy as np
 from pydantic import Field
 
@@ -181,3 +183,37 @@ def solve_capstan(problem: CapstanProblem, *, nodes: int = 33) -> CapstanResult:
 
 wo.kinds.register(CapstanProblem, solve_capstan, CapstanResult)
 # [kind end]
+
+
+# [command]
+@click.command("capstan-table", help="Print the tension ratios of a capstan.")
+@click.option("--friction", type=float, default=0.2, show_default=True)
+def capstan_table(friction: float) -> None:
+    """Print T2/T1 over the angle of wrap."""
+    for degrees in (45, 90, 180):
+        click.echo(f"{degrees} deg  {exp(friction * degrees * pi / 180):.3f}")
+
+
+wo.plugins.register_command(capstan_table)
+# [command end]
+
+
+# [figure]
+def list_figures() -> list[dict[str, str]]:
+    """Return name, label and title of the figures."""
+    return [{"name": "capstan", "label": "Capstan", "title": "tension ratio over the wrap"}]
+
+
+def draw_figure(name: str) -> bytes:
+    """Return a figure as SVG."""
+    from matplotlib.figure import Figure
+
+    figure, wrap = Figure(), np.linspace(0.0, pi)
+    figure.subplots().plot(wrap, np.exp(0.2 * wrap))
+    file = BytesIO()
+    figure.savefig(file, format="svg")
+    return file.getvalue()
+
+
+wo.plugins.register_figures(list_figures, draw_figure)
+# [figure end]

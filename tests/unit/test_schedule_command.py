@@ -1,4 +1,4 @@
-"""``woundon design``: a wanted pressure in; tension, case and drawing out."""
+"""``woundon schedule``: target pressure in; tension, case and figure out."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_the_tension_comes_back_as_a_case(folder: Path, capsys: pytest.CaptureFixture[str]):
-    given = ["design", "roll.toml", "--pressure", "wanted.csv", "--out", "tension.csv",
+    given = ["schedule", "roll.toml", "--pressure", "wanted.csv", "--out", "tension.csv",
              "--case", "found.toml", "--plot", "design.png"]  # fmt: skip
     assert main(given) == 0
     told = capsys.readouterr().out
-    assert "largest miss inside, wound forward" in told
+    assert "largest deviation below the outer layer" in told
     by_case = load_case("found.toml")
     lines = [line for line in Path("roll.toml").read_text().splitlines()
              if not line.startswith("wound_on_tension")]  # fmt: skip
@@ -44,7 +44,7 @@ def test_the_tension_comes_back_as_a_case(folder: Path, capsys: pytest.CaptureFi
 
 
 def test_what_is_printed_is_what_was_wound(folder: Path, capsys: pytest.CaptureFixture[str]):
-    assert main(["design", "roll.toml", "--pressure", "200 kPa", "--rtol", "1e-3"]) == 0
+    assert main(["schedule", "roll.toml", "--pressure", "200 kPa", "--rtol", "1e-3"]) == 0
     told = capsys.readouterr().out
     rows = [line.split() for line in told.partition("Over the radius")[2].splitlines()[2:]]
     design = wo.design_tension(load_case("roll.toml"), 200e3, rtol=1e-3)
@@ -82,7 +82,7 @@ def test_refusals_are_one_line(
 ):
     Path("odd.csv").write_text("a,b\n1,2\n")
     Path("falls.csv").write_text("radius [mm],pressure [kPa]\n60,200\n50,100\n")
-    assert main(["design", "roll.toml", *arguments]) == 2
+    assert main(["schedule", "roll.toml", *arguments]) == 2
     told = capsys.readouterr()
     assert not told.out
     assert text in told.err
@@ -91,5 +91,5 @@ def test_refusals_are_one_line(
 
 def test_only_wound_rolls_are_designed(folder: Path, capsys: pytest.CaptureFixture[str]):
     Path("nip.toml").write_text(template())
-    assert main(["design", "nip.toml", "--pressure", "2 kPa"]) == 2
-    assert "is not the case of a wound roll" in capsys.readouterr().err
+    assert main(["schedule", "nip.toml", "--pressure", "2 kPa"]) == 2
+    assert "is not a case of the kind roll" in capsys.readouterr().err

@@ -1,0 +1,179 @@
+"""The commands ``woundon describe``, ``materials`` and ``grades``: print the available names."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from shutil import get_terminal_size
+from textwrap import wrap
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from ..errors import one_of
+from .options import KindName
+
+if TYPE_CHECKING:
+    from ..kinds import Kind
+
+__all__ = ["describe", "grades", "materials"]
+
+Row = tuple[str, str, str, str]  # name, symbol, unit, meaning
+WIDEST = 120  # characters of a line
+LEAST_MEANING = 20  # characters of the last column
+
+
+@click.command(
+    help="Print the fields, outputs and solver options of a kind of problem: name, symbol, unit, "
+    "meaning, typical range and, in parentheses, the allowed range.",
+    short_help="List the fields, outputs and solver options of a kind of problem.",
+)
+@click.argument("kind", type=KindName(), default="nip")
+def describe(kind: str) -> None:
+    """Print the fields, outputs and solver options of a kind of problem."""
+    from .. import kinds
+
+    described = kinds.named(kind)
+    click.echo(described.about)
+    for title, rows in (
+        *_field_tables(described.problem),
+        *_output_tables(described.result),
+        ("Options of 'woundon solve'", list(_option_rows(described))),
+    ):
+        click.echo()
+        for line in wrap(title, _width()):
+            click.secho(line, bold=True)
+        for line in _lines(rows):
+            click.echo(line)
+
+
+def _width() -> int:
+    """Return the number of characters of a line."""
+    return min(get_terminal_size((100, 24)).columns, WIDEST)
+
+
+def _lines(rows: list[Row]) -> Iterator[str]:
+    """Yield the lines of a table; the meaning is wrapped in the last column."""
+    widths = [max(len(row[k]) for row in rows) for k in range(3)]
+    indent = sum(width + 2 for width in widths) + 1
+    for row in rows:
+        cells = (f"{cell:<{width}}" for cell, width in zip(row[:3], widths, strict=True))
+        first, *others = wrap(row[3], max(_width() - indent, LEAST_MEANING)) or [""]
+        yield f" {'  '.join(cells)}  {first}".rstrip()
+        for part in others:
+            yield f"{'':{indent}}{part}"
+
+
+def _field_tables(problem: type[Any]) -> Iterator[tuple[str, list[Row]]]:
+    """Yield the fields of a problem, then those of its members, every member once."""
+    yield "Fields of a case", [_field_row(name, f) for name, f in problem.model_fields.items()]
+    for names, members in _members(problem):
+        kind: Row = ("kind", "", "", one_of(map(_member_name, members)))
+        rows = [kind] if len(members) > 1 else []
+        owners: dict[Row, list[Any]] = {}  # a name may have another meaning in another member
+        for member in members:
+            for name, field in member.model_fields.items():
+                owners.setdefault(_field_row(name, field), []).append(member)
+        for row, having in owners.items():
+            only = "" if having == members else f"[{', '.join(map(_member_name, having))}] "
+            rows.append((row[0], row[1], row[2], only + row[3]))
+        yield f"Fields of {one_of(names, 'and')}", rows
+
+
+def _members(problem: type[Any]) -> list[tuple[list[str], list[Any]]]:
+    """Return the descriptions inside a problem with the names of the fields that hold them.
+
+    Descriptions that one field may hold, such as the bodies, form a family and are listed together.
+    """
+    from ..problems.family import Family
+    from ..quantities import members_of
+
+    families: dict[Any, tuple[list[str], list[Any]]] = {}
+    waiting: list[type[Any]] = [problem]
+    for model in waiting:  # grows in the loop
+        for name, field in model.model_fields.items():
+            for member in members_of(field.annotation):
+                base = next((b for b in member.__mro__ if Family in b.__bases__), member)
+                names, members = families.setdefault(base, ([], []))
+                if name not in names:
+                    names.append(name)
+                if member not in members:
+                    members.append(member)
+                    waiting.append(member)
+    return list(families.values())
+
+
+def _member_name(member: Any) -> str:
+    return str(member.member_name()) if hasattr(member, "member_name") else member.__name__
+
+
+def _field_row(name: str, field: Any) -> Row:
+    from ..io.case_texts import field_comment, field_ranges
+    from ..quantities import members_of, quantity_of
+
+    quantity = quantity_of(field)
+    if quantity is None:
+        text = field_comment(field)
+        return name, "", "", text or ("see below" if members_of(field.annotation) else "")
+    ranges = field_ranges(field, quantity, with_unit=False)
+    meaning = f"{quantity.meaning}, {ranges}".replace(", (", " (").removesuffix(", ")
+    optional = "" if field.is_required() or field.default is not None else "; optional"
+    return name, quantity.symbol, quantity.display or "-", f"{meaning}{optional}"
+
+
+def _output_tables(result: type[Any]) -> Iterator[tuple[str, list[Row]]]:
+    """Yield the scalar outputs of a result, the main ones first, then the arrays."""
+    from ..quantities import outputs, scalar_outputs
+
+    rows = {place.path: _output_row(place) for place in outputs(result) if place.quantity}
+    scalars = scalar_outputs(result)
+    main = [name for name in result.MAIN if name in scalars]
+    yield "Outputs", [rows[name] for name in dict.fromkeys((*main, *scalars))]
+    arrays = [row for name, row in rows.items() if name not in scalars]
+    if arrays:
+        yield "Output arrays", arrays
+
+
+def _output_row(place: Any) -> Row:
+    quantity = place.quantity
+    unit = quantity.unit if quantity.unit != "1" else "-"
+    return place.path, quantity.symbol, unit, quantity.meaning
+
+
+def _option_rows(kind: Kind[Any, Any]) -> Iterator[Row]:
+    for name, option in kind.solver_options().items():
+        kind_of_value = "|".join(option.choices) or option.type.__name__
+        text = f"{option.help} {option.details}".strip()
+        yield f"--{name.replace('_', '-')}", "", kind_of_value, text
+
+
+@click.command(help="List the named materials with their values and sources.")
+def materials() -> None:
+    """List the named materials with their values and sources."""
+    from ..problems.materials import MATERIALS
+    from ..problems.units import written
+    from ..quantities import walk
+
+    for name, known in MATERIALS.items():
+        values = []
+        for place in walk(known.material):
+            if place.value is not None and place.quantity is not None:
+                text = written(place.value, place.quantity.unit, place.quantity.shown_unit)
+                shown = f'"{text}"' if isinstance(text, str) else f"{text:g}"
+                values.append(f"{place.path} = {shown}")
+        click.secho(name, bold=True)
+        click.echo(f"  {{ {', '.join(values)} }}")
+        click.secho(f"  {known.source}", dim=True)
+
+
+@click.command(
+    help="List the grades of paper, film, foil and nonwoven, or the values of the grade NAME with "
+    "their spread and source.",
+    short_help="List the grades of paper, film, foil and nonwoven, or the values of one.",
+)
+@click.argument("name", required=False)
+@click.option("--file", metavar="FILE", help="A TOML file with your own grades.")
+def grades(name: str | None, file: str | None) -> None:
+    """List the grades, or the values of one with their spread and source."""
+    from ..problems import grades as library
+
+    click.echo(str(library.grades(file) if name is None else library.grade(name, file)))

@@ -1,0 +1,71 @@
+"""The command ``woundon report``: write a report of solved cases."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from ..errors import InvalidProblem, unwarned
+from ..io.files import check_writable, write_whole
+from .options import PATH, SETTINGS, UNITS
+
+__all__ = ["report"]
+
+
+@click.command(
+    help="""\
+    Write a report of solved CASES: inputs, results with errors and certificate, figures.
+
+    The report is one HTML file, which prints to PDF from any browser. Several cases are compared
+    with each other.
+    """,
+    short_help="Write a report of solved cases: one HTML file for print.",
+)
+@click.argument("cases", nargs=-1, required=True, type=PATH)
+@click.option("--out", type=PATH, metavar="FILE.html", help="HTML file; by default CASE.html.")
+@SETTINGS
+@UNITS
+@click.option("--title", default="", help="Title of the report.")
+@click.option("--remarks", default="", help="Text of the remarks; by default left empty.")
+def report(
+    cases: tuple[Path, ...],
+    out: Path | None,
+    settings: tuple[str, ...],
+    chosen: tuple[str, ...],
+    title: str,
+    remarks: str,
+) -> None:
+    """Write a report of solved cases as one HTML file."""
+    from .. import kinds
+    from ..io.chosen_units import units_of
+    from ..report.html_report import report_file
+
+    problems = [_load(path, settings) for path in cases]
+    out = out or cases[0].with_suffix(".html")
+    if out.suffix not in (".html", ".htm"):
+        raise InvalidProblem.at(str(out), f"the ending {out.suffix!r} must be .html")
+    check_writable(out)
+    with unwarned(), units_of(chosen):
+        results = [kinds.solve(problem) for problem in problems]
+        page = report_file(
+            results,
+            [path.stem for path in cases],
+            title=title,
+            remarks=remarks,
+            sources=[path.name for path in cases],
+        )
+    write_whole(out, page.encode())
+    click.echo(f"written: {out}")
+
+
+def _load(path: Path, settings: tuple[str, ...]) -> Any:
+    """Return the problem of a case file; errors name the file."""
+    from ..io.case_files import load_case
+
+    try:
+        return load_case(path, settings)
+    except InvalidProblem as fault:
+        names_file = any(field == str(path) for field, _ in fault.faults)
+        raise fault if names_file else fault.under(str(path)) from None

@@ -1,0 +1,129 @@
+"""The command ``woundon schedule``: the tension schedule for a target pressure in a roll."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from ..errors import InvalidProblem
+from ..io.files import write_whole
+from .options import PATH, PLOT, SETTINGS, as_number, check_output_files
+from .solve import console
+
+__all__ = ["schedule"]
+
+COLUMNS = ("radius", "pressure")  # of the table of a target; "value" is another word for pressure
+
+
+@click.command(
+    help="""\
+    Compute the wound-on-tension schedule that gives a target interlayer pressure profile.
+
+    CASE is a case of the kind roll ('woundon new roll'); its own tension is ignored. The report
+    states the pressure of a roll that is wound with the schedule. The pressure is zero at the
+    outer surface; the report states how deep this boundary layer extends.
+    """,
+    short_help="Compute the tension schedule for a target pressure in a roll.",
+)
+@click.argument("case", type=PATH)
+@click.option(
+    "--pressure",
+    "target",
+    required=True,
+    metavar="TABLE|VALUE",
+    help="Target pressure between the layers: a CSV file with the columns radius and pressure, "
+    'from the core to the surface, or one value, as "200 kPa".',
+)
+@click.option(
+    "--smooth",
+    is_flag=True,
+    help="Interpolate the table with a cubic spline; by default linearly.",
+)
+@click.option(
+    "--rtol",
+    type=float,
+    default=1e-4,
+    show_default=True,
+    help="Relative tolerance of the interior pressure.",
+)
+@SETTINGS
+@click.option(
+    "--out",
+    type=PATH,
+    metavar="FILE.csv",
+    help="Write the tension over the radius; a case reads it by [wound_on_tension], "
+    'csv = "FILE.csv", between = "smooth".',
+)
+@click.option(
+    "--case", "new_case", type=PATH, metavar="FILE.toml", help="Write the case with the schedule."
+)
+@PLOT
+def schedule(
+    case: Path,
+    target: str,
+    smooth: bool,
+    rtol: float,
+    settings: tuple[str, ...],
+    out: Path | None,
+    new_case: Path | None,
+    plot: Path | None,
+) -> None:
+    """Compute the wound-on-tension schedule that gives a target pressure in a roll."""
+    from ..io.case_files import load_case
+    from ..io.case_texts import to_toml
+    from ..problems.roll import RollProblem
+    from ..report.schedule_report import plot_schedule, print_schedule
+    from ..roll.design import design_tension
+    from ..roll.solve import solve_wound_roll
+
+    for file, ending in ((out, ".csv"), (new_case, ".toml")):
+        if file and file.suffix != ending:
+            raise InvalidProblem.at(str(file), f"the ending {file.suffix!r} must be {ending}")
+    check_output_files(plot, out, new_case)
+    problem = load_case(case, settings)
+    if not isinstance(problem, RollProblem):
+        text = "is not a case of the kind roll; 'woundon new roll' writes one"
+        raise InvalidProblem.at(str(case), text)
+    found = design_tension(problem, _target_pressure(target, smooth), rtol=rtol)
+    wound = solve_wound_roll(found.problem, rtol=max(rtol, 1e-8))
+    print_schedule(found, wound, console())
+    if out:
+        write_whole(out, _csv_text(found).encode())
+    if new_case:
+        write_whole(new_case, to_toml(found.problem).encode())
+    if plot:
+        plot_schedule(found, wound, plot)
+
+
+def _target_pressure(text: str, smooth: bool) -> Any:
+    """Return a target pressure: a number [Pa], or the profile of a CSV file."""
+    from ..io.columns import with_columns
+    from ..problems.schedules import Profile
+    from ..problems.units import parse
+
+    if not text.lower().endswith(".csv"):
+        if smooth:
+            raise InvalidProblem.at("--smooth", "is given with one value; must be with a table")
+        return parse(as_number(text), "Pa", "pressure")
+    columns = with_columns({"csv": text}, Path())
+    columns = {"pressure" if name == "value" else name: cells for name, cells in columns.items()}
+    if set(columns) != set(COLUMNS):
+        names = ", ".join(map(str, columns))
+        raise InvalidProblem.at(text, f"has the columns {names}; must be {' and '.join(COLUMNS)}")
+    radius, pressure = (
+        [parse(cell, unit, f"{name}.{k}") for k, cell in enumerate(columns[name])]
+        for name, unit in zip(COLUMNS, ("m", "Pa"), strict=True)
+    )
+    try:
+        return Profile(radius=radius, value=pressure, between="smooth" if smooth else "lines")
+    except InvalidProblem as fault:
+        raise fault.under(text) from None
+
+
+def _csv_text(found: Any) -> str:
+    """Return the tension over the radius as the columns of a profile."""
+    rows = zip(found.tension.radius, found.tension.value, strict=True)
+    lines = [f"{1e3 * r:.9g},{T:.9g}" for r, T in rows]
+    return "\n".join(["radius [mm],value [N/m]", *lines, ""])

@@ -1,0 +1,97 @@
+"""Plug-ins: modules of other packages that add kinds, bodies, commands and figures.
+
+An installed package names a module in the entry-point group ``woundon.plugins``:
+
+    [project.entry-points."woundon.plugins"]
+    mattress = "mattress"
+
+The module is imported once, before the first case is read, in worker processes too.  It adds
+
+    a kind of problem    wo.kinds.register(MyProblem, my_solver, MyResult)
+    a body, a material   class MyBody(wo.Body): ...
+    a command            wo.plugins.register_command(my_command)
+    figures of the page  wo.plugins.register_figures(list_figures, draw_figure)
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Mapping, Sequence
+from functools import cache
+from importlib import metadata
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    import click
+
+__all__ = ["GROUP", "Figures", "commands", "figures", "load", "register_command",
+           "register_figures"]  # fmt: skip
+
+GROUP = "woundon.plugins"
+
+_COMMANDS: dict[str, click.Command] = {}
+_FIGURES: dict[Callable[[str], bytes], Figures] = {}
+
+
+class Figures(NamedTuple):
+    """Figures that a plug-in shows on the page; see :func:`register_figures`."""
+
+    list: Callable[[], Sequence[Mapping[str, str]]]
+    draw: Callable[[str], bytes]
+
+
+@cache
+def load() -> None:
+    """Import the modules of the entry-point group, once.
+
+    Warns
+    -----
+    RuntimeWarning
+        If a module cannot be imported.  The other plug-ins are not affected.
+    """
+    for entry in metadata.entry_points(group=GROUP):
+        try:
+            entry.load()
+        except ImportError as fault:
+            text = f"the plug-in {entry.name} cannot be loaded: {fault}"
+            warnings.warn(text, RuntimeWarning, stacklevel=2)
+
+
+def register_command(command: click.Command) -> None:
+    """Add a command to the command line.
+
+    Parameters
+    ----------
+    command : click.Command
+        Its name is that of the command: ``woundon NAME``.  The module should import libraries that
+        take long inside the command: ``woundon --help`` loads it.
+    """
+    if command.name is None:
+        raise ValueError("a command needs a name")
+    _COMMANDS[command.name] = command
+
+
+def commands() -> Mapping[str, click.Command]:
+    """Return the commands of all plug-ins by name."""
+    load()
+    return dict(sorted(_COMMANDS.items()))
+
+
+def register_figures(list_figures: Callable[[], Sequence[Mapping[str, str]]],
+                     draw_figure: Callable[[str], bytes]) -> None:  # fmt: skip
+    """Add figures to the page.
+
+    Parameters
+    ----------
+    list_figures : callable
+        Returns ``name``, ``label`` and ``title`` of each figure, without computing it.
+    draw_figure : callable
+        Computes the figure of a name, and returns it as SVG.
+    """
+    _FIGURES[draw_figure] = Figures(list_figures, draw_figure)
+
+
+def figures() -> tuple[Figures, ...]:
+    """Return the figures of all plug-ins."""
+    load()
+    return tuple(_FIGURES.values())

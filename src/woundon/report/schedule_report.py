@@ -1,0 +1,115 @@
+"""Report and figure of a tension schedule for a target pressure (``woundon schedule``)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from rich.console import Console
+
+from ..problems.roll import RollProblem
+from ..quantities import Quantity, find, length, strain, stress
+from ..roll.design import TensionDesign
+from ..roll.result import RollResult
+from .figures import COLOURS, Picture, axis_label, quantity_of, save_figure, style
+from .parts import Line, Row, Section
+from .terminal import print_columns, print_parts
+
+__all__ = ["plot_schedule", "print_schedule"]
+
+ROWS = 13  # of the printed table
+LAYER = length("d_o", "depth of the outer layer in which the target cannot be reached")
+INSIDE = strain("e_P", "largest deviation below the outer layer, relative to the largest pressure")
+SURFACE = stress("dP", "largest deviation in the outer layer")
+
+
+def _tension_quantity() -> Quantity:
+    quantity = find(RollProblem, "wound_on_tension")[0].quantity
+    assert quantity is not None
+    return quantity
+
+
+def interior_deviation(found: TensionDesign, wound: RollResult) -> float:
+    """Return the largest deviation from the target below the outer layer, relative."""
+    inside = found.radius < found.radius[-1] - found.outer_layer
+    deviation = np.abs(wound.at_radius(found.radius)["pressure"] - found.wanted)[inside]
+    return float(deviation.max(initial=0.0) / found.wanted.max())
+
+
+def print_schedule(found: TensionDesign, wound: RollResult, console: Console) -> None:
+    """Print a tension schedule and the pressure of the roll that is wound with it.
+
+    Parameters
+    ----------
+    found : TensionDesign
+    wound : RollResult
+        The roll that is wound with the schedule.
+    console : Console
+    """
+    WOT = _tension_quantity()
+    tensions = {
+        "at the core": found.tension.value[0],
+        "maximum": max(found.tension.value),
+        "at the surface": found.tension.value[-1],
+    }
+    deviations = {
+        INSIDE: interior_deviation(found, wound),
+        LAYER: found.outer_layer,
+        SURFACE: found.surface_miss,
+    }
+    schedule = [
+        Row(f"{WOT.meaning}, {place}", WOT.symbol, float(WOT.shown(value)), WOT.display)
+        for place, value in tensions.items()
+    ]
+    pressure = [
+        Row(quantity.meaning, quantity.symbol, float(quantity.shown(value)), quantity.display)
+        for quantity, value in deviations.items()
+    ]
+    parts = (
+        Line(f"{len(found.tension.radius)} radii", "quiet"),
+        Section("Tension schedule", tuple(schedule)),
+        Section("Pressure", tuple(pressure)),
+        Line("Over the radius"),
+    )
+    print_parts(parts, console)
+    _print_table(found, wound, console)
+
+
+def _print_table(found: TensionDesign, wound: RollResult, console: Console) -> None:
+    """Print tension, target and resulting pressure at evenly spaced radii."""
+    even = np.linspace(found.radius[0], found.radius[-1], ROWS)
+    nearest = np.unique([int(np.argmin(np.abs(found.radius - r))) for r in even])
+    r, target = found.radius[nearest], found.wanted[nearest]
+    T, P = found.tension.at(r), wound.at_radius(r)["pressure"]
+    titles = ("radius", "", "tension", "", "target", "", "result", "")
+    rows = [
+        (f"{a:.2f}", "mm", f"{b:.2f}", "N/m", f"{c:.3f}", "kPa", f"{d:.3f}", "kPa")
+        for a, b, c, d in zip(1e3 * r, T, 1e-3 * target, _kilopascals(P), strict=True)
+    ]
+    print_columns([titles, *rows], (8, 2, 8, 3, 8, 3, 8, 3), "><" * 4, console)
+
+
+def _kilopascals(pressure: np.ndarray) -> np.ndarray:
+    return np.round(1e-3 * pressure, 3) + 0.0  # no minus zero
+
+
+def plot_schedule(found: TensionDesign, wound: RollResult, path: str | Path) -> None:
+    """Plot the target pressure, the pressure of the roll wound with the schedule, the tension."""
+    P, r_of, WOT = quantity_of(wound, "pressure"), quantity_of(wound, "radius"), _tension_quantity()
+    r = np.linspace(found.radius[0], found.radius[-1], 801)
+    x = r_of.shown(r)
+    with style():
+        figure = Picture.new((8.4, 3.2), registered=False)
+        left, right = figure.subplots(1, 2)
+        left.plot(x, P.shown(wound.at_radius(r)["pressure"]), color=COLOURS[0], label="result")
+        radius, target = r_of.shown(found.radius), P.shown(found.wanted)
+        left.plot(radius, target, "--", color=COLOURS[1], label="target")
+        left.set_ylabel(axis_label("Pressure $P$", P))
+        left.legend()
+        right.plot(x, WOT.shown(found.tension.at(r)), color=COLOURS[0])
+        right.set_ylabel(axis_label("Wound-on tension", WOT))
+        for axes in (left, right):
+            axes.set_xlabel(axis_label("Radius $r$", r_of))
+            axes.set_xlim(x[0], x[-1])
+            axes.set_ylim(bottom=0)
+        save_figure(figure, path)
