@@ -183,7 +183,7 @@ def test_a_full_disk_is_one_line_and_keeps_the_old_file(tmp_path, capsys, ending
     option = "--save" if ending in ("nc", "json", "csv") else "--plot"
     case = tmp_path / "case.toml"
     case.write_text(template("rollers"))
-    command = ["rollers", str(case), "--nodes", "25", option, str(path)]
+    command = ["solve", str(case), "--nodes", "25", option, str(path)]
     with largest_file(1000):
         assert main(command) == 2
     assert capsys.readouterr().err == f"error: {path}: File too large\n"
