@@ -40,7 +40,7 @@ from .plot_data import panels_of
 
 __all__ = [
     "as_json", "curve", "design", "find", "problem_of", "sensitivities", "solve", "solved",
-    "warm_up",
+    "warm_up", "with_grade",
 ]  # fmt: skip
 
 WARM_UP = 1.0  # seconds after which a worker is as ready as need be
@@ -173,10 +173,23 @@ def _certificate(result: Result) -> dict[str, Any]:
     }
 
 
+# by margin the field of its limit
+LIMIT_FIELDS = {
+    "slip": "limits.torque_share",
+    "compression": "limits.compression",
+    "blocking": "limits.blocking_pressure",
+    "core": "limits.core_pressure",
+    "strength": "limits.web_strength",
+    "slack": "limits.slack_tension",
+    "gauge_band": "limits.yield_strain",
+}
+
+
 def _margin(margin: Any) -> dict[str, Any]:
     shown = ("name", "title", "hint", "value", "limit", "radius", "ok", "note")
     values = {name: getattr(margin, name) for name in shown}
-    return values | {"quantity": told_of(margin.quantity)}
+    field = LIMIT_FIELDS.get(margin.name)
+    return values | {"quantity": told_of(margin.quantity), "limit_field": field}
 
 
 def _section(section: Section) -> dict[str, Any]:
@@ -236,6 +249,14 @@ def _body(name: str, body: Any) -> dict[str, Any]:
         "core": None if body.rigid or deep else getattr(body, "core", "rigid"),
         "layers": [{"thickness": layer.thickness} for layer in layers or ()],
     }
+
+
+def with_grade(tables: Any, name: str) -> bytes:
+    """Return the tables of a case with all values that a grade supplies, as JSON."""
+    problem = problem_of(tables)
+    with unwarned():
+        changed = problem.replace(grade=name)
+    return as_json({"kind": kinds.of(changed).name, "problem": tables_of(changed)})
 
 
 # ---- inverse problems -------------------------------------------------------------------------

@@ -18,6 +18,7 @@ from ..errors import InvalidProblem
 from ..io.case_texts import SCHEMA
 from ..problems.description import Description
 from ..problems.family import Family
+from ..problems.grades import grades
 from ..problems.materials import MATERIALS, Material
 from ..problems.units import MILL, alike, definitions
 from ..quantities import OF_FIELD, Quantity, is_list, members_of, outputs, quantity_of
@@ -43,6 +44,7 @@ def catalogue() -> dict[str, Any]:
             {"name": name, "source": known.source, "material": tables_of(known.material)}
             for name, known in MATERIALS.items()
         ],
+        "grades": [{"name": name, "title": one.title} for name, one in grades().items()],
         "units": _units(forms, told),
         "unit_definitions": definitions(),
         "systems": {"SI": {}, "mill": MILL},
@@ -69,6 +71,7 @@ def _kind(kind: kinds.Kind) -> dict[str, Any]:
         "name": kind.name,
         "title": _spoken(kind.name),
         "about": kind.about,
+        "has_grades": bool(kind.problem.graded),
         "form": kind.problem.__name__,
         "groups": {name: list(fields) for name, fields in kind.problem.tables.items()},
         "example": example,

@@ -10,8 +10,15 @@ from pydantic import BaseModel, ConfigDict, Field
 from .limits import LIMITS
 
 __all__ = [
-    "Case", "CaseText", "Cases", "DesignRequest", "FindRequest", "LabelledCase", "Study",
-]  # fmt: skip
+    "Case",
+    "CaseText",
+    "Cases",
+    "DesignRequest",
+    "FindRequest",
+    "GradeRequest",
+    "LabelledCase",
+    "Study",
+]
 
 NIP = {
     "web": {"thickness": "66 um", "material": "newsprint"},
@@ -76,6 +83,13 @@ class DesignRequest(_Request):
         examples=[PRESSURE],
     )
     rtol: float = Field(1e-3, ge=1e-6, le=1e-2)
+
+
+class GradeRequest(_Request):
+    """A case and the grade whose values it is to have."""
+
+    case: Tables = Field(examples=[NIP])
+    grade: str = Field(description="name of a grade of the catalogue", examples=["lwc"])
 
 
 class FindRequest(_Request):

@@ -33,7 +33,7 @@ from .input_forms import catalogue
 from .limits import LIMITS
 from .middleware import COOKIE, middleware
 from .request_errors import REJECTIONS, RequestError
-from .request_models import Case, Cases, CaseText, DesignRequest, FindRequest, Study
+from .request_models import Case, Cases, CaseText, DesignRequest, FindRequest, GradeRequest, Study
 from .worker_pool import Pool
 
 __all__ = ["application"]
@@ -261,6 +261,12 @@ def _add_states(app: FastAPI, workers: Workers) -> None:
         options = _options(request, "warm", "report", "drawn")
         args = (case, options, _session_of(request), warm, report, drawn)
         return _json(await _computed(workers.solvers, request, computations.solve, *args))
+
+    @app.post("/api/grade", tags=["states"])
+    async def grade(request: Request, asked: GradeRequest) -> Response:
+        """Return the tables of a case with the web, friction and limits of a grade."""
+        args = (asked.case, asked.grade)
+        return _json(await _computed(workers.solvers, request, computations.with_grade, *args))
 
     @app.post("/api/design", tags=["states"])
     async def design(request: Request, asked: DesignRequest) -> Response:

@@ -143,7 +143,7 @@ class Pool:
         self._idle: list[_Slot] = []
         self._waiting: list[tuple[int, int, _Request]] = []
         self._newest: dict[Hashable, _Request] = {}
-        self._active_keys = set[Hashable]()
+        self._active: dict[Hashable, _Request] = {}  # in progress and not cancelled, by key
         self._number = count()
         self._tasks: set[asyncio.Task[Any]] = set()
 
@@ -224,8 +224,14 @@ class Pool:
         if slot is None or slot.stopping:
             return
         slot.stopping = True
+        self._deactivate(request)
+        self._assign()  # the next request of its key need not wait for the end of the work
         asyncio.get_running_loop().call_later(PATIENCE, self._kill, request, slot)
         slot.worker.cancel()
+
+    def _deactivate(self, request: _Request) -> None:
+        if self._active.get(request.key) is request:
+            del self._active[request.key]
 
     def _kill(self, request: _Request, slot: _Slot) -> None:
         if request.slot is slot:
@@ -237,14 +243,15 @@ class Pool:
             rank, number, request = heappop(self._waiting)
             if request.answer.done():
                 continue
-            if request.key in self._active_keys:  # one at a time of each key
+            if request.key in self._active:  # one at a time of each key
                 held.append((rank, number, request))
                 continue
             own = (s for s in self._idle if request.session and s.session == request.session)
             slot = next(own, self._idle[0])
             self._idle.remove(slot)
             slot.session, request.slot = request.session, slot
-            self._active_keys |= {request.key} - {None}
+            if request.key is not None:
+                self._active[request.key] = request
             self._create_task(self._serve(slot, request))
         for one in held:
             heappush(self._waiting, one)
@@ -257,7 +264,7 @@ class Pool:
     async def _serve(self, slot: _Slot, request: _Request) -> None:
         outcome = await slot.exchange(request.call, *request.args)
         request.slot, slot.stopping = None, False
-        self._active_keys.discard(request.key)
+        self._deactivate(request)
         if not request.answer.done():
             _settle(request.answer, outcome)
         if outcome.memory > RELEASE:  # the allocator and caches keep it as long as the process runs

@@ -41,6 +41,8 @@ export const solve = (tables, options, signal) => json(`/api/solve${query({ draw
 export const curve = (tables, options, signal) => json(`/api/curve${query(options)}`, tables, signal);
 export const sensitivities = (tables, signal) => json("/api/sensitivities", tables, signal);
 export const design = (tables, pressure, signal) => json("/api/design", { case: tables, pressure }, signal);
+export const find = (body, signal) => json("/api/find", body, signal);
+export const withGrade = (tables, grade) => json("/api/grade", { case: tables, grade });
 export const readCase = (toml) => json("/api/case/read", { toml });
 export const writeCase = (tables) => text("/api/case/write", tables);
 export const python = (tables) => text("/api/python", tables);

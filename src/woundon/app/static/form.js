@@ -15,6 +15,9 @@ export function Form({ store }) {
   const { catalogue, kind } = store;
   const narrow = matchMedia("(max-width: 820px)").matches; // there the first group alone is open
   return html`<form class="form" aria-label=${T.form.name} onSubmit=${(event) => event.preventDefault()}>
+    ${kind.has_grades && html`<label class="grade">${T.form.grade}<select id="grade" value=${store.grade} onChange=${(event) => event.target.value && store.fillGrade(event.target.value)}>
+      <option value="" selected=${!store.grade}>${T.form.chooseGrade}</option>
+      ${catalogue.grades.map(({ name, title }) => html`<option value=${name} selected=${name === store.grade}>${title.charAt(0).toUpperCase() + title.slice(1)}</option>`)}</select></label>`}
     ${groupsOf(catalogue, kind, T.groups).map((group, k) => html`<${Group} key=${`${kind.name}.${group.name}`} ...${{ store, group, open: !narrow || k === 0 }} />`)}
   </form>`;
 }

@@ -3,6 +3,7 @@ import * as api from "./api.js";
 import { forgetColours } from "./chart.js";
 import { Patterns } from "./drawing.js";
 import { Menu, restore } from "./exchange.js";
+import { Find } from "./find.js";
 import { Form } from "./form.js";
 import { html, render, useEffect, useLayoutEffect, useMemo } from "./html.js";
 import { Bracket, Differences, Numbers, Panels, Pending, Pins, Sections, Verdict } from "./results.js";
@@ -39,7 +40,7 @@ function Page({ store }) {
   }, [store]);
   const views = { case: Case, study: Study, winding: Winding, thesis: Thesis };
   // while a slider moves, the form does not wait for the answer, nor the answer for the form
-  const form = useMemo(() => html`<${Form} store=${store} />`, [state.kind, state.case, state.faults, state.misread, state.system]);
+  const form = useMemo(() => html`<${Form} store=${store} />`, [state.kind, state.case, state.grade, state.faults, state.misread, state.system]);
   return html`<a class="skip" href="#results" onClick=${(event) => { event.preventDefault(); document.getElementById("results").focus(); }}>${T.skip}</a>
     <${Patterns} />
     <${Header} store=${store} />
@@ -100,6 +101,7 @@ function Case({ store }) {
     if (!result || result.kind !== kind) return html`<${Pending} store=${store} />`;
     return html`<${Verdict} store=${store} />
       <${Numbers} store=${store} />
+      <${Find} store=${store} />
       <${Bracket} store=${store} />
       <div class="bar-row"><${Pins} store=${store} />
         <button type="button" class="tables" aria-pressed=${tables} onClick=${() => store.set({ tables: !tables })}>${tables ? T.header.hideTables : T.header.tables}</button></div>

@@ -26,6 +26,13 @@ export function headlines(kind, result) {
   return [...main, ...told, ...(main.length + told.length > 2 ? [] : rest.slice(0, 7))];
 }
 
+const ROUNDING = 1e-14; // [SI]: smaller values within their errors are zero, as the offset of equal rollers
+
+/** The value of an output as it is shown. */
+function valueOf({ value, error }) {
+  return Math.abs(value) < ROUNDING && Math.abs(value) <= Math.abs(error ?? 0) ? 0 : value;
+}
+
 export function errorText(units, output, { value, error }) {
   if (error == null) return "";
   const shown = Math.abs(units.shown(output, error));
@@ -59,7 +66,7 @@ export function Numbers({ store }) {
       return html`<div class=${`number-card${kind.main.includes(output.name) ? " main" : ""}`} key=${output.name} data-output=${output.name}
           title=${output.label}>
         <div class="what"><span class="symbol"><${Symbol} of=${output.symbol} /></span> ${output.label}</div>
-        <div class="much"><output class="value" data-si=${told.value}>${digits(units.shown(output, told.value))}</output>
+        <div class="much"><output class="value" data-si=${told.value}>${digits(units.shown(output, valueOf(told)))}</output>
           <span class="unit">${units.text(output)}</span></div>
         <div class="error" title=${T.results.error}>${errorText(units, output, told)}</div>
         ${store.pinned.map((pin) => html`<div class=${`versus pin-${pin.label}`} key=${pin.label}><b>${pin.label}</b>

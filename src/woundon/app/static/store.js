@@ -20,7 +20,7 @@ export class Store {
       kind: first.name, case: first.example, system: kept("system", "SI"), theme: kept("theme", ""),
       tab: "case", past: [], future: [], faults: NO_FAULTS, misread: NO_FAULTS, problem: "",
       result: null, solved: null, extras: {}, busy: false, rough: false, pins: [], tables: false,
-      others: {}, study: null, message: "",
+      others: {}, study: null, message: "", grade: null,
     };
     this.units = new Units(catalogue, this.state.system);
   }
@@ -112,6 +112,7 @@ export class Store {
     const step = past.at(-1);
     const merged = moving && step?.path === path && this.moving;
     this.moving = moving;
+    this.changedPath = path; // the field from which studies and searches start
     this.set({
       case: next, future: [],
       past: merged ? past : [...past, { path, kind: this.state.kind, case: this.state.case }].slice(-KEPT),
@@ -138,6 +139,25 @@ export class Store {
     this.moving = false;
     this.set({ kind, case: tables, past, future: [], faults: NO_FAULTS, problem: "" });
     this.solve();
+  }
+
+  /** Fill in the values of a grade; what it does not supply stays. */
+  async fillGrade(name) {
+    const { kind, case: tables } = this.state;
+    try {
+      const { problem } = await api.withGrade(tables, name);
+      if (tables !== this.state.case) return;
+      this.take(kind, problem);
+      this.set({ grade: { name, web: webOf(problem) } });
+    } catch (fault) {
+      this.refused(fault);
+    }
+  }
+
+  /** The grade that was filled in, as long as the web is that of the grade. */
+  get grade() {
+    const { grade, case: tables } = this.state;
+    return grade && same(grade.web, webOf(tables)) ? grade.name : "";
   }
 
   undo() {
@@ -303,6 +323,9 @@ export class Store {
     this.saying = setTimeout(() => this.set({ message: "" }), 4000);
   }
 }
+
+/** The web of a case: that of a nip or a winding, or the stack of a roll. */
+const webOf = ({ web, stack, web_thickness }) => ({ web, stack: web ? null : stack, web_thickness });
 
 function kept(name, otherwise) {
   try { return localStorage.getItem(`woundon.${name}`) ?? otherwise; } catch { return otherwise; }

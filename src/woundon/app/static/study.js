@@ -6,24 +6,7 @@ import { html, useEffect, useLayoutEffect, useRef, useState } from "./html.js";
 import { symbolText } from "./symbols.js";
 import { T } from "./texts.js";
 import { digits } from "./units.js";
-
-/** All numbers of the case that may be varied, with their fields. */
-function variables(store) {
-  const found = [];
-  const walk = (tables, prefix) => {
-    for (const [name, value] of Object.entries(tables)) {
-      const path = prefix ? `${prefix}.${name}` : name;
-      if (value && typeof value === "object" && !Array.isArray(value)) walk(value, path);
-      else if (Array.isArray(value) && value[0] && typeof value[0] === "object") value.forEach((item, k) => walk(item, `${path}.${k}`));
-      else if (typeof value === "number") {
-        const field = store.fieldAt(path);
-        if (field?.typical || field?.limits) found.push({ path, field, value });
-      }
-    }
-  };
-  walk(store.state.case, "");
-  return found;
-}
+import { defaultVariable, labelOf, variables } from "./variables.js";
 
 /** Where a field's study begins and ends unless somebody says otherwise: around its value. */
 function around({ field, value }) {
@@ -44,7 +27,7 @@ export function Study({ store }) {
   const main = kind.main[0] ?? (outputs.find((one) => here[one.name]?.value != null) ?? outputs[0])?.name;
   const output = outputs.some((one) => one.name === plan.output) ? plan.output : main;
   const field = (path) => fields.find((one) => one.path === path);
-  const first = field(plan.first) ?? field(store.loadOf(kind)) ?? fields[0];
+  const first = field(plan.first) ?? defaultVariable(store, fields);
   const second = fields.find((one) => one.path === plan.second && one.path !== first.path);
   const endsOf = (one) => plan.ends[one.path] ?? around(one);
   const cases = plan.count * (second ? plan.across : 1);
@@ -83,12 +66,11 @@ export function Study({ store }) {
     if (told.running) put({ running: false });
   };
 
-  const labelled = ({ path, field }) => `${field.label} (${path})`;
   return html`<section class="tab-card"><h2>${T.study.title}</h2>
     <div class="study-form">
-      <${Axis} ...${{ store, name: "first", label: T.study.first, fields, chosen: first, labelled, ends: endsOf(first), count: plan.count,
+      <${Axis} ...${{ store, name: "first", label: T.study.first, fields, chosen: first, ends: endsOf(first), count: plan.count,
         pick: (path) => setPlan({ ...plan, first: path }), setEnds: (ends) => setPlan({ ...plan, ends: { ...plan.ends, [first.path]: ends } }), setCount: (count) => setPlan({ ...plan, count }) }} />
-      <${Axis} ...${{ store, name: "second", label: T.study.second, fields: fields.filter((one) => one !== first), chosen: second, labelled, optional: true, ends: second && endsOf(second), count: plan.across,
+      <${Axis} ...${{ store, name: "second", label: T.study.second, fields: fields.filter((one) => one !== first), chosen: second, optional: true, ends: second && endsOf(second), count: plan.across,
         pick: (path) => setPlan({ ...plan, second: path }), setEnds: (ends) => setPlan({ ...plan, ends: { ...plan.ends, [second.path]: ends } }), setCount: (across) => setPlan({ ...plan, across }) }} />
       <div class="axis-row"><label class="stacked">${T.study.output}<select id="study-output" value=${output} onChange=${(event) => setPlan({ ...plan, output: event.target.value })}>
         ${outputs.map((one) => html`<option value=${one.name} selected=${one.name === output}>${one.label} (${symbolText(one.symbol)})</option>`)}</select></label>
@@ -115,13 +97,13 @@ function End({ units, id, words, field, value, put }) {
     onChange=${(event) => { setTyped(null); put(units.read(field, event.target.value).value ?? NaN); }} /></label>`;
 }
 
-function Axis({ store, name, label, fields, chosen, labelled, optional, ends, count, pick, setEnds, setCount }) {
+function Axis({ store, name, label, fields, chosen, optional, ends, count, pick, setEnds, setCount }) {
   const box = (k, words) => html`<${End} ...${{ units: store.units, id: `study-${name}-${k}`, words, field: chosen?.field, value: ends?.[k], put: (value) => setEnds(ends.map((end, n) => (n === k ? value : end))) }} />`;
   const wrong = chosen && !(Number.isFinite(ends[0]) && Number.isFinite(ends[1]) && ends[0] !== ends[1]);
   return html`<div class="axis-row">
     <label class="stacked">${label}<select id=${`study-${name}`} value=${chosen?.path ?? ""} onChange=${(event) => pick(event.target.value)}>
       ${optional && html`<option value="" selected=${!chosen}>${T.study.none}</option>`}
-      ${fields.map((one) => html`<option value=${one.path} selected=${one.path === chosen?.path}>${labelled(one)}</option>`)}</select></label>
+      ${fields.map((one) => html`<option value=${one.path} selected=${one.path === chosen?.path}>${labelOf(one)}</option>`)}</select></label>
     ${box(0, T.study.from)}${box(1, T.study.to)}
     <label class="stacked small">${T.study.points}<input type="number" min="2" max="200" id=${`study-${name}-count`} value=${count} disabled=${!chosen}
       onChange=${(event) => setCount(Math.max(2, Math.min(200, Math.round(Number(event.target.value)) || 2)))} /></label>

@@ -32,7 +32,7 @@ export const T = {
   },
   tabs: { name: "Views", case: "Case", study: "Study", winding: "Winding", thesis: "Thesis" },
   form: {
-    name: "The case", reset: "Reset", none: "none", oneNumber: "one number", named: "named materials", finite: "a finite number",
+    name: "The case", grade: "Grade", chooseGrade: "fill in a grade …", reset: "Reset", none: "none", oneNumber: "one number", named: "named materials", finite: "a finite number",
     add: (title) => `Add a ${title.toLowerCase()}`, numbers: "one number a line", pairs: "two numbers a line",
     item: (title, k, of, ordered) => `${title} ${k}${!ordered ? "" : k === 1 ? ", outermost" : k === of ? ", innermost" : ""}`,
     outward: (title, k) => `Move ${title.toLowerCase()} ${k} outward`, drop: (title, k) => `Remove ${title.toLowerCase()} ${k}`,
@@ -81,11 +81,16 @@ export const T = {
     api: "Interface for programs",
   },
   study: {
-    title: "Vary one or two fields and see what becomes of an output", first: "Field", second: "Second field", none: "none",
+    title: "Vary one or two fields", first: "Field", second: "Second field", none: "none",
     from: "from", to: "to", points: "points", output: "Output", run: "Run the study", cancel: "Cancel",
     progress: (done, of) => `${done} of ${of} cases`, cancelled: "Cancelled", failed: (n) => `${n} without a solution`, save: "Save as CSV",
     done: (seconds) => `Done in ${seconds} s`, empty: "Choose a field and run the study.", tooMany: (n) => `At most ${n} cases`,
     needs: "enter two different numbers",
+  },
+  find: {
+    title: "Find the value of a field for which an output reaches a target",
+    field: "Find", output: "such that", target: "equals", mark: "target", run: "Find", busy: "searching", take: "Use this value",
+    several: (n) => `${n} values give the target.`, failed: (n) => `${n} points of the search have no solution.`,
   },
   winding: {
     schedule: "Schedule", drag: "Drag the points, or move them with the arrow keys",

@@ -1,6 +1,7 @@
 // The winding tab: a schedule drawn by dragging its points, what the roll keeps of it, margins.
 import { at } from "./cases.js";
 import { DESIGNED, Design } from "./design.js";
+import { Find } from "./find.js";
 import { html, useState } from "./html.js";
 import { LENGTH, Points } from "./points.js";
 import { Bracket, Differences, Numbers, OnePanel, Pending, Pins, Sections, states, Verdict } from "./results.js";
@@ -14,7 +15,7 @@ export function Winding({ store }) {
   const [chosen, choose] = useState("");
   const field = schedules.find((one) => one.name === chosen) ?? schedules[0];
   const good = state.result && state.result.kind === state.kind;
-  return html`${good && html`<${Verdict} store=${store} /><${Numbers} store=${store} />`}
+  return html`${good && html`<${Verdict} store=${store} /><${Numbers} store=${store} /><${Margins} store=${store} /><${Find} key=${state.kind} store=${store} />`}
     ${!good && html`<${Pending} store=${store} />`}
     ${field && html`<section class="tab-card schedule"><div class="axis-row"><h2>${T.winding.schedule}</h2>
         ${schedules.length > 1 && html`<label class="inline"><span class="hidden">${T.winding.schedule}</span><select value=${field.name} onChange=${(event) => choose(event.target.value)}>
@@ -23,7 +24,6 @@ export function Winding({ store }) {
     ${good && state.kind === DESIGNED && html`<${Design} store=${store} />`}
     ${good && html`<div class="bar-row"><${Pins} store=${store} />
         <button type="button" class="tables" aria-pressed=${state.tables} onClick=${() => store.set({ tables: !state.tables })}>${state.tables ? T.header.hideTables : T.header.tables}</button></div>
-      <${Margins} store=${store} />
       <div class="panels">${state.result.panels.map((panel) => html`<div class="panel-cell" key=${panel.name}><${OnePanel} store=${store} name=${panel.name} height=${230}
         cases=${states(store, (one) => one.result.panels.find((other) => other.name === panel.name))} /></div>`)}</div>
       <${Bracket} store=${store} /><${Differences} store=${store} /><${Sections} store=${store} />`}`;
@@ -41,9 +41,30 @@ function Margins({ store }) {
     <tbody>${margins.map((margin) => {
       const { quantity } = margin;
       const text = (value) => (value == null ? "–" : `${digits(units.shown(quantity, value))} ${units.text(quantity)}`);
-      return html`<tr key=${margin.name} class=${word(margin)} title=${[margin.note, margin.hint].filter(Boolean).join("; ")}><th scope="row">${margin.title}<span class="quiet"> ${quantity.label}</span></th><td>${text(margin.value)}</td><td>${text(margin.limit)}</td>
+      return html`<tr key=${margin.name} class=${word(margin)} title=${[margin.note, margin.hint].filter(Boolean).join("; ")}><th scope="row">${margin.title}<span class="quiet"> ${quantity.label}</span></th><td>${text(margin.value)}</td><td><${Limit} ...${{ store, margin, text }} /></td>
         <td>${margin.radius == null ? "–" : digits(units.shown(LENGTH, margin.radius), 4)}</td><td><span class="mark" aria-hidden="true">${MARKS[word(margin)]}</span> ${T.winding[word(margin)]}</td></tr>`;
     })}</tbody></table></div></section>`;
+}
+
+/** The limit of a margin, next to its value; it is a field of the case. */
+function Limit({ store, margin, text }) {
+  const { units } = store;
+  const [typed, setTyped] = useState(null);
+  const path = margin.limit_field;
+  const field = path && store.fieldAt(path);
+  if (!field) return text(margin.limit);
+  const value = at(store.state.case, path);
+  const { fault } = typed?.trim() ? units.read(field, typed, T.form.finite) : {};
+  const put = () => {
+    if (fault) return;
+    const si = typed.trim() ? units.read(field, typed).value : undefined;
+    setTyped(null);
+    store.change(path, si);
+  };
+  const unset = value === undefined && margin.limit != null; // a limit that follows from the case, as of the core
+  return html`<span class="limit"><input type="text" inputmode="decimal" id=${`limit-${margin.name}`} aria-label=${`${T.winding.limit}: ${margin.title}`} aria-invalid=${fault ? "true" : "false"}
+      value=${typed ?? (value == null ? "" : Number(units.shown(field, value).toPrecision(6)))} placeholder=${unset ? digits(units.shown(field, margin.limit), 4) : T.form.none} title=${fault ?? field.label}
+      onInput=${(event) => setTyped(event.target.value)} onChange=${put} /> ${units.text(field)}</span>`;
 }
 
 /** A schedule of the case, as points to drag. */

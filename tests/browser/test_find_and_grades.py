@@ -1,0 +1,81 @@
+"""Find, grades and limits on the page: what it shows agrees with what Python computes."""
+
+from __future__ import annotations
+
+import pytest
+
+import woundon as wo
+
+CLOSE = 1e-6  # the page shows six digits of the value that it takes over
+
+
+def test_the_nip_load_for_a_wound_on_tension_is_found_and_taken_over(look):
+    seen = look(width=1366, height=768)
+    page = seen.page
+    page.fill("#find-target", "600")
+    page.click("#find-run")
+    page.wait_for_selector(".solutions li", timeout=60_000)
+    found = wo.find(wo.NipProblem.example(), "nip_load", wound_on_tension=600.0)
+    page.click(".solutions button")
+    seen.rest()
+    assert float(seen.box("nip_load")) == pytest.approx(found.value, rel=CLOSE)
+    # on another mesh: within the estimated errors
+    apart = 2 * found.result.errors["wound_on_tension"]
+    assert seen.output("wound_on_tension") == pytest.approx(600.0, abs=apart)
+    page.select_option("#grade", "lwc")  # the solution is that of another web
+    page.wait_for_selector(".solutions", state="detached")
+
+
+def test_a_target_out_of_reach_is_an_error_at_the_search(look):
+    seen = look()
+    seen.page.fill("#find-target", "20")  # less than the web tension
+    seen.page.click("#find-run")
+    seen.page.wait_for_selector(".find .fault", timeout=60_000)
+    assert seen.page.locator(".solutions").count() == 0
+
+
+def test_a_grade_fills_the_case(look):
+    seen = look()
+    page = seen.page
+    assert page.locator("#grade option").count() == len(wo.grades()) + 1
+    page.select_option("#grade", "lwc")
+    page.wait_for_function("() => document.querySelector('#f-web-thickness').value === '47'")
+    seen.rest()
+    result = wo.solve(wo.NipProblem.example().replace(grade="lwc"))
+    assert seen.output("wound_on_tension") == pytest.approx(result.wound_on_tension, rel=CLOSE)
+    seen.put("web.thickness", "50")  # it is that grade no more
+    assert page.input_value("#grade") == ""
+
+
+def test_a_study_starts_with_the_field_that_was_changed(look):
+    seen = look()
+    seen.put("web_tension", "400")
+    seen.page.click("#tab-study")
+    assert seen.page.input_value("#study-first") == "web_tension"
+
+
+def test_the_main_answer_needs_no_scrolling_on_a_laptop(look):
+    seen = look(width=1366, height=768)
+    for place in (".answer", "[data-output=wound_on_tension]", "#find-run", "[data-panel=drawing]"):
+        assert seen.page.locator(place).bounding_box()["y"] < 700, place
+
+
+def test_a_limit_is_entered_next_to_its_margin_on_a_phone(look):
+    seen = look(width=390, height=844)
+    page = seen.page
+    page.click("#tab-winding")
+    page.wait_for_selector(".schedule-plot")
+    page.select_option(".kind", "winding")
+    page.wait_for_selector("[id='f-tension_law']")
+    page.select_option("[id='f-tension_law']", label="friction")  # no nip is solved
+    page.wait_for_selector(".margins", timeout=60_000)
+    seen.rest()
+    assert page.evaluate("() => document.scrollingElement.scrollWidth") <= 390
+    page.fill("#limit-blocking", "10000")  # [kPa]
+    page.locator("#limit-blocking").blur()
+    seen.rest()
+    problem = wo.WindingProblem.example().replace(tension_law="friction")
+    margins = wo.solve(problem.replace(limits={"blocking_pressure": "10 MPa"})).margins
+    (blocking,) = (one for one in margins if one.name == "blocking")
+    row = page.locator(".margins tr", has=page.locator("#limit-blocking"))
+    assert ("holds" if blocking.ok else "fails") in row.inner_text()
