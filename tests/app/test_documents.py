@@ -198,10 +198,10 @@ def test_the_command_refuses_in_one_line(tmp_path, monkeypatch, capsys, args, to
 @pytest.mark.slow
 def test_a_figure_of_the_thesis_is_drawn():
     from woundon.app import documents
-    from woundon.jorkama2001 import exhibits, plugin  # noqa: F401  registers the figures
+    from woundon.jorkama2001 import catalogue, plugin  # noqa: F401  registers the figures
 
     told = {figure["name"]: figure for group in plugins.figures() for figure in group.list()}
-    assert set(told) == {name for name in exhibits.NAMES if name.startswith("fig")}
+    assert set(told) == {name for name in catalogue.NAMES if name.startswith("fig")}
     assert told["fig15"]["label"] == "Fig. 15"
     assert told["fig15"]["title"].startswith("how the nip adds tension")
     assert b"<svg" in documents.exhibit("fig5")

@@ -18,7 +18,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from woundon import plugins
 from woundon.cli import commands as cli
-from woundon.jorkama2001 import exhibits, plugin, publication
+from woundon.jorkama2001 import catalogue, plugin, publication
 from woundon.jorkama2001.command import thesis
 from woundon.jorkama2001.publication import _write_module
 
@@ -100,7 +100,7 @@ def test_two_processes_do_the_same(tmp_path, capsys: Capture):
 
 @pytest.mark.slow
 def test_all_are_summed_up(tmp_path, capsys: Capture, monkeypatch):
-    monkeypatch.setattr(exhibits, "NAMES", ("fig5", "table4"))
+    monkeypatch.setattr(catalogue, "NAMES", ("fig5", "table4"))
     monkeypatch.delattr(publication, "in_processes")  # one process is this one
     assert cli.main(["thesis", "--all", "--jobs", "1", "--out", str(tmp_path)]) == 0
     said = capsys.readouterr().out

@@ -13,8 +13,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from woundon.jorkama2001 import exhibits
-from woundon.jorkama2001.exhibits import NAMES, Exhibit, made_by, modules
+from woundon.jorkama2001 import catalogue
+from woundon.jorkama2001.catalogue import NAMES, made_by, modules
+from woundon.jorkama2001.exhibits import Exhibit
 from woundon.jorkama2001.publication import known_counts
 from woundon.jorkama2001.verdicts import Outcome
 
@@ -57,7 +58,7 @@ def _check_data(exhibit: Exhibit) -> None:
 
 def test_no_exhibit_is_forgotten() -> None:
     assert tuple(known_counts()) == NAMES
-    assert {exhibits._MODULES[name] for name in NAMES} == set(modules(NAMES))
+    assert {catalogue._MODULES[name] for name in NAMES} == set(modules(NAMES))
 
 
 def test_computing_times_are_those_that_were_measured() -> None:

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from woundon import InvalidProblem
-from woundon.jorkama2001 import exhibits, judgement
+from woundon.jorkama2001 import catalogue, judgement
 from woundon.jorkama2001.exhibits import Exhibit
 from woundon.jorkama2001.judgement import Judged, judged
 from woundon.jorkama2001.nips import dataset, joined
@@ -118,7 +118,7 @@ def test_verdicts_of_both_solvers_must_be_the_same_statements():
 
 
 def test_the_exhibits_knows_its_figures():
-    assert exhibits.chosen(("table4", "fig16")) == ("fig16", "table4")
-    assert exhibits.modules(("fig17", "fig16", "table4")) == ("fig16_18", "table4")
+    assert catalogue.chosen(("table4", "fig16")) == ("fig16", "table4")
+    assert catalogue.modules(("fig17", "fig16", "table4")) == ("fig16_18", "table4")
     with pytest.raises(InvalidProblem, match="fig1: unknown; did you mean 'fig"):
-        exhibits.chosen(("fig1",))
+        catalogue.chosen(("fig1",))

@@ -43,7 +43,7 @@ def thesis(
     names: tuple[str, ...], everything: bool, out: Path, solver: str, jobs: int | None
 ) -> None:
     """Recompute figures and tables of the thesis and test its statements: fig16, table3, ..."""
-    from .exhibits import NAMES, chosen
+    from .catalogue import NAMES, chosen
     from .publication import publish, summary
 
     if bool(names) == everything:

@@ -1,17 +1,10 @@
-"""Figures and tables: data, verdicts and a drawing of each, and the module that computes it.
-
-A module has a function ``exhibits(solver)`` that returns what it makes; a new one is a line here.
-"""
+"""A figure or table of the thesis, recomputed: data, verdicts and drawing."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
-from importlib import import_module
 from typing import TYPE_CHECKING
-
-import woundon as wo
 
 from .verdicts import Outcome, Verdict
 
@@ -19,7 +12,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-__all__ = ["NAMES", "Exhibit", "chosen", "made_by", "modules"]
+__all__ = ["Exhibit"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,64 +64,3 @@ class Exhibit:
             .rename(columns=heads)
             .to_csv(index=False, float_format="%.10g", na_rep="nan", lineterminator="\n")
         )
-
-
-# in the order of the thesis
-_MODULES = {
-    "fig5": "fig5",
-    "fig15": "fig15",
-    "fig16": "fig16_18",
-    "fig17": "fig16_18",
-    "fig18": "fig16_18",
-    "fig19": "fig19",
-    "fig20": "fig20",
-    "fig21": "fig21_22",
-    "fig22": "fig21_22",
-    "fig23": "fig23_24",
-    "fig24": "fig23_24",
-    "fig25": "fig25",
-    "fig26": "fig26",
-    "fig27": "fig27",
-    "fig28": "fig28_29",
-    "fig29": "fig28_29",
-    "fig30": "fig30",
-    "fig33": "fig33",
-    "fig34": "fig34",
-    "fig35": "fig35",
-    "table3": "table3",
-    "fig37": "table3",
-    "table4": "table4",
-}
-NAMES = tuple(_MODULES)
-
-# the ones that take longest, longest first: processes that start with them end sooner
-_LONG = ("fig28_29", "table3", "fig19", "fig16_18", "fig21_22", "fig23_24", "fig26", "fig33")
-
-
-def chosen(names: Sequence[str]) -> tuple[str, ...]:
-    """Return the names, checked, in the order of the thesis.
-
-    Raises
-    ------
-    InvalidProblem
-        For a name that is no figure or table here.
-    """
-    for name in names:
-        if name not in _MODULES:
-            near = get_close_matches(name, NAMES, 1)
-            hint = f"; did you mean {near[0]!r}?" if near else ""
-            text = f"unknown{hint}; there are {', '.join(NAMES)}"
-            raise wo.InvalidProblem([(name, text)])
-    return tuple(name for name in NAMES if name in names)
-
-
-def modules(names: Sequence[str]) -> tuple[str, ...]:
-    """Return the modules that make these figures and tables, the longest first."""
-    needed = dict.fromkeys(_MODULES[name] for name in names)
-    return tuple(sorted(needed, key=lambda m: _LONG.index(m) if m in _LONG else len(_LONG)))
-
-
-def made_by(module: str, solver: str) -> tuple[Exhibit, ...]:
-    """Compute all figures of a module, "accurate" or by the procedure of the "thesis"."""
-    made: tuple[Exhibit, ...] = import_module(f".{module}", __package__).exhibits(solver)
-    return made

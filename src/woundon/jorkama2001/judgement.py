@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from .exhibits import Exhibit, made_by
+from .catalogue import made_by
+from .exhibits import Exhibit
 from .verdicts import Outcome, Verdict
 
 __all__ = ["SOLVERS", "Judged", "judged"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 from importlib import resources
 
-from .exhibits import NAMES, chosen, made_by, modules
+from .catalogue import NAMES, chosen, made_by, modules
 
 __all__ = ["drawn", "known"]
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import NamedTuple
 
-from .exhibits import NAMES, chosen, modules
+from .catalogue import NAMES, chosen, modules
 from .judgement import Judged, judged
 from .processes import in_processes
 from .verdicts import Outcome
