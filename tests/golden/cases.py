@@ -1,7 +1,7 @@
 """The golden cases: their problems as objects of the program, and comparison with its results.
 
-``make.py`` describes the files.  Everything that depends on the names of classes and of outputs is
-in ``TYPES``, ``build``, ``outputs`` and ``samples``.
+The files were written once, by version 0.2 (``provenance``).  Everything that depends on the names
+of classes and of outputs is in ``TYPES``, ``build``, ``outputs`` and ``samples``.
 """
 
 from __future__ import annotations

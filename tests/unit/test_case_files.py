@@ -142,37 +142,10 @@ def test_one_of_two_fields_is_left_out_for_the_other(pair):
 
 # (setting, field named, what the text says); the value is in the text wherever there is one
 BAD_SETTINGS = [
-    ("nip_load=-3502", "nip_load", "-3502*must be >= 1e-12*[N/m]"),
-    ("nip_load=0", "nip_load", "0*must be >= 1e-12*[N/m]"),
-    ("nip_load=nan", "nip_load", "nan*not a finite number"),
-    ("nip_load=inf", "nip_load", "inf*not a finite number"),
-    ("nip_load=1e12", "nip_load", "<= 1e+07 [N/m]"),
     ("nip_load=heavy", "nip_load", "'heavy' is not a number*N/m"),
-    ("nip_load='3502 N'", "nip_load", "'3502 N' is a force*N/m"),
-    ("nip_load=20 plu", "nip_load", "'plu'*did you mean 'pli'?"),
-    ("nip_laod=3502", "nip_laod", "did you mean 'nip_load'?"),
     ("wbe.thickness=57 um", "wbe", "did you mean 'web'?"),
-    ("web.thicknes=57 um", "web.thicknes", "did you mean 'thickness'?"),
-    ("web.thickness=66", "web.thickness", "66*<= 0.01 [m]"),
-    ("web.thickness=66 MPa", "web.thickness", "wrong dimension*in m"),
-    ("web.thickness=0", "web.thickness", "[m]"),
-    ("web.material=newsprnt", "web.material", "'newsprnt'*did you mean 'newsprint'?"),
-    ("web.material.shear=0", "web.material.shear", "must be >= 0.001*[Pa]"),
-    ("roll.material.cross=400 MPa", "roll.material.cross", "sqrt(radial * tangential)"),
-    ("roll.material.cross=-1", "roll.material.cross", "must be >= 0*[Pa]"),
-    ("roll.core_radius=100 mm", "roll.core_radius", "0.1*radius"),
-    ("roll.core_radius=0", "roll.core_radius", "> 0 [m]"),
     ("roll.kind=cylindre", "roll.kind", "'cylindre'*did you mean 'cylinder'?"),
-    ("roll.radius=-0.1", "roll.radius", "[m]"),
     ("drum.core_radius=50 mm", "drum.core_radius", "no such field"),
-    ("roll_friction=0", "roll_friction", ">= 1e-08"),
-    ("roll_friction=-0.1", "roll_friction", ">= 1e-08"),
-    ("roll_friction=0.2 N", "roll_friction", "wrong dimension*plain number"),
-    ("web_tension=-1 N/m", "web_tension", "must be >= 0*[N/m]"),
-    ("winding_force=800", "winding_force", "800*> -700.4 and < 700.4 [N/m]"),
-    ("winding_force=-700.5 N/m", "winding_force", "-700.5*700.4 [N/m]"),
-    ("roll_wrap=200 deg", "roll_wrap", "<= 3.14159 [rad]"),
-    ("roll_wrap=2 m", "roll_wrap", "'2 m' has the wrong dimension*in rad"),
     ("wrap.rol_wrap=1", "wrap.rol_wrap", "did you mean 'roll_wrap'?"),
     ("wrap.nip_load=1", "wrap.nip_load", "write nip_load above the first [section]"),
     ("wrap=180 deg", "wrap", "must be a table of roll_wrap, drum_wrap, wrap_friction"),
@@ -191,18 +164,6 @@ def test_bad_value_is_refused(setting, field, said):
     assert list(faults) == [field], "one fault, and no other is told"
     for part in said.split("*"):
         assert part in faults[field]
-
-
-def test_a_sliding_drum_has_no_steady_state():
-    with pytest.raises(wo.NoSteadyState):
-        wo.load_case(EXAMPLE, ["winding_force=800"])
-
-
-def test_no_poissons_ratio_is_above_that_of_an_incompressible_cover():
-    settings = ["drum.kind=half_plane", "drum.material.youngs_modulus=1 MPa"]
-    assert wo.load_case(EXAMPLE, [*settings, "drum.material.poissons_ratio=0.5"])
-    with pytest.raises(wo.InvalidProblem, match=r"drum.material.poissons_ratio: .*<= 0.5"):
-        wo.load_case(EXAMPLE, [*settings, "drum.material.poissons_ratio=0.501"])
 
 
 QUOTED = '"a.b"'
@@ -440,10 +401,6 @@ KINDS = ["nip", "rollers"]
 def test_template_is_a_case_ready_to_run(kind):
     example = kinds.named(kind).problem.example()
     assert make_problem(tomllib.loads(template(kind))) == example
-
-
-def test_template_is_the_nip_by_default():
-    assert make_problem(tomllib.loads(template())) == TABLE_2
 
 
 @pytest.mark.parametrize("kind", KINDS)

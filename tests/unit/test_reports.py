@@ -16,12 +16,10 @@ from thesis_cases import newsprint_nip
 import woundon as wo
 from woundon import kinds, quantities
 from woundon.report.parts import Row, Section, certificate_line, zone_line
-from woundon.report.reports import print_report, report_parts, report_text
+from woundon.report.reports import print_report, report_text
 from woundon.report.sections import (
-    LAYERS,
     nip_report,
     outputs_report,
-    print_sensitivity,
 )
 from woundon.report.terminal import print_parts
 
@@ -155,39 +153,6 @@ def test_every_output_is_in_the_report_unless_it_is_told_otherwise(examples):
 # ---- the nip -------------------------------------------------------------------------------------
 
 
-def test_a_nip_says_where_its_web_is_held(nip):
-    parts = sections(nip_report(nip))
-    said = parts["Winding nip, the web held at its trailing edge"]
-    NIT, T_out = nip.nip_induced_tension, nip.outlet_tension
-    error = f"{nip.nip_induced_tension_error:.2g}"
-    assert said[0] == f"nip-induced tension, WOT - T_in NIT {NIT:.5g} N/m ± {error}"
-    error = f"{nip.errors['outlet_tension']:.2g}"
-    assert said[1].endswith(f"edge of the nip T_out {T_out:.5g} N/m ± {error}")
-    estimate = nip.wound_on_tension_estimate(pi)
-    assert said[2].endswith(f"without roll wrap WOT est. {estimate:.5g} N/m")
-    told = " ".join(said)
-    assert "(web held at the trailing edge, eq. 97)" in told
-    assert "bracket the wound-on tension" in told
-    assert "set roll_wrap to compute it" in told
-    assert f"nip load P {nip.problem.nip_load:.5g} N/m" in parts["Loads"]
-
-
-def test_other_theories_of_a_nip_are_the_closed_forms(nip):
-    said = sections(nip_report(nip))["Other theories"]
-    problem = nip.problem
-    limit = wo.theories.friction_limit(problem)
-    dual = float(wo.theories.dual_slip(problem, nip.dual))
-    jalkanen = wo.theories.jalkanen(problem, nip.approach)
-    contact = wo.theories.hertz(problem)
-    assert said == [
-        f"friction limit mu+ P + F (upper bound) NIT {limit:.5g} N/m",
-        f"dual-slip formula, with the solved dual slip NIT {dual:.5g} N/m",
-        f"Jalkanen, with the solved approach NIT {jalkanen:.5g} N/m",
-        f"Hertz (half-planes, no web) 2a {2e3 * contact.half_width:.5g} mm",
-        f"Hertz (half-planes, no web) p_max {contact.peak_pressure / 1e3:.5g} kPa",
-    ]
-
-
 def test_theories_are_left_out_where_they_do_not_apply():
     """Of a body of no linear elastic material, of an approach without level, of no dual slip."""
 
@@ -211,38 +176,6 @@ def test_theories_are_left_out_where_they_do_not_apply():
 # ---- the nip with its wraps ----------------------------------------------------------------------
 
 
-def test_a_wrapped_nip_tells_the_wound_on_tension_first(wrapped):
-    parts = sections(nip_report(wrapped))
-    said = parts["Winding nip, the web wrapped on the roll"]
-    assert not any("extrapolates" in str(row) for row in said)
-    WOT, error = wrapped.wound_on_tension, wrapped.wound_on_tension_error
-    assert (
-        said[0]
-        == f"wound-on tension, where the web is held to the roll WOT {WOT:.5g} N/m ± {error:.2g}"
-    )
-    angle = np.degrees(wrapped.slip_angle)
-    assert f"roll downstream of the nip theta_s {angle:.5g} deg, web faster" in " ".join(said)
-    before = wrapped.inlet_tension
-    assert f"web tension at the leading edge of the nip T_n {before:.5g} N/m" in " ".join(said)
-    loads = parts["Loads and wraps"]
-    assert loads[-3].endswith(f"theta+ {np.degrees(1.0):.5g} deg")
-    assert loads[-2].endswith(f"theta- {np.degrees(0.5):.5g} deg")
-    assert loads[-1].endswith("mu_w+ 0.3")
-
-
-def test_the_same_nip_without_wraps_is_in_the_report(wrapped):
-    """Solved on as many nodes; estimated to where the web is held; both bracket the wrapped one."""
-    said = sections(nip_report(wrapped))["The same nip, its web held at the trailing edge"]
-    alone = wo.solve(wrapped.problem.replace(roll_wrap=0.0, drum_wrap=0.0), nodes=NODES)
-    low, high = alone.outlet_tension, alone.wound_on_tension_estimate(1.0)
-    assert low < wrapped.wound_on_tension < high
-    error = f"{alone.errors['outlet_tension']:.2g}"
-    assert said[0].endswith(f"nip, eq. (97) T_out {low:.5g} N/m ± {error}")
-    assert said[1].endswith(f"downstream, eq. (183) WOT est. {high:.5g} N/m")
-    WOT = f"{wrapped.wound_on_tension:.5g}"
-    assert said[2] == f"They bracket the wound-on tension, {WOT} N/m above."
-
-
 def test_an_answer_outside_the_two_is_not_said_to_be_bracketed(wrapped):
     tension = wrapped.tension.copy()
     tension[-1] = 2000.0
@@ -258,65 +191,6 @@ def test_a_nip_that_is_none_without_its_wraps_says_why():
     assert told.startswith("Has no steady state: winding_force: 400 is out of range")
     # the closed forms of the tension know no drum wrap
     assert [line.split()[0] for line in said["Other theories"]] == ["Hertz", "Hertz"]
-
-
-def test_without_a_wrap_on_the_roll_nothing_is_compared():
-    result = wo.solve(newsprint_nip(drum_wrap=0.5), nodes=NODES)
-    assert list(sections(nip_report(result))) == [
-        "Loads and wraps", "Winding nip, the web held at its trailing edge", LAYERS,
-        "Other theories",
-    ]  # fmt: skip
-
-
-# ---- two rollers ---------------------------------------------------------------------------------
-
-
-def test_similar_rollers_are_compared_with_carter():
-    result = rollers()
-    parts = sections(report_parts(result))
-    exact = wo.theories.carter(result.problem)
-    share = 1 - exact.stick_half_width / exact.half_width
-    assert parts["Loads"][1] == "tangential load Q 8400 N/m"
-    assert f"xi {100 * result.creepage:.5g} %" in parts["Rolling contact"][0]
-    assert parts["Closed forms"] == [
-        f"Carter (similar half-planes) xi {100 * exact.creepage:.5g} %",
-        f"Carter (similar half-planes) s_q {100 * share:.5g} %",
-        f"Hertz (half-planes) 2a {2e3 * exact.half_width:.5g} mm",
-        f"Hertz (half-planes) p_max {exact.peak_pressure / 1e6:.5g} MPa",
-    ]
-    driven = rollers(tangential_load=None, creepage=1e-4)
-    parts = sections(report_parts(driven))
-    load = wo.theories.carter(driven.problem).tangential_load
-    assert parts["Loads"][1] == "creepage xi 0.01 %"
-    assert parts["Rolling contact"][0].startswith("tangential load on the upper roller Q ")
-    assert parts["Closed forms"][0] == f"Carter (similar half-planes) Q {load:.5g} N/m"
-
-
-def test_static_rollers_are_compared_with_cattaneo():
-    result = rollers(motion="static")
-    parts = sections(report_parts(result))
-    first = parts["Static contact"][0]
-    assert f"s {1e6 * result.shift:.5g} um ± " in first
-    assert first.endswith(", up to a constant")
-    assert "creepage" not in str(result)
-    exact = wo.theories.cattaneo(result.problem)
-    share = 1 - exact.stick_half_width / exact.half_width
-    assert parts["Closed forms"][0] == f"Cattaneo (similar half-planes) s_q {100 * share:.5g} %"
-
-
-def test_dissimilar_rollers_are_compared_with_bentall_and_johnson_when_they_roll_freely():
-    soft = wo.HalfPlane(radius=0.25, material=wo.Isotropic(youngs_modulus=1e9, poissons_ratio=0.3))
-    free = rollers(lower=soft, tangential_load=None)
-    parts = sections(report_parts(free))
-    assert parts["Loads"][1] == "tangential load Q 0 N/m"
-    slip = 100 * wo.theories.bentall_johnson_frictionless(free.problem)
-    stick = 100 * wo.theories.bentall_johnson_stick(free.problem).creepage
-    assert parts["Closed forms"][:2] == [
-        f"Bentall and Johnson (half-planes), without friction xi {slip:.5g} %",
-        f"Bentall and Johnson (half-planes), without slip xi {stick:.5g} %",
-    ]
-    braked = sections(report_parts(rollers(lower=soft)))
-    assert [line.split()[0] for line in braked["Closed forms"]] == ["Hertz", "Hertz"]
 
 
 # ---- any kind ------------------------------------------------------------------------------------
@@ -400,12 +274,6 @@ def test_lines_are_neither_cut_nor_folded(wrapped, monkeypatch):
         assert paper.getvalue() == f"{whole}\n"
 
 
-def test_columns_stand_below_each_other(nip):
-    rows = [line for line in str(nip).splitlines()[1:] if line.endswith(" N/m")]
-    assert len(rows) >= 6
-    assert len({line.index("N/m") for line in rows}) == 1
-
-
 def test_zones_are_drawn_in_proportion_and_short_ones_stay_in_sight(nip):
     x = np.linspace(-1.0, 1.0, 101)
     zones = np.zeros(101, dtype=np.int8)
@@ -418,24 +286,6 @@ def test_zones_are_drawn_in_proportion_and_short_ones_stay_in_sight(nip):
     assert abs(runs[2][1] - 30) <= 1
     (roll,) = [line for line in str(nip).splitlines() if line.startswith(" roll  ")]
     assert roll.split()[1].count("▶") == pytest.approx(60 * nip.trailing_roll, abs=2)
-
-
-def test_sensitivities_are_told_by_elasticity(nip):
-    found = nip.sensitivity()
-    paper = StringIO()
-    print_sensitivity(found, Console(file=paper, width=100))
-    said = lines(paper.getvalue())
-    assert said[2] == "value [SI] WOT NIT T_out 2a xi-"
-    rows = {line.split()[0]: line.split()[1:] for line in said[3:-1]}
-    assert set(rows) == set(found.parameters) - {"winding_force"}
-    shown = [k for k, name in enumerate(found.outputs) if name != "half_width"]
-    for name, numbers in rows.items():
-        exact = found.elasticities[shown, found.parameters.index(name)]
-        np.testing.assert_allclose([float(x) for x in numbers[1:]], exact, atol=0.5001e-4)
-    of_first = [abs(float(row[1])) for row in rows.values()]
-    assert of_first == sorted(of_first, reverse=True)
-    slope = found.derivative("wound_on_tension", "winding_force")
-    assert said[-1] == f"winding_force is 0: WOT changes by {slope:+.4g} N/m per N/m of it"
 
 
 def test_text_is_returned_in_a_notebook_too(nip, monkeypatch):

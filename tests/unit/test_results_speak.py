@@ -95,27 +95,6 @@ def test_print_says_what_the_command_says(kind: str, tmp_path, capsys) -> None:
     assert capsys.readouterr().out == f"{coarse_solution(problem, NODES)}\n"
 
 
-@pytest.mark.slow
-def test_a_printed_sensitivity_is_the_commands(tmp_path, capsys) -> None:
-    case = tmp_path / "case.toml"
-    case.write_text(template("nip"), encoding="utf-8")
-    assert cli.main(["solve", str(case), "--nodes", str(NODES), "--sensitivity"]) == 0
-    result = wo.solve(wo.load_case(case), nodes=NODES)
-    assert capsys.readouterr().out == f"{result}\n\n{result.sensitivity()}\n"
-
-
-@pytest.mark.slow
-def test_a_printed_fit_is_the_commands(tmp_path, capsys) -> None:
-    case, data = tmp_path / "case.toml", tmp_path / "data.csv"
-    case.write_text(template("nip"), encoding="utf-8")
-    data.write_text("nip_load [N/m],wound_on_tension [N/m]\n1000,530\n3000,690\n", encoding="utf-8")
-    fitted = {"roll_friction": (0.1, 0.4)}
-    vary = ["--vary", "roll_friction=0.1:0.4", "--starts", "1", "--no-profiles"]
-    assert cli.main(["fit", str(case), str(data), *vary, "--nodes", str(NODES)]) == 0
-    fit = wo.fit(wo.load_case(case), data, fitted, starts=1, profiles=False, nodes=NODES)
-    assert capsys.readouterr().out == f"{fit}\n"
-
-
 # ---- in one line
 
 
@@ -125,26 +104,6 @@ def test_one_line_says_what_it_is(told, name: str) -> None:
     assert "\n" not in said
     assert len(said) < 200
     assert said.startswith(f"{type(told[name]).__name__}(")
-
-
-def test_one_line_has_the_main_numbers(told) -> None:
-    fit, sobol, slopes = (told[name] for name in STUDIES)
-    for number in (f"{fit.estimates[0]:.4g}", f"{fit.estimates[1]:.4g} Pa", f"RMS {fit.rms:.4g}"):
-        assert number in repr(fit)
-    assert f"nip_load {sobol.total_order[0, 0]:.2f}" in repr(sobol)
-    first = slopes.sorted()
-    assert f"{first.parameters[0]} {first.elasticities[0, 0]:+.2f}, " in repr(slopes)
-    cases = "32 cases of nip_load, roll_friction"
-    assert repr(sobol.table) == f"Table({cases}; wound_on_tension; 0 failed)"
-
-
-def test_one_line_of_a_fit_of_many(told) -> None:
-    from dataclasses import replace
-
-    many = tuple(f"a.field.with.a.long.name.{k}" for k in range(11))
-    line = repr(replace(told["fit"], names=many, estimates=np.full(11, 1.2345e-7)))
-    assert "8 more; RMS" in line
-    assert len(line) < 200
 
 
 # ---- as HTML
@@ -161,49 +120,12 @@ def test_a_notebook_gets_the_report_as_tables(told, kind: str) -> None:
                 assert word in text
 
 
-@pytest.mark.parametrize("name", STUDIES)
-def test_a_notebook_gets_studies_as_tables(told, name: str) -> None:
-    page = Page(told[name]._repr_html_())
-    names = {
-        "fit": told["fit"].names, "sobol": told["sobol"].inputs,
-        "sensitivity": told["sensitivity"].parameters,
-    }[name]  # fmt: skip
-    assert set(names) <= set(page.cells)
-    fit = told["fit"]
-    if name == "fit":
-        assert f"{fit.estimates[0]:.4g}" in page.cells
-        assert any(fit.lines()[-1] in text for text in page.texts)
-    if name == "sobol":  # the strongest first
-        rows = [cell for cell in page.cells if cell in names]
-        order = np.argsort(-told["sobol"].total_order[0])
-        assert rows == [names[j] for j in order]
-
-
-def test_problems_and_their_parts_are_tables_too() -> None:
-    problem = newsprint_nip()
-    page = Page(problem._repr_html_())
-    at = page.cells.index("nip load")
-    assert page.cells[at : at + 4] == ["nip load", "P", "3502", "N/m"]
-    assert "roll.material.shear" in page.cells
-    assert "thickness" in " ".join(Page(problem.web._repr_html_()).cells)
-
-
 def test_every_text_is_escaped() -> None:
     evil = "<script>alert('&')</script>"
     rows = (row_of(quantities.Quantity(evil, evil, evil), 1.0, note=evil),)
     html = parts_html([Section(evil, rows, evil), Line(evil, "warning"), Line(evil)])
     assert "<script" not in html
     assert "".join(Page(html).texts).count(evil) == 8
-
-
-@pytest.mark.parametrize("name", KINDS + STUDIES)
-def test_it_takes_the_colours_of_the_page(told, name: str) -> None:
-    """Letters and grounds have no colour of their own, so dark pages are as readable as light."""
-    page = Page(told[name]._repr_html_())
-    coloured = [style for style in page.styles if "color" in style or "background" in style]
-    # the zones' bars alone, that hold no letters
-    assert all(style.startswith("display:inline-block") for style in coloured)
-    assert (len(coloured) > 0) == (name in KINDS and name not in ("roll", "winding"))
 
 
 # ---- as tables

@@ -13,7 +13,6 @@ from thesis_cases import newsprint_nip, paper_nip
 
 import woundon as wo
 from woundon import validity
-from woundon.cli import commands as cli
 from woundon.elasticity.mesh import Wrap, nip_mesh
 from woundon.nip.validity import _bodies_strains, _web_strain, nip_warnings
 
@@ -168,13 +167,6 @@ def test_warnings_are_kept_in_files(ending: str, tmp_path: Path) -> None:
     assert nip_warnings(kept) == result.warnings
 
 
-def test_warnings_are_printed(capsys: pytest.CaptureFixture[str]) -> None:
-    example = str(Path(__file__).parents[2] / "examples" / "newsprint_table2.toml")
-    words = ["solve", example, "--nodes", "33", "--set", "roll_wrap=0"]
-    assert cli.main([*words, "--set", "web_tension=1 N/m"]) == 0
-    assert "warning: the web is slack: its tension falls to -" in capsys.readouterr().out
-
-
 @pytest.mark.parametrize("thickness", [66e-6, 33e-6])
 def test_the_drums_surface_strain_is_that_of_its_own_response(thickness: float) -> None:
     """The warning reads the strain off the web's and the slip; the kernels give it directly."""
@@ -317,17 +309,6 @@ def test_studies_tell_warnings_in_a_column_and_issue_none() -> None:
     column = told[0].warnings.values  # type: ignore[attr-defined]
     assert column[0] == ""
     assert column[1].startswith("the web's strain is ")
-
-
-def test_the_command_line_tells_warnings_in_its_report_alone(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    example = str(Path(__file__).parents[2] / "examples" / "newsprint_table2.toml")
-    words = ["solve", example, "--nodes", "33", "--set", "web_tension=100 kN/m"]
-    assert issued(lambda: cli.main(words)) == []
-    out, err = capsys.readouterr()
-    assert out.count("the web's strain is") == 1
-    assert err == ""
 
 
 def test_reading_and_printing_a_result_issues_nothing(tmp_path: Path) -> None:

@@ -1,0 +1,50 @@
+"""Printed reports of all kinds: one golden file each, ``tests/golden/report_*.txt``.
+
+Numbers may differ by 0.2 %, error estimates and residuals depend on the rounding and are left out.
+"""
+
+from __future__ import annotations
+
+import re
+from io import StringIO
+
+import pytest
+from coarse_solutions import coarse_solution
+from golden_text import assert_golden
+from rich.console import Console
+
+import woundon as wo
+from woundon.report.sections import print_sensitivity
+
+NIP, PAIR = wo.NipProblem.example(), wo.RollerProblem.example()
+SOFT = wo.HalfPlane(radius=0.25, material=wo.Isotropic(youngs_modulus=1e9, poissons_ratio=0.3))
+CASES = {
+    "nip": NIP,
+    "nip_without_wrap": NIP.replace(roll_wrap=0.0),
+    "nip_both_wraps": NIP.replace(roll_wrap=1.0, drum_wrap=0.5, wrap_friction=0.3),
+    "rollers": PAIR,
+    "rollers_creepage": PAIR.replace(tangential_load=None, creepage=1e-4),
+    "rollers_static": PAIR.replace(motion="static"),
+    "rollers_dissimilar": PAIR.replace(lower=SOFT, tangential_load=None),
+    "roll": wo.RollProblem.example(),
+    "winding": wo.WindingProblem.example().replace(radius=0.1, roll_body="linear"),
+}
+
+
+def without_estimates(text: str) -> str:
+    text = re.sub(r"± \S+|\d+ Newton iterations", "", text)
+    text = re.sub(r"largest residual \S+ \(.*\)", "largest residual", text)
+    return "".join(f"{line.rstrip()}\n" for line in text.splitlines() if "▶" not in line)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_the_report_is_that_of_the_golden_file(name: str) -> None:
+    text = without_estimates(str(coarse_solution(CASES[name], 33)))
+    assert_golden(f"report_{name}.txt", text, rtol=2e-3)
+
+
+def test_the_report_of_sensitivities_is_that_of_the_golden_file() -> None:
+    paper = StringIO()
+    print_sensitivity(coarse_solution(NIP, 33).sensitivity(), Console(file=paper, width=100))
+    text = without_estimates(paper.getvalue())
+    assert_golden("report_sensitivity.txt", text, rtol=5e-3, atol=2e-4)
