@@ -80,7 +80,7 @@ html_show_sourcelink = False
 html_sidebars = {name: [] for name in ("index", "genindex", "py-modindex", "search")}
 html_context = {"default_mode": "auto"}  # light or dark, as the reader's system
 html_theme_options = {
-    "header_links_before_dropdown": 6,
+    "header_links_before_dropdown": 7,
     "show_prev_next": True,
     "navigation_with_keys": False,
     "secondary_sidebar_items": ["page-toc"],
