@@ -13,7 +13,7 @@ SOURCES = HERE.parent.parent / "src"
 
 def make(app) -> None:
     """Compute every figure, unless the program has not changed since."""
-    from woundon.jorkama2001.exhibits import NAMES
+    from woundon.jorkama2001.catalogue import NAMES
     from woundon.jorkama2001.publication import known_counts, publish, summary
 
     folder = Path(app.srcdir) / "thesis" / "figures"

@@ -6,6 +6,7 @@ commands, ``pyproject.toml`` and the package directories.  The pages are read as
 
 from __future__ import annotations
 
+import importlib
 import pkgutil
 import re
 import tomllib
@@ -89,6 +90,19 @@ def test_the_gallery_header_names_the_cases_of_the_examples() -> None:
     used = {kind.problem.__name__ for kind in KINDS if f"wo.{kind.problem.__name__}" in scripts}
     header = page("examples/GALLERY_HEADER.rst")
     assert {name for name in used if f"wo.{name}" not in header} == set()
+
+
+def test_the_names_that_pages_and_examples_import_exist() -> None:
+    """The documentation build executes them too, which takes minutes."""
+    for pattern in PROSE:
+        for path in ROOT.glob(pattern):
+            text = path.read_text("utf-8") if path.suffix in {".md", ".py"} else ""
+            for module, names in re.findall(
+                r"^ *from (woundon[\w.]*) import ([\w, ]+)$", text, re.M
+            ):
+                for name in names.replace(" ", "").split(","):
+                    found = importlib.import_module(module)
+                    assert hasattr(found, name) or importlib.import_module(f"{module}.{name}"), path
 
 
 def test_the_prose_uses_standard_terms() -> None:
