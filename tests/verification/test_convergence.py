@@ -151,10 +151,13 @@ def test_the_other_outputs_converge() -> None:
         (random_nip(92064), "dual"),  # a slip zone at the trailing edge is shorter than a cell
         (random_wrapped_nip(90016), "peak_pressure"),  # the maximum is a cusp at a zone boundary
         (random_wrapped_nip(90023), "dual"),
+        (random_wrapped_nip(93027), "drum_creepage"),  # stiff drum: start of its wrap
     ],
 )
-def test_the_estimates_hold_at_zone_boundaries(problem: wo.NipProblem, output: str) -> None:
-    """With Richardson's estimate of order two alone the errors were 7, 16, 10 and 26 estimates."""
+def test_the_estimates_hold_where_fields_are_not_smooth(
+    problem: wo.NipProblem, output: str
+) -> None:
+    """Errors relative to Richardson's estimate of order two alone: 7, 16, 10, 26 and 6."""
     result, fine = wo.solve(problem), wo.solve(problem, nodes=385)
     error = abs(getattr(result, output) - getattr(fine, output))
     assert error <= 1.5 * result.error(output)

@@ -18,7 +18,7 @@ import numpy as np
 
 from ..contact.refinement import Refinement
 from .energy import rolling_resistance
-from .equations import NipEquations, NipState
+from .equations import Geometry, NipEquations, NipState
 from .zones import has_traction_jump, slip_lengths
 
 __all__ = [
@@ -211,8 +211,8 @@ def slip_ratios(problem: Any, arrays: Mapping[str, Array], nip: slice) -> dict[s
 def error_estimates(found: Refinement, arrays: Mapping[str, Array]) -> dict[str, float]:
     """Return the estimated discretisation errors of all outputs.
 
-    Richardson's estimate of order two, with three exceptions at zone boundaries, each of which is
-    known only to the cell in which it lies:
+    Richardson's estimate of order two, with exceptions where the fields are not smooth within a
+    cell:
 
     - A slip length has at least the error of half a cell.
     - A maximum of the pressure next to a zone boundary is a cusp.  The pressure is concave there,
@@ -220,6 +220,9 @@ def error_estimates(found: Refinement, arrays: Mapping[str, Array]) -> dict[str,
       difference to a neighbouring node.
     - Where a traction jumps, a quadrature over the cell is of order one.  The creepage, which is
       determined by the resultant of the tractions, then converges with order one.
+    - At the start of a drum wrap the pressure T/R begins within a length of about T C, C the
+      compliance of the drum.  A longer cell does not resolve the strain there, on which the
+      creepage depends, so that this strain is unknown by its change under T/R.
 
     Parameters
     ----------
@@ -238,7 +241,18 @@ def error_estimates(found: Refinement, arrays: Mapping[str, Array]) -> dict[str,
         errors["peak_pressure"] = max(errors["peak_pressure"], float(to_neighbours.max()))
     if any(has_traction_jump(zone) for zone in zones):
         errors["drum_creepage"] = found.errors(order=1)["drum_creepage"]
+    unresolved = _unresolved_strain(found.last.system, found.last.state.fields.geometry)
+    errors["drum_creepage"] = max(errors["drum_creepage"], unresolved)
     return errors
+
+
+def _unresolved_strain(equations: NipEquations, geometry: Geometry) -> float:
+    """Return the strain of the drum at the start of its wrap that the mesh does not resolve."""
+    drum, T = equations.problem.drum, equations.problem.web_tension
+    first_cell = geometry.a * float(geometry.mesh.cells[0])
+    if not equations.drum_wrap or first_cell <= T * drum.compliance:
+        return 0.0
+    return abs(drum.uniform_strain(T / drum.radius))
 
 
 class NipSystem(NipEquations):
