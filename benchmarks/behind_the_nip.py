@@ -29,6 +29,7 @@ from random_nips import random_nip
 
 import woundon as wo
 from woundon.jorkama2001.cases import measured_tensions
+from woundon.jorkama2001.estimate import wound_on_tension_estimate
 
 __all__ = [
     "PAPERS", "Compared", "bracket_table", "case_table", "compared", "error_map", "error_table",
@@ -120,7 +121,7 @@ def compared(problem: wo.NipProblem, nodes: int = 129) -> Compared:
     return Compared(
         web_tension=T_in,
         confined=alone.outlet_tension - T_in,
-        estimate=alone.wound_on_tension_estimate() - T_in,
+        estimate=wound_on_tension_estimate(alone) - T_in,
         in_nip=wrapped.outlet_tension - wrapped.inlet_tension,
         nip_induced=wrapped.nip_induced_tension,
         error=alone.nip_induced_tension_error + wrapped.wound_on_tension_error,
@@ -277,7 +278,7 @@ def slope_table() -> str:
             [result.wound_on_tension - result.problem.web_tension for result in wrapped]
         )
         confined = alone.nip_induced_tension
-        estimate = alone.wound_on_tension_estimate(pi / 2) - problems[0].web_tension
+        estimate = wound_on_tension_estimate(alone, pi / 2) - problems[0].web_tension
         texts = (f"{T / P:.3f}" for T in (confined, estimate, solved))
         rows.append(
             (f"{P:.0f}", f"{np.mean(added) / P:.3f} ± {np.std(added, ddof=1) / P:.3f}", *texts)

@@ -42,6 +42,7 @@ from scipy.optimize import root_scalar
 from table_run import sources
 
 import woundon as wo
+import woundon.jorkama2001.nips  # adds the output rig_tension
 from woundon.jorkama2001.cases import ONE_PAPER, newsprint_nip
 
 SUMS = (10e3, 100e3, 200e3, 400e3)  # K1 + P0 [Pa]

@@ -18,6 +18,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import woundon as wo
+from woundon.jorkama2001.estimate import wound_on_tension_estimate
 
 wrapped = wo.NipProblem.example().replace(roll_wrap=np.pi)
 unwrapped = wrapped.replace(roll_wrap=0.0)  # the web is held at the trailing edge
@@ -26,7 +27,7 @@ table = []
 for load in loads:
     far = wo.solve(wrapped.replace(nip_load=load)).wound_on_tension
     nip = wo.solve(unwrapped.replace(nip_load=load))
-    table.append((nip.outlet_tension, far, nip.wound_on_tension_estimate()))
+    table.append((nip.outlet_tension, far, wound_on_tension_estimate(nip)))
     print("P = {:4.0f} N/m: edge {:.0f}, wrapped {:.0f}, (183) {:.0f} N/m".format(load, *table[-1]))
 edge, wound_on, estimate = np.array(table).T
 

@@ -15,6 +15,7 @@ from slow_cases import slow_case
 from thesis_cases import newsprint_nip, paper_nip
 
 import woundon as wo
+import woundon.jorkama2001.nips  # adds the output rig_tension
 import woundon.studies.fit
 from woundon.studies.fit import fit_parameters
 from woundon.studies.kind_model import columns_of, measurable, model_of, replaced

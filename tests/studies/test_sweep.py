@@ -98,7 +98,7 @@ def test_web_tension_is_free_and_right():
     """The winding theorem: T_in shifts T_out, and moves creep and approach, which are solved."""
     tensions = [100.0, 500.0, 900.0]
     cheap = wo.sweep(
-        paper_nip(), {"web_tension": tensions}, ("outlet_tension", "rig_tension"), nodes=17
+        paper_nip(), {"web_tension": tensions}, ("outlet_tension", "nip_induced_tension"), nodes=17
     )
     whole = wo.sweep(
         paper_nip(), {"web_tension": tensions}, ("outlet_tension", "drum_creepage"), nodes=17
@@ -173,7 +173,7 @@ def test_progress_is_told():
         ({"nip_load": [1e3]}, (), {}, "outputs: none is given"),
         ({"nip_load": [1e3]}, "half_width", {"options": {"node": 17}}, "node: no such option; d"),
         ({"nip_load": [1e3]}, "half_width", {"nodes": 17, "options": {"nodes": 13}}, "given twice"),
-        ({"nip_load": [1e3]}, "half_width", {"nodes": 17, "rtol": 1e-3}, "is given beside rtol"),
+        ({"nip_load": [1e3]}, "half_width", {"nodes": 17, "rtol": 1e-3}, "together with rtol"),
         ({"nip_load": ["1 kN"]}, "half_width", {}, "nip_load: '1 kN' is a force"),
         ({"nip_load": ["1"]}, "half_width", {}, "nip_load: '1' has no unit; expected a value in"),
         ({"nip_load": [1e3]}, "half_width", {"workers": 0}, "workers: 0 is out of range"),

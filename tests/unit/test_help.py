@@ -66,7 +66,7 @@ def report(result: wo.NipResult, path: Path) -> str:
 
 nip = wo.solve(problem, nodes=33)
 text: str = report(nip, Path("nip.nc"))
-tension: float = nip.outlet_tension + nip.wound_on_tension_estimate()
+tension: float = nip.outlet_tension + nip.error("outlet_tension")
 peak = float(np.max(nip.drum_pressure))
 load: float = nip.problem.nip_load
 wrapped = wo.solve(problem.replace(roll_wrap=1.0))

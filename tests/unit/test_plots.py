@@ -428,29 +428,29 @@ def test_a_sweep_states_how_many_curves_and_panels_it_shows(shape, curves, panel
 
 
 def test_a_long_meaning_is_set_in_lines():
-    rig = quantities.output(wo.NipResult, "rig_tension").quantity
-    (axes,) = plot_sweep(table("rig_tension", rig), "rig_tension").axes
+    tension = quantities.output(wo.NipResult, "roll_wound_on_tension").quantity
+    (axes,) = plot_sweep(table("roll_wound_on_tension", tension), "roll_wound_on_tension").axes
     said = axes.get_ylabel()
-    assert said.replace("\n", " ") == f"{rig.meaning} [N/m]"
+    assert said.replace("\n", " ") == f"{tension.meaning} [N/m]"
     assert max(map(len, said.splitlines())) <= 44
 
 
 def test_the_legend_of_a_fit_is_short():
     names = {name: quantities.output(cls, name).quantity for cls, name in (
-        (wo.NipResult, "rig_tension"), (wo.NipResult, "wound_on_tension"),
+        (wo.NipResult, "outlet_tension"), (wo.NipResult, "wound_on_tension"),
     )}  # fmt: skip
     profile = SimpleNamespace(name="web.thickness", values=np.array([1e-5, 5e-5, 9e-5]),
                               rms=np.array([3.0, 1.0, 4.0]), rms_limit=2.0)  # fmt: skip
     thickness = quantities.find(wo.NipProblem, "web.thickness")[0].quantity
     fit = SimpleNamespace(
-        row_outputs=("rig_tension", "wound_on_tension"), weighted=False, profiles=(profile,),
+        row_outputs=("outlet_tension", "wound_on_tension"), weighted=False, profiles=(profile,),
         names=("web.thickness",),
         measured=np.array([600.0, 700.0]), fitted=np.array([610.0, 690.0]),
         quantities={**names, "web.thickness": thickness},
     )  # fmt: skip
     agreement, along = plot_fit(fit).axes
     labels = [text.get_text() for text in agreement.get_legend().get_texts()]
-    assert labels == ["rig tension", "wound-on tension"]
+    assert labels == ["outlet tension", "wound-on tension"]
     assert agreement.get_xlabel() == "measured [N/m]"
     assert agreement.get_legend().get_window_extent().width < agreement.bbox.width
     one = plt.figure().add_subplot()

@@ -163,7 +163,6 @@ def test_what_needs_the_mesh_works_on_what_was_sent(results) -> None:  # type: i
     slopes, theirs = result.sensitivity(), again.sensitivity()
     # central differences with steps of 1e-4 leave rounding of 1e-12 over that
     np.testing.assert_allclose(theirs.elasticities, slopes.elasticities, rtol=1e-7, atol=1e-8)
-    assert again.wound_on_tension_estimate() == result.wound_on_tension_estimate()
     assert str(again) == str(result)
 
 

@@ -12,6 +12,7 @@ from wrapped_nips import solve_wrapped
 
 import woundon as wo
 from woundon.elasticity.strip import compliance
+from woundon.jorkama2001.estimate import rig_tension
 
 PAPER = paper_nip(web_tension=300.0)
 # sec. 4.9 tells four cases by the signs of v+ and of the roll's strain at the trailing edge, the
@@ -113,7 +114,7 @@ def test_the_winder_of_chapter_5():
     rows = []
     for point in measured_tensions():
         problem = newsprint_nip(nip_load=point["nip_load"], web_tension=point["web_tension"])
-        estimate = wo.solve(problem, nodes=33).rig_tension
+        estimate = rig_tension(wo.solve(problem, nodes=33))
         solved = wo.solve(problem.replace(roll_wrap=pi / 2, drum_wrap=pi), nodes=33)
         rows.append([estimate, solved.wound_on_tension, point["measured"]])
     loads, T_in = (

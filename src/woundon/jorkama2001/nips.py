@@ -19,6 +19,7 @@ import woundon as wo
 
 from . import procedure
 from .cases import ONE_PAPER
+from .estimate import rig_tension, wound_on_tension_estimate
 from .procedure import ProcedureResult
 from .zones import zone_lengths
 
@@ -83,11 +84,17 @@ def _dual(
     return zone_lengths(result).dual
 
 
-# the thesis's slip ratios, over the nip width, as outputs of every study
-_RATIOS = {"leading_roll_slip": _leading, "trailing_roll_slip": _trailing, "dual_slip": _dual}
+# the thesis's slip ratios, over the nip width, and its tensions by eq. (183), as outputs of studies
+_OUTPUTS = {
+    "leading_roll_slip": _leading,
+    "trailing_roll_slip": _trailing,
+    "dual_slip": _dual,
+    "wound_on_tension_estimate": wound_on_tension_estimate,
+    "rig_tension": rig_tension,
+}
 for _kind in (wo.NipResult, ProcedureResult):
-    for _name, _ratio in _RATIOS.items():
-        setattr(_kind, _name, property(_ratio))
+    for _name, _output in _OUTPUTS.items():
+        setattr(_kind, _name, property(_output))
 
 OUTPUTS = (
     "nip_induced_tension",
@@ -171,8 +178,7 @@ def _swept_by_procedure(
         one = problem.replace(**dict(changes))
         one = one.replace(**{own: _nested(one, other) for own, other in ONE_PAPER.items()})
         nip = procedure.solve(one, THESIS_NODES)
-        attributes = (getattr(nip, name) for name in outputs)
-        found.append([value() if callable(value) else value for value in attributes])
+        found.append([getattr(nip, name) for name in outputs])
     columns = np.reshape(found, (*shape, len(outputs)))
     return xr.Dataset(
         {

@@ -40,7 +40,6 @@ from .influence import (
     coefficients,
     edge_strain,
     half_plane_constants,
-    surface_strain,
 )
 
 __all__ = ["ProcedureResult", "solve"]
@@ -127,19 +126,6 @@ class ProcedureResult:
     def outlet_tension(self) -> float:
         """T_out [N/m]."""
         return float(self.problem.web_tension + self.nip_induced_tension)
-
-    def wound_on_tension_estimate(self, angle: float = pi) -> float:
-        """Return T_out + 2h/c11 [eps_1(angle) - eps_1(a)] (183) [N/m], angle downstream [rad]."""
-        roll, a = self.problem.roll, self.half_width
-        points = np.array([angle * roll.radius, a])
-        far, edge = surface_strain(roll, self.x, self.drum_pressure, self.roll_traction, points)
-        D, *_ = _web_constants(self.problem.web)
-        return float(self.outlet_tension + (far - edge) / D)
-
-    @property
-    def rig_tension(self) -> float:
-        """Estimate a quarter turn downstream, where the web leaves the laboratory roll."""
-        return self.wound_on_tension_estimate(pi / 2)
 
 
 def solve(

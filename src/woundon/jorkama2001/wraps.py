@@ -16,6 +16,7 @@ import pandas as pd
 import woundon as wo
 
 from .cases import measured_tensions, newsprint_nip, paper_nip
+from .estimate import wound_on_tension_estimate
 from .laboratory import rms
 from .nips import solved
 
@@ -83,7 +84,7 @@ def rig_table(thickness: float = 66e-6, angle: float = pi / 2) -> pd.DataFrame:
             nip_load=point.nip_load, web_tension=T_in, **{"web.thickness": thickness}
         )
         wrapped = solved(problem.replace(roll_wrap=angle, drum_wrap=pi), nodes=NODES)
-        estimate = solved(problem, nodes=NODES).wound_on_tension_estimate(angle)
+        estimate = wound_on_tension_estimate(solved(problem, nodes=NODES), angle)
         values = (point.measured, estimate, wrapped.wound_on_tension)
         rows.append((point.nip_load, T_in, *(value - T_in for value in values)))
     names = ("nip_load", "web_tension", "measured", "estimate", "solved")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from math import nan, pi
+from math import nan
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
@@ -28,9 +28,6 @@ if TYPE_CHECKING:
 __all__ = ["Dissipation", "NipResult", "SlipRatios"]
 
 Array = np.ndarray
-
-# Angle downstream of the nip at which the laboratory winder leads the web off the roll.
-RIG_ANGLE = pi / 2
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
@@ -375,46 +372,6 @@ class NipResult(Dissipation, Result):
         if self.problem.roll_wrap > 0 and not self.slip_angle:
             return Zone.STICK
         return Zone(int(self.roll_zone[self.in_nip.stop - 1]))
-
-    # ---- without a roll wrap: thesis eq. (183) --------------------------------------------------
-
-    def wound_on_tension_estimate(
-        self, angle: float = pi
-    ) -> Annotated[
-        float, line_load("WOT est.", "wound-on tension estimated by eq. (183), without roll wrap")
-    ]:
-        """Return the tension of a web that sticks to the roll downstream of the nip (eq. 183).
-
-        For a nip without wraps only; nan with wraps, where the wound-on tension is solved.
-
-        Parameters
-        ----------
-        angle : float
-            Where the web is held, or led off the roll, downstream of the nip [rad].
-
-        Returns
-        -------
-        float
-            T_out + 2h/c11 [eps1(angle) - eps1(a)] [N/m].  With ``outlet_tension`` it brackets
-            the wound-on tension of the wrapped nip.
-        """
-        if self.problem.is_wrapped:
-            return nan
-        from .roll_strain import wound_on_tension_estimate
-
-        return wound_on_tension_estimate(self, angle)
-
-    @property
-    def rig_tension(
-        self,
-    ) -> Annotated[
-        float,
-        line_load(
-            "T_rig", "tension at a load cell to which the web is led off the roll, eq. (183)"
-        ),
-    ]:
-        """The estimate (183) where the web leaves the roll a quarter turn downstream [N/m]."""
-        return self.wound_on_tension_estimate(RIG_ANGLE)
 
     # ---- entrained air --------------------------------------------------------------------------
 

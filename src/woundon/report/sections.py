@@ -61,7 +61,7 @@ def plain_console(paper: StringIO) -> Console:
 LEAST_FRICTION = 1e-3
 # told by another name, at the end, where they say something, or not at all
 LEFT_OUT = frozenset({
-    "residual", "half_width", "rig_tension", "inlet_tension", "drum_wrap_traction",
+    "residual", "half_width", "inlet_tension", "drum_wrap_traction",
     "creepage", "shift", "tangential_load", "traction_error",
     "iterations", "series_terms", "series_error",
 })  # fmt: skip
@@ -102,8 +102,8 @@ NIP = ["nip_width", "peak_pressure", "approach", "offset", "drum_creepage", "lea
        "trailing_roll", "dual"]  # fmt: skip
 HELD = "Winding nip, the web held at its trailing edge"
 WRAPPED = "Winding nip, the web wrapped on the roll"
-BRACKETS = (
-    "T_out (web held at the trailing edge, eq. 97) and the estimate by eq. (183) bracket the "
+HELD_NOTE = (
+    "The web is held to the roll at the trailing edge (thesis eq. 97), which underestimates the "
     "wound-on tension of a web that is wrapped on the roll: set roll_wrap to compute it."
 )
 # wound-on tension and wraps, of a nip that has some
@@ -123,7 +123,7 @@ def nip_report(result: NipResult) -> list[Part]:
         Section("Loads and wraps" if wraps else "Loads", (*_loads(result), *wraps)),
         Section(
             WRAPPED if problem.roll_wrap else HELD, rows,
-            "" if problem.is_wrapped else BRACKETS,
+            "" if problem.is_wrapped else HELD_NOTE,
         ),
         nip_zones(result),
         *_held_at_the_edge(result),
@@ -145,7 +145,7 @@ def _wraps(problem: NipProblem) -> Iterator[Row]:
 def _tension_rows(result: NipResult) -> tuple[Row, ...]:
     level = _level(result)
     if not result.problem.is_wrapped:
-        names = ["nip_induced_tension", "outlet_tension", "wound_on_tension_estimate"]
+        names = ["nip_induced_tension", "outlet_tension"]
         return rows_of(result, names + NIP, LEFT_OUT | OF_WRAPS, approach=level)
     on_drum = ["inlet_tension", "drum_wrap_traction"] if result.problem.drum_wrap else []
     names = ["wound_on_tension", "nip_induced_tension", "outlet_tension", *on_drum,
@@ -203,8 +203,7 @@ def _layer_slip(result: NipResult) -> Iterator[Part]:
 
 def _held_at_the_edge(result: NipResult) -> Iterator[Section]:
     """Yield a section on the same nip without its wraps, solved with as many nodes."""
-    angle = result.problem.roll_wrap
-    if angle == 0:
+    if result.problem.roll_wrap == 0:
         return  # held there already
     title = "The same nip, its web held at the trailing edge"
     try:
@@ -212,7 +211,6 @@ def _held_at_the_edge(result: NipResult) -> Iterator[Section]:
             nip = kinds.solve(
                 result.without_air.replace(roll_wrap=0.0, drum_wrap=0.0), nodes=result.nodes
             )
-        estimate = nip.wound_on_tension_estimate(angle)
     except NoSteadyState as fault:
         yield Section(title, (), f"Has no steady state: {fault}")
         return
@@ -223,17 +221,8 @@ def _held_at_the_edge(result: NipResult) -> Iterator[Section]:
         output_row(
             nip, "outlet_tension", meaning="web tension at the trailing edge of the nip, eq. (97)"
         ),
-        output_row(
-            nip, "wound_on_tension_estimate", estimate,
-            meaning="wound-on tension if the web sticks downstream, eq. (183)",
-        ),
-    )  # fmt: skip
-    low, high = sorted((nip.outlet_tension, estimate))
-    if low <= result.wound_on_tension <= high:
-        text = f"They bracket the wound-on tension, {result.wound_on_tension:.5g} N/m above."
-    else:
-        text = "Here the wound-on tension does not lie between the two."
-    yield Section(title, rows, text)
+    )
+    yield Section(title, rows)
 
 
 # ---- two rollers --------------------------------------------------------------------------------

@@ -6,7 +6,7 @@ import { Menu, restore } from "./exchange.js";
 import { Find } from "./find.js";
 import { Form } from "./form.js";
 import { html, render, useEffect, useLayoutEffect, useMemo } from "./html.js";
-import { Bracket, Differences, Numbers, Panels, Pending, Pins, Sections, Verdict } from "./results.js";
+import { Differences, Numbers, Panels, Pending, Pins, Sections, Verdict } from "./results.js";
 import { Store, useStore } from "./store.js";
 import { Study } from "./study.js";
 import { T } from "./texts.js";
@@ -102,7 +102,6 @@ function Case({ store }) {
     return html`<${Verdict} store=${store} />
       <${Numbers} store=${store} />
       <${Find} store=${store} />
-      <${Bracket} store=${store} />
       <div class="bar-row"><${Pins} store=${store} />
         <button type="button" class="tables" aria-pressed=${tables} onClick=${() => store.set({ tables: !tables })}>${tables ? T.header.hideTables : T.header.tables}</button></div>
       <${Panels} store=${store} />

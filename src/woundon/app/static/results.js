@@ -246,7 +246,7 @@ function Bars({ store }) {
   </figure>`;
 }
 
-// ---- the report's sections: brackets, other theories ----
+// ---- the report's sections ----
 
 export function Sections({ store }) {
   const { told: report, stale } = store.extra("report");
@@ -268,28 +268,6 @@ function SectionValue({ store, row }) {
   const ratio = factor / store.units.of(quantity).factor;
   const error = row.error_text && (row.error_text.startsWith("<") ? `<${digits(Number(row.error_text.slice(1)) * ratio, 1)}` : digits(Number(row.error_text) * ratio, 2));
   return html`<td class="value">${ratio === 1 ? row.value_text : digits(row.value * ratio)} ${error && `± ${error}`}</td><td class="told">${store.units.text(quantity)}</td>`;
-}
-
-/** Two estimates of the main output that bracket it: a line with the answer between them. */
-export function Bracket({ store }) {
-  const { result } = store.state;
-  const { told: report, stale } = store.extra("report");
-  const section = report?.find((one) => /bracket/.test(one.text) && one.rows.length === 2);
-  const output = store.kind.main.length ? store.output(store.kind.main[0]) : null;
-  const value = output && result.outputs[output.name]?.value;
-  if (!section || value == null) return null;
-  const unit = store.catalogue.units[output.unit].find((one) => one.name === section.rows[0].unit);
-  if (!unit) return null;
-  const ends = section.rows.map((row) => row.value * unit.factor);
-  const [low, high] = [Math.min(...ends, value), Math.max(...ends, value)];
-  const place = (si) => `${8 + (84 * (si - low)) / (high - low || 1)}%`;
-  const text = (si) => digits(store.units.shown(output, si));
-  return html`<section class=${`bracket${stale ? " stale" : ""}`} aria-label=${section.title}>
-    <h3>${section.title}</h3>
-    <div class="scale" aria-hidden="true"><span class="rule"></span>${ends.map((si, k) => html`<span class="end" key=${k} style=${{ left: place(si) }}></span>`)}
-      <span class="answer" style=${{ left: place(value) }}></span></div>
-    <ul>${section.rows.map((row, k) => html`<li key=${k}><b>${text(ends[k])} ${store.units.text(output)}</b> ${row.label} <span class="quiet">${row.note}</span></li>`)}</ul>
-  </section>`;
 }
 
 // ---- pinned states beside the live one ----

@@ -47,7 +47,7 @@ export const T = {
     name: "Results", numbers: "Main results",
     sum: (total, web, added) => `Wound-on tension ${total} = web tension ${web} + nip-induced tension ${added}`, busy: "solving", shown: "The results of the last valid case are shown.", earlier: "Last valid case.",
     none: "This case has no results.",
-    laws: "Contact conditions and their residuals", law: "condition", violation: "violation", report: "All results, brackets and other theories",
+    laws: "Contact conditions and their residuals", law: "condition", violation: "violation", report: "All results and other theories",
     warnings: "Where the case leaves the model", error: "estimated error",
     value: "value", unit: "unit",
   },

@@ -4,7 +4,7 @@ import { DESIGNED, Design } from "./design.js";
 import { Find } from "./find.js";
 import { html, useState } from "./html.js";
 import { LENGTH, Points } from "./points.js";
-import { Bracket, Differences, Numbers, OnePanel, Pending, Pins, Sections, states, Verdict } from "./results.js";
+import { Differences, Numbers, OnePanel, Pending, Pins, Sections, states, Verdict } from "./results.js";
 import { endsOf, pointsOf, profile, schedulesOf } from "./schedules.js";
 import { T } from "./texts.js";
 import { digits } from "./units.js";
@@ -26,7 +26,7 @@ export function Winding({ store }) {
         <button type="button" class="tables" aria-pressed=${state.tables} onClick=${() => store.set({ tables: !state.tables })}>${state.tables ? T.header.hideTables : T.header.tables}</button></div>
       <div class="panels">${state.result.panels.map((panel) => html`<div class="panel-cell" key=${panel.name}><${OnePanel} store=${store} name=${panel.name} height=${230}
         cases=${states(store, (one) => one.result.panels.find((other) => other.name === panel.name))} /></div>`)}</div>
-      <${Bracket} store=${store} /><${Differences} store=${store} /><${Sections} store=${store} />`}`;
+      <${Differences} store=${store} /><${Sections} store=${store} />`}`;
 }
 
 const MARKS = { good: "✓", bad: "✗", open: "–" };
