@@ -133,10 +133,10 @@ def serve() -> None:
         try:
             before, work = baseline.once(), WORK[name](seed)
             seconds = timed(work)
-            told = [seconds, (before + baseline.once()) / 2]
+            computed = [seconds, (before + baseline.once()) / 2]
         except (wo.InvalidProblem, wo.NoSteadyState, wo.NotConverged):
-            told = [None, None]
-        print(json.dumps(told), file=answers, flush=True)
+            computed = [None, None]
+        print(json.dumps(computed), file=answers, flush=True)
 
 
 class Version:

@@ -96,7 +96,7 @@ def _kept(path: Path, columns: Sequence[str]) -> dict[int, dict[str, str]]:
     head = f"# woundon sources {sources()}\n{','.join(columns)}\n"
     text = path.read_text(encoding="utf-8") if path.exists() else ""
     if text and not text.startswith(head):
-        sys.exit(f"{path} is of another version of the program; move it away to begin anew")
+        sys.exit(f"{path} is of another version of the program; move it away to begin again")
     whole = text[: text.rfind("\n") + 1]
     if whole != text or not text:
         aside = path.with_suffix(".part")

@@ -23,7 +23,7 @@ class Server(NamedTuple):
     pid: int
 
     def memory(self) -> dict[str, float]:
-        """Return what its processes hold, the server's and all workers' [MB]; {} if not told."""
+        """Return what its processes hold, the server's and all workers' [MB]; {} if unknown."""
         try:
             workers = [int(p) for task in Path(f"/proc/{self.pid}/task").iterdir()
                        for p in (task / "children").read_text().split()]  # fmt: skip

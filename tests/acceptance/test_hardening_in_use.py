@@ -88,11 +88,11 @@ def test_sensitivities_are_the_derivatives(name: str, value: float) -> None:
         wo.solve(problem.replace(**{name: value + s}), nodes=17, start=result)
         for s in (-step, step)
     )
-    told = result.sensitivity(name)
+    derivatives = result.sensitivity(name)
     for output in ("nip_induced_tension", "half_width"):
         difference = (getattr(more, output) - getattr(less, output)) / (2 * step)
         # a tangent may be one part in ten thousand old
-        assert told.derivative(output, name) == pytest.approx(difference, rel=1e-3)
+        assert derivatives.derivative(output, name) == pytest.approx(difference, rel=1e-3)
 
 
 # ---- the certificate ----------------------------------------------------------------------------
@@ -113,7 +113,7 @@ def test_a_linear_nip_has_no_such_law() -> None:
 # ---- refusals -----------------------------------------------------------------------------------
 
 
-def test_a_stack_pressed_beyond_its_law_is_refused() -> None:
+def test_a_stack_pressed_beyond_its_law_is_rejected() -> None:
     """A test measured up to 400 kPa, a nip of more than 1 MPa."""
     P = np.linspace(0, 400e3, 9)
     test = wo.StackTest(pressure=P, strain=np.log1p(P / 10e3) / 127.0)
@@ -123,7 +123,7 @@ def test_a_stack_pressed_beyond_its_law_is_refused() -> None:
         wo.solve(nip(body), nodes=17)
 
 
-def test_a_stack_that_becomes_stiffer_than_its_energy_allows_is_refused() -> None:
+def test_a_stack_that_becomes_stiffer_than_its_energy_allows_is_rejected() -> None:
     """E_r = E_t/nu^2 at 0.5 MPa."""
     body = roll(tangential=2e9, poissons_ratio=5.6)
     assert 4e5 < body.stack.limit < 6e5
@@ -135,15 +135,15 @@ FALLS = wo.Polynomial(coefficients=(27e6, -60.0))  # negative from 450 kPa on
 
 
 @pytest.mark.parametrize("where", [slow_case("roll"), "web"])
-def test_a_modulus_that_turns_negative_is_refused(where: str) -> None:
+def test_a_modulus_that_turns_negative_is_rejected(where: str) -> None:
     """Where it has fallen to 1 %, of the roll or of the web; before, it is solved."""
     body = roll().replace(**{"stack.radial": FALLS})
     web = nip(linear(roll(), 90e3)).replace(**{"web.material": body.stack}).replace(roll_wrap=pi)
-    problem, told = {
+    problem, computed = {
         "roll": (nip(body), "roll: the pressure in it"),
         "web": (web, "web.material: the press"),
     }[where]
-    with pytest.raises(wo.InvalidProblem, match=rf"{told}.* law .*ends at 4.455e\+05"):
+    with pytest.raises(wo.InvalidProblem, match=rf"{computed}.* law .*ends at 4.455e\+05"):
         wo.solve(problem, nodes=17)
     light = wo.solve(problem.replace(nip_load=300.0), nodes=17)
     assert light.residuals.largest <= 1e-8

@@ -26,12 +26,12 @@ OTHERS = ~((DATA["nip_load"] == FITTED[0]) & (DATA["web_tension"] == FITTED[1]))
 @cache
 def misses(K2: float, Q: float, first: int = 0, last: int = 14) -> Any:
     points = slice(first, last + 1)
-    told: list[float] = []
+    computed: list[float] = []
     before: Any = None
     for P, T in CASES[points]:
         before = wo.solve(nip(P, T, K2, Q), nodes=25, start=before)
-        told.append(before.wound_on_tension)
-    return np.array(told) - MEASURED[points]
+        computed.append(before.wound_on_tension)
+    return np.array(computed) - MEASURED[points]
 
 
 def test_the_fitted_point_is_met_and_the_lightest_missed() -> None:
@@ -56,14 +56,14 @@ def test_one_number_fitted_predicts_the_fourteen_other_points() -> None:
 
 
 @pytest.mark.slow
-def test_a_linear_roll_is_told_from_the_data_and_a_hardening_one_is_not() -> None:
+def test_a_linear_roll_is_reported_from_the_data_and_a_hardening_one_is_not() -> None:
     """The linear roll, wrapped, meets the fitted point too; its curve over the load is another."""
     problem = linear_nip("linear")
-    told = [
+    computed = [
         wo.solve(problem.replace(nip_load=P, web_tension=T), nodes=33).wound_on_tension
         for P, T in CASES
     ]
-    rest = np.array(told) - MEASURED
+    rest = np.array(computed) - MEASURED
     assert abs(rest[~OTHERS][0]) < 1.5
     assert rms(rest) == pytest.approx(19.7, abs=0.3)
     assert lack_of_fit(rms(rest), fitted=1) < 0.01

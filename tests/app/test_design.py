@@ -9,8 +9,8 @@ WANTED = {"radius": ["44.5 mm", 0.09, 0.15], "value": ["250 kPa", 180e3, 0]}
 
 def test_a_design_is_that_of_python(client, cases):
     case = cases["roll"]
-    told = client.post("/api/design", json={"case": case, "pressure": WANTED, "rtol": 1e-3})
-    found = told.raise_for_status().json()
+    answer = client.post("/api/design", json={"case": case, "pressure": WANTED, "rtol": 1e-3})
+    found = answer.raise_for_status().json()
     pressure = wo.Profile(radius=[0.0445, 0.09, 0.15], value=[250e3, 180e3, 0.0])
     design = wo.design_tension(wo.RollProblem.example(), pressure, rtol=1e-3)
     assert found["tension"] == {
@@ -40,7 +40,7 @@ def test_a_design_is_that_of_python(client, cases):
         ({"presure": 1}, "presure: Extra inputs are not permitted"),
     ],
 )
-def test_what_cannot_be_designed_is_refused_in_words(client, cases, change, says):
+def test_what_cannot_be_designed_is_rejected_in_words(client, cases, change, says):
     body = {"case": cases["roll"], "pressure": 2e5} | change
     if body["case"] == "nip":
         body["case"] = cases["nip"]

@@ -58,13 +58,13 @@ def test_a_script_of_layers_and_schedules_runs():
     ["", "schema = 1", "nip_load = 3 kN/m", "a = " + "[" * 3000, "\0", "schema = 1\nnip_load = -1",
      "a." * 5000 + "a = 1", "schema = 1\nload = 1" + "0" * 6000],
 )  # fmt: skip
-def test_a_file_that_is_no_case_is_refused(client, text):
+def test_a_file_that_is_no_case_is_rejected(client, text):
     answer = client.post("/api/case/read", json={"toml": text})
     assert answer.status_code == 422
     assert answer.json()["detail"]
 
 
-def test_a_file_that_names_another_is_refused_and_that_is_not_opened(client, cases, tmp_path):
+def test_a_file_that_names_another_is_rejected_and_that_is_not_opened(client, cases, tmp_path):
     rows = "10,0.9\n25,1.6\n50,2.2\n100,2.8\n"
     (tmp_path / "test.csv").write_text(f"pressure [kPa], strain [%]\n{rows}")
     text = client.post("/api/case/write", json=cases["roll"]).text
@@ -109,7 +109,7 @@ def test_a_picture_of_two_cases(client, cases, ending, head, panels):
     assert answer.content.startswith(head)
 
 
-def test_a_picture_of_no_such_panel_is_refused(client, cases):
+def test_a_picture_of_no_such_panel_is_rejected(client, cases):
     body = {"cases": [{"case": cases["nip"]}]}
     answer = client.post("/api/figure", params={"panels": "tractoins"}, json=body)
     assert answer.json()["errors"][0]["field"] == "panels"
@@ -151,13 +151,13 @@ def test_a_report_stands_alone_and_markup_in_names_is_text(client, cases):
      ({"cases": [{"case": {}}]}, "cases.0"), ({"cases": [1]}, "cases.0"),
      ({"cases": [{"case": "/etc/passwd"}]}, "cases.0"), ({"case": {}}, "case")],
 )  # fmt: skip
-def test_a_report_of_nothing_is_refused(client, body, field):
+def test_a_report_of_nothing_is_rejected(client, body, field):
     answer = client.post("/api/report", json=body)
     assert answer.status_code == 422
     assert answer.json()["errors"][0]["field"].startswith(field)
 
 
-def test_units_that_are_none_are_refused(client, cases):
+def test_units_that_are_none_are_rejected(client, cases):
     for units in ({"nip_load": "kg"}, {"no_such": "m"}, {"nip_load": 3}, [1]):
         body = {"cases": [{"case": cases["nip"]}], "units": units}
         assert client.post("/api/report", json=body).status_code == 422
@@ -179,16 +179,16 @@ def test_the_command_writes_a_report_of_cases(tmp_path, monkeypatch, capsys):
 
 
 @pytest.mark.parametrize(
-    ("args", "told"),
+    ("args", "message"),
     [(["no.toml"], "no.toml"), (["case.toml", "--out", "a.pdf"], "a.pdf: the ending '.pdf'"),
      (["case.toml", "--set", "nip_load=-1"], "nip_load: -1 is out of range")],
 )  # fmt: skip
-def test_the_command_refuses_in_one_line(tmp_path, monkeypatch, capsys, args, told):
+def test_the_command_rejects_in_one_line(tmp_path, monkeypatch, capsys, args, message):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "case.toml").write_text(template("nip"))
     assert cli.main(["report", *args]) == 2
     said = capsys.readouterr().err
-    assert told in said
+    assert message in said
     assert len(said.splitlines()) == 1
 
 
@@ -200,10 +200,10 @@ def test_a_figure_of_the_thesis_is_drawn():
     from woundon.app import documents
     from woundon.jorkama2001 import catalogue, plugin  # noqa: F401  registers the figures
 
-    told = {figure["name"]: figure for group in plugins.figures() for figure in group.list()}
-    assert set(told) == {name for name in catalogue.NAMES if name.startswith("fig")}
-    assert told["fig15"]["label"] == "Fig. 15"
-    assert told["fig15"]["title"].startswith("how the nip adds tension")
+    computed = {figure["name"]: figure for group in plugins.figures() for figure in group.list()}
+    assert set(computed) == {name for name in catalogue.NAMES if name.startswith("fig")}
+    assert computed["fig15"]["label"] == "Fig. 15"
+    assert computed["fig15"]["title"].startswith("how the nip adds tension")
     assert b"<svg" in documents.exhibit("fig5")
     with pytest.raises(wo.InvalidProblem, match="did you mean 'fig15'"):
         documents.exhibit("fig151")
@@ -238,7 +238,7 @@ def test_what_starts_from_lists_has_some_that_are_admissible(catalogue):
         assert getattr(wo, name)(**catalogue["forms"][name]["start"])
 
 
-def test_every_shown_unit_is_among_those_that_a_field_may_be_told_in(catalogue):
+def test_every_shown_unit_is_among_those_that_a_field_may_be_reported_in(catalogue):
     from woundon.problems.units import parse
 
     fields = [f for form in catalogue["forms"].values() for f in form["fields"]]

@@ -60,7 +60,7 @@ def test_this_machine_is_served(bare, host):
      "127.0.0.1:8321/evil", "127.0.0.1?evil", "127.0.0.1#evil", "127.0.0.1\\evil",
      "127.0.0.1:port", "127.0.0.1:8321:1", "[127.0.0.1", "user@127.0.0.1"],
 )  # fmt: skip
-def test_a_foreign_host_is_refused(bare, host):
+def test_a_foreign_host_is_rejected(bare, host):
     answer = bare.get("/api/catalogue", headers={"host": host})
     assert answer.status_code == 400  # of Starlette's TrustedHostMiddleware
     assert "content-security-policy" in answer.headers
@@ -73,13 +73,13 @@ def test_a_foreign_host_is_refused(bare, host):
      "//127.0.0.1:8321", "http://127.0.0.1:8321/path", ""],
 )  # fmt: skip
 @pytest.mark.parametrize("path", ["/api/solve", "/api/catalogue", "/"])
-def test_a_foreign_origin_is_refused(bare, path, origin):
+def test_a_foreign_origin_is_rejected(bare, path, origin):
     send = bare.post if path == "/api/solve" else bare.get
     assert send(path, headers={"origin": origin} | JSON).status_code == 403
 
 
 @pytest.mark.parametrize("site", ["cross-site", "same-site"])
-def test_what_a_browser_calls_cross_site_is_refused(bare, site):
+def test_what_a_browser_calls_cross_site_is_rejected(bare, site):
     headers = {"sec-fetch-site": site, "sec-fetch-mode": "no-cors"}
     assert bare.get("/api/catalogue", headers=headers).status_code == 403
     # but a link to the page may be followed
@@ -161,22 +161,24 @@ def test_a_client_that_disconnects_within_the_body_raises_no_error(bare):
 @pytest.mark.parametrize(
     "kind", ["text/plain", "application/x-www-form-urlencoded", "multipart/form-data", ""]
 )
-def test_a_body_that_forms_of_other_sites_send_is_refused(bare, kind):
+def test_a_body_that_forms_of_other_sites_send_is_rejected(bare, kind):
     answer = bare.post("/api/solve", content=b"{}", headers={"content-type": kind})
     assert answer.status_code == 422
 
 
-@pytest.mark.parametrize("told", [{}, {"content-length": "100000000"}])
-def test_a_body_of_100_mb_is_refused_whether_its_length_is_told_or_not(server, told):
-    assert sent_100_mb(server, told) in (413, None)
+@pytest.mark.parametrize("message", [{}, {"content-length": "100000000"}])
+def test_a_body_of_100_mb_is_rejected_whether_its_length_is_reported_or_not(server, message):
+    assert sent_100_mb(server, message) in (413, None)
     assert httpx.get(f"{server}/api/catalogue").status_code == 200
 
 
-def sent_100_mb(server, told):
+def sent_100_mb(server, message):
     """Return the answer's status; None where the connection was closed while it was sent."""
     megabytes = (b" " * 1_000_000 for _ in range(100))
     try:
-        return httpx.post(f"{server}/api/solve", content=megabytes, headers=JSON | told).status_code
+        return httpx.post(
+            f"{server}/api/solve", content=megabytes, headers=JSON | message
+        ).status_code
     except httpx.TransportError:
         return None
 
@@ -189,7 +191,7 @@ def test_memory_is_bounded_whatever_is_sent(process):
     assert process.memory().get("server", 0.0) - before < 50  # MB
 
 
-def test_deep_nesting_is_refused(server):
+def test_deep_nesting_is_rejected(server):
     for body in (b'{"a":' * 150 + b"1" + b"}" * 150, b"[" * 10_000 + b"]" * 10_000):
         answer = httpx.post(f"{server}/api/solve", content=body, headers=JSON, timeout=60)
         assert answer.status_code in (400, 422)
@@ -250,7 +252,7 @@ def served(monkeypatch):
     return called
 
 
-def test_a_port_that_is_taken_is_told(server, served, capsys):
+def test_a_port_that_is_taken_is_reported(server, served, capsys):
     port = str(urlsplit(server).port)
     assert main(["app", "--no-browser", "--port", port]) == 2
     assert capsys.readouterr().err.startswith(f"error: port {port}: cannot listen at 127.0.0.1")
@@ -296,7 +298,7 @@ def test_ctrl_c_while_the_server_is_made_is_not_lost():
     assert done.stdout == "ended\n", done.stderr
 
 
-def test_who_serves_others_is_told_the_token_and_the_proxy(served, capsys):
+def test_who_serves_others_is_reported_the_token_and_the_proxy(served, capsys):
     assert main(["app", "--no-browser", "--port", "0", "--name", "winder.example"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert "http://winder.example" in lines[0]

@@ -17,9 +17,9 @@ from woundon.quantities import scalar_outputs, value_of
 KINDS = [kind.name for kind in kinds.every()]
 
 
-def same(told, value):
+def same(message, value):
     """Tell whether a number over the wire is the one that was solved; null is nan."""
-    return math.isnan(value) if told is None else told == value
+    return math.isnan(value) if message is None else message == value
 
 
 # a winding whose nips are solved takes seconds here and there
@@ -32,21 +32,21 @@ STATES = [(name, {"tension_law": "friction"} if name == "winding" else {}) for n
 def test_a_state_is_that_of_solve_to_the_last_digit(client, cases, name, changes):
     answer = client.post("/api/solve", json=cases[name] | changes)
     assert answer.status_code == 200
-    told = answer.json()
+    record = answer.json()
     with unwarned():
         result = wo.solve(kinds.named(name).example().replace(**changes))
     # other tests may have given results of this process more outputs
-    assert set(type(result).MAIN) <= set(told["outputs"]) <= set(scalar_outputs(result))
-    for output in told["outputs"]:
-        assert same(told["outputs"][output]["value"], float(value_of(result, output))), output
+    assert set(type(result).MAIN) <= set(record["outputs"]) <= set(scalar_outputs(result))
+    for output in record["outputs"]:
+        assert same(record["outputs"][output]["value"], float(value_of(result, output))), output
     for output, error in result.errors.items():
-        assert same(told["outputs"][output]["error"], error)
-    for array, values in told["arrays"].items():
+        assert same(record["outputs"][output]["error"], error)
+    for array, values in record["arrays"].items():
         solved = np.asarray(getattr(result, array), dtype=float)
         np.testing.assert_array_equal(np.array(values, dtype=float), solved)
-    assert told["certificate"]["ok"]
-    assert told["certificate"]["laws"] == dict(result.residuals.items())
-    assert told["warnings"] == list(result.warnings)
+    assert record["certificate"]["ok"]
+    assert record["certificate"]["laws"] == dict(result.residuals.items())
+    assert record["warnings"] == list(result.warnings)
 
 
 def test_what_a_state_says_of_its_problem_solves_the_same(client, cases):
@@ -59,9 +59,9 @@ def test_texts_with_units_and_names_of_materials_are_read(client, cases):
     case = cases["nip"] | {
         "nip_load": "20 pli", "web": {"thickness": "2.6 mil", "material": "newsprint"},
     }  # fmt: skip
-    told = client.post("/api/solve", json=case).json()
-    assert told["problem"]["nip_load"] == 20 * 4.4482216152605 / 0.0254
-    assert told["problem"]["web"]["thickness"] == pytest.approx(2.6 * 25.4e-6, rel=1e-15)
+    answer = client.post("/api/solve", json=case).json()
+    assert answer["problem"]["nip_load"] == 20 * 4.4482216152605 / 0.0254
+    assert answer["problem"]["web"]["thickness"] == pytest.approx(2.6 * 25.4e-6, rel=1e-15)
 
 
 def test_the_wraps_stand_bare_or_in_their_table(client, cases):
@@ -75,8 +75,8 @@ def test_the_wraps_stand_bare_or_in_their_table(client, cases):
 
 
 def test_options_of_the_solver_come_with_the_address(client, cases):
-    told = client.post("/api/solve?nodes=41", json=cases["nip"]).json()
-    first, last = told["nip"]
+    answer = client.post("/api/solve?nodes=41", json=cases["nip"]).json()
+    first, last = answer["nip"]
     assert last - first + 1 == 41
     refused = client.post("/api/solve?knots=41", json=cases["nip"]).json()
     assert refused["errors"][0]["field"] == "knots"
@@ -91,9 +91,9 @@ def test_a_warm_state_agrees_with_a_cold_one(client, cases):
     warm = client.post("/api/solve?warm=true", json=near).json()["outputs"]
     cold = client.post("/api/solve", json=near).json()["outputs"]
     for name in ("nip_induced_tension", "half_width"):
-        told = warm[name]["error"] + cold[name]["error"]
-        assert warm[name]["value"] == pytest.approx(cold[name]["value"], rel=0, abs=told)
-        assert told < 4e-3 * cold[name]["value"]  # 0.1 % of NIT each are asked for
+        estimate = warm[name]["error"] + cold[name]["error"]
+        assert warm[name]["value"] == pytest.approx(cold[name]["value"], rel=0, abs=estimate)
+        assert estimate < 4e-3 * cold[name]["value"]  # 0.1 % of NIT each are asked for
 
 
 def test_a_report_is_of_the_state_that_its_session_has_seen(cases, monkeypatch):
@@ -122,23 +122,23 @@ def test_a_report_is_of_the_state_that_its_session_has_seen(cases, monkeypatch):
 
 def test_air_is_an_optional_part_of_a_nip(client, cases):
     air = {"roughness": "0.3 um"}
-    told = client.post("/api/solve", json=cases["nip"] | {"web_speed": 10.0, "air": air}).json()
+    answer = client.post("/api/solve", json=cases["nip"] | {"web_speed": 10.0, "air": air}).json()
     problem = wo.NipProblem.example().replace(web_speed=10.0, air=wo.Air(roughness=0.3e-6))
     with unwarned():
         result = wo.solve(problem)
     for name in ("wound_on_tension", "air.film", "air.friction_share"):
-        assert same(told["outputs"][name]["value"], float(value_of(result, name)))
+        assert same(answer["outputs"][name]["value"], float(value_of(result, name)))
     assert "air.film" not in client.post("/api/solve", json=cases["nip"]).json()["outputs"]
 
 
 def test_the_air_film_is_drawn_along_the_nip(client, cases):
     case = cases["nip"] | {"web_speed": 10.0, "air": {"roughness": 0.3e-6}}
-    told = client.post("/api/solve?drawn=true", json=case).json()
-    (panel,) = (one for one in told["panels"] if one["name"] == "air_film")
+    answer = client.post("/api/solve?drawn=true", json=case).json()
+    (panel,) = (one for one in answer["panels"] if one["name"] == "air_film")
     (curve,) = panel["curves"]
     assert len(curve["x"]) == len(curve["y"])
     # the film is thinnest under the largest pressure
-    assert abs(curve["x"][int(np.argmin(curve["y"]))]) < 0.5 * told["geometry"]["half_width"]
+    assert abs(curve["x"][int(np.argmin(curve["y"]))]) < 0.5 * answer["geometry"]["half_width"]
     dry = client.post("/api/solve?drawn=true", json=cases["nip"]).json()
     assert "air_film" not in [one["name"] for one in dry["panels"]]
 
@@ -146,13 +146,13 @@ def test_the_air_film_is_drawn_along_the_nip(client, cases):
 @pytest.mark.parametrize("name", ["nip", "without wraps", "rollers"])
 def test_zones_cover_the_contact_and_no_traction_exceeds_its_bound(client, cases, name):
     case = cases["nip"] | {"roll_wrap": 0.0} if name == "without wraps" else cases[name]
-    told = client.post("/api/solve", json=case).json()
-    first, last = told["nip"]
-    for strip in told["zones"]:
-        assert strip["runs"][0][1] == told["arrays"]["x"][first]
-        assert strip["runs"][-1][2] == told["arrays"]["x"][last]
-    for bound in told["bounds"]:
-        traction = np.abs(told["arrays"][bound["of"]])
+    answer = client.post("/api/solve", json=case).json()
+    first, last = answer["nip"]
+    for strip in answer["zones"]:
+        assert strip["runs"][0][1] == answer["arrays"]["x"][first]
+        assert strip["runs"][-1][2] == answer["arrays"]["x"][last]
+    for bound in answer["bounds"]:
+        traction = np.abs(answer["arrays"][bound["of"]])
         # 1e-8 of the largest: what the certificate admits
         assert np.all(traction <= np.array(bound["values"]) + 1e-8 * traction.max())
 
@@ -164,8 +164,8 @@ def test_a_layered_drum_is_drawn_layer_by_layer(client, cases):
         "layers": [{"thickness": "15 mm", "material": soft},
                    {"thickness": "5 mm", "material": "steel"}],
     }  # fmt: skip
-    told = client.post("/api/solve", json=cases["nip"] | {"drum": drum}).json()
-    body = told["geometry"]["bodies"][1]
+    answer = client.post("/api/solve", json=cases["nip"] | {"drum": drum}).json()
+    body = answer["geometry"]["bodies"][1]
     assert [layer["thickness"] for layer in body["layers"]] == [0.015, 0.005]
     assert body["core"] == "rigid"
 
@@ -173,20 +173,20 @@ def test_a_layered_drum_is_drawn_layer_by_layer(client, cases):
 # ---- refusals ---------------------------------------------------------------------------------
 
 
-def refused(client, case, status=422):
+def rejected(client, case, status=422):
     headers = {"content-type": "application/json"}
     answer = client.post("/api/solve", content=json.dumps(case), headers=headers)
     assert answer.status_code == status
     assert answer.headers["content-type"] == "application/problem+json"
-    told = answer.json()
-    assert told["status"] == status
-    return told
+    record = answer.json()
+    assert record["status"] == status
+    return record
 
 
-def test_every_fault_is_told_at_its_field_with_its_range(client, cases):
+def test_every_fault_is_reported_at_its_field_with_its_range(client, cases):
     case = cases["nip"] | {"nip_load": -3.0, "web": {"thickness": "66 kg", "material": "paper"}}
-    told = refused(client, case)
-    faults = {fault["field"]: fault for fault in told["errors"]}
+    answer = rejected(client, case)
+    faults = {fault["field"]: fault for fault in answer["errors"]}
     assert set(faults) == {"nip_load", "web.thickness"}
     assert faults["nip_load"]["range"] == {"ge": 1e-12, "le": 1e7}
     assert faults["nip_load"]["unit"] == "N/m"
@@ -194,34 +194,34 @@ def test_every_fault_is_told_at_its_field_with_its_range(client, cases):
 
 
 def test_the_text_is_the_one_that_python_raises(client, cases):
-    told = refused(client, cases["nip"] | {"nip_load": -3.0})
+    answer = rejected(client, cases["nip"] | {"nip_load": -3.0})
     with pytest.raises(wo.InvalidProblem) as raised:
         wo.NipProblem.example().replace(nip_load=-3.0)
-    assert told["detail"] == str(raised.value)
-    assert told["type"] == "/problems/invalid"
+    assert answer["detail"] == str(raised.value)
+    assert answer["type"] == "/problems/invalid"
 
 
-def test_no_steady_state_is_told_apart(client, cases):
-    told = refused(client, cases["nip"] | {"winding_force": 1e6})
-    assert told["type"] == "/problems/no-steady-state"
+def test_no_steady_state_is_distinguished(client, cases):
+    answer = rejected(client, cases["nip"] | {"winding_force": 1e6})
+    assert answer["type"] == "/problems/no-steady-state"
 
 
 @pytest.mark.parametrize("case", [None, 3, "nip", [], [1], {}, {"schema": 7}, {"a": {"b": 1}}])
-def test_what_is_no_case_is_refused(client, case):
-    assert refused(client, case)["detail"]
+def test_what_is_no_case_is_rejected(client, case):
+    assert rejected(client, case)["detail"]
 
 
 @pytest.mark.parametrize(
     "body", [b"{", b'{"a": NaN}', b"\xff", b"[" * 100_000, b'{"a": "\\ud800"}']
 )
-def test_what_is_no_json_is_refused(client, body):
+def test_what_is_no_json_is_rejected(client, body):
     headers = {"content-type": "application/json"}
     answer = client.post("/api/solve", content=body, headers=headers)
     assert answer.status_code == 400
     assert "not JSON" in answer.json()["detail"]
 
 
-def test_numbers_beyond_floats_are_refused(client, cases):
+def test_numbers_beyond_floats_are_rejected(client, cases):
     text = json.dumps(cases["nip"])
     for number in ("1e999", "-1e999", "9" * 4000, "1e308"):
         body = text.replace("3502.0", number).encode()
@@ -230,14 +230,14 @@ def test_numbers_beyond_floats_are_refused(client, cases):
         assert answer.status_code in (400, 422), number
 
 
-def test_tables_that_name_files_are_refused(client, cases, tmp_path):
-    """As a case file's columns that stand in a CSV file beside it."""
+def test_tables_that_name_files_are_rejected(client, cases, tmp_path):
+    """As a case file's columns that stand in a CSV file next to it."""
     (tmp_path / "test.csv").write_text("pressure [kPa], strain [%]\n10,0.9\n25,1.6\n")
     stack = cases["roll"]["stack"] | {
         "radial": {"kind": "stack_test", "csv": str(tmp_path / "test.csv")}
     }
-    told = refused(client, cases["roll"] | {"stack": stack})
-    assert any("csv" in fault["field"] for fault in told["errors"])
+    answer = rejected(client, cases["roll"] | {"stack": stack})
+    assert any("csv" in fault["field"] for fault in answer["errors"])
 
 
 # ---- around a state ---------------------------------------------------------------------------
@@ -245,20 +245,20 @@ def test_tables_that_name_files_are_refused(client, cases, tmp_path):
 
 def test_a_curve_goes_through_the_state(client, cases):
     asked = {"field": "nip_load", "points": 5}
-    told = client.post("/api/curve", json=cases["nip"], params=asked).json()
-    assert told["values"][2] == told["at"] == cases["nip"]["nip_load"]
+    answer = client.post("/api/curve", json=cases["nip"], params=asked).json()
+    assert answer["values"][2] == answer["at"] == cases["nip"]["nip_load"]
     result = wo.solve(wo.NipProblem.example())
-    # each state starts from the one before, maybe on another mesh: the same within told errors
-    assert told["outputs"]["nip_induced_tension"][2] == pytest.approx(
+    # each state starts from the one before, maybe on another mesh: the same within error estimates
+    assert answer["outputs"]["nip_induced_tension"][2] == pytest.approx(
         result.nip_induced_tension, abs=2 * result.errors["nip_induced_tension"]
     )
-    assert not told["failures"]
+    assert not answer["failures"]
 
 
 def test_a_curve_stays_within_what_the_field_admits(client, cases):
     asked = {"field": "drum.radius", "points": 3, "low": -1.0, "high": 0.1}
-    told = client.post("/api/curve", json=cases["nip"], params=asked).json()
-    assert told["values"][0] == 1e-4
+    answer = client.post("/api/curve", json=cases["nip"], params=asked).json()
+    assert answer["values"][0] == 1e-4
 
 
 @pytest.mark.parametrize(
@@ -271,19 +271,19 @@ def test_a_curve_stays_within_what_the_field_admits(client, cases):
      ({"field": "nip_load", "low": "nan"}, "low"), ({}, "field"),
      ({"field": "nip_load", "outputs": "no_such"}, "no_such")],
 )  # fmt: skip
-def test_a_curve_of_nothing_is_refused(client, cases, asked, field):
+def test_a_curve_of_nothing_is_rejected(client, cases, asked, field):
     answer = client.post("/api/curve", json=cases["nip"], params=asked)
     assert answer.status_code == 422
     assert answer.json()["errors"][0]["field"] == field
 
 
 def test_sensitivities_of_a_nip_are_the_exact_ones(client, cases):
-    told = client.post("/api/sensitivities", json=cases["nip"]).json()
+    answer = client.post("/api/sensitivities", json=cases["nip"]).json()
     exact = wo.solve(wo.NipProblem.example()).sensitivity().sorted()
-    assert told["method"] == "exact"
-    assert told["parameters"] == list(exact.parameters)
+    assert answer["method"] == "exact"
+    assert answer["parameters"] == list(exact.parameters)
     # rounding: where arrays lie in memory, products of matrices differ in their last digits
-    np.testing.assert_allclose(told["derivatives"], exact.derivatives, rtol=1e-8)
+    np.testing.assert_allclose(answer["derivatives"], exact.derivatives, rtol=1e-8)
 
 
 def test_differences_agree_with_the_exact_sensitivities():
@@ -292,10 +292,12 @@ def test_differences_agree_with_the_exact_sensitivities():
 
     problem = wo.NipProblem.example().replace(roll_wrap=0.0)
     result = wo.solve(problem, nodes=65)
-    told = _differences(problem, result, {"nodes": 65})
+    derivatives = _differences(problem, result, {"nodes": 65})
     exact = wo.solve(problem, nodes=65).sensitivity()
     row = _usual_outputs(problem).index("nip_induced_tension")
-    for name, share in zip(told["parameters"], told["elasticities"][row], strict=True):
+    for name, share in zip(
+        derivatives["parameters"], derivatives["elasticities"][row], strict=True
+    ):
         at = exact.outputs.index("nip_induced_tension"), exact.parameters.index(name)
         assert share == pytest.approx(exact.elasticities[at], abs=2e-3), name
 

@@ -29,13 +29,15 @@ def slow(cases):
 def test_a_study_has_the_numbers_of_a_sweep(client, cases):
     over = {"nip_load": ["2 kN/m", "4 kN/m"], "web_tension": [200, 300, 400]}
     outputs = ["nip_induced_tension", "nip_width"]
-    first, *told, last = events(client, {"case": cases["nip"], "over": over, "outputs": outputs})
+    first, *computed, last = events(
+        client, {"case": cases["nip"], "over": over, "outputs": outputs}
+    )
     assert first["dims"] == ["nip_load", "web_tension"]
     assert first["inputs"] == {"nip_load": [2000, 4000], "web_tension": [200, 300, 400]}
     assert last["event"] == "done"
-    assert told[-1]["done"] == told[-1]["of"] == 6
+    assert computed[-1]["done"] == computed[-1]["of"] == 6
     found = {name: np.full(6, np.nan) for name in outputs}
-    for event in told:
+    for event in computed:
         for name in outputs:
             found[name][event["numbers"]] = event["values"][name]
     swept = wo.sweep(
@@ -48,10 +50,10 @@ def test_a_study_has_the_numbers_of_a_sweep(client, cases):
 
 def test_a_case_that_fails_is_a_row_with_its_reason(client, cases):
     over = {"winding_force": [0.0, 1e5]}
-    _, told, _ = events(client, {"case": cases["nip"], "over": over})
-    assert told["failures"][0] == ""
-    assert "winding_force" in told["failures"][1]
-    assert told["values"]["wound_on_tension"][1] is None
+    _, computed, _ = events(client, {"case": cases["nip"], "over": over})
+    assert computed["failures"][0] == ""
+    assert "winding_force" in computed["failures"][1]
+    assert computed["values"]["wound_on_tension"][1] is None
 
 
 def test_a_study_is_cancelled_by_its_session(client, cases):
@@ -81,7 +83,7 @@ def test_a_study_ends_with_the_page_that_asked(client, cases):
      ({n: {"from": 1, "to": 2, "count": 10**6} for n in "abcdefgh"}, 10**48),
      ({"nip_load": list(range(1, 100)), "web_tension": list(range(1, 100))}, 9801)],
 )  # fmt: skip
-def test_a_study_above_the_stated_size_is_refused(client, cases, catalogue, over, cases_asked):
+def test_a_study_above_the_stated_size_is_rejected(client, cases, catalogue, over, cases_asked):
     answer = client.post("/api/sweep", json={"case": cases["nip"], "over": over})
     assert answer.status_code == 413
     assert answer.json()["detail"].startswith(f"{cases_asked} cases are too many")
@@ -94,7 +96,7 @@ def test_a_study_above_the_stated_size_is_refused(client, cases, catalogue, over
      ({"over": {"nip_lod": [1, 2]}}, "nip_lod"), ({"outputs": ["no_such"]}, "no_such"),
      ({"out": "/tmp/results"}, "out"), ({"over": {"nip_load": [1, "66 um"]}}, "over.nip_load")],
 )  # fmt: skip
-def test_a_study_of_nothing_is_refused(client, cases, change, field):
+def test_a_study_of_nothing_is_rejected(client, cases, change, field):
     study = {"case": cases["nip"], "over": {"nip_load": [1e3, 2e3]}} | change
     answer = client.post("/api/sweep", json=study)
     assert answer.status_code == 422

@@ -183,7 +183,7 @@ def test_a_worker_starts_where_there_are_neither_limits_nor_priorities(monkeypat
     assert begun == [True]
 
 
-def test_more_requests_than_may_wait_are_refused():
+def test_more_requests_than_may_wait_are_rejected():
     async def test():
         async with pool(waiting=2) as own:
             tasks = [asyncio.create_task(own.run(time.sleep, 0.5)) for _ in range(3)]

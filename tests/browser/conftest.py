@@ -153,8 +153,8 @@ class Seen:
 
     def offer(self, name, content):
         """Open a case file; what becomes of it comes later."""
-        told = {"name": name, "mimeType": "text/plain", "buffer": content}
-        self.page.set_input_files("input[type=file]", [told])
+        computed = {"name": name, "mimeType": "text/plain", "buffer": content}
+        self.page.set_input_files("input[type=file]", [computed])
 
 
 @pytest.fixture

@@ -32,7 +32,7 @@ FETCHED = """() => [...performance.getEntriesByType("navigation"),
     .reduce((sum, part) => sum + part.encodedBodySize, 0)"""
 
 
-def told(result):
+def outputs_of(result):
     """Return the main outputs of a nip by name."""
     names = ("wound_on_tension", "nip_induced_tension", "nip_width", "peak_pressure",
              "drum_creepage", "leading_roll", "trailing_roll", "dual")  # fmt: skip
@@ -65,12 +65,12 @@ def test_the_first_page_is_light_and_its_numbers_are_those_of_python(browser, ad
     assert {one.url.split("/")[2] for one in got} == {address.split("/")[2]}  # none from outside
     policy = got[0].headers["content-security-policy"]
     assert "unsafe" not in policy
-    for name, value in told(wo.solve(example)).items():
+    for name, value in outputs_of(wo.solve(example)).items():
         card = page.get_attribute(f"[data-output={name}] .value", "data-si")
         assert float(card) == pytest.approx(value, rel=SAME)
     assert page.locator("[data-output=wound_on_tension] .error").inner_text().startswith("±")
     assert "all 17 contact conditions are satisfied" in page.inner_text(".certificate summary")
-    page.wait_for_selector(".sections")  # the report comes later, and no plot is made anew for it
+    page.wait_for_selector(".sections")  # the report comes later, and no plot is made again for it
     page.evaluate("() => new Promise(requestAnimationFrame)")
     assert page.evaluate("() => made") == page.locator(".uplot").count() > 5
     context.close()
@@ -88,7 +88,7 @@ def test_a_moved_slider_changes_numbers_and_curves_as_python_does(look, example)
     assert load > 3600
     result = wo.solve(example.replace(nip_load=load))
     assert seen.output("wound_on_tension") != numbers
-    for name, value in told(result).items():
+    for name, value in outputs_of(result).items():
         assert seen.output(name) == pytest.approx(value, rel=SAME)
     assert seen.drawn("[data-panel=tractions]") != before
     seen.page.hover("[data-panel=pressure] .u-over")  # at x = 0, the middle of the panel
@@ -123,7 +123,7 @@ WRONG = [
 ]
 
 
-def test_wrong_input_is_told_at_its_field_and_the_picture_stays(look):
+def test_wrong_input_is_reported_at_its_field_and_the_picture_stays(look):
     seen = look()
     for path, text, says in WRONG:
         numbers = seen.output("wound_on_tension")
@@ -167,7 +167,7 @@ def test_wraps_are_fields_of_a_nip(look, example):
     assert seen.box("roll_wrap") == "180"
     seen.put("roll_wrap", "0")
     result = wo.solve(example.replace(roll_wrap=0.0))
-    for name, value in told(result).items():
+    for name, value in outputs_of(result).items():
         assert seen.output(name) == pytest.approx(value, rel=CLOSE, abs=1e-9)
     assert seen.page.locator("[data-panel=wrap_tension]").count() == 0
     seen.put("drum_wrap", "90")
@@ -217,7 +217,7 @@ def test_pinned_states_are_drawn_over_each_other_and_compared(look):
 
 
 def test_a_link_restores_case_units_and_pins_and_pictures_that_followed_are_its(look):
-    """A page that drew each change over what it had shows what one shows that was opened anew."""
+    """A page that drew each change over what it had shows what one shows that was opened again."""
     seen = look()
     seen.page.hover("[data-panel=tractions] .u-over")
     seen.page.click(".pin")
@@ -262,7 +262,7 @@ def test_a_layered_drum_made_by_clicks(look, example):
               wo.Layer(thickness=0.02, material="steel")]  # fmt: skip
     drum = wo.Layered(radius=0.0762, layers=layers, core="rigid")
     result = wo.solve(example.replace(drum=drum))
-    for name, value in told(result).items():
+    for name, value in outputs_of(result).items():
         assert seen.output(name) == pytest.approx(value, rel=CLOSE, abs=1e-9)
     seen.page.click("[aria-label='Remove layer 1']")
     seen.rest()
@@ -287,7 +287,7 @@ BAD_FILES = [
 ]
 
 
-def test_bad_files_are_refused_in_words_and_change_nothing(look):
+def test_bad_files_are_rejected_in_words_and_change_nothing(look):
     seen = look()
     numbers, load = seen.output("wound_on_tension"), seen.box("nip_load")
     for content, says in BAD_FILES:
@@ -374,7 +374,7 @@ def test_a_study_is_run_seen_and_cancelled(look, example):
     assert list(map(float, loads)) == [3000, 3500, 4000]
     for load, tension in zip(loads, tensions, strict=True):
         result = wo.solve(example.replace(nip_load=float(load)))
-        # each from the one before, maybe on another mesh: the same within told errors
+        # each from the one before, maybe on another mesh: the same within error estimates
         apart = 2 * result.errors["wound_on_tension"]
         assert float(tension) == pytest.approx(result.wound_on_tension, abs=apart)
 
@@ -444,7 +444,7 @@ def test_the_tension_for_a_wanted_pressure_is_found_and_taken_over(look):
     assert seen.output("core_pressure") == pytest.approx(wo.solve(example).core_pressure, rel=SAME)
 
 
-def test_a_pressure_that_no_tension_leaves_is_told(look):
+def test_a_pressure_that_no_tension_leaves_is_reported(look):
     seen = look()
     page = seen.page
     page.click("#tab-winding")
@@ -468,8 +468,8 @@ def test_a_winding_tells_its_margins(look):
     seen.rest()
     result = wo.solve(wo.WindingProblem.example().replace(tension_law="friction"))
     assert seen.output("core_pressure") == pytest.approx(result.core_pressure, rel=1e-6)
-    told = page.inner_text(".margins tbody")
-    assert all(margin.title in told for margin in result.margins)
+    outputs_of = page.inner_text(".margins tbody")
+    assert all(margin.title in outputs_of for margin in result.margins)
     page.fill("[id='f-limits-core_pressure']", "1")  # [MPa], of 1.2 that press on it
     page.locator("[id='f-limits-core_pressure']").blur()
     seen.rest()

@@ -34,8 +34,10 @@ def test_a_view_fits_and_is_open_to_all(look, width, height, scheme):
         seen.rest()
         found = Axe().run(page).response["violations"]
         serious = [one for one in found if one["impact"] in ("serious", "critical")]
-        told = [f"{tab}: {one['id']}: {node['html']}" for one in serious for node in one["nodes"]]
-        assert not told
+        computed = [
+            f"{tab}: {one['id']}: {node['html']}" for one in serious for node in one["nodes"]
+        ]
+        assert not computed
 
 
 def test_all_can_be_done_with_the_keyboard(look):

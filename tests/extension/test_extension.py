@@ -61,7 +61,7 @@ RUNNER = """
 import contextlib, io, json, os, sys, traceback
 import woundon as wo
 from woundon.cli import commands as cli
-told, sys.stdout = sys.stdout, sys.stderr
+channel, sys.stdout = sys.stdout, sys.stderr
 for line in sys.stdin:
     folder, words, code = json.loads(line)
     os.chdir(folder)
@@ -72,11 +72,11 @@ for line in sys.stdin:
         except Exception:
             traceback.print_exc()
             ended = 1
-    print(json.dumps([ended or 0, said.getvalue()]), file=told, flush=True)
+    print(json.dumps([ended or 0, said.getvalue()]), file=channel, flush=True)
 """
 
 
-def begun(*words: str, cwd: Path, **more: object) -> subprocess.Popen[str]:
+def start_python(*words: str, cwd: Path, **more: object) -> subprocess.Popen[str]:
     """Start Python with the plug-in installed."""
     source = HERE.parents[1] / "src"
     path = os.pathsep.join(map(str, (source, PLUGIN)))
@@ -86,9 +86,9 @@ def begun(*words: str, cwd: Path, **more: object) -> subprocess.Popen[str]:
     )  # fmt: skip
 
 
-def anew(*words: str, cwd: Path) -> str:
+def run_python(*words: str, cwd: Path) -> str:
     """Run Python with the plug-in installed, in a process for this alone; return its output."""
-    with begun(*words, cwd=cwd) as process:
+    with start_python(*words, cwd=cwd) as process:
         said = process.communicate(timeout=120)[0]
     assert process.returncode == 0
     return said
@@ -98,14 +98,14 @@ def anew(*words: str, cwd: Path) -> str:
 def runner(tmp_path_factory):
     """A process in which the plug-in is installed, for all that needs none of its own."""
     folder = tmp_path_factory.mktemp("runner")
-    with begun("-c", RUNNER, cwd=folder, stdin=subprocess.PIPE) as process:
+    with start_python("-c", RUNNER, cwd=folder, stdin=subprocess.PIPE) as process:
         yield process
         process.stdin.close()
 
 
 @pytest.fixture
-def told(runner, tmp_path):
-    """Run a command, or ``code``; return what is told."""
+def run(runner, tmp_path):
+    """Run a command, or ``code``; return what is reported."""
 
     def run(*words: str, code: str = "") -> str:
         runner.stdin.write(json.dumps([str(tmp_path), words, code]) + "\n")
@@ -127,12 +127,12 @@ def case(tmp_path: Path) -> Path:
 # ---- a body -------------------------------------------------------------------------------------
 
 
-def test_a_body_that_is_not_linear_meets_its_closed_form(told) -> None:
+def test_a_body_that_is_not_linear_meets_its_closed_form(run) -> None:
     """A stiff roller on a hardening Winkler foundation: c K1 ln(1 + p/K1) = (a^2 - x^2)/(2R).
 
     Second order in the nodes: 1.6e-4 of the largest pressure at 201 nodes.
     """
-    said = told(
+    said = run(
         code=f"""
 import mattress, numpy as np
 drum = mattress.Mattress(radius=1.0, hardening_pressure=20e3,
@@ -152,9 +152,9 @@ for nodes in (101, 201):
     assert residual <= 1e-8
 
 
-def test_a_body_rolls_in_every_nip(told) -> None:
+def test_a_body_rolls_in_every_nip(run) -> None:
     # warnings are not of interest; the last line: an inconsistent strain leaves 8e-4
-    said = told(
+    said = run(
         code="""
 from woundon.io.case_files import make_problem
 import tomllib, math, warnings
@@ -178,13 +178,15 @@ print(plain.consistency.power_balance)
 
 
 @pytest.mark.slow
-def test_a_body_in_case_files_studies_files_and_reports(case: Path, told) -> None:
-    out = told("solve", "case.toml", "--set", "drum.layers.0.thickness=5 mm",
+def test_a_body_in_case_files_studies_files_and_reports(case: Path, run) -> None:
+    out = run("solve", "case.toml", "--set", "drum.layers.0.thickness=5 mm",
                "--save", "nip.nc", "--plot", "nip.png")  # fmt: skip
     assert "nip-induced tension" in out
     assert (case / "nip.png").stat().st_size > 10_000
     thickness = "wo.load_result('nip.nc').problem.drum.layers[0].thickness"
-    assert anew("-c", f"import woundon as wo; print({thickness})", cwd=case).strip() == "0.005"
+    assert (
+        run_python("-c", f"import woundon as wo; print({thickness})", cwd=case).strip() == "0.005"
+    )
     (case / "study.toml").write_text(
         """
 schema = 1
@@ -197,7 +199,7 @@ nip_load = { from = "2 kN/m", to = "4 kN/m", count = 3 }
 """,
         "utf-8",
     )
-    told("sweep", "study.toml", "--out", "study", "--workers", "1", "--export", "csv")
+    run("sweep", "study.toml", "--out", "study", "--workers", "1", "--export", "csv")
     head, *rows = (case / "study" / "study.csv").read_text("utf-8").splitlines()
     assert "drum.layers.0.thickness [m]" in head
     assert "mean_pressure [Pa]" in head
@@ -215,8 +217,8 @@ FAULTS = {
 
 
 @pytest.mark.usefixtures("case")
-def test_a_bodys_faults_are_named_like_all_others(told) -> None:
-    said = told(
+def test_a_bodys_faults_are_named_like_all_others(run) -> None:
+    said = run(
         code=f"""
 from woundon.cli import commands as cli
 for setting in {list(FAULTS)}:
@@ -232,8 +234,8 @@ for setting in {list(FAULTS)}:
 # ---- an output ----------------------------------------------------------------------------------
 
 
-def test_an_output_is_known_everywhere(tmp_path: Path, told) -> None:
-    said = told(
+def test_an_output_is_known_everywhere(tmp_path: Path, run) -> None:
+    said = run(
         code="""
 problem = wo.NipProblem.example()
 result = wo.solve(problem, nodes=33)
@@ -248,30 +250,30 @@ result.save("nip.json")
     record = json.loads((tmp_path / "nip.json").read_text("utf-8"))
     assert record["outputs"]["mean_pressure"] > 0
     assert record["units"]["mean_pressure"] == "Pa"
-    assert "mean pressure" in told("describe", "nip")
+    assert "mean pressure" in run("describe", "nip")
 
 
 # ---- a kind -------------------------------------------------------------------------------------
 
 
-def test_a_kind_has_all_that_woundons_have(case: Path, told) -> None:
-    assert "capstan" in anew("-m", "woundon", "new", "--help", cwd=case)
-    help_text = told("describe", "capstan")
+def test_a_kind_has_all_that_woundons_have(case: Path, run) -> None:
+    assert "capstan" in run_python("-m", "woundon", "new", "--help", cwd=case)
+    help_text = run("describe", "capstan")
     for word in ("web_tension", "angle of wrap", "tension_behind_bar", "--nodes"):
         assert word in help_text
-    out = told("solve", "capstan.toml", "--save", "c.json", "--plot", "c.png")
+    out = run("solve", "capstan.toml", "--save", "c.json", "--plot", "c.png")
     assert "web tension behind the bar" in out
     assert "273.8" in out  # 200 exp(0.2 pi/2)
     assert "all 2 conditions are satisfied" in out
     assert (case / "c.png").stat().st_size > 5_000
-    again = told(code="r = wo.load_result('c.json'); print(r.tension_behind_bar, r.residual)")
+    again = run(code="r = wo.load_result('c.json'); print(r.tension_behind_bar, r.residual)")
     assert float(again.split()[0]) == pytest.approx(
         200 * 2.718281828459045 ** (0.1 * 3.141592653589793), abs=1e-9
     )
 
 
-def test_a_kind_is_swept_and_fitted(told) -> None:
-    said = told(
+def test_a_kind_is_swept_and_fitted(run) -> None:
+    said = run(
         code="""
 import mattress
 problem = mattress.CapstanProblem.example()
@@ -287,24 +289,24 @@ print(wo.fit(problem, data, {"friction": (0.01, 1.0)}, profiles=False, starts=2)
 
 
 @pytest.mark.slow
-def test_a_new_case_of_a_kind_is_solved_as_printed(tmp_path: Path, told) -> None:
-    (tmp_path / "new.toml").write_text(told("new", "capstan"), "utf-8")
-    assert "web tension behind the bar" in told("solve", "new.toml")
+def test_a_new_case_of_a_kind_is_solved_as_printed(tmp_path: Path, run) -> None:
+    (tmp_path / "new.toml").write_text(run("new", "capstan"), "utf-8")
+    assert "web tension behind the bar" in run("solve", "new.toml")
 
 
 # ---- a command and figures ----------------------------------------------------------------------
 
 
-def test_a_command_stands_next_to_woundons(told, tmp_path: Path) -> None:
-    assert told("capstan-table", "--friction", "0.2").splitlines()[-1] == "180 deg  1.874"
-    listed = anew("-m", "woundon", "--help", cwd=tmp_path)
+def test_a_command_stands_next_to_woundons(run, tmp_path: Path) -> None:
+    assert run("capstan-table", "--friction", "0.2").splitlines()[-1] == "180 deg  1.874"
+    listed = run_python("-m", "woundon", "--help", cwd=tmp_path)
     assert (
         "capstan-table  Print the tension ratios of a capstan." in listed.partition("Plug-ins")[2]
     )
 
 
-def test_a_figure_is_on_the_page(told) -> None:
-    said = told(
+def test_a_figure_is_on_the_page(run) -> None:
+    said = run(
         code="""
 from woundon.app.input_forms import catalogue
 from woundon.app.documents import exhibit

@@ -102,7 +102,7 @@ def assert_same_state(one: wo.NipResult, other: wo.NipResult) -> None:
     shown = curves(one)
     for face, mu in (("roll", one.problem.roll_friction), ("drum", one.problem.drum_friction)):
         differs = getattr(one, f"{face}_zone") != getattr(other, f"{face}_zone")
-        # where slip and slack are both nil, either zone is right
+        # where slip and slack are both zero, either zone is right
         slack = mu * shown["pressure"] - np.abs(shown[f"{face}_traction"])
         assert np.all(np.abs(shown[f"{face}_slip"][differs]) <= 1e-8)
         assert np.all(np.abs(slack[differs]) <= 1e-8 * mu)
@@ -114,7 +114,7 @@ def assert_same_state(one: wo.NipResult, other: wo.NipResult) -> None:
 @settings(max_examples=60)
 @given(admissible_nips())
 def test_every_solution_keeps_every_law(problem: wo.NipProblem) -> None:
-    """Checked on the returned curves, beside the certificate."""
+    """Checked on the returned curves, next to the certificate."""
     result = wo.solve(problem)
     assert result.residuals.largest <= 1e-8
     p, top = result.drum_pressure, np.max(result.drum_pressure)

@@ -58,11 +58,11 @@ def assert_same(one: wo.NipResult, other: wo.NipResult) -> None:
 @pytest.mark.parametrize("far", FAR)
 def test_a_start_far_away_does_not_move_the_answer(far: str) -> None:
     problem = BASES["both wraps"].replace(**FAR[far])
-    afresh = wo.solve(problem, **MESH)
-    assert_same(afresh, wo.solve(problem, **MESH, start=solved("both wraps")))
+    cold = wo.solve(problem, **MESH)
+    assert_same(cold, wo.solve(problem, **MESH, start=solved("both wraps")))
     # and not from a case without an arc on the drum, or other bodies
-    assert_same(afresh, wo.solve(problem, **MESH, start=solved("hard")))
-    assert_same(afresh, wo.solve(problem, **MESH, start=solved("cover")))
+    assert_same(cold, wo.solve(problem, **MESH, start=solved("hard")))
+    assert_same(cold, wo.solve(problem, **MESH, start=solved("cover")))
 
 
 def factors(most: float) -> Any:
@@ -88,20 +88,20 @@ def test_neighbours_hand_on_a_start_that_does_not_move_the_answer(
            "drum.radius": max(drum, 1.0) * base.drum.radius},
     )  # fmt: skip
     try:
-        afresh = wo.solve(problem, **MESH)
+        cold = wo.solve(problem, **MESH)
     except (wo.InvalidProblem, wo.NoSteadyState, wo.NotConverged) as refused:
         with pytest.raises(type(refused)):
             wo.solve(problem, **MESH, start=solved(name))
         return
-    assert_same(afresh, wo.solve(problem, **MESH, start=solved(name)))
+    assert_same(cold, wo.solve(problem, **MESH, start=solved(name)))
 
 
 def test_a_neighbour_saves_iterations_and_leaves_the_error_estimates() -> None:
     problem = HARD.replace(nip_load=1.02 * HARD.nip_load)
-    afresh, warm = wo.solve(problem, nodes=33), wo.solve(problem, nodes=33, start=solved("hard"))
-    assert warm.iterations < afresh.iterations
-    assert set(warm.errors) == set(afresh.errors)
-    ratio = warm.errors["wound_on_tension"] / afresh.errors["wound_on_tension"]
+    cold, warm = wo.solve(problem, nodes=33), wo.solve(problem, nodes=33, start=solved("hard"))
+    assert warm.iterations < cold.iterations
+    assert set(warm.errors) == set(cold.errors)
+    ratio = warm.errors["wound_on_tension"] / cold.errors["wound_on_tension"]
     assert ratio == pytest.approx(1, rel=0.05)
 
 
@@ -111,6 +111,6 @@ def test_the_page_and_studies_start_from_the_case_before() -> None:
     model = KindModel(HARD, ("wound_on_tension",), {"nodes": 33})
     first = model.run({}, None)
     near = {"nip_load": 1.02 * HARD.nip_load}
-    warm, afresh = model.run(near, first.state), model.run(near, None)
-    assert warm.state.iterations < afresh.state.iterations
-    assert warm.values == pytest.approx(afresh.values, rel=1e-6)
+    warm, cold = model.run(near, first.state), model.run(near, None)
+    assert warm.state.iterations < cold.state.iterations
+    assert warm.values == pytest.approx(cold.values, rel=1e-6)

@@ -1,6 +1,6 @@
 """Every figure and table: as many statements of the thesis hold, and fail, as are known to.
 
-Why a statement fails is told beside it in the exhibit.  The figures are not drawn here.
+Why a statement fails is reported next to it in the exhibit.  The figures are not drawn here.
 """
 
 from __future__ import annotations

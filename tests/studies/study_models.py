@@ -126,7 +126,7 @@ class ProductModel(LineModel):
 
 @dataclass(frozen=True)
 class DampedSineModel(LinearModel):
-    """y = exp(-a x) sin(b x): valleys beside valleys, bent ones; derivatives by differences."""
+    """y = exp(-a x) sin(b x): valleys next to valleys, bent ones; derivatives by differences."""
 
     def value(self, inputs: Mapping[str, Any]) -> float:
         return exp(-inputs["a"] * inputs["x"]) * sin(inputs["b"] * inputs["x"])

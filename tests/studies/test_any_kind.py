@@ -71,7 +71,7 @@ def test_by_default_a_study_gives_what_the_kind_is_about():
         wo.sweep(wo.RollerProblem.example(), {"load": [1e3]})
 
 
-def test_properties_methods_and_told_errors_are_outputs():
+def test_properties_methods_and_error_estimates_are_outputs():
     outputs = ("nip_width", "peak_pressure", "errors.half_width")
     single = wo.solve(paper_nip(nip_load=1e3), nodes=33)
     data = wo.sweep(paper_nip(), {"nip_load": [1e3]}, outputs, nodes=33, workers=1)
@@ -133,7 +133,7 @@ def test_a_wrapped_nip_is_fitted_to_measured_tensions():
         assert np.sqrt(np.mean(miss**2)) > fit.rms
 
 
-def test_friction_behind_the_nip_is_recovered_though_the_case_gives_none():
+def test_friction_downstream_of_the_nip_is_recovered_though_the_case_gives_none():
     true = paper_nip().replace(roll_wrap=pi, wrap_friction=0.13)
     loads = [1500.0, 3000.0]
     data = {
@@ -205,7 +205,7 @@ def test_what_follows_a_varied_field_is_solved():
         ({"wrap.roll_wrap": [1.0]}, None, {}, "did you mean 'roll_wrap'"),
     ],
 )  # fmt: skip
-def test_bad_studies_of_a_wrapped_nip_are_refused(over, outputs, options, says):
+def test_bad_studies_of_a_wrapped_nip_are_rejected(over, outputs, options, says):
     wrapped = paper_nip().replace(roll_wrap=pi)
     with pytest.raises(wo.InvalidProblem, match=says):
         wo.sweep(wrapped, over, outputs, options=options)
@@ -222,7 +222,7 @@ def test_a_field_may_come_with_a_body_that_is_varied():
 
 
 @pytest.mark.parametrize("thing", [None, 3.0, wo.NipProblem])
-def test_what_is_no_problem_is_refused(thing):
+def test_what_is_no_problem_is_rejected(thing):
     with pytest.raises(wo.InvalidProblem, match="must be a "):
         wo.sweep(thing, {"nip_load": [1e3]})
     with pytest.raises(wo.InvalidProblem, match="must be a "):
@@ -286,12 +286,13 @@ def test_derivatives_are_exact_where_the_result_has_them(row, outputs):
     predictor = Predictor(model, measured, (Parameter("springs.0.stiffness", 10.0, 1e3, 100.0),))
     u = np.log([160.0])
     assert (predictor._exact(u) is not None) == (outputs == ("end",))
-    # d(2 F/k)/d ln k = -2 F/k; the central difference is off by its step squared, 2e-3^2/6
+    # d(2 F/k)/d ln k = -2 F/k; the error of a forward difference is half its step of 1e-3
+    rel = 1e-6 if outputs == ("end",) else 6e-4
     expected = np.full((2 * len(outputs), 1), -6.0 / 160.0)
-    assert predictor.jacobian(u) == pytest.approx(expected, rel=1e-6)
+    assert predictor.jacobian(u) == pytest.approx(expected, rel=rel)
 
 
-def test_a_refused_derivative_takes_differences(row):
+def test_a_rejected_derivative_takes_differences(row):
     model = model_of(row, ("end",), None, {})
     state = model.run({}, None).state
     assert model.gradient(state, ("force",)) == pytest.approx(np.array([[row_slope(row)]]))
@@ -313,7 +314,7 @@ def row_slope(row) -> float:
         ({"force": [1.0]}, "extent", "extent: not a scalar output; did you mean 'extension'"),
     ],
 )
-def test_bad_studies_of_another_kind_are_refused(row, over, outputs, says):
+def test_bad_studies_of_another_kind_are_rejected(row, over, outputs, says):
     with pytest.raises(wo.InvalidProblem, match=says):
         wo.sweep(row, over, outputs)
 

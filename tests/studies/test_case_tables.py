@@ -165,7 +165,7 @@ def test_what_is_field_and_output_is_an_input_unless_a_study_wrote_the_table(tmp
         ('nip_load [N/m],web_tension [N/m]\n"{}",1\n', "'{}' is not a number"),
     ],
 )
-def test_bad_tables_of_cases_are_refused(tmp_path: Path, text: str, says: str):
+def test_bad_tables_of_cases_are_rejected(tmp_path: Path, text: str, says: str):
     (tmp_path / "cases.csv").write_text(text, "utf-8")
     with pytest.raises(wo.InvalidProblem) as refusal:
         wo.sweep(paper_nip(), tmp_path / "cases.csv")
@@ -186,7 +186,7 @@ def test_a_table_is_not_drawn_from():
         ('over = "cases.csv"\n[design]\nkind = "sobol"\nsamples = 8', "over"),
     ],
 )
-def test_bad_study_files_with_tables_are_refused(
+def test_bad_study_files_with_tables_are_rejected(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], lines: str, says: str
 ):
     (tmp_path / "cases.csv").write_text("nip_load [N/m]\n1000\n", "utf-8")

@@ -73,7 +73,7 @@ def test_sweep_again_needs_resume(study: Path, tmp_path: Path, capsys: pytest.Ca
     assert cli.main([*command, "--resume"]) == 0
 
 
-def test_what_is_found_in_a_folder_is_told_in_a_line(
+def test_what_is_found_in_a_folder_is_reported_in_a_line(
     study: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ):
     out = tmp_path / "out"
@@ -84,9 +84,9 @@ def test_what_is_found_in_a_folder_is_told_in_a_line(
         connection.execute("UPDATE chunk SET outputs = zeroblob(48)")
     capsys.readouterr()
     assert cli.main([*command, "--resume"]) == 0
-    told = [line for line in capsys.readouterr().err.splitlines() if "solving" not in line]
+    message = [line for line in capsys.readouterr().err.splitlines() if "solving" not in line]
     (aside,) = out.glob("damaged-*")
-    assert told == [
+    assert message == [
         f"warning: {out / 'study.sqlite'}: damaged, a copy is in {aside.name}; "
         "0 of its chunks are intact, the other 1 are solved again",
     ]
@@ -149,7 +149,7 @@ def test_fit_from_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture
         [13, 13], rel=1e-3
     )
     rms = [float(re.search(r"RMS ([\d.e-]+) m?N/m", text)[1]) for text in (said, shown)]
-    assert rms[1] == pytest.approx(1e3 * rms[0], rel=1e-3)  # four digits are told
+    assert rms[1] == pytest.approx(1e3 * rms[0], rel=1e-3)  # four digits are reported
 
 
 WRAP = """
@@ -226,17 +226,17 @@ def test_the_wrapped_nip_is_fitted_to_the_measured_points(
     quick = ["--nodes", "17", "--starts", "1", "--no-profiles", "--json"]
     command = ["fit", str(wrapped_case), str(POINTS), *vary, *MEASURED, *quick]
     assert cli.main(command) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert len(told["fitted"]) == 15
-    assert set(told["row_outputs"]) == {"wound_on_tension"}
-    assert told["problem"]["roll_wrap"] == np.pi / 2
-    assert told["problem"]["web"]["material"]["shear"] == told["estimates"][0]
+    answer = json.loads(capsys.readouterr().out)
+    assert len(answer["fitted"]) == 15
+    assert set(answer["row_outputs"]) == {"wound_on_tension"}
+    assert answer["problem"]["roll_wrap"] == np.pi / 2
+    assert answer["problem"]["web"]["material"]["shear"] == answer["estimates"][0]
     # what borders at rest change a tension of 700 N/m by differs by 1e-2 of itself from start to
     # start, up to 1e-2 N/m of 18 in one point
-    rms = _rms(wo.load_case(wrapped_case), told["estimates"][0])
-    assert told["rms"] == pytest.approx(rms, rel=1e-4)
+    rms = _rms(wo.load_case(wrapped_case), answer["estimates"][0])
+    assert answer["rms"] == pytest.approx(rms, rel=1e-4)
     # closer than with Table 2's own shear modulus
-    assert told["rms"] < _rms(wo.load_case(wrapped_case), 10e6) < 20.0
+    assert answer["rms"] < _rms(wo.load_case(wrapped_case), 10e6) < 20.0
 
 
 def _rms(nip: wo.NipProblem, shear: float) -> float:
@@ -281,9 +281,9 @@ def test_bad_fit_commands(
 
 @pytest.mark.parametrize("name", sorted(p.name for p in EXAMPLES.glob("study_*.toml")))
 def test_example_studies_load(name: str):
-    told = load_study(EXAMPLES / name)
-    assert told.outputs
-    assert all(len(values) for values in told.over.values())
+    study = load_study(EXAMPLES / name)
+    assert study.outputs
+    assert all(len(values) for values in study.over.values())
 
 
 @pytest.mark.parametrize(
@@ -329,7 +329,7 @@ def test_example_studies_load(name: str):
         ),
     ],
 )
-def test_bad_study_files_are_refused(
+def test_bad_study_files_are_rejected(
     study: Path, capsys: pytest.CaptureFixture[str], old: str, new: str, says: str
 ):
     text = study.read_text("utf-8")
@@ -339,7 +339,7 @@ def test_bad_study_files_are_refused(
     assert says in capsys.readouterr().err
 
 
-def test_a_refused_study_leaves_no_folder(study: Path):
+def test_a_rejected_study_leaves_no_folder(study: Path):
     study.write_text(study.read_text("utf-8").replace("nodes = 17", "node = 17"), "utf-8")
     assert cli.main(["sweep", str(study), "--out", str(study.parent / "out")]) == 2
     assert not (study.parent / "out").exists()
@@ -355,9 +355,9 @@ def test_a_study_may_hold_its_case(tmp_path: Path):
     path.write_text(
         f"schema = 1\n[over]\nroll.radius = [0.1, 0.2]\n[case]\n{nested}", encoding="utf-8"
     )
-    told = load_study(path)
-    assert told.problem == wo.load_case(CASE)
-    assert list(told.over["roll.radius"]) == [0.1, 0.2]
+    study = load_study(path)
+    assert study.problem == wo.load_case(CASE)
+    assert list(study.over["roll.radius"]) == [0.1, 0.2]
 
 
 def test_figures_of_many_inputs(tmp_path: Path):
@@ -401,7 +401,7 @@ def test_bad_measured_data(
     assert says in capsys.readouterr().err
 
 
-def test_a_sweep_without_any_solution_is_told_apart(tmp_path: Path):
+def test_a_sweep_without_any_solution_is_distinguished(tmp_path: Path):
     study = tmp_path / "study.toml"
     text = f'schema = 1\ncase = "{CASE.as_posix()}"\n[over]\nwinding_force = ["5 kN/m", "6 kN/m"]\n'
     study.write_text(text, encoding="utf-8")

@@ -327,8 +327,8 @@ def test_the_command(tmp_path: Path, capsys, monkeypatch):
                "12 cm^2", "--tab-deviation", "5 %", "--column", "Nr=", "--spread",
                "wound_on_tension=5 %"]  # fmt: skip
     assert main([*command, "--plot", "tabs.svg", "--save", "tabs_compared.csv"]) == 0
-    told = capsys.readouterr().out
-    assert told.startswith("pressure: 3 values, measured - predicted")
+    message = capsys.readouterr().out
+    assert message.startswith("pressure: 3 values, measured - predicted")
     assert Path("tabs.svg").exists()
     frame = pandas.read_csv("tabs_compared.csv")
     assert frame.measured[0] == pytest.approx(125.0 / (2 * 0.25 * 12e-4))

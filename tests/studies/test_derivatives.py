@@ -86,19 +86,19 @@ def test_exact_ones_are_the_results_own() -> None:
         (("web.material",), "web.material: is not a continuous field"),
     ],
 )
-def test_what_is_refused(names: tuple[str, ...], said: str) -> None:
+def test_what_is_rejected(names: tuple[str, ...], said: str) -> None:
     """By differences, which options of the solver ask for."""
     result = wo.solve(film_nip(), nodes=17)
     assert_rejected(lambda: wo.derivatives(result, *names, nodes=17), said)
 
 
 @pytest.mark.parametrize("given", [3, None, "result.nc"])
-def test_what_is_no_result_is_refused(given: object) -> None:
+def test_what_is_no_result_is_rejected(given: object) -> None:
     with pytest.raises(wo.InvalidProblem, match=r"^result: .* is out of place; must be a Result"):
         wo.derivatives(given, "nip_load")
 
 
-def test_derivatives_of_any_kind_are_told_by_the_symbols_of_their_outputs(
+def test_derivatives_of_any_kind_are_reported_by_the_symbols_of_their_outputs(
     rollers: wo.RollerResult,
 ) -> None:
     slopes = wo.derivatives(rollers, "speed")

@@ -95,13 +95,13 @@ def test_saltelli_design_swaps_one_column_at_a_time():
         ({"a": range(10**5), "b": range(10**5)}, "grid", None, "more than 100000000"),
     ],
 )
-def test_bad_designs_are_refused(over, kind, samples, says):
+def test_bad_designs_are_rejected(over, kind, samples, says):
     with pytest.raises(InvalidProblem) as fault:
         make_design(over, kind, samples)
     assert says in str(fault.value)
 
 
 @pytest.mark.parametrize("samples", [0, 3, 2.0, True])
-def test_bad_base_samples_are_refused(samples):
+def test_bad_base_samples_are_rejected(samples):
     with pytest.raises(InvalidProblem, match="is not a power of 2, at least 4"):
         saltelli_design({"a": (0.0, 1.0)}, samples, 0)

@@ -155,7 +155,7 @@ def test_exchange_finds_a_set_near_the_best_of_all(criterion: str, seed: int):
     assert value(chosen) >= 0.98 * best
 
 
-def test_a_ranking_that_depends_on_the_values_is_told():
+def test_a_ranking_that_depends_on_the_values_is_reported():
     """Which of two springs is the softer one, and so determines the extension, is not known."""
     one = wo.Measurement("extension", {}, "3 %", problem=row(1000.0),
                          fields={"springs.0.stiffness": K0})  # fmt: skip

@@ -236,14 +236,14 @@ def test_invalid_requests_are_rejected(name, options, text):
 
 
 def test_values_may_have_units_and_progress_is_reported():
-    told: list[tuple[int, int]] = []
+    computed: list[tuple[int, int]] = []
     found = wo.find(
         steel_pair(), "load", between=("50 kN/m", "2e4 kN/m"),
-        nip_width="0.4 cm", progress=lambda done, size: told.append((done, size)), points=5,
+        nip_width="0.4 cm", progress=lambda done, size: computed.append((done, size)), points=5,
     )  # fmt: skip
     assert found.target == pytest.approx(4e-3)
-    assert told[0] == (1, 5)
-    assert told[-1][0] >= 5
+    assert computed[0] == (1, 5)
+    assert computed[-1][0] >= 5
 
 
 def test_a_tied_field_follows():
@@ -282,10 +282,10 @@ def test_the_command_prints_the_answer_first(tmp_path, capsys):
              "--nodes", "33", "--target", "wound_on_tension=700 N/m", "--case", str(new),
              "--plot", str(tmp_path / "f.svg")]  # fmt: skip
     assert main(given) == 0
-    told = capsys.readouterr().out.splitlines()
-    assert told[0].startswith("nip_load = 3")
-    assert told[2].split() == ["nip_load", "[N/m]", "wound_on_tension", "[N/m]"]
-    assert sum(line.endswith("solution") for line in told) == 1
+    message = capsys.readouterr().out.splitlines()
+    assert message[0].startswith("nip_load = 3")
+    assert message[2].split() == ["nip_load", "[N/m]", "wound_on_tension", "[N/m]"]
+    assert sum(line.endswith("solution") for line in message) == 1
     result = wo.solve(load_case(new), nodes=33)
     assert result.wound_on_tension == pytest.approx(700.0, rel=2e-7)
     assert (tmp_path / "f.svg").exists()

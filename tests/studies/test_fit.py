@@ -41,7 +41,7 @@ def _fitted(model, y, parameters, *, deviation=None, starts=3, profiles=True, wo
 LINE = (Parameter("a", -10.0, 10.0, 0.0), Parameter("b", -10.0, 10.0, 0.0))
 
 
-def test_an_estimate_that_the_data_push_onto_a_bound_is_told_to_be_there():
+def test_an_estimate_that_the_data_push_onto_a_bound_is_reported_to_be_there():
     """The induced tension is zero for no friction within the bounds."""
     base = wo.NipProblem.example().replace(roll_wrap=0.0)
     data = {"nip_load": [1e3, 2e3], "nip_induced_tension": [0.0, 0.0]}
@@ -93,7 +93,7 @@ def test_intervals_cover_the_truth_as_often_as_they_say():
     assert 180 <= hits <= 198  # binomial, 95 % of 200: 190 +- 3 standard deviations of 3
 
 
-def test_a_product_cannot_be_told_apart():
+def test_a_product_cannot_be_distinguished():
     bounds = (Parameter("a", 0.1, 10.0, 1.0), Parameter("b", 0.1, 10.0, 1.0))
     fit = _fitted(models.ProductModel(), 2 * X + 0.1 * NOISE, bounds)
     assert fit.estimate("a") * fit.estimate("b") == pytest.approx(2.0, rel=0.01)
@@ -277,7 +277,7 @@ def newsprint():
 
 @pytest.mark.slow
 def test_the_measured_tensions_cannot_tell_radial_from_shear_modulus(newsprint):
-    """A_rr and G nearly trade off: told with numbers."""
+    """A_rr and G nearly trade off: the fit states it with numbers."""
     fit = newsprint
     # between the floor of 9.5 N/m and the 12.1 N/m of a single fitted point
     assert 9.5 < fit.rms < 12.1
@@ -288,9 +288,9 @@ def test_the_measured_tensions_cannot_tell_radial_from_shear_modulus(newsprint):
     assert fit.joint_effect < 0.05 * fit.effects.min()
     # the standard errors are larger than the estimates themselves
     assert np.all(fit.standard_errors > fit.estimates)
-    told = "\n".join(fit.lines())
-    assert "correlation of roll.material.shear and roll.material.radial: 0.99" in told
-    assert "nearly a trade-off: roll.material.shear +10.0%" in told
+    computed = "\n".join(fit.lines())
+    assert "correlation of roll.material.shear and roll.material.radial: 0.99" in computed
+    assert "nearly a trade-off: roll.material.shear +10.0%" in computed
 
 
 @pytest.mark.parametrize(
@@ -312,7 +312,7 @@ def test_the_measured_tensions_cannot_tell_radial_from_shear_modulus(newsprint):
         ),
     ],
 )  # fmt: skip
-def test_bad_fits_are_refused(data, vary, says):
+def test_bad_fits_are_rejected(data, vary, says):
     with pytest.raises(wo.InvalidProblem, match=says):
         wo.fit(paper_nip(), data, vary)
 
@@ -378,7 +378,7 @@ def test_the_measured_tensions_are_fitted(output):
     assert np.all(np.abs(np.log(np.array(found) / ends)) < ends_move * way)
 
 
-def test_derivatives_that_mislead_are_made_anew():
+def test_derivatives_that_mislead_are_made_again():
     """Mended by a step along a bent valley they lead upwards, still two errors from its end."""
     bounds = (Parameter("a", 0.01, 2.0, 1.6294), Parameter("b", 0.2, 9.0, 2.9991))
     noise = np.random.default_rng(29)
@@ -411,13 +411,13 @@ def test_processes_give_the_same_fit_as_one(monkeypatch):
 def test_places_begin_at_the_nearest_one_and_known_ones_cost_nothing():
     begun: list[object] = []
 
-    class Told(models.LineModel):
+    class RecordedModel(models.LineModel):
         def run(self, inputs, start):
             begun.append(None if start is None else start["a"])
             return super().run(inputs, start)
 
     data = Measured({"x": X[:1]}, {"y": np.zeros(1)}, {})
-    predictor = Predictor(Told(), data, LINE)
+    predictor = Predictor(RecordedModel(), data, LINE)
     for a in (0.0, 5.0, 1.0, 0.0):
         predictor.residuals(np.array([a, 1.0]))
     assert begun == [None, 0.0, 0.0]

@@ -118,7 +118,7 @@ GOOD = "wound_on_tension [N/m]"
         ({GOOD: [1.0], "half_width +-": [1.0]}, "deviations of half_width must be > 0 wherever"),
     ],
 )
-def test_bad_columns_are_refused(columns, says):
+def test_bad_columns_are_rejected(columns, says):
     with pytest.raises(InvalidProblem) as fault:
         _read(columns)
     assert says in str(fault.value)
@@ -135,14 +135,14 @@ def test_bad_columns_are_refused(columns, says):
         (b"nip_load,half_width\n\x81,1\n", "is no text; save it as .xlsx or as CSV in UTF-8"),
     ],
 )
-def test_bad_files_are_refused(tmp_path: Path, content, says):
+def test_bad_files_are_rejected(tmp_path: Path, content, says):
     path = tmp_path / "rig.csv"
     path.write_bytes(content)
     with pytest.raises(InvalidProblem, match=says):
         _read(path)
 
 
-def test_missing_and_broken_files_are_refused(tmp_path: Path):
+def test_missing_and_broken_files_are_rejected(tmp_path: Path):
     with pytest.raises(InvalidProblem, match="cannot be read: No such file"):
         _read(tmp_path / "none.csv")
     pytest.importorskip("openpyxl")
@@ -153,7 +153,7 @@ def test_missing_and_broken_files_are_refused(tmp_path: Path):
         _read(tmp_path / "text.xlsx")
 
 
-def test_missing_openpyxl_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_missing_openpyxl_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setitem(sys.modules, "openpyxl", None)
     for call in (_read, check_export):
         with pytest.raises(InvalidProblem, match=r"need openpyxl: pip install 'woundon\[excel\]'"):

@@ -151,7 +151,7 @@ def test_ctrl_c_finishes_what_a_cluster_works_on(cluster, tmp_path: Path, capsys
 
 
 @pytest.mark.filterwarnings("ignore")
-def test_a_scheduler_out_of_reach_is_told():
+def test_a_scheduler_out_of_reach_is_reported():
     with pytest.raises(wo.InvalidProblem, match=r"'tcp://127\.0\.0\.1:9' cannot be reached"):
         run_study(models.LinearModel(), DESIGN, DaskRunner("tcp://127.0.0.1:9", timeout=0.5))
 

@@ -1,4 +1,4 @@
-"""Schedules optimised under margins, against brute force; what cannot be kept is told."""
+"""Schedules optimised under margins, against brute force; what cannot be kept is reported."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def test_an_active_constraint_is_met_and_named(best: wo.OptimisedSchedule) -> No
         assert 0 <= best.margins_after[name].reserve < 0.01
     assert "compression" in str(best)
     assert "binds" in str(best)
-    # what is told is what it is: wound anew
+    # what is reported is what it is: wound again
     again = wo.solve(best.problem, **COARSE)
     assert again.mid_pressure == best.after.mid_pressure
     assert tuple(best.values) == (
@@ -90,7 +90,7 @@ def test_without_a_goal_the_smallest_reserve_is_the_largest(
     assert set(found.binding) == {"blocking", "slack"}  # too much tension, and too little
 
 
-def test_limits_that_nothing_keeps_are_told_with_what_binds(problem: wo.RollProblem) -> None:
+def test_limits_that_nothing_keeps_are_reported_with_what_binds(problem: wo.RollProblem) -> None:
     hard = LIMITS.replace(compression=1e3, torque_share=0.01)
     found = wo.optimise_schedule(problem, OVER, limits=hard, evaluations=25, options=COARSE)
     assert not found.feasible
@@ -101,14 +101,14 @@ def test_limits_that_nothing_keeps_are_told_with_what_binds(problem: wo.RollProb
 
 
 def test_it_stops_after_so_many_windings_and_tells_each(problem: wo.RollProblem) -> None:
-    told: list[tuple[int, int]] = []
+    computed: list[tuple[int, int]] = []
     found = wo.optimise_schedule(
         problem, OVER, limits=LIMITS, evaluations=6, options=COARSE,
-        progress=lambda done, size: told.append((done, size)),
+        progress=lambda done, size: computed.append((done, size)),
     )  # fmt: skip
     assert found.ended == "stopped after 6 windings"
     assert len(found.tried) == 6
-    assert told[-1] == (6, 6)
+    assert computed[-1] == (6, 6)
 
 
 def test_an_interruption_gives_the_best_so_far(problem: wo.RollProblem) -> None:
@@ -142,7 +142,7 @@ def test_a_schedule_is_drawn_before_and_after(best: wo.OptimisedSchedule, tmp_pa
 
 
 @pytest.mark.parametrize(
-    ("given", "told"),
+    ("given", "message"),
     [
         ({"over": {}}, "over: nothing to vary"),
         ({"over": None}, "over: nothing to vary"),  # what is usual belongs to a winding
@@ -152,11 +152,16 @@ def test_a_schedule_is_drawn_before_and_after(best: wo.OptimisedSchedule, tmp_pa
         ({"over": {"core": (0, 1)}}, "core: "),
         ({"limits": wo.Limits()}, "limits: none is given"),
         ({"evaluations": 2}, "evaluations: 2 is out of range; must be >= 5"),
-        ({"minimise": "mid_pressure", "maximise": "core_pressure"}, "maximise: is given beside"),
+        (
+            {"minimise": "mid_pressure", "maximise": "core_pressure"},
+            "maximise: is given together with",
+        ),
         ({"minimise": "mid_presure"}, "mid_presure: not a scalar output; did you mean"),
         ({"options": {"rtoll": 1}}, "rtoll: no such option"),
     ],
 )
-def test_bad_input_is_refused(problem: wo.RollProblem, given: dict[str, Any], told: str) -> None:
+def test_bad_input_is_rejected(
+    problem: wo.RollProblem, given: dict[str, Any], message: str
+) -> None:
     options = {"over": OVER, "limits": LIMITS, **given}
-    assert_rejected(lambda: wo.optimise_schedule(problem, **options), told)
+    assert_rejected(lambda: wo.optimise_schedule(problem, **options), message)

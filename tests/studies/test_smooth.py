@@ -39,11 +39,11 @@ def test_on_one_grid_there_are_no_jumps():
 
 @pytest.mark.slow
 def test_between_grids_the_jumps_stay_below_the_stated_error():
-    """Where the estimate asks for a finer grid the result moves by the error it told."""
+    """Where the estimate asks for a finer grid the result moves by the estimated error."""
     NIT, error = _scan()
     off = _off(NIT)
-    told = np.maximum(np.maximum(error[:-2], error[1:-1]), error[2:])
-    assert np.all(off <= told)
+    estimate = np.maximum(np.maximum(error[:-2], error[1:-1]), error[2:])
+    assert np.all(off <= estimate)
     assert off.max() < 1e-3 * NIT.max()
     assert np.all(np.diff(NIT) > 0)
 

@@ -54,7 +54,7 @@ def test_the_nip_knows_its_strong_inputs():
     assert found.lines()[0].startswith("wound_on_tension: share of the variance")
 
 
-def test_a_failed_case_is_told_not_dropped():
+def test_a_failed_case_is_reported_not_dropped():
     with pytest.raises(wo.InvalidProblem, match=r"narrow the ranges: .* failed, .*NoSteadyState"):
         wo.global_sensitivity(
             paper_nip(), {"winding_force": (0.0, 1500.0)}, samples=8, nodes=17, workers=1

@@ -197,10 +197,10 @@ def test_from_excel_to_excel_in_one_command(tmp_path: Path, capsys, monkeypatch)
     command = ["table", "cases.xlsx", "--case", "case.toml", "-o", "results.xlsx", "--workers", "1",
                "--column", "Nr=", "--nodes", "33", "--set", "web_tension=300 N/m"]  # fmt: skip
     assert main(command) == 0
-    told = capsys.readouterr().out
-    assert "4 rows in" in told
-    assert "1 failed" in told
-    assert "1 x nip_load: -1000 is out of range" in told
+    message = capsys.readouterr().out
+    assert "4 rows in" in message
+    assert "1 failed" in message
+    assert "1 x nip_load: -1000 is out of range" in message
     found = pandas.read_excel("results.xlsx", keep_default_na=False)
     assert found["Nr"].tolist() == [1, 2, 3, 4]
     assert found.failure[2].startswith("nip_load: -1000 is out of range")

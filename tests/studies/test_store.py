@@ -319,7 +319,7 @@ def test_an_incomplete_read_only_study_is_rejected(tmp_path: Path, monkeypatch: 
 # ---- whose study it is --------------------------------------------------------------------------
 
 
-def test_resume_without_a_folder_is_refused():
+def test_resume_without_a_folder_is_rejected():
     with pytest.raises(wo.InvalidProblem, match="resume: needs out, the folder of the study"):
         run_study(models.LinearModel(), DESIGN, SerialRunner(), resume=True)
 
@@ -421,7 +421,7 @@ def test_parquet_names_its_package_where_it_is_missing(monkeypatch: pytest.Monke
         check_export("study.parquet")
 
 
-def test_other_endings_are_refused(tmp_path: Path, table):
+def test_other_endings_are_rejected(tmp_path: Path, table):
     with pytest.raises(
         wo.InvalidProblem, match=r"ending '\.txt' is not a known format; must be \.nc"
     ):

@@ -155,13 +155,13 @@ def test_drawn_designs_are_tables_of_cases():
     assert float(data.nip_induced_tension[3]) == pytest.approx(single, rel=SAME)
 
 
-def test_progress_is_told():
-    told = []
+def test_progress_is_reported():
+    computed = []
     wo.sweep(
         paper_nip(), {"nip_load": [1e3, 2e3, 3e3]}, nodes=17, workers=1, chunk=2,
-        progress=lambda done, size: told.append((done, size)),
+        progress=lambda done, size: computed.append((done, size)),
     )  # fmt: skip
-    assert told == [(2, 3), (3, 3)]
+    assert computed == [(2, 3), (3, 3)]
 
 
 @pytest.mark.parametrize(
@@ -184,7 +184,7 @@ def test_progress_is_told():
         ({"nip_load": [1e3]}, "half_width", {"tie": {"web.materiel": "roll.material"}}, "materiel"),
     ],
 )  # fmt: skip
-def test_bad_sweeps_are_refused(over, outputs, options, says):
+def test_bad_sweeps_are_rejected(over, outputs, options, says):
     with pytest.raises(wo.InvalidProblem) as fault:
         wo.sweep(paper_nip(), over, outputs, **options)
     assert says in str(fault.value)
@@ -231,10 +231,10 @@ def test_a_sweep_without_any_solution_raises_with_its_reasons(
 def test_editors_see_every_keyword(study):
     parameters = inspect.signature(study).parameters.values()
     assert all(p.kind not in (p.VAR_KEYWORD, p.VAR_POSITIONAL) for p in parameters)
-    told = study.__doc__.split("Returns")[0].split("Raises")[0]
-    assert {p.name for p in parameters} <= set(re.findall(r"\w+", told))
+    computed = study.__doc__.split("Returns")[0].split("Raises")[0]
+    assert {p.name for p in parameters} <= set(re.findall(r"\w+", computed))
 
 
-def test_a_study_of_no_problem_is_refused():
+def test_a_study_of_no_problem_is_rejected():
     with pytest.raises(wo.InvalidProblem, match=r"must be a NipProblem, .* or WindingProblem"):
         wo.sweep({"nip_load": 1.0}, {"nip_load": [1.0]})

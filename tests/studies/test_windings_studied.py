@@ -46,7 +46,7 @@ def swept(out: Path, *, resume: bool) -> subprocess.Popen[bytes]:
 @pytest.mark.slow
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="nothing is killed like that there")
 def test_a_sweep_killed_and_resumed_gives_bit_for_bit_the_same(tmp_path: Path):
-    """Windings start from each other, within a chunk only: what was lost with it is wound anew."""
+    """Windings start from each other, within a chunk only: what was lost with it is wound again."""
     whole, cut = tmp_path / "whole", tmp_path / "cut"
     assert swept(whole, resume=False).wait() == 0
     worker = swept(cut, resume=False)
@@ -77,7 +77,7 @@ def test_a_stack_is_fitted_to_core_pressures():
 
 
 @pytest.mark.slow
-def test_friction_and_stack_are_told_apart_by_two_pressures():
+def test_friction_and_stack_are_distinguished_by_two_pressures():
     case = CASE.replace(tension_law="friction")
     found = wo.fit(
         case.replace(roll_friction=0.3, **{"stack.radial.K2": 60.0}),
@@ -109,9 +109,9 @@ def test_a_fit_from_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixtu
         ]
     )
     assert ended == 0
-    told = re.search(r"stack.radial.K2  ([\d.]+)", capsys.readouterr().out)
-    assert told is not None
-    assert float(told[1]) == pytest.approx(K2, rel=2e-3)
+    message = re.search(r"stack.radial.K2  ([\d.]+)", capsys.readouterr().out)
+    assert message is not None
+    assert float(message[1]) == pytest.approx(K2, rel=2e-3)
 
 
 def test_pressures_over_the_radius_are_no_outputs_of_a_fit():

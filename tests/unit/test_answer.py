@@ -79,9 +79,9 @@ def test_no_friction_coefficient_of_a_floating_web_is_printed() -> None:
     result = wo.solve(problem, nodes=NODES)
     assert result.air is not None
     assert result.air.roll_friction < 1e-3
-    told = str(result)
-    assert "mu+ eff" not in told
-    assert "in the nip to 0." in told
+    message = str(result)
+    assert "mu+ eff" not in message
+    assert "in the nip to 0." in message
 
 
 def test_other_kinds_begin_with_their_main_outputs(winding: wo.WindingResult) -> None:

@@ -1,4 +1,4 @@
-"""Bodies: what each answers, how a table is told to be one, and that they agree where they must."""
+"""Bodies: their responses, their construction from tables, and their agreement in common limits."""
 
 from __future__ import annotations
 

@@ -70,7 +70,7 @@ def pair(tmp_path) -> Path:
     return path
 
 
-def test_the_kind_is_told_by_the_names(pair):
+def test_the_kind_is_reported_by_the_names(pair):
     assert wo.load_case(pair) == wo.RollerProblem.example()
     assert wo.load_case(pair, ["motion=static"]).motion == "static"
     assert wo.load_case(EXAMPLE, ["wrap=none"]) == TABLE_2
@@ -134,8 +134,8 @@ def test_a_bare_setting_changes_a_field_of_a_table(tmp_path):
 
 
 def test_one_of_two_fields_is_left_out_for_the_other(pair):
-    told = wo.load_case(pair, ["tangential_load=none", "creepage=0.01 %"])
-    assert (told.tangential_load, told.creepage) == (None, 1e-4)
+    problem = wo.load_case(pair, ["tangential_load=none", "creepage=0.01 %"])
+    assert (problem.tangential_load, problem.creepage) == (None, 1e-4)
 
 
 # ---- refusing -----------------------------------------------------------------------------------
@@ -157,11 +157,11 @@ BAD_SETTINGS = [
 
 
 @pytest.mark.parametrize(("setting", "field", "said"), BAD_SETTINGS)
-def test_bad_value_is_refused(setting, field, said):
+def test_bad_value_is_rejected(setting, field, said):
     with pytest.raises(wo.InvalidProblem) as refusal:
         wo.load_case(EXAMPLE, [setting])
     faults = dict(refusal.value.faults)
-    assert list(faults) == [field], "one fault, and no other is told"
+    assert list(faults) == [field], "one fault, and no other is reported"
     for part in said.split("*"):
         assert part in faults[field]
 
@@ -181,7 +181,7 @@ QUOTED = '"a.b"'
         (b"\xff\xfe\x00", "is not UTF-8 text, from byte 0"),
     ],
 )
-def test_bad_file_is_refused(tmp_path, text, said):
+def test_bad_file_is_rejected(tmp_path, text, said):
     path = tmp_path / "case.toml"
     path.write_bytes(text if isinstance(text, bytes) else text.encode())
     with pytest.raises(wo.InvalidProblem) as refusal:
@@ -192,7 +192,7 @@ def test_bad_file_is_refused(tmp_path, text, said):
         assert part in fault
 
 
-def test_a_number_of_thousands_of_digits_and_900_tables_are_refused(tmp_path):
+def test_a_number_of_thousands_of_digits_and_900_tables_are_rejected(tmp_path):
     path = tmp_path / "case.toml"
     path.write_text(f"schema = {'1' * 5000}\n")
     with pytest.raises(wo.InvalidProblem, match="a number of thousands of digits"):
@@ -215,7 +215,7 @@ def test_a_number_of_thousands_of_digits_and_900_tables_are_refused(tmp_path):
     ],
     ids=lambda text: text[:12],
 )
-def test_what_is_like_no_case_is_refused_soon(tmp_path, text, said):
+def test_what_is_like_no_case_is_rejected_soon(tmp_path, text, said):
     path = tmp_path / "case.toml"
     path.write_text(text)
     start = time.process_time()
@@ -241,7 +241,7 @@ def test_no_more_is_read_than_a_case_may_have(tmp_path):
         wo.load_case("/dev/zero")
 
 
-def test_missing_file_and_folder_are_refused(tmp_path):
+def test_missing_file_and_folder_are_rejected(tmp_path):
     with pytest.raises(wo.InvalidProblem, match="cannot be read: No such file"):
         wo.load_case(tmp_path / "none.toml")
     with pytest.raises(wo.InvalidProblem, match="cannot be read"):
@@ -258,7 +258,7 @@ def test_missing_fields_and_schema_are_named(tmp_path):
     assert {"web.material", "roll", "drum", "nip_load", "roll_friction"} <= faults.keys()
 
 
-def test_all_faults_are_told_at_once():
+def test_all_faults_are_reported_at_once():
     settings = ["nip_load=-1", "web.thickness=66 kg", "roll_fricton=0.2"]
     with pytest.raises(wo.InvalidProblem) as refusal:
         wo.load_case(EXAMPLE, settings)
@@ -281,7 +281,7 @@ def test_loose_field_below_a_section_gets_its_place(tmp_path):
         ("roll.material", "roll.material.web_tension", "no such field in [roll.material]"),
     ],
 )
-def test_loose_fields_are_told_for_every_section(section, field, said):
+def test_loose_fields_are_reported_for_every_section(section, field, said):
     tables = tomllib.loads(to_toml(TABLE_2))
     inner = tables
     for name in section.split("."):
@@ -292,7 +292,7 @@ def test_loose_fields_are_told_for_every_section(section, field, said):
     assert said in dict(refusal.value.faults)[field]
 
 
-def test_loose_fields_of_rollers_are_told_too():
+def test_loose_fields_of_rollers_are_reported_too():
     tables = tomllib.loads(PAIR)
     tables["lower"]["friction"] = tables.pop("friction")
     with pytest.raises(wo.InvalidProblem) as refusal:
@@ -300,7 +300,7 @@ def test_loose_fields_of_rollers_are_told_too():
     assert "write friction above" in dict(refusal.value.faults)["lower.friction"]
 
 
-def test_a_field_in_two_places_is_refused():
+def test_a_field_in_two_places_is_rejected():
     tables = tomllib.loads(to_toml(TABLE_2)) | {"roll_wrap": 1.0}
     with pytest.raises(wo.InvalidProblem, match=r"roll_wrap: given twice, in \[wrap\] and above"):
         make_problem(tables)
@@ -364,8 +364,8 @@ def test_lists_curves_words_and_flags_come_back(ramp, comments):
 def test_items_of_lists_are_set_by_number(ramp):
     tables = tomllib.loads(to_toml(ramp, comments=True))  # soft-cover and steel by name
     changes = ["body.rings.0.thickness=4 mm", "body.rings.1.material.youngs_modulus=2 GPa"]
-    told = make_problem(case_files.apply_settings(tables, changes))
-    assert told == ramp.replace(
+    computed = make_problem(case_files.apply_settings(tables, changes))
+    assert computed == ramp.replace(
         **{"body.rings.0.thickness": 4e-3, "body.rings.1.material.youngs_modulus": 2e9}
     )
     tables["tension"] = {"radius": ["5 cm", 0.1], "value": ["2 pli", 300]}

@@ -65,9 +65,9 @@ def is_certified(result: Any) -> bool:
             again = dict(result.recomputed())
     except (wo.InvalidProblem, ValueError, ArithmeticError, LookupError):
         return False  # it cannot be evaluated
-    told = (np.isclose(getattr(result, name), value, rtol=1e-9, atol=within)
+    computed = (np.isclose(getattr(result, name), value, rtol=1e-9, atol=within)
             for name, (value, within) in again.items())  # fmt: skip
-    return bool(largest <= ACCEPTED and all(told))
+    return bool(largest <= ACCEPTED and all(computed))
 
 
 def corrupted(result: Any, name: str) -> Iterator[tuple[str, Any]]:

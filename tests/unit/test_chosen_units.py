@@ -28,11 +28,11 @@ def line(text: str, meaning: str) -> str:
 def test_reports_show_fields_and_outputs_with_their_errors(nip):
     before = str(nip)
     with wo.units({"nip_load": "kN/m"}, nip_width="um"):
-        told = str(nip)
-    assert line(told, "nip load") == "nip load P 3.502 kN/m"
+        message = str(nip)
+    assert line(message, "nip load") == "nip load P 3.502 kN/m"
     error = 1e6 * nip.errors["nip_width"]
-    assert line(told, "nip width").startswith(f"nip width 2a {1e6 * nip.nip_width:.5g} um")
-    assert line(told, "nip width").endswith(f"± {error:.2g}")
+    assert line(message, "nip width").startswith(f"nip width 2a {1e6 * nip.nip_width:.5g} um")
+    assert line(message, "nip width").endswith(f"± {error:.2g}")
     assert str(nip) == before
 
 
@@ -69,7 +69,7 @@ def test_files_for_programs_stay_si(nip, tmp_path: Path):
         ({"nip_load": "kN//m"}, "nip_load: 'kN//m' has the unreadable unit"),
     ],
 )
-def test_bad_choices_are_refused(chosen, says):
+def test_bad_choices_are_rejected(chosen, says):
     with pytest.raises(wo.InvalidProblem) as refusal, wo.units(chosen):
         pass
     assert says in str(refusal.value)
@@ -86,12 +86,12 @@ def test_csv_holds_single_numbers_and_arrays(nip, tmp_path: Path):
     assert frame["x [um]"].tolist() == pytest.approx(1e6 * nip.x, rel=1e-15)
     assert frame["drum_pressure [Pa]"].tolist() == nip.drum_pressure.tolist()
     lines = [row[2:] for row in path.read_text("utf-8").splitlines() if row.startswith("# ")]
-    told = dict(csv.reader(lines))
-    assert float(told["nip_load [kN/m]"]) == 3.502
-    assert float(told["web.material.shear [Pa]"]) == nip.problem.web.material.shear
-    assert float(told["nip_induced_tension [N/m]"]) == nip.nip_induced_tension
-    assert float(told["half_width_error [m]"]) == nip.errors["half_width"]
-    assert len(lines) == len(told)  # nothing is told twice
+    computed = dict(csv.reader(lines))
+    assert float(computed["nip_load [kN/m]"]) == 3.502
+    assert float(computed["web.material.shear [Pa]"]) == nip.problem.web.material.shear
+    assert float(computed["nip_induced_tension [N/m]"]) == nip.nip_induced_tension
+    assert float(computed["half_width_error [m]"]) == nip.errors["half_width"]
+    assert len(lines) == len(computed)  # nothing is reported twice
 
 
 def test_the_command_line_chooses_units(tmp_path: Path, capsys: pytest.CaptureFixture[str]):

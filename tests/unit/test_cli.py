@@ -107,16 +107,16 @@ def test_every_kind_has_a_study_that_runs_as_it_is(kind, tmp_path, capsys: Captu
     assert cli.main(["new", "--study", kind.name]) == 0
     study = tmp_path / "study.toml"
     study.write_text(capsys.readouterr().out, encoding="utf-8")
-    told = load_study(study)
-    assert told.problem == kind.problem.example()
-    assert len(told.over) == 2
+    loaded = load_study(study)
+    assert loaded.problem == kind.problem.example()
+    assert len(loaded.over) == 2
     if kind.name == "winding":
         return  # ten of them take a minute; tests/unit/test_winding.py sweeps one
     out = tmp_path / "results"
     assert cli.main(["sweep", str(study), "--out", str(out), "--workers", "1"]) == 0
     assert "10 cases" in (said := capsys.readouterr().out)
     assert " 0 failed" in said
-    assert all((out / f"{output}.png").exists() for output in told.outputs)
+    assert all((out / f"{output}.png").exists() for output in loaded.outputs)
 
 
 def test_materials_are_listed_as_a_case_file_takes_them(capsys: Capture):
@@ -174,13 +174,13 @@ class Pressed:
 
 
 @pytest.mark.parametrize("code", [0, 3, 130])
-def test_ctrl_c_when_all_is_told_is_no_fault(code, monkeypatch):
+def test_ctrl_c_when_all_is_reported_is_no_fault(code, monkeypatch):
     monkeypatch.setattr(cli, "_run", lambda args: code)
     monkeypatch.setattr(sys, "stderr", Pressed())
     assert cli.main([]) == code
 
 
-def test_ctrl_c_while_a_fault_is_told_is_no_fault(monkeypatch):
+def test_ctrl_c_while_a_fault_is_reported_is_no_fault(monkeypatch):
     def interrupted(args):
         raise KeyboardInterrupt
 
@@ -352,12 +352,12 @@ def test_kinds_and_commands_of_plug_ins_are_there(outside):
         "warning: the plug-in broken cannot be loaded: No module named 'no_such_module'\n"
     )
     assert run_apart("-m", "woundon", "greet", **path).stdout == b"good day\n"
-    told = run_apart("-m", "woundon", "describe", "spring", **path).stdout.decode().splitlines()
-    assert told[0] == "A spring under a load."
-    assert " load  P  N/m  load on the spring, 1 to 9" in told
-    assert " give  g  m  give of the spring" in told
-    assert " --softness    float  Compliance." in told
-    assert not [line for line in told if "--start" in line]
+    computed = run_apart("-m", "woundon", "describe", "spring", **path).stdout.decode().splitlines()
+    assert computed[0] == "A spring under a load."
+    assert " load  P  N/m  load on the spring, 1 to 9" in computed
+    assert " give  g  m  give of the spring" in computed
+    assert " --softness    float  Compliance." in computed
+    assert not [line for line in computed if "--start" in line]
     case, study = outside / "spring.toml", outside / "study.toml"
     case.write_bytes(run_apart("-m", "woundon", "new", "spring", **path).stdout)
     study.write_bytes(run_apart("-m", "woundon", "new", "spring", "--study", **path).stdout)

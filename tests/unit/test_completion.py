@@ -12,7 +12,7 @@ import pytest
 from slow_cases import slow_case
 
 PAGE = Path(__file__).parents[2] / "docs" / "start" / "installation.md"
-# what the script of each shell ends with: the shell is told whom to ask
+# what the script of each shell ends with: the shell is reported whom to ask
 REGISTERED = {
     "bash": r"complete -o nosort -F \w+ woundon",
     "zsh": r"compdef \w+ woundon",
@@ -30,7 +30,7 @@ def environment(tmp_path) -> dict[str, str]:
     return {**os.environ, "PATH": path, "PYTHONPATH": os.pathsep.join(sys.path)}
 
 
-def told_for(shell: str) -> str:
+def instructions_for(shell: str) -> str:
     """Return the line that the page gives for a shell."""
     found = re.search(rf"^```{shell}\n(.*)\n```$", PAGE.read_text(encoding="utf-8"), re.MULTILINE)
     assert found
@@ -46,7 +46,7 @@ def run(line: str, environment: dict[str, str]) -> str:
 
 @pytest.mark.parametrize("shell", REGISTERED)
 def test_the_script_of_each_shell_is_written(shell, environment):
-    asked = re.search(r"_WOUNDON_COMPLETE=\w+ woundon", told_for(shell))
+    asked = re.search(r"_WOUNDON_COMPLETE=\w+ woundon", instructions_for(shell))
     assert asked
     assert re.search(REGISTERED[shell], run(asked[0], environment))
 
@@ -62,7 +62,7 @@ def test_the_script_of_each_shell_is_written(shell, environment):
 )
 def test_bash_completes_commands_and_options(typed, completed, environment):
     words = typed.split()
-    asked = f"{told_for('bash')}; COMP_WORDS=({typed}); COMP_CWORD={len(words) - 1};"
+    asked = f"{instructions_for('bash')}; COMP_WORDS=({typed}); COMP_CWORD={len(words) - 1};"
     said = run(
         f'{asked} _woundon_completion woundon; printf "%s\\n" "${{COMPREPLY[@]}}"', environment
     )

@@ -224,7 +224,7 @@ def test_number_of_terms_follows_the_geometry() -> None:
 
 @pytest.mark.parametrize("name", ["thick roll", "roll without a core", "complex roots"])
 def test_the_kernels_close_around_the_circle(name: str) -> None:
-    """Half a turn away both sides meet smoothly: odd kernels are nil there, even ones flat.
+    """Half a turn away both sides meet smoothly: odd kernels are zero there, even ones flat.
 
     (On a thin cover all of them have died out there.)
     """
@@ -233,15 +233,15 @@ def test_the_kernels_close_around_the_circle(name: str) -> None:
     scale = max(half_plane.coefficients(*stiffness)) / pi
     h = 1e-4 * R
     for kernel_name in NAMES:
-        at, beside = whole(getattr(k, kernel_name), np.array([pi * R, pi * R - h]))
+        at, near = whole(getattr(k, kernel_name), np.array([pi * R, pi * R - h]))
         size = scale / R if kernel_name.split("_")[0] in ("slope", "strain") else scale
         if kernel_name in ("normal_q", "tangent_p", "slope_p", "strain_q"):
             # the series' own error, as in test_plain_summation
             assert at == pytest.approx(0.0, abs=1e-9 * size * R / (R - R0)), kernel_name
         else:
             # it falls by k'' h^2/2 where a kink would leave k' h, 1e4 times as much; k'' of the
-            # torsional constant is nil
-            assert beside == pytest.approx(at, abs=20 * size * (h / R) ** 2), kernel_name
+            # torsional constant is zero
+            assert near == pytest.approx(at, abs=20 * size * (h / R) ** 2), kernel_name
 
 
 @pytest.mark.parametrize("name", list(BODIES))

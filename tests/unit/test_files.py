@@ -70,7 +70,7 @@ ODD = {
 
 @pytest.mark.parametrize("load", [wo.load_case, wo.load_result])
 @pytest.mark.parametrize("name", ODD)
-def test_what_is_no_file_is_refused_alike(tmp_path, load, name):
+def test_what_is_no_file_is_rejected_alike(tmp_path, load, name):
     make, said = ODD[name]
     path = make(tmp_path)
     with pytest.raises(wo.InvalidProblem) as refusal:
@@ -83,7 +83,7 @@ def test_what_is_no_file_is_refused_alike(tmp_path, load, name):
     assert len(str(refusal.value).splitlines()) == 1
 
 
-def test_a_large_file_is_refused_before_it_is_read(tmp_path, monkeypatch):
+def test_a_large_file_is_rejected_before_it_is_read(tmp_path, monkeypatch):
     class Unread(io.FileIO):
         def read(self, size: int | None = -1, /) -> bytes:
             raise AssertionError("read")

@@ -79,8 +79,8 @@ def test_strains_follow_from_the_stresses_by_the_complementary_energy(name: str)
     for k in range(3):
         step = np.zeros(3)
         step[k] = 20.0
-        told = (energy(sigma + step) - energy(sigma - step)) / 40.0
-        assert np.max(np.abs(told - strain[:, k])) < 1e-7 * np.max(np.abs(strain))
+        computed = (energy(sigma + step) - energy(sigma - step)) / 40.0
+        assert np.max(np.abs(computed - strain[:, k])) < 1e-7 * np.max(np.abs(strain))
 
 
 def test_a_constant_law_is_linear() -> None:

@@ -1,4 +1,4 @@
-"""What editors, type checkers, help() and dir() are told: public names, fields, units, types."""
+"""Editors, type checkers, help() and dir() show public names, fields, units and types."""
 
 from __future__ import annotations
 
@@ -113,9 +113,9 @@ def checked(script: str, folder: Path) -> str:
 @pytest.mark.slow
 def test_a_strictly_typed_script_is_clean_and_a_wrong_one_is_not(tmp_path: Path) -> None:
     assert checked(SCRIPT, tmp_path).startswith("Success")
-    told = checked(WRONG, tmp_path)
-    lines = [int(line) for line in re.findall(r"script.py:(\d+): error", told)]
-    assert lines == [4, 5, 6, 7, 8, 9], told
+    estimate = checked(WRONG, tmp_path)
+    lines = [int(line) for line in re.findall(r"script.py:(\d+): error", estimate)]
+    assert lines == [4, 5, 6, 7, 8, 9], estimate
 
 
 # ---- public names
@@ -185,9 +185,9 @@ def test_help_has_every_field_with_symbol_unit_and_range(cls: type[Any]) -> None
 
 def test_signatures_are_plain() -> None:
     assert str(inspect.signature(wo.Web)) == "(*, thickness: 'float', material: 'Solid') -> None"
-    told = str(inspect.signature(wo.RollerProblem))
-    assert "tangential_load: 'float | None' = None" in told
-    assert "motion: \"Literal['rolling', 'static']\" = 'rolling'" in told
+    message = str(inspect.signature(wo.RollerProblem))
+    assert "tangential_load: 'float | None' = None" in message
+    assert "motion: \"Literal['rolling', 'static']\" = 'rolling'" in message
 
 
 def test_own_text_stands_first_and_sections_follow() -> None:

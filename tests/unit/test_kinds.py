@@ -98,7 +98,7 @@ def test_solve_hands_its_options_on() -> None:
     [("case.toml", "'case.toml'"), (3.0, "3"), (None, "None"), ({"nip_load": 1.0}, "{'nip_load'"),
      (wo.Web(thickness=66e-6, material="paper"), "Web(")],
 )  # fmt: skip
-def test_what_is_no_problem_is_refused(thing: Any, shown: str, registry: Any) -> None:
+def test_what_is_no_problem_is_rejected(thing: Any, shown: str, registry: Any) -> None:
     with pytest.raises(wo.InvalidProblem) as fault:
         wo.solve(thing)
     text = str(fault.value)
@@ -107,7 +107,7 @@ def test_what_is_no_problem_is_refused(thing: Any, shown: str, registry: Any) ->
     assert f"must be a {known}" in text
 
 
-def test_a_misspelt_name_is_told_the_nearest(registry: Any) -> None:
+def test_a_misspelt_name_is_reported_the_nearest(registry: Any) -> None:
     with pytest.raises(wo.InvalidProblem, match=r"kind: 'roler' is not a kind .* mean 'rollers'\?"):
         kinds.named("roler")
     with pytest.raises(wo.InvalidProblem, match="known: nip, roll, rollers"):
@@ -149,7 +149,7 @@ def test_a_kind_needs_three_things(registry: dict[str, kinds.Kind]) -> None:
     assert wo.solve(HAMMOCK, terms=2).sag == pytest.approx(1e-2)
     assert kinds.of(result) is kinds.of(HAMMOCK) is kind
     assert kinds.for_fields(["span", "web_tension"]) is kind
-    # what it did not bring is a default: it can be told and drawn
+    # what it did not bring is a default: it can be reported and drawn
     assert "sag" in str(result)
     assert kind.check is None
     with pytest.raises(wo.InvalidProblem, match="RollProblem or HammockProblem"):

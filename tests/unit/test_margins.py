@@ -70,7 +70,7 @@ def test_a_thin_tube_collapses_as_in_its_source() -> None:
 
 
 @pytest.mark.parametrize("laps", [1, 7, 60])
-def test_laps_that_slide_buckle_as_beams_on_springs(laps: int) -> None:
+def test_layers_that_slide_buckle_as_beams_on_springs(laps: int) -> None:
     """The least load over all waves and modes of a chain of beams, by its eigenvalues."""
     E_r, E_t, h = 8e6, 3.4e9, 66e-6
     springs = E_r / h * (2 * np.eye(laps) - np.eye(laps, k=1) - np.eye(laps, k=-1))
@@ -81,16 +81,16 @@ def test_laps_that_slide_buckle_as_beams_on_springs(laps: int) -> None:
     assert sliding_laps_buckle(E_r, E_t, h, laps * h) == pytest.approx(load / h, rel=1e-5)
 
 
-def test_what_friction_must_hold_is_told(roll: wo.RollResult) -> None:
-    """Of newsprint about as much as its compression; a taper that leaves none is told nothing."""
+def test_what_friction_must_hold_is_reported(roll: wo.RollResult) -> None:
+    """Of newsprint about as much as its compression; a taper without compression has no note."""
     note = wo.margins(roll)["compression"].note
-    told = float(note.partition("about ")[2].partition(" kPa")[0])
+    computed = float(note.partition("about ")[2].partition(" kPa")[0])
     compressed = roll.at_radius(r := np.linspace(0.0445, 0.15, 2001))["hoop_stress"] < 0
     depth = np.ptp(r[compressed])
     E_r = float(np.mean(roll.problem.stack.radial.modulus(
         roll.at_radius(r[compressed])["pressure"])))  # fmt: skip
     by_hand = 2 * pi / np.sqrt(12) * 66e-6 / depth * np.sqrt(E_r * 3.38e9)
-    assert 1e3 * told == pytest.approx(by_hand, rel=0.02)
+    assert 1e3 * computed == pytest.approx(by_hand, rel=0.02)
     falls = np.geomspace(0.0445, 0.15, 40)
     gentle = wo.Profile(radius=falls, value=350.0 * (falls / 0.0445) ** -0.8)
     tapered = wo.solve(roll.problem.replace(wound_on_tension=gentle))
@@ -201,8 +201,8 @@ def test_each_margin_can_fail_and_fails_alone(roll: wo.RollResult, name: str) ->
     assert found.violated == (name,)
     assert found.least is found[name]
     assert found[name].reserve < 0
-    told = str(found)
-    assert told.count("VIOLATED") == 1
+    message = str(found)
+    assert message.count("VIOLATED") == 1
     assert found._repr_html_().count("#B00020") == 1  # in red, and in a word
 
 
@@ -210,13 +210,13 @@ def test_none_is_silently_absent(roll: wo.RollResult) -> None:
     found = wo.margins(roll)
     assert [margin.ok for margin in found] == [None] * 7
     assert found.least is None
-    told = str(found)
+    message = str(found)
     for name in NAMES:
-        assert f" {found[name].title}: " in told
-        assert found[name].left_out.split(",")[0][:20] in " ".join(told.split())
-    assert told.count("not checked") == 7
-    assert told.count("no limit given") == 6
-    assert "the friction between layers is not given" in told
+        assert f" {found[name].title}: " in message
+        assert found[name].left_out.split(",")[0][:20] in " ".join(message.split())
+    assert message.count("not checked") == 7
+    assert message.count("no limit given") == 6
+    assert "the friction between layers is not given" in message
 
 
 def test_the_collapse_of_a_thin_tube_is_a_limit_of_its_own(problem: wo.RollProblem) -> None:
@@ -235,7 +235,7 @@ def test_margins_are_found_by_name_and_number(roll: wo.RollResult) -> None:
         found["telescope"]
 
 
-def test_bad_input_is_refused(roll: wo.RollResult, problem: wo.RollProblem) -> None:
+def test_bad_input_is_rejected(roll: wo.RollResult, problem: wo.RollProblem) -> None:
     assert_rejected(
         lambda: wo.margins(problem),  # type: ignore[arg-type]
         "result: RollProblem is out of place; must be a WindingResult or RollResult",

@@ -66,7 +66,7 @@ def test_a_worker_that_dies_loses_nothing(tmp_path: Path):
 
 
 @posix
-def test_an_item_that_kills_is_told_apart():
+def test_an_item_that_kills_is_distinguished():
     found = dict(in_processes(process_tasks.crash_at_three, range(8), 2, died=lambda x: -x))
     assert found == {**dict(SQUARES), 3: -3}
     with pytest.raises(WorkerDied, match="two worker processes died over this item"):

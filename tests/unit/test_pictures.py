@@ -134,8 +134,8 @@ plt.show()
 """
     (tmp_path / "case.toml").write_text(template("rollers"), encoding="utf-8")
     # a window system that is not there, as of a worker or a service
-    told = said(script, tmp_path, "module://missing").splitlines()
-    assert told[-2:] == ["0 False", "shown 2"]
+    computed = said(script, tmp_path, "module://missing").splitlines()
+    assert computed[-2:] == ["0 False", "shown 2"]
 
 
 # ---- panels
@@ -183,7 +183,7 @@ def test_panels_are_chosen_by_name_in_the_order_asked_for(nips) -> None:
 
 
 @pytest.mark.parametrize(
-    ("asked", "told"),
+    ("asked", "message"),
     [
         ({"panels": "tractons"}, "panels: 'tractons' is unknown; must be tractions, slips, "),
         ({"panels": ["zones", "slip"]}, "roll_slip, drum_slip, roll_zone, drum_zone or "
@@ -193,10 +193,10 @@ def test_panels_are_chosen_by_name_in_the_order_asked_for(nips) -> None:
         ({"path": "figure.gif"}, "figure.gif: the ending '.gif' is not a known format"),
     ],
 )  # fmt: skip
-def test_what_cannot_be_drawn_is_told_with_the_choice(nips, asked, told: str) -> None:
+def test_what_cannot_be_drawn_is_reported_with_the_choice(nips, asked, message: str) -> None:
     with pytest.raises(wo.InvalidProblem) as fault:
         nips[0].plot(**asked)
-    assert told in str(fault.value)
+    assert message in str(fault.value)
     assert plt.get_fignums() == []
 
 
@@ -213,7 +213,7 @@ def names(legend: Any) -> list[str]:
     return [text.get_text() for text in legend.get_texts()]
 
 
-def test_several_results_are_told_apart_by_what_differs(nips) -> None:
+def test_several_results_are_distinguished_by_what_differs(nips) -> None:
     figure = wo.plot(nips)
     assert names(figure.legends[0]) == ["nip load = 2000 N/m", "nip load = 4000 N/m"]
     tractions, _, zones = figure.axes[:3]
@@ -261,7 +261,7 @@ def test_results_share_the_panels_they_have_in_common(nips) -> None:
     ]  # fmt: skip
 
 
-def test_nothing_to_draw_is_told() -> None:
+def test_nothing_to_draw_is_reported() -> None:
     with pytest.raises(wo.InvalidProblem, match="results: there is none to draw"):
         wo.plot([])
     for wrong in ("nip.nc", ["nip.nc"]):

@@ -332,13 +332,13 @@ def _shrunk(axes: Any) -> Any:
 
 @pytest.mark.parametrize(
     ("kind", "ending", "panels"),
-    [  # formats differ in what they write beside the picture, which is the same for all kinds
+    [  # formats differ in what they write next to the picture, which is the same for all kinds
         ("nip", "svg", ["tractions", "zones"]), ("rollers", "png", ["tractions"]),
         ("roll", "pdf", ["pressure"]), pytest.param("winding", "svg", None, marks=SLOW),
     ],
 )  # fmt: skip
 def test_the_same_result_gives_the_same_bytes(results, tmp_path, kind, ending, panels):
-    """A second result too, that is solved anew."""
+    """A second result too, that is solved again."""
     again = solve_coarsely(results[kind].problem, NODES)
     one, other = tmp_path / f"a.{ending}", tmp_path / f"b.{ending}"
     results[kind].plot(one, panels=panels)
@@ -351,8 +351,8 @@ def test_the_same_result_gives_the_same_bytes(results, tmp_path, kind, ending, p
 
 def test_every_kind_has_its_bytes_compared():
     (parameters,) = test_the_same_result_gives_the_same_bytes.pytestmark
-    told = {getattr(row, "values", row)[0] for row in parameters.args[1]}
-    assert told == {kind.name for kind in kinds.every()}
+    computed = {getattr(row, "values", row)[0] for row in parameters.args[1]}
+    assert computed == {kind.name for kind in kinds.every()}
 
 
 def test_global_style_is_left_alone(nip):
@@ -363,7 +363,7 @@ def test_global_style_is_left_alone(nip):
     assert dict(mpl.rcParams) == before
 
 
-def test_unknown_ending_is_refused(results, tmp_path):
+def test_unknown_ending_is_rejected(results, tmp_path):
     for result in results.values():
         with pytest.raises(wo.InvalidProblem, match=r"'.gif' is not a known format"):
             result.plot(tmp_path / "figure.gif")

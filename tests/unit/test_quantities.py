@@ -298,7 +298,7 @@ def test_an_output_set_on_a_class_is_one_from_then_on() -> None:
 
 
 @each_kind
-def test_every_output_of_every_kind_can_be_told(kind: kinds.Kind) -> None:
+def test_every_output_of_every_kind_can_be_reported(kind: kinds.Kind) -> None:
     result = coarse_solution(kind.problem.example(), 33)
     names = set()
     for place in walk(result):

@@ -32,8 +32,8 @@ def history(f: Any, sizes: tuple[int, ...] = (20, 40, 80)) -> list[tuple[int, di
 def test_of_second_order_the_estimate_is_three_times_the_error(sizes: tuple[int, ...]) -> None:
     """Q = 1 + c/n^2: Richardson's extrapolation is exact, times Roache's factor of safety."""
     c = -0.7
-    told = error_estimate(history(lambda n: 1 + c / n**2, sizes), "Q")
-    assert told == pytest.approx(3 * abs(c) / sizes[-1] ** 2, rel=1e-12)
+    estimate = error_estimate(history(lambda n: 1 + c / n**2, sizes), "Q")
+    assert estimate == pytest.approx(3 * abs(c) / sizes[-1] ** 2, rel=1e-12)
 
 
 def test_of_first_order_the_estimate_is_three_times_the_error() -> None:
@@ -44,11 +44,11 @@ def test_of_first_order_the_estimate_is_three_times_the_error() -> None:
 def test_a_change_that_is_small_by_chance_is_not_believed() -> None:
     """The largest of the changes counts, as much as its mesh is coarser than the last one."""
     values = {20: 1.04, 40: 1.01, 80: 1.01}
-    told = error_estimate(history(values.__getitem__), "Q")
-    assert told == pytest.approx(3 * 0.03 / 3 / 4, rel=1e-12)
+    estimate = error_estimate(history(values.__getitem__), "Q")
+    assert estimate == pytest.approx(3 * 0.03 / 3 / 4, rel=1e-12)
     older = {10: 1.40, 20: 1.04, 40: 1.01, 80: 1.01}
-    told = error_estimate(history(older.__getitem__, (10, 20, 40, 80)), "Q")
-    assert told == pytest.approx(3 * 0.36 / 3 / 16, rel=1e-12)
+    estimate = error_estimate(history(older.__getitem__, (10, 20, 40, 80)), "Q")
+    assert estimate == pytest.approx(3 * 0.36 / 3 / 16, rel=1e-12)
 
 
 def test_two_meshes_are_no_estimate_and_no_change_is_the_tolerance_of_the_solver() -> None:
@@ -153,14 +153,14 @@ def test_other_first_meshes_are_tried_where_the_iteration_fails() -> None:
 
 
 def test_a_start_that_fails_is_replaced_by_the_initial_guess() -> None:
-    class Astray(Toy):
+    class Unguided(Toy):
         def prolong(self, state: Any, active: Any, coarse: Any) -> Any:
-            if isinstance(coarse, Astray):
+            if isinstance(coarse, Unguided):
                 return Toy.prolong(self, state, active, coarse)
             return np.full(1, np.nan), active
 
     start = refine(Toy, nodes=41)
-    found = refine(Astray, nodes=41, start=start)
+    found = refine(Unguided, nodes=41, start=start)
     assert found.last.outputs["Q"] == pytest.approx(start.last.outputs["Q"], rel=1e-14)
 
 

@@ -88,15 +88,15 @@ def test_a_value_shows_five_digits_and_no_more_than_its_error_tells(value, error
     assert (row.value_text, row.error_text) == shown
 
 
-def test_every_told_error_stands_beside_its_output(examples):
-    """The outputs with a told error are in the report, with quantity, value, unit and error."""
+def test_every_error_estimate_stands_next_to_its_output(examples):
+    """The outputs with a error estimate are in the report, with quantity, value, unit and error."""
     for result in examples:
         said = lines(str(result))
-        told = dict(result.errors)
-        told.pop("half_width", None)  # the width is there, twice it
+        estimate = dict(result.errors)
+        estimate.pop("half_width", None)  # the width is there, twice it
         given = isinstance(result, wo.RollerResult) and "tangential_load"
-        assert len(told) >= 3
-        for name, error in told.items():
+        assert len(estimate) >= 3
+        for name, error in estimate.items():
             if name == given or error != error:
                 continue
             if name == "inlet_tension" and not result.problem.drum_wrap:
@@ -123,14 +123,14 @@ def _parsed(line: str, quantity: wo.Quantity) -> tuple[float, str, str]:
     return float(value), unit.strip(), error.split(",")[0].strip()
 
 
-def test_every_output_is_in_the_report_unless_it_is_told_otherwise(examples):
+def test_every_output_is_in_the_report_unless_it_is_reported_otherwise(examples):
     """A new output needs no line of its own in the reports."""
     otherwise = {
         "residual", "half_width", "iterations", "series_terms", "series_error",
         "inlet_tension",
         "drum_wrap_traction", "shift", "tangential_load",
         "steps", "compressed_share",
-        # of windings: at the top, beside others, or by the margins
+        # of windings: at the top, next to others, or by the margins
         "nodes", "nips_solved", "roll_rtol", "agreed", "air_film", "torque_share",
         "largest_compression", "largest_core_pressure", "largest_tension", "least_tension",
         "least_reserve", "band_strain", "ridge_height",
@@ -179,8 +179,8 @@ def test_theories_are_left_out_where_they_do_not_apply():
 def test_a_nip_that_is_none_without_its_wraps_says_why():
     wrapped = newsprint_nip(nip_load=1000.0, roll_wrap=pi, winding_force=400.0, drum_wrap=2.5)
     said = sections(nip_report(wo.solve(wrapped, nodes=NODES)))
-    told = " ".join(said["The same nip, its web held at the trailing edge"])
-    assert told.startswith("Has no steady state: winding_force: 400 is out of range")
+    computed = " ".join(said["The same nip, its web held at the trailing edge"])
+    assert computed.startswith("Has no steady state: winding_force: 400 is out of range")
     # the closed forms of the tension know no drum wrap
     assert [line.split()[0] for line in said["Other theories"]] == ["Hertz", "Hertz"]
 

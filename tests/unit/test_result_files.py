@@ -1,4 +1,4 @@
-"""Results to files and back: what survives, what is told to readers, what is refused."""
+"""Results to files and back: what survives, what is reported to readers, what is refused."""
 
 from __future__ import annotations
 
@@ -53,13 +53,13 @@ def solved() -> Any:
 @pytest.mark.parametrize("ending", ["nc", "json"])
 @pytest.mark.parametrize("name", CASES)
 def test_a_result_comes_back_bit_for_bit(solved, tmp_path, name, ending):
-    told = solved(name).replace(warnings=("4 nodes in the dual-slip zone",))
+    computed = solved(name).replace(warnings=("4 nodes in the dual-slip zone",))
     path = tmp_path / f"result.{ending}"
-    told.save(path)
+    computed.save(path)
     loaded = wo.load_result(path, verify=True)
-    assert loaded == told
-    for place in outputs(told):
-        one, other = value_of(told, place.path), value_of(loaded, place.path)
+    assert loaded == computed
+    for place in outputs(computed):
+        one, other = value_of(computed, place.path), value_of(loaded, place.path)
         assert np.asarray(one).dtype == np.asarray(other).dtype, place.path
         np.testing.assert_array_equal(one, other, err_msg=place.path)
 
@@ -96,7 +96,7 @@ def test_what_a_file_does_not_have_takes_its_default(solved, tmp_path):
     np.testing.assert_array_equal(loaded.drum_pressure, solved("nip").drum_pressure)
 
 
-def test_what_is_not_known_is_told_and_left_out(solved, tmp_path):
+def test_what_is_not_known_is_reported_and_left_out(solved, tmp_path):
     record = json.loads(result_files.to_json(solved("nip")))
     record["fields"]["temperature"] = 300.0
     (tmp_path / "nip.json").write_text(sealed(record))
@@ -179,12 +179,12 @@ def test_json_is_strict_complete_and_tells_units(solved, tmp_path):
         "woundon-result", 4, "nip",
     )  # fmt: skip
     assert record["errors"] == {"wound_on_tension": None}
-    told = record["fields"] | record["outputs"]
+    computed = record["fields"] | record["outputs"]
     for place in outputs(result):
         assert record["units"][place.path] == place.quantity.unit
-        assert place.path in told
-    assert told["wound_on_tension"] == result.wound_on_tension
-    assert told["drum_slip"][-1] is None  # the web touches the roll alone there
+        assert place.path in computed
+    assert computed["wound_on_tension"] == result.wound_on_tension
+    assert computed["drum_slip"][-1] is None  # the web touches the roll alone there
     assert record["warnings"] == list(result.warnings)
 
 
@@ -254,7 +254,7 @@ def test_a_kind_from_outside_is_labelled(springs, tmp_path):
     assert header == "place [m],push [Pa],bare"
 
 
-def test_what_no_file_holds_is_refused_by_name(springs, tmp_path):
+def test_what_no_file_holds_is_rejected_by_name(springs, tmp_path):
     with pytest.raises(wo.InvalidProblem, match=r"helper: a object cannot be saved; .*'saved'"):
         springs.replace(helper=object()).save(tmp_path / "springs.json")
     assert list(tmp_path.iterdir()) == []
@@ -272,7 +272,7 @@ def test_what_no_file_holds_is_refused_by_name(springs, tmp_path):
     ids=lambda content: repr(content[:12]),
 )  # fmt: skip
 @pytest.mark.parametrize("ending", ["nc", "json"])
-def test_a_file_that_is_no_result_is_refused(tmp_path, content, ending):
+def test_a_file_that_is_no_result_is_rejected(tmp_path, content, ending):
     path = tmp_path / f"other.{ending}"
     path.write_bytes(content)
     with pytest.raises(wo.InvalidProblem) as refusal:
@@ -280,13 +280,13 @@ def test_a_file_that_is_no_result_is_refused(tmp_path, content, ending):
     assert str(refusal.value) == f"{path}: is not a result saved by woundon, or is damaged"
 
 
-def test_a_file_that_cannot_be_read_is_refused_as_a_case_is(tmp_path):
+def test_a_file_that_cannot_be_read_is_rejected_as_a_case_is(tmp_path):
     for load in (wo.load_result, wo.load_case):
         with pytest.raises(wo.InvalidProblem, match=r"none: cannot be read: No such file"):
             load(tmp_path / "none")
 
 
-def test_another_schema_and_an_unknown_kind_are_told(solved, tmp_path):
+def test_another_schema_and_an_unknown_kind_are_reported(solved, tmp_path):
     record, path = json.loads(result_files.to_json(solved("nip"))), tmp_path / "nip.json"
     path.write_text(sealed(record | {"schema": 3}))
     with pytest.raises(wo.InvalidProblem, match=r"schema: 3 is unknown; .* reads 4"):
@@ -348,7 +348,7 @@ def sealed_netcdf(data: xarray.Dataset) -> bytes:
 
 
 def damaged(result: Any, place: str, value: Any) -> str:
-    """Return a result's record with one part changed, or missing (...), sealed anew."""
+    """Return a result's record with one part changed, or missing (...), sealed again."""
     record = json.loads(result_files.to_json(result))
     *heads, last = place.split("/" if "/" in place else ".")  # names of an air film hold a dot
     inner = record
@@ -363,7 +363,7 @@ def damaged(result: Any, place: str, value: Any) -> str:
 
 
 @pytest.mark.parametrize(("place", "value", "said"), DAMAGE)
-def test_damage_is_refused_by_name(solved, tmp_path, place, value, said):
+def test_damage_is_rejected_by_name(solved, tmp_path, place, value, said):
     path = tmp_path / "nip.json"
     path.write_text(damaged(solved("nip"), place, value))
     with pytest.raises(wo.InvalidProblem) as refusal:
@@ -460,7 +460,7 @@ GONE = "sha256: missing; the file was not written by result.save, or has changed
         ("sha256", 3),
     ],
 )
-def test_an_edited_json_file_is_refused_and_told_what_to_do(solved, tmp_path, place, value):
+def test_an_edited_json_file_is_rejected_and_reported_what_to_do(solved, tmp_path, place, value):
     path, record = tmp_path / "nip.json", json.loads(damaged(solved("nip"), place, value))
     as_saved = json.loads(result_files.to_json(solved("nip")))["sha256"]
     record["sha256"] = value if place == "sha256" else as_saved
@@ -470,7 +470,7 @@ def test_an_edited_json_file_is_refused_and_told_what_to_do(solved, tmp_path, pl
     assert str(refusal.value) == f"{path}: {CHANGED}"
 
 
-def test_json_may_be_laid_out_anew(solved, tmp_path):
+def test_json_may_be_laid_out_again(solved, tmp_path):
     solved("wrapped").save(tmp_path / "a.json")
     record, path = json.loads((tmp_path / "a.json").read_text()), tmp_path / "b.json"
     turned = dict(reversed(record.items()))
@@ -479,11 +479,11 @@ def test_json_may_be_laid_out_anew(solved, tmp_path):
         assert wo.load_result(path) == solved("wrapped")
 
 
-def test_a_damaged_netcdf_file_is_refused_before_it_is_taken_apart(solved, tmp_path, monkeypatch):
+def test_a_damaged_netcdf_file_is_rejected_before_it_is_taken_apart(solved, tmp_path, monkeypatch):
     path = tmp_path / "nip.nc"
     solved("nip").save(path)
     content = path.read_bytes()
-    # not the seal's own head: without it a file has no seal, and is taken apart to be told so
+    # not the seal's own head: without it a file has no seal, and is taken apart to be reported so
     head = content.index(b"\0\0\0\x06sha256")
     places = [k for k in range(4, len(content), 37) if not head <= k < head + 20]
     monkeypatch.setattr(xarray, "open_dataset", lambda *_, **__: pytest.fail("taken apart"))
@@ -497,7 +497,7 @@ def test_a_damaged_netcdf_file_is_refused_before_it_is_taken_apart(solved, tmp_p
     assert len(places) > 200
 
 
-def test_a_file_that_lost_its_seal_is_refused(solved, tmp_path):
+def test_a_file_that_lost_its_seal_is_rejected(solved, tmp_path):
     record, path = json.loads(result_files.to_json(solved("nip"))), tmp_path / "a"
     del record["sha256"]
     path.write_text(json.dumps(record))
@@ -557,7 +557,7 @@ def test_zones_are_zones(solved):
     assert set(solved("wrapped").roll_zone.tolist()) <= set(map(int, Zone))
 
 
-def test_unknown_ending_is_refused(solved, tmp_path):
+def test_unknown_ending_is_rejected(solved, tmp_path):
     with pytest.raises(
         wo.InvalidProblem, match=r"'.xls' is not a known format; must be .nc, .json, .csv"
     ):

@@ -1,4 +1,4 @@
-"""Results: immutable, equal to their copies, small when sent elsewhere, told in one line."""
+"""Results: immutable, equal to their copies, small when pickled, printed in one line."""
 
 from __future__ import annotations
 
@@ -152,7 +152,7 @@ def test_a_pickle_holds_what_a_file_does_and_no_matrices(results, kind: str) -> 
     assert len(pickle.dumps(result)) < numbers + 8000
     again = as_sent(result)
     assert again.refinement is None
-    # made anew from the nodes where it is asked for; these are known to rounding
+    # made again from the nodes where it is asked for; these are known to rounding
     laws = dict(again.certified().items())
     assert laws == pytest.approx(dict(result.certified().items()), abs=1e-10)
     assert again.checked() is again
@@ -166,7 +166,7 @@ def test_what_needs_the_mesh_works_on_what_was_sent(results) -> None:  # type: i
     assert str(again) == str(result)
 
 
-# ---- told ---------------------------------------------------------------------------------------
+# ---- printed ------------------------------------------------------------------------------------
 
 
 def test_one_line_tells_the_main_outputs_first(results) -> None:  # type: ignore[no-untyped-def]
@@ -184,7 +184,7 @@ def test_one_line_tells_the_main_outputs_first(results) -> None:  # type: ignore
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class _Bar(wo.Result):
-    """A result from outside: a main output that is a property, one that cannot be told."""
+    """A result from outside: a main output that is a property, one that cannot be reported."""
 
     MAIN: ClassVar[tuple[str, ...]] = ("depth",)
 

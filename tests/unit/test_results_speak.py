@@ -32,7 +32,7 @@ BOUNDS = {"roll_friction": (0.1, 0.4), "roll.material.shear": (3e6, 3e7)}
 
 
 @pytest.fixture(scope="module")
-def told() -> dict[str, Any]:
+def solutions() -> dict[str, Any]:
     """A result of every kind, and of every study."""
     made: dict[str, Any] = {
         kind.name: coarse_solution(kind.problem.example(), NODES) for kind in kinds.every()
@@ -99,22 +99,22 @@ def test_print_says_what_the_command_says(kind: str, tmp_path, capsys) -> None:
 
 
 @pytest.mark.parametrize("name", KINDS + STUDIES)
-def test_one_line_says_what_it_is(told, name: str) -> None:
-    said = repr(told[name])
+def test_one_line_says_what_it_is(solutions, name: str) -> None:
+    said = repr(solutions[name])
     assert "\n" not in said
     assert len(said) < 200
-    assert said.startswith(f"{type(told[name]).__name__}(")
+    assert said.startswith(f"{type(solutions[name]).__name__}(")
 
 
 # ---- as HTML
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_notebook_gets_the_report_as_tables(told, kind: str) -> None:
-    page = Page(told[kind]._repr_html_())
+def test_a_notebook_gets_the_report_as_tables(solutions, kind: str) -> None:
+    page = Page(solutions[kind]._repr_html_())
     assert {"table", "tr", "td"} <= page.tags
     text = " ".join("".join(page.texts).split())
-    for line in str(told[kind]).splitlines():  # nothing that is printed is missing
+    for line in str(solutions[kind]).splitlines():  # nothing that is printed is missing
         if not set(line) & set("◀▶") and "·····" not in line:
             for word in line.split():
                 assert word in text
@@ -132,16 +132,16 @@ def test_every_text_is_escaped() -> None:
 
 
 @pytest.mark.parametrize("name", KINDS + STUDIES)
-def test_everything_is_had_as_tables(told, name: str) -> None:
-    assert isinstance(told[name].to_xarray(), xarray.Dataset)
-    frame = told[name].to_dataframe()
+def test_everything_is_had_as_tables(solutions, name: str) -> None:
+    assert isinstance(solutions[name].to_xarray(), xarray.Dataset)
+    frame = solutions[name].to_dataframe()
     assert isinstance(frame, pd.DataFrame)
     assert len(frame)
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_frame_has_the_arrays_and_their_units(told, kind: str) -> None:
-    result = told[kind]
+def test_a_frame_has_the_arrays_and_their_units(solutions, kind: str) -> None:
+    result = solutions[kind]
     frame = result.to_dataframe()
     known = {p.path: p.quantity for p in quantities.outputs(result)}
     arrays = {n: quantities.value_of(result, n) for n in known}
@@ -168,8 +168,8 @@ def test_a_result_without_arrays_is_a_row() -> None:
     assert frame.attrs["units"] == {"depth": "m", "residual": "1"}
 
 
-def test_tables_of_studies_have_their_numbers(told) -> None:
-    fit, sobol, slopes = (told[name] for name in STUDIES)
+def test_tables_of_studies_have_their_numbers(solutions) -> None:
+    fit, sobol, slopes = (solutions[name] for name in STUDIES)
     frame, data = fit.to_dataframe(), fit.to_xarray()
     assert frame.loc["roll.material.shear", "unit"] == "Pa"
     assert frame.loc["roll.material.shear", "low"] == fit.profiles[1].low
@@ -200,8 +200,8 @@ def arrays(thing: Any) -> list[np.ndarray]:
 @pytest.mark.parametrize(
     "made", [lambda r: r, copy.copy, copy.deepcopy, lambda r: pickle.loads(pickle.dumps(r))]
 )
-def test_no_array_can_be_written_to(told, name: str, made) -> None:
-    thing = made(told[name])
+def test_no_array_can_be_written_to(solutions, name: str, made) -> None:
+    thing = made(solutions[name])
     assert isinstance(thing, ReadOnly)
     assert len(arrays(thing)) >= 3
     for values in arrays(thing):
@@ -211,10 +211,12 @@ def test_no_array_can_be_written_to(told, name: str, made) -> None:
 
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("ending", ["nc", "json"])
-def test_no_array_of_a_loaded_result_can_be_written_to(told, kind: str, ending, tmp_path) -> None:
-    told[kind].save(tmp_path / f"result.{ending}")
+def test_no_array_of_a_loaded_result_can_be_written_to(
+    solutions, kind: str, ending, tmp_path
+) -> None:
+    solutions[kind].save(tmp_path / f"result.{ending}")
     loaded = wo.load_result(tmp_path / f"result.{ending}")
-    assert len(arrays(loaded)) == len(arrays(told[kind]))
+    assert len(arrays(loaded)) == len(arrays(solutions[kind]))
     for values in arrays(loaded):
         with pytest.raises(ValueError, match="read-only"):
             values[0] = values[1]

@@ -64,13 +64,13 @@ def test_a_piece_of_the_roll_has_the_density_of_its_strains(name: str):
     assert miss.max() < 0.1 * np.max(np.abs(result.density / problem.density - 1))
 
 
-def test_laps_without_tension_are_as_dense_as_the_web():
+def test_layers_without_tension_are_as_dense_as_the_web():
     thin = wo.solve(NEWSPRINT.replace(wound_on_tension=1e-3))
     assert thin.mean_density == pytest.approx(680.0, rel=1e-4)
     assert thin.wound_mass == pytest.approx(thin.mass, rel=1e-4)
 
 
-def test_a_tighter_roll_is_denser_and_without_a_density_none_is_told():
+def test_a_tighter_roll_is_denser_and_without_a_density_none_is_reported():
     tight = wo.solve(NEWSPRINT.replace(wound_on_tension=500.0))
     assert tight.mean_density > coarse_solution(NEWSPRINT).mean_density > 680.0
     untold = wo.solve(NEWSPRINT.replace(density=None))
@@ -104,7 +104,7 @@ def _panels(result: wo.RollResult) -> list[str]:
 
 
 def test_kappa_is_kept_and_copies_well():
-    """Stages ask for it each time: made once a result, anew where its stages are others."""
+    """Stages ask for it each time: made once a result, again where its stages are others."""
     result = coarse_solution(NEWSPRINT)
     assert result.kappa is result.kappa
     x = np.log(np.linspace(0.045, 0.149, 50))

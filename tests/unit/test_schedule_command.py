@@ -27,8 +27,8 @@ def test_the_tension_comes_back_as_a_case(folder: Path, capsys: pytest.CaptureFi
     given = ["schedule", "roll.toml", "--pressure", "wanted.csv", "--out", "tension.csv",
              "--case", "found.toml", "--plot", "design.png"]  # fmt: skip
     assert main(given) == 0
-    told = capsys.readouterr().out
-    assert "largest deviation below the outer layer" in told
+    message = capsys.readouterr().out
+    assert "largest deviation below the outer layer" in message
     by_case = load_case("found.toml")
     lines = [line for line in Path("roll.toml").read_text().splitlines()
              if not line.startswith("wound_on_tension")]  # fmt: skip
@@ -45,8 +45,8 @@ def test_the_tension_comes_back_as_a_case(folder: Path, capsys: pytest.CaptureFi
 
 def test_what_is_printed_is_what_was_wound(folder: Path, capsys: pytest.CaptureFixture[str]):
     assert main(["schedule", "roll.toml", "--pressure", "200 kPa", "--rtol", "1e-3"]) == 0
-    told = capsys.readouterr().out
-    rows = [line.split() for line in told.partition("Over the radius")[2].splitlines()[2:]]
+    text = capsys.readouterr().out
+    rows = [line.split() for line in text.partition("Over the radius")[2].splitlines()[2:]]
     design = wo.design_tension(load_case("roll.toml"), 200e3, rtol=1e-3)
     wound = wo.solve(design.problem, rtol=1e-3)
     for r, _, T, _, wanted, _, reached, _ in rows:
@@ -58,7 +58,7 @@ def test_what_is_printed_is_what_was_wound(folder: Path, capsys: pytest.CaptureF
         assert 1e3 * float(reached) == pytest.approx(
             float(wound.at_radius(near)["pressure"]), abs=300
         )
-    layer = next(line for line in told.splitlines() if "d_o" in line).split()[-2]
+    layer = next(line for line in text.splitlines() if "d_o" in line).split()[-2]
     assert float(layer) == pytest.approx(1e3 * design.outer_layer, rel=1e-3)
 
 
@@ -83,10 +83,10 @@ def test_refusals_are_one_line(
     Path("odd.csv").write_text("a,b\n1,2\n")
     Path("falls.csv").write_text("radius [mm],pressure [kPa]\n60,200\n50,100\n")
     assert main(["schedule", "roll.toml", *arguments]) == 2
-    told = capsys.readouterr()
-    assert not told.out
-    assert text in told.err
-    assert len(told.err.splitlines()) == 1
+    message = capsys.readouterr()
+    assert not message.out
+    assert text in message.err
+    assert len(message.err.splitlines()) == 1
 
 
 def test_only_wound_rolls_are_designed(folder: Path, capsys: pytest.CaptureFixture[str]):

@@ -144,7 +144,7 @@ def test_ratios_are_continuous_where_a_node_changes(name: str) -> None:
     below, above = solved(low), solved(high)
     assert np.count_nonzero(below.roll_zone != above.roll_zone) == 1
     for ratio in ("leading_roll", "trailing_roll"):
-        # slips and slacks are nil to rounding there, of which borders take roots
+        # slips and slacks are zero to rounding there, of which borders take roots
         assert getattr(below, ratio) == pytest.approx(getattr(above, ratio), abs=1e-5), ratio
 
 

@@ -58,8 +58,10 @@ def test_strain_is_the_integral_of_the_compliance(law: RadialLaw) -> None:
             if isinstance(law, wo.StackTest):  # between the knots of its spline
                 K1, spline = law._fit
                 ends += [p for p in K1 * np.expm1(spline.t) if 1e-4 < p < P]
-            told = mpmath.quad(lambda p: 1 / mpmath.mpf(float(law.modulus(float(p)))), sorted(ends))
-        assert law.strain_at(P) == pytest.approx(float(told), rel=1e-11)  # mpmath.quad's own
+            computed = mpmath.quad(
+                lambda p: 1 / mpmath.mpf(float(law.modulus(float(p)))), sorted(ends)
+            )
+        assert law.strain_at(P) == pytest.approx(float(computed), rel=1e-11)  # mpmath.quad's own
     assert law.strain_at(0.0) == 0.0
 
 
@@ -206,7 +208,7 @@ def test_noise_does_not_make_the_modulus_jump() -> None:
 
 
 @pytest.mark.parametrize(
-    ("make", "told"),
+    ("make", "message"),
     [
         (lambda: wo.Pfeiffer(K1=0, K2=40), "K1: 0 is out of range; must be > 0"),
         (lambda: wo.Pfeiffer(K1=-1e3, K2=40), "K1: -1000 is out of range; must be > 0"),
@@ -248,8 +250,8 @@ def test_noise_does_not_make_the_modulus_jump() -> None:
         ),
     ],
 )  # fmt: skip
-def test_refused_with_one_line(make: Any, told: str) -> None:
-    assert_rejected(make, told)
+def test_rejected_with_one_line(make: Any, message: str) -> None:
+    assert_rejected(make, message)
 
 
 def test_a_stack_from_tables() -> None:

@@ -75,24 +75,26 @@ def test_deviations_are_known_by_their_mark(header: str):
     assert data.deviations["wound_on_tension"].tolist() == [5.0]
 
 
-def test_all_strange_columns_are_told_at_once_with_what_is_nearest(tmp_path: Path):
-    told = faults(written(tmp_path, "nip_lode [kN/m],web tenson,Bemerkung,WOT [N/m]\n1,2,Ann,3\n"))
-    assert told[:3] == [
+def test_all_strange_columns_are_reported_at_once_with_what_is_nearest(tmp_path: Path):
+    message = faults(
+        written(tmp_path, "nip_lode [kN/m],web tenson,Bemerkung,WOT [N/m]\n1,2,Ann,3\n")
+    )
+    assert message[:3] == [
         "column 'nip_lode [kN/m]': no field or output; did you mean 'nip_load'?",
         "column 'web tenson': no field or output; did you mean 'web_tension'?",
         "column 'Bemerkung': no field or output",
     ]
-    assert "{'nip_lode [kN/m]': 'NAME [UNIT]'} in Python, [columns] in a study file" in told[3]
-    assert len(told) == 4
+    assert "{'nip_lode [kN/m]': 'NAME [UNIT]'} in Python, [columns] in a study file" in message[3]
+    assert len(message) == 4
 
 
-def test_a_symbol_that_several_fields_have_is_refused():
-    told = faults({"A_rr [MPa]": [27], "WOT": [650.0]})
+def test_a_symbol_that_several_fields_have_is_rejected():
+    message = faults({"A_rr [MPa]": [27], "WOT": [650.0]})
     several = (
         "web.material.radial, roll.material.radial, roll.layers.0.material.radial, "
         "drum.material.radial or drum.layers.0.material.radial"
     )
-    assert told[0] == f"column 'A_rr [MPa]': may be {several}; write which"
+    assert message[0] == f"column 'A_rr [MPa]': may be {several}; write which"
 
 
 def test_units_may_be_in_the_mapping(tmp_path: Path):
@@ -119,21 +121,21 @@ def test_units_may_stand_in_the_cells(tmp_path: Path):
 
 
 def test_a_file_without_units_asks_for_them_and_columns_in_memory_are_si(tmp_path: Path):
-    told = faults(written(tmp_path, "nip load,roll friction,WOT\n1.9,0.2,650\n"))
-    assert [text.partition(";")[0] for text in told] == [
+    message = faults(written(tmp_path, "nip load,roll friction,WOT\n1.9,0.2,650\n"))
+    assert [text.partition(";")[0] for text in message] == [
         "column 'nip load': has no unit", "column 'WOT': has no unit",
     ]  # fmt: skip
-    assert "write it into the header, as in 'nip_load [N/m]'" in told[0]
-    assert "--column 'nip load=nip_load [N/m]'" in told[0]
+    assert "write it into the header, as in 'nip_load [N/m]'" in message[0]
+    assert "--column 'nip load=nip_load [N/m]'" in message[0]
     data = read({"nip load": [1.9], "WOT": [650.0]})
     assert data.inputs["nip_load"].tolist() == [1.9]
 
 
 def test_a_wrong_or_unknown_unit_names_its_column():
-    told = faults({"nip_load [kg]": [1.0], "web_tension [kN/mm2]": [1.0], "WOT [n/m]": [1.0]})
-    assert told[0].startswith("column 'nip_load [kg]': 'kg' has the wrong dimension; expected a")
-    assert told[1].startswith("column 'web_tension [kN/mm2]': 'kN/mm2' has the wrong dimension")
-    assert told[2].startswith("column 'WOT [n/m]': 'n/m' has the unknown unit 'n'")
+    message = faults({"nip_load [kg]": [1.0], "web_tension [kN/mm2]": [1.0], "WOT [n/m]": [1.0]})
+    assert message[0].startswith("column 'nip_load [kg]': 'kg' has the wrong dimension; expected a")
+    assert message[1].startswith("column 'web_tension [kN/mm2]': 'kN/mm2' has the wrong dimension")
+    assert message[2].startswith("column 'WOT [n/m]': 'n/m' has the unknown unit 'n'")
 
 
 # ---- text files ---------------------------------------------------------------------------------
@@ -183,14 +185,14 @@ def test_what_stands_around_a_table_is_left_out(tmp_path: Path, text: str):
         ("nip_load [N/m];WOT [N/m]\n1e999;650\n", "'1e999'", "is not a finite number"),
     ],
 )
-def test_a_number_that_may_mean_two_things_is_refused(tmp_path: Path, text, cell, why):
-    (told,) = faults(written(tmp_path, text))
-    assert told.startswith("row 2, column 'nip_load [N/m]': ")
-    assert cell in told
-    assert why in told
+def test_a_number_that_may_mean_two_things_is_rejected(tmp_path: Path, text, cell, why):
+    (computed,) = faults(written(tmp_path, text))
+    assert computed.startswith("row 2, column 'nip_load [N/m]': ")
+    assert cell in computed
+    assert why in computed
 
 
-def test_bad_cells_are_told_by_row_and_column_all_at_once(tmp_path: Path):
+def test_bad_cells_are_reported_by_row_and_column_all_at_once(tmp_path: Path):
     text = "Title\nnip_load [N/m],WOT [N/m]\n1,650\n\nx,700\n,y\n"
     assert faults(written(tmp_path, text)) == [
         "row 5, column 'nip_load [N/m]': 'x' is not a number",
@@ -198,17 +200,17 @@ def test_bad_cells_are_told_by_row_and_column_all_at_once(tmp_path: Path):
         "row 6, column 'WOT [N/m]': 'y' is not a number",
     ]
     many = "nip_load [N/m],WOT [N/m]\n" + "x,1\n" * 30
-    told = faults(written(tmp_path, many))
-    assert len(told) == 11
-    assert told[-1] == "20 more faults"
+    message = faults(written(tmp_path, many))
+    assert len(message) == 11
+    assert message[-1] == "20 more faults"
 
 
 @pytest.mark.parametrize("content", [b"PK\x03\x04....", b"\xd0\xcf\x11\xe0...."])
-def test_a_spreadsheet_by_another_name_is_told(tmp_path: Path, content: bytes):
+def test_a_spreadsheet_by_another_name_is_reported(tmp_path: Path, content: bytes):
     assert faults(written(tmp_path, content)) == ["is no text; save it as .xlsx or .csv"]
 
 
-def test_a_file_that_is_too_large_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_a_file_that_is_too_large_is_rejected(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(sheets, "LARGEST", 1000)
     assert "is larger than 0.001 MB" in faults(written(tmp_path, "nip_load [N/m]\n" * 100))[0]
 
@@ -227,9 +229,9 @@ def test_a_data_frame_has_gaps_where_pandas_has_none():
 
 
 def test_truth_values_and_dates_are_no_numbers():
-    told = faults({"nip_load": [True, pandas.Timestamp("2024-05-01")], "WOT": [1.0, 2.0]})
-    assert told[0] == "row 1, column 'nip_load': True is not a number"
-    assert told[1].startswith("row 2, column 'nip_load': Timestamp(")
+    message = faults({"nip_load": [True, pandas.Timestamp("2024-05-01")], "WOT": [1.0, 2.0]})
+    assert message[0] == "row 1, column 'nip_load': True is not a number"
+    assert message[1].startswith("row 2, column 'nip_load': Timestamp(")
 
 
 # ---- Excel --------------------------------------------------------------------------------------
@@ -259,21 +261,23 @@ def test_merged_cells_titles_and_blank_rows_of_excel(tmp_path: Path):
     assert list(data.numbers) == [5, 6, 8]
 
 
-def test_merged_headers_are_told(tmp_path: Path):
+def test_merged_headers_are_reported(tmp_path: Path):
     rows = [["loads [N/m]", None, "WOT [N/m]"], [1, 2, 3]]
-    told = faults(book(tmp_path, rows, "A1:B1"))
-    assert told == ["row 1: two columns have the same header 'loads [N/m]'"]
+    message = faults(book(tmp_path, rows, "A1:B1"))
+    assert message == ["row 1: two columns have the same header 'loads [N/m]'"]
 
 
 def test_cells_of_excel_that_hold_no_number(tmp_path: Path):
     rows = [["nip_load [N/m]", "WOT [N/m]"], [True, 1], ["=A1*2", 2], [3, "=B1"]]
-    told = faults(book(tmp_path, rows))
-    assert told[0] == "row 2, column 'nip_load [N/m]': True is not a number"
-    assert told[1].startswith("row 3, column 'nip_load [N/m]': '=A1*2' is not a number; open and")
-    assert told[2].startswith("row 4, column 'WOT [N/m]': '=B1' is not a number; open and save")
+    message = faults(book(tmp_path, rows))
+    assert message[0] == "row 2, column 'nip_load [N/m]': True is not a number"
+    assert message[1].startswith(
+        "row 3, column 'nip_load [N/m]': '=A1*2' is not a number; open and"
+    )
+    assert message[2].startswith("row 4, column 'WOT [N/m]': '=B1' is not a number; open and save")
 
 
-def test_a_sheet_that_reaches_too_far_is_refused(tmp_path: Path, monkeypatch):
+def test_a_sheet_that_reaches_too_far_is_rejected(tmp_path: Path, monkeypatch):
     monkeypatch.setattr(sheets, "MOST_CELLS", 5)
     rows = [["nip_load [N/m]", "WOT [N/m]"], [1, 2], [1, 2]]
     assert "has more than 5 cells" in faults(book(tmp_path, rows))[0]

@@ -63,7 +63,7 @@ def test_the_rider_makes_the_wanted_nip_load():
 
 
 @pytest.mark.parametrize(
-    ("make", "told"),
+    ("make", "message"),
     [
         (lambda: drum_loads(0.01, 1.0, 0.25, 0.02), "radius: 0.01 is out of range; must be > gap/2"
          " = 0.01 [m], or the roll falls between the drums"),
@@ -77,8 +77,8 @@ def test_the_rider_makes_the_wanted_nip_load():
         (lambda: rider_load_for(1.0, 0.1, 1.0, 0.2, 0.0, "middle"), "drum: 'middle' is unknown; m"),
     ],
 )  # fmt: skip
-def test_refused_with_one_line(make: Any, told: str):
-    assert_rejected(make, told)
+def test_rejected_with_one_line(make: Any, message: str):
+    assert_rejected(make, message)
 
 
 # ---- use: the nip of a winding is on the drum on which the web arrives ---------------------------

@@ -89,7 +89,7 @@ def test_mill_units():
         ([3], "N/m", "is not a number"),
     ],
 )
-def test_refused_with_field_value_and_unit(value, unit, said):
+def test_rejected_with_field_value_and_unit(value, unit, said):
     with pytest.raises(InvalidProblem) as refusal:
         parse(value, unit, "web.thickness")
     ((field, text),) = refusal.value.faults

@@ -271,10 +271,10 @@ def test_few_nodes_in_a_zone_of_rollers() -> None:
 
 def issued(call: Callable[[], object]) -> list[warnings.WarningMessage]:
     """Return what is issued, all of it."""
-    with warnings.catch_warnings(record=True) as told:
+    with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         call()
-    return told
+    return caught
 
 
 WRAPPED = wo.solve(newsprint_nip(web_tension=1e5, roll_wrap=np.pi), nodes=NODES)
@@ -288,12 +288,12 @@ SOLVES = {
 @pytest.mark.parametrize("way", SOLVES)
 def test_warnings_are_issued_once_at_the_users_line(way: str) -> None:
     result: list[wo.Result] = []
-    told = issued(lambda: result.append(SOLVES[way]()))
-    texts = [str(one.message) for one in told]
+    output = issued(lambda: result.append(SOLVES[way]()))
+    texts = [str(one.message) for one in output]
     assert texts == [text.removeprefix("resolution: ") for text in result[0].warnings]
     assert texts
-    assert {one.filename for one in told} == {__file__}
-    for one in told:
+    assert {one.filename for one in output} == {__file__}
+    for one in output:
         of_grid = f"resolution: {one.message}" in result[0].warnings
         assert one.category is (wo.ResolutionWarning if of_grid else wo.ValidityWarning)
 
@@ -303,10 +303,10 @@ def test_an_ordinary_nip_issues_none() -> None:
 
 
 def test_studies_tell_warnings_in_a_column_and_issue_none() -> None:
-    told: list[object] = []
+    computed: list[object] = []
     over = {"web_tension": [350.0, 1e5]}
-    assert issued(lambda: told.append(wo.sweep(newsprint_nip(), over, workers=1))) == []
-    column = told[0].warnings.values  # type: ignore[attr-defined]
+    assert issued(lambda: computed.append(wo.sweep(newsprint_nip(), over, workers=1))) == []
+    column = computed[0].warnings.values  # type: ignore[attr-defined]
     assert column[0] == ""
     assert column[1].startswith("the web's strain is ")
 
@@ -319,6 +319,6 @@ def test_reading_and_printing_a_result_issues_nothing(tmp_path: Path) -> None:
 def test_every_limit_stands_in_the_documentation() -> None:
     page = (Path(__file__).parents[2] / "docs" / "howto" / "warnings.md").read_text("utf-8")
     rows = [line.split("|")[1:-1] for line in page.splitlines() if line.startswith("| ")]
-    told = {name.strip(): limit.strip() for name, limit, *_ in rows}
+    computed = {name.strip(): limit.strip() for name, limit, *_ in rows}
     for name, limit in validity.LIMITS.items():
-        assert told[name] == f"{100 * limit.most:g} %"
+        assert computed[name] == f"{100 * limit.most:g} %"

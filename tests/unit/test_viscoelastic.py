@@ -45,7 +45,7 @@ def dynamic_test(**known: Any) -> wo.DynamicTest:
 
 
 @pytest.mark.parametrize(
-    ("make", "told"),
+    ("make", "message"),
     [
         (lambda: rubber([(-3e6, 1e-3)]), "prony.0.modulus: -3000000 is out of range; must be > 0"),
         (lambda: rubber([(1e6, 1.0), (3e6, 0)]), "prony.1.time: 0 is out of range; must be > 0"),
@@ -89,8 +89,8 @@ def dynamic_test(**known: Any) -> wo.DynamicTest:
         ),
     ],
 )  # fmt: skip
-def test_refused(make: Any, told: str) -> None:
-    assert_rejected(make, told)
+def test_rejected(make: Any, message: str) -> None:
+    assert_rejected(make, message)
 
 
 def test_a_winding_hands_its_speed_to_its_nips() -> None:
@@ -139,7 +139,7 @@ def test_a_dynamic_test_is_followed() -> None:
     assert all(modulus > 0 for modulus, _ in material.prony_series)
 
 
-def test_a_poor_fit_is_told_with_every_result() -> None:
+def test_a_poor_fit_is_reported_with_every_result() -> None:
     poor = dynamic_test(loss_modulus=[1.25 * value for value in LOSS])
     assert 0.05 < poor.misfit < 0.1
     with pytest.warns(wo.ValidityWarning, match="the drum: its Prony series misses the measured"):
@@ -168,7 +168,7 @@ def test_case_files(material: wo.Material, comments: bool) -> None:
     assert '"5 m/s"' in text
 
 
-def test_a_measured_table_beside_the_case(tmp_path: Any) -> None:
+def test_a_measured_table_next_to_the_case(tmp_path: Any) -> None:
     rows = [f"{f},{s},{loss}" for f, s, loss in zip(HZ, STORAGE, LOSS, strict=True)]
     head = "frequency [Hz],storage_modulus [Pa],loss_modulus [Pa]"
     (tmp_path / "rubber.csv").write_text("\n".join([head, *rows]), encoding="utf-8")
@@ -239,10 +239,10 @@ def test_the_balance_of_power_converges_with_the_mesh(kind: str) -> None:
         left.append(dict(result.consistency.items())["power_balance"])
         wrong = result.replace(rolling_resistance=1.01 * result.rolling_resistance)
         assert result.residuals.largest <= 1e-8
-        told, tolerance = wrong.recomputed().get("rolling_resistance", (float("nan"), 0.0))
+        computed, tolerance = wrong.recomputed().get("rolling_resistance", (float("nan"), 0.0))
         found = (
             wrong.certified().largest > 1e-8
-            or not abs(told - wrong.rolling_resistance) <= tolerance
+            or not abs(computed - wrong.rolling_resistance) <= tolerance
         )
         assert found
     # meshes four times as fine: of first order or better, with room for moving zone boundaries
@@ -250,10 +250,10 @@ def test_the_balance_of_power_converges_with_the_mesh(kind: str) -> None:
     assert left[1] < 1e-3
 
 
-def test_the_told_resistance_of_a_wrapped_nip_is_that_of_its_arrays() -> None:
+def test_the_reported_resistance_of_a_wrapped_nip_is_that_of_its_arrays() -> None:
     result = wo.solve(nip().replace(roll_wrap=pi), nodes=33)
-    told, slack = result.recomputed()["rolling_resistance"]
-    assert abs(told - result.rolling_resistance) <= slack
+    computed, slack = result.recomputed()["rolling_resistance"]
+    assert abs(computed - result.rolling_resistance) <= slack
 
 
 @pytest.mark.parametrize(
@@ -272,8 +272,8 @@ def test_exact_sensitivities(wrapped: bool, name: str, value: float) -> None:
     up, down = (
         wo.solve(problem.replace(**{name: value + way * step}), nodes=33) for way in (1, -1)
     )
-    told = [(r.nip_induced_tension, r.half_width, r.drum_creepage) for r in (up, down)]
-    differences = np.subtract(*told) / (2 * step)
+    computed = [(r.nip_induced_tension, r.half_width, r.drum_creepage) for r in (up, down)]
+    differences = np.subtract(*computed) / (2 * step)
     outputs = ("nip_induced_tension", "half_width", "drum_creepage")
     found = [exact.derivative(output, name) for output in outputs]
     assert found == pytest.approx(differences.tolist(), rel=2e-4)

@@ -1,4 +1,4 @@
-"""Windings: the coupling of nips and roll, what is told of it, and that its laws can fail."""
+"""Windings: the coupling of nips and roll, what is reported of it, and that its laws can fail."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def test_a_piece_meets_polynomials_exactly_and_tells_its_misses():
     np.testing.assert_allclose(piece.at(x, values), x**3 - 2 * x, atol=1e-11)
     np.testing.assert_allclose(piece.at(np.array(piece.places), values), list(values.values()))
     assert max(miss for _, miss in piece.misses(values)) < 1e-11
-    # a kink is missed, and told
+    # the error at a kink is in the estimate
     kinked = {x: abs(x + 0.9) for x in piece.places}
     off = np.max(np.abs(piece.at(x, kinked) - np.abs(x + 0.9)))
     assert max(miss for _, miss in piece.misses(kinked)) > 0.3 * off
@@ -85,19 +85,19 @@ def wandering() -> wo.WindingResult:
 def test_schedules_that_wander_take_as_few_nips_as_smooth_ones():
     run = wandering()
     assert run.nip_radius.size <= 20
-    assert run.radius.size > 90  # the tension is told wherever they turn
+    assert run.radius.size > 90  # the tension is reported wherever they turn
     assert run.certified().coupling <= ACCEPTED_RESIDUAL
     # more than interpolation would leave, for the tension follows the measured load and tension
     bends = np.diff(np.sign(np.diff(run.wound_on_tension)))
     assert np.count_nonzero(bends) > 40
 
 
-def test_nips_under_measured_loads_are_within_the_error_told():
+def test_nips_under_measured_loads_are_within_the_error_reported():
     run = wandering()
     for r in (0.0573, 0.0811, 0.1024):
         nip = run.problem.nip(r, wo.Cylinder(radius=r, core_radius=0.05, material="newsprint"))
-        told = np.interp(r, run.radius, run.wound_on_tension)
-        off = abs(wo.solve(nip, nodes=33).roll_wound_on_tension / told - 1)
+        tension = np.interp(r, run.radius, run.wound_on_tension)
+        off = abs(wo.solve(nip, nodes=33).roll_wound_on_tension / tension - 1)
         assert off <= run.interpolation_error
     # noise moves the tension by 5 % of it and more: what is left is the second order
     assert run.interpolation_error < 0.015
@@ -125,30 +125,30 @@ def test_each_nip_answers_what_the_roll_was_wound_with():
     r = float(run.nip_radius[k])
     roll = effective_cylinder(run.problem, r, float(run.nip_felt_pressure[k]))
     nip = wo.solve(run.problem.nip(r, roll), nodes=33)
-    told = np.interp(r, run.radius, run.wound_on_tension)
-    assert nip.roll_wound_on_tension == pytest.approx(told, rel=2 * run.agreed)
-    assert run.roll.problem.tension_curve.at(r) * 66e-6 == pytest.approx(told, rel=1e-12)
+    tension = np.interp(r, run.radius, run.wound_on_tension)
+    assert nip.roll_wound_on_tension == pytest.approx(tension, rel=2 * run.agreed)
+    assert run.roll.problem.tension_curve.at(r) * 66e-6 == pytest.approx(tension, rel=1e-12)
     # and the roll so far asks for the modulus that it has; what is left is a second-order change
     stage = wound_so_far(run.roll, r)
     found = felt_pressure(stage, nip.roll_wound_on_tension, nip.half_width, nip.peak_pressure)
     assert found == pytest.approx(float(run.nip_felt_pressure[k]), rel=1e-4)
 
 
-def test_nips_are_solved_down_to_ten_laps_on_the_core():
+def test_nips_are_solved_down_to_ten_layers_on_the_core():
     """There the share falls to a half within a few millimetres: no tangent tells it."""
     run = wound()
     assert run.nip_radius[0] == pytest.approx(0.05 + 10 * 66e-6)
     assert np.count_nonzero(run.nip_radius < 0.0525) >= 3
     for r in (0.0508, 0.0517, 0.0522):
         nip = run.problem.nip(r, wo.Cylinder(radius=r, core_radius=0.05, material="newsprint"))
-        told = np.interp(r, run.radius, run.wound_on_tension)
-        off = abs(wo.solve(nip, nodes=33).roll_wound_on_tension / told - 1)
-        # and what the straight lines between the radii told leave, 0.3 rtol
+        tension = np.interp(r, run.radius, run.wound_on_tension)
+        off = abs(wo.solve(nip, nodes=33).roll_wound_on_tension / tension - 1)
+        # and the error of linear interpolation between the radii, 0.3 rtol
         assert off <= run.core_interpolation_error + 0.3 * COARSE["rtol"]
     assert run.nip_induced_tension[0] < 0.2 * run.nip_induced_tension.max()
 
 
-def test_what_the_first_laps_may_do_is_in_the_error_of_the_core_pressure():
+def test_what_the_first_layers_may_do_is_in_the_error_of_the_core_pressure():
     """Wound with the web's tension alone, or with that of the tenth lap, it stays within bounds."""
     run = wound()
     r, tension = run.radius, run.wound_on_tension
@@ -162,7 +162,7 @@ def test_what_the_first_laps_may_do_is_in_the_error_of_the_core_pressure():
     assert run.errors["core_pressure"] > run.roll.errors["core_pressure"] + own
 
 
-def test_what_nips_answer_on_a_roll_a_little_other_is_foreseen():
+def test_what_nips_answer_on_a_roll_a_little_other_is_predicted():
     """Twice as many nips are solved where each turn takes all of them, 72 of ten radii."""
     run = wound("effective")
     assert run.nips_solved <= 4.5 * run.nip_radius.size
@@ -205,7 +205,7 @@ def test_what_is_to_be_said_of_air_is_handed_on_with_the_radii_it_holds_for():
     assert said[0].startswith("nip at the radius 0.06 m and 2 more up to 0.11 m: the air film")
 
 
-def test_what_the_winder_sets_is_told_over_the_radius():
+def test_what_the_winder_sets_is_reported_over_the_radius():
     run = wound()
     r = run.radius
     np.testing.assert_allclose(run.web_tension, CASE.curve("web_tension").at(r), rtol=1e-14)
@@ -218,13 +218,13 @@ def test_what_the_winder_sets_is_told_over_the_radius():
     )
 
 
-def test_the_interpolation_error_is_told():
-    """Nips at radii that took no part miss the curve by no more than is told."""
+def test_the_interpolation_error_is_reported():
+    """Nips at radii that took no part miss the curve by no more than is reported."""
     run = wound()
     for r in (0.057, 0.075, 0.1):
         nip = run.problem.nip(r, wo.Cylinder(radius=r, core_radius=0.05, material="newsprint"))
-        told = np.interp(r, run.radius, run.wound_on_tension)
-        off = abs(wo.solve(nip, nodes=33).roll_wound_on_tension / told - 1)
+        tension = np.interp(r, run.radius, run.wound_on_tension)
+        off = abs(wo.solve(nip, nodes=33).roll_wound_on_tension / tension - 1)
         assert off <= run.interpolation_error <= 5e-3
     assert run.errors["mean_wound_on_tension"] > run.interpolation_error * 400
 
@@ -257,14 +257,16 @@ def test_the_other_laws():
     np.testing.assert_allclose(surface.wound_on_tension, 0.19 * 3000.0)  # T_in cancels
 
 
-def test_a_tension_that_leaves_a_lap_slack_is_refused_with_the_radius():
+def test_a_tension_that_leaves_a_lap_slack_is_rejected_with_the_radius():
     with pytest.raises(
         wo.NoSteadyState, match=r"wound-on tension falls to -5.* at the radius 0.12"
     ):
         wo.solve(CASE.replace(tension_law="fixed", nip_induced_tension=-250.0))
 
 
-def test_a_nip_that_has_no_steady_state_is_told_with_its_radius(monkeypatch: pytest.MonkeyPatch):
+def test_a_nip_that_has_no_steady_state_is_reported_with_its_radius(
+    monkeypatch: pytest.MonkeyPatch,
+):
     def slack(*_: Any, **__: Any) -> Any:
         raise wo.NoSteadyState.at("web_tension", "5 leaves the web slack")
 

@@ -41,7 +41,7 @@ def test_the_core_carries_what_the_drum_does_not(wound: wo.WindingResult) -> Non
     assert half.core_pressure == wound.core_pressure
     assert half.torque_share == pytest.approx(wound.torque_share / 2)
     assert surface.torque_share == 0
-    # of a roll alone NIT, which has no moment about the axis, is not told from T_in
+    # of a roll alone NIT, which has no moment about the axis, is not distinguished from T_in
     alone = wo.margins(wound.roll, wo.Limits(layer_friction=0.19))["slip"].value
     assert alone == pytest.approx(wound.torque_share * 400 / 300, rel=1e-6)
 
@@ -92,12 +92,12 @@ def test_limits_stand_in_a_case_file(tmp_path: Path) -> None:
 
 
 def test_the_report_ends_with_the_margins(wound: wo.WindingResult) -> None:
-    told = str(wound)
-    assert told.splitlines()[0] == wound.margins.verdict
+    message = str(wound)
+    assert message.splitlines()[0] == wound.margins.verdict
     for margin in wound.margins:
-        assert f"\n {margin.title}: " in told
-    assert "VIOLATED by" in told
-    assert "not checked" in told  # the core, of which only the stiffness is known
+        assert f"\n {margin.title}: " in message
+    assert "VIOLATED by" in message
+    assert "not checked" in message  # the core, of which only the stiffness is known
     assert "#B00020" in wound._repr_html_()
 
 

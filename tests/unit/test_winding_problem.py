@@ -17,7 +17,7 @@ FALLING = wo.Profile(radius=[0.05, 0.6], value=[2000.0, 400.0])
 
 
 @pytest.mark.parametrize(
-    ("changes", "told"),
+    ("changes", "message"),
     [
         ({"radius": 0.04}, "core.radius: 0.05 is out of range; must be > 0 and < radius = 0.04"),
         ({"web.thickness": 1.5e-7}, "web.thickness: 1.5e-07 is out of range; must be >= 5.5e-07"),
@@ -34,28 +34,28 @@ FALLING = wo.Profile(radius=[0.05, 0.6], value=[2000.0, 400.0])
          "web_tension.value.1: -1 is out of range; must be >= 1e-06 and <= 1e+06 [N/m]"),
         ({"torque_split": 1.5}, "torque_split: 1.5 is out of range; must be >= 0 and <= 1"),
         ({"torque_split": 0.5, "winding_force": -100.0},
-         "torque_split: is given beside winding_force; must be one of the two"),
+         "torque_split: is given together with winding_force; must be one of the two"),
         ({"tension_law": "fixed"}, "nip_induced_tension: missing; must be given [N/m] with"),
         ({"nip_induced_tension": 100.0},
-         "nip_induced_tension: is given beside tension_law = 'nip'; must be left out"),
+         "nip_induced_tension: is given together with tension_law = 'nip'; must be left out"),
         ({"tension_law": "nips"}, "tension_law: 'nips' is unknown; must be 'nip', 'friction' or"),
         ({"tension_law": 300.0}, "tension_law: 300 is out of place; must be 'nip', 'friction',"),
         ({"roll_body": "soft"}, "roll_body: 'soft' is unknown; must be 'effective', 'direct' or"),
         ({"nip_loud": 3.0}, "nip_loud: no such field; did you mean 'nip_load'?"),
     ],
 )  # fmt: skip
-def test_what_cannot_be_wound_is_refused(changes: dict, told: str):
-    assert_rejected(lambda: CASE.replace(**changes), told)
+def test_what_cannot_be_wound_is_rejected(changes: dict, message: str):
+    assert_rejected(lambda: CASE.replace(**changes), message)
 
 
-def test_a_schedule_with_a_gap_is_refused():
+def test_a_schedule_with_a_gap_is_rejected():
     assert_rejected(
         lambda: wo.Profile(radius=[0.05, 0.2, 0.2, 0.6], value=[1, 1, 1, 1]),
         "radius.2: 0.2 is out of range; must be > 0.2 [m], the radius before it",
     )
 
 
-def test_a_drum_that_slides_is_refused_with_the_radius():
+def test_a_drum_that_slides_is_rejected_with_the_radius():
     """mu- P falls below |F| = 200 N/m where P = 1000 N/m, at 0.05 + 0.55 * 1000/1600 m."""
     with pytest.raises(wo.NoSteadyState) as fault:
         CASE.replace(nip_load=FALLING, winding_force=-200.0)
@@ -66,7 +66,7 @@ def test_a_drum_that_slides_is_refused_with_the_radius():
     assert float(text.split("radius ")[1].split()[0]) == pytest.approx(0.39375, abs=2.2e-3)
 
 
-def test_a_torque_split_that_the_nip_cannot_carry_is_refused_with_the_radius():
+def test_a_torque_split_that_the_nip_cannot_carry_is_rejected_with_the_radius():
     with pytest.raises(wo.NoSteadyState, match=r"torque_split: 1 at the radius 0\.\d+ \[m\] means"):
         CASE.replace(nip_load=FALLING, torque_split=1.0)
 

@@ -79,8 +79,8 @@ def test_cells_converge_with_the_fourth_order() -> None:
     first, second = (np.max(np.abs(a - b) / size) for a, b in itertools.pairwise(Y))
     assert first < 1e-6
     assert first / second > 10
-    told = wound_kernels(*wound(graded)).truncation_error
-    assert first < told < 1e-4
+    estimate = wound_kernels(*wound(graded)).truncation_error
+    assert first < estimate < 1e-4
 
 
 def test_layers_of_a_gradient_by_hand() -> None:
@@ -139,7 +139,7 @@ def test_what_is_no_full_answer_says_so() -> None:
 
 
 @pytest.mark.parametrize(
-    ("make", "told"),
+    ("make", "message"),
     [
         (lambda: roll(pressure=-1.0), "pressure: -1 is out of range; must be >= 0 and < "),
         (lambda: roll(pressure="much"), "pressure: 'much' is not a number with a unit"),
@@ -174,8 +174,8 @@ def test_what_is_no_full_answer_says_so() -> None:
         ),
     ],
 )  # fmt: skip
-def test_refused_with_one_line(make: Any, told: str) -> None:
-    assert_rejected(make, told)
+def test_rejected_with_one_line(make: Any, message: str) -> None:
+    assert_rejected(make, message)
 
 
 # ---- case files ---------------------------------------------------------------------------------
@@ -249,7 +249,7 @@ def test_columns_from_a_csv_file(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("content", "told"),
+    ("content", "message"),
     [
         ("pressure [kPa], strain\n", "test.csv: holds no header with rows below it"),
         ("pressure [kPa], strain\n1, 2\n3\n", "test.csv: row 2 has 1 cells, the header 2"),
@@ -261,17 +261,17 @@ def test_columns_from_a_csv_file(tmp_path: Path) -> None:
         (None, "test.csv: cannot be read"),
     ],
 )
-def test_columns_that_cannot_be_read(content: str | None, told: str, tmp_path: Path) -> None:
+def test_columns_that_cannot_be_read(content: str | None, message: str, tmp_path: Path) -> None:
     if content is not None:
         (tmp_path / "test.csv").write_text(content)
     text = CASE.replace('radial = {K1 = "10 kPa", K2 = 127}',
                         'radial = {kind = "stack_test", csv = "test.csv"}')  # fmt: skip
     with pytest.raises(wo.InvalidProblem) as report:
         case(text, tmp_path)
-    assert told in str(report.value)
+    assert message in str(report.value)
 
 
-def test_a_poor_fit_of_a_test_is_told() -> None:
+def test_a_poor_fit_of_a_test_is_reported() -> None:
     P = np.linspace(0, 8e5, 6)
     e = np.log1p(P / 2e4) / 30 + np.array([0, 0.01, -0.01, 0.01, -0.01, 0.01])
     law = wo.StackTest(pressure=P, strain=np.sort(e) + 1e-4 * np.arange(6))

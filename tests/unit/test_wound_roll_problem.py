@@ -34,7 +34,7 @@ ROLL = wo.RollProblem.example()
         ({"core_shrinkage": 0.5}, "core_shrinkage: 0.5 is out of range"),
     ],
 )  # fmt: skip
-def test_what_cannot_be_wound_is_refused(changes: dict, text: str):
+def test_what_cannot_be_wound_is_rejected(changes: dict, text: str):
     with pytest.raises(wo.InvalidProblem) as fault:
         ROLL.replace(**changes)
     assert text in str(fault.value)
@@ -45,7 +45,7 @@ def test_what_cannot_be_wound_is_refused(changes: dict, text: str):
     ("core", "text"),
     [
         ({}, "stiffness: missing"),
-        ({"stiffness": 1e9, "inner_radius": 0.04}, "given beside a tube"),
+        ({"stiffness": 1e9, "inner_radius": 0.04}, "given together with a tube"),
         ({"inner_radius": 0.04}, "material: missing"),
         ({"inner_radius": 0.05, "material": "steel"}, "inner_radius: 0.05 is out of range"),
     ],
@@ -97,7 +97,7 @@ def test_a_profile_s_kinks_have_two_slopes():
     assert curve.bends[0] == pytest.approx(0.1 * 600 / 240)
 
 
-def test_a_stack_that_ends_is_told():
+def test_a_stack_that_ends_is_reported():
     """A measured law that ends at 100 kPa cannot carry a roll of 300 kPa."""
     test = wo.StackTest(pressure=[0, 2e4, 5e4, 1e5], strain=[0, 0.03, 0.045, 0.058])
     with pytest.raises(wo.NotConverged) as fault:
@@ -105,7 +105,7 @@ def test_a_stack_that_ends_is_told():
     assert "beyond the stack's law" in str(fault.value)
 
 
-def test_a_roll_that_comes_apart_is_told():
+def test_a_roll_that_comes_apart_is_reported():
     with pytest.raises(wo.NotConverged) as fault:
         wo.solve(ROLL.replace(core_shrinkage=0.05))
     assert "come apart" in str(fault.value)
@@ -141,13 +141,13 @@ def test_a_table_for_spreadsheets_has_the_roll(result, tmp_path):
 
 
 def test_the_command_line_winds_a_new_case(tmp_path, capsys):
-    assert cli.main(["new", "--roll"]) == 0
+    assert cli.main(["new", "roll"]) == 0
     case = tmp_path / "roll.toml"
     case.write_text(capsys.readouterr().out, encoding="utf-8")
     assert wo.load_case(case) == ROLL
     assert cli.main(["solve", str(case), "--set", "wound_on_tension=400 N/m", "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)
-    assert told["kind"] == "roll"
+    answer = json.loads(capsys.readouterr().out)
+    assert answer["kind"] == "roll"
     assert cli.main(["solve", str(case), "--set", "core.radius=200 mm"]) == 2
     assert "core.radius: 0.2 is out of range" in capsys.readouterr().err
 
@@ -195,7 +195,7 @@ def test_the_picture_has_a_zero_line_and_shades_compression(result):
 
 
 @pytest.mark.parametrize(
-    ("radius", "told"),
+    ("radius", "message"),
     [
         ("x", "radius: 'x' is not a number; must be a radius on the roll [m]"),
         ([0.05, 0.06], "radius: 2 values; must be one radius [m]"),
@@ -204,11 +204,11 @@ def test_the_picture_has_a_zero_line_and_shades_compression(result):
         (float("nan"), "radius: nan is out of range"),
     ],
 )
-def test_a_stage_that_is_none_is_refused(wound, radius: object, told: str):
-    assert_rejected(lambda: wound.at(radius), told)
+def test_a_stage_that_is_none_is_rejected(wound, radius: object, message: str):
+    assert_rejected(lambda: wound.at(radius), message)
 
 
-def test_radii_that_are_no_numbers_are_refused(wound):
+def test_radii_that_are_no_numbers_are_rejected(wound):
     assert_rejected(lambda: wound.at_radius("x"), "radius: 'x' is not a number")
 
 
@@ -217,13 +217,13 @@ def wound():
     return wo.solve(ROLL)
 
 
-def test_changes_too_large_to_settle_are_told_by_what_they_do():
+def test_changes_too_large_to_settle_are_reported_by_what_they_do():
     """Not by an estimated error of 1e297 of the pressure."""
     with pytest.raises(wo.NotConverged, match="the laps come apart at the radius"):
         wo.solve(ROLL.replace(temperature_change=1000.0, radial_expansion=-1e-2))
 
 
-def test_a_stack_too_soft_to_wind_on_is_told_so():
+def test_a_stack_too_soft_to_wind_on_is_reported_so():
     with pytest.raises(wo.NotConverged, match="stack without pressure, or the core, is too soft"):
         wo.solve(ROLL.replace(**{"stack.radial.K1": 1e-6}))
 

@@ -63,7 +63,7 @@ def test_the_usual_nip_is_wrapped_half_a_turn_on_the_roll():
     assert usual.friction_on_wrap == usual.roll_friction
 
 
-def test_a_slack_web_is_refused():
+def test_a_slack_web_is_rejected():
     slack = PAPER.replace(web_tension=0.0)
     with pytest.raises(wo.InvalidProblem, match=r"web_tension: 0 is .*must be taut"):
         wo.solve(slack.replace(roll_wrap=pi, drum_wrap=1.0))
@@ -75,7 +75,7 @@ def test_a_slack_web_is_refused():
     wo.solve(pulled.replace(web_tension=needed + 40), **QUICK)
 
 
-def test_forces_that_slide_the_drum_are_refused():
+def test_forces_that_slide_the_drum_are_rejected():
     with pytest.raises(wo.NoSteadyState, match="winding_force: 770 is out of range"):
         wo.solve(PAPER.replace(roll_wrap=pi, winding_force=770.0))
     assert wo.solve(PAPER.replace(roll_wrap=pi, winding_force=770.0, drum_wrap=1.0), **QUICK)

@@ -254,16 +254,16 @@ def test_trends_that_every_winder_knows(film_nip, with_air):
     assert heavier < with_air.air.nip_film  # a heavier nip excludes more
     harder = film(**{"drum.material.youngs_modulus": 6e6})
     assert harder < with_air.air.nip_film  # so does a harder cover
-    assert with_air.air.nip_film < with_air.air.foil_film / 10  # and any nip does, beside none
+    assert with_air.air.nip_film < with_air.air.foil_film / 10  # and any nip does, next to none
 
 
 @pytest.mark.parametrize("pressure", ["much", [-1.0], float("nan"), None])
-def test_friction_between_laps_asks_for_a_pressure(with_air, pressure):
+def test_friction_between_layers_asks_for_a_pressure(with_air, pressure):
     with pytest.raises(wo.InvalidProblem, match=r"pressure: .* must be"):
         with_air.layer_friction(pressure)
 
 
-def test_a_film_without_friction_is_told(film_nip):
+def test_a_film_without_friction_is_reported(film_nip):
     with pytest.warns(wo.ValidityWarning, match="do not touch, and the nip adds no tension"):
         fast = wo.solve(film_nip.replace(web_speed=5.0), nodes=33)
     assert fast.nip_induced_tension < 0.01
@@ -303,7 +303,7 @@ def test_paper_lets_the_air_through(film_nip, with_air):
         ),
     ],
 )
-def test_bad_input_is_refused(film_nip, changes, said):
+def test_bad_input_is_rejected(film_nip, changes, said):
     assert_rejected(lambda: film_nip.replace(**changes), said)
 
 
@@ -383,7 +383,7 @@ def test_the_roll_holds_the_air_that_its_nips_let_through(windings):
          "air: needs tension_law = 'nip'"),
     ],
 )  # fmt: skip
-def test_air_that_does_not_fit_a_winding_is_refused(winding, changes, said):
+def test_air_that_does_not_fit_a_winding_is_rejected(winding, changes, said):
     assert_rejected(lambda: winding.replace(**changes), said)
 
 
@@ -407,7 +407,7 @@ def test_the_law_of_a_stack_with_air_is_one_law(P):
     assert between.pressure_at(between.strain_at(P)) == pytest.approx(P, rel=1e-9)
 
 
-def test_air_between_rigid_laps_is_boyles_law():
+def test_air_between_rigid_layers_is_boyles_law():
     stiff = law(film=23e-6, inner=1e12)
     # half of the thickness is air; a second atmosphere halves it
     assert stiff.strain_at(AMBIENT) == pytest.approx(0.25, rel=1e-6)

@@ -249,7 +249,7 @@ def convolved(kernel: Kernel, at: float) -> float:
 def test_kernels_convolve_to_the_series(at: float) -> None:
     """The kernels in closed and tabulated form, integrated over the patch, give the same surface.
 
-    Under the patch, beside it and a quarter turn away.
+    Under the patch, next to it and a quarter turn away.
     """
     k = surface_kernels(R, R0, *STIFFNESS)
     for load, suffix in (("pressure", "p"), ("traction", "q")):

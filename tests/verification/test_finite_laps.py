@@ -1,4 +1,4 @@
-"""Laps of finite thickness: a roll of rings, laid one by one, against what is told of thin laps.
+"""Laps of finite thickness: a roll of rings, laid one by one, against the limit of thin layers.
 
 The rings know nothing of sources, of stages or of a limit: each is a thick ring of the stack's law
 (or several thinner ones), with the tension it is laid with as its own, on which all later ones
@@ -36,7 +36,7 @@ class Rings:
         self.middle = (self.r[1:] + self.r[:-1]) / 2
         under = np.repeat(self.r[:-1:parts], parts)  # of the lap
         self.T = problem.tension_curve.at(under)
-        # in a lap just laid, of even tension: T h/s at its inner face, nil at the outer one
+        # in a lap just laid, of even tension: T h/s at its inner face, zero at the outer one
         self.inner = self.T * (under + h - self.r[:-1]) / self.r[:-1]
         outer = self.T * (under + h - self.r[1:]) / self.r[1:]
         self.own = (self.inner + outer) / 2
@@ -137,7 +137,7 @@ def test_the_rings_of_constant_moduli_are_a_sum():
     ],
     ids=["newsprint, 264 um", "132 um", "taper", "soft core", "constant", "few stiff laps"],
 )  # fmt: skip
-def test_what_finite_laps_change_is_told(problem: wo.RollProblem):
+def test_what_finite_layers_change_is_reported(problem: wo.RollProblem):
     """To 12 % of it: 10 % here, 7 % in 40 random rolls of 24 to 1500 laps, 0.2 to 34 %."""
     result, rings, change = of(problem)
     found = np.interp(rings.r, result.radius, result.finite_laps)

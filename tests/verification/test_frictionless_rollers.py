@@ -44,7 +44,7 @@ def test_hertz_is_met_to_the_grids_order(way: str, upper: wo.Body) -> None:
         ellipse = np.sqrt(np.maximum(1 - (result.x / exact.half_width) ** 2, 0))
         miss = np.abs(result.pressure / exact.peak_pressure - ellipse)
         assert miss[np.abs(result.x) < 0.8 * result.half_width].max() <= 0.4 * cell**2
-        assert miss.max() <= 0.2 * cell  # beside the edge, where it goes like a root
+        assert miss.max() <= 0.2 * cell  # next to the edge, where it goes like a root
         assert not result.traction.any()
         assert result.tangential_load == 0.0
 
@@ -80,11 +80,11 @@ def test_a_layer_without_friction_is_the_limit_of_little() -> None:
 @pytest.mark.parametrize(
     "way", ["rolling", "static", slow_case("no load along"), slow_case("creepage")]
 )
-def test_it_is_told_drawn_kept_and_certified_anew(way: str, tmp_path: Path) -> None:
+def test_it_is_reported_drawn_kept_and_certified_again(way: str, tmp_path: Path) -> None:
     result = wo.solve(pair(SOFTER, **WAYS[way]))
     text = str(result)
     assert "Hertz" in text
-    assert "all 1" in text  # laws hold
+    assert "all 1" in text
     assert result.certified().largest <= 1e-8
     result.save(tmp_path / "pair.nc")
     assert wo.load_result(tmp_path / "pair.nc") == result

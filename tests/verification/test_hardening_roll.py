@@ -132,14 +132,14 @@ def test_another_mesh_of_elements_gives_the_same_nip(monkeypatch: pytest.MonkeyP
 
 
 @pytest.mark.slow
-def test_the_told_error_is_that_of_finer_meshes() -> None:
+def test_the_error_estimate_is_that_of_finer_meshes() -> None:
     """Table 2's nip from 65 to 129 nodes, plain and wrapped: within the estimates, and 0.3 %."""
     plain = [wo.solve(nip(roll()), nodes=n) for n in (65, 129)]
     wrapped = [wo.solve(nip(roll()).replace(roll_wrap=pi / 2), nodes=n) for n in (65, 129)]
     for (coarse, fine), name in ((plain, "nip_induced_tension"), (wrapped, "wound_on_tension")):
-        told = coarse.errors[name]
-        assert abs(getattr(coarse, name) - getattr(fine, name)) <= told
-        assert told < 5e-3 * getattr(coarse, name)
+        estimate = coarse.errors[name]
+        assert abs(getattr(coarse, name) - getattr(fine, name)) <= estimate
+        assert estimate < 5e-3 * getattr(coarse, name)
 
 
 # ---- what an effective modulus would have to be -------------------------------------------------

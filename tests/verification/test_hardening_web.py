@@ -162,11 +162,11 @@ def test_sensitivities_are_the_derivatives() -> None:
         ]
         for name, value in names.items()
     }
-    told = result.sensitivity(*names)
+    derivatives = result.sensitivity(*names)
     for name, (less, more) in ends.items():
         for output in ("nip_induced_tension", "half_width", "drum_creepage"):
             difference = (getattr(more, output) - getattr(less, output)) / (2e-3 * names[name])
-            assert told.derivative(output, name) == pytest.approx(difference, rel=1e-3)
+            assert derivatives.derivative(output, name) == pytest.approx(difference, rel=1e-3)
 
 
 CASE = """
@@ -218,21 +218,21 @@ def test_case_file_result_file_and_sweep(tmp_path: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("wrapped", [False, slow_case(True)])
 def test_the_report_says_whether_it_hardens(wrapped: bool) -> None:
-    def told(problem: Any) -> str:
+    def computed(problem: Any) -> str:
         around = problem.replace(**WRAPS["wrapped" if wrapped else "plain"])
         return str(coarse_solution(around, 17))
 
-    assert "the roll does not harden, the web hardens" in told(hardened(LINEAR))
-    assert "the roll hardens, the web does not harden" in told(nip(roll()))
-    assert "the roll hardens, the web hardens" in told(hardened(nip(roll())))
-    assert "harden" not in told(LINEAR)
+    assert "the roll does not harden, the web hardens" in computed(hardened(LINEAR))
+    assert "the roll hardens, the web does not harden" in computed(nip(roll()))
+    assert "the roll hardens, the web hardens" in computed(hardened(nip(roll())))
+    assert "harden" not in computed(LINEAR)
 
 
 # ---- refusals -----------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("wrapped", [False, True])
-def test_a_pressure_beyond_its_law_is_refused(wrapped: bool) -> None:
+def test_a_pressure_beyond_its_law_is_rejected(wrapped: bool) -> None:
     """A test measured up to 400 kPa, a nip of 0.9 MPa."""
     P = np.linspace(0, 400e3, 9)
     test = wo.StackTest(pressure=P, strain=np.log1p(P / 10e3) / 127.0)

@@ -150,8 +150,8 @@ def test_values_of_another_program() -> None:
         (log(0.24 / 0.225), *SOFT), (log(0.225 / 0.22), *HARD),
         (log(0.22 / 0.20), *isotropic(206e9, 0.3)),
     )  # fmt: skip
-    told = [1.11005143e-9, 2.05737028e-8, 1.51971755e-7]
-    np.testing.assert_allclose(n * stacked_compliance(n, layers)[0, 0], told, rtol=5e-9)
+    computed = [1.11005143e-9, 2.05737028e-8, 1.51971755e-7]
+    np.testing.assert_allclose(n * stacked_compliance(n, layers)[0, 0], computed, rtol=5e-9)
 
 
 @pytest.mark.parametrize("free", [False, True], ids=["rigid core", "open bore"])
@@ -300,15 +300,15 @@ THREE = EXAMPLE.replace(
 
 def test_sensitivities_reach_into_every_layer() -> None:
     result = wo.solve(THREE, nodes=49)
-    told = result.sensitivity()
+    derivatives = result.sensitivity()
     names = [
         "drum.radius", "drum.layers.0.thickness", "drum.layers.0.material.youngs_modulus",
         "drum.layers.0.material.poissons_ratio", "drum.layers.1.thickness",
         "drum.layers.1.material.youngs_modulus", "drum.layers.2.thickness",
     ]  # fmt: skip
-    assert set(names) <= set(told.parameters)
+    assert set(names) <= set(derivatives.parameters)
     for name in names:
-        value = float(told.fields[told.parameters.index(name)])
+        value = float(derivatives.fields[derivatives.parameters.index(name)])
         up, down = (
             wo.solve(THREE.replace(**{name: value * (1 + sign * 1e-3)}), nodes=49, start=result)
             for sign in (1, -1)
@@ -316,7 +316,7 @@ def test_sensitivities_reach_into_every_layer() -> None:
         by_differences = (up.half_width - down.half_width) / (2e-3 * value)
         # the error of differences, and what loads met to 3e-9 leave of a small change
         left = 1e-8 * result.half_width / (2e-3 * value)
-        found = told.derivative("half_width", name)
+        found = derivatives.derivative("half_width", name)
         assert found == pytest.approx(by_differences, rel=1e-4, abs=left), name
 
 
@@ -380,18 +380,18 @@ def test_the_load_that_flattens_a_thin_tube() -> None:
     )
 
 
-def test_a_load_that_flattens_a_tube_is_refused() -> None:
-    """A little below what a ring bears it is solved, above it is told how much is borne."""
+def test_a_load_that_flattens_a_tube_is_rejected() -> None:
+    """A little below what a ring bears it is solved, above it is reported how much is borne."""
     tube = drum((2e-3, wo.Isotropic(youngs_modulus=2e9, poissons_ratio=0.3)), core="free")
     problem = THREE.replace(drum=tube, winding_force=0.0, web_tension=0.0)
     borne = tube.bending_load(problem.contact_radius)
     assert wo.solve(problem.replace(nip_load=0.7 * borne), nodes=33).residuals.largest <= 1e-8
     for nip in (problem, problem.replace(roll_wrap=np.pi)):
         heavy = nip.replace(nip_load=1.5 * borne)
-        told = (
+        computed = (
             r"nip_load: .* must be <= \S+ \[N/m\], about: the drum is a tube, 0.002 m thick in all"
         )
-        with pytest.raises(wo.InvalidProblem, match=told) as refused:
+        with pytest.raises(wo.InvalidProblem, match=computed) as refused:
             wo.solve(heavy)
         ((_, text),) = refused.value.faults
         limit = float(text.partition("must be <= ")[2].split()[0])
@@ -402,7 +402,7 @@ def test_a_load_that_flattens_a_tube_is_refused() -> None:
 
 
 @pytest.mark.parametrize(
-    ("make", "told"),
+    ("make", "message"),
     [
         (
             lambda: drum((0.2, RUBBER), (0.05, RUBBER)),
@@ -427,5 +427,5 @@ def test_a_load_that_flattens_a_tube_is_refused() -> None:
         (lambda: wo.Layered(radius=0.2, layers="thick"), "layers: 'thick' is not a list"),
     ],
 )  # fmt: skip
-def test_refused_with_one_line(make: Any, told: str) -> None:
-    assert_rejected(make, told)
+def test_rejected_with_one_line(make: Any, message: str) -> None:
+    assert_rejected(make, message)

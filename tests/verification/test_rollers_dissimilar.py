@@ -83,7 +83,7 @@ def test_strong_coupling_is_reached_from_none(seed: int, nodes: int) -> None:
     """Rolls far softer one way than the other, on which pivots alone go round in a circle."""
     problem = random_rollers(seed)
     fine, coarse = (wo.solve(problem, nodes=count) for count in (nodes, 101))
-    # both are told to better than a thousandth
+    # both are reported to better than a thousandth
     assert fine.half_width == pytest.approx(coarse.half_width, rel=1e-3)
     assert sorted(set(fine.zone)) == sorted(set(coarse.zone))
     assert fine.residuals.largest < 1e-8

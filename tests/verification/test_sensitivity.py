@@ -24,9 +24,9 @@ def differences(problem: Any, nodes: int, step: float, names: tuple[str, ...]) -
     The last Newton step is below 1e-11: differences over 1e-4 are known to 1e-6.
     """
     result = wo.solve(problem, nodes=nodes)
-    told = result.sensitivity(*names)
+    derivatives = result.sensitivity(*names)
     quotients, kept = [], []
-    for name, value in zip(told.parameters, told.fields, strict=True):
+    for name, value in zip(derivatives.parameters, derivatives.fields, strict=True):
         size = abs(value) or problem.nip_load
         body = getattr(problem, name.partition(".")[0])
         if isinstance(body, wo.Cylinder) and name.endswith("radius"):
@@ -38,13 +38,15 @@ def differences(problem: Any, nodes: int, step: float, names: tuple[str, ...]) -
             )
             for side in (1, -1)
         ]  # fmt: skip
-        values = np.array([[getattr(end, output) for output in told.outputs] for end in ends])
+        values = np.array(
+            [[getattr(end, output) for output in derivatives.outputs] for end in ends]
+        )
         quotients.append((values[0] - values[1]) / (2 * step * size))
         kept.append(all(
             np.array_equal(getattr(end, zone), getattr(result, zone))
             for end in ends for zone in ("roll_zone", "drum_zone")
         ))  # fmt: skip
-    return told, np.array(quotients).T, np.array(kept)
+    return derivatives, np.array(quotients).T, np.array(kept)
 
 
 @pytest.mark.parametrize("wrapped", [False, True])
@@ -54,15 +56,15 @@ def test_derivatives_are_those_of_the_solved_equations(seed: int, wrapped: bool)
     problem: Any = random_nip(seed).replace(web_tension=600.0)
     if wrapped:
         problem = problem.replace(roll_wrap=2.0)
-    told, quotients, kept = differences(problem, 41, 1e-5, ())
+    computed, quotients, kept = differences(problem, 41, 1e-5, ())
     assert np.count_nonzero(kept) > 0.75 * kept.size
     least = 0.01 * problem.roll_friction * problem.nip_load
     scale = np.array([
         max(abs(value), least) if "tension" in name else abs(value)
-        for name, value in zip(told.outputs, told.values, strict=True)
+        for name, value in zip(computed.outputs, computed.values, strict=True)
     ])  # fmt: skip
-    size = np.where(told.fields == 0, problem.nip_load, np.abs(told.fields))
-    exact, numerical = (d * size / scale[:, None] for d in (told.derivatives, quotients))
+    size = np.where(computed.fields == 0, problem.nip_load, np.abs(computed.fields))
+    exact, numerical = (d * size / scale[:, None] for d in (computed.derivatives, quotients))
     miss = np.abs(exact - numerical) / np.maximum(1.0, np.abs(numerical))
     assert miss[:, kept].max() < 1e-3
 
@@ -108,7 +110,7 @@ def test_only_the_named_outputs_are_answered_in_their_order() -> None:
 
 
 @pytest.mark.parametrize("wrapped", [False, True])
-def test_an_output_without_derivative_is_refused_by_name(wrapped: bool) -> None:
+def test_an_output_without_derivative_is_rejected_by_name(wrapped: bool) -> None:
     problem = newsprint_nip().replace(roll_wrap=np.pi) if wrapped else newsprint_nip()
     result = wo.solve(problem, nodes=33)
     with pytest.raises(wo.InvalidProblem, match=r"'half_widht'.*did you mean 'half_width'\?"):

@@ -31,16 +31,16 @@ def test_inverse_then_forward_meets_a_pressure_that_falls_to_the_surface():
 @pytest.mark.parametrize(
     "wanted", [200e3, wo.Profile(radius=[CORE, 0.09, R], value=[300e3, 200e3, 120e3])]
 )
-def test_what_is_wanted_of_the_surface_is_missed_in_a_layer_that_is_told(wanted: Any):
+def test_what_is_wanted_of_the_surface_is_missed_in_a_layer_that_is_reported(wanted: Any):
     design = wo.design_tension(ROLL, wanted)
     assert 0.01 < design.outer_layer < 0.07
     assert design.surface_miss == pytest.approx(design.wanted[-1])
     inside = design.radius < R - design.outer_layer
     off = miss(design.problem, design.radius, design.wanted)
     assert off[inside].max() < 2e-4  # 1e-4 of the design and as much of the forward solution
-    # and the miss in the layer is as told
-    told = np.abs(design.reached - design.wanted) / design.wanted.max()
-    assert np.max(np.abs(off - told)) < 2e-4
+    # and the miss in the layer is as estimated
+    caught = np.abs(design.reached - design.wanted) / design.wanted.max()
+    assert np.max(np.abs(off - caught)) < 2e-4
 
 
 @pytest.mark.parametrize("schedule", [slow_case(350.0), wo.Taper(start=350.0, taper=0.4)])
@@ -61,7 +61,7 @@ def stiff_core() -> wo.RollProblem:
 
 
 @pytest.mark.parametrize(
-    ("make", "told"),
+    ("make", "message"),
     [
         (lambda: wo.design_tension(ROLL, -5.0), "pressure: -5 is out of range; must be > 0"),
         (lambda: wo.design_tension(ROLL, float("nan")), "pressure: nan is out of range; must"),
@@ -78,8 +78,8 @@ def stiff_core() -> wo.RollProblem:
          "problem: changes after winding"),
     ],
 )  # fmt: skip
-def test_refused_with_one_line(make: Any, told: str):
-    assert_rejected(make, told)
+def test_rejected_with_one_line(make: Any, message: str):
+    assert_rejected(make, message)
 
 
 def test_a_smooth_schedule_is_wound_like_the_curve_it_stands_for():
@@ -97,7 +97,7 @@ def test_a_smooth_schedule_is_wound_like_the_curve_it_stands_for():
     assert two.core_pressure == pytest.approx(one.core_pressure, rel=1e-6)
 
 
-def test_a_smooth_schedule_that_falls_below_nil_between_its_values_is_refused():
+def test_a_smooth_schedule_that_falls_below_zero_between_its_values_is_rejected():
     dips = wo.Profile(radius=[CORE, 0.05, 0.06, 0.14, R], value=[350, 350, 5, 5, 350],
                       between="smooth")  # fmt: skip
     assert_rejected(

@@ -186,7 +186,7 @@ def test_dual_slip_of_a_short_zone_grows_as_its_length_to_three_halves() -> None
 
 
 @pytest.mark.parametrize("ratio", [1.0001, -2.0, float("nan"), [0.1, 3.0]])
-def test_dual_slip_refuses_a_ratio_beyond_the_nip(ratio: Any) -> None:
+def test_dual_slip_rejects_a_ratio_beyond_the_nip(ratio: Any) -> None:
     with pytest.raises(wo.InvalidProblem, match=r"dual_slip_ratio.*must be in \[-1, 1\]"):
         theories.dual_slip(paper_nip(), ratio)
 
@@ -302,7 +302,7 @@ def test_cattaneo_sticks_in_the_middle_and_is_even() -> None:
     assert strain == pytest.approx(0.0, abs=1e-8 * 0.5 * solution.peak_pressure)
 
 
-def test_the_wrong_motion_and_dissimilar_rollers_are_refused() -> None:
+def test_the_wrong_motion_and_dissimilar_rollers_are_rejected() -> None:
     with pytest.raises(wo.InvalidProblem, match=r"motion.*use cattaneo"):
         theories.carter(steel_pair(motion="static"))
     with pytest.raises(wo.InvalidProblem, match=r"motion.*use carter"):

@@ -156,7 +156,7 @@ def test_roll_that_slips_all_over() -> None:
 
 
 def test_winding_theorem() -> None:
-    """(171): NIT and tractions do not depend on T_in; approach and creepage change as told."""
+    """(171): NIT and tractions do not depend on T_in; approach and creepage change as estimated."""
     slack, taut = (procedure.solve(paper_nip(web_tension=T), 60) for T in (400.0, 900.0))
     assert taut.nip_induced_tension == pytest.approx(slack.nip_induced_tension, rel=1e-8)
     np.testing.assert_allclose(taut.drum_traction, slack.drum_traction, rtol=1e-6, atol=1e-3)

@@ -81,7 +81,7 @@ def test_a_web_wrapped_on_a_thin_cover(drum_wrap: float) -> None:
     assert result.wound_on_tension == pytest.approx(finer.wound_on_tension, rel=0.01)
 
 
-def test_a_contact_too_wide_to_be_resolved_is_refused_with_what_to_change() -> None:
+def test_a_contact_too_wide_to_be_resolved_is_rejected_with_what_to_change() -> None:
     nip = newsprint_nip(drum=on_rigid_core(0.04e-3, RUBBER, 0.0762), nip_load=1e5)
     text = (
         r"nip_load: 100000 is out of range; must be <= 1.*e\+04 .*the elastic layer of the drum, "
@@ -91,7 +91,7 @@ def test_a_contact_too_wide_to_be_resolved_is_refused_with_what_to_change() -> N
         wo.solve(nip)
 
 
-def test_a_layer_whose_series_is_not_resolved_is_refused() -> None:
+def test_a_layer_whose_series_is_not_resolved_is_rejected() -> None:
     fibres = wo.Orthotropic(radial=2.5e9, tangential=1e6, cross=4e5, shear=5.0)
     text = ("roll: the response of its layer, 0.008 m thick, takes more than 262144 Fourier terms "
             r"(they leave ")  # fmt: skip
@@ -140,12 +140,12 @@ def test_what_is_not_solved_says_how_far_outside_the_model_it_is() -> None:
     )  # fmt: skip
     with pytest.raises(wo.NotConverged) as fault:
         wo.solve(nip)
-    told = re.search(r"this is far outside the model: tensions up to ([\d.e+]+) N/m .* stretch the "
-                     r"web ([\d.e+]+) times its length; take smaller ones, or a thicker or stiffer "
-                     "web", str(fault.value))  # fmt: skip
-    assert told
+    message = re.search(r"this is far outside the model: tensions up to ([\d.e+]+) N/m .* stretch "
+                     r"the web ([\d.e+]+) times its length; take smaller ones, or a thicker "
+                     "or stiffer web", str(fault.value))  # fmt: skip
+    assert message
     tension = 0.4 + 2.00154 * 520.0
-    assert float(told[1]) == pytest.approx(tension, rel=5e-3)
-    assert float(told[2]) == pytest.approx(
+    assert float(message[1]) == pytest.approx(tension, rel=5e-3)
+    assert float(message[2]) == pytest.approx(
         tension / (4.46e-6 * (310.0 - 2.5e6**2 / 1.9e11)), rel=0.05
     )

@@ -63,8 +63,8 @@ def test_hunters_cylinder(De: float) -> None:
     by_moment = -result.pressure_shift / c
     for found in (by_work, by_moment):
         assert found == pytest.approx(HUNTER[De], rel=1e-3)  # asked; 2e-4 to 1e-3 is found
-    told = result.errors["rolling_resistance"] / result.rolling_resistance
-    assert abs(by_work / HUNTER[De] - 1) <= 1.5 * told
+    estimate = result.errors["rolling_resistance"] / result.rolling_resistance
+    assert abs(by_work / HUNTER[De] - 1) <= 1.5 * estimate
 
 
 # ---- limits and series --------------------------------------------------------------------------
@@ -288,18 +288,18 @@ def _edge_strain(r: wo.NipResult) -> float:
     return float(r.refinement.last.state.fields.roll.strain[-1])
 
 
-def test_the_told_error_falls_with_the_grid() -> None:
+def test_the_error_estimate_falls_with_the_grid() -> None:
     problem = (
         wo.NipProblem.example().replace(roll_wrap=0.0).replace(drum=cover(rubber()), web_speed=3.0)
     )
     fine = wo.solve(problem, nodes=257).rolling_resistance
-    told = []
+    computed = []
     for nodes in (33, 65, 129):
         result = wo.solve(problem, nodes=nodes)
-        told.append(result.errors["rolling_resistance"])
-        assert abs(result.rolling_resistance - fine) <= 1.5 * told[-1]
-    assert told[2] < told[1] < told[0]
-    assert told[2] < told[0] / 2
+        computed.append(result.errors["rolling_resistance"])
+        assert abs(result.rolling_resistance - fine) <= 1.5 * computed[-1]
+    assert computed[2] < computed[1] < computed[0]
+    assert computed[2] < computed[0] / 2
 
 
 def test_pressure_moves_to_the_inlet_and_heat_is_never_taken() -> None:
@@ -315,7 +315,7 @@ def test_pressure_moves_to_the_inlet_and_heat_is_never_taken() -> None:
     )
 
 
-def test_a_viscoelastic_roll_behind_the_nip() -> None:
+def test_a_viscoelastic_roll_downstream_of_the_nip() -> None:
     """Half a turn behind, where distances are longer than half the circumference."""
     roll = wo.Cylinder(radius=0.2, core_radius=0.05, material=rubber(E=50e6))
     problem = (

@@ -39,7 +39,7 @@ NEWSPRINT = wo.RollProblem.example()
 
 
 def left(result: wo.RollResult, name: str = "peak_pressure") -> float:
-    """Return the told error without what finite laps change: that of the solution [Pa]."""
+    """Return the error estimate without what finite laps change: that of the solution [Pa]."""
     by = np.abs(result.finite_laps)
     return result.errors[name] - float(by[0] if name == "core_pressure" else by.max())
 
@@ -82,7 +82,7 @@ def test_schedules_and_changes_against_their_closed_forms(case: dict, more: dict
     problem = plain(**case, **more)
     exact = constant_moduli(problem, RADII)
     found = wo.solve(problem, rtol=3e-6).at_radius(RADII)
-    # told errors are estimates: where few stages do (a dozen here) up to three times too low
+    # error estimates are estimates: where few stages do (a dozen here) up to three times too low
     assert np.max(np.abs(found["pressure"] - exact.pressure)) < 1e-5 * exact.pressure.max()
 
 
@@ -96,7 +96,7 @@ def test_newsprint_by_the_independent_value():
     assert middle["hoop_stress"] == pytest.approx(-207.87e3, abs=1e-4 * 316.79e3)
 
 
-def test_told_errors_hold_and_fall_with_the_tolerance():
+def test_error_estimates_hold_and_fall_with_the_tolerance():
     fine = wo.solve(NEWSPRINT, rtol=1e-5)
     for rtol in (1e-2, 1e-3, 1e-4):
         result = wo.solve(NEWSPRINT, rtol=rtol)
@@ -134,7 +134,7 @@ def missed(problem: wo.RollProblem, tolerance: float, cells: int) -> float:
 
 @pytest.mark.parametrize("case", [STIFF, slow_case(PAPER)], ids=["stiff", "paper"])
 def test_the_order_in_nodes_is_four(case: dict):
-    """With stages that miss nothing beside: Lobatto's rule of two points and a middle."""
+    """With stages that miss nothing next to: Lobatto's rule of two points and a middle."""
     roll = plain(**case, wound_on_tension=wo.Taper(start=200.0, taper=0.4))
     coarse, fine = (missed(roll, 1e-7, cells) for cells in (8, 16))
     assert np.log2(coarse / fine) == pytest.approx(4, abs=0.2)  # 3.9 to 4.1
@@ -253,7 +253,7 @@ def test_a_finely_sampled_tension_is_wound_like_the_curve():
 
 
 def test_strong_kinks_are_stages():
-    """A tension measured with 2 % noise; a finer solution agrees with what is told."""
+    """A tension measured with 2 % noise; a finer solution agrees with what is reported."""
     problem = NEWSPRINT.replace(wound_on_tension=sampled(40, noise=0.02))
     rough, fine = wo.solve(problem, rtol=1e-2), wo.solve(problem, rtol=3e-4)
     r = np.linspace(0.0446, 0.1499, 300)
@@ -268,14 +268,14 @@ def test_strong_kinks_are_stages():
      {"wound_on_tension": wo.Taper(start=350.0, taper=0.4)}],
     ids=["newsprint", "0.6 m", "100 000 laps", "taper"],
 )  # fmt: skip
-def test_the_price_does_not_depend_on_laps_radius_or_taper(changes: dict):
+def test_the_price_does_not_depend_on_layers_radius_or_taper(changes: dict):
     """200 to 205 linear systems, 26 for finite laps; some 340 to 660 if kappa is iterated."""
     assert wo.solve(NEWSPRINT.replace(**changes)).steps < 215
 
 
 @pytest.mark.slow
-def test_told_errors_of_random_rolls_hold():
-    """Of stiff rolls too, which need few stages: a finer solution misses by no more than told."""
+def test_error_estimates_of_random_rolls_hold():
+    """Of stiff rolls too, which need few stages: the error is at most its estimate."""
     g, ratios = np.random.default_rng(7), []
     for _ in range(8):
         stack = wo.Stack(radial=float(10 ** g.uniform(6.5, 9.3)), tangential=10 ** g.uniform(9, 10),
@@ -304,7 +304,7 @@ def test_a_stack_without_stiffness_of_its_own_is_wound(m: float):
     assert fine.residuals.largest <= 1e-8
 
 
-def test_a_roll_that_leaves_the_law_while_it_is_wound_is_told():
+def test_a_roll_that_leaves_the_law_while_it_is_wound_is_reported():
     """Though a core that shrinks takes the pressure back below where the law ends."""
     wound, shrunk = (wo.solve(NEWSPRINT.replace(core_shrinkage=e)) for e in (0.0, 3e-4))
     assert shrunk.peak_pressure < 0.95 * wound.peak_pressure
@@ -390,7 +390,7 @@ def test_a_roll_scales_with_its_radii(scale: float):
     np.testing.assert_allclose(two.pressure, one.pressure, rtol=0, atol=1e-8 * one.peak_pressure)
 
 
-def test_length_laps_and_mass():
+def test_length_layers_and_mass():
     result = coarse_solution(NEWSPRINT)
     area = np.pi * (0.15**2 - 0.0445**2)
     assert result.length == pytest.approx(area / 66e-6)

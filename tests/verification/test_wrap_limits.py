@@ -91,7 +91,7 @@ def test_without_hoop_pressure_and_its_friction_the_nip_is_alone() -> None:
     )
     wrapped = solve_wrapped(problem, wrap_friction=1e-6, nodes=65)
     alone, unit = _held_far_away(problem), problem.roll_friction * problem.nip_load
-    # the hoop pressure left is T/R = 1 Pa beside 300 kPa
+    # the hoop pressure left is T/R = 1 Pa next to 300 kPa
     assert added_in_nip(wrapped) == pytest.approx(alone, abs=2e-5 * unit)
     assert wrapped.wound_on_tension == pytest.approx(wrapped.outlet_tension, abs=2e-6)
 
@@ -116,7 +116,7 @@ def test_the_less_the_web_pulls_the_nearer_is_the_nip_alone(problem: wo.NipProbl
     assert abs(differences[3]) < 0.15 * abs(alone - held)
 
 
-def test_friction_behind_the_nip_vanishes() -> None:
+def test_friction_downstream_of_the_nip_vanishes() -> None:
     for mu in (1e-2, 1e-4, 1e-6):
         added = solve_wrapped(PAPER, wrap_friction=mu).roll_wrap_traction
         # at most mu T theta, the whole arc slipping one way
@@ -171,7 +171,7 @@ def test_on_a_hard_drum_the_web_sticks_up_to_the_nip() -> None:
         assert result.inlet_tension == pytest.approx(300.0, abs=0.2)
 
 
-def test_capstan_behind_the_nip() -> None:
+def test_capstan_downstream_of_the_nip() -> None:
     """Where the web slips behind the nip T grows as exp(mu int kappa ds) (thesis eq. 178)."""
     result = solve_wrapped(newsprint_nip(), nodes=65)
     first = result.in_nip.stop - 1

@@ -48,16 +48,16 @@ def test_derivatives_are_those_of_the_solved_equations(
     """
     problem, names, nodes, step = CASES[case]
     result = wo.solve(problem, nodes=nodes)
-    told = result.sensitivity(*names)
-    scale = np.abs(told.values)
+    outcome = result.sensitivity(*names)
+    scale = np.abs(outcome.values)
     scale[1] = max(scale[1], 0.01 * problem.roll_friction * problem.nip_load)
-    for k, name in enumerate(told.parameters):
-        size = abs(told.fields[k]) or problem.roll_friction * problem.nip_load
+    for k, name in enumerate(outcome.parameters):
+        size = abs(outcome.fields[k]) or problem.roll_friction * problem.nip_load
         if isinstance(problem.drum, wo.Cylinder) and name.startswith("drum.") and "radius" in name:
             size = problem.drum.thickness  # of a layer the radii matter by their difference
         less, more = (
             wo.solve(
-                problem.replace(**{name: float(told.fields[k]) + side * step * size}),
+                problem.replace(**{name: float(outcome.fields[k]) + side * step * size}),
                 nodes=nodes, start=result,
             )
             for side in (-1, 1)
@@ -65,10 +65,16 @@ def test_derivatives_are_those_of_the_solved_equations(
         for end in (less, more):
             np.testing.assert_array_equal(end.roll_zone, result.roll_zone)
             np.testing.assert_array_equal(end.drum_zone, result.drum_zone)
-        ends = [np.array([getattr(end, output) for output in told.outputs]) for end in (less, more)]
+        ends = [
+            np.array([getattr(end, output) for output in outcome.outputs]) for end in (less, more)
+        ]
         by_difference = (ends[1] - ends[0]) / (2 * step * scale)
         np.testing.assert_allclose(
-            told.derivatives[:, k] * size / scale, by_difference, rtol=1e-3, atol=2e-5, err_msg=name
+            outcome.derivatives[:, k] * size / scale,
+            by_difference,
+            rtol=1e-3,
+            atol=2e-5,
+            err_msg=name,
         )
 
 
@@ -80,8 +86,10 @@ def test_random_nips_with_wraps_too(
     problem = random_nip(seed).replace(roll_wrap=2.0, drum_wrap=1.5 * (seed % 2))
     result = wo.solve(problem, nodes=33)
     names = ("nip_load", "roll_friction", "web.thickness", "drum.radius", "web_tension")
-    told = result.sensitivity(*names)
-    for name, value, slope in zip(names, told.fields, told.elasticities[0], strict=True):
+    derivatives = result.sensitivity(*names)
+    for name, value, slope in zip(
+        names, derivatives.fields, derivatives.elasticities[0], strict=True
+    ):
         less, more = (
             wo.solve(problem.replace(**{name: float(value * (1 + step))}), nodes=33, start=result)
             for step in (-1e-4, 1e-4)
@@ -145,8 +153,8 @@ def test_fits_take_them_with_what_is_tied() -> None:
 def test_a_known_parameter_of_a_hardening_roll_is_recovered() -> None:
     name, value = "roll.stack.radial.K2", 110.0
     true = HARDENING.replace(**{name: value})
-    told = [wo.solve(true.replace(nip_load=P), nodes=17).wound_on_tension for P in LOADS]
-    data = {"nip_load": LOADS, "wound_on_tension": told}
+    computed = [wo.solve(true.replace(nip_load=P), nodes=17).wound_on_tension for P in LOADS]
+    data = {"nip_load": LOADS, "wound_on_tension": computed}
     found = wo.fit(HARDENING, data, {name: (20.0, 500.0)}, nodes=17, starts=1, profiles=False)
     # the outputs are met to the solver's tolerance, 1e-8
     assert found.rms < 1e-4

@@ -88,7 +88,7 @@ class Core(Description):
         if (self.stiffness is not None) == tube:
             raise InvalidProblem.at(
                 "stiffness",
-                "is given beside a tube; must be one of the two"
+                "is given together with a tube; must be one of the two"
                 if tube
                 else "missing; must be > 0 [Pa], or a tube given by inner_radius and material",
             )

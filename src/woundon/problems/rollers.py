@@ -71,7 +71,7 @@ class RollerProblem(ContactProblem):
         if self.creepage is not None and self.tangential_load is not None:
             raise InvalidProblem.at(
                 "creepage",
-                f"{self.creepage:.10g} is given beside tangential_load = "
+                f"{self.creepage:.10g} is given together with tangential_load = "
                 f"{self.tangential_load:.10g}; must be one of the two",
             )
         if self.creepage is not None and self.motion == "static":

@@ -221,10 +221,10 @@ class WindingProblem(Problem):
                 "nip_induced_tension",
                 "missing; must be given [N/m] with tension_law = 'fixed'"
                 if fixed
-                else f"is given beside tension_law = {law}; must be left out",
+                else f"is given together with tension_law = {law}; must be left out",
             )
         if self.torque_split is not None and self.winding_force != 0.0:
-            yield ("torque_split", "is given beside winding_force; must be one of the two")
+            yield ("torque_split", "is given together with winding_force; must be one of the two")
         if self.roll_body == "linear" and not isinstance(self.web.material, Material):
             yield "roll_body", "'linear' needs the moduli of a web that does not harden"
         if self.limits.acceleration and self.density is None:

@@ -199,7 +199,9 @@ def optimise_schedule(
 
 def _goal(minimise: str | None, maximise: str | None) -> tuple[str | None, float]:
     if minimise is not None and maximise is not None:
-        raise InvalidProblem.at("maximise", "is given beside minimise; must be one of the two")
+        raise InvalidProblem.at(
+            "maximise", "is given together with minimise; must be one of the two"
+        )
     return (maximise, -1.0) if maximise is not None else (minimise, 1.0)
 
 
