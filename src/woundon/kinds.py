@@ -143,25 +143,37 @@ _KINDS: dict[str, Kind[Any, Any]] = {
         Kind(
             "nip",
             "A winding nip: stick and slip, nip-induced and wound-on tension.",
-            NipProblem, solve_nip, NipResult, check_nip_options,
+            NipProblem,
+            solve_nip,
+            NipResult,
+            check_nip_options,
         ),
         Kind(
             "rollers",
             "Two rollers in contact without a web, rolling or static.",
-            RollerProblem, solve_rollers, RollerResult, check_roller_options,
+            RollerProblem,
+            solve_rollers,
+            RollerResult,
+            check_roller_options,
         ),
         Kind(
             "roll",
             "The stresses in a wound roll of given wound-on tension.",
-            RollProblem, solve_wound_roll, RollResult, check_roll_options,
+            RollProblem,
+            solve_wound_roll,
+            RollResult,
+            check_roll_options,
         ),
         Kind(
             "winding",
             "A complete winding: nip and roll coupled over the radius, stresses and margins.",
-            WindingProblem, solve_winding, WindingResult, check_winding_options,
+            WindingProblem,
+            solve_winding,
+            WindingResult,
+            check_winding_options,
         ),
     )
-}  # fmt: skip
+}
 
 
 def register(
@@ -251,20 +263,37 @@ def for_fields(names: Iterable[str]) -> Kind[Any, Any]:
 
 
 @overload
-def solve(problem: NipProblem, *, nodes: int | None = None, rtol: float | None = None,
-          start: NipResult | None = None,
-          progress: Progress | None = None) -> NipResult: ...  # fmt: skip
+def solve(
+    problem: NipProblem,
+    *,
+    nodes: int | None = None,
+    rtol: float | None = None,
+    start: NipResult | None = None,
+    progress: Progress | None = None,
+) -> NipResult: ...
 @overload
-def solve(problem: RollerProblem, *, nodes: int | None = None, rtol: float | None = None,
-          start: RollerResult | None = None,
-          progress: Progress | None = None) -> RollerResult: ...  # fmt: skip
+def solve(
+    problem: RollerProblem,
+    *,
+    nodes: int | None = None,
+    rtol: float | None = None,
+    start: RollerResult | None = None,
+    progress: Progress | None = None,
+) -> RollerResult: ...
 @overload
-def solve(problem: RollProblem, *, rtol: float = ...,
-          progress: Progress | None = None) -> RollResult: ...  # fmt: skip
+def solve(
+    problem: RollProblem, *, rtol: float = ..., progress: Progress | None = None
+) -> RollResult: ...
 @overload
-def solve(problem: WindingProblem, *, rtol: float = ..., nodes: int = ...,
-          agreed: float | None = None, start: WindingResult | None = None,
-          progress: Progress | None = None) -> WindingResult: ...  # fmt: skip
+def solve(
+    problem: WindingProblem,
+    *,
+    rtol: float = ...,
+    nodes: int = ...,
+    agreed: float | None = None,
+    start: WindingResult | None = None,
+    progress: Progress | None = None,
+) -> WindingResult: ...
 @overload
 def solve(problem: Problem, **options: Any) -> Any: ...
 def solve(problem: Any, **options: Any) -> Any:

@@ -24,8 +24,15 @@ from typing import TYPE_CHECKING, NamedTuple
 if TYPE_CHECKING:
     import click
 
-__all__ = ["GROUP", "Figures", "commands", "figures", "load", "register_command",
-           "register_figures"]  # fmt: skip
+__all__ = [
+    "GROUP",
+    "Figures",
+    "commands",
+    "figures",
+    "load",
+    "register_command",
+    "register_figures",
+]
 
 GROUP = "woundon.plugins"
 
@@ -77,8 +84,9 @@ def commands() -> Mapping[str, click.Command]:
     return dict(sorted(_COMMANDS.items()))
 
 
-def register_figures(list_figures: Callable[[], Sequence[Mapping[str, str]]],
-                     draw_figure: Callable[[str], bytes]) -> None:  # fmt: skip
+def register_figures(
+    list_figures: Callable[[], Sequence[Mapping[str, str]]], draw_figure: Callable[[str], bytes]
+) -> None:
     """Add figures to the page.
 
     Parameters

@@ -57,9 +57,7 @@ def test_wraps_are_swept_as_any_field():
             )
             assert float(case.slip_angle) == pytest.approx(single.slip_angle, rel=STARTED)
     assert data.roll_wrap.attrs["units"] == "rad"
-    assert data.wound_on_tension.attrs["long_name"] == (
-        "wound-on tension, where the web is held to the roll"
-    )
+    assert data.wound_on_tension.attrs["long_name"] == ("wound-on tension")
     assert data.attrs["kind"] == "nip"
 
 

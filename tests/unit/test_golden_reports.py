@@ -14,7 +14,7 @@ from golden_text import assert_golden
 from rich.console import Console
 
 import woundon as wo
-from woundon.report.sections import print_sensitivity
+from woundon.report.sensitivity_report import print_sensitivity
 
 NIP, PAIR = wo.NipProblem.example(), wo.RollerProblem.example()
 SOFT = wo.HalfPlane(radius=0.25, material=wo.Isotropic(youngs_modulus=1e9, poissons_ratio=0.3))

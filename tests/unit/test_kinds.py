@@ -17,7 +17,7 @@ from woundon.problems.fields import Number
 from woundon.quantities import length, line_load
 from woundon.report.panels import Panel
 from woundon.report.plots import PANELS
-from woundon.report.reports import REPORTS
+from woundon.report.result_report import REPORTS
 
 OWN = {
     "nip": (wo.NipProblem, wo.NipResult),

@@ -15,12 +15,10 @@ from thesis_cases import newsprint_nip
 
 import woundon as wo
 from woundon import kinds, quantities
-from woundon.report.parts import Row, Section, certificate_line, zone_line
-from woundon.report.reports import print_report, report_text
-from woundon.report.sections import (
-    nip_report,
-    outputs_report,
-)
+from woundon.report.nip_report import nip_report
+from woundon.report.outputs_report import outputs_report
+from woundon.report.report_parts import Row, Section, certificate_line, zone_line
+from woundon.report.result_report import print_report, report_text
 from woundon.report.terminal import print_parts
 
 OF_ROLLS = (wo.RollResult, wo.WindingResult)

@@ -22,7 +22,7 @@ from woundon.io.case_files import template
 from woundon.io.frames import to_frame
 from woundon.quantities import length
 from woundon.report.html import parts_html
-from woundon.report.parts import Line, Section, row_of
+from woundon.report.report_parts import Line, Section, row_of
 from woundon.results import ReadOnly
 
 NODES = 25

@@ -98,9 +98,9 @@ def test_its_panels_are_drawn():
 
 
 def _panels(result: wo.RollResult) -> list[str]:
-    from woundon.report.wound_roll_plots import wound_roll_panels
+    from woundon.report.roll_plots import roll_panels
 
-    return [name for name, panel in wound_roll_panels(result).items() if panel.shown]
+    return [name for name, panel in roll_panels(result).items() if panel.shown]
 
 
 def test_kappa_is_kept_and_copies_well():

@@ -28,8 +28,8 @@ from ..problems.units import parse
 from ..quantities import find as find_places
 from ..quantities import scalar_outputs, value_of, walk
 from ..report.answer import answer_lines
-from ..report.parts import Section, certificate_of, friction_bounds, zone_strips
-from ..report.reports import report_parts
+from ..report.report_parts import Section, certificate_of, friction_bounds, zone_strips
+from ..report.result_report import report_parts
 from ..results import ACCEPTED_RESIDUAL, Result, zone_runs
 from ..roll.design import design_tension
 from ..studies.find import find as find_values

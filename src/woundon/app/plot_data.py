@@ -25,7 +25,7 @@ import numpy as np
 
 from .. import kinds, quantities
 from ..quantities import Quantity
-from ..report.parts import friction_bounds, zone_strips
+from ..report.report_parts import friction_bounds, zone_strips
 from ..results import Result, zone_runs
 
 __all__ = ["panels_of"]

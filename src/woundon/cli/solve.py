@@ -169,8 +169,8 @@ def _solve(problem: Any, options: Mapping[str, Any]) -> Any:
 
 
 def _print(result: Any, sensitivity: Any) -> None:
-    from ..report.reports import print_report
-    from ..report.sections import print_sensitivity
+    from ..report.result_report import print_report
+    from ..report.sensitivity_report import print_sensitivity
 
     terminal = console()
     print_report(result, terminal)

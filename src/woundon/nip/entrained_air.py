@@ -78,19 +78,17 @@ class AirFilm(ReadOnly):
     part_of_result: ClassVar[bool] = True  # its fields are outputs of the result that holds it
 
     thickness: Annotated[Array, length("h_a", "air film in the nip", "um")]
-    foil_film: Annotated[float, length("h_foil", "air film without a nip", "um")]
-    nip_film: Annotated[float, length("h_nip", "air film that passes the nip", "um")]
+    foil_film: Annotated[float, length("h_foil", "foil-bearing film thickness (no nip)", "um")]
+    nip_film: Annotated[float, length("h_nip", "air film entrained through the nip", "um")]
     film: Annotated[float, length("h", "air film between the layers", "um")]
-    film_in_nip: Annotated[
-        float, length("h_in", "air film in the nip, under its mean pressure", "um")
-    ]
+    film_in_nip: Annotated[float, length("h_in", "air film in the nip at its mean pressure", "um")]
     roll_friction: Annotated[float, pure("mu+ eff", "friction in the nip, reduced by the air film")]
     wrap_friction: Annotated[
         float, pure("mu_w+ eff", "friction on the roll wrap, reduced by the air film")
     ]
-    friction_share: Annotated[float, strain("mu/mu0", "friction retained in the nip")]
+    friction_share: Annotated[float, strain("mu/mu0", "fraction of friction retained in the nip")]
     gradient: Annotated[
-        float, Quantity("K", "Pa/m**0.5", "gradient of the pressure at the inlet edge")
+        float, Quantity("K", "Pa/m**0.5", "inlet pressure-gradient coefficient, p = K sqrt(s)")
     ]
     inlet_length: Annotated[float, length("l", "length of the inlet of the air film", "um")]
 

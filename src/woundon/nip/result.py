@@ -50,7 +50,7 @@ class Dissipation:
     def dissipated_power(
         self,
     ) -> Annotated[
-        float, Quantity("D", "W/m", "power that the viscoelastic bodies turn into heat, per width")
+        float, Quantity("D", "W/m", "power dissipated in the viscoelastic bodies, per width")
     ]:
         """V F_R [W/m]: the heat that goes into the covers."""
         V = self.problem.rolling_speed  # type: ignore[attr-defined]
@@ -61,7 +61,7 @@ class Dissipation:
         self,
     ) -> Annotated[
         float,
-        length("e_p", "the pressure's resultant downstream of the line of centres, < 0: upstream"),
+        length("e_p", "pressure resultant, downstream of the line of centres"),
     ]:
         """Position of the pressure's resultant along +x, from the line of centres [m]."""
         own: Any = self
@@ -154,21 +154,27 @@ class NipResult(Dissipation, Result):
 
     problem: NipProblem
     roll_wound_on_tension: Annotated[
-        float, line_load("WOT_r", "wound-on tension of the roll, in a closed layer without nip")
+        float, line_load("WOT_r", "wound-on tension of the roll, in a closed layer")
     ]
     half_width: Annotated[float, length("a", "half-width of the nip")]
-    approach: Annotated[float, length("delta", "approach of the centres of roll and drum")]
-    offset: Annotated[float, length("Delta", "line of centres, from the centre of the contact")]
-    drum_creepage: Annotated[float, strain("xi-", "creepage of web and drum")]
+    approach: Annotated[
+        float, length("delta", "centre approach (nip indentation) of roll and drum")
+    ]
+    offset: Annotated[
+        float, length("Delta", "offset of the line of centres from the contact centre")
+    ]
+    drum_creepage: Annotated[float, strain("xi-", "creepage between web and drum")]
     leading_roll: Annotated[
         float, strain("s_l+", "slip length at the roll's leading edge / nip width")
     ]
     trailing_roll: Annotated[
         float, strain("s_t+", "slip length at the roll's trailing edge / nip width")
     ]
-    dual: Annotated[float, strain("s_d", "length of slip at both roll and drum / nip width")]
-    x: Annotated[Array, length("x", "position along the web; the nip is [-a, a]")]
-    slip_x: Annotated[Array, length("x_v", "where slips are evaluated, in the cell upstream")]
+    dual: Annotated[
+        float, strain("s_d", "length of simultaneous slip on roll and drum / nip width")
+    ]
+    x: Annotated[Array, length("x", "position along the web, nip: [-a, a]")]
+    slip_x: Annotated[Array, length("x_v", "positions at which slip is evaluated")]
     drum_pressure: Annotated[Array, stress("p-", "pressure of the web on the drum")]
     roll_pressure: Annotated[Array, stress("p+", "pressure of the web on the roll")]
     roll_traction: Annotated[Array, stress("q+", "traction of the web on the roll")]
@@ -176,10 +182,10 @@ class NipResult(Dissipation, Result):
     roll_slip: Annotated[Array, strain("v+", "slip of the web against the roll, > 0: web faster")]
     drum_slip: Annotated[Array, strain("v-", "slip of the web against the drum, > 0: web faster")]
     roll_zone: Annotated[
-        Array, pure("z+", "zone at the roll: 0 stick, 1 slip with the web faster, -1 slower"), Zone
+        Array, pure("z+", "zone at the roll: 0 stick; slip: 1 web faster, -1 web slower"), Zone
     ]
     drum_zone: Annotated[
-        Array, pure("z-", "zone at the drum: 0 stick, 1 slip with the web faster, -1 slower"), Zone
+        Array, pure("z-", "zone at the drum: 0 stick; slip: 1 web faster, -1 web slower"), Zone
     ]
     tension: Annotated[Array, line_load("T", "web tension along the nip")]
     roll_strain: Annotated[Array, strain("eps1", "strain of the roll's surface along the web")]
@@ -190,8 +196,8 @@ class NipResult(Dissipation, Result):
         Array, Quantity("kappa", "1/m", "curvature of the web, > 0: centre in the roll")
     ] = field(default_factory=lambda: np.zeros(0))
     air: AirFilm | None = None
-    iterations: Annotated[int, pure("n_it", "Newton iterations")] = 0
-    series_terms: Annotated[int, pure("n_s", "Fourier terms summed")] = 0
+    iterations: Annotated[int, pure("n_it", "number of Newton iterations")] = 0
+    series_terms: Annotated[int, pure("n_s", "number of Fourier terms")] = 0
     series_error: Annotated[float, pure("e_s", "estimated truncation error of the series")] = 0.0
     refinement: Any = field(default=None, repr=False, compare=False, metadata={"saved": False})
 
@@ -293,7 +299,7 @@ class NipResult(Dissipation, Result):
     @property
     def wound_on_tension(
         self,
-    ) -> Annotated[float, line_load("WOT", "wound-on tension, where the web is held to the roll")]:
+    ) -> Annotated[float, line_load("WOT", "wound-on tension")]:
         """WOT, the tension at the end of the roll wrap, as a load cell reads it [N/m]."""
         return float(self.tension[-1])
 
@@ -342,14 +348,18 @@ class NipResult(Dissipation, Result):
     @property
     def roll_wrap_traction(
         self,
-    ) -> Annotated[float, line_load("Q_w+", "traction on the roll wrap, integrated")]:
+    ) -> Annotated[
+        float, line_load("Q_w+", "tangential force on the roll downstream of the nip, per width")
+    ]:
         """Q_w+ [N/m]."""
         return self.wound_on_tension - self.outlet_tension
 
     @property
     def drum_wrap_traction(
         self,
-    ) -> Annotated[float, line_load("Q_w-", "traction on the drum wrap, integrated")]:
+    ) -> Annotated[
+        float, line_load("Q_w-", "tangential force on the drum upstream of the nip, per width")
+    ]:
         """Q_w- [N/m]."""
         return self.inlet_tension - float(self.tension[0])
 

@@ -63,25 +63,29 @@ class RollerResult(Dissipation, Result):
     creepage: Annotated[
         float, strain("xi", "creepage, surface speed of the lower roller less the upper's")
     ]
-    shift: Annotated[float, length("s", "shift of the lower roller, static contact", "um")] = nan
+    shift: Annotated[
+        float, length("s", "tangential displacement of the lower roller (static contact)", "um")
+    ] = nan
     tangential_load: Annotated[float, line_load("Q", "tangential load on the upper roller")]
     half_width: Annotated[float, length("a", "half-width of the contact")]
-    approach: Annotated[float, length("delta", "approach of the rollers' centres")]
-    offset: Annotated[float, length("Delta", "line of centres, from the centre of the contact")]
+    approach: Annotated[float, length("delta", "centre approach of the rollers")]
+    offset: Annotated[
+        float, length("Delta", "offset of the line of centres from the contact centre")
+    ]
     x: Annotated[Array, length("x", "position along the contact, [-a, a]")]
     pressure: Annotated[Array, stress("p", "pressure", "MPa")]
     traction: Annotated[Array, stress("q", "traction on the upper roller", "MPa")]
-    slip_x: Annotated[Array, length("x_v", "where the slip is taken")]
+    slip_x: Annotated[Array, length("x_v", "positions at which slip is evaluated")]
     slip: Annotated[
-        Array, strain("v", "slip, > 0: lower surface faster; a length of static rollers")
+        Array, strain("v", "slip, > 0: lower surface faster (static contact: slip distance)")
     ]
     zone: Annotated[
-        Array, pure("z", "zone: 0 stick, 1 slip with the lower surface faster, -1 slower"), Zone
+        Array, pure("z", "zone: 0 stick; slip: 1 lower surface faster, -1 slower"), Zone
     ]
     traction_error: Annotated[
         float, strain("e_q", "estimated error of the traction (L2), relative")
     ] = nan
-    iterations: Annotated[int, pure("n_it", "Newton iterations")] = 0
+    iterations: Annotated[int, pure("n_it", "number of Newton iterations")] = 0
     refinement: Any = field(default=None, repr=False, compare=False, metadata={"saved": False})
 
     @property

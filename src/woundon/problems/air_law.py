@@ -37,10 +37,10 @@ class AirBetween(RadialLaw):
         p_a [Pa].
     """
 
-    law: Annotated[AnySolidLaw, stress("E_r", "modulus through the stack without air", "MPa")]
+    law: Annotated[AnySolidLaw, stress("E_r", "radial modulus of the stack without air", "MPa")]
     film: Annotated[
         Number,
-        length("h", "film of air between two laps", "um", (0.0, 10e-6)),
+        length("h", "air film between two layers", "um", (0.0, 10e-6)),
         Field(ge=0, le=1e-3),
     ]
     web_thickness: Annotated[

@@ -100,7 +100,9 @@ class Grade(Description):
     density: Annotated[Number, density_of_web(), Field(gt=0, le=3e4)]
     tangential: Annotated[Number, stress("E_t", "modulus along the web", "GPa"), _Modulus]
     poissons_ratio: Annotated[
-        Number, pure("nu", "Poisson's ratio, thinning by strain along the web"), Field(ge=0, le=10)
+        Number,
+        pure("nu", "Poisson's ratio, thinning due to strain along the web"),
+        Field(ge=0, le=10),
     ]
     web_radial: Annotated[Number, stress("A_rr", "stiffness through the web", "MPa"), _Modulus]
     cross: Annotated[Number, stress("A_rt", "cross stiffness", "MPa"), Field(ge=0, le=STIFFEST)]
@@ -115,8 +117,8 @@ class Grade(Description):
     ]
     K2: Annotated[Number, pure("K2", "springiness of Pfeiffer's law"), Field(gt=0, le=1e6)]
     stack_shear: Annotated[Number, stress("G", "shear modulus of the stack", "MPa"), _Modulus]
-    friction: Annotated[Number, pure("mu+", "friction between the layers"), _Friction]
-    drum_friction: Annotated[Number, pure("mu-", "friction between web and drum"), _Friction]
+    friction: Annotated[Number, pure("mu+", "interlayer friction coefficient"), _Friction]
+    drum_friction: Annotated[Number, pure("mu-", "friction coefficient of web and drum"), _Friction]
     roughness: Annotated[
         Number, length("s", "rms roughness of both surfaces together", "um"), Field(gt=0, le=1e-3)
     ]

@@ -48,11 +48,13 @@ class Limits(Description):
     """
 
     layer_friction: Annotated[
-        OptionalNumber, pure("mu_l", "friction between layers", (0.1, 0.6)), Field(gt=0, le=10)
+        OptionalNumber,
+        pure("mu_l", "interlayer friction coefficient", (0.1, 0.6)),
+        Field(gt=0, le=10),
     ] = default(None)
     torque_share: Annotated[
         Number,
-        pure("S_M", "largest share of the torque that friction can carry", (0.1, 1.0)),
+        pure("S_M", "allowed torque / interlayer slip capacity", (0.1, 1.0)),
         Field(gt=0, le=1),
     ] = default(1.0)
     acceleration: Annotated[
@@ -60,38 +62,38 @@ class Limits(Description):
         Quantity(
             "a",
             "m/s^2",
-            "acceleration of the web at a start or stop by the core",
+            "web acceleration at a core-driven start or stop",
             typical=(0.0, 2.0),
         ),
         Field(ge=0, le=1000),
     ] = default(0.0)
     compression: Annotated[
         OptionalNumber,
-        stress("S_c", "largest compression along the web", typical=(0.0, 500e3)),
+        stress("S_c", "largest hoop (MD) compression", typical=(0.0, 500e3)),
         Field(ge=0, le=1e12),
     ] = default(None)
     blocking_pressure: Annotated[
         OptionalNumber,
-        stress("P_b", "pressure at which layers block", typical=(100e3, 3e6)),
+        stress("P_b", "blocking pressure", typical=(100e3, 3e6)),
         Field(gt=0, le=1e12),
     ] = default(None)
     core_pressure: Annotated[
         OptionalNumber,
-        stress("P_cc", "pressure that the core bears", "MPa", (0.5e6, 10e6)),
+        stress("P_cc", "core collapse pressure", "MPa", (0.5e6, 10e6)),
         Field(gt=0, le=1e12),
     ] = default(None)
     web_strength: Annotated[
         OptionalNumber,
-        tension("T_b", "tension that the web bears", (500.0, 10e3)),
+        tension("T_b", "tensile strength of the web", (500.0, 10e3)),
         Field(gt=0, le=1e8),
     ] = default(None)
     slack_tension: Annotated[
         OptionalNumber,
-        tension("T_s", "tension below which the web runs slack", (5.0, 100.0)),
+        tension("T_s", "minimum web tension", (5.0, 100.0)),
         Field(gt=0, le=1e8),
     ] = default(None)
     yield_strain: Annotated[
         OptionalNumber,
-        strain("eps_y", "strain along the web at which it yields"),
+        strain("eps_y", "yield strain of the web (MD)"),
         Field(gt=0, le=1),
     ] = default(None)

@@ -273,7 +273,7 @@ class Isotropic(OneModulus):
     poissons_ratio: PoissonsRatio
     prony: Annotated[
         Prony,
-        Field(min_length=1, max_length=100, description="terms by which a viscoelastic E relaxes"),
+        Field(min_length=1, max_length=100, description="Prony terms of the relaxation modulus"),
     ] = default(None)
 
     @property

@@ -45,21 +45,23 @@ Width = Annotated[
 ]
 
 # fields that nips and windings share
-RollFriction = Annotated[Number, pure("mu+", "friction between the layers", (0.1, 0.6)), _FRICTION]
+RollFriction = Annotated[
+    Number, pure("mu+", "interlayer friction coefficient", (0.1, 0.6)), _FRICTION
+]
 DrumFriction = Annotated[
-    Number, pure("mu-", "friction between web and drum", (0.1, 0.6)), _FRICTION
+    Number, pure("mu-", "friction coefficient of web and drum", (0.1, 0.6)), _FRICTION
 ]
 RollWrap = Annotated[
     Number,
-    angle("theta+", "angle from the nip to where the web is held to the roll", (0.0, pi)),
+    angle("theta+", "wrap angle on the roll downstream of the nip", (0.0, pi)),
     _HALF_TURN,
 ]
 DrumWrap = Annotated[
-    Number, angle("theta-", "arc of the web on the drum upstream of the nip", (0.0, pi)), _HALF_TURN
+    Number, angle("theta-", "wrap angle on the drum upstream of the nip", (0.0, pi)), _HALF_TURN
 ]
 WrapFriction = Annotated[
     OptionalNumber,
-    pure("mu_w+", "friction on the roll downstream of the nip", (0.1, 0.6)),
+    pure("mu_w+", "friction coefficient on the roll wrap", (0.1, 0.6)),
     Field(ge=1e-6, le=10.0),
 ]
 WRAP_TABLE: Mapping[str, tuple[str, ...]] = {"wrap": ("roll_wrap", "drum_wrap", "wrap_friction")}
@@ -135,7 +137,7 @@ class NipProblem(ContactProblem):
     nip_load: Annotated[Number, line_load("P", "nip load", (500.0, 10e3)), Field(ge=1e-12, le=1e7)]
     winding_force: Annotated[
         Number,
-        line_load("F", "winding force, integral of the drum traction", (-500.0, 500.0)),
+        line_load("F", "winding force (drum traction resultant), F = -M2/R2", (-500.0, 500.0)),
         Field(ge=-1e7, le=1e7),
     ] = default(0.0)
     web_tension: Annotated[
@@ -151,9 +153,7 @@ class NipProblem(ContactProblem):
         velocity("V", "web speed", (1.0, 50.0)),
         Field(ge=0, le=1e4),
     ] = default(None)
-    air: Annotated[OptionalNested[Air], Field(description="the air that the web entrains")] = (
-        default(None)
-    )
+    air: Annotated[OptionalNested[Air], Field(description="entrained air")] = default(None)
     width: Width = default(None)
 
     @model_validator(mode="after")

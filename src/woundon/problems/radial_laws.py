@@ -176,7 +176,7 @@ class Constant(SolidLaw):
 
     youngs_modulus: Annotated[
         Number,
-        stress("E_r", "modulus through the stack", "MPa", (1e6, 1e8)),
+        stress("E_r", "radial modulus of the stack", "MPa", (1e6, 1e8)),
         Field(ge=SOFTEST, le=STIFFEST),
     ]
 
@@ -322,7 +322,7 @@ class PowerLaw(SolidLaw):
     ]
     k: Annotated[
         Number,
-        stress("k", "modulus that 100 kPa add", "MPa", (1e6, 100e6)),
+        stress("k", "increase of the modulus at 100 kPa", "MPa", (1e6, 100e6)),
         Field(ge=SOFTEST, le=STIFFEST),
     ]
     m: Annotated[Number, pure("m", "exponent of the pressure", (0.5, 1.0)), Field(ge=0.1, le=5)]

@@ -35,7 +35,7 @@ PER_KELVIN = 1e-2  # no solid expands more
 # of rolls and windings
 GaugeExcess = Annotated[
     Number,
-    strain("d", "additional thickness of the thickest lane across the width"),
+    strain("d", "gauge excess: relative additional thickness of the thickest lane"),
     Field(ge=0, le=0.1),
 ]
 

@@ -53,7 +53,7 @@ class RollerProblem(ContactProblem):
     lower: Annotated[AnyBody, Field(description="the lower roller")]
     load: Annotated[Number, line_load("P", "load", (1e3, 1e6)), Field(ge=1e-12, le=1e9)]
     friction: Annotated[
-        Number, pure("mu", "friction between the rollers", (0.05, 1.0)), Field(ge=0, le=10.0)
+        Number, pure("mu", "friction coefficient of the rollers", (0.05, 1.0)), Field(ge=0, le=10.0)
     ]
     tangential_load: Annotated[OptionalNumber, line_load("Q", "tangential load")] = default(None)
     creepage: Annotated[OptionalNumber, strain("xi", "creepage"), Field(gt=-0.5, lt=0.5)] = default(
@@ -62,7 +62,7 @@ class RollerProblem(ContactProblem):
     motion: Literal["rolling", "static"] = "rolling"
     speed: Annotated[
         OptionalNumber,
-        velocity("V", "speed of both surfaces, of viscoelastic rollers", (0.1, 50.0)),
+        velocity("V", "surface speed (needed with viscoelastic rollers)", (0.1, 50.0)),
         Field(gt=0, le=1e4),
     ] = default(None)
 

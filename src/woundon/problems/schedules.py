@@ -49,12 +49,12 @@ class Profile(Description):
     """
 
     radius: Annotated[
-        Numbers, length("r", "radii of a profile"), Field(min_length=2, max_length=10_000)
+        Numbers, length("r", "radii of the profile"), Field(min_length=2, max_length=10_000)
     ]
     value: Annotated[
         NumbersOfField,
         OF_FIELD,
-        Field(min_length=2, max_length=10_000, description="values there"),
+        Field(min_length=2, max_length=10_000, description="values at these radii"),
     ]
     between: Literal["lines", "smooth"] = "lines"
 
@@ -126,7 +126,9 @@ class Taper(Description):
 
     start: Annotated[NumberOfField, OF_FIELD, Field(description="value at the core")]
     taper: Annotated[
-        Number, pure("k_T", "share by which it falls", (0.0, 0.7)), Field(ge=-10, le=1)
+        Number,
+        pure("k_T", "taper: relative decrease over the build-up", (0.0, 0.7)),
+        Field(ge=-10, le=1),
     ] = default(0.0)
     law: Literal["linear", "hyperbolic", "constant_torque"] = "linear"
 

@@ -68,7 +68,7 @@ class Stack(Solid):
         For a law whose modulus is E_t/nu^2 or more without any pressure: it has no energy there.
     """
 
-    radial: Annotated[AnyLaw, stress("E_r", "modulus through the stack", "MPa")]
+    radial: Annotated[AnyLaw, stress("E_r", "radial modulus of the stack", "MPa")]
     tangential: Annotated[
         Number,
         stress("E_t", "modulus along the web", "MPa", (5e8, 1e10)),
@@ -76,7 +76,7 @@ class Stack(Solid):
     ]
     poissons_ratio: Annotated[
         Number,
-        pure("nu", "Poisson's ratio, thinning by strain along the web", (0.0, 0.3)),
+        pure("nu", "Poisson's ratio, thinning due to strain along the web", (0.0, 0.3)),
         Field(ge=0, le=10),
     ]
     shear: Annotated[

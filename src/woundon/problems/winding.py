@@ -165,11 +165,11 @@ class WindingProblem(Problem):
     nip_load: Annotated[WindingSchedule, line_load("P", "nip load", (500.0, 10e3))]
     winding_force: Annotated[
         WindingSchedule,
-        line_load("F", "winding force, integral of the drum traction", (-500.0, 500.0)),
+        line_load("F", "winding force (drum traction resultant), F = -M2/R2", (-500.0, 500.0)),
     ] = default(0.0)
     torque_split: Annotated[
         OptionalWindingSchedule,
-        pure("s_F", "share of the web tension that the drum pulls, -F/T_in", (0.0, 1.0)),
+        pure("s_F", "fraction of the web tension carried by the drum, -F/T_in", (0.0, 1.0)),
     ] = default(None)
     roll_wrap: RollWrap = default(pi)
     drum_wrap: DrumWrap = default(0.0)
@@ -178,16 +178,16 @@ class WindingProblem(Problem):
         Literal["effective", "direct", "linear"],
         Field(description="what the nip feels of the roll"),
     ] = "effective"
-    tension_law: Annotated[
-        TensionLaw, tension("WOT", "law, or table, of the wound-on tension", (50.0, 1500.0))
-    ] = default("nip")
+    tension_law: Annotated[TensionLaw, tension("WOT", "wound-on tension model", (50.0, 1500.0))] = (
+        default("nip")
+    )
     nip_induced_tension: Annotated[
         OptionalWindingSchedule,
-        tension("NIT", "given nip-induced tension, WOT - T_in", (0.0, 500.0)),
+        tension("NIT", "prescribed nip-induced tension, WOT - T_in", (0.0, 500.0)),
     ] = default(None)
     density: WebDensity = default(None)
     gauge_excess: GaugeExcess = default(0.0)
-    limits: Annotated[Nested[Limits], Field(description="what the roll must bear")] = default(
+    limits: Annotated[Nested[Limits], Field(description="limits of web, roll and core")] = default(
         Limits()
     )
 

@@ -60,7 +60,9 @@ class WoundRoll(Body):
     if TYPE_CHECKING:
         core_diameter: InitVar[float | str] = Field(...)
     stack: AnyStack
-    pressure: Annotated[Schedule, stress("P0", "pressure wound into the roll", "kPa", (10e3, 1e6))]
+    pressure: Annotated[
+        Schedule, stress("P0", "interlayer pressure in the roll", "kPa", (10e3, 1e6))
+    ]
     hardening: Literal["direct", "frozen"] = "direct"
 
     @model_validator(mode="after")

@@ -13,9 +13,9 @@ from ..quantities import find, walk
 from ..results import Result
 from ..roll.result import RollResult
 from ..winding.result import WindingResult
-from .margins import verdict_lines
-from .parts import Line, Row, Section, output_row, row_of
-from .sections import LEAST_FRICTION
+from .margins_report import verdict_lines
+from .outputs_report import LEAST_FRICTION
+from .report_parts import Line, Row, Section, output_row, row_of
 
 __all__ = ["answer", "answer_lines", "assumptions_section", "defaults_section"]
 
@@ -54,14 +54,14 @@ def _tensions(result: NipResult) -> str:
     digits = min(3, max(0, 2 - floor(log10(size))))  # three digits of the nip-induced tension
     # The difference of the rounded values: the printed sum is exact.
     shown, web_shown = round(total, digits), round(web, digits)
-    texts = [f"{value:.{digits}f} {rows[0].unit}"
-             for value in (shown, web_shown, shown - web_shown)]  # fmt: skip
-    return (f"Wound-on tension {texts[0]} = web tension {texts[1]} "
-            f"+ nip-induced tension {texts[2]}")  # fmt: skip
+    texts = [
+        f"{value:.{digits}f} {rows[0].unit}" for value in (shown, web_shown, shown - web_shown)
+    ]
+    return f"Wound-on tension {texts[0]} = web tension {texts[1]} + nip-induced tension {texts[2]}"
 
 
 def _air(result: NipResult) -> list[str]:
-    """Return by how much entrained air reduces friction and nip-induced tension."""
+    """Return sentences on the reduction of friction and nip-induced tension by entrained air."""
     air, problem = result.air, result.problem
     assert air is not None
     places = [("in the nip", air.roll_friction, problem.roll_friction)]
@@ -82,8 +82,11 @@ def _air(result: NipResult) -> list[str]:
     change = result.nip_induced_tension - without
     word = "reduces" if change < 0 else "increases"
     by = f" ({abs(change / without):.1%})" if without else ""
-    return [f"{text}.", f"It {word} the nip-induced tension from {before.value:.4g} to "
-            f"{row.value:.4g} {row.unit}{by}."]  # fmt: skip
+    return [
+        f"{text}.",
+        f"It {word} the nip-induced tension from {before.value:.4g} to "
+        f"{row.value:.4g} {row.unit}{by}.",
+    ]
 
 
 def _reduction(friction: float, dry: float) -> str:
@@ -93,13 +96,15 @@ def _reduction(friction: float, dry: float) -> str:
 # ---- other kinds --------------------------------------------------------------------------------
 
 ROLL = {
-    "core_pressure": "Pressure on the core", "mid_pressure": "halfway to the surface",
-    "least_hoop_stress": "smallest stress along the web",
-}  # fmt: skip
-WINDING = {
-    "mean_wound_on_tension": "Mean wound-on tension", "core_pressure": "pressure on the core",
+    "core_pressure": "Pressure on the core",
     "mid_pressure": "halfway to the surface",
-}  # fmt: skip
+    "least_hoop_stress": "minimum hoop stress",
+}
+WINDING = {
+    "mean_wound_on_tension": "Mean wound-on tension",
+    "core_pressure": "pressure on the core",
+    "mid_pressure": "halfway to the surface",
+}
 
 
 def _of_rollers(result: RollerResult) -> dict[str, str]:

@@ -22,9 +22,11 @@ RESIDUALS = "_residuals"
 
 
 def plot_comparison(
-    comparison: Comparison, path: Any = None, ax: Axes | None = None,
+    comparison: Comparison,
+    path: Any = None,
+    ax: Axes | None = None,
     panels: str | Sequence[str] | None = None,
-) -> Any:  # fmt: skip
+) -> Any:
     """Draw measured against predicted values of each output, and below them the residuals.
 
     Parameters
@@ -50,9 +52,16 @@ def _draw_agreement(output: str, axes: Axes, cases: Sequence[Case]) -> list[Any]
     x, y = quantity.shown(comparison.predicted[rows]), quantity.shown(comparison.measured[rows])
     model = np.hypot(np.nan_to_num(comparison.error[rows]), comparison.spread[rows])
     axes.errorbar(
-        x, y, xerr=_bars(quantity, model), yerr=_bars(quantity, comparison.deviation[rows]),
-        fmt="o", color=COLOURS[0], markersize=4, elinewidth=0.9, label="two standard deviations",
-    )  # fmt: skip
+        x,
+        y,
+        xerr=_bars(quantity, model),
+        yerr=_bars(quantity, comparison.deviation[rows]),
+        fmt="o",
+        color=COLOURS[0],
+        markersize=4,
+        elinewidth=0.9,
+        label="two standard deviations",
+    )
     ends = [min(x.min(), y.min()), max(x.max(), y.max())]
     axes.plot(ends, ends, color="#888888", linewidth=0.8)
     name = quantity.meaning.partition(",")[0]
@@ -72,9 +81,15 @@ def _draw_residuals(output: str, axes: Axes, cases: Sequence[Case]) -> list[Any]
     at, text = _along(comparison, rows)
     residual = quantity.shown(comparison.residual[rows])
     bars = axes.errorbar(
-        at, residual, yerr=_bars(quantity, comparison.total[rows]), fmt="o", color=COLOURS[0],
-        markersize=4, elinewidth=0.9, label="two standard uncertainties",
-    )  # fmt: skip
+        at,
+        residual,
+        yerr=_bars(quantity, comparison.total[rows]),
+        fmt="o",
+        color=COLOURS[0],
+        markersize=4,
+        elinewidth=0.9,
+        label="two standard uncertainties",
+    )
     axes.axhline(0.0, color="#888888", linewidth=0.8)
     bias = quantity.shown(comparison.agreement(output).bias)
     mean = axes.axhline(bias, color=COLOURS[1], linestyle="--", label="mean")

@@ -1,4 +1,4 @@
-"""What all figures share: style, labels from quantities, legends, strips of zones, saving.
+"""Style, axis labels from quantities, legends, zone strips and saving of all figures.
 
 A figure that is to be saved is made without pyplot, so that any number may be drawn in any thread,
 and with fixed metadata: the same result gives the same bytes.  One that is to be seen is pyplot's
@@ -28,18 +28,30 @@ from ..errors import InvalidProblem
 from ..io.files import write_whole
 from ..quantities import Quantity
 from ..results import Result, zone_runs
-from .parts import ZoneStrips
+from .report_parts import ZoneStrips
 
 __all__ = [
-    "COLOURS", "Picture", "along_contact", "axis_label", "check_format", "draw_zones",
+    "COLOURS",
+    "Picture",
+    "along_contact",
+    "axis_label",
+    "check_format",
+    "draw_zones",
     "figure_bytes",
-    "legend_above", "letter", "quantity_of", "save_figure", "shown", "style", "symbol_text",
-    "unit_of", "wrapped_text",
-]  # fmt: skip
+    "legend_above",
+    "letter",
+    "quantity_of",
+    "save_figure",
+    "shown",
+    "style",
+    "symbol_text",
+    "unit_of",
+    "wrapped_text",
+]
 
 Array = np.ndarray
 
-# Okabe and Ito's palette: told apart with any colour vision, and by line style in grey
+# Palette of Okabe and Ito, distinguishable with any colour vision; in grey by line style
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000")
 _ZONES = {-1: "#E69F00", 0: "#F0F0F0", 1: "#56B4E9"}
 _ZONE_HATCH = {-1: "\\\\\\\\", 0: "", 1: "////"}
@@ -232,9 +244,13 @@ def legend_above(axes: Axes, handles: list[Any]) -> None:
     many = {"columnspacing": 0.8, "handlelength": 1.1, "handletextpad": 0.4}
     few = {"columnspacing": 1.4, "handlelength": 2.2}
     axes.legend(
-        handles=handles, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=len(handles),
-        borderaxespad=0.2, **(many if len(handles) > 4 else few),
-    )  # fmt: skip
+        handles=handles,
+        loc="lower left",
+        bbox_to_anchor=(0.0, 1.0),
+        ncols=len(handles),
+        borderaxespad=0.2,
+        **(many if len(handles) > 4 else few),
+    )
 
 
 def draw_zones(
@@ -252,17 +268,26 @@ def draw_zones(
     colours : sequence of str or None
         Of the names of each case's faces.
     """
-    told = [(face, zones, strip, colour) for strip, colour in zip(strips, colours, strict=True)
-            for face, zones in strip.faces.items()]  # fmt: skip
-    rows = range(len(told))[::-1]
-    for row, (_, zones, strip, _) in zip(rows, told, strict=True):
+    bars = [
+        (face, zones, strip, colour)
+        for strip, colour in zip(strips, colours, strict=True)
+        for face, zones in strip.faces.items()
+    ]
+    rows = range(len(bars))[::-1]
+    for row, (_, zones, strip, _) in zip(rows, bars, strict=True):
         for zone, left, right in zone_runs(x.shown(strip.x), zones):
             axes.barh(
-                row, right - left, left=left, height=0.7, color=_ZONES[zone],
-                hatch=_ZONE_HATCH[zone], edgecolor="#666666", linewidth=0.6,
-            )  # fmt: skip
-    axes.set_yticks(list(rows), [face for face, *_ in told])
-    for text, (*_, colour) in zip(axes.get_yticklabels(), told, strict=True):
+                row,
+                right - left,
+                left=left,
+                height=0.7,
+                color=_ZONES[zone],
+                hatch=_ZONE_HATCH[zone],
+                edgecolor="#666666",
+                linewidth=0.6,
+            )
+    axes.set_yticks(list(rows), [face for face, *_ in bars])
+    for text, (*_, colour) in zip(axes.get_yticklabels(), bars, strict=True):
         if colour is not None:
             text.set_color(colour)
     axes.set_ylim(-0.55, len(rows) - 0.45)

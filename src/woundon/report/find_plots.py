@@ -42,18 +42,26 @@ def _draw_scan(axes: Axes, cases: Sequence[Case]) -> list[Any]:
     if failed.any():
         at = np.full(int(failed.sum()), 0.02)
         handles += axes.plot(
-            x[failed], at, "x", color=COLOURS[6], transform=axes.get_xaxis_transform(),
+            x[failed],
+            at,
+            "x",
+            color=COLOURS[6],
+            transform=axes.get_xaxis_transform(),
             label="no solution of the problem",
-        )  # fmt: skip
+        )
     target = axes.axhline(
         output.shown(outcome.target), color=COLOURS[1], linestyle="--", label="target"
     )
     values = [field.shown(value) for value, _ in outcome.solutions]
     handles.append(target)
     handles += axes.plot(
-        values, [output.shown(outcome.target)] * len(values), "o", color=COLOURS[1],
-        markerfacecolor="white", label="solution",
-    )  # fmt: skip
+        values,
+        [output.shown(outcome.target)] * len(values),
+        "o",
+        color=COLOURS[1],
+        markerfacecolor="white",
+        label="solution",
+    )
     if outcome.values[0] > 0 and outcome.values[-1] / outcome.values[0] >= DECADE:
         axes.set_xscale("log")
     axes.set_xlabel(axis_label(wrapped_text(field.meaning, 60), field))

@@ -11,7 +11,7 @@ from html import escape
 from typing import TYPE_CHECKING
 
 from ..results import zone_runs
-from .parts import Line, Part, Row, Section, Verdict, Verdicts, ZoneStrips
+from .report_parts import Line, Part, Row, Section, Verdict, Verdicts, ZoneStrips
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -26,7 +26,7 @@ _ZONES = {-1: "#E69F00", 0: "#BBBBBB", 1: "#56B4E9"}
 
 
 def table_html(head: str, frame: pd.DataFrame, remarks: Iterable[str]) -> str:
-    """Return a table of numbers between its heading and what is to be said of it."""
+    """Return the HTML of a section: heading, table of numbers, remarks."""
     table = frame.to_html(float_format="{:.4g}".format, na_rep="")
     return _division([_paragraph(head), table, *map(_paragraph, remarks)])
 
@@ -67,9 +67,11 @@ def _section(section: Section) -> str:
 def _row(row: Row) -> str:
     error = f" ± {row.error_text}" if row.error_text else ""
     cells = [
-        (row.meaning, LEFT), (row.symbol, LEFT), (row.value_text, RIGHT),
+        (row.meaning, LEFT),
+        (row.symbol, LEFT),
+        (row.value_text, RIGHT),
         (f"{row.unit}{error}{row.note}", LEFT),
-    ]  # fmt: skip
+    ]
     return "<tr>{}</tr>".format("".join(f'<td style="{s}">{escape(c)}</td>' for c, s in cells))
 
 
@@ -87,15 +89,19 @@ def _verdict(row: Verdict) -> str:
     word = f'<span style="{ALARM}">{word}</span>' if row.tone == "bad" else word
     left, right = (f"{side};white-space:nowrap" for side in (LEFT, RIGHT))
     cells = [
-        (escape(row.meaning), LEFT), (escape(row.value), right), (escape(row.limit), right),
-        (escape(row.unit), left), (escape(row.place), left), (word, left),
+        (escape(row.meaning), LEFT),
+        (escape(row.value), right),
+        (escape(row.limit), right),
+        (escape(row.unit), left),
+        (escape(row.place), left),
+        (word, left),
         (escape(row.below), f"{LEFT};{QUIET};max-width:28em"),
-    ]  # fmt: skip
+    ]
     return "<tr>{}</tr>".format("".join(f'<td style="{s}">{c}</td>' for c, s in cells))
 
 
 def _strips(part: ZoneStrips) -> str:
-    """Return bars along the contact; a face's name and what its zones are stand beside them."""
+    """Return bars along the contact with the name of each face and a legend of its zones."""
     words = {0: "stick", 1: part.faster, -1: part.slower}
     rows = []
     for face, zones in part.faces.items():
@@ -109,8 +115,9 @@ def _strips(part: ZoneStrips) -> str:
         rows.append(f'<tr><td style="{LEFT}">{escape(face)}</td>{bar}</tr>')
     key = " &emsp; ".join(
         f'<span style="display:inline-block;width:1em;height:0.8em;background:{_ZONES[zone]}">'
-        f"</span> {escape(word)}" for zone, word in words.items()
-    )  # fmt: skip
+        f"</span> {escape(word)}"
+        for zone, word in words.items()
+    )
     caption = f'<caption style="{LEFT};font-weight:bold">Zones, leading edge on the left</caption>'
     table = f"<table>{caption}<tbody>\n{''.join(rows)}\n</tbody></table>"
     return f'{table}<p style="margin:0.3em 0">{key}</p>'

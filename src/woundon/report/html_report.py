@@ -22,10 +22,10 @@ from ..quantities import Place, scalar_outputs, walk
 from ..results import Result
 from .figures import figure_bytes
 from .html import parts_html
-from .parts import Line, Row, Section, output_row, row_of
+from .outputs_report import LEFT_OUT
 from .plots import panel_columns, plotted
-from .reports import report_parts
-from .sections import LEFT_OUT
+from .report_parts import Line, Row, Section, output_row, row_of
+from .result_report import report_parts
 
 __all__ = ["report_file"]
 
@@ -104,22 +104,26 @@ def report_file(
         raise InvalidProblem.at("labels", f"{len(names)} labels; must be {len(results)}")
     title = title or " and ".join(dict.fromkeys(_title(result) for result in results))
     when = (written or datetime.now()).strftime("%Y-%m-%d %H:%M")
-    body = "\n".join([
-        f"<h1>{escape(title)}</h1>",
-        f'<p class="about">woundon {escape(__version__)}, {escape(when)}{_from(sources)}</p>',
-        *_answers(results, names),
-        *_figure(results, names if len(results) > 1 else None),
-        *(_comparison(results, names) if len(results) > 1 else ()),
-        *_results(results, names),
-        *_inputs(results, names),
-        _footer(results),
-        "<h2>Remarks</h2>",
-        f'<div class="remarks">{escape(remarks)}</div>',
-    ])  # fmt: skip
-    return (f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
-            f'<meta name="viewport" content="width=device-width">'
-            f"<title>{escape(title)}</title><style>\n{_STYLE}</style></head>\n"
-            f"<body>\n{body}\n</body></html>\n")  # fmt: skip
+    body = "\n".join(
+        [
+            f"<h1>{escape(title)}</h1>",
+            f'<p class="about">woundon {escape(__version__)}, {escape(when)}{_from(sources)}</p>',
+            *_answers(results, names),
+            *_figure(results, names if len(results) > 1 else None),
+            *(_comparison(results, names) if len(results) > 1 else ()),
+            *_results(results, names),
+            *_inputs(results, names),
+            _footer(results),
+            "<h2>Remarks</h2>",
+            f'<div class="remarks">{escape(remarks)}</div>',
+        ]
+    )
+    return (
+        f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
+        f'<meta name="viewport" content="width=device-width">'
+        f"<title>{escape(title)}</title><style>\n{_STYLE}</style></head>\n"
+        f"<body>\n{body}\n</body></html>\n"
+    )
 
 
 def _title(result: Result) -> str:
@@ -189,7 +193,7 @@ def _row(place: Place) -> Row:
 
 
 def _named(thing: Any, path: str = "") -> Iterator[tuple[str, str]]:
-    """Yield where a named material stands, and its name."""
+    """Yield path and name of each named material."""
     for name, known in MATERIALS.items():
         if thing == known.material:
             yield path, name
@@ -228,7 +232,7 @@ def _outputs(results: Sequence[Result]) -> Iterator[tuple[str, list[str], list[s
 
 
 def _change(first: Row, row: Row) -> str:
-    """Return how far a value is from the first one, also as a share of that."""
+    """Return the difference of a value from the first one, absolute and relative."""
     change, whole = float(row.value) - float(first.value), abs(float(first.value))
     if not whole:
         return f"{change:+.3g}"
@@ -249,9 +253,9 @@ def _table(
     body = ""
     for mark, words, numbers in rows:
         # a dotted name may go on in the next line behind a dot
-        told = "".join(f"<td>{escape(word).replace('.', '.<wbr>')}</td>" for word in words)
-        told += "".join(f'<td class="n">{escape(number)}</td>' for number in numbers)
-        body += f"<tr{mark}>{told}</tr>\n"
+        cells = "".join(f"<td>{escape(word).replace('.', '.<wbr>')}</td>" for word in words)
+        cells += "".join(f'<td class="n">{escape(number)}</td>' for number in numbers)
+        body += f"<tr{mark}>{cells}</tr>\n"
     return f"<table><thead><tr>{head}</tr></thead><tbody>\n{body}</tbody></table>"
 
 
@@ -277,6 +281,8 @@ def _figure(results: Sequence[Result], names: Sequence[str] | None) -> Iterator[
 
 def _footer(results: Sequence[Result]) -> str:
     laws = ", ".join(f"{result.residual:.1e}" for result in results)
-    return (f"<footer>Computed by woundon {escape(__version__)}; largest residual of the "
-            f"conditions: {laws}. Errors (±) are the estimated errors of discretisation; those of "
-            "the model and of the inputs come on top.</footer>")  # fmt: skip
+    return (
+        f"<footer>Computed by woundon {escape(__version__)}; largest residual of the "
+        f"conditions: {laws}. Errors (±) are the estimated errors of discretisation; those of "
+        "the model and of the inputs come on top.</footer>"
+    )

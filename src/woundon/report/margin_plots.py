@@ -1,4 +1,4 @@
-"""The reserves of a roll over its radius, and the roll seen from its side."""
+"""Plots of the margins over the radius, and of the roll's cross section."""
 
 from __future__ import annotations
 
@@ -34,8 +34,16 @@ def draw_reserves(axes: Axes, margins: Margins, colour: str | None = None) -> li
     low = 1.2 * deepest if deepest else LEAST
     axes.axhspan(low, 0, color=ALARM, alpha=0.12, linewidth=0)
     axes.axhline(0, color=ALARM, linewidth=1.0)
-    axes.annotate("limit", (0.99, 0), (0, 2), ("axes fraction", "data"), "offset points",
-                  color=ALARM, ha="right", va="bottom")  # fmt: skip
+    axes.annotate(
+        "limit",
+        (0.99, 0),
+        (0, 2),
+        ("axes fraction", "data"),
+        "offset points",
+        color=ALARM,
+        ha="right",
+        va="bottom",
+    )
     axes.set_ylim(low, MOST)
     axes.set_ylabel("Reserve, share of the limit")
     return lines
@@ -47,14 +55,21 @@ def _draw_reserve(axes: Axes, margin: Margin, margins: Margins, colour: str) -> 
         ends = [1e3 * other.over_radius[-1] for other in margins if other.over_radius.size > 1]
         r, reserve = np.array([r[0], r[0] + BAR * (max(ends) - r[0])]), np.repeat(reserve, 2)
     (line,) = axes.plot(r, np.minimum(reserve, 2 * MOST), color=colour, label=margin.name)
-    axes.plot(1e3 * margin.radius, min(margin.reserve, MOST), "o", markersize=4, clip_on=False,
-              color=colour if margin.ok else ALARM, zorder=3)  # fmt: skip
+    axes.plot(
+        1e3 * margin.radius,
+        min(margin.reserve, MOST),
+        "o",
+        markersize=4,
+        clip_on=False,
+        color=colour if margin.ok else ALARM,
+        zorder=3,
+    )
     return line
 
 
 @dataclass(frozen=True)
 class Disc:
-    """What draws an output of a wound roll on its side, as a coloured disc."""
+    """An output over the cross section of a wound roll, as a coloured disc."""
 
     name: str
     words: str
@@ -91,9 +106,12 @@ def levels_of(roll: RollResult, name: str) -> tuple[float, float, str]:
 
 
 def disc_of(
-    axes: Axes, roll: RollResult, name: str, centre: tuple[float, float],
+    axes: Axes,
+    roll: RollResult,
+    name: str,
+    centre: tuple[float, float],
     levels: tuple[float, float, str],
-) -> Any:  # fmt: skip
+) -> Any:
     """Draw a roll on its side, coloured by an output; return what a scale is made for."""
     r = np.linspace(roll.radius[0], roll.radius[-1], OUTWARD)
     values = quantity_of(roll, name).shown(roll.at_radius(r)[name])
@@ -101,16 +119,22 @@ def disc_of(
     (x0, y0), (low, high, colours) = centre, levels
     x, y = (1e3 * np.outer(r, way(angle)) for way in (np.cos, np.sin))
     mesh = axes.pcolormesh(
-        x0 + x, y0 + y, np.repeat(values[:, None], AROUND, 1), cmap=colours, vmin=low, vmax=high,
-        shading="gouraud", rasterized=True,
-    )  # fmt: skip
+        x0 + x,
+        y0 + y,
+        np.repeat(values[:, None], AROUND, 1),
+        cmap=colours,
+        vmin=low,
+        vmax=high,
+        shading="gouraud",
+        rasterized=True,
+    )
     axes.fill(x0 + x[0], y0 + y[0], facecolor="#D9D9D9", edgecolor=NEUTRAL, linewidth=0.8)
     return mesh
 
 
 @dataclass(frozen=True, eq=False)
 class Bars:
-    """What draws the reserves before and after, bar beside bar."""
+    """Bar chart of the margins before and after the optimisation."""
 
     found: Any
 

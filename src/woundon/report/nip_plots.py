@@ -12,7 +12,7 @@ from ..nip.result import NipResult
 from .figures import COLOURS, along_contact, axis_label, draw_zones, quantity_of, shown, unit_of
 from .layer_slip_plots import LAYER_SLIP
 from .panels import NEUTRAL, Case, Panel
-from .parts import nip_zones
+from .report_parts import nip_zones
 
 __all__ = ["draw_slips", "nip_panels"]
 

@@ -27,7 +27,7 @@ NEUTRAL = "#444444"
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """What a panel draws: a result; alone, or in a colour that tells it from the others."""
+    """A result in a panel; with several results each has its colour."""
 
     result: Any
     label: str = ""
@@ -35,7 +35,7 @@ class Case:
 
     @property
     def alone(self) -> bool:
-        """Whether no other stands beside it."""
+        """True if the panel shows a single result."""
         return self.colour is None
 
     def or_own(self, colour: str) -> str:
@@ -48,7 +48,7 @@ def cases_of(results: Sequence[Any], labels: Sequence[str]) -> list[Case]:
     if len(results) == 1:
         return [Case(results[0], *labels)]
     colours = (COLOURS[k % len(COLOURS)] for k in range(len(results)))
-    return [Case(*told) for told in zip(results, labels, colours, strict=True)]
+    return [Case(*case) for case in zip(results, labels, colours, strict=True)]
 
 
 @dataclass(frozen=True)
@@ -84,10 +84,15 @@ Panels = Mapping[str, Panel]
 
 
 def drawn(
-    panels: Panels, cases: Sequence[Case], path: str | Path | None = None, ax: Axes | None = None,
-    choice: str | Sequence[str] | None = None, *, lettered: bool = True,
+    panels: Panels,
+    cases: Sequence[Case],
+    path: str | Path | None = None,
+    ax: Axes | None = None,
+    choice: str | Sequence[str] | None = None,
+    *,
+    lettered: bool = True,
     registered: bool | None = None,
-) -> Any:  # fmt: skip
+) -> Any:
     """Draw panels to a figure of their own, or one into given axes.
 
     Parameters
@@ -153,7 +158,7 @@ def _draw_into(ax: Axes, chosen: list[Panel], choice: Any, cases: Sequence[Case]
     if not isinstance(ax, Axes):
         raise InvalidProblem.at("ax", f"{quote(ax)} is out of place; must be matplotlib's Axes")
     if choice is not None and len(chosen) != 1:
-        text = f"{len(chosen)} are chosen for one ax; must be one, or ax left out"
+        text = f"{len(chosen)} panels are selected for one ax; select one panel, or omit ax"
         raise InvalidProblem.at("panels", text)
     handles = [*_curves(chosen[0].draw(ax, cases), cases), *_names(cases)]
     if handles:
@@ -193,7 +198,7 @@ def _figure(
 def _placed(
     chosen: list[Panel], cases: int, registered: bool
 ) -> tuple[Picture, list[tuple[Axes, Panel, bool]]]:
-    """Return an empty figure, column beside column, and the axes of each panel; is it lowest?"""
+    """Return an empty figure, and for each panel its axes and whether it is the lowest."""
     columns: dict[str, list[Panel]] = {}
     for panel in chosen:
         columns.setdefault(panel.column, []).append(panel)
@@ -222,7 +227,7 @@ def _legend(axes: Axes, handles: list[Any], panel: Panel) -> None:
 
 
 def _curves(handles: Sequence[Any], cases: Sequence[Case]) -> list[Any]:
-    """Return what a panel's legend holds: of several cases what the lines mean, in no colour."""
+    """Return the legend entries of a panel; with several results the line styles, in grey."""
     if len(cases) == 1:
         return list(handles)
     lines = [handle for handle in handles if isinstance(handle, Line2D)]

@@ -43,9 +43,14 @@ def _draw_plan(axes: Axes, cases: Sequence[Case]) -> list[Any]:
     if plan.output_value:
         errors = 100 * plan.output_errors / abs(plan.output_value)
         handles += axes.plot(
-            errors, steps, "s--", color="black", markersize=4, markerfacecolor="white",
+            errors,
+            steps,
+            "s--",
+            color="black",
+            markersize=4,
+            markerfacecolor="white",
             label=f"{plan.output} at the operating point",
-        )  # fmt: skip
+        )
     names = ["now", *(wrapped_text(measurement.name, 34) for measurement in plan.measurements)]
     axes.set_yticks(steps, names)
     axes.set_ylim(steps[-1] + 0.4, -0.4)

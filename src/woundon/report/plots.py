@@ -24,16 +24,16 @@ from ..results import Result
 from .figures import COLOURS, axis_label, quantity_of, shown, symbol_text, unit_of, wrapped_text
 from .nip_plots import nip_panels
 from .panels import Case, Panel, cases_of, drawn
+from .roll_plots import roll_panels
 from .roller_plots import roller_panels
 from .winding_plots import winding_panels
-from .wound_roll_plots import wound_roll_panels
 
 __all__ = ["output_panels", "panel_columns", "panels_of", "plot", "plotted"]
 
 PANELS: Mapping[str, Callable[[Any], Mapping[str, Panel]]] = {
     "nip": nip_panels,
     "rollers": roller_panels,
-    "roll": wound_roll_panels,
+    "roll": roll_panels,
     "winding": winding_panels,
 }
 LINES = ("-", "--", "-.", ":")
@@ -41,16 +41,24 @@ LINES = ("-", "--", "-.", ":")
 
 @overload
 def plot(
-    results: Sequence[Result] | Result, path: str | Path | None = None, ax: None = None,
-    panels: str | Sequence[str] | None = None, *, labels: Sequence[str] | None = None,
-) -> Figure: ...  # fmt: skip
+    results: Sequence[Result] | Result,
+    path: str | Path | None = None,
+    ax: None = None,
+    panels: str | Sequence[str] | None = None,
+    *,
+    labels: Sequence[str] | None = None,
+) -> Figure: ...
 
 
 @overload
 def plot(
-    results: Sequence[Result] | Result, path: str | Path | None = None, *, ax: Axes,
-    panels: str | Sequence[str] | None = None, labels: Sequence[str] | None = None,
-) -> Axes: ...  # fmt: skip
+    results: Sequence[Result] | Result,
+    path: str | Path | None = None,
+    *,
+    ax: Axes,
+    panels: str | Sequence[str] | None = None,
+    labels: Sequence[str] | None = None,
+) -> Axes: ...
 
 
 def plot(
@@ -94,10 +102,12 @@ def plot(
 
 
 def plotted(
-    results: Sequence[Result] | Result, *, labels: Sequence[str] | None = None,
+    results: Sequence[Result] | Result,
+    *,
+    labels: Sequence[str] | None = None,
     panels: str | Sequence[str] | None = None,
-) -> Figure:  # fmt: skip
-    """Return the figure of :func:`plot` for a file: no window or notebook knows of it."""
+) -> Figure:
+    """Return the figure of :func:`plot` for a file: not registered with a window or notebook."""
     given, cases = _cases(results, labels)
     figure: Figure = drawn(_common(given), cases, choice=panels, registered=False)
     return figure
@@ -128,8 +138,11 @@ def _cases(results: Any, labels: Sequence[str] | None) -> tuple[list[Any], list[
 def _common(results: Sequence[Result]) -> dict[str, Panel]:
     """Return the panels that all results have, by name."""
     first, *others = [_panels(result) for result in results]
-    common = {name: panel for name, panel in first.items()
-              if all(other.get(name) == panel for other in others)}  # fmt: skip
+    common = {
+        name: panel
+        for name, panel in first.items()
+        if all(other.get(name) == panel for other in others)
+    }
     if not any(panel.shown for panel in common.values()):
         names = sorted({kinds.of(result).name for result in results})
         text = f"results of {one_of(names, 'and')} have no panel in common"
@@ -154,16 +167,23 @@ def _panels(result: Result) -> dict[str, Panel]:
 
 
 def _labels(results: Sequence[Any]) -> list[str]:
-    """Return what tells several results apart: their kinds and one or two fields, or numbers."""
-    told = [{place.path: place for place in quantities.walk(r.problem)} for r in results]
-    differ = [path for path in told[0] if len({str(t[path].value) if path in t else None
-                                                for t in told}) > 1]  # fmt: skip
+    """Return labels that distinguish several results: kinds and one or two fields, or numbers."""
+    fields = [{place.path: place for place in quantities.walk(r.problem)} for r in results]
+    differ = [
+        path
+        for path in fields[0]
+        if len({str(t[path].value) if path in t else None for t in fields}) > 1
+    ]
     words = [kinds.of(r).name.replace("_", " ") for r in results]
     texts = [
-        ", ".join([*([word] if len(set(words)) > 1 else []),
-                   *(_said(t[path]) for path in differ[:2] if path in t)])
-        for word, t in zip(words, told, strict=True)
-    ]  # fmt: skip
+        ", ".join(
+            [
+                *([word] if len(set(words)) > 1 else []),
+                *(_said(t[path]) for path in differ[:2] if path in t),
+            ]
+        )
+        for word, t in zip(words, fields, strict=True)
+    ]
     if len(differ) > 2 or len(set(texts)) < len(texts) or not all(texts):
         return [f"{word} {k}" for k, word in enumerate(words, 1)]
     return texts
@@ -182,7 +202,7 @@ def _said(place: quantities.Place) -> str:
 
 @dataclass(frozen=True)
 class Curves:
-    """What draws arrays of one unit over the first array of a result."""
+    """Curves of the arrays of one unit over the first array of a result."""
 
     along: str
     names: tuple[str, ...]
@@ -197,10 +217,13 @@ class Curves:
                 quantity, values = quantity_of(case.result, name), getattr(case.result, name)
                 whole = values.dtype.kind in "iub"
                 curves += axes.plot(
-                    at, quantity.shown(values), LINES[k % 4], color=case.or_own(COLOURS[k % 7]),
+                    at,
+                    quantity.shown(values),
+                    LINES[k % 4],
+                    color=case.or_own(COLOURS[k % 7]),
                     drawstyle="steps-mid" if whole else "default",
                     label=wrapped_text(f"{symbol_text(quantity.symbol)}  {quantity.meaning}"),
-                )  # fmt: skip
+                )
             handles = handles or list(curves)
         x, y = (quantity_of(cases[0].result, name) for name in (self.along, self.names[0]))
         axes.set_xlabel(axis_label(x.meaning[:1].upper() + x.meaning[1:], x))
@@ -215,7 +238,7 @@ def output_panels(result: Result) -> dict[str, Panel]:
     """Return panels with every array of a result of any kind over its first one.
 
     One for each unit, named after its arrays; whole numbers (zones, states) have one of their own.
-    Arrays of another length than the first are left out.
+    Arrays of another length than the first are omitted.
 
     Raises
     ------

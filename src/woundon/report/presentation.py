@@ -13,9 +13,9 @@ from ..nip.sensitivity import Sensitivity
 from ..results import Result
 from ..winding.margins import Margins
 from .html import parts_html, table_html
-from .margins import margins_html, margins_text
-from .reports import report_parts, report_text
-from .sections import sensitivity_text
+from .margins_report import margins_html, margins_text
+from .result_report import report_parts, report_text
+from .sensitivity_report import sensitivity_text
 
 if TYPE_CHECKING:
     import pandas as pd

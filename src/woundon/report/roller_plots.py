@@ -13,7 +13,7 @@ from ..errors import InvalidProblem
 from ..nip.roller_result import RollerResult
 from .figures import COLOURS, along_contact, axis_label, draw_zones, quantity_of, shown
 from .panels import NEUTRAL, Case, Panel
-from .parts import roller_zones
+from .report_parts import roller_zones
 
 __all__ = ["roller_panels"]
 
@@ -25,7 +25,7 @@ Handles = list[Any]
 def roller_panels(result: RollerResult) -> dict[str, Panel]:
     """Return the panels of two rollers.
 
-    - tractions: p and q over the shaded bound +-mu p [MPa], beside them the closed forms that
+    - tractions: p and q over the shaded bound +-mu p [MPa], next to the closed forms that
       apply: Carter's (rolling), Cattaneo's (static), or Bentall and Johnson's for dissimilar
       rollers that roll freely without slip
     - slip: a speed over the speed [%] in rolling, a length in static contact
@@ -66,9 +66,15 @@ def _draw_closed_forms(axes: Axes, result: RollerResult) -> Handles:
     marks: Handles = []
     for form in forms:
         marks += axes.plot(
-            x.shown(inside), p.shown(form(inside)), "o", color=COLOURS[1], markersize=3.5,
-            fillstyle="none", markeredgewidth=0.8, label=name,
-        )  # fmt: skip
+            x.shown(inside),
+            p.shown(form(inside)),
+            "o",
+            color=COLOURS[1],
+            markersize=3.5,
+            fillstyle="none",
+            markeredgewidth=0.8,
+            label=name,
+        )
     return marks[-1:]
 
 

@@ -12,7 +12,7 @@ from ..quantities import Quantity, find, length, strain, stress
 from ..roll.design import TensionDesign
 from ..roll.result import RollResult
 from .figures import COLOURS, Picture, axis_label, quantity_of, save_figure, style
-from .parts import Line, Row, Section
+from .report_parts import Line, Row, Section
 from .terminal import print_columns, print_parts
 
 __all__ = ["plot_schedule", "print_schedule"]

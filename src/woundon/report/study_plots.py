@@ -88,7 +88,7 @@ def _grid_figure(table: Table, output: str, registered: bool) -> Figure:
 
 
 def _omissions(shape: tuple[int, ...]) -> str:
-    """Return how many of the curves and panels are shown; '' if all are."""
+    """Return the number of curves and panels that are shown; '' if all are."""
     parts = [
         f"{most} of {count} {name}"
         for count, most, name in zip(
@@ -110,9 +110,13 @@ def _curves(axes: Axes, table: Table, drawn: list[int], values: Array) -> None:
         label = _at(table, drawn[1], k) if len(drawn) > 1 else None
         mark = "." if at.size <= 30 else None
         axes.plot(
-            at[order], values[order, k], _LINES[place % 4], color=COLOURS[place],
-            marker=mark if numeric else "o", label=label,
-        )  # fmt: skip
+            at[order],
+            values[order, k],
+            _LINES[place % 4],
+            color=COLOURS[place],
+            marker=mark if numeric else "o",
+            label=label,
+        )
     if not numeric:
         axes.set_xticks(at, [str(label) for label in x.labels], rotation=20)
     elif _logarithmic(at):
@@ -142,9 +146,11 @@ def _scatter(table: Table, output: str, registered: bool) -> Figure:
 
 
 def plot_fit(
-    fit: FitResult, path: str | Path | None = None, ax: Axes | None = None,
+    fit: FitResult,
+    path: str | Path | None = None,
+    ax: Axes | None = None,
     panels: str | Sequence[str] | None = None,
-) -> Any:  # fmt: skip
+) -> Any:
     """Draw fitted against measured values ("agreement"), and the profile of each parameter.
 
     Parameters
@@ -162,11 +168,11 @@ def plot_fit(
 
 def _draw_profile(profile: ProfileLikelihood, axes: Axes, cases: Sequence[Case]) -> list[Any]:
     fit = cases[0].result
-    told = "others refitted" if len(fit.names) > 1 else "profile"
+    label = "others refitted" if len(fit.names) > 1 else "profile"
     rms, text = _rms(fit)
     quantity = fit.quantities.get(profile.name)
     at, along = _scaled(quantity, profile.name, profile.values, words=False)
-    axes.plot(at, rms * profile.rms, ".-", color=COLOURS[0], label=told)
+    axes.plot(at, rms * profile.rms, ".-", color=COLOURS[0], label=label)
     axes.axhline(rms * profile.rms_limit, color=COLOURS[1], linestyle="--", label="95 % limit")
     if _logarithmic(at):
         _log_axis(axes.xaxis)
@@ -197,9 +203,13 @@ def _draw_agreement(axes: Axes, cases: Sequence[Case]) -> list[Any]:
         units.append(unit_of(quantity) if quantity is not None else "")
         ends += [measured.min(), measured.max(), fitted.min(), fitted.max()]
         axes.plot(
-            measured, fitted, "os^dv"[place % 5], color=COLOURS[place % 7], markersize=4,
+            measured,
+            fitted,
+            "os^dv"[place % 5],
+            color=COLOURS[place % 7],
+            markersize=4,
             label=_short_name(quantity, output),
-        )  # fmt: skip
+        )
     line = [min(ends), max(ends)]
     axes.plot(line, line, color="#888888", linewidth=0.8)
     unit = f" [{units[0]}]" if len(set(units)) == 1 and units[0] else ""
@@ -210,15 +220,17 @@ def _draw_agreement(axes: Axes, cases: Sequence[Case]) -> list[Any]:
 
 
 def _short_name(quantity: Quantity | None, name: str) -> str:
-    """Return what a legend calls a quantity: its meaning without the explanation, if short."""
+    """Return the name of a quantity for a legend: its meaning without the explanation, if short."""
     meaning = "" if quantity is None else quantity.meaning.partition(",")[0]
     return meaning if 0 < len(meaning) <= _LONG_NAME else name.replace("_", " ")
 
 
 def plot_indices(
-    indices: SobolIndices, path: str | Path | None = None, ax: Axes | None = None,
+    indices: SobolIndices,
+    path: str | Path | None = None,
+    ax: Axes | None = None,
     panels: str | Sequence[str] | None = None,
-) -> Any:  # fmt: skip
+) -> Any:
     """Draw first and total order of every input as bars with their intervals, a panel an output.
 
     The input that explains most, with its interactions, stands on top.
@@ -248,9 +260,14 @@ def _draw_shares(k: int, axes: Axes, cases: Sequence[Case]) -> list[Any]:
     ):
         value = values[k, order]
         bars = axes.barh(
-            at + shift, value, height=0.38, xerr=np.abs(ends[:, k, order] - value), label=label,
-            color=COLOURS[0 if shift < 0 else 4], error_kw={"linewidth": 0.9},
-        )  # fmt: skip
+            at + shift,
+            value,
+            height=0.38,
+            xerr=np.abs(ends[:, k, order] - value),
+            label=label,
+            color=COLOURS[0 if shift < 0 else 4],
+            error_kw={"linewidth": 0.9},
+        )
         handles.append(bars)
     axes.set_yticks(at, [indices.inputs[j].replace("_", " ") for j in order])
     axes.invert_yaxis()
@@ -265,7 +282,7 @@ def _spread(count: int, most: int) -> list[int]:
 
 
 def _logarithmic(values: Array) -> bool:
-    """Tell whether values spread rather by factors than by steps."""
+    """Return True if values are spaced by factors rather than by steps."""
     if values.size < 3 or values.min() <= 0 or values.max() / values.min() < 10:
         return False
     return bool(np.median(values) < 0.5 * (values.min() + values.max()) * 0.7)

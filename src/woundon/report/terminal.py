@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from textwrap import wrap
+from typing import TextIO
 
 from rich.console import Console
 from rich.text import Text
 
-from .parts import Line, Part, Row, Section, Verdicts, ZoneStrips, zone_line
+from .report_parts import Line, Part, Row, Section, Verdicts, ZoneStrips, zone_line
 
-__all__ = ["WIDTH", "print_columns", "print_parts"]
+__all__ = ["WIDTH", "plain_console", "print_columns", "print_parts"]
 
 WIDTH = 100
 ZONES_WIDTH = 60
@@ -18,8 +19,23 @@ MARKS = {-1: "◀", 0: "·", 1: "▶"}
 ASCII_MARKS = {-1: "<", 0: ".", 1: ">"}
 ZONE_STYLES = {-1: "yellow", 0: "dim", 1: "blue"}
 TONES = {
-    "quiet": "dim", "warning": "bold yellow", "answer": "bold", "good": "green", "bad": "bold red",
-}  # fmt: skip
+    "quiet": "dim",
+    "warning": "bold yellow",
+    "answer": "bold",
+    "good": "green",
+    "bad": "bold red",
+}
+
+
+def plain_console(paper: TextIO) -> Console:
+    """Return a console that writes plain text in the width of the reports."""
+    return Console(
+        file=paper,
+        width=WIDTH,
+        color_system=None,
+        legacy_windows=False,
+        force_jupyter=False,  # or the text would be shown in a notebook, and not be returned
+    )
 
 
 def print_parts(parts: Iterable[Part], console: Console) -> None:
@@ -96,18 +112,18 @@ def _print_zones(part: ZoneStrips, marks: dict[int, str], console: Console) -> N
 
 
 def _print_verdicts(part: Verdicts, console: Console) -> None:
-    """Print a table of limits, and below each row what its criterion leaves out."""
+    """Print a table of limits, with the limitations of each criterion below its row."""
     head = (part.title, "value", "limit", "", "worst at", "")
     table = [(row.meaning, row.value, row.limit, row.unit, row.place) for row in part.rows]
     widths = [max(map(len, column)) for column in zip(head[:5], *table, strict=True)]
 
     def line(cells: Iterable[str]) -> str:
-        told = zip("<>><<", cells, widths, strict=True)
-        return "  ".join(f"{cell:{side}{width}}" for side, cell, width in told)
+        columns = zip("<>><<", cells, widths, strict=True)
+        return "  ".join(f"{cell:{side}{width}}" for side, cell, width in columns)
 
     _print(Text(line(head[:5]).rstrip(), style="bold"), console)
     for row, cells in zip(part.rows, table, strict=True):
         text = Text(f" {line(cells)}  ")
         _print(text.append(row.word, style=TONES.get(row.tone, "")), console)
-        for told in wrap(row.below, WIDTH - 5):
-            _print(Text(f"     {told}", style="dim"), console)
+        for text_line in wrap(row.below, WIDTH - 5):
+            _print(Text(f"     {text_line}", style="dim"), console)

@@ -60,9 +60,12 @@ def _draw_tension(axes: Axes, cases: Cases) -> list[Any]:
         result, lines = case.result, []
         for (name, words, dashes), own in zip(TENSIONS, COLOURS, strict=False):
             (line,) = axes.plot(
-                shown(result, "radius"), shown(result, name), dashes, label=words,
+                shown(result, "radius"),
+                shown(result, name),
+                dashes,
+                label=words,
                 color=case.or_own(own),
-            )  # fmt: skip
+            )
             lines.append(line)
         at = quantity_of(result, "nip_radius").shown(result.nip_radius)
         axes.plot(at, shown(result, "nip_wound_on_tension"), ".", color=case.or_own(COLOURS[0]))
@@ -78,11 +81,17 @@ def _draw_loads(axes: Axes, cases: Cases) -> list[Any]:
     for case in cases:
         x, result = shown(case.result, "radius"), case.result
         lines = [
-            *axes.plot(x, shown(result, "nip_load"), color=case.or_own(COLOURS[0]),
-                       label="nip load $P$"),
-            *axes.plot(x, shown(result, "winding_force"), "--", color=case.or_own(COLOURS[1]),
-                       label="winding force $F$"),
-        ]  # fmt: skip
+            *axes.plot(
+                x, shown(result, "nip_load"), color=case.or_own(COLOURS[0]), label="nip load $P$"
+            ),
+            *axes.plot(
+                x,
+                shown(result, "winding_force"),
+                "--",
+                color=case.or_own(COLOURS[1]),
+                label="winding force $F$",
+            ),
+        ]
         handles = handles or lines
     axes.set_ylabel(axis_label("Load", quantity_of(cases[0].result, "nip_load")))
     _along(axes, cases)
@@ -90,7 +99,7 @@ def _draw_loads(axes: Axes, cases: Cases) -> list[Any]:
 
 
 def _draw_reserves(axes: Axes, cases: Cases) -> list[Any]:
-    """Draw the reserves over the radius; of several cases each in its colour."""
+    """Plot the margins over the radius; each of several cases in its colour."""
     handles: list[Any] = []
     for case in cases:
         lines = draw_reserves(axes, case.result.margins, case.colour)
@@ -101,7 +110,7 @@ def _draw_reserves(axes: Axes, cases: Cases) -> list[Any]:
 
 @dataclass(frozen=True)
 class Stages:
-    """What draws an output of the roll as it grows; of several windings the finished rolls."""
+    """An output of the growing roll over the radius; of several windings the finished rolls."""
 
     name: str
     words: str
@@ -148,7 +157,7 @@ def _cut(axes: Axes, deepest: list[Any]) -> None:
 
 
 def _draw_film(axes: Axes, cases: Cases) -> list[Any]:
-    """Draw the pressure of the roll as it grows, disc beside disc, on one scale."""
+    """Plot the pressure of the growing roll as a row of discs on one scale."""
     rolls = _stages(cases[0].result)
     quantity = quantity_of(rolls[-1], "pressure")
     low, high, colours = levels_of(max(rolls, key=lambda roll: roll.peak_pressure), "pressure")

@@ -1,4 +1,4 @@
-"""The report of a winding: what the winder did, what the nips added, the roll, and its margins."""
+"""The report of a winding: set points, wound-on tension, wound roll and margins."""
 
 from __future__ import annotations
 
@@ -8,31 +8,48 @@ from ..problems.schedules import Profile, Taper
 from ..quantities import find
 from ..winding.margins import TITLES
 from ..winding.result import WindingResult
-from .margins import margins_part
-from .parts import Line, Part, Row, Section, field_row, output_row
-from .sections import rows_of
+from .margins_report import margins_part
+from .outputs_report import rows_of
+from .report_parts import Line, Part, Row, Section, field_row, output_row
 
 __all__ = ["winding_report"]
 
 SCHEDULES = ("web_tension", "nip_load", "winding_force", "torque_split", "nip_induced_tension")
 ROLL = ["core_pressure", "mid_pressure", "peak_pressure", "least_hoop_stress", "length"]
-# told otherwise, or by the margins
-LEFT_OUT = frozenset({
-    "residual", "agreed", "air_film", "nodes", "roll_rtol", "nips_solved", "mass",
-    "mean_wound_on_tension", "mean_nip_induced_tension", "interpolation_error",
-    "core_interpolation_error", "torque_share", "largest_compression", "largest_core_pressure",
-    "largest_tension", "least_tension", "least_reserve", "band_strain", "ridge_height",
-    *(f"margins.{name}" for name in TITLES),
-})  # fmt: skip
+# in other rows, or among the margins
+LEFT_OUT = frozenset(
+    {
+        "residual",
+        "agreed",
+        "air_film",
+        "nodes",
+        "roll_rtol",
+        "nips_solved",
+        "mass",
+        "mean_wound_on_tension",
+        "mean_nip_induced_tension",
+        "interpolation_error",
+        "core_interpolation_error",
+        "torque_share",
+        "largest_compression",
+        "largest_core_pressure",
+        "largest_tension",
+        "least_tension",
+        "least_reserve",
+        "band_strain",
+        "ridge_height",
+        *(f"margins.{name}" for name in TITLES),
+    }
+)
 LAWS = {
-    "friction": "Tension by the law T_in + F + mu P: a nip that slips throughout.",
-    "fixed": "Tension by the law T_in + NIT, with NIT as given.",
+    "friction": "Wound-on tension T_in + F + mu P: slip in the complete nip.",
+    "fixed": "Wound-on tension T_in + NIT with the prescribed NIT.",
 }
 BODIES = {
-    "effective": "The nip feels a linear roll with E_r at the pressure of wound roll and nip: an "
-    "estimate; roll_body = 'direct' solves the hardening roll.",
+    "effective": "In the nip the roll is linear, with E_r at the pressure of wound roll and nip "
+    "(estimate); roll_body = 'direct' solves the hardening roll.",
     "direct": "",
-    "linear": "The nip feels a roll of the web's own moduli, whatever is wound into it.",
+    "linear": "In the nip the roll has the moduli of the web, whatever its pressure.",
 }
 
 
@@ -42,7 +59,7 @@ def winding_report(result: WindingResult) -> list[Part]:
     how = f"{nips} radii, {result.nips_solved} nips of {result.nodes} nodes solved" if nips else ""
     law = problem.tension_law if isinstance(problem.tension_law, str) else "table"
     text = LAWS.get(law, "") if law != "nip" else BODIES[problem.roll_body]
-    text = text or "Tension as given, over the radius." * (law == "table")
+    text = text or "Wound-on tension as prescribed over the radius." * (law == "table")
     means = ["mean_wound_on_tension", "mean_nip_induced_tension"]
     errors = ["interpolation_error", "core_interpolation_error"] if nips else []
     mass = ["mass"] if problem.density is not None else []
@@ -50,17 +67,22 @@ def winding_report(result: WindingResult) -> list[Part]:
     ridge = ["ridge_height"] if problem.gauge_excess else []
     return [
         *([Line(how, "quiet")] if how else []),
-        Section("Winding", (
-            field_row(problem.core, "radius"), field_row(problem, "radius"), *_schedules(result),
-        )),
+        Section(
+            "Winding",
+            (
+                field_row(problem.core, "radius"),
+                field_row(problem, "radius"),
+                *_schedules(result),
+            ),
+        ),
         Section("Tension", tuple(output_row(result, name) for name in means + errors), text),
         Section("Wound roll", rows_of(result, ROLL + mass + air + ridge, leave=LEFT_OUT)),
         margins_part(result.margins),
-    ]  # fmt: skip
+    ]
 
 
 def _schedules(result: WindingResult) -> Iterator[Row]:
-    """Yield what the winder set: a number, or the values at core and surface."""
+    """Yield the set points: a number, or the values at core and surface."""
     problem = result.problem
     for name in SCHEDULES:
         schedule = getattr(problem, name)
@@ -72,5 +94,9 @@ def _schedules(result: WindingResult) -> Iterator[Row]:
         quantity = find(problem, name)[0].quantity
         assert quantity is not None
         for where, value in zip(("core", "surface"), problem.at(name, problem.ends), strict=True):
-            yield Row(f"{quantity.meaning}, at the {where}", quantity.symbol,
-                      quantity.shown(float(value)), quantity.display)  # fmt: skip
+            yield Row(
+                f"{quantity.meaning}, at the {where}",
+                quantity.symbol,
+                quantity.shown(float(value)),
+                quantity.display,
+            )

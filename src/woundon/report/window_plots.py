@@ -59,25 +59,44 @@ def _draw_window(axes: Axes, cases: Sequence[Case]) -> list[Any]:
             region = np.where(binding == k, 1.0, np.nan)
             colour = COLOURS[k % 6]
             axes.pcolormesh(
-                x, y, region.T, cmap=ListedColormap([colour]), alpha=FAINT, shading="nearest",
-                rasterized=True, linewidth=0,
-            )  # fmt: skip
+                x,
+                y,
+                region.T,
+                cmap=ListedColormap([colour]),
+                alpha=FAINT,
+                shading="nearest",
+                rasterized=True,
+                linewidth=0,
+            )
             words = f"binding: {WORDS.get(name, name)}"
             handles.append(Patch(facecolor=colour, alpha=FAINT, label=words))
     if (binding < 0).any():
         region = np.where(binding < 0, 1.0, np.nan)
-        axes.pcolormesh(x, y, region.T, cmap=ListedColormap([NONE]), shading="nearest",
-                        rasterized=True, linewidth=0)  # fmt: skip
+        axes.pcolormesh(
+            x,
+            y,
+            region.T,
+            cmap=ListedColormap([NONE]),
+            shading="nearest",
+            rasterized=True,
+            linewidth=0,
+        )
         handles.append(Patch(facecolor=NONE, label="no steady state, or not solved"))
     for value, line in zip(LEVELS, STYLES, strict=True):
         if np.nanmin(probability) < value < np.nanmax(probability):
             axes.contour(x, y, probability.T, [value], colors="black", linestyles=[line])
             handles.append(Line2D([], [], color="black", linestyle=line, label=f"P = {value:g}"))
     handles += axes.plot(
-        tension.shown(best.values["web_tension"]), load.shown(best.values["nip_load"]), "o",
-        color="black", markerfacecolor="white", clip_on=False, zorder=5, linestyle="none",
+        tension.shown(best.values["web_tension"]),
+        load.shown(best.values["nip_load"]),
+        "o",
+        color="black",
+        markerfacecolor="white",
+        clip_on=False,
+        zorder=5,
+        linestyle="none",
         label=f"largest P = {best.probability:.2f}",
-    )  # fmt: skip
+    )
     axes.set_xlim(x[0], x[-1])
     axes.set_ylim(y[0], y[-1])
     axes.set_xlabel(axis_label(wrapped_text(f"{tension.meaning}, at the core", 60), tension))

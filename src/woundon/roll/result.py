@@ -71,24 +71,22 @@ class RollResult(Result):
 
     radius: Annotated[Array, length("r", "radius")]
     pressure: Annotated[Array, stress("P", "pressure between the layers")]
-    hoop_stress: Annotated[Array, stress("sigma_t", "stress along the web, > 0 tension")]
+    hoop_stress: Annotated[Array, stress("sigma_t", "hoop (MD) stress, > 0: tension")]
     displacement: Annotated[Array, length("u", "outward displacement of a layer as wound", "um")]
     lap_strain: Annotated[Array, strain("eps_t", "strain of the layers along the web")]
-    radial_modulus: Annotated[
-        Array, stress("E_r", "modulus through the stack, the roll's hardness", "MPa")
+    radial_modulus: Annotated[Array, stress("E_r", "radial modulus of the stack", "MPa")]
+    source: Annotated[Array, stress("C", "source term of the layers as wound", "MPa")]
+    pressure_gradient: Annotated[Array, stress("rP'", "radius times the pressure gradient")]
+    stage_radius: Annotated[Array, length("s", "outer radius at the stages of the build-up")]
+    growth: Annotated[
+        Array, pure("kappa", "growth of a layer's pressure below the surface, thin layers")
     ]
-    source: Annotated[Array, stress("C", "source, frozen since the layer was laid", "MPa")]
-    pressure_gradient: Annotated[Array, stress("rP'", "radius times the slope of the pressure")]
-    stage_radius: Annotated[Array, length("s", "surface at the stages of the build-up")]
-    growth: Annotated[Array, pure("kappa", "growth below the surface of the pressure of a layer")]
     stage_order: Annotated[
-        Array, pure("n_k", "stages that the growth's polynomial goes through"), int
+        Array, pure("n_k", "order of the interpolation of the growth factor"), int
     ]
-    lap_growth: Annotated[
-        Array, pure("kappa_h", "the same with layers of the web's thickness, not thin ones")
-    ]
+    lap_growth: Annotated[Array, pure("kappa_h", "the same for layers of finite thickness")]
     surface_slope: Annotated[float, strain("e_s", "relative error of the slope at the surface")]
-    steps: Annotated[int, pure("n_it", "linear systems solved")] = 0
+    steps: Annotated[int, pure("n_it", "number of linear systems solved")] = 0
 
     @property
     def core_pressure(self) -> Annotated[float, stress("P_c", "pressure on the core")]:
@@ -108,14 +106,14 @@ class RollResult(Result):
     @property
     def least_hoop_stress(
         self,
-    ) -> Annotated[float, stress("sigma_min", "smallest stress along the web, < 0 compression")]:
+    ) -> Annotated[float, stress("sigma_min", "minimum hoop (MD) stress, < 0: compression")]:
         """Smallest sigma_t [Pa]."""
         return float(np.min(self.hoop_stress))
 
     @property
     def compressed_share(
         self,
-    ) -> Annotated[float, strain("s_c", "share of the build-up with the web in compression")]:
+    ) -> Annotated[float, strain("s_c", "fraction of the build-up with hoop compression")]:
         """Share of the radii, core to surface, at which sigma_t < 0 [1]."""
         r = np.linspace(self.radius[0], self.radius[-1], COMPARED)
         return float(np.mean(self.at_radius(r)["hoop_stress"] < 0))
@@ -175,7 +173,7 @@ class RollResult(Result):
     @property
     def residual_tension(
         self,
-    ) -> Annotated[Array, line_load("T_r", "tension that remains in the layers")]:
+    ) -> Annotated[Array, line_load("T_r", "residual tension in the layers")]:
         """The web's thickness times sigma_t, > 0 tension [N/m]."""
         return np.asarray(self.hoop_stress * self.problem.web_thickness)
 
@@ -192,7 +190,10 @@ class RollResult(Result):
     def density_as_wound(
         self,
     ) -> Annotated[
-        Array, Quantity("rho_w", "kg/m^3", "web laid over the volume that the roll grew by")
+        Array,
+        Quantity(
+            "rho_w", "kg/m^3", "density as wound: mass of the web per increase of the roll volume"
+        ),
     ]:
         """What a density analyser on the winder draws, at the nodes [kg/m^3]; nan as ``mass``."""
         from .density import as_wound
@@ -202,7 +203,7 @@ class RollResult(Result):
     @property
     def wound_mass(
         self,
-    ) -> Annotated[float, Quantity("m_w", "kg/m", "mass of the web, its layers compressed")]:
+    ) -> Annotated[float, Quantity("m_w", "kg/m", "mass of the web with compressed layers")]:
         """Of all laps as they are laid, each thinner as it is pressed [kg/m]; nan as ``mass``."""
         from .density import wound_mass
 

@@ -173,7 +173,7 @@ class Margins(Presented, tuple[Margin, ...]):
         if not violated:
             so_far = " as far as it is checked" if unchecked else ""
             return (
-                f"The roll holds{so_far}; smallest reserve: {least.title}, {least.distance}{rest}."
+                f"The roll holds{so_far}; smallest margin: {least.title}, {least.distance}{rest}."
             )
         word = "falls below" if least.name == "slack" else "exceeds"
         return f"The roll does not hold: {least.title} {word} its limit by {least.distance}{rest}."
@@ -189,39 +189,43 @@ class Margins(Presented, tuple[Margin, ...]):
         return f"To enlarge this margin: {least.hint}.{also}"
 
     @property
-    def slip(self) -> Annotated[float, strain("m_s", "reserve of interlayer slip and telescoping")]:
+    def slip(
+        self,
+    ) -> Annotated[float, strain("m_s", "margin against interlayer slip and telescoping")]:
         """Reserve of interlayer slip and telescoping, as a share of the limit [1]."""
         return self._reserve("slip")
 
     @property
     def compression(
         self,
-    ) -> Annotated[float, strain("m_c", "reserve of starring (hoop compression)")]:
+    ) -> Annotated[float, strain("m_c", "margin against starring (hoop compression)")]:
         """Reserve of starring (hoop compression), as a share of the limit [1]."""
         return self._reserve("compression")
 
     @property
-    def blocking(self) -> Annotated[float, strain("m_b", "reserve of blocking")]:
+    def blocking(self) -> Annotated[float, strain("m_b", "margin against blocking")]:
         """Reserve of blocking, as a share of the limit [1]."""
         return self._reserve("blocking")
 
     @property
-    def core(self) -> Annotated[float, strain("m_cc", "reserve of core collapse")]:
+    def core(self) -> Annotated[float, strain("m_cc", "margin against core collapse")]:
         """Reserve of core collapse, as a share of the limit [1]."""
         return self._reserve("core")
 
     @property
-    def strength(self) -> Annotated[float, strain("m_t", "reserve of web break")]:
+    def strength(self) -> Annotated[float, strain("m_t", "margin against web break")]:
         """Reserve of web break, as a share of the limit [1]."""
         return self._reserve("strength")
 
     @property
-    def slack(self) -> Annotated[float, strain("m_0", "reserve of slack web")]:
+    def slack(self) -> Annotated[float, strain("m_0", "margin against slack web")]:
         """Reserve of slack web, as a share of the limit [1]."""
         return self._reserve("slack")
 
     @property
-    def gauge_band(self) -> Annotated[float, strain("m_g", "reserve of gauge band (baggy lane)")]:
+    def gauge_band(
+        self,
+    ) -> Annotated[float, strain("m_g", "margin against gauge band (baggy lane)")]:
         """Reserve of gauge band (baggy lane), as a share of the limit [1]."""
         return self._reserve("gauge_band")
 
@@ -325,13 +329,13 @@ def _state(roll: RollResult) -> _State:
 
 # ---- the margins --------------------------------------------------------------------------------
 
-SHARE = strain("M/M_c", "torque, of what friction between the layers carries")
-COMPRESSION = stress("S", "largest compression along the web")
+SHARE = strain("M/M_c", "torque / interlayer slip capacity")
+COMPRESSION = stress("S", "largest hoop (MD) compression")
 BLOCKING = stress("P_max", "largest pressure between layers")
 CORE = stress("P_c,max", "largest pressure on the core")
 STRENGTH = line_load("T_max", "largest tension of the web")
-SLACK = line_load("T_min", "smallest tension upstream and downstream of the nip")
-BAND = strain("eps_b", "largest strain of the thickest lane")
+SLACK = line_load("T_min", "minimum web tension upstream and downstream of the nip")
+BAND = strain("eps_b", "largest strain of the thickest lane (gauge band)")
 RIDGE = length("dR", "height of the ridge over the thickest lane", "um")
 LEFT_OUT = {
     "slip": "air between layers, friction that falls once they slide, the slip under the nip, the "
@@ -602,7 +606,7 @@ class WithMargins:
             return nan
 
     @property
-    def least_reserve(self) -> Annotated[float, strain("m", "smallest reserve of all margins")]:
+    def least_reserve(self) -> Annotated[float, strain("m", "smallest of all margins")]:
         """Smallest reserve of the margins that have a limit, as a share of it [1]."""
         least = self.margins.least
         return least.reserve if least is not None else nan

@@ -89,30 +89,34 @@ class WindingResult(WithMargins, Result):
     winding_force: Annotated[Array, line_load("F", "winding force")]
     nip_induced_tension: Annotated[Array, line_load("NIT", "nip-induced tension, WOT - T_in")]
     wound_on_tension: Annotated[Array, line_load("WOT", "wound-on tension")]
-    nip_radius: Annotated[Array, length("r_k", "radii of the nips solved")]
-    nip_wound_on_tension: Annotated[Array, line_load("WOT_k", "their wound-on tension")]
+    nip_radius: Annotated[Array, length("r_k", "radii of the solved nips")]
+    nip_wound_on_tension: Annotated[Array, line_load("WOT_k", "wound-on tension of each nip")]
     nip_departure: Annotated[
-        Array, line_load("dWOT_k", "wound-on tension there less theirs, of smooth schedules")
+        Array, line_load("dWOT_k", "wound-on tension minus that of the smoothed schedule")
     ]
-    nip_half_width: Annotated[Array, length("a_k", "their half-width")]
-    nip_peak_pressure: Annotated[Array, stress("p_max,k", "their largest pressure")]
+    nip_half_width: Annotated[Array, length("a_k", "half-width of each nip")]
+    nip_peak_pressure: Annotated[Array, stress("p_max,k", "peak pressure of each nip")]
     nip_felt_pressure: Annotated[
-        Array, stress("P_e,k", "pressure at which an effective roll has its moduli")
+        Array, stress("P_e,k", "pressure used to evaluate the effective radial modulus")
     ]
-    nip_air_film: Annotated[Array, length("h_k", "film of air that they leave", "um")]
-    nip_friction: Annotated[Array, pure("mu+_k", "friction that air leaves in them")]
+    nip_air_film: Annotated[Array, length("h_k", "entrained air film at each nip", "um")]
+    nip_friction: Annotated[
+        Array, pure("mu+_k", "effective friction coefficient with entrained air")
+    ]
     air_film: Annotated[float, length("h", "air film between the layers", "um")]
-    nip_error: Annotated[Array, line_load("WOT_k error", "their estimated discretisation error")]
-    nip_residual: Annotated[Array, pure("r_k", "their largest violation of a contact law")]
-    interpolation_error: Annotated[
-        float, strain("e_i", "error of the wound-on tension between the nips, of it")
+    nip_error: Annotated[
+        Array, line_load("WOT_k error", "estimated error of the wound-on tension of each nip")
     ]
-    nodes: Annotated[int, pure("N", "nodes of each nip")]
-    roll_rtol: Annotated[float, pure("rtol", "accepted error of the roll's pressure")]
-    agreed: Annotated[float, pure("e_c", "to what of the tension nips and roll agree")]
-    nips_solved: Annotated[int, pure("n_nip", "nips solved")] = 0
+    nip_residual: Annotated[Array, pure("r_k", "largest contact residual of each nip")]
+    interpolation_error: Annotated[
+        float, strain("e_i", "relative interpolation error of the wound-on tension")
+    ]
+    nodes: Annotated[int, pure("N", "number of nodes of each nip")]
+    roll_rtol: Annotated[float, pure("rtol", "relative tolerance of the pressure in the roll")]
+    agreed: Annotated[float, pure("e_c", "relative tolerance of the nip-roll iteration")]
+    nips_solved: Annotated[int, pure("n_nip", "number of solved nips")] = 0
     core_interpolation_error: Annotated[
-        float, strain("e_ic", "the same on the core, up to 5 % of its radius")
+        float, strain("e_ic", "relative interpolation error near the core")
     ] = 0.0
     wound: RollResult | None = field(default=None, compare=False, metadata={"saved": False})
     nips: tuple[Felt, ...] = field(default=(), compare=False, metadata={"saved": False})
@@ -164,7 +168,7 @@ class WindingResult(WithMargins, Result):
     @property
     def least_hoop_stress(
         self,
-    ) -> Annotated[float, stress("sigma_min", "smallest stress along the web, < 0 compression")]:
+    ) -> Annotated[float, stress("sigma_min", "minimum hoop (MD) stress, < 0: compression")]:
         """Smallest sigma_t of the finished roll [Pa]."""
         return self.roll.least_hoop_stress
 

@@ -16,7 +16,7 @@ from .figures import COLOURS, axis_label, quantity_of, shown
 from .margin_plots import Disc
 from .panels import NEUTRAL, Case, Panel
 
-__all__ = ["wound_roll_panels"]
+__all__ = ["roll_panels"]
 
 Cases = Sequence[Case]
 Handles = list[Any]
@@ -24,7 +24,7 @@ POINTS = 801
 ABOVE = 5  # times the depth of the compression
 
 
-def wound_roll_panels(result: RollResult) -> dict[str, Panel]:
+def roll_panels(result: RollResult) -> dict[str, Panel]:
     """Return the panels of a wound roll, over the radius.
 
     - pressure between the laps
@@ -61,7 +61,7 @@ def wound_roll_panels(result: RollResult) -> dict[str, Panel]:
 
 @dataclass(frozen=True)
 class OverRadius:
-    """What draws an output over the radius."""
+    """An output over the radius."""
 
     name: str
     words: str
@@ -118,8 +118,9 @@ def _draw_density(axes: Axes, cases: Cases) -> Handles:
     for case in cases:
         x = shown(case.result, "radius")
         for name, style, words in (
-            ("density", "-", "in the roll"), ("density_as_wound", "--", "as wound")
-        ):  # fmt: skip
+            ("density", "-", "in the roll"),
+            ("density_as_wound", "--", "as wound"),
+        ):
             colour = case.or_own(COLOURS[0 if name == "density" else 1])
             (line,) = axes.plot(x, shown(case.result, name), style, color=colour, label=words)
             handles += [line] if case.alone else []

@@ -11,18 +11,20 @@ from rich.console import Console
 from .. import kinds
 from ..results import Result
 from .answer import answer_lines, assumptions_section, defaults_section
-from .parts import Part, certificate_of, warning_lines
-from .sections import nip_report, outputs_report, plain_console, roller_report
-from .terminal import print_parts
+from .nip_report import nip_report
+from .outputs_report import outputs_report
+from .report_parts import Part, certificate_of, warning_lines
+from .roll_report import roll_report
+from .roller_report import roller_report
+from .terminal import plain_console, print_parts
 from .winding_report import winding_report
-from .wound_roll_report import wound_roll_report
 
 __all__ = ["print_report", "report_parts", "report_text"]
 
 REPORTS: Mapping[str, Callable[[Any], list[Part]]] = {
     "nip": nip_report,
     "rollers": roller_report,
-    "roll": wound_roll_report,
+    "roll": roll_report,
     "winding": winding_report,
 }
 
@@ -33,9 +35,13 @@ def report_parts(result: Result) -> list[Part]:
     report = kind.report or REPORTS.get(kind.name, outputs_report)
     warnings = warning_lines((*getattr(result.problem, "remarks", ()), *result.warnings))
     return [
-        *answer_lines(result), *report(result), *assumptions_section(result),
-        *defaults_section(result.problem), *warnings, certificate_of(result),
-    ]  # fmt: skip
+        *answer_lines(result),
+        *report(result),
+        *assumptions_section(result),
+        *defaults_section(result.problem),
+        *warnings,
+        certificate_of(result),
+    ]
 
 
 def report_text(result: Result) -> str:

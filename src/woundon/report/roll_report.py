@@ -13,21 +13,32 @@ from ..quantities import find, length, line_load, strain, stress
 from ..roll.gauge_band import gauge_band_over
 from ..roll.result import RollResult
 from ..roll.theories import plateau_pressure
-from .parts import Line, Part, Row, Section, field_row, output_row, row_of
-from .sections import rows_of
+from .outputs_report import rows_of
+from .report_parts import Line, Part, Row, Section, field_row, output_row, row_of
 
-__all__ = ["wound_roll_report"]
+__all__ = ["roll_report"]
 
-LEFT_OUT = frozenset({"residual", "steps", "compressed_share"})  # told otherwise
-BAND = "Thickest lane across the width, in closed form"
-NAMES = ["core_pressure", "mid_pressure", "peak_pressure", "least_hoop_stress", "length", "laps",
-         "mass", "wound_mass", "mean_density", "surface_slope", "lap_effect"]  # fmt: skip
+LEFT_OUT = frozenset({"residual", "steps", "compressed_share"})  # in other rows
+BAND = "Thickest lane across the width (closed form)"
+NAMES = [
+    "core_pressure",
+    "mid_pressure",
+    "peak_pressure",
+    "least_hoop_stress",
+    "length",
+    "laps",
+    "mass",
+    "wound_mass",
+    "mean_density",
+    "surface_slope",
+    "lap_effect",
+]
 OF_DENSITY = frozenset({"mass", "wound_mass", "mean_density"})
-# of the finished roll, where they are not nil
+# changes of the finished roll that are not zero
 CHANGES = ("temperature_change", "core_shrinkage")
 
 
-def wound_roll_report(result: RollResult) -> list[Part]:
+def roll_report(result: RollResult) -> list[Part]:
     """Return the report of a wound roll."""
     problem, r, hoop = result.problem, result.radius, result.hoop_stress
     stages, nodes = result.stage_radius.size - 1, r.size
@@ -41,16 +52,19 @@ def wound_roll_report(result: RollResult) -> list[Part]:
     }
     return [
         Line(how, "quiet"),
-        Section("Winding", (
-            field_row(problem.core, "radius"),
-            *(field_row(problem, name) for name in ("radius", "web_thickness")),
-            *_tension(result),
-        )),
+        Section(
+            "Winding",
+            (
+                field_row(problem.core, "radius"),
+                *(field_row(problem, name) for name in ("radius", "web_thickness")),
+                *_tension(result),
+            ),
+        ),
         Section("Wound roll", rows_of(result, names, leave=LEFT_OUT, **notes), _compressed(result)),
         *([Section("Changes of the finished roll", tuple(changes))] if changes else []),
         *_gauge_band(result),
         *_other_theories(result),
-    ]  # fmt: skip
+    ]
 
 
 def _place(r: np.ndarray, values: np.ndarray, k: int) -> str:
@@ -68,14 +82,18 @@ def _tension(result: RollResult) -> Iterator[Row]:
     assert quantity is not None
     T = problem.tension_curve.at(result.radius[[0, -1]]) * problem.web_thickness
     for where, value in zip(("core", "surface"), T.tolist(), strict=True):
-        yield Row(f"{quantity.meaning} at the {where}", quantity.symbol,
-                  quantity.shown(value), quantity.display)  # fmt: skip
+        yield Row(
+            f"{quantity.meaning} at the {where}",
+            quantity.symbol,
+            quantity.shown(value),
+            quantity.display,
+        )
 
 
 def _compressed(result: RollResult) -> str:
-    """Say where the web is pressed along itself, which makes rolls buckle and star."""
+    """Return a remark on hoop compression, which makes rolls buckle and star."""
     share = result.compressed_share
-    return f"The web is in compression on {100 * share:.3g} % of the build-up." if share else ""
+    return f"Hoop compression on {100 * share:.3g} % of the build-up." if share else ""
 
 
 def _gauge_band(result: RollResult) -> Iterator[Section]:
@@ -92,8 +110,8 @@ def _gauge_band(result: RollResult) -> Iterator[Section]:
     ridge = float(band.lead[0] * result.radius[-1])
     rows += [
         row_of(line_load("WOT_b", "wound-on tension of the lane at the surface"), band.tension[0]),
-        row_of(stress("P_b", "pressure of its plateau"), band.pressure[0]),
-        row_of(strain("eps_b", "strain of the lane along the web"), band.strain[0]),
+        row_of(stress("P_b", "plateau pressure of the lane"), band.pressure[0]),
+        row_of(strain("eps_b", "hoop strain of the lane"), band.strain[0]),
         row_of(length("dR", "height of the ridge over the lane", "um"), ridge),
     ]
     yield Section(BAND, tuple(rows))
@@ -105,5 +123,5 @@ def _other_theories(result: RollResult) -> Iterator[Section]:
     if not isinstance(tension, float) or not isinstance(law, Pfeiffer):
         return
     plateau = plateau_pressure(problem.stack, tension / problem.web_thickness)
-    label = "plateau of thin layers, without its curvature"
+    label = "plateau pressure of thin layers, curvature neglected"
     yield Section("Other theories", (output_row(result, "mid_pressure", plateau, meaning=label),))

@@ -6,9 +6,8 @@ from io import StringIO
 
 from ..winding.margins import SMALL, Margin, Margins
 from .html import parts_html
-from .parts import Line, Verdict, Verdicts
-from .sections import plain_console
-from .terminal import print_parts
+from .report_parts import Line, Verdict, Verdicts
+from .terminal import plain_console, print_parts
 
 __all__ = ["margins_html", "margins_part", "margins_text", "verdict_lines"]
 
@@ -48,15 +47,22 @@ def _verdict(margin: Margin) -> Verdict:
     )
     place = "" if margin.radius != margin.radius else f"r = {1e3 * margin.radius:.4g} mm"
     return Verdict(
-        f"{margin.title}: {quantity.meaning}", value, limit, quantity.display, place,
-        _word(margin), TONES[margin.ok], _note(margin), margin.left_out,
-    )  # fmt: skip
+        f"{margin.title}: {quantity.meaning}",
+        value,
+        limit,
+        quantity.display,
+        place,
+        _word(margin),
+        TONES[margin.ok],
+        _note(margin),
+        margin.left_out,
+    )
 
 
 def _note(margin: Margin) -> str:
     """Return the note of a margin, with what to change if it is violated or nearly so."""
     small = margin.checked and margin.reserve < SMALL
-    return "; ".join(filter(None, (margin.note, f"to enlarge it: {margin.hint}" * small)))
+    return "; ".join(filter(None, (margin.note, f"to increase the margin: {margin.hint}" * small)))
 
 
 def _sign(margin: Margin) -> str:
@@ -67,4 +73,4 @@ def _word(margin: Margin) -> str:
     if margin.ok is None:
         return margin.verdict
     by = margin.distance
-    return f"{margin.verdict}, reserve {by}" if margin.ok else f"{margin.verdict} by {by}"
+    return f"{margin.verdict}, margin {by}" if margin.ok else f"{margin.verdict} by {by}"

@@ -1,8 +1,7 @@
-"""What a report is made of: sections of rows, strips of zones, lines of text.
+"""The parts of a report: sections of rows, zone strips, lines of text.
 
-A kind's report function returns such parts; they say what is told and in which order, and know
-nothing of where it is shown.  A row takes meaning, symbol and unit from the quantity on the field
-or output that it tells of.
+The report function of a kind returns these parts in their order; they do not depend on the medium
+(terminal, HTML).  A row takes meaning, symbol and unit from the quantity of its field or output.
 """
 
 from __future__ import annotations
@@ -21,10 +20,25 @@ from ..quantities import Quantity
 from ..results import ACCEPTED_RESIDUAL, Residuals, Result, Zone, zone_runs
 
 __all__ = [
-    "Line", "Part", "Row", "Section", "Verdict", "Verdicts", "ZoneStrips", "certificate_line",
-    "certificate_of", "field_row", "friction_bounds", "nip_zones", "output_row", "roller_zones",
-    "row_of", "warning_lines", "zone_line", "zone_strips",
-]  # fmt: skip
+    "Line",
+    "Part",
+    "Row",
+    "Section",
+    "Verdict",
+    "Verdicts",
+    "ZoneStrips",
+    "certificate_line",
+    "certificate_of",
+    "field_row",
+    "friction_bounds",
+    "nip_zones",
+    "output_row",
+    "roller_zones",
+    "row_of",
+    "warning_lines",
+    "zone_line",
+    "zone_strips",
+]
 
 Array = np.ndarray
 DIGITS = 5  # significant ones of a value
@@ -38,12 +52,12 @@ class Row:
     ----------
     meaning, symbol : str
     value : float, int or str
-        In the unit for display; a word where it is no number.
+        In the unit for display, or a word.
     unit : str
     error : float
-        Its told error in the same unit; nan where none is told.
+        Error estimate in the same unit; nan if there is none.
     note : str
-        What stands behind the unit.
+        Text after the unit.
     """
 
     meaning: str
@@ -138,8 +152,8 @@ class Verdict:
 
     @property
     def below(self) -> str:
-        """What stands below the row."""
-        return f"{self.note}. " * bool(self.note) + f"Leaves out: {self.left_out}"
+        """Remarks below the row."""
+        return f"{self.note}. " * bool(self.note) + f"Not considered: {self.left_out}"
 
 
 @dataclass(frozen=True)
@@ -158,13 +172,13 @@ Part = Section | ZoneStrips | Verdicts | Line
 
 def row_of(quantity: Quantity, value: Any, error: float = nan, **more: str) -> Row:
     """Return the row of a value and its error [SI], ``more`` in place of the quantity's texts."""
-    shown, told = quantity.shown(value), abs(quantity.shown(error))
-    row = Row(quantity.meaning, quantity.symbol, shown, quantity.display, told)
+    shown, error = quantity.shown(value), abs(quantity.shown(error))
+    row = Row(quantity.meaning, quantity.symbol, shown, quantity.display, error)
     return replace(row, **more)  # type: ignore[arg-type]
 
 
 def output_row(result: Result, name: str, value: float | None = None, **more: str) -> Row:
-    """Return the row of a result's output with its told error.
+    """Return the row of an output with its error estimate.
 
     Parameters
     ----------
@@ -172,7 +186,7 @@ def output_row(result: Result, name: str, value: float | None = None, **more: st
     name : str
         Of the output.
     value : float, optional
-        Told in place of the result's own, e.g. a closed form's, in SI units; without error.
+        Value in place of that of the result, e.g. of a closed form, in SI units; without error.
     more : str
         ``meaning``, ``symbol`` in place of the quantity's; ``note`` behind the unit.
     """
@@ -213,12 +227,12 @@ def certificate_line(residuals: Residuals, noun: str = "contact condition") -> L
         held = several if len(laws) > 1 else "its one condition is satisfied"
         worst = f"{residuals.largest:.1e} ({_words(residuals.worst)})"
         return Line(f"Certificate: {held}; largest residual {worst}", "good")
-    told = ", ".join(
+    values = ", ".join(
         f"{_words(law)} " + ("not known (nan)" if value != value else f"{value:.1e}")
         for law, value in broken.items()
     )
     count = f"{len(broken)} of {len(laws)} {noun}s {'is' if len(broken) == 1 else 'are'}"
-    return Line(f"Certificate: {count} NOT satisfied: {told}", "bad")
+    return Line(f"Certificate: {count} NOT satisfied: {values}", "bad")
 
 
 def certificate_of(result: Result) -> Line:

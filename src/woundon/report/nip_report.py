@@ -1,0 +1,169 @@
+"""The report of a nip."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from .. import kinds, quantities
+from ..errors import InvalidProblem, NoSteadyState, NotConverged, unwarned
+from ..nip.result import NipResult
+from ..problems.nip import NipProblem
+from ..problems.stack import Stack
+from ..problems.wound_roll import WoundRoll
+from .closed_forms import nip_closed_forms
+from .outputs_report import LEFT_OUT, approach_note, rows_of
+from .report_parts import (
+    Line,
+    Part,
+    Row,
+    Section,
+    field_row,
+    nip_zones,
+    output_row,
+    row_of,
+)
+
+__all__ = ["nip_report"]
+
+NIP = [
+    "nip_width",
+    "peak_pressure",
+    "approach",
+    "offset",
+    "drum_creepage",
+    "leading_roll",
+    "trailing_roll",
+    "dual",
+]
+
+HELD = "Winding nip, web held at the trailing edge"
+
+WRAPPED = "Winding nip, web wrapped on the roll"
+
+HELD_NOTE = (
+    "The web is held to the roll at the trailing edge (thesis eq. 97), which underestimates the "
+    "wound-on tension of a web that is wrapped on the roll: set roll_wrap to compute it."
+)
+
+# wound-on tension and wraps, of a nip that has some
+OF_WRAPS = frozenset(
+    {
+        "wound_on_tension",
+        "inlet_tension",
+        "roll_wrap_traction",
+        "drum_wrap_traction",
+        "slip_angle",
+    }
+)
+
+
+def nip_report(result: NipResult) -> list[Part]:
+    """Return the report of a nip; with a roll wrap, also of the same nip without wraps."""
+    problem = result.problem
+    rows, wraps = _tension_rows(result), tuple(_wraps(problem))
+    return [
+        _how(result),
+        *_hardening(problem),
+        Section("Loads and wraps" if wraps else "Loads", (*_loads(result), *wraps)),
+        Section(
+            WRAPPED if problem.roll_wrap else HELD,
+            rows,
+            "" if problem.is_wrapped else HELD_NOTE,
+        ),
+        nip_zones(result),
+        *_held_at_the_edge(result),
+        *_layer_slip(result),
+        *nip_closed_forms(result),
+    ]
+
+
+def _wraps(problem: NipProblem) -> Iterator[Row]:
+    """Yield the wrap angles and the friction on the wrap, of those that there are."""
+    if problem.is_wrapped:
+        yield field_row(problem, "roll_wrap")
+    if problem.drum_wrap:
+        yield field_row(problem, "drum_wrap")
+    if problem.roll_wrap and problem.wrap_friction is not None:
+        yield field_row(problem, "wrap_friction")
+
+
+def _tension_rows(result: NipResult) -> tuple[Row, ...]:
+    level = _approach_note(result)
+    if not result.problem.is_wrapped:
+        names = ["nip_induced_tension", "outlet_tension"]
+        return rows_of(result, names + NIP, LEFT_OUT | OF_WRAPS, approach=level)
+    on_drum = ["inlet_tension", "drum_wrap_traction"] if result.problem.drum_wrap else []
+    names = [
+        "wound_on_tension",
+        "nip_induced_tension",
+        "outlet_tension",
+        *on_drum,
+        "roll_wrap_traction",
+        "slip_angle",
+    ]
+    way = f", web {result.slip_zone.word}" if result.slip_zone else ""
+    return rows_of(result, names + NIP, approach=level, slip_angle=way)
+
+
+def _how(result: NipResult) -> Line:
+    return Line(f"{result.nodes} nodes in the nip, {result.iterations} Newton iterations", "quiet")
+
+
+def _hardening(problem: NipProblem) -> Iterator[Line]:
+    """Say of a nip with a stack in it whether the nip's pressure hardens roll and web."""
+    if isinstance(problem.roll, WoundRoll) or isinstance(problem.web.material, Stack):
+        texts = (
+            f"the {name} {'does not harden' if part.linear else 'hardens'}"
+            for name, part in (("roll", problem.roll), ("web", problem.web))
+        )
+        yield Line(f"under the nip pressure {', '.join(texts)}", "quiet")
+
+
+def _loads(result: NipResult) -> tuple[Row, ...]:
+    moving = [] if result.problem.web_speed is None else ["web_speed"]
+    names = ("nip_load", "winding_force", "web_tension", *moving)
+    return tuple(field_row(result.problem, name) for name in names)
+
+
+def _approach_note(result: NipResult) -> str:
+    """Return a remark on the approach, which half-planes determine up to a constant."""
+    return approach_note(result.problem.roll, result.problem.drum)
+
+
+LAYERS = "Interlayer slip in the roll (the model assumes bonded layers)"
+
+
+def _layer_slip(result: NipResult) -> Iterator[Part]:
+    """Yield the index of slip between the layers, where interior stresses are known."""
+    with unwarned():
+        slip = result.layer_slip
+    if slip is None:
+        return
+    names = ("ratio", "layers", "depth", "width") if slip.layers else ("ratio",)
+    places = ((name, quantities.output(slip, name)) for name in names)
+    rows = tuple(
+        row_of(place.quantity, getattr(slip, name))
+        for name, place in places
+        if place is not None and place.quantity is not None
+    )
+    yield Section(LAYERS, rows, f"warning: {slip.warning}" if slip.warning else "")
+
+
+def _held_at_the_edge(result: NipResult) -> Iterator[Section]:
+    """Yield a section on the same nip without its wraps, solved with as many nodes."""
+    if result.problem.roll_wrap == 0:
+        return  # held there already
+    title = "Same nip with the web held at the trailing edge"
+    try:
+        with unwarned():
+            nip = kinds.solve(
+                result.without_air.replace(roll_wrap=0.0, drum_wrap=0.0), nodes=result.nodes
+            )
+    except NoSteadyState as fault:
+        yield Section(title, (), f"No steady state exists: {fault}")
+        return
+    except (InvalidProblem, NotConverged) as fault:
+        yield Section(title, (), f"Not solved: {fault}")
+        return
+    label = "web tension at the trailing edge of the nip, eq. (97)"
+    yield Section(title, (output_row(nip, "outlet_tension", meaning=label),))

@@ -1,0 +1,139 @@
+"""Rows of the outputs of a result, and the report of a kind without its own report."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from math import isinf, isnan
+from typing import Any
+
+from .. import kinds, quantities
+from ..problems.bodies import Body
+from ..problems.description import Description
+from ..quantities import Quantity
+from ..results import Result
+from .report_parts import (
+    Part,
+    Row,
+    Section,
+    output_row,
+    row_of,
+)
+
+__all__ = [
+    "LEAST_FRICTION",
+    "LEFT_OUT",
+    "approach_note",
+    "field_rows",
+    "is_half_plane",
+    "outputs_report",
+    "rows_of",
+]
+
+# Below, a friction coefficient does not differ from 0: the air film carries the nip load.
+LEAST_FRICTION = 1e-3
+
+# in other rows, at the end, or only if they are relevant
+LEFT_OUT = frozenset(
+    {
+        "residual",
+        "half_width",
+        "inlet_tension",
+        "drum_wrap_traction",
+        "creepage",
+        "shift",
+        "tangential_load",
+        "traction_error",
+        "iterations",
+        "series_terms",
+        "series_error",
+    }
+)
+
+
+def rows_of(
+    result: Result, names: list[str], leave: Iterable[str] = LEFT_OUT, **notes: str
+) -> tuple[Row, ...]:
+    """Return the rows of the named outputs, then those of plug-ins' outputs.
+
+    Outputs in ``leave`` are omitted; ``notes`` are texts after the unit by name.
+    """
+    shown_elsewhere = {f"{name}_error" for name in result.errors} | _no_friction(result)
+    others = [
+        name
+        for name in quantities.scalar_outputs(result)
+        if name not in leave
+        and name not in shown_elsewhere
+        and name not in names
+        and not _is_nan(quantities.value_of(result, name))  # not defined for this case
+    ]
+    return tuple(output_row(result, name, note=notes.get(name, "")) for name in names + others)
+
+
+def _no_friction(result: Result) -> set[str]:
+    """Return the friction coefficients of an air film that are 0 for all practical purposes."""
+    names = ("air.roll_friction", "air.wrap_friction")
+    film = getattr(result, "air", None)
+    return {
+        name
+        for name in names
+        if film is not None and quantities.value_of(result, name) < LEAST_FRICTION
+    }
+
+
+def _is_nan(value: Any) -> bool:
+    return isinstance(value, float) and isnan(value)
+
+
+def approach_note(*bodies: Body) -> str:
+    """Return a remark on the approach of bodies, which a half-plane leaves undetermined."""
+    return ", up to a constant" if any(is_half_plane(body) for body in bodies) else ""
+
+
+def is_half_plane(body: Body) -> bool:
+    """Return True for a deformable body of infinite thickness."""
+    return not body.rigid and isinf(body.thickness)
+
+
+def outputs_report(result: Result) -> list[Part]:
+    """Return a report of any kind: the problem's fields, all outputs that are single numbers."""
+    kind = kinds.of(result)
+    title = kind.name.replace("_", " ").capitalize()
+    errors = {f"{name}_error" for name in result.errors}  # in the rows of their outputs
+    rows = (
+        output_row(result, name)
+        for name in quantities.scalar_outputs(result)
+        if name != "residual" and name not in errors
+    )
+    return [
+        Section(f"{title}: problem", tuple(field_rows(result.problem))),
+        Section(f"{title}: result", tuple(rows)),
+    ]
+
+
+def field_rows(
+    problem: Description, under: str = "", of_field: Quantity | None = None
+) -> Iterator[Row]:
+    """Yield every field of a description, nested ones by dotted name.
+
+    ``of_field`` is the quantity of the field that holds the description, as a schedule.
+    """
+    for name in type(problem).model_fields:
+        value = getattr(problem, name)
+        quantity = quantities.find(problem, name, of_field)[0].quantity
+        items = enumerate(value) if isinstance(value, tuple) else ()
+        inner = [(f"{under}{name}.{k}", v) for k, v in items if isinstance(v, Description)]
+        inner += [(f"{under}{name}", value)] if isinstance(value, Description) else []
+        for path, part in inner:
+            yield Row(path, "", type(part).__name__)
+            yield from field_rows(part, f"{path}.", quantity)
+        if not inner and value is not None:
+            yield _field(name, value, under, quantity)
+
+
+def _field(name: str, value: Any, under: str, quantity: Quantity | None) -> Row:
+    if quantity is None or not isinstance(value, (int, float)):
+        return Row(f"{under}{name}", "", str(value))
+    row = row_of(quantity, value)
+    # the name that --set takes; the meaning of a nested field would not say whose it is
+    return replace(row, meaning=f"{under}{name}") if under else row

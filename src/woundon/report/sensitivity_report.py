@@ -1,0 +1,63 @@
+"""Local sensitivities as a table of elasticities."""
+
+from __future__ import annotations
+
+from io import StringIO
+from typing import TYPE_CHECKING
+
+import numpy as np
+from rich.console import Console
+from rich.text import Text
+
+from .. import kinds, quantities
+from ..problems.nip import NipProblem
+from .terminal import plain_console, print_columns
+
+if TYPE_CHECKING:
+    from ..nip.sensitivity import Sensitivity
+
+
+__all__ = ["print_sensitivity", "sensitivity_text"]
+
+
+def sensitivity_text(sensitivity: Sensitivity) -> str:
+    """Return elasticities as plain text, as the command line prints them."""
+    paper = StringIO()
+    print_sensitivity(sensitivity, plain_console(paper))
+    return paper.getvalue().strip("\n")
+
+
+def print_sensitivity(sensitivity: Sensitivity, console: Console) -> None:
+    """Print elasticities, what matters most for the first output first."""
+    ordered = sensitivity.sorted()
+    known: dict[str, quantities.Quantity] = {}
+    for kind in kinds.every():  # the same name means the same in all of them
+        known = {**quantities.scalar_outputs(kind.result), **known}
+    # the width's elasticities are the half width's
+    columns = [k for k, name in enumerate(ordered.outputs) if name != "half_width"]
+    head = ["", "value [SI]", *(known[ordered.outputs[k]].symbol for k in columns)]
+    table = [
+        [name, f"{field:.5g}", *(f"{_rounded(value):+.4f}" for value in values)]
+        for name, field, values in zip(
+            ordered.parameters, ordered.fields, ordered.elasticities[columns].T, strict=True
+        )
+        if field
+    ]
+    widths = [max(32, *map(len, ordered.parameters)), 10, *(9 for _ in columns)]
+    console.print(Text("\nElasticities: percent of output per percent of field", style="bold"))
+    print_columns([head, *table], widths, "<" + ">" * len(head), console)
+    for name, field in zip(ordered.parameters, ordered.fields, strict=True):
+        if not field:  # an elasticity is not defined
+            main = ordered.outputs[0]
+            slope, symbol = ordered.derivative(main, name), known[main].symbol
+            quantity = quantities.find(NipProblem, name)[0].quantity
+            unit = "unit" if quantity is None else quantity.unit.replace("1", "unit")
+            text = f"{name} is 0: {symbol} changes by {slope:+.4g} N/m per {unit} of it"
+            console.print(Text(text))
+    if ordered.zone_change:
+        text = f"warning: at a zone change ({ordered.zone_change}): one-sided derivatives differ"
+        console.print(Text(text, style="bold yellow"))
+
+
+def _rounded(value: float) -> float:
+    return float(np.round(value, 4)) + 0.0  # no minus zero
