@@ -100,8 +100,10 @@ def test_the_command_line_chooses_units(tmp_path: Path, capsys: pytest.CaptureFi
     assert "wound_on_tension: '\"pli\"' has the unreadable unit" in capsys.readouterr().err
     assert cli.main([*args, "--unit", "nip_load=kN/m", "--unit", "wound_on_tension = pli"]) == 0
     said = capsys.readouterr().out
+    # the sum of the answer is in one unit, that of the wound-on tension: 350 N/m are 2.00 pli
+    assert said.startswith("Wound-on tension 3.98 pli = web tension 2.00 pli + nip-induced ")
     assert line(said, "nip load") == "nip load P 3.502 kN/m"
-    assert " pli ± " in line(said, "wound-on tension, where the web is held")
+    assert " pli ± " in line(said, " wound-on tension  ")
     assert "# nip_load [kN/m],3.502\n" in (tmp_path / "a.csv").read_text("utf-8")
     assert cli.main([*args, "--unit", "nip_load"]) == 2
     assert "nip_load: must be written NAME=UNIT" in capsys.readouterr().err

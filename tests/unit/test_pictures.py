@@ -48,6 +48,7 @@ other = wo.solve(wo.NipProblem.example().replace(nip_load=2000.0), nodes={NODES}
 
 @pytest.fixture(autouse=True)
 def _closed():
+    plt.close("all")  # figures of other tests in this process
     yield
     plt.close("all")
 
@@ -202,7 +203,7 @@ def test_what_cannot_be_drawn_is_reported_with_the_choice(nips, asked, message: 
 
 def test_one_ax_takes_one_panel(nips) -> None:
     axes = mpl.figure.Figure().add_subplot()
-    with pytest.raises(wo.InvalidProblem, match="2 are chosen for one ax; must be one"):
+    with pytest.raises(wo.InvalidProblem, match="2 panels are selected for one ax"):
         nips[0].plot(ax=axes, panels=["slips", "zones"])
 
 

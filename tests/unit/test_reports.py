@@ -166,7 +166,7 @@ def test_theories_are_left_out_where_they_do_not_apply():
     limit = wo.theories.friction_limit(problem)
     (only,) = sections(nip_report(result))["Other theories"]
     assert only == f"friction limit mu+ P + F (upper bound) NIT {limit:.5g} N/m"
-    (approach,) = [line for line in lines(str(result)) if line.startswith("approach")]
+    (approach,) = [line for line in lines(str(result)) if line.startswith("centre approach")]
     assert f"{1e3 * result.approach:.5g} mm ± " in approach
     assert approach.endswith(", up to a constant")
 
@@ -177,8 +177,8 @@ def test_theories_are_left_out_where_they_do_not_apply():
 def test_a_nip_that_is_none_without_its_wraps_says_why():
     wrapped = newsprint_nip(nip_load=1000.0, roll_wrap=pi, winding_force=400.0, drum_wrap=2.5)
     said = sections(nip_report(wo.solve(wrapped, nodes=NODES)))
-    computed = " ".join(said["The same nip, its web held at the trailing edge"])
-    assert computed.startswith("Has no steady state: winding_force: 400 is out of range")
+    text = " ".join(said["Same nip with the web held at the trailing edge"])
+    assert text.startswith("No steady state exists: winding_force: 400 is out of range")
     # the closed forms of the tension know no drum wrap
     assert [line.split()[0] for line in said["Other theories"]] == ["Hertz", "Hertz"]
 

@@ -9,7 +9,7 @@ from .. import kinds, quantities
 from ..errors import InvalidProblem, NoSteadyState, NotConverged, unwarned
 from ..nip.result import NipResult
 from ..nip.roller_result import RollerResult
-from ..quantities import find, walk
+from ..quantities import walk
 from ..results import Result
 from ..roll.result import RollResult
 from ..winding.result import WindingResult
@@ -45,18 +45,17 @@ def answer_lines(result: Result, full: bool = True) -> list[Line]:
 
 def _tensions(result: NipResult) -> str:
     """Return the wound-on tension as the sum of web tension and nip-induced tension."""
-    rows = [output_row(result, "wound_on_tension"), output_row(result, "nip_induced_tension")]
-    place = find(result.problem, "web_tension")[0]
+    place = quantities.output(result, "wound_on_tension")
+    assert place is not None
     assert place.quantity is not None
-    total, added = (float(row.value) for row in rows)
-    web = float(row_of(place.quantity, result.problem.web_tension).value)
+    tensions = (result.wound_on_tension, result.nip_induced_tension, result.problem.web_tension)
+    total, added, web = (float(place.quantity.shown(value)) for value in tensions)
     size = abs(added) or abs(total) or 1.0
     digits = min(3, max(0, 2 - floor(log10(size))))  # three digits of the nip-induced tension
     # The difference of the rounded values: the printed sum is exact.
     shown, web_shown = round(total, digits), round(web, digits)
-    texts = [
-        f"{value:.{digits}f} {rows[0].unit}" for value in (shown, web_shown, shown - web_shown)
-    ]
+    unit = place.quantity.display
+    texts = [f"{value:.{digits}f} {unit}" for value in (shown, web_shown, shown - web_shown)]
     return f"Wound-on tension {texts[0]} = web tension {texts[1]} + nip-induced tension {texts[2]}"
 
 
