@@ -45,7 +45,7 @@ def test_a_state_is_that_of_solve_to_the_last_digit(client, cases, name, changes
         solved = np.asarray(getattr(result, array), dtype=float)
         np.testing.assert_array_equal(np.array(values, dtype=float), solved)
     assert record["certificate"]["ok"]
-    assert record["certificate"]["laws"] == dict(result.residuals.items())
+    assert record["certificate"]["conditions"] == dict(result.residuals.items())
     assert record["warnings"] == list(result.warnings)
 
 

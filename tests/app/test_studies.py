@@ -123,3 +123,43 @@ def test_a_long_study_of_another_leaves_states_their_worker(client, server, case
         stop.set()
         httpx.post(f"{server}/api/cancel", headers={"X-Session": "long-study"})
         thread.join(60)
+
+
+# ---- operating windows ------------------------------------------------------------------------
+
+WINDOW = {"web_tension": [300, "400 N/m"], "nip_load": ["2 kN/m", 3000]}
+SPREADS = {"stack.radial.K2": 0.3, "roll_friction": 0.15}
+
+
+def window_events(client, cases, uncertain):
+    # no nip is solved, which takes seconds
+    body = {"case": cases["winding"] | {"tension_law": "friction"}, "uncertain": uncertain}
+    with client.stream("POST", "/api/window", json=body | WINDOW) as answer:
+        assert answer.status_code == 200
+        yield from map(json.loads, answer.iter_lines())
+
+
+@pytest.mark.slow
+def test_an_operating_window_is_that_of_python(client, cases):
+    found = list(window_events(client, cases, SPREADS))
+    assert found[-1] == {"event": "done"}
+    assert found[0]["event"] == "progress"
+    coarse, window = (one for one in found if one["event"] == "window")
+    assert coarse["is_coarse"]
+    problem = wo.WindingProblem.example().replace(tension_law="friction")
+    same = wo.operating_window(problem, (300, 400), (2e3, 3e3), uncertain=SPREADS, workers=2)
+    np.testing.assert_allclose(window["probability"], same.probability.ravel(), atol=1e-6)
+    assert window["best"]["binding"] == same.best.binding
+
+
+def test_an_operating_window_that_fails_or_is_abandoned_admits_the_next(client, cases):
+    (failed,) = window_events(client, cases, "no-such-grade")
+    assert "no-such-grade" in failed["detail"]
+    stream = window_events(client, cases, SPREADS)
+    assert next(stream)["event"] == "progress"
+    stream.close()
+    deadline = time.monotonic() + 20
+    body = {"case": cases["winding"], "uncertain": "no-such-grade"} | WINDOW
+    while client.post("/api/window", json=body).status_code == 503:
+        assert time.monotonic() < deadline
+        time.sleep(0.2)

@@ -1,4 +1,4 @@
-"""Find, grades and limits on the page: what it shows agrees with what Python computes."""
+"""Find, grades, limits and operating windows on the page: it agrees with Python."""
 
 from __future__ import annotations
 
@@ -79,3 +79,18 @@ def test_a_limit_is_entered_next_to_its_margin_on_a_phone(look):
     (blocking,) = (one for one in margins if one.name == "blocking")
     row = page.locator(".margins tr", has=page.locator("#limit-blocking"))
     assert ("holds" if blocking.ok else "fails") in row.inner_text()
+
+
+def test_an_operating_window_reports_its_progress_and_is_cancelled(look):
+    seen = look()
+    page = seen.page
+    page.click("#tab-window")
+    page.select_option("[id='f-tension_law']", label="friction")  # no nip is solved
+    page.wait_for_selector("#window-run:enabled")
+    seen.rest()
+    page.click("#window-run")
+    page.wait_for_selector(".study-state >> text=windings", timeout=60_000)
+    page.click("#tab-case")  # it goes on while another tab is shown
+    page.click("#tab-window")
+    page.click("#window-cancel")
+    page.wait_for_selector(".study-state >> text=Cancelled")

@@ -95,7 +95,7 @@ def test_a_moved_slider_changes_numbers_and_curves_as_python_does(look, example)
     read = float(seen.page.inner_text("[data-panel=pressure] [data-value='0']"))
     # of the node next to it, a tenth of the half-width away at most
     assert 1e3 * read == pytest.approx(np.interp(0.0, result.x, result.roll_pressure), rel=5e-3)
-    tables = list(blocks(seen.saved("Data of what is shown").decode()))
+    tables = list(blocks(seen.saved("Export plotted data").decode()))
     curve = "roll_traction on the roll [kPa]"
     tractions = next(table for table in tables if curve in table)
     x, q = tractions["Position along the nip [mm]"], tractions[curve]
@@ -229,7 +229,7 @@ def test_a_link_restores_case_units_and_pins_and_pictures_that_followed_are_its(
     seen.page.click("[aria-label='Remove state A']")
     seen.put("nip_load", "5000")
     seen.page.click(".segmented >> text=mill")
-    seen.from_menu("Copy a link")
+    seen.from_menu("Copy link")
     seen.page.wait_for_function("() => location.hash.length > 10")
     fragment = seen.page.evaluate("() => location.hash")
     other = look(fragment)
@@ -309,7 +309,7 @@ def test_a_case_is_solved_by_the_command_line_and_python_and_comes_up_again(look
     solved = json.loads(capsys.readouterr().out)["outputs"]["wound_on_tension"]
     value = solved["value"] if isinstance(solved, dict) else solved
     assert value == pytest.approx(number, rel=CLOSE)
-    seen.from_menu("Python that computes this")
+    seen.from_menu("Export as Python script")
     space = {}
     exec(seen.page.inner_text(".snippet"), space)
     results = [thing for thing in space.values() if isinstance(thing, wo.NipResult)]

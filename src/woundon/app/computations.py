@@ -1,7 +1,7 @@
-"""What the page asks for, answered from a case's tables: the functions that run in workers.
+"""Computations of the page, from the tables of a case: functions that run in workers.
 
-Each takes what came over the wire, parsed, and returns what goes back.  Whatever is wrong with it
-is raised as everywhere (:mod:`woundon.errors`); :mod:`.refusals` puts it into words of HTTP.
+They take parsed JSON and return JSON.  Errors are those of :mod:`woundon.errors`;
+:mod:`.request_errors` translates them into HTTP.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from ..results import ACCEPTED_RESIDUAL, Result, zone_runs
 from ..roll.design import design_tension
 from ..studies.find import find as find_values
 from ..studies.kind_model import KindModel, field_quantity, get_field, measurable, model_of
-from .input_forms import tables_of, told_of
+from .input_forms import quantity_schema, tables_of
 from .limits import LIMITS
 from .plot_data import panels_of
 
@@ -43,11 +43,11 @@ __all__ = [
     "warm_up", "with_grade",
 ]  # fmt: skip
 
-WARM_UP = 1.0  # seconds after which a worker is as ready as need be
-MOST_OUTPUTS = 6  # that are told where nobody names any
-MOST_SESSIONS = 32  # whose last states are kept to start from
+WARM_UP = 1.0  # seconds after which no further example is solved
+MOST_OUTPUTS = 6  # of kinds without main outputs
+MOST_SESSIONS = 32  # whose last results are kept as initial guesses
 STEP = 1e-3  # relative, of differences in place of derivatives; a fixed grid is smooth to 1e-8
-# by session: the last state, and of which problem and options it is the cold solution, if it is one
+# by session: the last result, and the problem and options that it solves without a warm start
 _LAST: OrderedDict[str, tuple[Result | None, Any]] = OrderedDict()
 
 
@@ -57,23 +57,23 @@ def problem_of(tables: Any) -> Problem:
     Raises
     ------
     InvalidProblem
-        Also for tables that name files: none is opened for somebody far away.
+        Also for tables that name files, which are on the client's machine.
     """
     if not isinstance(tables, Mapping):
-        text = f"{quote(tables)} is out of place; must be the tables of a case file"
+        text = f"{quote(tables)} is not a table; must be the tables of a case file"
         raise InvalidProblem(text)
     check_like_a_case(tables)
     return make_problem({"schema": SCHEMA, **tables})
 
 
 def warm_up() -> None:
-    """Import what answers need, and fill caches, by solving what there is to start from.
+    """Solve examples, which imports modules and fills caches.
 
-    Windings are left out: they take seconds of every worker before the first answer.
+    Windings are left out: each worker would need seconds for them.
     """
     began = time.perf_counter()
     for kind in kinds.every():
-        slow = "agreed" in signature(kind.solver).parameters  # nips and rolls in turns
+        slow = "agreed" in signature(kind.solver).parameters  # iterates over nips and rolls
         if not slow and time.perf_counter() - began < WARM_UP:
             with suppress(InvalidProblem):
                 state_of(solved(kind.example(), {}))
@@ -91,7 +91,7 @@ def solve(
     problem = problem_of(tables)
     result, solution_of = _LAST.get(session, (None, None))
     asked = None if warm else (problem, options)
-    if result is None or asked is None or asked != solution_of:  # its report may come later
+    if result is None or asked is None or asked != solution_of:
         result = solved(problem, options, result if warm else None)
     if session:
         _LAST[session] = result, asked
@@ -104,24 +104,24 @@ def solve(
 
 
 def as_json(answer: Any) -> bytes:
-    """Return JSON; what is nan is null."""
+    """Return JSON, with null for nan."""
     return to_json(answer, inf_nan_mode="null")
 
 
 def solved(problem: Problem, options: Mapping[str, Any], start: Result | None = None) -> Any:
-    """Return a problem's result, its warnings told in it alone."""
+    """Return the result of a problem, which contains its warnings."""
     model = KindModel(problem, (), checked_options(kinds.of(problem), options))
     with unwarned():
         return model.solve(problem, start)
 
 
 def checked_options(kind: kinds.Kind, given: Mapping[str, Any]) -> dict[str, Any]:
-    """Return options of a kind's solver, their texts read.
+    """Return options of a kind's solver, converted from text.
 
     Raises
     ------
     InvalidProblem
-        For one that the solver does not have, or a text that is no number where it takes one.
+        For an unknown option, or a text that is not a number.
     """
     if not given:
         return {}
@@ -140,10 +140,10 @@ def checked_options(kind: kinds.Kind, given: Mapping[str, Any]) -> dict[str, Any
 
 
 def state_of(result: Result, report: bool = False, drawn: bool = False) -> dict[str, Any]:
-    """Return what there is to show of a result, SI units, for JSON.
+    """Return a result for JSON, SI units.
 
-    ``report`` adds the sections of the report; ``drawn`` gives the panels that the page draws in
-    place of the arrays.
+    ``report`` adds the sections of the report; ``drawn`` returns the panels of the page instead of
+    the arrays.
     """
     parts = report_parts(result) if report else []
     return {
@@ -153,7 +153,7 @@ def state_of(result: Result, report: bool = False, drawn: bool = False) -> dict[
             name: {"value": value_of(result, name), "error": result.errors.get(name)}
             for name in scalar_outputs(result)
         },
-        **({"panels": panels_of(result, told_of)} if drawn else _arrays(result)),
+        **({"panels": panels_of(result)} if drawn else _arrays(result)),
         "answer": [line.text for line in answer_lines(result, full=report)],
         "certificate": _certificate(result),
         "margins": [_margin(margin) for margin in getattr(result, "margins", ())],
@@ -168,7 +168,7 @@ def _certificate(result: Result) -> dict[str, Any]:
     return {
         "ok": bool(result.residuals.largest <= ACCEPTED_RESIDUAL),
         "residual": result.residuals.largest,
-        "laws": dict(result.residuals.items()),
+        "conditions": dict(result.residuals.items()),
         "text": line.text,
     }
 
@@ -189,7 +189,7 @@ def _margin(margin: Any) -> dict[str, Any]:
     shown = ("name", "title", "hint", "value", "limit", "radius", "ok", "note")
     values = {name: getattr(margin, name) for name in shown}
     field = LIMIT_FIELDS.get(margin.name)
-    return values | {"quantity": told_of(margin.quantity), "limit_field": field}
+    return values | {"quantity": quantity_schema(margin.quantity), "limit_field": field}
 
 
 def _section(section: Section) -> dict[str, Any]:
@@ -207,7 +207,7 @@ def _arrays(result: Result) -> dict[str, Any]:
 
 
 def _along_the_contact(result: Any) -> dict[str, Any]:
-    """Return the nip's nodes, its zones and what friction allows there, where there are any."""
+    """Return the nodes of the nip, its zones and friction bounds; empty without zones."""
     strips = zone_strips(result)
     if strips is None:
         return {"nip": None, "zones": [], "zone_words": {}, "bounds": []}
@@ -223,7 +223,7 @@ def _along_the_contact(result: Any) -> dict[str, Any]:
 
 
 def _geometry(result: Any) -> dict[str, Any]:
-    """Return what a drawing to scale needs [m, rad]."""
+    """Return the geometry for a drawing to scale [m, rad]."""
     problem = result.problem
     web = getattr(problem, "web", None)
     drawn = {name: getattr(result, name, None) for name in ("half_width", "offset", "approach")}
@@ -324,8 +324,7 @@ def curve(
 ) -> bytes:  # fmt: skip
     """Return outputs against one field around a case, as JSON.
 
-    Each state starts from the one before it.  By default from half to one and a half of the
-    field's value.
+    Each solve starts from the previous one.  By default from 0.5 to 1.5 times the field's value.
     """
     problem = problem_of(tables)
     at = get_field(problem, field)
@@ -400,9 +399,9 @@ def _typical_span(problem: Problem, field: str) -> float:
 
 
 def sensitivities(tables: Any, options: Mapping[str, Any]) -> bytes:
-    """Return how much the outputs depend on each field, the most important first, as JSON.
+    """Return the derivatives of the outputs by field, the largest elasticity first, as JSON.
 
-    Exact where the kind's results tell it, else by central differences on one grid.
+    Exact if results of the kind have ``sensitivity``, else by central differences on one grid.
     """
     problem = problem_of(tables)
     result = solved(problem, options)
@@ -421,7 +420,7 @@ def _differences(problem: Problem, result: Any, options: Mapping[str, Any]) -> d
     named = _usual_outputs(problem)
     given = dict(options)
     if "nodes" in kind.solver_options() and not given.keys() & {"nodes", "rtol"}:
-        given["nodes"] = result.nodes  # from grid to grid the outputs jump by their errors
+        given["nodes"] = result.nodes  # on different grids the outputs differ by their errors
     model = model_of(problem, named, {}, checked_options(kind, given))
     here = np.array(model.run({}, None).values)
     fields = {
@@ -431,7 +430,7 @@ def _differences(problem: Problem, result: Any, options: Mapping[str, Any]) -> d
     }
     slopes = dict[str, Any]()
     for name, value in fields.items():
-        with suppress(InvalidProblem, NotConverged, ArithmeticError):  # at the edge of its range
+        with suppress(InvalidProblem, NotConverged, ArithmeticError):  # at an end of its range
             ends = [np.array(model.run({name: value * (1 + way * STEP)}, result).values)
                     for way in (-1, 1)]  # fmt: skip
             slopes[name] = (ends[1] - ends[0]) / (2 * STEP * value)

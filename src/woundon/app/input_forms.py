@@ -1,7 +1,7 @@
-"""What can be described and what comes of it, as the page's forms and panels need it.
+"""The forms of all kinds of problem, their outputs, materials, grades and units, for the page.
 
-Nothing here knows a field or an output by its name: kinds, descriptions, named materials and units
-are walked, and whoever registers a kind or joins a family finds it on the page.
+No field or output is named here: the forms follow from the registered kinds, so that a kind of a
+plug-in appears on the page too.
 """
 
 from __future__ import annotations
@@ -24,28 +24,28 @@ from ..problems.units import MILL, alike, definitions
 from ..quantities import OF_FIELD, Quantity, is_list, members_of, outputs, quantity_of
 from .limits import LIMITS
 
-__all__ = ["catalogue", "tables_of", "told_of"]
+__all__ = ["catalogue", "quantity_schema", "tables_of"]
 
 
 @cache
 def catalogue() -> dict[str, Any]:
     """Return kinds, forms, materials, units and limits, for JSON."""
     forms: dict[str, Any] = {}
-    told = []
+    described = []
     for kind in kinds.every():
         _add_form(kind.problem, forms)
-        told.append(_kind(kind))
+        described.append(_kind(kind))
     return {
         "version": __version__,
         "schema": SCHEMA,
-        "kinds": told,
+        "kinds": described,
         "forms": forms,
         "materials": [
             {"name": name, "source": known.source, "material": tables_of(known.material)}
             for name, known in MATERIALS.items()
         ],
         "grades": [{"name": name, "title": one.title} for name, one in grades().items()],
-        "units": _units(forms, told),
+        "units": _units(forms, described),
         "unit_definitions": definitions(),
         "systems": {"SI": {}, "mill": MILL},
         "exhibits": [figure for group in plugins.figures() for figure in group.list()],
@@ -54,7 +54,7 @@ def catalogue() -> dict[str, Any]:
 
 
 def tables_of(description: Any) -> dict[str, Any]:
-    """Return the tables of a description: what a case file of it says, in SI and without groups."""
+    """Return the tables of a description as in a case file, in SI and without groups."""
     tables: dict[str, Any] = description.model_dump(mode="json", exclude_none=True)
     return tables
 
@@ -92,16 +92,16 @@ def _outputs(result: type[Any]) -> Iterator[dict[str, Any]]:
             of, *marks = get_args(place.field)
             yield {
                 "name": place.path,
-                **told_of(place.quantity),
+                **quantity_schema(place.quantity),
                 "array": of is np.ndarray,
-                # whole numbers have another type beside their quantity: zones, counts
+                # whole numbers have another type in addition to their quantity: zones, counts
                 "whole": of is int or any(isinstance(m, type) and issubclass(m, int)
                                           for m in marks),
             }  # fmt: skip
 
 
-def told_of(quantity: Quantity) -> dict[str, Any]:
-    """Return what the page needs to know of a quantity to show its values."""
+def quantity_schema(quantity: Quantity) -> dict[str, Any]:
+    """Return symbol, label and units of a quantity."""
     return {
         "symbol": quantity.symbol,
         "label": quantity.meaning,
@@ -114,7 +114,7 @@ def told_of(quantity: Quantity) -> dict[str, Any]:
 
 
 def _add_form(model: type[Any], forms: dict[str, Any]) -> None:
-    """Add the form of a description, and those of all that may stand in it."""
+    """Add the form of a description, and the forms of its members."""
     name = model.__name__
     if name in forms:
         return
@@ -146,7 +146,7 @@ def _field(name: str, field: Any) -> dict[str, Any]:
         default = field.get_default(call_default_factory=True)
         entry["default"] = tables_of(default) if isinstance(default, Description) else default
     if quantity is not None:
-        entry |= told_of(quantity)
+        entry |= quantity_schema(quantity)
         entry["typical"] = list(quantity.typical) if quantity.typical else None
         entry["other_form"] = quantity.other_form
     elif OF_FIELD in field.metadata:
@@ -168,7 +168,7 @@ def _field(name: str, field: Any) -> dict[str, Any]:
 
 
 def _type(annotation: Any) -> str:
-    """Return what stands in a field: see the page's forms."""
+    """Return the type of a field of a form."""
     if members_of(annotation):
         return "members" if is_list(annotation) else "member"
     if is_list(annotation):
@@ -191,7 +191,7 @@ def _words(annotation: Any) -> Iterator[str]:
 
 
 def _marked(field: Any, **names: str) -> dict[str, float]:
-    """Return what marks of a field say, by our names for them."""
+    """Return constraints of a field from its metadata, by their names in the form."""
     return {ours: getattr(part, theirs) for theirs, ours in names.items()
             for part in field.metadata if hasattr(part, theirs)}  # fmt: skip
 
@@ -199,10 +199,10 @@ def _marked(field: Any, **names: str) -> dict[str, float]:
 # ---- words and units --------------------------------------------------------------------------
 
 
-def _units(forms: Mapping[str, Any], told: list[Any]) -> dict[str, Any]:
-    """Return for each SI unit those that its quantities may be told in, the smallest first."""
+def _units(forms: Mapping[str, Any], described: list[Any]) -> dict[str, Any]:
+    """Return for each SI unit the units of its quantities to choose from, the smallest first."""
     places = [f for form in forms.values() for f in form["fields"]]
-    places += [output for kind in told for output in kind["outputs"]]
+    places += [output for kind in described for output in kind["outputs"]]
     shown: dict[str, list[str]] = {}
     for place in places:
         if place["unit"] not in ("", "holder"):

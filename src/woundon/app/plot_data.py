@@ -1,15 +1,14 @@
-"""What the page draws of a result: curves, bounds, zones and marks as plain data.
+"""The panels of a result that the page draws: curves, bounds, zones and marks as plain data.
 
-Each kind's panels here are those of its figures (``show``), told instead of drawn: the page draws
-them while somebody moves a slider.  A kind that is not named below has its arrays drawn over the
-first of them, so that a plug-in's results are seen too.
+They correspond to the panels of the figures, but the page draws them while a slider moves.  For
+kinds that are not named below, arrays are drawn over the first one.
 
 A panel is a dict of
 
 - ``name``, ``column`` (panels of one column share what runs along x), ``x``, ``y``, ``right``: the
   axes, each ``{"label", "quantity"}``; x also ``log`` and ``range``, y also ``floor``
 - ``curves``: ``{"name", "symbol", "label", "role", "dash", "side", "x", "y"}``
-- ``areas``: ``{"label", "shade", "x", "low", "high"}``, what is shaded behind them
+- ``areas``: ``{"label", "shade", "x", "low", "high"}``, shaded behind them
 - ``marks``: ``{"along", "value", "label"}``, lines across
 - ``strips``: ``{"label", "runs": [[zone, from, to], ...]}`` in place of curves, and ``words``
 
@@ -18,7 +17,7 @@ Numbers are SI; what is not finite is None.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -27,29 +26,22 @@ from .. import kinds, quantities
 from ..quantities import Quantity
 from ..report.report_parts import friction_bounds, zone_strips
 from ..results import Result, zone_runs
+from .input_forms import quantity_schema
 
 __all__ = ["panels_of"]
 
 Array = np.ndarray
 Panel = dict[str, Any]
-Told = Callable[[Quantity], Mapping[str, Any]]
 DIGITS = 8  # significant ones: a curve is drawn, the outputs are exact
 POINTS = 241  # of a curve that is known between its nodes too
 
 
-def panels_of(result: Result, told: Told) -> list[Panel]:
-    """Return the panels of a result of any kind.
-
-    Parameters
-    ----------
-    result : Result
-    told : callable
-        What tells a quantity: its symbol, unit and how it is shown.
-    """
+def panels_of(result: Result) -> list[Panel]:
+    """Return the panels of a result of any kind."""
     panels = _PANELS.get(kinds.of(result).name, _any_panels)(result)
     for panel in panels:
         for axis in filter(None, (panel["x"], panel["y"], panel.get("right"))):
-            axis["quantity"] = dict(told(axis["quantity"]))
+            axis["quantity"] = dict(quantity_schema(axis["quantity"]))
     return panels
 
 
@@ -74,7 +66,7 @@ def _curve(
     result: Any, name: str, label: str, role: str, *, x: Array, own: slice = slice(None),
     dash: str = "solid", side: str = "left", y: Array | None = None,
 ) -> dict[str, Any]:  # fmt: skip
-    """Return a curve of an output, or of values ``y`` told in its place."""
+    """Return a curve of an output, or of values ``y`` instead."""
     values = getattr(result, name)[own] if y is None else y
     return {
         "name": name, "symbol": _quantity(result, name).symbol, "label": label, "role": role,
@@ -159,9 +151,9 @@ def _pressures(result: Any, x: Array, own: slice) -> list[Any]:
 
 
 def _bounds(result: Any, own: slice = slice(None)) -> list[dict[str, Any]]:
-    """Return what friction allows, the wider bound first."""
-    told = {"roll_traction": "mu+ p", "drum_traction": "mu- p", "traction": "mu p"}
-    found = [(told[name], values[own]) for name, values in friction_bounds(result).items()]
+    """Return the friction bounds, the wider one first."""
+    labels = {"roll_traction": "mu+ p", "drum_traction": "mu- p", "traction": "mu p"}
+    found = [(labels[name], values[own]) for name, values in friction_bounds(result).items()]
     found.sort(key=lambda one: -float(np.max(one[1])))
     return [
         {"label": label, "shade": shade, "x": _numbers(result.x[own]), "low": _numbers(-values),
@@ -202,7 +194,7 @@ def _wrap_panels(result: Any) -> list[Panel]:
                                dash=dash))  # fmt: skip
         pressures += [
             _curve(result, name, f"on the {face}", face, x=theta, y=pressure[part], dash=line),
-            _curve(result, f"{face}_traction", f"that friction needs on the {face}", face,
+            _curve(result, f"{face}_traction", f"from friction on the {face}", face,
                    x=theta, y=needed, dash="dotted"),
         ]  # fmt: skip
     words = "Angle from the edge of the nip"
@@ -224,7 +216,7 @@ def _wrap_marks(result: Any) -> list[dict[str, Any]]:
     return marks
 
 
-# ---- rollers, rolls, whatever comes -------------------------------------------------------------
+# ---- rollers, rolls, other kinds -------------------------------------------------------------
 
 
 def _roller_panels(result: Any) -> list[Panel]:
@@ -293,7 +285,7 @@ def _compression(result: Any, r: Array, hoop_stress: Array) -> list[Panel]:
 
 
 def _winding_panels(result: Any) -> list[Panel]:
-    """Return the schedules and what the nips made of them, then the roll's panels."""
+    """Return the schedules and the wound-on tension, then the roll's panels."""
 
     def over_radius(name: str, label: str, names: dict[str, tuple[str, str, str]]) -> Panel:
         first = next(iter(names))
@@ -303,7 +295,7 @@ def _winding_panels(result: Any) -> list[Panel]:
                       _axis(label, _quantity(result, first)), curves)  # fmt: skip
 
     tensions = {
-        "web_tension": ("before the nip", "web", "dashdot"),
+        "web_tension": ("upstream of the nip", "web", "dashdot"),
         "wound_on_tension": ("wound on", "roll", "solid"),
     }
     loads = {"nip_load": ("nip load", "drum", "solid"),

@@ -18,6 +18,7 @@ __all__ = [
     "GradeRequest",
     "LabelledCase",
     "Study",
+    "WindowRequest",
 ]
 
 NIP = {
@@ -102,6 +103,18 @@ class FindRequest(_Request):
         description="a number in SI or a text with its unit", examples=["600 N/m"]
     )
     between: tuple[Number, Number] | None = None
+
+
+class WindowRequest(_Request):
+    """A winding and the ranges of its set points at the core."""
+
+    case: Tables
+    web_tension: tuple[Number, Number] = Field(examples=[["200 N/m", "500 N/m"]])
+    nip_load: tuple[Number, Number] = Field(examples=[["1 kN/m", "4 kN/m"]])
+    uncertain: dict[str, float] | str = Field(
+        description="relative standard deviation by field, or the grade that has them",
+        examples=["newsprint"],
+    )
 
 
 class Study(_Request):

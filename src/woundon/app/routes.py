@@ -28,12 +28,21 @@ from starlette.requests import ClientDisconnect
 
 from .. import __version__
 from ..parallel import usable_cores
-from . import computations, documents, study_stream
+from . import computations, documents, study_stream, window_stream
 from .input_forms import catalogue
 from .limits import LIMITS
 from .middleware import COOKIE, middleware
 from .request_errors import REJECTIONS, RequestError
-from .request_models import Case, Cases, CaseText, DesignRequest, FindRequest, GradeRequest, Study
+from .request_models import (
+    Case,
+    Cases,
+    CaseText,
+    DesignRequest,
+    FindRequest,
+    GradeRequest,
+    Study,
+    WindowRequest,
+)
 from .worker_pool import Pool
 
 __all__ = ["application"]
@@ -63,6 +72,7 @@ class Workers:
         self.others = Pool(1, warm_up, seconds=LIMITS["document_seconds"], nice=1)
         self.cases = Pool(size, warm_up, seconds=LIMITS["study_seconds"], nice=10)
         self.studies: dict[str, asyncio.Event] = {}
+        self.window = asyncio.Lock()  # of the only operating window at a time
 
     async def open(self) -> None:
         """Start the processes, first those that are needed first."""
@@ -313,19 +323,34 @@ def _add_studies(app: FastAPI, workers: Workers) -> None:
         if session in studies:
             studies[session].set()
         tables = study.model_dump(exclude_unset=True)
-        begun = await _computed(workers.cases, request, study_stream.begun, tables)
+        started = await _computed(workers.cases, request, study_stream.start_study, tables)
         stopped = asyncio.Event()
         if session:
             studies[session] = stopped
 
+        args = (workers.cases, started, session, request.is_disconnected, stopped)
+
         async def lines() -> AsyncIterator[bytes]:
-            gone = request.is_disconnected
             try:
-                async for line in study_stream.events(workers.cases, begun, session, gone, stopped):
+                async for line in study_stream.events(*args):
                     yield line
             finally:
                 if studies.get(session) is stopped:
                     del studies[session]
+
+        return StreamingResponse(lines(), media_type="application/x-ndjson")
+
+    @app.post("/api/window", tags=["studies"])
+    async def window(request: Request, asked: WindowRequest) -> Response:
+        """Map the probability that a roll keeps its limits; events as those of a study."""
+        if workers.window.locked():
+            raise RequestError(503, "busy", "another operating window is being computed")
+
+        async def lines() -> AsyncIterator[bytes]:
+            async with workers.window:
+                events = window_stream.events(asked.model_dump(), request.is_disconnected)
+                async for line in events:
+                    yield line
 
         return StreamingResponse(lines(), media_type="application/x-ndjson")
 

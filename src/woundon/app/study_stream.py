@@ -1,9 +1,9 @@
-"""Studies of the page: chunks of cases go to the workers of studies, events come back as a stream.
+"""Studies of the page: chunks of cases are solved in workers, events are sent as a stream.
 
-    begun(tables) in a worker --> model and chunks --> solved_cases(...) in the workers --> events
+    start_study(tables) in a worker -> model and chunks -> solve_cases(...) in workers -> events
 
-Two users' studies take turns, chunk by chunk; one that is cancelled, or whose page is gone, leaves
-its workers at once.
+Studies of two sessions take turns, chunk by chunk.  A study ends when it is cancelled or its client
+disconnects.
 """
 
 from __future__ import annotations
@@ -28,16 +28,16 @@ from .limits import LIMITS
 from .request_errors import RequestError
 from .worker_pool import Pool
 
-__all__ = ["begun", "events", "solved_cases"]
+__all__ = ["events", "solve_cases", "start_study"]
 
-CHUNK = 10  # cases in a row, each from the one before; then the page hears of them
-RANK = 5  # behind the small things that a page asks for
+CHUNK = 10  # cases in a chunk, each started from the previous one; then the page is informed
+RANK = 5  # after the shorter requests of a page
 
 
 # ---- in the workers ---------------------------------------------------------------------------
 
 
-def begun(tables: Any) -> tuple[bytes, KindModel, list[Chunk]]:
+def start_study(tables: Any) -> tuple[bytes, KindModel, list[Chunk]]:
     """Return the first event of a study, its model and its chunks.
 
     Raises
@@ -47,7 +47,7 @@ def begun(tables: Any) -> tuple[bytes, KindModel, list[Chunk]]:
         If there are more cases than a page's study may have.
     """
     if not isinstance(tables, Mapping):
-        raise InvalidProblem(f"{quote(tables)} is out of place; must be the tables of a study file")
+        raise InvalidProblem(f"{quote(tables)} is not a table; must be the tables of a study file")
     check_like_a_case(tables)
     _check_size(tables)
     study = study_of_tables({"schema": SCHEMA, **tables}, None)
@@ -69,7 +69,7 @@ def begun(tables: Any) -> tuple[bytes, KindModel, list[Chunk]]:
 
 
 def _check_size(tables: Mapping[str, Any]) -> None:
-    """Refuse a study of too many cases before any of them is made."""
+    """Reject a study of too many cases before any of them is made."""
     over, design = tables.get("over"), tables.get("design", {})
     drawn = design.get("samples") if isinstance(design, Mapping) else None
     entries = list(_entries(over)) if isinstance(over, Mapping) else []
@@ -91,15 +91,15 @@ def _entries(over: Mapping[str, Any]) -> Any:
             yield from _entries(given)
 
 
-def solved_cases(model: KindModel, chunk: Chunk) -> tuple[int, bytes]:
-    """Return how many cases were solved, and the event that tells of them but for the count."""
+def solve_cases(model: KindModel, chunk: Chunk) -> tuple[int, bytes]:
+    """Return the number of cases solved, and their event without the progress."""
     block = solve_chunk(model, chunk)
     values = dict(zip(model.outputs, block.values.T.tolist(), strict=True))
-    told = {
+    event = {
         "event": "cases", "numbers": np.asarray(block.cases).tolist(), "values": values,
         "failures": block.failure.tolist(), "warnings": block.warnings.tolist(),
     }  # fmt: skip
-    return len(block.cases), as_json(told)
+    return len(block.cases), as_json(event)
 
 
 def _line(event: Mapping[str, Any]) -> bytes:
@@ -111,7 +111,7 @@ def _line(event: Mapping[str, Any]) -> bytes:
 
 async def events(
     pool: Pool, study: tuple[bytes, KindModel, list[Chunk]], session: Hashable,
-    gone: Callable[[], Awaitable[bool]], stopped: asyncio.Event,
+    is_disconnected: Callable[[], Awaitable[bool]], stopped: asyncio.Event,
 ) -> AsyncIterator[bytes]:  # fmt: skip
     """Yield the events of a study, a line of JSON each, as they come.
 
@@ -119,41 +119,41 @@ async def events(
     ----------
     pool : Pool
     study
-        As :func:`begun` returned it.
+        As :func:`start_study` returned it.
     session : hashable
-    gone : callable
-        Whether the page is.
+    is_disconnected : callable
+        Whether the client has disconnected.
     stopped : asyncio.Event
-        Is set where the study is to end.
+        Is set to end the study.
     """
     first, model, chunks = study
-    began, done, size = time.monotonic(), 0, sum(len(c.cases) for c in chunks)
+    start, done, size = time.monotonic(), 0, sum(len(c.cases) for c in chunks)
     yield first
     todo = iter(chunks)
     running: set[asyncio.Task[Any]] = set()
     try:
         while True:
             while len(running) < pool.size and (chunk := next(todo, None)) is not None:
-                work = pool.run(solved_cases, model, chunk, rank=RANK, session=session)
+                work = pool.run(solve_cases, model, chunk, rank=RANK, session=session)
                 running.add(asyncio.create_task(work))
             if not running:
-                yield _line({"event": "done", "seconds": time.monotonic() - began})
+                yield _line({"event": "done", "seconds": time.monotonic() - start})
                 return
             ready, running = await asyncio.wait(
                 running, timeout=0.25, return_when=asyncio.FIRST_COMPLETED
             )
             for task in ready:
-                cases, told = task.result()
+                cases, event = task.result()
                 done += cases
-                yield told[:-1] + f',"done":{done},"of":{size}}}\n'.encode()
-            if stopped.is_set() or await gone():
+                yield event[:-1] + f',"done":{done},"of":{size}}}\n'.encode()
+            if stopped.is_set() or await is_disconnected():
                 yield _line({"event": "cancelled"})
                 return
-            if time.monotonic() - began > LIMITS["study_seconds"]:
+            if time.monotonic() - start > LIMITS["study_seconds"]:
                 text = f"the study took longer than {LIMITS['study_seconds']} s"
                 raise RequestError(504, "too-slow", text)
-    except RequestError as refusal:
-        yield b'{"event":"failed","problem":' + refusal.body() + b"}\n"
+    except RequestError as error:
+        yield b'{"event":"failed","problem":' + error.body() + b"}\n"
     finally:
         for task in running:
             task.cancel()

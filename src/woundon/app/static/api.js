@@ -1,13 +1,13 @@
-// The server's answers; what it refuses comes back as a Problem.
+// Requests to the server; a rejected request throws a Problem.
 
 const session = Array.from(crypto.getRandomValues(new Uint8Array(12)), (b) => b.toString(16).padStart(2, "0")).join("");
 
 export class Problem extends Error {
-  constructor(told, status) {
-    super(told.detail || told.title || `error ${status}`);
+  constructor(details, status) {
+    super(details.detail || details.title || `error ${status}`);
     this.status = status;
-    this.errors = told.errors ?? [];
-    this.superseded = String(told.type ?? "").endsWith("superseded");
+    this.errors = details.errors ?? [];
+    this.superseded = String(details.type ?? "").endsWith("superseded");
   }
 }
 
@@ -25,15 +25,15 @@ async function asked(path, body, signal) {
     throw new Problem({ type: "unreachable", detail: "" }, 0);
   }
   if (answer.ok) return answer;
-  const told = await answer.json().catch(() => ({ title: answer.statusText }));
-  throw new Problem(told, answer.status);
+  const details = await answer.json().catch(() => ({ title: answer.statusText }));
+  throw new Problem(details, answer.status);
 }
 
 const json = async (...call) => (await asked(...call)).json();
 const text = async (...call) => (await asked(...call)).text();
 const query = (options) => {
-  const told = new URLSearchParams(Object.entries(options).filter(([, value]) => value != null && value !== false));
-  return told.size ? `?${told}` : "";
+  const fields = new URLSearchParams(Object.entries(options).filter(([, value]) => value != null && value !== false));
+  return fields.size ? `?${fields}` : "";
 };
 
 export const catalogue = () => json("/api/catalogue");
@@ -51,9 +51,9 @@ export const figure = async (format, body) => (await asked(`/api/figure${query({
 export const report = async (body) => (await asked("/api/report", body)).blob();
 export const exhibit = async (name, signal) => (await asked(`/api/thesis/${encodeURIComponent(name)}`, undefined, signal)).blob();
 
-/** A study: calls back with every event; abort the signal to cancel. */
-export async function sweep(study, tell, signal) {
-  const answer = await asked("/api/sweep", study, signal);
+/** A stream of events, one line each; abort the signal to cancel. */
+async function stream(path, body, handle, signal) {
+  const answer = await asked(path, body, signal);
   const reader = answer.body.pipeThrough(new TextDecoderStream()).getReader();
   let rest = "";
   for (;;) {
@@ -61,9 +61,12 @@ export async function sweep(study, tell, signal) {
     if (done) break;
     const lines = (rest + value).split("\n");
     rest = lines.pop();
-    for (const line of lines) if (line) tell(JSON.parse(line));
+    for (const line of lines) if (line) handle(JSON.parse(line));
   }
 }
+
+export const sweep = (study, handle, signal) => stream("/api/sweep", study, handle, signal);
+export const operatingWindow = (body, handle, signal) => stream("/api/window", body, handle, signal);
 
 /** Runs the newest request alone: while one is under way only the last that came waits. */
 export class Newest {

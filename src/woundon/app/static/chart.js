@@ -68,9 +68,9 @@ function zoomTo(name, zoom) {
 
 /** uPlot on a panel of one or more cases; each case is {label, colour, panel}, the live one first. */
 class Chart {
-  constructor(place, tell) {
+  constructor(place, onReading) {
     this.place = place;
-    this.tell = tell;
+    this.onReading = onReading;
     this.plot = null;
     this.key = "";
     this.inSight = true;
@@ -167,7 +167,7 @@ class Chart {
       },
     } : {};
     const { units } = this;
-    const label = (told) => units.label(told.label, told.quantity);
+    const label = (reading) => units.label(reading.label, reading.quantity);
     const floor = panel.y.floor;
     this.plot = new uPlot({
       width: this.place.clientWidth || 320, height, padding: [8, panel.right ? 0 : 20, 0, 0],
@@ -319,17 +319,17 @@ class Chart {
   hover(plot) {
     const { panel } = this.cases[0];
     const { left, idxs } = plot.cursor;
-    if (left == null || left < 0 || plot !== this.plot) return this.tell(null);
+    if (left == null || left < 0 || plot !== this.plot) return this.onReading(null);
     const x = plot.posToVal(left, "x");
     if (panel.strips) {
       const si = x * this.units.of(panel.x.quantity).factor;
       const words = panel.words ?? [];
-      return this.tell({ x, values: this.cases.flatMap((one) => one.panel.strips.map((strip) => {
+      return this.onReading({ x, values: this.cases.flatMap((one) => one.panel.strips.map((strip) => {
         const run = strip.runs.find(([, from, to]) => si >= from && si <= to);
         return run ? words[run[0] + 1] : "";
       })) });
     }
-    return this.tell({ x, values: this.lines.map((_, k) => {
+    return this.onReading({ x, values: this.lines.map((_, k) => {
       const index = idxs?.[k + 1];
       const value = index == null ? null : plot.data[k + 1]?.[index];
       return value == null ? "" : digits(value);
@@ -438,7 +438,7 @@ export function Panel({ title, cases, units, height, theme, description }) {
   const tall = panel.strips ? 18 + 24 * cases.reduce((n, one) => n + one.panel.strips.length, 0) : height;
 
   useLayoutEffect(() => {
-    chart.current = new Chart(place.current, (told) => tellIn(legend.current, told));
+    chart.current = new Chart(place.current, (reading) => showIn(legend.current, reading));
     const watch = new ResizeObserver(() => chart.current?.resize(chart.current.tall_));
     watch.observe(place.current);
     const sight = new IntersectionObserver((entries) => chart.current?.look(entries.at(-1).isIntersecting), { rootMargin: "120px" });
@@ -480,12 +480,12 @@ export function Panel({ title, cases, units, height, theme, description }) {
   </figure>`;
 }
 
-function tellIn(legend, told) {
+function showIn(legend, reading) {
   if (!legend) return;
   const at = legend.querySelector(".at");
-  at.textContent = told ? `${digits(told.x, 4)} ${at.dataset.unit}` : "";
+  at.textContent = reading ? `${digits(reading.x, 4)} ${at.dataset.unit}` : "";
   for (const place of legend.querySelectorAll("[data-value]")) {
-    const value = told?.values[Number(place.dataset.value)] ?? "";
+    const value = reading?.values[Number(place.dataset.value)] ?? "";
     if (place.textContent !== value) place.textContent = value;
   }
 }

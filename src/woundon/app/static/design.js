@@ -1,4 +1,4 @@
-// The inverse: a wanted pressure, drawn by dragging its points, and the tension that leaves it.
+// The inverse problem of a wound roll: a target pressure, drawn by dragging its points, and its tension.
 import * as api from "./api.js";
 import { html, useEffect, useRef, useState } from "./html.js";
 import { LENGTH, Points } from "./points.js";
@@ -10,7 +10,7 @@ import { digits } from "./units.js";
 export const DESIGNED = "roll"; // the kind whose tension can be found
 const TENSION = "wound_on_tension";
 
-/** Points of the pressure that the roll has, to start from; none can be wanted of the surface. */
+/** Points of the roll's pressure to start from; both ends have the mean, since the surface has none. */
 function startOf(result, ends) {
   const { curves: [{ x, y }] } = result.panels.find((panel) => panel.name === "pressure");
   const points = fewer(x.map((r, k) => [r, y[k]]), ends);
@@ -22,11 +22,11 @@ function startOf(result, ends) {
 export function Design({ store }) {
   const { state } = store;
   const [open, setOpen] = useState(false);
-  const [wanted, setWanted] = useState(null); // (share of the way from core to surface, pressure)
+  const [target, setTarget] = useState(null); // (share of the way from core to surface, pressure)
   const [found, setFound] = useState({});
   const newest = useRef(new api.Newest());
   const ends = endsOf(state.solved);
-  const points = (wanted ?? []).map(([share, P]) => [ends[0] + share * (ends[1] - ends[0]), P]);
+  const points = (target ?? []).map(([share, P]) => [ends[0] + share * (ends[1] - ends[0]), P]);
   const { [TENSION]: own, ...roll } = state.solved;
   const asked = JSON.stringify([roll, points]);
   useEffect(() => {
@@ -35,32 +35,32 @@ export function Design({ store }) {
     const pressure = { radius: points.map(([r]) => r), value: points.map(([, P]) => P) };
     newest.current.ask(async (signal) => {
       try {
-        setFound({ told: await api.design(tables, pressure, signal), asked });
+        setFound({ answer: await api.design(tables, pressure, signal), asked });
       } catch (fault) {
         if (fault.name !== "AbortError" && !fault.superseded) setFound((old) => ({ ...old, fault: store.textOf(fault) }));
       }
     });
   }, [open, asked]);
   useEffect(() => () => newest.current.drop(), []);
-  const toggle = (event) => { setWanted(wanted ?? startOf(state.result, ends)); setOpen(event.target.open); };
-  const put = (next) => setWanted(next.map(([r, P]) => [(r - ends[0]) / (ends[1] - ends[0]), Number(P.toPrecision(4))]));
+  const toggle = (event) => { setTarget(target ?? startOf(state.result, ends)); setOpen(event.target.open); };
+  const put = (next) => setTarget(next.map(([r, P]) => [(r - ends[0]) / (ends[1] - ends[0]), Number(P.toPrecision(4))]));
   const take = () => {
     if (!store.full) store.pin();
-    store.change(TENSION, found.told.tension);
+    store.change(TENSION, found.answer.tension);
   };
   return html`<details class="tab-card design" open=${open} onToggle=${toggle}>
     <summary><h2>${T.design.title}</h2></summary>
     ${open && html`<p>${T.design.about}</p>
-      <${Points} ...${{ store, quantity: store.output("pressure"), points, ends, put, name: T.design.wanted }} />
+      <${Points} ...${{ store, quantity: store.output("pressure"), points, ends, put, name: T.design.target }} />
       ${found.fault && html`<p class="fault" role="alert">${found.fault}</p>`}
-      ${found.told && html`<${Found} store=${store} found=${found} own=${own} />
+      ${found.answer && html`<${Found} store=${store} found=${found} own=${own} />
         <button type="button" class="primary" disabled=${!!found.fault || found.asked !== asked} onClick=${take}>${T.design.take}</button>
         <span class="quiet"> ${store.full ? T.design.full : T.design.pins}</span>`}`}
   </details>`;
 }
 
-/** The tension found beside that of the case, and the pressures: of the case, wanted, reached. */
-function Found({ store, found: { told, fault }, own }) {
+/** The tension found and that of the case; the pressures of the case, the target and the result. */
+function Found({ store, found: { answer, fault }, own }) {
   const { units, state } = store;
   const pressure = store.output("pressure");
   const now = pointsOf(own, endsOf(state.solved));
@@ -73,15 +73,15 @@ function Found({ store, found: { told, fault }, own }) {
   const tension = store.fieldAt(TENSION);
   const shown = [
     [T.design.tension, panel("design_tension", T.design.tension, tension, [
-      curve(tension.symbol, T.design.found, "roll", "solid", told.tension.radius, told.tension.value),
+      curve(tension.symbol, T.design.found, "roll", "solid", answer.tension.radius, answer.tension.value),
       curve(tension.symbol, T.design.now, "web", "dashdot", now.map(([r]) => r), now.map(([, v]) => v))])],
     [T.design.pressure, panel("design_pressure", T.design.pressure, pressure, [
-      curve(pressure.symbol, T.design.reached, "roll", "solid", told.radius, told.reached),
-      curve(pressure.symbol, T.design.wanted, "drum", "dashed", told.radius, told.wanted),
+      curve(pressure.symbol, T.design.reached, "roll", "solid", answer.radius, answer.reached),
+      curve(pressure.symbol, T.design.target, "drum", "dashed", answer.radius, answer.wanted),
       curve(pressure.symbol, T.design.now, "web", "dashdot", before.x, before.y)])],
   ];
   const size = (quantity, value) => `${digits(units.shown(quantity, value), 3)} ${units.text(quantity)}`;
-  return html`<div class=${fault ? "stale" : ""}><p class="quiet">${told.outer_layer > 0
-    ? T.design.layer(size(LENGTH, told.outer_layer), size(pressure, told.surface_miss)) : T.design.met}</p>
+  return html`<div class=${fault ? "stale" : ""}><p class="quiet">${answer.outer_layer > 0
+    ? T.design.layer(size(LENGTH, answer.outer_layer), size(pressure, answer.surface_miss)) : T.design.met}</p>
     <div class="panels">${shown.map(([title, cases]) => html`<div class="panel-cell" key=${title}><${OnePanel} store=${store} name=${cases[0].panel.name} title=${title} cases=${cases} /></div>`)}</div></div>`;
 }

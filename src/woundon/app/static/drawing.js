@@ -64,7 +64,7 @@ function Body({ body, cx, cy, scale, side, size, up }) {
     ${core > 0 && html`<circle cx=${cx} cy=${cy} r=${core * scale} class=${`core ${body.core ?? ""}`} />`}
     <path d=${`M${cx - 4} ${cy}h8M${cx} ${cy - 4}v8`} class="centre" />
     <text x=${cx} y=${base} class="name">${label}</text>
-    <text x=${cx} y=${base + 14} class="told">R ${size(body.radius)}${body.rigid ? `, ${T.drawing.rigid}` : ""}</text>
+    <text x=${cx} y=${base + 14} class="radius">R ${size(body.radius)}${body.rigid ? `, ${T.drawing.rigid}` : ""}</text>
   </g>`;
 }
 

@@ -20,8 +20,8 @@ function save(blob, name) {
 
 export function linkOf(store) {
   const { kind, case: tables, system, tab, pins } = store.state;
-  const told = { kind, case: tables, system, tab, pins: pins.map((pin) => ({ label: pin.label, kind: pin.kind, case: pin.case })) };
-  const bytes = new TextEncoder().encode(JSON.stringify(told));
+  const state = { kind, case: tables, system, tab, pins: pins.map((pin) => ({ label: pin.label, kind: pin.kind, case: pin.case })) };
+  const bytes = new TextEncoder().encode(JSON.stringify(state));
   const code = btoa(String.fromCharCode(...bytes)).replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "");
   return `${location.origin}${location.pathname}#${code}`;
 }
@@ -33,22 +33,22 @@ export async function restore(store) {
   try {
     if (code.length > LONGEST) throw new Error("too long");
     const bytes = Uint8Array.from(atob(code.replaceAll("-", "+").replaceAll("_", "/")), (c) => c.charCodeAt(0));
-    const told = JSON.parse(new TextDecoder().decode(bytes));
+    const state = JSON.parse(new TextDecoder().decode(bytes));
     const plain = (thing) => thing && typeof thing === "object" && !Array.isArray(thing);
-    if (!store.kindOf(told.kind) || !plain(told.case)) throw new Error("no case");
+    if (!store.kindOf(state.kind) || !plain(state.case)) throw new Error("no case");
     // the server says whether it is a case, before anything of it is drawn
-    await api.solve(told.case, {});
-    const pins = (Array.isArray(told.pins) ? told.pins : []).slice(0, 4)
+    await api.solve(state.case, {});
+    const pins = (Array.isArray(state.pins) ? state.pins : []).slice(0, 4)
       .filter((pin) => store.kindOf(pin?.kind) && plain(pin.case) && /^[A-D]$/.test(pin.label));
-    if (store.catalogue.systems[told.system]) store.set({ system: told.system });
-    if (["case", "study", "winding", "thesis"].includes(told.tab)) store.set({ tab: told.tab });
+    if (store.catalogue.systems[state.system]) store.set({ system: state.system });
+    if (["case", "study", "winding", "window", "thesis"].includes(state.tab)) store.set({ tab: state.tab });
     const solved = []; // one after the other: of several at once the newest wins
     for (const pin of pins) {
       const result = await api.solve(pin.case, {}).catch(() => null);
       if (result) solved.push({ ...pin, result, extras: {} });
     }
     store.set({ pins: solved });
-    store.take(told.kind, told.case);
+    store.take(state.kind, state.case);
     return true;
   } catch {
     store.say(T.menu.linkBroken);
@@ -60,12 +60,12 @@ export async function restore(store) {
 
 async function open(store, file) {
   if (!file) return;
-  if (file.size > MOST) return store.refused({ errors: [], message: T.menu.tooBig(`${digits(file.size / 1e6, 3)} MB`) });
+  if (file.size > MOST) return store.showErrors({ errors: [], message: T.menu.tooBig(`${digits(file.size / 1e6, 3)} MB`) });
   let toml;
   try {
     toml = new TextDecoder("utf-8", { fatal: true }).decode(await file.arrayBuffer());
   } catch {
-    return store.refused({ errors: [], message: T.menu.notText });
+    return store.showErrors({ errors: [], message: T.menu.notText });
   }
   try {
     const { kind, problem } = await api.readCase(toml);
@@ -73,7 +73,7 @@ async function open(store, file) {
     store.take(kind, problem);
     store.say(T.menu.opened(file.name));
   } catch (fault) {
-    store.refused({ ...fault, errors: [], message: fault.errors?.map((e) => (e.field ? `${e.field}: ${e.message}` : e.message)).join("\n") || fault.message });
+    store.showErrors({ ...fault, errors: [], message: fault.errors?.map((e) => (e.field ? `${e.field}: ${e.message}` : e.message)).join("\n") || fault.message });
   }
 }
 
@@ -88,20 +88,20 @@ function seen(store) {
 /** The units of a system as the command line takes them: by path or output. */
 function unitsOf(store) {
   if (store.units.name === "SI") return undefined;
-  const told = {};
-  for (const output of store.kind.outputs) if (!output.whole && output.unit !== "1") told[output.name] = store.units.of(output).name;
+  const chosen = {};
+  for (const output of store.kind.outputs) if (!output.whole && output.unit !== "1") chosen[output.name] = store.units.of(output).name;
   const walk = (tables, prefix) => {
     for (const [name, value] of Object.entries(tables)) {
       const path = prefix ? `${prefix}.${name}` : name;
       if (value && typeof value === "object") walk(value, path);
       else if (typeof value === "number") {
         const field = store.fieldAt(path);
-        if (field?.unit && field.unit !== "1" && field.unit !== "holder") told[path] = store.units.of(field).name;
+        if (field?.unit && field.unit !== "1" && field.unit !== "holder") chosen[path] = store.units.of(field).name;
       }
     }
   };
   walk(store.state.solved, "");
-  return told;
+  return chosen;
 }
 
 /** What the panels show as a table: a block for every x. */
@@ -144,7 +144,7 @@ export function Menu({ store }) {
     try {
       await work();
     } catch (fault) {
-      store.refused({ ...fault, errors: [], message: fault.message });
+      store.showErrors({ ...fault, errors: [], message: fault.message });
     }
   };
   const name = (ending) => `${store.state.kind}.${ending}`;

@@ -22,7 +22,7 @@ export function Form({ store }) {
   </form>`;
 }
 
-/** Drawn anew only where one of its own fields has changed: a slider moves one of a hundred. */
+/** Redrawn only if one of its own fields has changed: a slider changes one of a hundred. */
 function Group({ store, group: { name, title, fields }, open }) {
   const { state, units } = store;
   return useMemo(() => html`<details class="group" open=${open} data-group=${name}>
@@ -47,9 +47,9 @@ function Fault({ path, text }) {
 /** The limits in the units that are shown. */
 function limitsText(units, field) {
   const signs = { gt: ">", ge: "≥", lt: "<", le: "≤" };
-  const told = Object.entries(signs).filter(([name]) => field.limits?.[name] != null)
+  const limits = Object.entries(signs).filter(([name]) => field.limits?.[name] != null)
     .map(([name, sign]) => `${sign} ${digits(units.shown(field, field.limits[name]), 6)}`);
-  return (told.join(` ${T.and} `) || T.form.finite) + (units.text(field) ? ` ${units.text(field)}` : "");
+  return (limits.join(` ${T.and} `) || T.form.finite) + (units.text(field) ? ` ${units.text(field)}` : "");
 }
 
 function within(field, value) {
@@ -85,7 +85,7 @@ function NumberField({ store, field, path }) {
   useEffect(() => { setTyped((old) => (document.activeElement?.id === idOf(path) ? old : null)); setFault(""); }, [value, units.name]);
   const unit = units.text(field);
   const start = at(store.kind.example, path);
-  const told = store.faultAt(path);
+  const error = store.faultAt(path);
 
   const take = (text) => {
     setTyped(text);
@@ -99,20 +99,20 @@ function NumberField({ store, field, path }) {
   const leave = () => { if (!fault) setTyped(null); store.moving = false; };
   const reset = () => { setTyped(null); setFault(""); store.change(path, start); };
   const known = start !== undefined || field.optional; // something to go back to
-  const differs = known && (told || value !== start);
+  const differs = known && (error || value !== start);
 
-  return html`<div class=${`field number${told ? " wrong" : ""}`} data-path=${path}>
+  return html`<div class=${`field number${error ? " wrong" : ""}`} data-path=${path}>
     <label for=${idOf(path)}>${field.label} <span class="symbol"><${Symbol} of=${field.symbol} /></span></label>
     ${field.typical ? html`<${Slider} ...${{ store, field, path, value, unit }} />` : html`<span class="no-slider"></span>`}
     <input id=${idOf(path)} class="box" type="text" inputmode="decimal" autocomplete="off" spellcheck=${false}
       value=${typed ?? plain(units.shown(field, value))} placeholder=${field.optional ? T.form.none : ""}
-      aria-invalid=${told ? "true" : "false"} aria-describedby=${told ? `${idOf(path)}-fault` : undefined}
+      aria-invalid=${error ? "true" : "false"} aria-describedby=${error ? `${idOf(path)}-fault` : undefined}
       onInput=${(event) => take(event.target.value)} onBlur=${leave}
       onKeyDown=${(event) => { if (event.key === "Escape") { setTyped(null); setFault(""); } }} />
     <span class="unit" aria-hidden="true">${unit}</span>
     <button type="button" class="reset" title=${T.form.reset} aria-label=${`${T.form.reset}: ${field.label}`}
       disabled=${!differs} onClick=${reset}>↺</button>
-    <${Fault} path=${path} text=${told} />
+    <${Fault} path=${path} text=${error} />
   </div>`;
 }
 
@@ -164,13 +164,13 @@ function Numbers({ store, field, path }) {
     setFault("");
     store.change(path, list.length || !field.optional ? list : undefined);
   };
-  const told = store.faultAt(path);
-  return html`<div class=${`field list${told ? " wrong" : ""}`} data-path=${path}>
+  const error = store.faultAt(path);
+  return html`<div class=${`field list${error ? " wrong" : ""}`} data-path=${path}>
     <label for=${idOf(path)}>${field.label || field.name} <span class="symbol"><${Symbol} of=${field.symbol || ""} /></span>
       <span class="unit">${pairs || !units.text(field) ? "" : ` [${units.text(field)}]`}</span></label>
-    <textarea id=${idOf(path)} rows="4" spellcheck=${false} value=${typed ?? written()} aria-invalid=${told ? "true" : "false"}
+    <textarea id=${idOf(path)} rows="4" spellcheck=${false} value=${typed ?? written()} aria-invalid=${error ? "true" : "false"}
       onInput=${(event) => take(event.target.value)} onBlur=${() => { if (!fault) setTyped(null); }}></textarea>
-    <${Fault} path=${path} text=${told} />
+    <${Fault} path=${path} text=${error} />
   </div>`;
 }
 

@@ -12,8 +12,9 @@ import { Study } from "./study.js";
 import { T } from "./texts.js";
 import { Thesis } from "./thesis.js";
 import { Winding } from "./winding.js";
+import { Window } from "./window.js";
 
-const TABS = ["case", "study", "winding", "thesis"];
+const TABS = ["case", "study", "winding", "window", "thesis"];
 const tabsOf = ({ catalogue }) => TABS.filter((name) => name !== "thesis" || catalogue.exhibits?.length);
 const ROLLS = ["roll", "winding"]; // shown in a tab of their own, the quick one first
 
@@ -38,7 +39,7 @@ function Page({ store }) {
     dark.addEventListener("change", repaint);
     return () => { removeEventListener("keydown", keys); dark.removeEventListener("change", repaint); };
   }, [store]);
-  const views = { case: Case, study: Study, winding: Winding, thesis: Thesis };
+  const views = { case: Case, study: Study, winding: Winding, window: Window, thesis: Thesis };
   // while a slider moves, the form does not wait for the answer, nor the answer for the form
   const form = useMemo(() => html`<${Form} store=${store} />`, [state.kind, state.case, state.grade, state.faults, state.misread, state.system]);
   return html`<a class="skip" href="#results" onClick=${(event) => { event.preventDefault(); document.getElementById("results").focus(); }}>${T.skip}</a>
@@ -56,7 +57,7 @@ function Page({ store }) {
 
 function Header({ store }) {
   const { state, catalogue } = store;
-  const kinds = catalogue.kinds.filter((kind) => (state.tab === "winding" ? ROLLS.includes(kind.name) : !ROLLS.includes(kind.name)));
+  const kinds = catalogue.kinds.filter((kind) => (["winding", "window"].includes(state.tab) ? ROLLS.includes(kind.name) : !ROLLS.includes(kind.name)));
   return html`<header class="top">
     <h1><img src="/static/icon.svg" width="26" height="26" alt="" /><span>${T.title}</span></h1>
     <${Tabs} store=${store} />
@@ -80,6 +81,7 @@ function Tabs({ store }) {
     const { kind } = store.state;
     store.set({ tab: name });
     const roll = ROLLS.includes(kind);
+    if (name === "window" && kind !== "winding") store.goTo("winding");
     if (name === "winding" && !roll) store.goTo(ROLLS.find((one) => store.kindOf(one)));
     if (name === "case" && roll) store.goTo(store.state.nip ?? "nip");
   };

@@ -1,4 +1,4 @@
-// What a solved case says: numbers with errors, certificate, warnings, panels, differences.
+// The results of a case: numbers with errors, certificate, warnings, panels, differences.
 import { at, same } from "./cases.js";
 import { colourOf, Panel } from "./chart.js";
 import { Drawing } from "./drawing.js";
@@ -13,7 +13,7 @@ const ROWS = 33; // of a table of a panel
 
 // ---- numbers ----
 
-/** The outputs that are told large: the kind's own, and those with an estimated error. */
+/** The outputs on cards: the kind's own, and those with an estimated error. */
 export function headlines(kind, result) {
   const { outputs } = result;
   const scalars = kind.outputs.filter((output) => !output.array && outputs[output.name]?.value != null);
@@ -21,9 +21,9 @@ export function headlines(kind, result) {
   const main = named(kind.main);
   const usual = named(T.order);
   if (usual.length >= 3) return [...new Set([...main, ...usual])];
-  const told = scalars.filter((output) => outputs[output.name].error != null && !main.includes(output));
-  const rest = scalars.filter((output) => !main.includes(output) && !told.includes(output) && !output.whole);
-  return [...main, ...told, ...(main.length + told.length > 2 ? [] : rest.slice(0, 7))];
+  const estimated = scalars.filter((output) => outputs[output.name].error != null && !main.includes(output));
+  const rest = scalars.filter((output) => !main.includes(output) && !estimated.includes(output) && !output.whole);
+  return [...main, ...estimated, ...(main.length + estimated.length > 2 ? [] : rest.slice(0, 7))];
 }
 
 const ROUNDING = 1e-14; // [SI]: smaller values within their errors are zero, as the offset of equal rollers
@@ -42,7 +42,7 @@ export function errorText(units, output, { value, error }) {
 }
 
 /** The answer in one line: of a nip in the shown units, else as the reports have it. */
-function answer({ units, kind, state: { result } }) {
+function answerText({ units, kind, state: { result } }) {
   const [total, added] = ["wound_on_tension", "nip_induced_tension"].map((name) => kind.outputs.find((output) => output.name === name && !output.array));
   const web = result.problem.web_tension;
   if (!total || !added || typeof web !== "number") return result.answer[0] ?? "";
@@ -60,15 +60,15 @@ export function Numbers({ store }) {
   const { units, kind, state } = store;
   const { result } = state;
   return html`<section class="numbers" aria-label=${T.results.numbers}>
-    <p class="answer">${answer(store)}</p>
+    <p class="answer">${answerText(store)}</p>
     ${headlines(kind, result).map((output) => {
-      const told = result.outputs[output.name];
+      const entry = result.outputs[output.name];
       return html`<div class=${`number-card${kind.main.includes(output.name) ? " main" : ""}`} key=${output.name} data-output=${output.name}
           title=${output.label}>
         <div class="what"><span class="symbol"><${Symbol} of=${output.symbol} /></span> ${output.label}</div>
-        <div class="much"><output class="value" data-si=${told.value}>${digits(units.shown(output, valueOf(told)))}</output>
+        <div class="much"><output class="value" data-si=${entry.value}>${digits(units.shown(output, valueOf(entry)))}</output>
           <span class="unit">${units.text(output)}</span></div>
-        <div class="error" title=${T.results.error}>${errorText(units, output, told)}</div>
+        <div class="error" title=${T.results.error}>${errorText(units, output, entry)}</div>
         ${store.pinned.map((pin) => html`<div class=${`versus pin-${pin.label}`} key=${pin.label}><b>${pin.label}</b>
           ${digits(units.shown(output, pin.result.outputs[output.name]?.value))}</div>`)}
       </div>`;
@@ -97,8 +97,8 @@ export function Verdict({ store }) {
     ${wrong && html`<${Errors} store=${store} consequence=${T.results.shown} />`}
     <details class=${`certificate ${style}`}>
       <summary><span class="mark" aria-hidden="true">${mark}</span> ${wrong && `${T.results.earlier} `}${certificate.text}</summary>
-      <table><caption>${T.results.laws}</caption><thead><tr><th scope="col">${T.results.law}</th><th scope="col">${T.results.violation}</th></tr></thead>
-        <tbody>${Object.entries(certificate.laws).map(([law, value]) => html`<tr><th scope="row">${law.replaceAll("_", " ")}</th>
+      <table><caption>${T.results.conditions}</caption><thead><tr><th scope="col">${T.results.condition}</th><th scope="col">${T.results.violation}</th></tr></thead>
+        <tbody>${Object.entries(certificate.conditions).map(([condition, value]) => html`<tr><th scope="row">${condition.replaceAll("_", " ")}</th>
           <td>${value == null ? "–" : value.toExponential(1)}</td></tr>`)}</tbody></table>
     </details>
     ${warnings.length > 0 && html`<details class="warnings" open=${warnings.length < 3}><summary><span class="mark" aria-hidden="true">!</span> ${T.results.warnings} (${warnings.length})</summary>
@@ -149,7 +149,7 @@ export function OnePanel({ store, name, cases, title, height = 200 }) {
   </div>`;
 }
 
-/** What a panel shows, for those who cannot see it. */
+/** The curves of a panel as tables. */
 function Table({ store, title, cases }) {
   const { units } = store;
   const { panel } = cases[0];
@@ -194,17 +194,17 @@ function useInSight(store, name) {
 const ROLES = ["roll", "drum", "web"];
 const LINES = ["solid", "dashed", "dashdot"];
 
-function curvePanel(store, kind, told) {
-  const names = Object.keys(told.outputs).filter((name) => !/error/.test(name));
-  const field = store.catalogue.forms[kind.form].fields.find((one) => one.name === told.field);
+function curvePanel(store, kind, answer) {
+  const names = Object.keys(answer.outputs).filter((name) => !/error/.test(name));
+  const field = store.catalogue.forms[kind.form].fields.find((one) => one.name === answer.field);
   const first = store.output(names[0], kind);
   return {
-    name: "curve", column: "curve", x: { label: field.label, quantity: field, range: [told.values[0], told.values.at(-1)] },
+    name: "curve", column: "curve", x: { label: field.label, quantity: field, range: [answer.values[0], answer.values.at(-1)] },
     y: { label: first.unit === "N/m" ? T.panels.tensions : first.label, quantity: first }, areas: [],
-    marks: [{ along: "y", value: told.at, label: "" }],
+    marks: [{ along: "y", value: answer.at, label: "" }],
     curves: names.filter((name) => store.output(name, kind).unit === first.unit).map((name, k) => ({
       name, symbol: store.output(name, kind).symbol, label: "", role: ROLES[k % 3], dash: LINES[k % 3], side: "left",
-      x: told.values, y: told.outputs[name],
+      x: answer.values, y: answer.outputs[name],
     })),
   };
 }
@@ -212,10 +212,10 @@ function curvePanel(store, kind, told) {
 function Curve({ store }) {
   const { kind } = store;
   const place = useInSight(store, "curve");
-  const { told, stale } = store.extra("curve");
+  const { answer, stale } = store.extra("curve");
   if (!store.loadOf(kind)) return null;
-  if (!told || !at(store.state.case, told.field)) return html`<div class="curve-cell" ref=${place}><p class="quiet waits">${T.panels.waits}</p></div>`;
-  const cases = states(store, (state) => state.extras.curve?.kind === kind.name && state.extras.curve.told && curvePanel(store, kind, state.extras.curve.told));
+  if (!answer || !at(store.state.case, answer.field)) return html`<div class="curve-cell" ref=${place}><p class="quiet waits">${T.panels.waits}</p></div>`;
+  const cases = states(store, (state) => state.extras.curve?.kind === kind.name && state.extras.curve.answer && curvePanel(store, kind, state.extras.curve.answer));
   const label = cases[0].panel.x.label;
   return html`<div class=${`curve-cell${stale ? " stale" : ""}`} ref=${place}><${OnePanel} store=${store} name="curve" cases=${cases} title=${T.panels.curve(cases[0].panel.y.label, label)} /></div>`;
 }
@@ -224,22 +224,22 @@ function Curve({ store }) {
 function Bars({ store }) {
   const place = useInSight(store, "bars");
   const [chosen, choose] = useState(null);
-  const { told: bars, stale } = store.extra("bars");
+  const { answer: bars, stale } = store.extra("bars");
   if (!store.loadOf(store.kind)) return null;
   if (!bars?.parameters?.length) return html`<div class="bars" ref=${place}><p class="quiet waits">${T.panels.waits}</p></div>`;
   const row = Math.max(0, bars.outputs.indexOf(chosen));
   const output = store.output(bars.outputs[row]);
-  const told = bars.parameters.map((name, k) => ({ name, value: bars.elasticities[row][k] }))
+  const rows = bars.parameters.map((name, k) => ({ name, value: bars.elasticities[row][k] }))
     .filter((one) => Number.isFinite(one.value) && one.value !== 0)
     .sort((a, b) => Math.abs(b.value) - Math.abs(a.value)).slice(0, BARS);
-  const most = Math.max(...told.map((one) => Math.abs(one.value)), 1e-12);
+  const most = Math.max(...rows.map((one) => Math.abs(one.value)), 1e-12);
   return html`<figure class=${`panel bars${stale ? " stale" : ""}`} data-panel="bars" ref=${place}>
     <figcaption><h3>${T.panels.bars}</h3>
       <label class="inline"><span class="hidden">${T.study.output}</span><select value=${output.name} onChange=${(event) => choose(event.target.value)}>
         ${bars.outputs.map((name) => html`<option value=${name} selected=${name === output.name}>${store.output(name).label}</option>`)}</select></label>
     </figcaption>
     <p class="quiet">${T.panels.barsOf(symbolText(output.symbol))}</p>
-    <table class="bar-table"><caption class="hidden">${T.panels.bars}</caption><tbody>${told.map(({ name, value }) => html`<tr key=${name}>
+    <table class="bar-table"><caption class="hidden">${T.panels.bars}</caption><tbody>${rows.map(({ name, value }) => html`<tr key=${name}>
       <th scope="row">${name}</th>
       <td class="bar-cell"><span class="bar-track"><span class=${`bar ${value < 0 ? "less" : "more"}`} style=${{ width: `${(50 * Math.abs(value)) / most}%` }}></span></span></td>
       <td class="bar-value">${value > 0 ? "+" : ""}${digits(value, 2)}</td></tr>`)}</tbody></table>
@@ -249,7 +249,7 @@ function Bars({ store }) {
 // ---- the report's sections ----
 
 export function Sections({ store }) {
-  const { told: report, stale } = store.extra("report");
+  const { answer: report, stale } = store.extra("report");
   return useMemo(() => report && html`<details class=${`sections${stale ? " stale" : ""}`} open>
     <summary>${T.results.report}</summary>
     <div class="section-grid">${report.map((section) => html`<section key=${section.title}><h3>${section.title}</h3>
@@ -262,15 +262,15 @@ export function Sections({ store }) {
 /** A row of the report in the chosen units. */
 function SectionValue({ store, row }) {
   const entry = Object.entries(store.catalogue.units).find(([, known]) => known.some((unit) => unit.name === row.unit));
-  if (typeof row.value !== "number" || !entry || !row.unit) return html`<td class="value">${row.value_text} ${row.error_text && `± ${row.error_text}`}</td><td class="told">${row.unit}</td>`;
+  if (typeof row.value !== "number" || !entry || !row.unit) return html`<td class="value">${row.value_text} ${row.error_text && `± ${row.error_text}`}</td><td class="unit-cell">${row.unit}</td>`;
   const quantity = { unit: entry[0], shown_unit: row.unit };
   const { factor } = entry[1].find((unit) => unit.name === row.unit);
   const ratio = factor / store.units.of(quantity).factor;
   const error = row.error_text && (row.error_text.startsWith("<") ? `<${digits(Number(row.error_text.slice(1)) * ratio, 1)}` : digits(Number(row.error_text) * ratio, 2));
-  return html`<td class="value">${ratio === 1 ? row.value_text : digits(row.value * ratio)} ${error && `± ${error}`}</td><td class="told">${store.units.text(quantity)}</td>`;
+  return html`<td class="value">${ratio === 1 ? row.value_text : digits(row.value * ratio)} ${error && `± ${error}`}</td><td class="unit-cell">${store.units.text(quantity)}</td>`;
 }
 
-// ---- pinned states beside the live one ----
+// ---- pinned states ----
 
 export function Pins({ store }) {
   const { pins } = store.state;

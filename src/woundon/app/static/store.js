@@ -1,11 +1,11 @@
-// What the page knows: the case, its history, the last good picture, the pinned states.
+// The state of the page: the case, its history, the last valid result, the pinned states.
 import * as api from "./api.js";
 import { changed, fieldsOf, held, memberOf, same, started } from "./cases.js";
 import { useEffect, useState } from "./html.js";
 import { Units, usual } from "./units.js";
 
 const PINS = 4;
-const REST = 220; // [ms] without a change: then what is slower is asked for
+const REST = 220; // [ms] without a change, after which slower answers are requested
 const KEPT = 200; // steps of undo
 const NO_FAULTS = Object.freeze({});
 
@@ -20,7 +20,7 @@ export class Store {
       kind: first.name, case: first.example, system: kept("system", "SI"), theme: kept("theme", ""),
       tab: "case", past: [], future: [], faults: NO_FAULTS, misread: NO_FAULTS, problem: "",
       result: null, solved: null, extras: {}, busy: false, rough: false, pins: [], tables: false,
-      others: {}, study: null, message: "", grade: null,
+      others: {}, study: null, window: null, message: "", grade: null,
     };
     this.units = new Units(catalogue, this.state.system);
   }
@@ -89,7 +89,7 @@ export class Store {
     return this.units.message(message, this.fieldAt(path) ?? (unit ? usual(unit) : null));
   }
 
-  /** A refusal of the server in the units that are shown. */
+  /** An error of the server in the units that are shown. */
   textOf(fault) {
     return fault.errors.map(({ field, message, unit }) => `${field && `${field}: `}${this.messageOf(field, { message, unit })}`).join("\n") || fault.message;
   }
@@ -150,7 +150,7 @@ export class Store {
       this.take(kind, problem);
       this.set({ grade: { name, web: webOf(problem) } });
     } catch (fault) {
-      this.refused(fault);
+      this.showErrors(fault);
     }
   }
 
@@ -180,7 +180,7 @@ export class Store {
     this.solve();
   }
 
-  /** Go on with another kind: what the two have in common stays. */
+  /** Change the kind; values that both kinds have stay. */
   goTo(name) {
     const { case: now, kind, others } = this.state;
     const next = this.kindOf(name);
@@ -194,7 +194,7 @@ export class Store {
 
   // ---- the picture ----
 
-  /** Solve; a slider that moves has each answer from the one before, and the exact one at rest. */
+  /** Solve; while a slider moves, each solve starts from the previous one; at rest it is solved again without. */
   solve(moving = false) {
     clearTimeout(this.resting);
     this.filling?.abort();
@@ -217,12 +217,12 @@ export class Store {
     } catch (fault) {
       if (fault.name === "AbortError" || fault.superseded) return;
       if (tables !== this.state.case) return;
-      this.refused(fault);
+      this.showErrors(fault);
     }
   }
 
-  /** Tell a refusal at its fields; the last good picture stays. */
-  refused(fault) {
+  /** Show the errors of a request at their fields; the last valid results stay. */
+  showErrors(fault) {
     const faults = {};
     const left = [];
     for (const { field, message, unit } of fault.errors) {
@@ -233,7 +233,7 @@ export class Store {
     this.set({ faults, problem: left.join("\n"), unreachable: fault.status === 0, busy: false, rough: false });
   }
 
-  /** At rest: the answer to its last digit, then what takes longer and is in sight. */
+  /** At rest: the converged result, then slower answers that are in sight. */
   rest(moving) {
     const { kind, case: tables } = this.state;
     const fill = () => { if (tables === this.state.case && tables === this.state.solved) this.fill(); };
@@ -244,18 +244,18 @@ export class Store {
     });
   }
 
-  /** Something that takes longer has come into sight, or gone out of it. */
+  /** A slower answer has come into sight, or out of sight. */
   want(name, inSight) {
     if (inSight) this.wanted.add(name);
     else this.wanted.delete(name);
     if (inSight && !this.state.busy) this.fill();
   }
 
-  /** What is told of this very case; of an earlier one it is stale. */
+  /** An additional answer; it is stale if it is that of an earlier case. */
   extra(name) {
     const found = this.state.extras[name];
     const known = found?.kind === this.state.kind ? found : null;
-    return { told: known?.told ?? null, stale: known?.of !== this.state.case };
+    return { answer: known?.answer ?? null, stale: known?.of !== this.state.case };
   }
 
   async fill() {
@@ -265,22 +265,22 @@ export class Store {
     const tables = this.state.case;
     const field = this.loadOf(this.kind);
     const ask = {
-      report: () => api.solve(tables, { report: true }, signal).then((told) => told.sections),
+      report: () => api.solve(tables, { report: true }, signal).then((answer) => answer.sections),
       curve: () => field && api.curve(tables, { field, points: 13 }, signal),
       bars: () => field && api.sensitivities(tables, signal),
     };
     for (;;) {
       const name = ["report", ...this.wanted].find((one) => this.extra(one).stale);
       if (!name || signal.aborted || tables !== this.state.case) break;
-      const told = await Promise.resolve(ask[name]()).catch(() => null);
+      const answer = await Promise.resolve(ask[name]()).catch(() => null);
       if (signal.aborted || tables !== this.state.case) break;
-      this.keep(name, tables, told);
+      this.keep(name, tables, answer);
     }
     if (this.filling?.signal === signal) this.filling = null;
   }
 
-  keep(name, of, told) {
-    this.set({ extras: { ...this.state.extras, [name]: { kind: this.state.kind, of, told } } });
+  keep(name, of, answer) {
+    this.set({ extras: { ...this.state.extras, [name]: { kind: this.state.kind, of, answer } } });
   }
 
   /** The field against which the outputs are drawn around the working point. */
@@ -316,7 +316,7 @@ export class Store {
     this.set({ [name]: value });
   }
 
-  /** A short word to all who see or hear the page. */
+  /** Show a short message, which screen readers read too. */
   say(message) {
     clearTimeout(this.saying);
     this.set({ message });
@@ -331,7 +331,7 @@ function kept(name, otherwise) {
   try { return localStorage.getItem(`woundon.${name}`) ?? otherwise; } catch { return otherwise; }
 }
 
-/** Draw a component anew when the store changes. */
+/** Redraw a component when the store changes. */
 export function useStore(store) {
   const [, draw] = useState(0);
   useEffect(() => {

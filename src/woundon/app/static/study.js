@@ -41,9 +41,9 @@ export function Study({ store }) {
     abort.current = new AbortController();
     const { signal } = abort.current;
     const over = { [first.path]: axis(first, plan.count), ...(second ? { [second.path]: axis(second, plan.across) } : {}) };
-    const told = { kind: kind.name, paths: Object.keys(over), values: {}, failures: [], done: 0, of: cases, running: true, text: "" };
-    store.set({ study: told });
-    const put = (more) => { Object.assign(told, more); store.set({ study: { ...told } }); };
+    const outcome = { kind: kind.name, paths: Object.keys(over), values: {}, failures: [], done: 0, of: cases, running: true, text: "" };
+    store.set({ study: outcome });
+    const put = (more) => { Object.assign(outcome, more); store.set({ study: { ...outcome } }); };
     const wanted = [...new Set([...kind.main, ...outputs.filter((one) => one.unit === "N/m" || one.name === output).map((one) => one.name)])].slice(0, 12);
     try {
       await api.sweep({ case: state.case, over, outputs: wanted }, (event) => {
@@ -51,8 +51,8 @@ export function Study({ store }) {
           put({ inputs: event.inputs, values: Object.fromEntries(event.outputs.map((name) => [name, Array(event.cases).fill(null)])), failures: Array(event.cases).fill("") });
         } else if (event.event === "cases") {
           event.numbers.forEach((number, k) => {
-            for (const [name, values] of Object.entries(event.values)) told.values[name][number] = values[k];
-            told.failures[number] = event.failures[k];
+            for (const [name, values] of Object.entries(event.values)) outcome.values[name][number] = values[k];
+            outcome.failures[number] = event.failures[k];
           });
           put({ done: event.done, of: event.of });
         } else if (event.event === "done") put({ running: false, text: T.study.done(digits(event.seconds, 2)) });
@@ -63,7 +63,7 @@ export function Study({ store }) {
       if (fault.name === "AbortError") put({ running: false, text: T.study.cancelled });
       else put({ running: false, fault: store.textOf(fault) });
     }
-    if (told.running) put({ running: false });
+    if (outcome.running) put({ running: false });
   };
 
   return html`<section class="tab-card"><h2>${T.study.title}</h2>
@@ -90,7 +90,7 @@ export function Study({ store }) {
 }
 
 /** An end of the range of a field; what is typed stays while results of other requests arrive. */
-function End({ units, id, words, field, value, put }) {
+export function End({ units, id, words, field, value, put }) {
   const [typed, setTyped] = useState(null);
   return html`<label class="stacked small">${words} ${field ? units.text(field) && `[${units.text(field)}]` : ""}<input type="text" inputmode="decimal" id=${id}
     value=${typed ?? (field ? Number(units.shown(field, value).toPrecision(6)) : "")} disabled=${!field} onInput=${(event) => setTyped(event.target.value)}
@@ -146,7 +146,7 @@ function curvePanel(store, x, study, name, quantity) {
   };
 }
 
-// ---- a map: light to dark, values written in it, told under the pointer ----
+// ---- a map: light to dark, with values; the value under the pointer is shown ----
 
 const RAMP = [[253, 231, 37], [122, 209, 81], [34, 168, 132], [42, 120, 142], [65, 68, 135], [68, 1, 84]]; // viridis, turned
 
@@ -156,12 +156,13 @@ function coloured(share) {
   return RAMP[k].map((from, i) => Math.round(from + (RAMP[k + 1][i] - from) * (place - k)));
 }
 
-function Map2({ store, x, y, values, quantity }) {
+/** A map of an output; `note(i, j)` adds a text to the value under the pointer. */
+export function Map2({ store, x, y, values, quantity, note = () => "", range = null }) {
   const { units } = store;
   const canvas = useRef(null);
-  const [told, tell] = useState("");
+  const [shown, show] = useState("");
   const known = values.filter((value) => value != null).map((value) => units.shown(quantity, value));
-  const [low, high] = known.length ? [Math.min(...known), Math.max(...known)] : [0, 1];
+  const [low, high] = range ?? (known.length ? [Math.min(...known), Math.max(...known)] : [0, 1]);
   const [nx, ny] = [x.values.length, y.values.length];
   const room = { left: 66, right: 14, top: 10, bottom: 44 };
   const height = 420;
@@ -232,12 +233,12 @@ function Map2({ store, x, y, values, quantity }) {
     const box = canvas.current.getBoundingClientRect();
     const i = Math.floor(((event.clientX - box.left - room.left) / (box.width - room.left - room.right)) * nx);
     const j = ny - 1 - Math.floor(((event.clientY - box.top - room.top) / (height - room.top - room.bottom)) * ny);
-    if (i < 0 || j < 0 || i >= nx || j >= ny) return tell("");
-    tell(`${x.field.label} ${text(x.field, x.values[i])}, ${y.field.label} ${text(y.field, y.values[j])}: ${digits(units.shown(quantity, values[i * ny + j]))} ${units.text(quantity)}`);
+    if (i < 0 || j < 0 || i >= nx || j >= ny) return show("");
+    show(`${x.field.label} ${text(x.field, x.values[i])}, ${y.field.label} ${text(y.field, y.values[j])}: ${digits(units.shown(quantity, values[i * ny + j]))} ${units.text(quantity)}${note(i, j)}`);
   };
   return html`<figure class="panel-cell map" data-panel="map"><figcaption><h3>${units.label(quantity.label, quantity)}</h3>
-      <div class="ramp"><span>${digits(low, 4)}</span><span class="ramp-bar" aria-hidden="true"></span><span>${digits(high, 4)}</span><output class="quiet">${told}</output></div></figcaption>
-    <canvas ref=${canvas} class="map-canvas" role="img" aria-label=${`${quantity.label}: ${digits(low, 4)} – ${digits(high, 4)} ${units.text(quantity)}`} onMouseMove=${hover} onMouseLeave=${() => tell("")}></canvas>
+      <div class="ramp"><span>${digits(low, 4)}</span><span class="ramp-bar" aria-hidden="true"></span><span>${digits(high, 4)}</span><output class="quiet">${shown}</output></div></figcaption>
+    <canvas ref=${canvas} class="map-canvas" role="img" aria-label=${`${quantity.label}: ${digits(low, 4)} – ${digits(high, 4)} ${units.text(quantity)}`} onMouseMove=${hover} onMouseLeave=${() => show("")}></canvas>
     <details><summary>${T.panels.table}</summary><div class="table-scroll" tabindex="0"><table><caption>${quantity.label}</caption>
       <thead><tr><th scope="col">${x.field.label} \\ ${y.field.label}</th>${y.values.map((value) => html`<th scope="col">${text(y.field, value)}</th>`)}</tr></thead>
       <tbody>${x.values.map((value, i) => html`<tr><th scope="row">${text(x.field, value)}</th>${y.values.map((_, j) => html`<td>${digits(units.shown(quantity, values[i * ny + j]))}</td>`)}</tr>`)}</tbody></table></div></details></figure>`;

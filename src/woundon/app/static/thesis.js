@@ -23,13 +23,13 @@ export function Thesis({ store }) {
       if (fault.name !== "AbortError") setShown({ fault: fault.message });
     }
   };
-  const one = known.find((told) => told.name === name);
+  const one = known.find((exhibit) => exhibit.name === name);
   return html`<section class="tab-card"><h2>${T.thesis.title}</h2>
     <div class="axis-row"><label class="stacked">${T.thesis.choose}<select id="exhibit" value=${name} onChange=${(event) => setName(event.target.value)}>
-      ${known.map((told) => html`<option value=${told.name} selected=${told.name === name}>${told.label}: ${told.title}</option>`)}</select></label>
+      ${known.map((exhibit) => html`<option value=${exhibit.name} selected=${exhibit.name === name}>${exhibit.label}: ${exhibit.title}</option>`)}</select></label>
       <div class="study-run"><button type="button" class="primary" disabled=${shown.busy} onClick=${() => compute(name)}>${T.thesis.compute}</button>
       <span class="quiet">${one?.seconds ? T.thesis.seconds(digits(one.seconds, 1)) : ""}</span></div></div>
     ${shown.busy && html`<p role="status">${T.thesis.wait} …</p>`}${shown.fault && html`<p class="fault" role="alert">${shown.fault}</p>`}
-    ${shown.url && html`<img class="exhibit" src=${shown.url} alt=${known.find((told) => told.name === shown.of)?.title ?? ""} />`}
+    ${shown.url && html`<img class="exhibit" src=${shown.url} alt=${known.find((exhibit) => exhibit.name === shown.of)?.title ?? ""} />`}
   </section>`;
 }

@@ -1,0 +1,111 @@
+"""Operating windows of the page, computed in a thread; events are sent as a stream.
+
+The windings are solved in processes of :mod:`woundon.parallel`; the thread waits for them.  It ends
+when the window is cancelled or its client disconnects.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+import traceback
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
+from typing import Any
+
+from ..errors import unwarned
+from ..parallel import Cancelled, usable_cores
+from ..studies.window import OperatingPoint, OperatingWindow, operating_window
+from .computations import as_json, problem_of
+from .request_errors import RequestError, request_error_of
+
+__all__ = ["events"]
+
+POLL_SECONDS = 0.5  # between two checks whether the client is still connected
+MOST_WORKERS = 4
+
+
+async def events(
+    asked: Mapping[str, Any], is_disconnected: Callable[[], Awaitable[bool]]
+) -> AsyncIterator[bytes]:
+    """Yield the events of an operating window as they occur, one line of JSON each.
+
+    Parameters
+    ----------
+    asked : mapping
+        As :class:`.request_models.WindowRequest`.
+    is_disconnected : callable
+        Whether the client has disconnected.
+    """
+    loop, queue, stopped = asyncio.get_running_loop(), asyncio.Queue[Any](), threading.Event()
+
+    def send(event: Mapping[str, Any]) -> None:
+        if stopped.is_set():
+            raise Cancelled
+        loop.call_soon_threadsafe(queue.put_nowait, event)
+
+    threading.Thread(target=_compute, args=(asked, send), daemon=True).start()
+    try:
+        while True:
+            try:
+                event = await asyncio.wait_for(queue.get(), POLL_SECONDS)
+            except TimeoutError:
+                if await is_disconnected():
+                    return
+                continue
+            yield as_json(event) + b"\n"
+            if event["event"] in ("done", "failed"):
+                return
+    finally:
+        stopped.set()
+
+
+def _compute(asked: Mapping[str, Any], send: Callable[[Mapping[str, Any]], None]) -> None:
+    """Compute the window in this thread and send its events."""
+    try:
+        try:
+            with unwarned():
+                window = operating_window(
+                    problem_of(asked["case"]),
+                    asked["web_tension"],
+                    asked["nip_load"],
+                    uncertain=asked["uncertain"],
+                    # at least two: a single one would solve in the server itself
+                    workers=max(2, min(usable_cores(), MOST_WORKERS)),
+                    progress=lambda done, of: send({"event": "progress", "done": done, "of": of}),
+                    preview=lambda coarse: send({"event": "window"} | _content(coarse)),
+                )
+            send({"event": "window"} | _content(window))
+            send({"event": "done"})
+        except Exception as fault:
+            error = request_error_of(fault)
+            if error is None:
+                traceback.print_exc()
+                error = RequestError(500, "failed", f"{type(fault).__name__} in the server")
+            send({"event": "failed", "detail": error.detail})
+    except Cancelled:
+        pass
+
+
+def _content(window: OperatingWindow) -> dict[str, Any]:
+    """Return a window for JSON, SI units; the map by rows of equal web tension."""
+    return {
+        "names": list(window.names),
+        "axes": [axis.tolist() for axis in window.axes],
+        "probability": window.probability.ravel().tolist(),
+        "binding": window.binding.ravel().tolist(),
+        "margins": list(window.margins),
+        "best": _point(window.best),
+        "errors": dict(window.errors),
+        "windings": window.windings,
+        "failed": len(window.failures),
+        "is_coarse": window.is_coarse,
+    }
+
+
+def _point(point: OperatingPoint) -> dict[str, Any]:
+    return {
+        "values": dict(point.values),
+        "probability": point.probability,
+        "binding": point.binding,
+        "contributions": dict(point.contributions),
+    }
