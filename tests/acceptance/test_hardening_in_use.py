@@ -177,12 +177,12 @@ def test_bad_input(fields: dict[str, Any], text: str) -> None:
 @pytest.mark.slow  # test_newsprint_hardening.py has all points with the first
 @pytest.mark.parametrize(("K2", "total"), [(126.3, 100e3), (303.8, 10e3)])
 def test_one_fitted_number_meets_the_measured_tensions(K2: float, total: float) -> None:
-    """A sample of benchmarks/hardening_newsprint.py, whose RMS over all points is 10.5 and 14.2.
+    """A sample of test_newsprint_hardening.py, whose RMS over all points is 10.5 and 14.2.
 
     K2 is fitted to the point (3502, 350), measured 700 N/m; an independent program has K2 of 127
     and 306.
     """
-    from hardening_newsprint import nip as winder
+    from newsprint_winder import nip as winder
 
     points = {(3502.0, 350.0): 700.0, (350.0, 350.0): 410.0, (5837.0, 350.0): 815.0}
     misses = [
