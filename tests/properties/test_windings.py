@@ -84,6 +84,7 @@ def test_surface_winding_winds_softer_than_centre_winding():
     assert tensions[0] < 0.75 * tensions[2]
 
 
+@pytest.mark.slow
 def test_slippery_layers_take_no_tension_from_the_nip():
     """Layers that slip throughout the nip pass on mu+ P and no more: higher friction, more NIT."""
     runs = [changed(roll_friction=mu) for mu in (0.02, 0.05)]

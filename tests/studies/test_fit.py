@@ -399,6 +399,7 @@ def test_the_linear_model_of_a_minimum_predicts_residuals_in_its_basin_only():
     assert not minimum.predicts(np.array([2.0]), residuals(2.0))
 
 
+@pytest.mark.slow
 def test_processes_give_the_same_fit_as_one(monkeypatch):
     monkeypatch.setattr(woundon.studies.fit, "WORTH_A_POOL", 0.0)
     y = 2 * (1 - np.exp(-0.4 * X)) + 0.3 * NOISE

@@ -77,6 +77,7 @@ def test_an_active_constraint_is_met_and_named(best: wo.OptimisedSchedule) -> No
     )
 
 
+@pytest.mark.slow
 def test_without_a_goal_the_smallest_reserve_is_the_largest(
     problem: wo.RollProblem, grid: list[tuple[float, float]]
 ) -> None:

@@ -27,6 +27,7 @@ def _off(values):
     return np.abs(np.diff(values, 2)) / 2
 
 
+@pytest.mark.slow
 def test_on_one_grid_there_are_no_jumps():
     """Only kinks, where a node changes its zone: far below the stated error of the grid."""
     own, error = _scan(nodes=33)

@@ -75,7 +75,7 @@ def by(program: Path, study: Path, out: Path, *more: str) -> subprocess.Complete
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("complete", [slow_case(True), False])
+@pytest.mark.parametrize("complete", [slow_case(True), slow_case(False)])
 def test_another_program_does_not_resume_a_study(
     complete: bool, study: Path, copied: Path, tmp_path: Path
 ):

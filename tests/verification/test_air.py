@@ -346,6 +346,7 @@ def test_a_winding_at_rest_has_no_air(winding, windings):
     assert still.margins["slip"].value == pytest.approx(dry.margins["slip"].value, rel=within)
 
 
+@pytest.mark.slow
 def test_speed_softens_the_roll_and_takes_its_slip_margin(windings):
     still, fast = windings.values()
     assert still.air_film == 0 < fast.air_film

@@ -26,6 +26,7 @@ Array = np.ndarray
 # ---- linear rolls -------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("reference", [18e6, slow_case(40e6)])
 def test_elements_of_a_constant_law_make_the_linear_cylinder(reference: float) -> None:
     """Against a reference that is a third off they do a third of the work: 0.07 % at 65 nodes.

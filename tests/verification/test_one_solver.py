@@ -242,6 +242,7 @@ def test_error_estimates_hold_for_random_nips() -> None:
     assert ratios.max() <= 4
 
 
+@pytest.mark.slow
 def test_error_estimates_are_not_much_too_large() -> None:
     """Measured: 5 in the median."""
     assert 1 / np.median(list(estimate_ratios().values())) < 15

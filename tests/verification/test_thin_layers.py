@@ -10,6 +10,7 @@ import re
 
 import numpy as np
 import pytest
+from slow_cases import slow_case
 from thesis_cases import newsprint_nip
 
 import woundon as wo
@@ -73,7 +74,7 @@ def test_ten_newsprint_loads_on_a_cover_of_a_quarter_millimetre() -> None:
     assert any("the drum's indentation" in text for text in result.warnings)
 
 
-@pytest.mark.parametrize("drum_wrap", [0.5, 3.0])
+@pytest.mark.parametrize("drum_wrap", [0.5, slow_case(3.0)])
 def test_a_web_wrapped_on_a_thin_cover(drum_wrap: float) -> None:
     cover = on_rigid_core(0.19e-3, wo.Isotropic(youngs_modulus=8e5, poissons_ratio=0.33), 0.041)
     nip = newsprint_nip(drum=cover).replace(roll_wrap=np.pi, drum_wrap=drum_wrap)

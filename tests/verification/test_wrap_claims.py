@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from math import exp, pi
 
 import numpy as np
@@ -165,21 +164,6 @@ def test_a_hard_drum_and_the_creep_of_the_nip_alone():
     assert taken == pytest.approx(asked, abs=0.02)  # of 0.13 N/m: the edge cell is shared
     added = [one.outlet_tension - one.inlet_tension for one in (both, alone)]
     assert added[0] == pytest.approx(added[1], abs=0.02)
-
-
-def test_it_takes_less_than_ten_times_the_plain_nip():
-    """Measured 6 without and 8 with a wrap on the drum (benchmarks/wrap.py)."""
-
-    def seconds(solve) -> float:
-        begun = time.process_time()
-        solve()
-        return time.process_time() - begun
-
-    plain, wrapped = [], []
-    for _ in range(7):  # the shortest of each: the machine may be busy
-        plain.append(seconds(lambda: wo.solve(PAPER, nodes=65)))
-        wrapped.append(seconds(lambda: solve_wrapped(PAPER, nodes=65)))
-    assert min(wrapped) < 10 * min(plain)
 
 
 @pytest.mark.campaign
