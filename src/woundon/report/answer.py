@@ -21,7 +21,7 @@ __all__ = ["answer", "answer_lines", "assumptions_section", "defaults_section"]
 
 
 def answer(result: Result) -> str:
-    """Return the answer in one line: the main outputs, or whether a wound roll holds."""
+    """Return the answer in one line: the main outputs, or the verdict on a wound roll."""
     return answer_lines(result)[0].text
 
 

@@ -19,7 +19,7 @@ __all__ = ["nip_closed_forms", "roller_closed_forms"]
 
 
 def nip_closed_forms(result: NipResult) -> Iterator[Section]:
-    """Yield closed forms of a nip; those of the tension take the solved approach and zones."""
+    """Yield closed forms of a nip; tension formulas use the solved approach and zones."""
     rows = [
         output_row(result, "nip_induced_tension", value, meaning=label)
         for label, value in _tension_formulas(result)
@@ -65,7 +65,7 @@ def roller_closed_forms(result: RollerResult) -> Iterator[Section]:
 
 
 def _partial_slip(result: RollerResult) -> Iterator[Row]:
-    """Yield Carter's or Cattaneo's answer, where the rollers are elastically similar."""
+    """Yield Carter's or Cattaneo's solution for elastically similar rollers."""
     rolling = result.problem.motion == "rolling"
     name, theory = ("Carter", theories.carter) if rolling else ("Cattaneo", theories.cattaneo)
     try:
@@ -82,7 +82,7 @@ def _partial_slip(result: RollerResult) -> Iterator[Row]:
 
 
 def _free_rolling(result: RollerResult) -> Iterator[Row]:
-    """Yield the limits of Bentall and Johnson, where dissimilar rollers roll freely."""
+    """Yield the limits of Bentall and Johnson for dissimilar rollers in free rolling."""
     problem = result.problem
     if problem.motion != "rolling" or problem.creepage is not None or problem.tangential_load:
         return

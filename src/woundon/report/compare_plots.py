@@ -27,7 +27,7 @@ def plot_comparison(
     ax: Axes | None = None,
     panels: str | Sequence[str] | None = None,
 ) -> Any:
-    """Draw measured against predicted values of each output, and below them the residuals.
+    """Plot measured against predicted values of each output, and the residuals below.
 
     Parameters
     ----------
@@ -54,8 +54,8 @@ def _draw_agreement(output: str, axes: Axes, cases: Sequence[Case]) -> list[Any]
     axes.errorbar(
         x,
         y,
-        xerr=_bars(quantity, model),
-        yerr=_bars(quantity, comparison.deviation[rows]),
+        xerr=_error_bars(quantity, model),
+        yerr=_error_bars(quantity, comparison.deviation[rows]),
         fmt="o",
         color=COLOURS[0],
         markersize=4,
@@ -70,7 +70,7 @@ def _draw_agreement(output: str, axes: Axes, cases: Sequence[Case]) -> list[Any]
     return []
 
 
-def _bars(quantity: Quantity, deviation: np.ndarray) -> np.ndarray:
+def _error_bars(quantity: Quantity, deviation: np.ndarray) -> np.ndarray:
     """Return two standard deviations in the unit for display."""
     return np.asarray(2 * np.abs(quantity.shown(np.nan_to_num(deviation))))
 
@@ -78,12 +78,12 @@ def _bars(quantity: Quantity, deviation: np.ndarray) -> np.ndarray:
 def _draw_residuals(output: str, axes: Axes, cases: Sequence[Case]) -> list[Any]:
     comparison = cases[0].result
     rows, quantity = comparison.of(output), comparison.quantities[output]
-    at, text = _along(comparison, rows)
+    at, text = _abscissa(comparison, rows)
     residual = quantity.shown(comparison.residual[rows])
     bars = axes.errorbar(
         at,
         residual,
-        yerr=_bars(quantity, comparison.total[rows]),
+        yerr=_error_bars(quantity, comparison.total[rows]),
         fmt="o",
         color=COLOURS[0],
         markersize=4,
@@ -98,7 +98,7 @@ def _draw_residuals(output: str, axes: Axes, cases: Sequence[Case]) -> list[Any]
     return [bars, mean]
 
 
-def _along(comparison: Comparison, rows: np.ndarray) -> tuple[np.ndarray, str]:
+def _abscissa(comparison: Comparison, rows: np.ndarray) -> tuple[np.ndarray, str]:
     """Return the abscissa of the residuals: radius, the most varied input, or the row."""
     if np.isfinite(comparison.position[rows]).all():
         return 1e3 * comparison.position[rows], "radius [mm]"

@@ -80,7 +80,7 @@ _METADATA: dict[str, dict[str, Any]] = {
 
 @contextmanager
 def style() -> Iterator[None]:
-    """Make figures in woundon's style, and leave the global one as it was."""
+    """Use woundon's figure style within a context; the global style does not change."""
     # not rc_context: it would take back what pyplot sets when a notebook first loads it
     before = {name: mpl.rcParams[name] for name in _STYLE}
     mpl.rcParams.update(_STYLE)
@@ -107,7 +107,7 @@ class Picture(Figure):
 
     @classmethod
     def new(cls, size: tuple[float, float], registered: bool) -> Self:
-        """Return an empty one [inches].
+        """Return an empty figure of a size [inches].
 
         A registered one is pyplot's: a notebook shows it when the cell ends, in a script
         ``plt.show()`` does.
@@ -119,7 +119,7 @@ class Picture(Figure):
         return plt.figure(figsize=size, layout=_Settled(), FigureClass=cls)  # type: ignore[return-value]
 
     def _ipython_display_(self) -> NoReturn:
-        """Leave it to IPython, but in a notebook take care that the cell's end shows it no more."""
+        """Display the figure in a notebook once, not again at the end of the cell."""
         if "inline" in mpl.get_backend():
             import_module("matplotlib_inline.backend_inline")  # now IPython knows figures
             import_module("matplotlib.pyplot").close(self)
@@ -227,7 +227,7 @@ def wrapped_text(text: str, width: int = 44) -> str:
 
 
 def along_contact(axes: Axes, results: Sequence[Any], contact: str) -> None:
-    """Label x, and let it run from edge to edge of the widest contact."""
+    """Label the x axis, with limits at the edges of the widest contact."""
     x = quantity_of(results[0], "x")
     axes.set_xlabel(axis_label(f"Position along the {contact} $x$", x))
     edge = 1.03 * x.shown(max(result.half_width for result in results))
@@ -235,7 +235,7 @@ def along_contact(axes: Axes, results: Sequence[Any], contact: str) -> None:
 
 
 def letter(axes: Axes, text: str) -> None:
-    """Number a panel, above it on the right."""
+    """Write the letter of a panel above it on the right."""
     axes.set_title(f"({text})", loc="right", fontsize=9)
 
 
@@ -256,7 +256,7 @@ def legend_above(axes: Axes, handles: list[Any]) -> None:
 def draw_zones(
     axes: Axes, strips: Sequence[ZoneStrips], x: Quantity, colours: Sequence[str | None] = (None,)
 ) -> list[Patch]:
-    """Draw zones as bars along x, the first face on top; return the handles of the legend.
+    """Plot zones as bars along x, the first face on top; return the handles of the legend.
 
     Parameters
     ----------

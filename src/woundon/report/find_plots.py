@@ -20,7 +20,7 @@ DECADE = 10.0  # from this ratio of the ends the field has a logarithmic axis
 
 
 def plot_find(outcome: FindResult, path: Any = None, ax: Axes | None = None) -> Any:
-    """Draw the output over the field with the target and the solutions.
+    """Plot the output over the field with the target and the solutions.
 
     Parameters
     ----------

@@ -78,7 +78,7 @@ def report_file(
     sources: Sequence[str] = (),
     written: datetime | None = None,
 ) -> str:
-    """Return a report of solved states as an HTML page.
+    """Return a report of solved cases as an HTML page.
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ def report_file(
     body = "\n".join(
         [
             f"<h1>{escape(title)}</h1>",
-            f'<p class="about">woundon {escape(__version__)}, {escape(when)}{_from(sources)}</p>',
+            f'<p class="about">woundon {__version__}, {escape(when)}{_sources(sources)}</p>',
             *_answers(results, names),
             *_figure(results, names if len(results) > 1 else None),
             *(_comparison(results, names) if len(results) > 1 else ()),
@@ -130,12 +130,12 @@ def _title(result: Result) -> str:
     return kinds.of(result).about.rstrip(".")
 
 
-def _from(sources: Sequence[str]) -> str:
+def _sources(sources: Sequence[str]) -> str:
     return f", from {escape(', '.join(sources))}" if sources else ""
 
 
 def _answers(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
-    """Yield the answer, the warnings and the certificate of each state."""
+    """Yield the answer, the warnings and the certificate of each case."""
     for result, name in zip(results, names, strict=True):
         if len(results) > 1:
             yield f"<h2>{escape(name)}</h2>"
@@ -144,7 +144,7 @@ def _answers(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
 
 
 def _results(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
-    """Yield the sections of the report of each state, those of values in two columns."""
+    """Yield the sections of the report of each case, tables of values in two columns."""
     for result, name in zip(results, names, strict=True):
         yield f"<h2>{escape(name)}: results</h2>" if len(results) > 1 else "<h2>Results</h2>"
         parts = [part for part in report_parts(result) if not isinstance(part, Line)]
@@ -157,7 +157,7 @@ def _results(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
 
 
 def _inputs(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
-    """Yield a table of every field, what the states differ in fields; named materials' sources."""
+    """Yield a table of all fields, differences marked, and the sources of named materials."""
     yield "<h2>Inputs</h2>"
     fields = [{place.path: place for place in walk(result.problem)} for result in results]
     rows = []
@@ -209,7 +209,7 @@ def _named(thing: Any, path: str = "") -> Iterator[tuple[str, str]]:
 
 
 def _comparison(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
-    """Yield the outputs that all have, side by side, and how far each is from the first."""
+    """Yield a table of the common outputs with the differences from the first case."""
     yield "<h2>Comparison</h2>"
     yield _table(["", "symbol"], names, list(_outputs(results)))
     yield f'<p class="source">Below a value: how far it is from that of {escape(names[0])}.</p>'
@@ -226,12 +226,12 @@ def _outputs(results: Sequence[Result]) -> Iterator[tuple[str, list[str], list[s
         if isnan(float(first.value)):  # there is no such thing here, as losses of elastic bodies
             continue
         cells = [_with_error(first)]
-        cells += [f"{_with_error(row)}\n{_change(first, row)}" for row in others]
+        cells += [f"{_with_error(row)}\n{_difference(first, row)}" for row in others]
         unit = f" [{first.unit}]" if first.unit else ""
         yield "", [f"{first.meaning}{unit}", first.symbol], cells
 
 
-def _change(first: Row, row: Row) -> str:
+def _difference(first: Row, row: Row) -> str:
     """Return the difference of a value from the first one, absolute and relative."""
     change, whole = float(row.value) - float(first.value), abs(float(first.value))
     if not whole:
@@ -263,7 +263,7 @@ def _table(
 
 
 def _figure(results: Sequence[Result], names: Sequence[str] | None) -> Iterator[str]:
-    """Yield the states' figure as inline SVG; nothing for kinds that have none in common."""
+    """Yield the figure of the cases as inline SVG; nothing for kinds without common panels."""
     try:
         columns = panel_columns(results)
     except InvalidProblem as fault:

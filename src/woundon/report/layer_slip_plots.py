@@ -26,16 +26,16 @@ DEPTHS, PLACES = 40, 301  # of the map
 SHEAR, LIMIT, EXCESS = COLOURS[0], COLOURS[1], "#444444"
 
 
-def _known(cases: Cases) -> list[tuple[Case, LayerSlip]]:
-    """Return the cases whose interior stresses are known, with the index."""
+def _with_stresses(cases: Cases) -> list[tuple[Case, LayerSlip]]:
+    """Return the cases with interior stresses and their layer-slip index."""
     with unwarned():
         indices = [(case, case.result.layer_slip) for case in cases]
     return [(case, slip) for case, slip in indices if slip is not None]
 
 
 def draw_map(axes: Axes, cases: Cases) -> Handles:
-    """Draw |tau| - mu (P0 + p) over x and depth; of several cases the border of slip only."""
-    known, result = _known(cases), cases[0].result
+    """Plot |tau| - mu (P0 + p) over x and depth; of several cases only the slip boundary."""
+    known, result = _with_stresses(cases), cases[0].result
     handles: Handles = []
     for case, slip in known:
         x, z, excess = _map(case.result, slip)
@@ -47,19 +47,19 @@ def draw_map(axes: Axes, cases: Cases) -> Handles:
             filled = axes.contourf(x, z, excess, levels, cmap="RdBu_r", extend="min")
             label = axis_label(r"$|\tau| - \mu(P_0 + p)$", quantity_of(result, "drum_pressure"))
             axes.figure.colorbar(filled, ax=axes, label=label)
-        axes.contour(x, z, excess, [0.0], colors=[case.or_own("#000000")], linewidths=1.2)
-        handles += axes.plot([], [], color=case.or_own("#000000"), label="border of slip")[:1]
+        axes.contour(x, z, excess, [0.0], colors=[case.colour_or("#000000")], linewidths=1.2)
+        handles += axes.plot([], [], color=case.colour_or("#000000"), label="border of slip")[:1]
         a = quantity_of(result, "half_width").shown(case.result.half_width)
         for edge in (-a, a):
-            axes.axvline(edge, color=case.or_own("#888888"), linewidth=0.8, linestyle=":")
+            axes.axvline(edge, color=case.colour_or("#888888"), linewidth=0.8, linestyle=":")
     axes.set_xlabel(axis_label("Position along the nip $x$", quantity_of(result, "x")))
-    _over_depth(axes, known, quantity_of(result, "half_width"))
+    _format_depth_axis(axes, known, quantity_of(result, "half_width"))
     return handles[:1]
 
 
 def _map(result: NipResult, slip: LayerSlip) -> tuple[Array, Array, Array]:
     """Return x (n,), z (m,) and the excess of the shear (m, n), around the slipping layers."""
-    z = np.geomspace(slip.interface_depth[0], _lowest(slip), DEPTHS)
+    z = np.geomspace(slip.interface_depth[0], _deepest(slip), DEPTHS)
     reach = max(0.6 * slip.width, 2 * result.half_width)
     # the stresses vary most in the nip
     x = reach * np.sinh(np.linspace(-3, 3, PLACES)) / np.sinh(3)
@@ -72,15 +72,15 @@ def _map(result: NipResult, slip: LayerSlip) -> tuple[Array, Array, Array]:
     return x, z, np.array(excess)
 
 
-def _lowest(slip: LayerSlip) -> float:
-    """Return the largest depth to be drawn [m]."""
+def _deepest(slip: LayerSlip) -> float:
+    """Return the largest depth of the plot [m]."""
     deepest, drawn = float(slip.interface_depth[-1]), 1.5 * slip.depth
     return min(deepest, max(drawn, 8 * float(slip.interface_depth[0])))
 
 
 def draw_shear(axes: Axes, cases: Cases) -> Handles:
-    """Draw the largest shear, what friction carries, and the largest excess over the depth."""
-    known, result = _known(cases), cases[0].result
+    """Plot the largest shear, the friction limit and the largest excess over the depth."""
+    known, result = _with_stresses(cases), cases[0].result
     stress, depth = quantity_of(result, "drum_pressure"), quantity_of(result, "half_width")
     handles: Handles = []
     for case, slip in known:
@@ -90,15 +90,19 @@ def draw_shear(axes: Axes, cases: Cases) -> Handles:
             (slip.friction_limit, "--", LIMIT, r"$\mu(P_0 + \max p)$"),
             (slip.excess, "-.", EXCESS, "largest excess"),
         ):
-            own += axes.plot(stress.shown(values), z, line, color=case.or_own(colour), label=label)
+            own += axes.plot(
+                stress.shown(values), z, line, color=case.colour_or(colour), label=label
+            )
         handles = handles or own
     axes.axvline(0.0, color="#888888", linewidth=0.8)
     axes.set_xlabel(axis_label("Stress", stress))
-    _over_depth(axes, known, depth)
+    _format_depth_axis(axes, known, depth)
     return handles
 
 
-def _over_depth(axes: Axes, known: Sequence[tuple[Case, LayerSlip]], depth: Quantity) -> None:
+def _format_depth_axis(
+    axes: Axes, known: Sequence[tuple[Case, LayerSlip]], depth: Quantity
+) -> None:
     axes.set_ylabel(axis_label("Depth $z$", depth))
     if not known:
         axes.text(
@@ -107,7 +111,7 @@ def _over_depth(axes: Axes, known: Sequence[tuple[Case, LayerSlip]], depth: Quan
         return
     axes.set_yscale("log")
     top = min(float(slip.interface_depth[0]) for _, slip in known)
-    axes.set_ylim(depth.shown(max(_lowest(slip) for _, slip in known)), depth.shown(top))
+    axes.set_ylim(depth.shown(max(_deepest(slip) for _, slip in known)), depth.shown(top))
 
 
 LAYER_SLIP = {

@@ -14,7 +14,7 @@ from ..winding.margins import Margin, Margins
 from .figures import COLOURS, axis_label, quantity_of
 from .panels import NEUTRAL, Case
 
-__all__ = ["Bars", "Disc", "disc_of", "draw_reserves", "levels_of"]
+__all__ = ["Bars", "Disc", "colour_scale", "draw_disc", "draw_margins"]
 
 ALARM = "#B00020"
 AROUND = 181  # spokes of a disc, its first and last the same
@@ -24,12 +24,12 @@ ROUNDING = 1e-9
 BAR = 0.12  # of a reserve at the core alone, of the build-up
 
 
-def draw_reserves(axes: Axes, margins: Margins, colour: str | None = None) -> list[Any]:
-    """Draw what is left of every limit over the radius, red below nothing."""
+def draw_margins(axes: Axes, margins: Margins, colour: str | None = None) -> list[Any]:
+    """Plot every margin over the radius, red below zero."""
     lines, deepest = [], 0.0
     for margin, own in zip(margins, COLOURS, strict=False):
         if margin.checked:
-            lines.append(_draw_reserve(axes, margin, margins, colour or own))
+            lines.append(_draw_margin(axes, margin, margins, colour or own))
             deepest = min(deepest, margin.reserve)
     low = 1.2 * deepest if deepest else LEAST
     axes.axhspan(low, 0, color=ALARM, alpha=0.12, linewidth=0)
@@ -49,7 +49,7 @@ def draw_reserves(axes: Axes, margins: Margins, colour: str | None = None) -> li
     return lines
 
 
-def _draw_reserve(axes: Axes, margin: Margin, margins: Margins, colour: str) -> Any:
+def _draw_margin(axes: Axes, margin: Margin, margins: Margins, colour: str) -> Any:
     r, reserve = 1e3 * margin.over_radius, margin.reserve_of(margin.values)
     if r.size == 1:  # of the core alone
         ends = [1e3 * other.over_radius[-1] for other in margins if other.over_radius.size > 1]
@@ -76,11 +76,11 @@ class Disc:
     roll: str = ""  # of the result, the roll itself where empty
 
     def __call__(self, axes: Axes, cases: Sequence[Case]) -> list[Any]:
-        """Draw the first case."""
+        """Plot the first case."""
         result = cases[0].result
         roll: RollResult = getattr(result, self.roll) if self.roll else result
         quantity = quantity_of(roll, self.name)
-        mesh = disc_of(axes, roll, self.name, (0.0, 0.0), levels_of(roll, self.name))
+        mesh = draw_disc(axes, roll, self.name, (0.0, 0.0), colour_scale(roll, self.name))
         figure = axes.get_figure()
         assert figure is not None
         beyond = "max" if self.name == "hoop_stress" else "neither"
@@ -93,8 +93,8 @@ class Disc:
         return []
 
 
-def levels_of(roll: RollResult, name: str) -> tuple[float, float, str]:
-    """Return the ends of a scale for an output, in its unit for display, and its colours."""
+def colour_scale(roll: RollResult, name: str) -> tuple[float, float, str]:
+    """Return limits of the colour scale of an output, in its unit for display, and colour map."""
     r = np.linspace(roll.radius[0], roll.radius[-1], OUTWARD)
     values = quantity_of(roll, name).shown(roll.at_radius(r)[name])
     if values.min() > -ROUNDING * values.max():
@@ -105,14 +105,14 @@ def levels_of(roll: RollResult, name: str) -> tuple[float, float, str]:
     return -high, high, "RdBu"  # as much colour to either sign
 
 
-def disc_of(
+def draw_disc(
     axes: Axes,
     roll: RollResult,
     name: str,
     centre: tuple[float, float],
     levels: tuple[float, float, str],
 ) -> Any:
-    """Draw a roll on its side, coloured by an output; return what a scale is made for."""
+    """Plot the cross section of a roll coloured by an output; return its mesh."""
     r = np.linspace(roll.radius[0], roll.radius[-1], OUTWARD)
     values = quantity_of(roll, name).shown(roll.at_radius(r)[name])
     angle = np.linspace(0, 2 * np.pi, AROUND)
@@ -139,7 +139,7 @@ class Bars:
     found: Any
 
     def __call__(self, axes: Axes, cases: Sequence[Case]) -> list[Any]:
-        """Draw them."""
+        """Plot them."""
         before, after = self.found.margins_before, self.found.margins_after
         kept = [name for name in (m.name for m in after) if after[name].checked]
         at = np.arange(len(kept))

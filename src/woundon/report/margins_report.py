@@ -52,7 +52,7 @@ def _verdict(margin: Margin) -> Verdict:
         limit,
         quantity.display,
         place,
-        _word(margin),
+        _verdict_text(margin),
         TONES[margin.ok],
         _note(margin),
         margin.left_out,
@@ -69,7 +69,7 @@ def _sign(margin: Margin) -> str:
     return ">= " if margin.name == "slack" else "<= "
 
 
-def _word(margin: Margin) -> str:
+def _verdict_text(margin: Margin) -> str:
     if margin.ok is None:
         return margin.verdict
     by = margin.distance

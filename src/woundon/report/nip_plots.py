@@ -48,25 +48,27 @@ def nip_panels(result: NipResult) -> dict[str, Panel]:
 
 
 def draw_tractions(axes: Axes, cases: Cases) -> Handles:
-    """Draw q+ and q- of nips along x; of one alone over its shaded friction bounds."""
+    """Plot q+ and q- of nips along x; a single nip with shaded friction bounds."""
     handles: Handles = []
     for case in cases:
         result, own = case.result, case.result.in_nip
         x = shown(result, "x")[own]
         shades = _draw_bounds(axes, result) if case.alone else []
-        (roll,) = axes.plot(x, shown(result, "roll_traction")[own], color=case.or_own(ROLL))
-        (drum,) = axes.plot(x, shown(result, "drum_traction")[own], "--", color=case.or_own(DRUM))
+        (roll,) = axes.plot(x, shown(result, "roll_traction")[own], color=case.colour_or(ROLL))
+        (drum,) = axes.plot(
+            x, shown(result, "drum_traction")[own], "--", color=case.colour_or(DRUM)
+        )
         roll.set_label("$q^{+}$ on roll")
         drum.set_label("$q^{-}$ on drum")
         handles = handles or [roll, drum, *shades]
     quantity = quantity_of(cases[0].result, "roll_traction")
     axes.set_ylabel(axis_label("Tangential traction $q$", quantity))
-    _along(axes, cases)
+    _format_x_axis(axes, cases)
     return handles
 
 
 def _draw_bounds(axes: Axes, result: NipResult) -> Handles:
-    """Shade what friction allows, the narrower bound on top."""
+    """Shade the friction bounds, the narrower one on top."""
     problem, own = result.without_air, result.in_nip
     x, on_drum = shown(result, "x")[own], shown(result, "drum_pressure")[own]
     wrapped, on_roll = problem.is_wrapped, shown(result, "roll_pressure")[own]
@@ -83,16 +85,18 @@ def _draw_bounds(axes: Axes, result: NipResult) -> Handles:
 
 
 def draw_slips(axes: Axes, cases: Cases) -> Handles:
-    """Draw the slips v+ and v- of nips along x and, on the right, the web tension."""
+    """Plot the slips v+ and v- of nips along x and, on the right, the web tension."""
     handles: Handles = []
     tension_axes = axes.twinx()
     for case in cases:
         result, own = case.result, case.result.in_nip
         x, slip_x = shown(result, "x")[own], shown(result, "slip_x")[own]
-        (roll,) = axes.plot(slip_x, shown(result, "roll_slip")[own], color=case.or_own(ROLL))
-        (drum,) = axes.plot(slip_x, shown(result, "drum_slip")[own], "--", color=case.or_own(DRUM))
+        (roll,) = axes.plot(slip_x, shown(result, "roll_slip")[own], color=case.colour_or(ROLL))
+        (drum,) = axes.plot(
+            slip_x, shown(result, "drum_slip")[own], "--", color=case.colour_or(DRUM)
+        )
         T = shown(result, "tension")[own]
-        (tension,) = tension_axes.plot(x, T, "-.", color=case.or_own(TENSION))
+        (tension,) = tension_axes.plot(x, T, "-.", color=case.colour_or(TENSION))
         roll.set_label("$v^{+}$ at roll")
         drum.set_label("$v^{-}$ at drum")
         tension.set_label("$T$ (right axis)")
@@ -101,44 +105,44 @@ def draw_slips(axes: Axes, cases: Cases) -> Handles:
     axes.set_ylabel(axis_label("Relative slip speed $v$", quantity_of(one, "roll_slip")))
     tension_axes.set_ylabel(axis_label("Web tension $T$", quantity_of(one, "tension")))
     tension_axes.grid(visible=False)
-    _along(axes, cases)
+    _format_x_axis(axes, cases)
     return handles
 
 
 def _draw_pressure(axes: Axes, cases: Cases) -> Handles:
-    return _draw_one(axes, cases, "drum_pressure", "Pressure $p$", DRUM)
+    return _draw_array(axes, cases, "drum_pressure", "Pressure $p$", DRUM)
 
 
 def _draw_tension(axes: Axes, cases: Cases) -> Handles:
-    return _draw_one(axes, cases, "tension", "Web tension $T$", TENSION)
+    return _draw_array(axes, cases, "tension", "Web tension $T$", TENSION)
 
 
-def _draw_one(axes: Axes, cases: Cases, name: str, words: str, colour: str) -> Handles:
-    """Draw one array between the edges of the nip."""
+def _draw_array(axes: Axes, cases: Cases, name: str, words: str, colour: str) -> Handles:
+    """Plot one array between the edges of the nip."""
     for case in cases:
         own = case.result.in_nip
         x, values = shown(case.result, "x")[own], shown(case.result, name)[own]
-        axes.plot(x, values, color=case.or_own(colour))
+        axes.plot(x, values, color=case.colour_or(colour))
     axes.set_ylabel(axis_label(words, quantity_of(cases[0].result, name)))
-    _along(axes, cases)
+    _format_x_axis(axes, cases)
     return []
 
 
-def _draw_nip_zones(axes: Axes, cases: Cases) -> Handles:
+def _draw_zones(axes: Axes, cases: Cases) -> Handles:
     strips, colours = [nip_zones(case.result) for case in cases], [case.colour for case in cases]
     handles = draw_zones(axes, strips, quantity_of(cases[0].result, "x"), colours)
-    _along(axes, cases)
+    _format_x_axis(axes, cases)
     return list(handles)
 
 
-def _along(axes: Axes, cases: Cases) -> None:
+def _format_x_axis(axes: Axes, cases: Cases) -> None:
     along_contact(axes, [case.result for case in cases], "nip")
 
 
 NIP = {
     "tractions": Panel(draw_tractions, "nip"),
     "slips": Panel(draw_slips, "nip", height=2.8),
-    "zones": Panel(_draw_nip_zones, "nip", height=0.5, strip=True),
+    "zones": Panel(_draw_zones, "nip", height=0.5, strip=True),
     "pressure": Panel(_draw_pressure, "nip", shown=False),
     "tension": Panel(_draw_tension, "nip", shown=False),
 }
@@ -148,24 +152,24 @@ NIP = {
 
 
 def _draw_wrap_tension(axes: Axes, cases: Cases) -> Handles:
-    """Draw the tension on roll and drum, over the angle from the nip."""
+    """Plot the tension on roll and drum, over the angle from the nip."""
     handles: Handles = []
     for case in cases:
         result = case.result
         T, curves = shown(result, "tension"), []
         for face, theta, own in _wraps(result):
             line, label = ("-.", "$T$ on roll") if face == "roll" else (":", "$T$ on drum")
-            (curve,) = axes.plot(theta, T[own], line, color=case.or_own(TENSION), label=label)
+            (curve,) = axes.plot(theta, T[own], line, color=case.colour_or(TENSION), label=label)
             curves.append(curve)
         marks = _mark_wound_on(axes, result) if case.alone and result.problem.roll_wrap else []
         handles = handles or [*curves, *marks]
     axes.set_ylabel(axis_label("Web tension $T$", quantity_of(cases[0].result, "tension")))
-    _along_angle(axes, cases)
+    _format_angle_axis(axes, cases)
     return handles
 
 
 def _mark_wound_on(axes: Axes, result: NipResult) -> Handles:
-    """Mark the wound-on tension, and where slip ends."""
+    """Mark the wound-on tension and the end of the slip zone."""
     wound = quantity_of(result, "wound_on_tension")
     far = f"{wound.symbol} {wound.shown(result.wound_on_tension):.5g} {unit_of(wound)}"
     marks: Handles = [
@@ -178,7 +182,7 @@ def _mark_wound_on(axes: Axes, result: NipResult) -> Handles:
 
 
 def _draw_wrap_pressure(axes: Axes, cases: Cases) -> Handles:
-    """Draw the pressure on roll and drum, and the one that the traction there needs."""
+    """Plot the pressure on roll and drum, and the pressure required by the traction."""
     handles: Handles = []
     for case in cases:
         curves, result = [], case.result
@@ -193,10 +197,10 @@ def _draw_wrap_pressure(axes: Axes, cases: Cases) -> Handles:
             for values, line, label in zip(
                 (present, needed), lines, (f"$p^{{{sign}}}$", needs), strict=True
             ):
-                curves += axes.plot(theta, values, line, color=case.or_own(colour), label=label)
+                curves += axes.plot(theta, values, line, color=case.colour_or(colour), label=label)
         handles = handles or curves
     axes.set_ylabel(axis_label("Pressure $p$", quantity_of(cases[0].result, "drum_pressure")))
-    _along_angle(axes, cases)
+    _format_angle_axis(axes, cases)
     return handles
 
 
@@ -214,7 +218,7 @@ def _wraps(result: NipResult) -> list[tuple[str, Array, slice]]:
     return found
 
 
-def _along_angle(axes: Axes, cases: Cases) -> None:
+def _format_angle_axis(axes: Axes, cases: Cases) -> None:
     angle = quantity_of(cases[0].result, "slip_angle")
     axes.set_xlabel(axis_label(r"Angle from the edge of the nip $\theta$", angle))
     axes.set_xscale("log")

@@ -62,7 +62,7 @@ def nip_report(result: NipResult) -> list[Part]:
     problem = result.problem
     rows, wraps = _tension_rows(result), tuple(_wraps(problem))
     return [
-        _how(result),
+        _solver_line(result),
         *_hardening(problem),
         Section("Loads and wraps" if wraps else "Loads", (*_loads(result), *wraps)),
         Section(
@@ -71,14 +71,14 @@ def nip_report(result: NipResult) -> list[Part]:
             "" if problem.is_wrapped else HELD_NOTE,
         ),
         nip_zones(result),
-        *_held_at_the_edge(result),
+        *_without_wraps(result),
         *_layer_slip(result),
         *nip_closed_forms(result),
     ]
 
 
 def _wraps(problem: NipProblem) -> Iterator[Row]:
-    """Yield the wrap angles and the friction on the wrap, of those that there are."""
+    """Yield the wrap angles, and the friction on the wrap if it is given."""
     if problem.is_wrapped:
         yield field_row(problem, "roll_wrap")
     if problem.drum_wrap:
@@ -105,12 +105,12 @@ def _tension_rows(result: NipResult) -> tuple[Row, ...]:
     return rows_of(result, names + NIP, approach=level, slip_angle=way)
 
 
-def _how(result: NipResult) -> Line:
+def _solver_line(result: NipResult) -> Line:
     return Line(f"{result.nodes} nodes in the nip, {result.iterations} Newton iterations", "quiet")
 
 
 def _hardening(problem: NipProblem) -> Iterator[Line]:
-    """Say of a nip with a stack in it whether the nip's pressure hardens roll and web."""
+    """Yield a remark whether roll and web harden under the nip pressure, of nips with a stack."""
     if isinstance(problem.roll, WoundRoll) or isinstance(problem.web.material, Stack):
         texts = (
             f"the {name} {'does not harden' if part.linear else 'hardens'}"
@@ -134,7 +134,7 @@ LAYERS = "Interlayer slip in the roll (the model assumes bonded layers)"
 
 
 def _layer_slip(result: NipResult) -> Iterator[Part]:
-    """Yield the index of slip between the layers, where interior stresses are known."""
+    """Yield the layer-slip index, if the interior stresses are computed."""
     with unwarned():
         slip = result.layer_slip
     if slip is None:
@@ -149,8 +149,8 @@ def _layer_slip(result: NipResult) -> Iterator[Part]:
     yield Section(LAYERS, rows, f"warning: {slip.warning}" if slip.warning else "")
 
 
-def _held_at_the_edge(result: NipResult) -> Iterator[Section]:
-    """Yield a section on the same nip without its wraps, solved with as many nodes."""
+def _without_wraps(result: NipResult) -> Iterator[Section]:
+    """Yield a section on the same nip without wraps, solved with the same number of nodes."""
     if result.problem.roll_wrap == 0:
         return  # held there already
     title = "Same nip with the web held at the trailing edge"

@@ -71,7 +71,7 @@ def rows_of(
 
 
 def _no_friction(result: Result) -> set[str]:
-    """Return the friction coefficients of an air film that are 0 for all practical purposes."""
+    """Return the names of friction coefficients that the air film reduces to practically zero."""
     names = ("air.roll_friction", "air.wrap_friction")
     film = getattr(result, "air", None)
     return {
@@ -96,7 +96,7 @@ def is_half_plane(body: Body) -> bool:
 
 
 def outputs_report(result: Result) -> list[Part]:
-    """Return a report of any kind: the problem's fields, all outputs that are single numbers."""
+    """Return a report of any kind: the fields of the problem and all scalar outputs."""
     kind = kinds.of(result)
     title = kind.name.replace("_", " ").capitalize()
     errors = {f"{name}_error" for name in result.errors}  # in the rows of their outputs

@@ -38,8 +38,8 @@ class Case:
         """True if the panel shows a single result."""
         return self.colour is None
 
-    def or_own(self, colour: str) -> str:
-        """Return the colour of a curve: as given, or the case's own among others."""
+    def colour_or(self, colour: str) -> str:
+        """Return the colour of a curve: the given one, or that of the case if there are several."""
         return self.colour or colour
 
 
@@ -93,7 +93,7 @@ def drawn(
     lettered: bool = True,
     registered: bool | None = None,
 ) -> Any:
-    """Draw panels to a figure of their own, or one into given axes.
+    """Plot panels in a new figure, or one panel in given axes.
 
     Parameters
     ----------
@@ -124,7 +124,7 @@ def drawn(
     """
     if path is not None:
         check_format(path)
-    chosen = _chosen(panels, choice)
+    chosen = _selected_panels(panels, choice)
     if ax is not None:
         _draw_into(ax, chosen, choice, cases)
         if path is not None:
@@ -138,7 +138,7 @@ def drawn(
     return figure
 
 
-def _chosen(panels: Panels, choice: str | Sequence[str] | None) -> list[Panel]:
+def _selected_panels(panels: Panels, choice: str | Sequence[str] | None) -> list[Panel]:
     if choice is None:
         return [panel for panel in panels.values() if panel.shown]
     names = [choice] if isinstance(choice, str) else list(choice)
@@ -154,13 +154,13 @@ def _chosen(panels: Panels, choice: str | Sequence[str] | None) -> list[Panel]:
 
 
 def _draw_into(ax: Axes, chosen: list[Panel], choice: Any, cases: Sequence[Case]) -> None:
-    """Draw one panel into the axes of a user, whose style and title stay."""
+    """Plot one panel in the user's axes, whose style and title do not change."""
     if not isinstance(ax, Axes):
         raise InvalidProblem.at("ax", f"{quote(ax)} is out of place; must be matplotlib's Axes")
     if choice is not None and len(chosen) != 1:
         text = f"{len(chosen)} panels are selected for one ax; select one panel, or omit ax"
         raise InvalidProblem.at("panels", text)
-    handles = [*_curves(chosen[0].draw(ax, cases), cases), *_names(cases)]
+    handles = [*_curve_legend(chosen[0].draw(ax, cases), cases), *_case_legend(cases)]
     if handles:
         ax.legend(handles=handles)
         for twin in ax.get_shared_x_axes().get_siblings(ax):
@@ -173,11 +173,11 @@ def _figure(
     chosen: list[Panel], cases: Sequence[Case], *, registered: bool, lettered: bool
 ) -> Picture:
     """Return a figure of panels."""
-    figure, placed = _placed(chosen, len(cases), registered)
+    figure, placed = _empty_figure(chosen, len(cases), registered)
     letters = iter("abcdefghijklmnopqrstuvwxyz" * (lettered and len(chosen) > 1))
     below: list[Any] = []
     for axes, panel, lowest in placed:
-        handles = _curves(panel.draw(axes, cases), cases)
+        handles = _curve_legend(panel.draw(axes, cases), cases)
         if panel.legend == "below":
             below = handles
         elif handles:
@@ -189,13 +189,13 @@ def _figure(
             axes.tick_params(labelbottom=False)
     if below:
         figure.legend(handles=below, loc="outside lower center", ncols=len(below))
-    names = _names(cases)
+    names = _case_legend(cases)
     if names:
         figure.legend(handles=names, loc="outside upper center", ncols=min(len(names), 3))
     return figure
 
 
-def _placed(
+def _empty_figure(
     chosen: list[Panel], cases: int, registered: bool
 ) -> tuple[Picture, list[tuple[Axes, Panel, bool]]]:
     """Return an empty figure, and for each panel its axes and whether it is the lowest."""
@@ -226,7 +226,7 @@ def _legend(axes: Axes, handles: list[Any], panel: Panel) -> None:
         axes.legend(handles=handles, loc="center left", bbox_to_anchor=(1.0, 0.5))
 
 
-def _curves(handles: Sequence[Any], cases: Sequence[Case]) -> list[Any]:
+def _curve_legend(handles: Sequence[Any], cases: Sequence[Case]) -> list[Any]:
     """Return the legend entries of a panel; with several results the line styles, in grey."""
     if len(cases) == 1:
         return list(handles)
@@ -240,7 +240,7 @@ def _curves(handles: Sequence[Any], cases: Sequence[Case]) -> list[Any]:
     return plain + [handle for handle in handles if handle not in lines]
 
 
-def _names(cases: Sequence[Case]) -> list[Line2D]:
+def _case_legend(cases: Sequence[Case]) -> list[Line2D]:
     """Return the legend of several cases."""
     if len(cases) == 1:
         return []

@@ -19,7 +19,7 @@ __all__ = ["plot_plan"]
 
 
 def plot_plan(plan: NextExperiment, path: Any = None, ax: Axes | None = None) -> Any:
-    """Draw the expected relative standard errors against the measurements, best first.
+    """Plot the expected relative standard errors against the measurements, best first.
 
     Parameters
     ----------

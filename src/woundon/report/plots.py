@@ -69,7 +69,7 @@ def plot(
     *,
     labels: Sequence[str] | None = None,
 ) -> Any:
-    """Draw one result, or several in one picture.
+    """Plot one result, or several in one figure.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ def plot(
         the path.
     """
     given, cases = _cases(results, labels)
-    return drawn(_common(given), cases, path, ax, panels)
+    return drawn(_common_panels(given), cases, path, ax, panels)
 
 
 def plotted(
@@ -109,14 +109,14 @@ def plotted(
 ) -> Figure:
     """Return the figure of :func:`plot` for a file: not registered with a window or notebook."""
     given, cases = _cases(results, labels)
-    figure: Figure = drawn(_common(given), cases, choice=panels, registered=False)
+    figure: Figure = drawn(_common_panels(given), cases, choice=panels, registered=False)
     return figure
 
 
 def panel_columns(results: Sequence[Result]) -> list[list[str]]:
     """Return the names of the panels that are drawn of results, column by column."""
     columns: dict[str, list[str]] = {}
-    for name, panel in _common(results).items():
+    for name, panel in _common_panels(results).items():
         if panel.shown:
             columns.setdefault(panel.column, []).append(name)
     return list(columns.values())
@@ -135,7 +135,7 @@ def _cases(results: Any, labels: Sequence[str] | None) -> tuple[list[Any], list[
     return given, cases_of(given, labels)
 
 
-def _common(results: Sequence[Result]) -> dict[str, Panel]:
+def _common_panels(results: Sequence[Result]) -> dict[str, Panel]:
     """Return the panels that all results have, by name."""
     first, *others = [_panels(result) for result in results]
     common = {
@@ -158,9 +158,9 @@ def panels_of(result: Result) -> dict[str, Panel]:
 
 
 def _panels(result: Result) -> dict[str, Panel]:
-    """Return the panels of a result's kind, then one for every array, drawn if asked for."""
+    """Return the panels of the kind, then optional ones for every array."""
     own = panels_of(result)
-    along, *names = _drawable(result) or [""]
+    along, *names = _plotted_arrays(result) or [""]
     for name in names:
         own.setdefault(name, Panel(Curves(along, (name,)), "outputs", height=2.8, shown=False))
     return own
@@ -179,7 +179,7 @@ def _labels(results: Sequence[Any]) -> list[str]:
         ", ".join(
             [
                 *([word] if len(set(words)) > 1 else []),
-                *(_said(t[path]) for path in differ[:2] if path in t),
+                *(_value_text(t[path]) for path in differ[:2] if path in t),
             ]
         )
         for word, t in zip(words, fields, strict=True)
@@ -189,7 +189,7 @@ def _labels(results: Sequence[Any]) -> list[str]:
     return texts
 
 
-def _said(place: quantities.Place) -> str:
+def _value_text(place: quantities.Place) -> str:
     """Return "nip load = 2000 N/m"."""
     name, quantity = place.name.replace("_", " "), place.quantity
     if quantity is None or not isinstance(place.value, int | float):
@@ -208,7 +208,7 @@ class Curves:
     names: tuple[str, ...]
 
     def __call__(self, axes: Axes, cases: Sequence[Case]) -> list[Any]:
-        """Draw them."""
+        """Plot them."""
         handles: list[Any] = []
         for case in cases:
             curves: list[Line2D] = []
@@ -220,7 +220,7 @@ class Curves:
                     at,
                     quantity.shown(values),
                     LINES[k % 4],
-                    color=case.or_own(COLOURS[k % 7]),
+                    color=case.colour_or(COLOURS[k % 7]),
                     drawstyle="steps-mid" if whole else "default",
                     label=wrapped_text(f"{symbol_text(quantity.symbol)}  {quantity.meaning}"),
                 )
@@ -235,7 +235,7 @@ class Curves:
 
 
 def output_panels(result: Result) -> dict[str, Panel]:
-    """Return panels with every array of a result of any kind over its first one.
+    """Return panels with every array of a result over its first one.
 
     One for each unit, named after its arrays; whole numbers (zones, states) have one of their own.
     Arrays of another length than the first are omitted.
@@ -245,7 +245,7 @@ def output_panels(result: Result) -> dict[str, Panel]:
     InvalidProblem
         For a result without arrays.
     """
-    along, *names = _drawable(result) or [""]
+    along, *names = _plotted_arrays(result) or [""]
     if not names:
         raise InvalidProblem.at("plot", f"a {type(result).__name__} has no arrays to draw")
     groups: dict[tuple[str, bool], list[str]] = {}
@@ -258,7 +258,7 @@ def output_panels(result: Result) -> dict[str, Panel]:
     }
 
 
-def _drawable(result: Result) -> list[str]:
-    """Return the names of the first array and of those as long."""
+def _plotted_arrays(result: Result) -> list[str]:
+    """Return the names of the first array and of those with the same length."""
     arrays = [p for p in quantities.walk(result) if isinstance(p.value, np.ndarray)]
     return [p.path for p in arrays if p.value.ndim == 1 and p.value.shape == arrays[0].value.shape]

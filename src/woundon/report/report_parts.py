@@ -69,7 +69,7 @@ class Row:
 
     @property
     def value_text(self) -> str:
-        """The value in five digits; no digits below its error where it is smaller than that."""
+        """The value with five digits, or rounded to zero if it is smaller than its error."""
         if isinstance(self.value, str):
             return self.value
         value = float(self.value)
@@ -79,7 +79,7 @@ class Row:
 
     @property
     def error_text(self) -> str:
-        """The error in two digits; "<" a unit of the value's last digit where it is smaller."""
+        """The error with two digits, or '<' one unit of the last digit of the value."""
         size = nan if isinstance(self.value, str) else abs(float(self.value))
         if not (isfinite(size) and isfinite(self.error)):
             return ""
@@ -171,7 +171,7 @@ Part = Section | ZoneStrips | Verdicts | Line
 
 
 def row_of(quantity: Quantity, value: Any, error: float = nan, **more: str) -> Row:
-    """Return the row of a value and its error [SI], ``more`` in place of the quantity's texts."""
+    """Return the row of a value and its error [SI]; ``more`` replaces texts of the quantity."""
     shown, error = quantity.shown(value), abs(quantity.shown(error))
     row = Row(quantity.meaning, quantity.symbol, shown, quantity.display, error)
     return replace(row, **more)  # type: ignore[arg-type]
@@ -200,7 +200,7 @@ def output_row(result: Result, name: str, value: float | None = None, **more: st
 
 
 def field_row(problem: Any, name: str, *, empty: float = nan, **more: str) -> Row:
-    """Return the row of a problem's field; ``empty`` is what one that is None stands for."""
+    """Return the row of a problem's field; ``empty`` is the value of a field that is None."""
     quantity = quantities.find(problem, name)[0].quantity
     if quantity is None:
         raise AttributeError(f"{name} of a {type(problem).__name__} has no quantity")
@@ -225,10 +225,10 @@ def certificate_line(residuals: Residuals, noun: str = "contact condition") -> L
     if not broken:
         several = f"all {len(laws)} {noun}s are satisfied"
         held = several if len(laws) > 1 else "its one condition is satisfied"
-        worst = f"{residuals.largest:.1e} ({_words(residuals.worst)})"
+        worst = f"{residuals.largest:.1e} ({_readable(residuals.worst)})"
         return Line(f"Certificate: {held}; largest residual {worst}", "good")
     values = ", ".join(
-        f"{_words(law)} " + ("not known (nan)" if value != value else f"{value:.1e}")
+        f"{_readable(law)} " + ("not known (nan)" if value != value else f"{value:.1e}")
         for law, value in broken.items()
     )
     count = f"{len(broken)} of {len(laws)} {noun}s {'is' if len(broken) == 1 else 'are'}"
@@ -241,7 +241,7 @@ def certificate_of(result: Result) -> Line:
     return certificate_line(result.residuals, "contact condition" if contact else "condition")
 
 
-def _words(law: str) -> str:
+def _readable(law: str) -> str:
     return law.replace("_", " ")
 
 
@@ -268,7 +268,7 @@ def zone_strips(result: Result) -> ZoneStrips | None:
 
 
 def friction_bounds(result: Result) -> dict[str, Array]:
-    """Return mu p, which no traction exceeds, by the traction's name [Pa]."""
+    """Return the friction bound mu p [Pa] by the name of the traction."""
     problem = result.problem
     if isinstance(result, RollerResult):
         return {"traction": problem.friction * result.pressure}
@@ -284,7 +284,7 @@ def friction_bounds(result: Result) -> dict[str, Array]:
 
 
 def zone_line(x: Array, zones: Array, width: int) -> list[tuple[int, int]]:
-    """Return runs (zone, characters) that draw the zones over ``width`` characters.
+    """Return the zones as runs (zone, number of characters) over ``width`` characters.
 
     A run is as long as its share of the contact but never nothing: a short slip zone at an edge
     stays in sight.

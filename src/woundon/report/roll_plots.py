@@ -67,26 +67,26 @@ class OverRadius:
     words: str
 
     def __call__(self, axes: Axes, cases: Cases) -> Handles:
-        """Draw it."""
+        """Plot it."""
         for case in cases:
             x, y = shown(case.result, "radius"), shown(case.result, self.name)
-            axes.plot(x, y, color=case.or_own(COLOURS[0]))
+            axes.plot(x, y, color=case.colour_or(COLOURS[0]))
         axes.set_ylabel(axis_label(self.words, quantity_of(cases[0].result, self.name)))
-        _along(axes, cases)
+        _format_x_axis(axes, cases)
         if all((getattr(case.result, self.name) > -1e-9).all() for case in cases):
             axes.set_ylim(bottom=0)
         return []
 
 
 def _draw_hoop(axes: Axes, cases: Cases) -> Handles:
-    return _draw_along(axes, cases, "hoop_stress", r"Hoop stress $\sigma_t$")
+    return _draw_over_radius(axes, cases, "hoop_stress", r"Hoop stress $\sigma_t$")
 
 
 def _draw_residual(axes: Axes, cases: Cases) -> Handles:
-    return _draw_along(axes, cases, "residual_tension", "Tension left in the laps")
+    return _draw_over_radius(axes, cases, "residual_tension", "Tension left in the laps")
 
 
-def _draw_along(axes: Axes, cases: Cases, name: str, words: str) -> Handles:
+def _draw_over_radius(axes: Axes, cases: Cases, name: str, words: str) -> Handles:
     quantity, handles = quantity_of(cases[0].result, name), []
     axes.axhline(0, color=NEUTRAL, linewidth=0.8)
     for case in cases:
@@ -96,11 +96,11 @@ def _draw_along(axes: Axes, cases: Cases, name: str, words: str) -> Handles:
         x = quantity_of(result, "radius").shown(r)
         times = _thickness(result, name)
         hoop = quantity.shown(times * result.at_radius(r)["hoop_stress"])
-        (line,) = axes.plot(x, hoop, color=case.or_own(COLOURS[0]), label=words)
+        (line,) = axes.plot(x, hoop, color=case.colour_or(COLOURS[0]), label=words)
         if case.alone:
-            handles = [line, *_compression(axes, x, hoop)]
+            handles = [line, *_shade_compression(axes, x, hoop)]
     axes.set_ylabel(axis_label(words, quantity))
-    _along(axes, cases)
+    _format_x_axis(axes, cases)
     deepest = quantity.shown(
         min(_thickness(case.result, name) * case.result.least_hoop_stress for case in cases)
     )
@@ -121,15 +121,15 @@ def _draw_density(axes: Axes, cases: Cases) -> Handles:
             ("density", "-", "in the roll"),
             ("density_as_wound", "--", "as wound"),
         ):
-            colour = case.or_own(COLOURS[0 if name == "density" else 1])
+            colour = case.colour_or(COLOURS[0 if name == "density" else 1])
             (line,) = axes.plot(x, shown(case.result, name), style, color=colour, label=words)
             handles += [line] if case.alone else []
     axes.set_ylabel(axis_label("Density", quantity_of(cases[0].result, "density")))
-    _along(axes, cases)
+    _format_x_axis(axes, cases)
     return handles
 
 
-def _compression(axes: Axes, x: np.ndarray, hoop: np.ndarray) -> Handles:
+def _shade_compression(axes: Axes, x: np.ndarray, hoop: np.ndarray) -> Handles:
     if not (hoop < 0).any():
         return []
     shade = axes.fill_between(x, np.minimum(hoop, 0), 0, color=COLOURS[1], alpha=0.2, linewidth=0)
@@ -145,14 +145,14 @@ def _draw_tension(axes: Axes, cases: Cases) -> Handles:
         r = np.unique(np.concatenate([r, problem.tension_curve.kinks]))
         T = problem.tension_curve.at(r) * problem.web_thickness
         x = quantity_of(case.result, "radius").shown(r)
-        axes.plot(x, quantity.shown(T), color=case.or_own(COLOURS[0]))
+        axes.plot(x, quantity.shown(T), color=case.colour_or(COLOURS[0]))
     axes.set_ylabel(axis_label("Wound-on tension", quantity))
     axes.set_ylim(bottom=0)
-    _along(axes, cases)
+    _format_x_axis(axes, cases)
     return []
 
 
-def _along(axes: Axes, cases: Cases) -> None:
+def _format_x_axis(axes: Axes, cases: Cases) -> None:
     quantity = quantity_of(cases[0].result, "radius")
     ends = np.concatenate([case.result.radius[[0, -1]] for case in cases])
     axes.set_xlabel(axis_label("Radius $r$", quantity))

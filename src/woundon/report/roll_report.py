@@ -46,8 +46,8 @@ def roll_report(result: RollResult) -> list[Part]:
     names = [name for name in NAMES if problem.density is not None or name not in OF_DENSITY]
     changes = [field_row(problem, name) for name in CHANGES if getattr(problem, name)]
     notes = {
-        "peak_pressure": _place(r, result.pressure, int(np.argmax(result.pressure))),
-        "least_hoop_stress": _place(r, hoop, int(np.argmin(hoop))),
+        "peak_pressure": _location(r, result.pressure, int(np.argmax(result.pressure))),
+        "least_hoop_stress": _location(r, hoop, int(np.argmin(hoop))),
         "lap_effect": ", included in the errors",
     }
     return [
@@ -67,12 +67,12 @@ def roll_report(result: RollResult) -> list[Part]:
     ]
 
 
-def _place(r: np.ndarray, values: np.ndarray, k: int) -> str:
+def _location(r: np.ndarray, values: np.ndarray, k: int) -> str:
     return f", at r = {1e3 * r[k]:.4g} mm"
 
 
 def _tension(result: RollResult) -> Iterator[Row]:
-    """Yield the wound-on tension: as given, or at core and surface."""
+    """Yield the wound-on tension: a number, or the values at core and surface."""
     problem = result.problem
     schedule = problem.wound_on_tension
     if not isinstance(schedule, Taper | Profile):
@@ -97,7 +97,7 @@ def _compressed(result: RollResult) -> str:
 
 
 def _gauge_band(result: RollResult) -> Iterator[Section]:
-    """Yield the thickest lane across the width, where one is given."""
+    """Yield the section of the gauge band, if there is one."""
     problem = result.problem
     if not problem.gauge_excess:
         return

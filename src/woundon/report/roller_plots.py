@@ -47,19 +47,19 @@ def _draw_roller_tractions(axes: Axes, cases: Cases) -> Handles:
             shade = axes.fill_between(x, -mu * p, mu * p, color="#DDDDDD", linewidth=0)
             shade.set_label(r"$\pm\mu p$")
             marks.append(shade)
-        (pressure,) = axes.plot(x, p, "-.", color=case.or_own(NEUTRAL), label="$p$")
-        (traction,) = axes.plot(x, shown(result, "traction"), color=case.or_own(COLOURS[0]))
+        (pressure,) = axes.plot(x, p, "-.", color=case.colour_or(NEUTRAL), label="$p$")
+        (traction,) = axes.plot(x, shown(result, "traction"), color=case.colour_or(COLOURS[0]))
         traction.set_label("$q$ on upper roller")
         marks += _draw_closed_forms(axes, result) if case.alone else []
         handles = handles or [pressure, traction, *marks]
     quantity = quantity_of(cases[0].result, "pressure")
     axes.set_ylabel(axis_label("Pressure $p$, traction $q$", quantity))
-    _along(axes, cases)
+    _format_x_axis(axes, cases)
     return handles
 
 
 def _draw_closed_forms(axes: Axes, result: RollerResult) -> Handles:
-    """Mark p and q of the theory that applies; return its handle, none where none does."""
+    """Plot p and q of the applicable closed form; return its legend entry, if any."""
     name, forms = _closed_forms(result)
     inside = -np.cos(np.linspace(0, np.pi, 42)) * result.half_width
     x, p = quantity_of(result, "x"), quantity_of(result, "pressure")
@@ -79,7 +79,7 @@ def _draw_closed_forms(axes: Axes, result: RollerResult) -> Handles:
 
 
 def _closed_forms(result: RollerResult) -> tuple[str, tuple[Callable[[Array], Array], ...]]:
-    """Return the name of the theory that applies with its p(x) and q(x); none where none does."""
+    """Return name, p(x) and q(x) of the applicable closed form; None if there is none."""
     problem = result.problem
     known: list[tuple[str, Callable[..., Any]]] = [("Cattaneo", theories.cattaneo)]
     if problem.motion == "rolling":
@@ -105,19 +105,19 @@ def _draw_roller_slip(axes: Axes, cases: Cases) -> Handles:
     for case in cases:
         result = case.result
         axes.plot(
-            shown(result, "slip_x"), quantity.shown(result.slip), color=case.or_own(COLOURS[0])
+            shown(result, "slip_x"), quantity.shown(result.slip), color=case.colour_or(COLOURS[0])
         )
     axes.set_ylabel(axis_label("Relative slip speed $v$" if rolling else "Slip $v$", quantity))
-    _along(axes, cases)
+    _format_x_axis(axes, cases)
     return []
 
 
 def _draw_roller_zones(axes: Axes, cases: Cases) -> Handles:
     strips, colours = [roller_zones(c.result) for c in cases], [case.colour for case in cases]
     handles = draw_zones(axes, strips, quantity_of(cases[0].result, "x"), colours)
-    _along(axes, cases)
+    _format_x_axis(axes, cases)
     return list(handles)
 
 
-def _along(axes: Axes, cases: Cases) -> None:
+def _format_x_axis(axes: Axes, cases: Cases) -> None:
     along_contact(axes, [case.result for case in cases], "contact")

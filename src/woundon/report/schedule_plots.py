@@ -12,7 +12,7 @@ __all__ = ["plot_schedule"]
 
 
 def plot_schedule(found: Any, path: Any = None, choice: Any = None) -> Any:
-    """Draw a winding before and after its schedule was optimised."""
+    """Plot a winding before and after the optimisation of its schedule."""
     cases = cases_of([found.before, found.after], ["before", "after"])
     panels = panels_of(found.after)
     panels["reserves"] = Panel(Bars(found), "reserves", width=4.2, height=3.2)

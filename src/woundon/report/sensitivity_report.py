@@ -28,7 +28,7 @@ def sensitivity_text(sensitivity: Sensitivity) -> str:
 
 
 def print_sensitivity(sensitivity: Sensitivity, console: Console) -> None:
-    """Print elasticities, what matters most for the first output first."""
+    """Print elasticities, the most influential input for the first output first."""
     ordered = sensitivity.sorted()
     known: dict[str, quantities.Quantity] = {}
     for kind in kinds.every():  # the same name means the same in all of them

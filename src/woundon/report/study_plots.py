@@ -33,7 +33,7 @@ _LONG_NAME = 32  # characters; a longer one is too long for a legend
 
 
 def plot_sweep(table: Table, output: str, path: str | Path | None = None) -> Figure:
-    """Draw one output of a study.
+    """Plot one output of a study.
 
     Of a grid: curves over the longest axis, a curve for each value of the next, a panel for each
     of a third; further inputs at their middle values.  At most seven curves and four panels are
@@ -70,17 +70,17 @@ def _grid_figure(table: Table, output: str, registered: bool) -> Figure:
     values = np.transpose(values, [kept.index(k) for k in drawn])
     while values.ndim < 3:
         values = values[..., None]
-    panels = _spread(values.shape[2], _MOST_PANELS)
+    panels = _evenly_spaced(values.shape[2], _MOST_PANELS)
     figure = Picture.new((3.4 * len(panels) + 1.6, 3.6), registered)
     axes = figure.subplots(1, len(panels), sharey=True, squeeze=False)[0]
     for panel, k in zip(axes, panels, strict=True):
-        _curves(panel, table, drawn, values[:, :, k])
+        _draw_curves(panel, table, drawn, values[:, :, k])
         if len(drawn) > 2:
-            panel.set_title(_at(table, drawn[2], k), fontsize=9)
+            panel.set_title(_value_label(table, drawn[2], k), fontsize=9)
     axes[0].set_ylabel(text)
     if len(drawn) > 1:
         axes[-1].legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
-    held_at = ", ".join(_at(table, k, place) for k, place in fixed.items())
+    held_at = ", ".join(_value_label(table, k, place) for k, place in fixed.items())
     title = "; ".join(filter(None, [held_at, _omissions(values.shape)]))
     if title:
         figure.suptitle(title, fontsize=9)
@@ -99,15 +99,15 @@ def _omissions(shape: tuple[int, ...]) -> str:
     return f"{' and '.join(parts)} shown" if parts else ""
 
 
-def _curves(axes: Axes, table: Table, drawn: list[int], values: Array) -> None:
+def _draw_curves(axes: Axes, table: Table, drawn: list[int], values: Array) -> None:
     x = table.design.columns[drawn[0]]
     numeric = x.numeric
     at, text = np.arange(len(x.values)), x.name
     if numeric:
         at, text = _scaled(table.quantities.get(x.name), x.name, x.labels.astype(float))
     order = np.argsort(at, kind="stable")
-    for place, k in enumerate(_spread(values.shape[1], _MOST_CURVES)):
-        label = _at(table, drawn[1], k) if len(drawn) > 1 else None
+    for place, k in enumerate(_evenly_spaced(values.shape[1], _MOST_CURVES)):
+        label = _value_label(table, drawn[1], k) if len(drawn) > 1 else None
         mark = "." if at.size <= 30 else None
         axes.plot(
             at[order],
@@ -151,7 +151,7 @@ def plot_fit(
     ax: Axes | None = None,
     panels: str | Sequence[str] | None = None,
 ) -> Any:
-    """Draw fitted against measured values ("agreement"), and the profile of each parameter.
+    """Plot fitted against measured values ("agreement"), and the profile of each parameter.
 
     Parameters
     ----------
@@ -183,7 +183,7 @@ def _draw_profile(profile: ProfileLikelihood, axes: Axes, cases: Sequence[Case])
 
 
 def _rms(fit: FitResult) -> tuple[float, str]:
-    """Return the factor that takes an RMS to the unit for display, and the axis's text."""
+    """Return the factor from SI to the displayed unit of an RMS, and the axis label."""
     quantity = fit.quantities.get(fit.row_outputs[0])
     if fit.weighted or quantity is None:
         return 1.0, "RMS of the fit [standard deviations]" if fit.weighted else "RMS of the fit"
@@ -231,7 +231,7 @@ def plot_indices(
     ax: Axes | None = None,
     panels: str | Sequence[str] | None = None,
 ) -> Any:
-    """Draw first and total order of every input as bars with their intervals, a panel an output.
+    """Plot first-order and total indices as bars with intervals, one panel per output.
 
     The input that explains most, with its interactions, stands on top.
 
@@ -250,7 +250,7 @@ def plot_indices(
 
 
 def _draw_shares(k: int, axes: Axes, cases: Sequence[Case]) -> list[Any]:
-    """Draw the bars of an output."""
+    """Plot the bars of an output."""
     indices = cases[0].result
     order = np.argsort(-indices.total_order[k], kind="stable")
     at, handles = np.arange(order.size), []
@@ -276,8 +276,8 @@ def _draw_shares(k: int, axes: Axes, cases: Sequence[Case]) -> list[Any]:
     return handles
 
 
-def _spread(count: int, most: int) -> list[int]:
-    """Return at most so many places out of ``count``, spread evenly, ends included."""
+def _evenly_spaced(count: int, most: int) -> list[int]:
+    """Return at most ``most`` evenly spaced indices below ``count``, including both ends."""
     return sorted({round(k) for k in np.linspace(0, count - 1, min(count, most))})
 
 
@@ -291,7 +291,7 @@ def _logarithmic(values: Array) -> bool:
 def _scaled(
     quantity: Quantity | None, name: str, values: Array, words: bool = True
 ) -> tuple[Array, str]:
-    """Return values in the unit for display, and the axis's text."""
+    """Return values in the unit for display, and the axis label."""
     text = name.replace("_", " ")
     if quantity is None:
         return values, text
@@ -300,15 +300,15 @@ def _scaled(
 
 
 def _log_axis(axis: Axis) -> None:
-    """Number 1, 2 and 5 of every decade, plainly."""
+    """Label 1, 2 and 5 of every decade with plain numbers."""
     axis.axes.set(**{f"{axis.axis_name}scale": "log"})  # type: ignore[attr-defined]
     axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axis.set_minor_formatter(NullFormatter())
 
 
-def _at(table: Table, axis: int, place: int) -> str:
-    """Return "shear = 10 MPa" for a place on an axis."""
+def _value_label(table: Table, axis: int, place: int) -> str:
+    """Return a label such as "shear = 10 MPa" for an index on an axis."""
     column = table.design.columns[axis]
     value, quantity = column.labels[place], table.quantities.get(column.name)
     name = column.name.rpartition(".")[2].replace("_", " ")

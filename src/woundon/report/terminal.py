@@ -39,7 +39,7 @@ def plain_console(paper: TextIO) -> Console:
 
 
 def print_parts(parts: Iterable[Part], console: Console) -> None:
-    """Print the parts of a report; where the terminal knows ASCII only, in ASCII."""
+    """Print the parts of a report, in ASCII if the terminal has no other characters."""
     parts = list(parts)
     ascii_only = console.options.ascii_only
     marks, plus_minus = (ASCII_MARKS, "+-") if ascii_only else (MARKS, "±")

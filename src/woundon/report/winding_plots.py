@@ -13,7 +13,7 @@ from ..quantities import Quantity
 from ..roll.result import RollResult
 from ..winding.result import WindingResult
 from .figures import COLOURS, axis_label, quantity_of, shown
-from .margin_plots import Disc, disc_of, draw_reserves, levels_of
+from .margin_plots import Disc, colour_scale, draw_disc, draw_margins
 from .panels import NEUTRAL, Case, Panel
 
 __all__ = ["winding_panels"]
@@ -42,7 +42,7 @@ def winding_panels(result: WindingResult) -> dict[str, Panel]:
     """
     return {
         "tension": Panel(_draw_tension, "left", height=3.0),
-        "reserves": Panel(_draw_reserves, "left", height=3.0),
+        "reserves": Panel(_draw_margins, "left", height=3.0),
         "pressure": Panel(Stages("pressure", "Pressure $P$"), "right", height=3.0),
         "hoop_stress": Panel(Stages("hoop_stress", r"Hoop stress $\sigma_t$"), "right", height=3.0),
         "loads": Panel(_draw_loads, "left", height=2.6, shown=False),
@@ -50,7 +50,7 @@ def winding_panels(result: WindingResult) -> dict[str, Panel]:
         "hoop_disc": Panel(
             Disc("hoop_stress", r"Hoop stress $\sigma_t$", "roll"), "hoop", 5.4, 4.4, shown=False
         ),
-        "film": Panel(_draw_film, "film", width=11.0, height=2.6, shown=False),
+        "film": Panel(_draw_discs, "film", width=11.0, height=2.6, shown=False),
     }
 
 
@@ -64,15 +64,15 @@ def _draw_tension(axes: Axes, cases: Cases) -> list[Any]:
                 shown(result, name),
                 dashes,
                 label=words,
-                color=case.or_own(own),
+                color=case.colour_or(own),
             )
             lines.append(line)
         at = quantity_of(result, "nip_radius").shown(result.nip_radius)
-        axes.plot(at, shown(result, "nip_wound_on_tension"), ".", color=case.or_own(COLOURS[0]))
+        axes.plot(at, shown(result, "nip_wound_on_tension"), ".", color=case.colour_or(COLOURS[0]))
         handles = handles or lines
     axes.set_ylabel(axis_label("Tension", quantity_of(cases[0].result, "wound_on_tension")))
     axes.set_ylim(bottom=min(0, axes.get_ylim()[0]))
-    _along(axes, cases)
+    _format_x_axis(axes, cases)
     return handles
 
 
@@ -82,29 +82,29 @@ def _draw_loads(axes: Axes, cases: Cases) -> list[Any]:
         x, result = shown(case.result, "radius"), case.result
         lines = [
             *axes.plot(
-                x, shown(result, "nip_load"), color=case.or_own(COLOURS[0]), label="nip load $P$"
+                x, shown(result, "nip_load"), color=case.colour_or(COLOURS[0]), label="nip load $P$"
             ),
             *axes.plot(
                 x,
                 shown(result, "winding_force"),
                 "--",
-                color=case.or_own(COLOURS[1]),
+                color=case.colour_or(COLOURS[1]),
                 label="winding force $F$",
             ),
         ]
         handles = handles or lines
     axes.set_ylabel(axis_label("Load", quantity_of(cases[0].result, "nip_load")))
-    _along(axes, cases)
+    _format_x_axis(axes, cases)
     return handles
 
 
-def _draw_reserves(axes: Axes, cases: Cases) -> list[Any]:
+def _draw_margins(axes: Axes, cases: Cases) -> list[Any]:
     """Plot the margins over the radius; each of several cases in its colour."""
     handles: list[Any] = []
     for case in cases:
-        lines = draw_reserves(axes, case.result.margins, case.colour)
+        lines = draw_margins(axes, case.result.margins, case.colour)
         handles = handles or lines
-    _along(axes, cases)
+    _format_x_axis(axes, cases)
     return handles if cases[0].alone else []
 
 
@@ -116,10 +116,10 @@ class Stages:
     words: str
 
     def __call__(self, axes: Axes, cases: Cases) -> list[Any]:
-        """Draw it."""
+        """Plot it."""
         quantity = quantity_of(cases[0].result.roll, self.name)
         for case in cases:
-            colour, rolls = case.or_own(COLOURS[0]), [case.result.roll]
+            colour, rolls = case.colour_or(COLOURS[0]), [case.result.roll]
             if case.alone:
                 rolls = _stages(case.result)
             for k, roll in enumerate(rolls, 1):
@@ -129,10 +129,10 @@ class Stages:
                 )
         axes.set_ylabel(axis_label(self.words, quantity))
         if self.name == "hoop_stress":
-            _cut(axes, [quantity.shown(c.result.roll.least_hoop_stress) for c in cases])
+            _clip_above(axes, [quantity.shown(c.result.roll.least_hoop_stress) for c in cases])
         else:
             axes.set_ylim(bottom=0)
-        _along(axes, cases)
+        _format_x_axis(axes, cases)
         return []
 
 
@@ -147,8 +147,8 @@ def _curve(roll: RollResult, name: str, quantity: Quantity) -> tuple[Any, Any]:
     return quantity_of(roll, "radius").shown(r), quantity.shown(roll.at_radius(r)[name])
 
 
-def _cut(axes: Axes, deepest: list[Any]) -> None:
-    """Cut hoop stresses off above, where both ends have many times what is inside."""
+def _clip_above(axes: Axes, deepest: list[Any]) -> None:
+    """Clip the axis of hoop stresses above, if those at the ends are many times larger."""
     axes.axhline(0, color=NEUTRAL, linewidth=0.8)
     low = min(deepest)
     if low < 0:
@@ -156,15 +156,15 @@ def _cut(axes: Axes, deepest: list[Any]) -> None:
         axes.set_ylim(1.2 * low, min(axes.get_ylim()[1], -ABOVE * low))
 
 
-def _draw_film(axes: Axes, cases: Cases) -> list[Any]:
+def _draw_discs(axes: Axes, cases: Cases) -> list[Any]:
     """Plot the pressure of the growing roll as a row of discs on one scale."""
     rolls = _stages(cases[0].result)
     quantity = quantity_of(rolls[-1], "pressure")
-    low, high, colours = levels_of(max(rolls, key=lambda roll: roll.peak_pressure), "pressure")
+    low, high, colours = colour_scale(max(rolls, key=lambda roll: roll.peak_pressure), "pressure")
     place, room = 0.0, 1e3 * 0.1 * float(rolls[-1].radius[-1])
     for roll in rolls:
         R = 1e3 * float(roll.radius[-1])
-        mesh = disc_of(axes, roll, "pressure", (place + R, R), (low, high, colours))
+        mesh = draw_disc(axes, roll, "pressure", (place + R, R), (low, high, colours))
         axes.text(place + R, -0.5 * room, f"{R:.0f}", ha="center", va="top")
         place += 2 * R + room
     figure = axes.get_figure()
@@ -177,7 +177,7 @@ def _draw_film(axes: Axes, cases: Cases) -> list[Any]:
     return []
 
 
-def _along(axes: Axes, cases: Cases) -> None:
+def _format_x_axis(axes: Axes, cases: Cases) -> None:
     quantity = quantity_of(cases[0].result, "radius")
     axes.set_xlabel(axis_label("Radius $r$", quantity))
     radii = [quantity.shown(case.result.radius[k]) for case in cases for k in (0, -1)]

@@ -27,7 +27,7 @@ NONE = "#BBBBBB"
 
 
 def plot_window(window: OperatingWindow, path: Any = None, ax: Axes | None = None) -> Any:
-    """Draw the contours of the probability over the regions of the binding margins.
+    """Plot the contours of the probability over the regions of the binding margins.
 
     With a torque split, the level of the best point is drawn.
 
