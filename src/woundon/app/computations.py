@@ -39,9 +39,17 @@ from .limits import LIMITS
 from .plot_data import panels_of
 
 __all__ = [
-    "as_json", "curve", "design", "find", "problem_of", "sensitivities", "solve", "solved",
-    "warm_up", "with_grade",
-]  # fmt: skip
+    "as_json",
+    "curve",
+    "design",
+    "find",
+    "problem_of",
+    "sensitivities",
+    "solve",
+    "solved",
+    "warm_up",
+    "with_grade",
+]
 
 WARM_UP = 1.0  # seconds after which no further example is solved
 MOST_OUTPUTS = 6  # of kinds without main outputs
@@ -83,9 +91,13 @@ def warm_up() -> None:
 
 
 def solve(
-    tables: Any, options: Mapping[str, Any], session: str = "", warm: bool = False,
-    report: bool = False, drawn: bool = False,
-) -> bytes:  # fmt: skip
+    tables: Any,
+    options: Mapping[str, Any],
+    session: str = "",
+    warm: bool = False,
+    report: bool = False,
+    drawn: bool = False,
+) -> bytes:
     """Return the solved state of a case, as JSON; see :func:`state_of`."""
     began = time.perf_counter()
     problem = problem_of(tables)
@@ -160,7 +172,7 @@ def state_of(result: Result, report: bool = False, drawn: bool = False) -> dict[
         "warnings": [*getattr(result.problem, "remarks", ()), *result.warnings],
         "geometry": _geometry(result),
         "sections": [_section(part) for part in parts if isinstance(part, Section)],
-    }  # fmt: skip
+    }
 
 
 def _certificate(result: Result) -> dict[str, Any]:
@@ -194,10 +206,17 @@ def _margin(margin: Any) -> dict[str, Any]:
 
 def _section(section: Section) -> dict[str, Any]:
     rows = [
-        {"label": row.meaning, "symbol": row.symbol, "value": row.value, "unit": row.unit,
-         "value_text": row.value_text, "error_text": row.error_text, "note": row.note}
+        {
+            "label": row.meaning,
+            "symbol": row.symbol,
+            "value": row.value,
+            "unit": row.unit,
+            "value_text": row.value_text,
+            "error_text": row.error_text,
+            "note": row.note,
+        }
         for row in section.rows
-    ]  # fmt: skip
+    ]
     return {"title": section.title, "text": section.text, "rows": rows}
 
 
@@ -214,12 +233,16 @@ def _along_the_contact(result: Any) -> dict[str, Any]:
     own = getattr(result, "in_nip", slice(0, len(strips.x)))
     return {
         "nip": [own.start, own.stop - 1],
-        "zones": [{"name": face, "runs": zone_runs(strips.x, zones)}
-                  for face, zones in strips.faces.items()],
+        "zones": [
+            {"name": face, "runs": zone_runs(strips.x, zones)}
+            for face, zones in strips.faces.items()
+        ],
         "zone_words": {"-1": strips.slower, "0": "stick", "1": strips.faster},
-        "bounds": [{"of": name, "values": values.tolist()}
-                   for name, values in friction_bounds(result).items()],
-    }  # fmt: skip
+        "bounds": [
+            {"of": name, "values": values.tolist()}
+            for name, values in friction_bounds(result).items()
+        ],
+    }
 
 
 def _geometry(result: Any) -> dict[str, Any]:
@@ -266,11 +289,16 @@ def design(tables: Any, pressure: Any, rtol: float) -> bytes:
     """Return the tension over the radius that gives a wound roll a target pressure, as JSON."""
     problem: Any = problem_of(tables)  # design_tension rejects other kinds
     found = design_tension(problem, _target_pressure(pressure), rtol=rtol)
-    return as_json({
-        "tension": tables_of(found.tension), "radius": found.radius.tolist(),
-        "wanted": found.wanted.tolist(), "reached": found.reached.tolist(),
-        "outer_layer": found.outer_layer, "surface_miss": found.surface_miss,
-    })  # fmt: skip
+    return as_json(
+        {
+            "tension": tables_of(found.tension),
+            "radius": found.radius.tolist(),
+            "wanted": found.wanted.tolist(),
+            "reached": found.reached.tolist(),
+            "outer_layer": found.outer_layer,
+            "surface_miss": found.surface_miss,
+        }
+    )
 
 
 def _target_pressure(given: Any) -> float | Profile:
@@ -306,22 +334,33 @@ def find(
     values = [value for value, _ in found.solutions]
     columns = (values, found.reached, found.uncertainties, found.slopes)
     names = ("value", "reached", "uncertainty", "slope")
-    return as_json({
-        "field": field, "output": output, "target": found.target,
-        "solutions": [dict(zip(names, map(float, row), strict=True))
-                      for row in zip(*columns, strict=True)],
-        "values": found.values.tolist(), "outputs": found.outputs.tolist(),
-        "failures": [{"value": value, "why": why} for value, why in found.failures],
-    })  # fmt: skip
+    return as_json(
+        {
+            "field": field,
+            "output": output,
+            "target": found.target,
+            "solutions": [
+                dict(zip(names, map(float, row), strict=True)) for row in zip(*columns, strict=True)
+            ],
+            "values": found.values.tolist(),
+            "outputs": found.outputs.tolist(),
+            "failures": [{"value": value, "why": why} for value, why in found.failures],
+        }
+    )
 
 
 # ---- around a state ---------------------------------------------------------------------------
 
 
 def curve(
-    tables: Any, field: str, options: Mapping[str, Any], points: int = 11,
-    low: float | None = None, high: float | None = None, outputs: Sequence[str] = (),
-) -> bytes:  # fmt: skip
+    tables: Any,
+    field: str,
+    options: Mapping[str, Any],
+    points: int = 11,
+    low: float | None = None,
+    high: float | None = None,
+    outputs: Sequence[str] = (),
+) -> bytes:
     """Return outputs against one field around a case, as JSON.
 
     Each solve starts from the previous one.  By default from 0.5 to 1.5 times the field's value.
@@ -350,10 +389,16 @@ def curve(
         found.append(answer.values)
         start = answer.state
     columns = zip(*found, strict=True)
-    return as_json({
-        "field": field, "unit": quantity.unit, "at": at, "values": values,
-        "outputs": dict(zip(named, columns, strict=True)), "failures": failures,
-    })  # fmt: skip
+    return as_json(
+        {
+            "field": field,
+            "unit": quantity.unit,
+            "at": at,
+            "values": values,
+            "outputs": dict(zip(named, columns, strict=True)),
+            "failures": failures,
+        }
+    )
 
 
 def _usual_outputs(problem: Problem) -> tuple[str, ...]:
@@ -407,11 +452,16 @@ def sensitivities(tables: Any, options: Mapping[str, Any]) -> bytes:
     result = solved(problem, options)
     if hasattr(result, "sensitivity"):
         found = result.sensitivity().sorted()
-        return as_json({
-            "method": "exact", "outputs": found.outputs, "parameters": found.parameters,
-            "elasticities": found.elasticities.tolist(),
-            "derivatives": found.derivatives.tolist(), "zone_change": found.zone_change,
-        })  # fmt: skip
+        return as_json(
+            {
+                "method": "exact",
+                "outputs": found.outputs,
+                "parameters": found.parameters,
+                "elasticities": found.elasticities.tolist(),
+                "derivatives": found.derivatives.tolist(),
+                "zone_change": found.zone_change,
+            }
+        )
     return as_json(_differences(problem, result, options))
 
 
@@ -431,14 +481,19 @@ def _differences(problem: Problem, result: Any, options: Mapping[str, Any]) -> d
     slopes = dict[str, Any]()
     for name, value in fields.items():
         with suppress(InvalidProblem, NotConverged, ArithmeticError):  # at an end of its range
-            ends = [np.array(model.run({name: value * (1 + way * STEP)}, result).values)
-                    for way in (-1, 1)]  # fmt: skip
+            ends = [
+                np.array(model.run({name: value * (1 + way * STEP)}, result).values)
+                for way in (-1, 1)
+            ]
             slopes[name] = (ends[1] - ends[0]) / (2 * STEP * value)
     with np.errstate(divide="ignore", invalid="ignore"):
         shares = {n: slope * fields[n] / here for n, slope in slopes.items()}
     order = sorted(slopes, key=lambda name: -abs(np.nan_to_num(shares[name][0])))
     return {
-        "method": "differences", "outputs": named, "parameters": order,
+        "method": "differences",
+        "outputs": named,
+        "parameters": order,
         "elasticities": np.transpose([shares[name] for name in order]).tolist(),
-        "derivatives": np.transpose([slopes[name] for name in order]).tolist(), "zone_change": "",
-    }  # fmt: skip
+        "derivatives": np.transpose([slopes[name] for name in order]).tolist(),
+        "zone_change": "",
+    }

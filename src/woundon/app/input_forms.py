@@ -79,11 +79,15 @@ def _kind(kind: kinds.Kind) -> dict[str, Any]:
         "outputs": list(_outputs(kind.result)),
         "exact_sensitivity": hasattr(kind.result, "sensitivity"),
         "options": [
-            {"name": name, "type": option.type.__name__, "words": list(option.choices),
-             "about": f"{option.help} {option.details}".strip()}
+            {
+                "name": name,
+                "type": option.type.__name__,
+                "words": list(option.choices),
+                "about": f"{option.help} {option.details}".strip(),
+            }
             for name, option in kind.solver_options().items()
         ],
-    }  # fmt: skip
+    }
 
 
 def _outputs(result: type[Any]) -> Iterator[dict[str, Any]]:
@@ -95,9 +99,9 @@ def _outputs(result: type[Any]) -> Iterator[dict[str, Any]]:
                 **quantity_schema(place.quantity),
                 "array": of is np.ndarray,
                 # whole numbers have another type in addition to their quantity: zones, counts
-                "whole": of is int or any(isinstance(m, type) and issubclass(m, int)
-                                          for m in marks),
-            }  # fmt: skip
+                "whole": of is int
+                or any(isinstance(m, type) and issubclass(m, int) for m in marks),
+            }
 
 
 def quantity_schema(quantity: Quantity) -> dict[str, Any]:
@@ -154,9 +158,12 @@ def _field(name: str, field: Any) -> dict[str, Any]:
     if members:
         families = [m for m in members if issubclass(m, Family)]
         entry["members"] = [
-            {"kind": m.member_name() if m in families and len(families) > 1 else None,
-             "form": m.__name__} for m in members
-        ]  # fmt: skip
+            {
+                "kind": m.member_name() if m in families and len(families) > 1 else None,
+                "form": m.__name__,
+            }
+            for m in members
+        ]
         entry["number"] = not is_list(annotation) and _admits(annotation, float)
         entry["named"] = any(issubclass(m, Material) for m in members)
     words = list(_words(annotation))
@@ -192,8 +199,12 @@ def _words(annotation: Any) -> Iterator[str]:
 
 def _marked(field: Any, **names: str) -> dict[str, float]:
     """Return constraints of a field from its metadata, by their names in the form."""
-    return {ours: getattr(part, theirs) for theirs, ours in names.items()
-            for part in field.metadata if hasattr(part, theirs)}  # fmt: skip
+    return {
+        ours: getattr(part, theirs)
+        for theirs, ours in names.items()
+        for part in field.metadata
+        if hasattr(part, theirs)
+    }
 
 
 # ---- words and units --------------------------------------------------------------------------

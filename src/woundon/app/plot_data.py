@@ -63,15 +63,29 @@ def _quantity(result: Any, name: str) -> Quantity:
 
 
 def _curve(
-    result: Any, name: str, label: str, role: str, *, x: Array, own: slice = slice(None),
-    dash: str = "solid", side: str = "left", y: Array | None = None,
-) -> dict[str, Any]:  # fmt: skip
+    result: Any,
+    name: str,
+    label: str,
+    role: str,
+    *,
+    x: Array,
+    own: slice = slice(None),
+    dash: str = "solid",
+    side: str = "left",
+    y: Array | None = None,
+) -> dict[str, Any]:
     """Return a curve of an output, or of values ``y`` instead."""
     values = getattr(result, name)[own] if y is None else y
     return {
-        "name": name, "symbol": _quantity(result, name).symbol, "label": label, "role": role,
-        "dash": dash, "side": side, "x": _numbers(x), "y": _numbers(values),
-    }  # fmt: skip
+        "name": name,
+        "symbol": _quantity(result, name).symbol,
+        "label": label,
+        "role": role,
+        "dash": dash,
+        "side": side,
+        "x": _numbers(x),
+        "y": _numbers(values),
+    }
 
 
 def _axis(label: str, quantity: Quantity, **more: Any) -> dict[str, Any]:
@@ -109,18 +123,34 @@ def _panels_in_nip(result: Any) -> list[Panel]:
     slips = [
         _curve(result, "roll_slip", "at the roll", "roll", x=slip_x, own=own),
         _curve(result, "drum_slip", "at the drum", "drum", x=slip_x, own=own, dash="dashed"),
-        _curve(result, "tension", "web tension", "web", x=x, own=own, dash="dashdot",
-               side="right"),
-    ]  # fmt: skip
+        _curve(result, "tension", "web tension", "web", x=x, own=own, dash="dashdot", side="right"),
+    ]
     return [
-        _panel("tractions", "nip", along(), axis("Tangential traction", "roll_traction"),
-               tractions, areas=_bounds(result, own)),
+        _panel(
+            "tractions",
+            "nip",
+            along(),
+            axis("Tangential traction", "roll_traction"),
+            tractions,
+            areas=_bounds(result, own),
+        ),
         _zones(result, along(), axis("", "roll_zone")),
-        _panel("slips", "nip", along(), axis("Relative slip speed", "roll_slip"), slips,
-               right=axis("Web tension", "tension")),
-        _panel("pressure", "nip", along(), axis("Pressure", "drum_pressure", floor=0),
-               _pressures(result, x, own)),
-    ]  # fmt: skip
+        _panel(
+            "slips",
+            "nip",
+            along(),
+            axis("Relative slip speed", "roll_slip"),
+            slips,
+            right=axis("Web tension", "tension"),
+        ),
+        _panel(
+            "pressure",
+            "nip",
+            along(),
+            axis("Pressure", "drum_pressure", floor=0),
+            _pressures(result, x, own),
+        ),
+    ]
 
 
 def _along_the_nip(result: Any) -> dict[str, Any]:
@@ -130,8 +160,14 @@ def _along_the_nip(result: Any) -> dict[str, Any]:
 
 def _film_panel(result: Any) -> Panel:
     """Return the panel of the entrained air between web and roll."""
-    film = _curve(result, "air.thickness", "between web and roll", "roll",
-                  x=result.x[result.in_nip], y=result.air.thickness)  # fmt: skip
+    film = _curve(
+        result,
+        "air.thickness",
+        "between web and roll",
+        "roll",
+        x=result.x[result.in_nip],
+        y=result.air.thickness,
+    )
     return _panel(
         "air_film",
         "nip",
@@ -156,20 +192,29 @@ def _bounds(result: Any, own: slice = slice(None)) -> list[dict[str, Any]]:
     found = [(labels[name], values[own]) for name, values in friction_bounds(result).items()]
     found.sort(key=lambda one: -float(np.max(one[1])))
     return [
-        {"label": label, "shade": shade, "x": _numbers(result.x[own]), "low": _numbers(-values),
-         "high": _numbers(values)}
+        {
+            "label": label,
+            "shade": shade,
+            "x": _numbers(result.x[own]),
+            "low": _numbers(-values),
+            "high": _numbers(values),
+        }
         for shade, (label, values) in enumerate(found)
-    ]  # fmt: skip
+    ]
 
 
 def _zones(result: Any, x: Any, y: Any) -> Panel:
     strips = zone_strips(result)
     assert strips is not None
     runs = [
-        {"label": face, "runs": [[zone, *_numbers(np.array(ends))]
-                                 for zone, *ends in zone_runs(strips.x, zones)]}
+        {
+            "label": face,
+            "runs": [
+                [zone, *_numbers(np.array(ends))] for zone, *ends in zone_runs(strips.x, zones)
+            ],
+        }
         for face, zones in strips.faces.items()
-    ]  # fmt: skip
+    ]
     words = [strips.slower, "stick", strips.faster]
     return _panel("zones", "nip", x, y, [], strips=runs, words=words)
 
@@ -178,10 +223,16 @@ def _wrap_panels(result: Any) -> list[Panel]:
     problem = result.without_air
     a, own, angle = result.half_width, result.in_nip, _quantity(result, "slip_angle")
     tensions, pressures = [], []
-    faces = [("roll", slice(own.stop, None), result.x - a, result.roll_pressure,
-              problem.friction_on_wrap),
-             ("drum", slice(0, own.start), -a - result.x, result.drum_pressure,
-              problem.drum_friction)]  # fmt: skip
+    faces = [
+        (
+            "roll",
+            slice(own.stop, None),
+            result.x - a,
+            result.roll_pressure,
+            problem.friction_on_wrap,
+        ),
+        ("drum", slice(0, own.start), -a - result.x, result.drum_pressure, problem.drum_friction),
+    ]
     for face, part, away, pressure, mu in faces:
         if not getattr(problem, f"{face}_wrap"):
             continue
@@ -190,21 +241,37 @@ def _wrap_panels(result: Any) -> list[Panel]:
         theta = away[part] / getattr(problem, face).radius
         name = "roll_pressure" if face == "roll" else "drum_pressure"
         needed = np.abs(getattr(result, f"{face}_traction")[part]) / mu
-        tensions.append(_curve(result, "tension", f"on the {face}", "web", x=theta, own=part,
-                               dash=dash))  # fmt: skip
+        tensions.append(
+            _curve(result, "tension", f"on the {face}", "web", x=theta, own=part, dash=dash)
+        )
         pressures += [
             _curve(result, name, f"on the {face}", face, x=theta, y=pressure[part], dash=line),
-            _curve(result, f"{face}_traction", f"from friction on the {face}", face,
-                   x=theta, y=needed, dash="dotted"),
-        ]  # fmt: skip
+            _curve(
+                result,
+                f"{face}_traction",
+                f"from friction on the {face}",
+                face,
+                x=theta,
+                y=needed,
+                dash="dotted",
+            ),
+        ]
     words = "Angle from the edge of the nip"
-    shown = [("wrap_tension", "Web tension", "tension", tensions, _wrap_marks(result)),
-             ("wrap_pressure", "Pressure", "drum_pressure", pressures, [])]  # fmt: skip
+    shown = [
+        ("wrap_tension", "Web tension", "tension", tensions, _wrap_marks(result)),
+        ("wrap_pressure", "Pressure", "drum_pressure", pressures, []),
+    ]
     return [
-        _panel(name, "wraps", _axis(words, angle, log=True), _axis(label, _quantity(result, of)),
-               curves, marks=marks)
+        _panel(
+            name,
+            "wraps",
+            _axis(words, angle, log=True),
+            _axis(label, _quantity(result, of)),
+            curves,
+            marks=marks,
+        )
         for name, label, of, curves, marks in shown
-    ]  # fmt: skip
+    ]
 
 
 def _wrap_marks(result: Any) -> list[dict[str, Any]]:
@@ -228,15 +295,26 @@ def _roller_panels(result: Any) -> list[Panel]:
 
     pressure = _quantity(result, "pressure")
     return [
-        _panel("tractions", "nip", along(), _axis("Pressure, traction", pressure), [
-            _curve(result, "pressure", "pressure", "web", x=x, dash="dashdot"),
-            _curve(result, "traction", "on the upper roller", "roll", x=x),
-        ], areas=_bounds(result)),
+        _panel(
+            "tractions",
+            "nip",
+            along(),
+            _axis("Pressure, traction", pressure),
+            [
+                _curve(result, "pressure", "pressure", "web", x=x, dash="dashdot"),
+                _curve(result, "traction", "on the upper roller", "roll", x=x),
+            ],
+            areas=_bounds(result),
+        ),
         _zones(result, along(), _axis("", _quantity(result, "zone"))),
-        _panel("slip", "nip", along(),
-               _axis("Relative slip speed" if rolling else "Slip", _quantity(result, "slip")),
-               [_curve(result, "slip", "lower surface faster", "roll", x=slip_x)]),
-    ]  # fmt: skip
+        _panel(
+            "slip",
+            "nip",
+            along(),
+            _axis("Relative slip speed" if rolling else "Slip", _quantity(result, "slip")),
+            [_curve(result, "slip", "lower surface faster", "roll", x=slip_x)],
+        ),
+    ]
 
 
 def _roll_panels(result: Any) -> list[Panel]:
@@ -246,22 +324,46 @@ def _roll_panels(result: Any) -> list[Panel]:
     stages = np.unique(np.concatenate([result.stage_radius, curve.kinks]))
     wound = quantities.find(type(result.problem), "wound_on_tension")[0].quantity
     assert wound is not None
-    tension = {"name": "wound_on_tension", "symbol": wound.symbol, "label": "", "role": "web",
-               "dash": "solid", "side": "left", "x": _numbers(stages),
-               "y": _numbers(curve.at(stages) * result.problem.web_thickness)}  # fmt: skip
+    tension = {
+        "name": "wound_on_tension",
+        "symbol": wound.symbol,
+        "label": "",
+        "role": "web",
+        "dash": "solid",
+        "side": "left",
+        "x": _numbers(stages),
+        "y": _numbers(curve.at(stages) * result.problem.web_thickness),
+    }
     shown = [
-        ("pressure", "Pressure", {"floor": 0},
-         _curve(result, "pressure", "", "roll", x=r, y=between["pressure"])),
-        ("hoop_stress", "Hoop stress", {},
-         _curve(result, "hoop_stress", "", "drum", x=r, y=between["hoop_stress"])),
-        ("radial_modulus", "Hardness", {"floor": 0},
-         _curve(result, "radial_modulus", "", "roll", x=result.radius)),
-    ]  # fmt: skip
+        (
+            "pressure",
+            "Pressure",
+            {"floor": 0},
+            _curve(result, "pressure", "", "roll", x=r, y=between["pressure"]),
+        ),
+        (
+            "hoop_stress",
+            "Hoop stress",
+            {},
+            _curve(result, "hoop_stress", "", "drum", x=r, y=between["hoop_stress"]),
+        ),
+        (
+            "radial_modulus",
+            "Hardness",
+            {"floor": 0},
+            _curve(result, "radial_modulus", "", "roll", x=result.radius),
+        ),
+    ]
     panels = [
-        _panel(name, "radius", _axis("Radius", radius),
-               _axis(label, _quantity(result, name), **more), [line])
+        _panel(
+            name,
+            "radius",
+            _axis("Radius", radius),
+            _axis(label, _quantity(result, name), **more),
+            [line],
+        )
         for name, label, more, line in shown
-    ]  # fmt: skip
+    ]
     panels[2:2] = _compression(result, r, between["hoop_stress"])
     along = _axis("Wound-on tension", wound, floor=0)
     return [*panels, _panel("tension", "radius", _axis("Radius", radius), along, [tension])]
@@ -280,8 +382,15 @@ def _compression(result: Any, r: Array, hoop_stress: Array) -> list[Panel]:
     along = _axis("Radius", _quantity(result, "radius"), range=ends)
     stress = _curve(result, "hoop_stress", "", "drum", x=r[part], y=hoop_stress[part])
     # a column of its own: its part of the radius is not that of the other panels
-    return [_panel("compression", "compression", along,
-                   _axis("Hoop stress", _quantity(result, "hoop_stress")), [stress])]  # fmt: skip
+    return [
+        _panel(
+            "compression",
+            "compression",
+            along,
+            _axis("Hoop stress", _quantity(result, "hoop_stress")),
+            [stress],
+        )
+    ]
 
 
 def _winding_panels(result: Any) -> list[Panel]:
@@ -289,20 +398,34 @@ def _winding_panels(result: Any) -> list[Panel]:
 
     def over_radius(name: str, label: str, names: dict[str, tuple[str, str, str]]) -> Panel:
         first = next(iter(names))
-        curves = [_curve(result, of, words, role, x=result.radius, dash=dash)
-                  for of, (words, role, dash) in names.items()]  # fmt: skip
-        return _panel(name, "radius", _axis("Radius", _quantity(result, "radius")),
-                      _axis(label, _quantity(result, first)), curves)  # fmt: skip
+        curves = [
+            _curve(result, of, words, role, x=result.radius, dash=dash)
+            for of, (words, role, dash) in names.items()
+        ]
+        return _panel(
+            name,
+            "radius",
+            _axis("Radius", _quantity(result, "radius")),
+            _axis(label, _quantity(result, first)),
+            curves,
+        )
 
     tensions = {
         "web_tension": ("upstream of the nip", "web", "dashdot"),
         "wound_on_tension": ("wound on", "roll", "solid"),
     }
-    loads = {"nip_load": ("nip load", "drum", "solid"),
-             "winding_force": ("winding force", "web", "dashed")}  # fmt: skip
+    loads = {
+        "nip_load": ("nip load", "drum", "solid"),
+        "winding_force": ("winding force", "web", "dashed"),
+    }
     pressure, *stresses, hardness, _ = _roll_panels(result.roll)
-    return [over_radius("tension", "Tension", tensions), pressure, *stresses,
-            over_radius("loads", "Nip load, winding force", loads), hardness]  # fmt: skip
+    return [
+        over_radius("tension", "Tension", tensions),
+        pressure,
+        *stresses,
+        over_radius("loads", "Nip load, winding force", loads),
+        hardness,
+    ]
 
 
 def _any_panels(result: Any) -> list[Panel]:
@@ -319,9 +442,14 @@ def _any_panels(result: Any) -> list[Panel]:
             continue
         x = arrays[over]
         panels.append(
-            _panel(name, over, _axis(x[0].meaning, x[0]), _axis(quantity.meaning, quantity),
-                   [_curve(result, name, "", "roll", x=x[1])])
-        )  # fmt: skip
+            _panel(
+                name,
+                over,
+                _axis(x[0].meaning, x[0]),
+                _axis(quantity.meaning, quantity),
+                [_curve(result, name, "", "roll", x=x[1])],
+            )
+        )
     return panels
 
 

@@ -54,17 +54,25 @@ def start_study(tables: Any) -> tuple[bytes, KindModel, list[Chunk]]:
     if not study.over:
         raise InvalidProblem.at("over", "nothing is varied; give fields and their values")
     model, design = study_of(
-        study.problem, study.over, study.outputs, tie=study.tie, options=study.options,
+        study.problem,
+        study.over,
+        study.outputs,
+        tie=study.tie,
+        options=study.options,
         **study.design,
-    )  # fmt: skip
-    chunks = [Chunk(number, rows, design.inputs(rows))
-              for number, rows in enumerate(design.chunks(CHUNK))]  # fmt: skip
+    )
+    chunks = [
+        Chunk(number, rows, design.inputs(rows)) for number, rows in enumerate(design.chunks(CHUNK))
+    ]
     labels = {c.name: c.labels.tolist() for c in design.columns}
     first = {
-        "event": "started", "cases": design.size, "kind": model.kind.name,
+        "event": "started",
+        "cases": design.size,
+        "kind": model.kind.name,
         "dims": list(design.names) if design.gridded else ["case"],
-        "inputs": labels, "outputs": list(model.outputs),
-    }  # fmt: skip
+        "inputs": labels,
+        "outputs": list(model.outputs),
+    }
     return _line(first), model, chunks
 
 
@@ -75,8 +83,10 @@ def _check_size(tables: Mapping[str, Any]) -> None:
     entries = list(_entries(over)) if isinstance(over, Mapping) else []
     cases = drawn if isinstance(drawn, int) else prod(max(entry, 1) for entry in entries)
     if cases > LIMITS["sweep_cases"]:
-        text = (f"{cases} cases are too many for the page, which solves {LIMITS['sweep_cases']} "
-                "at most; 'woundon sweep' solves any number")  # fmt: skip
+        text = (
+            f"{cases} cases are too many for the page, which solves {LIMITS['sweep_cases']} "
+            "at most; 'woundon sweep' solves any number"
+        )
         raise RequestError(413, "too-large", text)
 
 
@@ -96,9 +106,12 @@ def solve_cases(model: KindModel, chunk: Chunk) -> tuple[int, bytes]:
     block = solve_chunk(model, chunk)
     values = dict(zip(model.outputs, block.values.T.tolist(), strict=True))
     event = {
-        "event": "cases", "numbers": np.asarray(block.cases).tolist(), "values": values,
-        "failures": block.failure.tolist(), "warnings": block.warnings.tolist(),
-    }  # fmt: skip
+        "event": "cases",
+        "numbers": np.asarray(block.cases).tolist(),
+        "values": values,
+        "failures": block.failure.tolist(),
+        "warnings": block.warnings.tolist(),
+    }
     return len(block.cases), as_json(event)
 
 
@@ -110,9 +123,12 @@ def _line(event: Mapping[str, Any]) -> bytes:
 
 
 async def events(
-    pool: Pool, study: tuple[bytes, KindModel, list[Chunk]], session: Hashable,
-    is_disconnected: Callable[[], Awaitable[bool]], stopped: asyncio.Event,
-) -> AsyncIterator[bytes]:  # fmt: skip
+    pool: Pool,
+    study: tuple[bytes, KindModel, list[Chunk]],
+    session: Hashable,
+    is_disconnected: Callable[[], Awaitable[bool]],
+    stopped: asyncio.Event,
+) -> AsyncIterator[bytes]:
     """Yield the events of a study, a line of JSON each, as they come.
 
     Parameters

@@ -121,11 +121,18 @@ def serve(
 ) -> None:
     """Serve until Ctrl-C, and no longer than a moment if it was ``pressed`` before."""
     config = uvicorn.Config(
-        application(names, token), http=_Impatient, log_level="warning", access_log=False,
-        server_header=False, limit_concurrency=MOST_CONNECTIONS, timeout_keep_alive=30,
-        h11_max_incomplete_event_size=LONGEST_HEAD, timeout_graceful_shutdown=2,
-        proxy_headers=False, ws="none",
-    )  # fmt: skip
+        application(names, token),
+        http=_Impatient,
+        log_level="warning",
+        access_log=False,
+        server_header=False,
+        limit_concurrency=MOST_CONNECTIONS,
+        timeout_keep_alive=30,
+        h11_max_incomplete_event_size=LONGEST_HEAD,
+        timeout_graceful_shutdown=2,
+        proxy_headers=False,
+        ws="none",
+    )
     server = _Server(config)
     server.pressed = pressed
     server.run(sockets=[at])

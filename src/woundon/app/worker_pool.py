@@ -135,9 +135,14 @@ class Pool:
     """
 
     def __init__(
-        self, size: int, warm_up: Callable[[], Any], *, waiting: int = 64, seconds: float = 60.0,
+        self,
+        size: int,
+        warm_up: Callable[[], Any],
+        *,
+        waiting: int = 64,
+        seconds: float = 60.0,
         nice: int = 0,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.size, self.most, self.seconds = size, waiting, seconds
         self._slots = [_Slot(Worker(partial(_prepare, nice, warm_up))) for _ in range(size)]
         self._idle: list[_Slot] = []
@@ -159,9 +164,14 @@ class Pool:
             slot.worker.kill()
 
     async def run(
-        self, call: Callable[..., Any], *args: Any, key: Hashable = None, session: Hashable = None,
-        rank: int = 0, seconds: float | None = None,
-    ) -> Any:  # fmt: skip
+        self,
+        call: Callable[..., Any],
+        *args: Any,
+        key: Hashable = None,
+        session: Hashable = None,
+        rank: int = 0,
+        seconds: float | None = None,
+    ) -> Any:
         """Return ``call(*args)`` of a worker.
 
         Parameters
