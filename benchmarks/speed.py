@@ -83,60 +83,93 @@ def timed(work: Callable[[], object]) -> float:
 # ---- the work -----------------------------------------------------------------------------------
 
 
-def neighbours(seed: int) -> Callable[[], object]:
-    """Return the solution of three neighbours of a wrapped nip, each from the one before."""
-    first, *others = random_wrapped_neighbours(seed)
-    solved = wo.solve(first)
+Problems = list[Any]
+
+
+def draw(name: str, seed: int) -> Problems:
+    """Return the random problems of a kind of work."""
+    if name == "neighbours":
+        return random_wrapped_neighbours(seed)
+    if name == "sensitivities":
+        return [random_nip(seed)]
+    if name != "winding":
+        return [FAMILIES[name](seed)]
+    problem = wo.WindingProblem.example()
+    factor = 1 + 0.05 * np.random.default_rng(seed).uniform(-1, 1)
+    return [problem.replace(nip_load=factor * problem.nip_load)]
+
+
+def solve_all(problems: Problems) -> Callable[[], object]:
+    """Return the solution of the last problem; of several, of all but the first by warm starts."""
+    solved = wo.solve(problems[0]) if len(problems) > 1 else None
 
     def work() -> None:
         start = solved
-        for problem in others:
-            start = wo.solve(problem, start=start)
+        for problem in problems[1:] or problems:
+            start = wo.solve(problem, start=start) if start else wo.solve(problem)
 
     return work
 
 
-def sensitivities(seed: int) -> Callable[[], object]:
-    """Return the derivatives of a plain nip."""
-    return wo.solve(random_nip(seed)).sensitivity
+def differentiate(problems: Problems) -> Callable[[], object]:
+    """Return the derivatives of a nip with respect to all inputs."""
+    return wo.solve(problems[0]).sensitivity
 
 
-def winding(seed: int) -> Callable[[], object]:
-    """Return the solution of a winding."""
-    random, problem = np.random.default_rng(seed), wo.WindingProblem.example()
-    factor = 1 + 0.05 * random.uniform(-1, 1)
-    problem = problem.replace(nip_load=factor * problem.nip_load)
-    return lambda: wo.solve(problem)
+WORK = [*FAMILIES, "neighbours", "sensitivities", "winding"]
 
 
-def _solution(of: str) -> Callable[[int], Callable[[], object]]:
-    def prepare(seed: int) -> Callable[[], object]:
-        problem = FAMILIES[of](seed)
-        return lambda: wo.solve(problem)
-
-    return prepare
+# ---- problems as data, which both versions read -------------------------------------------------
 
 
-WORK: dict[str, Callable[[int], Callable[[], object]]] = {
-    **{of: _solution(of) for of in FAMILIES},
-    "neighbours": neighbours, "sensitivities": sensitivities, "winding": winding,
-}  # fmt: skip
+def encode(value: Any) -> Any:
+    """Return a problem, or a part of it, as JSON data: its class and the fields without default."""
+    if isinstance(value, tuple | list):
+        return [encode(item) for item in value]
+    if not hasattr(type(value), "model_fields"):
+        return value
+    fields = {
+        name: encode(getattr(value, name))
+        for name, field in type(value).model_fields.items()
+        if getattr(value, name) != field.get_default() or name == "roll_wrap"
+    }
+    return {"class": type(value).__name__, "fields": fields}
+
+
+def decode(data: Any) -> Any:
+    """Return the object of this version; version 0.2 has a class for each kind of nip."""
+    if isinstance(data, list):
+        return [decode(item) for item in data]
+    if not isinstance(data, dict):
+        return data
+    name, fields = data["class"], {key: decode(value) for key, value in data["fields"].items()}
+    if name == "PronyTerm":
+        return tuple(fields.values())
+    if name == "NipProblem" and hasattr(wo, "WrappedNipProblem"):
+        if "air" in fields:
+            name = "AirNipProblem"
+        elif fields["roll_wrap"]:
+            name = "WrappedNipProblem"
+        else:
+            del fields["roll_wrap"]
+    return getattr(wo, name)(**fields)
 
 
 def serve() -> None:
-    """Answer lines [work, seed] with the seconds, or null for a problem that is rejected."""
+    """Answer lines [work, problems] with the seconds, or null for a problem that is rejected."""
     answers, sys.stdout = sys.stdout, sys.stderr
     warnings.simplefilter("ignore")
     baseline = Baseline()
     for line in sys.stdin:
-        name, seed = json.loads(line)
+        name, data = json.loads(line)
         try:
-            before, work = baseline.once(), WORK[name](seed)
+            before, problems = baseline.once(), decode(data)
+            work = differentiate(problems) if name == "sensitivities" else solve_all(problems)
             seconds = timed(work)
-            computed = [seconds, (before + baseline.once()) / 2]
+            answer = [seconds, (before + baseline.once()) / 2]
         except (wo.InvalidProblem, wo.NoSteadyState, wo.NotConverged):
-            computed = [None, None]
-        print(json.dumps(computed), file=answers, flush=True)
+            answer = [None, None]
+        print(json.dumps(answer), file=answers, flush=True)
 
 
 class Version:
@@ -149,10 +182,10 @@ class Version:
             text=True, env=os.environ | {"PYTHONPATH": path},
         )  # fmt: skip
 
-    def seconds(self, name: str, seed: int) -> tuple[float, float] | None:
-        """Return the processor times of a work and of a dense solve."""
+    def seconds(self, name: str, data: Any) -> tuple[float, float] | None:
+        """Return the processor times of a work on encoded problems, and of a dense solve."""
         lines: tuple[IO[str], IO[str]] = (self.process.stdin, self.process.stdout)
-        lines[0].write(json.dumps([name, seed]) + "\n")
+        lines[0].write(json.dumps([name, data]) + "\n")
         lines[0].flush()
         spent, unit = json.loads(lines[1].readline())
         return None if spent is None else (spent, unit)
@@ -165,15 +198,17 @@ class Version:
 
 def measured(versions: list[Version], name: str, cases: int, first: int) -> list[list[float]]:
     """Return the times of all versions, and of the dense solve, case by case."""
-    for version in versions:
-        version.seconds(name, WARM_UP)
     rows = []
-    for k in range(cases):
+    for k in range(-1, cases):
+        try:
+            data = encode(draw(name, first + k if k >= 0 else WARM_UP))
+        except wo.InvalidProblem:
+            continue
         # the version that begins alternates
         order = range(len(versions)) if k % 2 else reversed(range(len(versions)))
-        found = {i: versions[i].seconds(name, first + k) for i in order}
+        found = {i: versions[i].seconds(name, data) for i in order}
         both = [pair for _, pair in sorted(found.items()) if pair is not None]
-        if len(both) == len(versions):
+        if k >= 0 and len(both) == len(versions):
             rows.append([*(spent for spent, _ in both), both[0][1]])
     return rows
 

@@ -464,7 +464,7 @@ def measured(
 
 
 def _same(one: Any, two: Any) -> bool:
-    """Return whether two fields are equal; nan equals nan."""
+    """Return True if two fields are equal; nan equals nan."""
     if type(one) is type(two) and getattr(one, "part_of_result", False):
         return all(_same(getattr(one, f.name), getattr(two, f.name)) for f in fields(one))
     if isinstance(one, np.ndarray) and isinstance(two, np.ndarray):

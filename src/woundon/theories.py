@@ -129,6 +129,13 @@ def hertz(problem: NipProblem | RollerProblem) -> Hertz:
     web's own compression and the tractions' effect on the pressure.
 
     Source: thesis eqs. (102)-(105); (104) is printed with E* in place of a^2.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> problem = wo.NipProblem.example()
+    >>> print(f"{1e3 * wo.theories.hertz(problem).half_width:.3f} mm")
+    2.461 mm
     """
     (_, C, _, R), P = _pair(problem), _load(problem)
     E = 2 / C
@@ -149,6 +156,13 @@ def friction_limit(problem: NipProblem) -> float:
     (mu+ = 0.19, F = 0) it is fair below about 1 kN/m and too high above.
 
     Source: thesis eqs. (4)-(6), after Good; sec. 4.3.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> problem = wo.NipProblem.example()
+    >>> round(wo.theories.friction_limit(problem), 1)
+    665.4
     """
     check_type("problem", problem, NipProblem)
     mu, P, F = problem.roll_friction, problem.nip_load, problem.winding_force
@@ -172,6 +186,13 @@ def jalkanen(problem: NipProblem, approach: float) -> float:
         delta, indentation in the middle of the nip, > 0 [m].
 
     Source: thesis eq. (9).
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> problem = wo.NipProblem.example()
+    >>> round(wo.theories.jalkanen(problem, approach=0.28e-3), 1)
+    624.5
     """
     check_type("problem", problem, NipProblem)
     t, R = problem.web.thickness, problem.roll.radius
@@ -196,6 +217,13 @@ def dual_slip(problem: NipProblem, dual_slip_ratio: ArrayLike) -> Array:
         s_d, length of the trailing zone where both faces slip over the nip width, |s_d| <= 1.
 
     Source: thesis eq. (173).
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> problem = wo.NipProblem.example()
+    >>> wo.theories.dual_slip(problem, [0.0, 0.25, 1.0]).round(1).tolist()
+    [0.0, 267.0, 1365.8]
     """
     check_type("problem", problem, NipProblem)
     mu, P = problem.roll_friction + problem.drum_friction, problem.nip_load
@@ -217,6 +245,12 @@ def capstan(tension: float, friction: float, angle: float) -> float:
     perfectly flexible web slipping one way over the whole angle on a round, undeformed roll.
 
     Source: thesis eq. (179), leading term.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> round(wo.theories.capstan(300.0, 0.2, 3.0), 1)
+    546.6
     """
     return tension * exp(friction * angle)
 
@@ -274,6 +308,13 @@ def carter(problem: RollerProblem) -> PartialSlip:
         If the bodies are not similar (A1 = A2), without friction, or if the contact is static.
 
     Source: Carter 1926; Johnson, Contact Mechanics, sec. 8.3.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> problem = wo.RollerProblem.example()
+    >>> print(f"{wo.theories.carter(problem).creepage:.3e}")
+    1.405e-04
     """
     check_type("problem", problem, RollerProblem)
     if problem.motion != "rolling":
@@ -303,6 +344,14 @@ def cattaneo(problem: RollerProblem) -> PartialSlip:
         If the bodies are not similar (A1 = A2), without friction, or if the contact is rolling.
 
     Source: Cattaneo 1938, Mindlin 1949; Johnson, Contact Mechanics, sec. 7.2.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> problem = wo.RollerProblem.example().replace(motion="static")
+    >>> contact = wo.theories.cattaneo(problem)
+    >>> round(contact.stick_half_width / contact.half_width, 3)
+    0.901
     """
     check_type("problem", problem, RollerProblem)
     if problem.motion != "static":
@@ -343,6 +392,15 @@ def bentall_johnson_frictionless(problem: RollerProblem) -> float:
     upper roller (D > 0) has xi < 0.
 
     Source: Bentall and Johnson 1967, re-derived with the number in closed form.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> rubber = wo.Isotropic(youngs_modulus=1e9, poissons_ratio=0.3)
+    >>> lower = wo.HalfPlane(radius=0.25, material=rubber)
+    >>> problem = wo.RollerProblem.example().replace(lower=lower, tangential_load=None)
+    >>> print(f"{wo.theories.bentall_johnson_frictionless(problem):.3e}")
+    7.452e-03
     """
     check_type("problem", problem, RollerProblem)
     return -_pair(problem).D * _REVERSAL * hertz(problem).peak_pressure
@@ -400,6 +458,15 @@ def bentall_johnson_stick(problem: RollerProblem) -> FullStick:
     minute for small D.
 
     Source: Bentall and Johnson 1967; the exact inversion by the Hilbert transform, re-derived.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> rubber = wo.Isotropic(youngs_modulus=1e9, poissons_ratio=0.3)
+    >>> lower = wo.HalfPlane(radius=0.25, material=rubber)
+    >>> problem = wo.RollerProblem.example().replace(lower=lower, tangential_load=None)
+    >>> print(f"{wo.theories.bentall_johnson_stick(problem).creepage:.3e}")
+    5.243e-03
     """
     check_type("problem", problem, RollerProblem)
     B, C, D, R = _pair(problem)

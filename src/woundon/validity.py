@@ -1,8 +1,8 @@
-"""Where a solved case leaves the model, and where its grid is too coarse: sentences with numbers.
+"""Validity checks of solved cases, and checks of the mesh: warnings with numbers.
 
-The model is linear, of small strains, plane, with a thin taut web (docs, "Warnings", for why the
-limits are where they are).  A warning is data, not an error: the solved equations hold all the
-same.  Those on the grid begin with ``resolution:`` (:data:`woundon.errors.RESOLUTION`).
+The model is linear and plane, with small strains and a thin taut web; the documentation of the
+warnings gives the reasons for the limits.  A warning is data, not an error: the equations are
+solved in any case.  Warnings about the mesh begin with :data:`woundon.errors.RESOLUTION`.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ Array = np.ndarray
 
 
 class Limit(NamedTuple):
-    """Up to where something is admitted, and what is wrong beyond."""
+    """Largest admissible value of a ratio, and the assumption that is violated beyond it."""
 
     most: float
     reason: str
@@ -42,19 +42,21 @@ LIMITS = {
     "web strain": Limit(0.02, "paper breaks and film yields at a few percent"),
     "web thickness": Limit(0.1, "the web is no thin strip in so narrow a nip"),
 }
+# A zone boundary is known to a cell, and so the length of such a zone to a quarter.
 FEW_NODES = 4
-NARROW_ZONE = 0.02  # of the nip width: a narrower one, mostly at the very edge, moves no output
+# Relative to the nip width: a narrower zone, mostly at an edge, does not affect the outputs.
+NARROW_ZONE = 0.02
 
 
-def past(name: str, share: float, told: str, *values: object) -> tuple[str, ...]:
-    """Return a warning if a share is past the named limit either way.
+def past(name: str, share: float, template: str, *values: object) -> tuple[str, ...]:
+    """Return a warning if the size of a ratio exceeds the named limit.
 
-    ``{}`` in the text is the share, numbers in braces are the values.
+    In the template ``{}`` is replaced by the ratio, ``{0}`` and so on by the values.
     """
     limit = LIMITS[name]
     if not abs(share) > limit.most:
         return ()
-    text = told.replace("{}", _percent(share)).format(*values)
+    text = template.replace("{}", _percent(share)).format(*values)
     return (f"{text} (limit {_percent(limit.most)}): {limit.reason}",)
 
 
@@ -63,7 +65,7 @@ def _percent(share: float) -> str:
 
 
 def pair_warnings(result: Any, tractions: Mapping[str, Array]) -> Iterator[str]:
-    """Yield where two bodies pressed together leave the model.
+    """Yield warnings about two bodies in contact outside the validity limits.
 
     Parameters
     ----------
@@ -79,20 +81,23 @@ def pair_warnings(result: Any, tractions: Mapping[str, Array]) -> Iterator[str]:
     )
     for name in problem.pair:
         body = getattr(problem, name)
-        told = filter(None, (material.caution for material in body.materials))
-        yield from dict.fromkeys(f"the {name}: {text}" for text in told)
+        cautions = filter(None, (material.caution for material in body.materials))
+        yield from dict.fromkeys(f"the {name}: {text}" for text in cautions)
         if approach > LIMITS["indentation"].most * body.thickness:  # no body takes more than all
             depth = _indentation(result, body, tractions[name])
             yield from past(
-                "indentation", depth / body.thickness,
+                "indentation",
+                depth / body.thickness,
                 "the {0}'s indentation {1:.3g} mm is {} of its elastic layer, {2:.3g} mm",
-                name, depth * 1e3, body.thickness * 1e3,
-            )  # fmt: skip
+                name,
+                depth * 1e3,
+                body.thickness * 1e3,
+            )
         yield from _surface(name, body, float(result.peak_pressure), tractions[name])
 
 
 def _indentation(result: Any, body: Body, traction: Array) -> float:
-    """Return how deep a body of finite thickness is pressed in the middle of the nip [m]."""
+    """Return the indentation of a body of finite thickness in the middle of the nip [m]."""
     if not body.linear:
         return float(result.approach)  # all of it at most
     own = result.in_nip
@@ -107,7 +112,7 @@ def _indentation(result: Any, body: Body, traction: Array) -> float:
 
 
 def far_outside(problem: ContactProblem, load: float) -> Iterator[str]:
-    """Yield which bodies a load presses by more than their own stiffness, and what to change."""
+    """Yield a text for each body whose mean pressure exceeds its stiffness."""
     p = load / (2 * half_width_guess(load, *problem.bodies))
     for name, body in zip(problem.pair, problem.bodies, strict=True):
         if body.surface_material is not None:
@@ -126,34 +131,40 @@ def _surface(name: str, body: Body, peak: float, traction: Array) -> Iterator[st
     stiffness = body.surface_material.stiffness
     modulus, shear = min(stiffness.rr, stiffness.tt), float(np.abs(traction).max())
     yield from past(
-        "peak pressure", peak / modulus,
+        "peak pressure",
+        peak / modulus,
         "the peak pressure {0:.3g} MPa is {} of the {1}'s stiffness {2:.3g} MPa",
-        peak / 1e6, name, modulus / 1e6,
-    )  # fmt: skip
+        peak / 1e6,
+        name,
+        modulus / 1e6,
+    )
     yield from past(
-        "shear strain", shear / stiffness.shear,
-        "the {0}'s surface shear strain is {} at a traction of {1:.3g} MPa", name, shear / 1e6,
-    )  # fmt: skip
+        "shear strain",
+        shear / stiffness.shear,
+        "the {0}'s surface shear strain is {} at a traction of {1:.3g} MPa",
+        name,
+        shear / 1e6,
+    )
 
 
 def zone_warnings(x: Array, faces: Mapping[str, Array], slips: str = "the web") -> Iterator[str]:
-    """Yield which zones have too few nodes.
+    """Yield warnings about zones with too few nodes.
 
     Parameters
     ----------
     x : (M,) array
         Nodes of the nip [m].
     faces : mapping of str to (M,) int array
-        Zones by what the web, or the lower surface, slips against.
+        Zones by the name of the body against which the web, or the lower surface, slips.
     slips : str
-        What is the faster or the slower one.
+        Name of the surface that is faster or slower.
     """
     trailing = {int(zones[-2]) for zones in faces.values()}
     dual = len(faces) > 1 and len(trailing) == 1 and trailing != {Zone.STICK}
     for face, zones in faces.items():
         inner = zones[1:-1]
-        borders = ((inner[1:] != inner[:-1]).nonzero()[0] + 1).tolist()
-        for first, end in pairwise([0, *borders, inner.size]):
+        boundaries = ((inner[1:] != inner[:-1]).nonzero()[0] + 1).tolist()
+        for first, end in pairwise([0, *boundaries, inner.size]):
             width = float(x[end + 1] - x[first])
             if end - first >= FEW_NODES or width <= NARROW_ZONE * float(x[-1] - x[0]):
                 continue

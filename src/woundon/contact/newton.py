@@ -255,7 +255,7 @@ def _limited(system: System, u: Array, step: Array) -> Array:
 
 
 def _violated(state: Iterate, active: Array) -> Array:
-    """Return which nodes violate the inequality of the friction law."""
+    """Return a mask of the nodes that violate the inequality of the friction law."""
     slack = VIOLATION * np.abs(state.bound).max(initial=0.0)
     still = VIOLATION * np.abs(state.slip).max(initial=0.0)
     exceeds = np.abs(state.traction) > state.bound + slack

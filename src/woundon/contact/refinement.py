@@ -37,9 +37,12 @@ OTHER_SIZES = (17, 29, 45)
 # Sizes of all further meshes: with few different ones, what depends on the mesh alone is reused,
 # and neighbouring problems are solved on the same meshes.
 SIZES = (
-    *range(49, 97, 8), *range(97, 193, 16), *range(193, 385, 32), *range(385, 769, 64),
+    *range(49, 97, 8),
+    *range(97, 193, 16),
+    *range(193, 385, 32),
+    *range(385, 769, 64),
     *range(769, 1026, 128),
-)  # fmt: skip
+)
 SAFETY = 3.0
 # Changes between meshes that decide whether the last mesh suffices, and those of the reported
 # estimate: convergence is not monotone, and two changes may both be small by chance.
@@ -180,20 +183,22 @@ def refine(
     attempts += [(FIRST_SIZES, None), (OTHER_SIZES, None)]
     for sizes, guess in attempts:
         try:
-            return _refine(
-                system_of, sizes, nodes, criterion, most_nodes, guess, check, progress
-            )  # fmt: skip
+            return _refine(system_of, sizes, nodes, criterion, most_nodes, guess, check, progress)
         except ArithmeticError as failed:  # of the iteration, or of a body under an iterate
             last = failed
     raise NewtonFailed(str(last)) from last
 
 
 def _refine(
-    system_of: Callable[[int], Any], first: tuple[int, ...], nodes: int | None,
-    criterion: Callable[[Mapping[str, float], Mapping[str, float]], float], most_nodes: int,
-    start: Refinement | None, check: Callable[[MeshSolution], None],
+    system_of: Callable[[int], Any],
+    first: tuple[int, ...],
+    nodes: int | None,
+    criterion: Callable[[Mapping[str, float], Mapping[str, float]], float],
+    most_nodes: int,
+    start: Refinement | None,
+    check: Callable[[MeshSolution], None],
     progress: Callable[[float], None] | None,
-) -> Refinement:  # fmt: skip
+) -> Refinement:
     found = Refinement()
     sizes = sizes_up_to(nodes, first) if nodes else [n for n in first if n <= most_nodes]
     while True:
@@ -242,7 +247,7 @@ def sizes_up_to(nodes: int, first: tuple[int, ...] = FIRST_SIZES) -> list[int]:
     >>> sizes_up_to(41)
     [13, 23, 41]
     >>> sizes_up_to(17)
-    [9, 13, 17]
+    [10, 13, 17]
     """
     sizes = [n for n in first if n * LEAST_GROWTH <= nodes]
     if len(sizes) < CHANGES:

@@ -51,6 +51,8 @@ def wound_on_tension_estimate(
 
     Examples
     --------
+    >>> import woundon as wo
+    >>> from woundon.jorkama2001.estimate import wound_on_tension_estimate
     >>> nip = wo.solve(wo.NipProblem.example().replace(roll_wrap=0.0), nodes=65)
     >>> print(f"{nip.outlet_tension:.0f} to {wound_on_tension_estimate(nip):.0f} N/m")
     609 to 744 N/m

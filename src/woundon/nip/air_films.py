@@ -13,10 +13,15 @@ if TYPE_CHECKING:
     from ..problems.air import Air
 
 __all__ = [
-    "NipFilm", "escaped_film", "foil_film", "friction_between", "friction_share", "nip_film",
-]  # fmt: skip
+    "NipFilm",
+    "escaped_film",
+    "foil_film",
+    "friction_between",
+    "friction_share",
+    "nip_film",
+]
 
-# of y''' = (y - 1)/y^3, y'' -> FOIL^(3/2)... far before the roll; integrated by the tests
+# constant of y''' = (y - 1)/y^3, from y'' far upstream of the roll; a test integrates it
 FOIL = 0.64304
 
 
@@ -41,7 +46,7 @@ def foil_film(radius: Any, speed: Any, tension: Any, viscosity: float) -> Any:
 
 
 class NipFilm(NamedTuple):
-    """What a nip lets through."""
+    """Air film that passes a nip."""
 
     film: float  # at ambient pressure [m]
     length: float  # l, of the inlet in which the film is made [m]
@@ -67,7 +72,7 @@ def nip_film(
     Raises
     ------
     ValueError
-        Where the inlet's pressure is more than 100 times the ambient one.
+        If the pressure of the inlet is more than 100 times the ambient pressure.
     """
     if speed == 0:
         return NipFilm(0.0, 0.0, float("inf"))
@@ -77,11 +82,11 @@ def nip_film(
 
 
 def escaped_film(film: Any, permeance: float, tension: Any, speed: Any) -> Any:
-    """Return what is left of a film once the first lap is full [m].
+    """Return the thickness of a film after one revolution of the roll [m].
 
-    Under the lap's pressure T/R the air goes through the web at k T/R, for the time 2 pi R/V of a
-    turn: 2 pi k T/V.  What goes through the laps above later is left out, and what leaves at the
-    edges.
+    Under the pressure T/R of a layer the air flows through the web at the speed k T/R, for the time
+    2 pi R/V of a revolution: 2 pi k T/V.  Flow through the layers above at later times, and at the
+    edges of the web, is neglected.
 
     Parameters
     ----------
@@ -97,7 +102,7 @@ def escaped_film(film: Any, permeance: float, tension: Any, speed: Any) -> Any:
 
 
 def friction_share(film: Any, roughness: float, kept: float, lost: float) -> Any:
-    """Return which share of the dry friction a film leaves, linear between two thicknesses [1].
+    """Return the fraction of the dry friction retained under a film, linear in its thickness [1].
 
     Parameters
     ----------

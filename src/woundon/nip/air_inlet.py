@@ -1,21 +1,22 @@
-r"""What air a nip lets through: the inlet of a lubricated contact of elastic bodies.
+r"""Air film through a nip: the inlet of a lubricated contact of elastic bodies.
 
 Near the inlet edge of a dry contact, s from the edge inwards, the pressure is K sqrt(s) inside and
 the gap (4/3) C K |s|^(3/2) outside, C half the sum of the bodies' half-plane compliances.  Air that
-both surfaces carry in at the speed V keeps them apart (Reynolds, isothermal, p above the ambient
-p_a; both surfaces move alike, so that nothing is sheared)
+both surfaces entrain at the speed V separates them (Reynolds equation, isothermal, p relative to
+the ambient pressure p_a; both surfaces have the same speed, so that the air is not sheared)
 
-    dp/ds = 12 mu V (h - m/(p_a + p)) / h^3,        m = what passes, (p_a + p) h far inside,
+    dp/ds = 12 mu V (h - m/(p_a + p)) / h^3,        m = mass flow, (p_a + p) h far inside,
     h = (4/3) C K |s|^(3/2) [s < 0] + h_c - (2 C/pi) int (p - K sqrt(s)) ln|s - t| dt.
 
-Counted in
+In units of
 
     l = (12 mu V / (C^2 K^3))^(2/5),   K sqrt(l),   H = C K l^(3/2),   beta = p_a/(K sqrt(l))
 
-only beta is left.  Piecewise linear p - K sqrt(s), collocated at the middle of cells graded like
-sinh; a net force of p - K sqrt(s) would only shift the edge, which is at s = 0, and is none.
-Newton; for small beta from larger ones.  For beta -> infinity m/(p_a H) is 0.5121: an isoviscous
-film of 3.77 (mu V/(E' R))^0.6 (P/(E' R))^-0.2 R in a nip of half-planes, E' = 2/C.
+beta is the only parameter.  p - K sqrt(s) is piecewise linear, and the equations are collocated at
+the middle of cells graded by sinh.  A resultant of p - K sqrt(s) would shift the edge, so that it
+is prescribed to be zero.  Newton's method starts from the solution for a larger beta.  For
+beta -> infinity m/(p_a H) is 0.5121: an isoviscous film of
+3.77 (mu V/(E' R))^0.6 (P/(E' R))^-0.2 R in a nip of half-planes, E' = 2/C.
 
 Derived for woundon.  The powers are those of isoviscous-elastic line contacts (Herrebrugh 1968).
 """
@@ -34,7 +35,7 @@ if TYPE_CHECKING:
 __all__ = ["Inlet", "inlet", "passed"]
 
 Array = np.ndarray
-CELLS, FAR, FINEST = 200, 400.0, 0.3  # of the mesh, lengths in l; 2e-4 of what passes
+CELLS, FAR, FINEST = 200, 400.0, 0.3  # of the mesh, lengths in l; error 2e-4 of the film
 LEAST_BETA, MOST_BETA = 0.01, 1e4
 PER_DECADE = 6
 
@@ -45,11 +46,11 @@ class Inlet(NamedTuple):
     s: Array  # (n + 1,) nodes, from the edge inwards
     pressure: Array  # (n + 1,)
     gap: Array  # (n,) at the middle of the cells
-    passed: float  # m/(p_a H)
+    passed: float  # film m/(p_a H)
 
 
 def passed(beta: float) -> float:
-    """Return m/(p_a H), the film at ambient pressure that passes, of 1/H.
+    """Return m/(p_a H), the film at ambient pressure in units of H.
 
     Parameters
     ----------
@@ -59,11 +60,11 @@ def passed(beta: float) -> float:
     Raises
     ------
     ValueError
-        Below 0.01: not solved there.
+        For smaller values, for which the equations are not solved.
     """
     if not beta >= LEAST_BETA:
         raise ValueError(f"beta = {beta:.4g} is out of range; must be >= {LEAST_BETA:g}")
-    # the first-order term of 1/beta is left beyond
+    # beyond, m/(p_a H) differs from the limit by less than 1/beta
     return float(exp(_table()(log(min(beta, MOST_BETA)))))
 
 
@@ -90,15 +91,15 @@ def inlet(
     beta : float
         Ambient pressure over that of the inlet; inf for a film that does not compress.
     before : Inlet, optional
-        That of a similar beta on the same mesh, to start from.
+        Solution for a similar beta on the same mesh, the initial guess.
     cells : int
     far : float
-        Where the mesh ends on both sides, in l.
+        Extent of the mesh on both sides, in units of l.
 
     Raises
     ------
     ArithmeticError
-        If Newton's iteration does not end.
+        If Newton's method does not converge.
     """
     s = FINEST * np.sinh(np.arcsinh(far / FINEST) * np.linspace(-1, 1, cells + 1))
     equations = _Equations(s, beta)
@@ -106,8 +107,8 @@ def inlet(
     if before is None:
         x[-2:] = 0.9
     for _ in range(60):
-        miss, jacobian = equations(x)
-        step = np.linalg.solve(jacobian, -miss)
+        residual, jacobian = equations(x)
+        step = np.linalg.solve(jacobian, -residual)
         share = min(1.0, 0.5 * equations.room(x, step))
         x = x + share * step
         if share == 1.0 and np.max(np.abs(step)) < 1e-10:
@@ -116,7 +117,7 @@ def inlet(
 
 
 class _Equations:
-    """Unknown: p - sqrt(s) at the inner nodes, h_c, and what passes."""
+    """Equations of the inlet; the unknowns are p - sqrt(s) at the inner nodes, h_c and the film."""
 
     def __init__(self, s: Array, beta: float) -> None:
         self.s, self.beta = s, beta
@@ -137,7 +138,7 @@ class _Equations:
         return self.dry + more, self.dry_gap + x[-2] + self.displaced @ more
 
     def room(self, x: Array, step: Array) -> float:
-        """Return how often a step fits until somewhere the gap closes."""
+        """Return the multiple of a step at which the gap closes at some point."""
         gap = self._state(x)[1]
         falls = gap - self._state(x + step)[1]
         return float(np.min(np.where(falls > 0, gap / np.where(falls > 0, falls, 1.0), inf)))
@@ -147,7 +148,7 @@ class _Equations:
         n, rise = h.size, np.diff(p) / self.width
         density = 1 + (p[1:] + p[:-1]) / (2 * self.beta)
         flow = x[-1] / density
-        miss = np.append(rise * h**3 - h + flow, self.force @ (p - self.dry))
+        residual = np.append(rise * h**3 - h + flow, self.force @ (p - self.dry))
         by_gap = 3 * h**2 * rise - 1
         by_p = by_gap[:, None] * self.displaced
         own, squeezed = h**3 / self.width, flow / density / (2 * self.beta)
@@ -157,7 +158,7 @@ class _Equations:
         jacobian = np.zeros((n + 1, n + 1))
         jacobian[:n, :-2], jacobian[:n, -2], jacobian[:n, -1] = by_p[:, 1:-1], by_gap, 1 / density
         jacobian[n, :-2] = self.force[1:-1]
-        return miss, jacobian
+        return residual, jacobian
 
     def inlet(self, x: Array) -> Inlet:
         p, h = self._state(x)
@@ -165,10 +166,10 @@ class _Equations:
 
 
 def _displaced(nodes: Array, at: Array) -> Array:
-    """Return what nodal pressures displace, -(2/pi) int p ln|s - t| dt, (len(at), len(nodes)).
+    """Return the matrix of -(2/pi) int p ln|s - t| dt for nodal pressures, (len(at), len(nodes)).
 
     The second derivative of a hat is three impulses, so its integral is three values of the
-    twice-integrated logarithm.  The two ends carry nothing.
+    twice-integrated logarithm.  The pressure is zero at both ends.
     """
     u = at[:, None] - nodes
     twice = u * u * (np.log(np.abs(u)) / 2 - 0.75)

@@ -34,12 +34,18 @@ from .outputs import (
 )
 
 if TYPE_CHECKING:
-    from .equations import NipEquations, NipState
+    from .equations import Fields, NipEquations, NipState
 
 __all__ = [
-    "certificate", "consistency", "consistency_defects", "equations_of", "inconsistencies",
-    "recomputed", "solutions", "state_of",
-]  # fmt: skip
+    "certificate",
+    "consistency",
+    "consistency_defects",
+    "equations_of",
+    "inconsistencies",
+    "recomputed",
+    "solutions",
+    "state_of",
+]
 
 Array = np.ndarray
 
@@ -94,80 +100,109 @@ def certificate(result: Any, equations: NipEquations) -> Residuals:
     except ValueError:
         return Residuals(mesh=inf)
     at, f = equations.layout, state.fields
-    peak, top = float(np.abs(f.p_drum).max()), equations.slope_scale
     zones = np.concatenate([result.roll_zone[at.roll_nodes], result.drum_zone[at.drum_nodes]])
-    active = zones.astype(np.int8)
-    n_gap = at.last - at.first
-    gap, wraps = state.equilibrium[:n_gap], state.equilibrium[n_gap:-2]
-    # as gap over a cell: on the short cells at the edges slopes are known to rounding only
-    cells = f.geometry.mesh.cells[f.geometry.mesh.nip_cells]
     # values that the equations imply, as the result reports them
-    implied = web_arrays(equations, state, active)
-    rounding = strain_rounding(equations, state)
-
-    def beyond(slip: Array) -> Array:
-        return np.sign(slip) * np.maximum(np.abs(slip) - rounding, 0.0)
-
-    tension_scale = problem.nip_load + ROUNDING * float(np.abs(f.tension).max()) / 1e-8
-    conditions = {
-        "gap_slope": largest(np.abs(gap) * cells / cells.max()) * equations.slope_scale / top,
-        "positive_pressure": negative_pressure(f.p_roll, f.p_drum),
-        **friction_law(
-            zones, state.traction, beyond(state.slip * top), state.bound,
-            unit=np.full(zones.size, float(np.abs(state.bound).max())), slip_scale=top,
-        ),
-        "slip_velocity": largest([
-            max(difference(getattr(result, name), implied[name]) - rounding, 0.0)
-            for name in ("roll_slip", "drum_slip")
-        ]) / top,
-        "winding_force": abs(float(state.equilibrium[-2])),
-        "load": abs(float(state.equilibrium[-1])),
-        "tension": difference(result.tension, f.tension) / tension_scale,
-        "zones": 0.0 if _zones_are_valid(result, implied) else inf,
-        "mesh": max(
-            difference(result.x, implied["x"]), difference(result.slip_x, implied["slip_x"])
-        ) / result.half_width / float(np.abs(f.geometry.mesh.nodes).max()),
-    }  # fmt: skip
-    pressures = {
-        "drum_pressure": f.p_drum, "roll_pressure": f.p_roll,
-        "hoop_pressure": implied["hoop_pressure"],
-    }  # fmt: skip
-    conditions["roll_strain"] = difference(result.roll_strain, implied["roll_strain"]) / top
-    if problem.is_wrapped:
-        # as nodal forces and as turns of the web over a cell: on short cells curvatures are
-        # differences of nearly equal slopes
-        lengths = f.geometry.a * f.geometry.mesh.weights
-        on_wraps = np.concatenate([
-            lengths[: at.first + 1] if problem.drum_wrap else lengths[:0],
-            lengths[at.last :] if problem.roll_wrap else lengths[:0],
-        ])  # fmt: skip
-        conditions["hoop_pressure"] = (
-            largest(np.abs(wraps) * on_wraps) * equations.pressure_scale / problem.nip_load
-        )
-        lengths = lengths if result.curvature.shape == lengths.shape else np.ones(())
-        turn = lengths * result.curvature, lengths * implied["curvature"]
-        conditions["curvature"] = difference(*turn) / top
-    else:
-        conditions["curvature"] = difference(result.curvature, implied["curvature"])
-    conditions["normal_equilibrium"] = (
-        max(difference(getattr(result, name), value) for name, value in pressures.items()) / peak
-    )
-    tractions = ("roll_traction", f.q_roll), ("drum_traction", f.q_drum)
-    conditions["free_surface"] = (
-        max(difference(getattr(result, name), value) for name, value in tractions) / peak
-    )
-    loads = (f.p_roll[at.first :], f.q_roll[at.first :]), (
-        f.p_drum[: at.last + 1], f.q_drum[: at.last + 1],
-    )  # fmt: skip
+    implied = web_arrays(equations, state, zones.astype(np.int8))
+    conditions = _equations_and_friction(result, equations, state, implied, zones)
+    conditions |= _reported_arrays(result, equations, state, implied)
+    conditions |= _wrap_conditions(result, equations, state, implied)
+    conditions |= _surface_loads(result, f, implied)
+    on_roll = f.p_roll[at.first :], f.q_roll[at.first :]
+    on_drum = f.p_drum[: at.last + 1], f.q_drum[: at.last + 1]
     surfaces = f.geometry.roll.surface, f.geometry.drum.surface
-    conditions |= body_equilibrium(problem, surfaces, loads)
+    conditions |= body_equilibrium(problem, surfaces, (on_roll, on_drum))
     if result.air is not None:
         conditions |= air_conditions(result)
     return Residuals(**conditions)
 
 
+Implied = Mapping[str, Array]
+
+
+def _equations_and_friction(
+    result: Any, equations: NipEquations, state: NipState, implied: Implied, zones: Array
+) -> dict[str, float]:
+    """Return the residuals of gap slope, resultants and friction law."""
+    f, top, rounding = state.fields, equations.slope_scale, strain_rounding(equations, state)
+    # as gap over a cell: on the short cells at the edges slopes are known to rounding only
+    cells = f.geometry.mesh.cells[f.geometry.mesh.nip_cells]
+    gap = np.abs(state.equilibrium[: cells.size]) * cells / cells.max()
+    slip = np.sign(state.slip) * np.maximum(np.abs(state.slip * top) - rounding, 0.0)
+    unit = np.full(zones.size, float(np.abs(state.bound).max()))
+    differences = [
+        difference(getattr(result, name), implied[name]) for name in ("roll_slip", "drum_slip")
+    ]
+    return {
+        "gap_slope": largest(gap),
+        "positive_pressure": negative_pressure(f.p_roll, f.p_drum),
+        **friction_law(zones, state.traction, slip, state.bound, unit=unit, slip_scale=top),
+        "slip_velocity": largest([max(value - rounding, 0.0) for value in differences]) / top,
+        "winding_force": abs(float(state.equilibrium[-2])),
+        "load": abs(float(state.equilibrium[-1])),
+    }
+
+
+def _reported_arrays(
+    result: Any, equations: NipEquations, state: NipState, implied: Implied
+) -> dict[str, float]:
+    """Return the differences of tension, zones, mesh and roll strain from those implied."""
+    f, P = state.fields, equations.problem.nip_load
+    # large tensions are known to their rounding, which is accepted up to the accepted residual
+    tension_scale = P + ROUNDING * float(np.abs(f.tension).max()) / ACCEPTED_RESIDUAL
+    extent = result.half_width * float(np.abs(f.geometry.mesh.nodes).max())
+    positions = [difference(getattr(result, name), implied[name]) for name in ("x", "slip_x")]
+    strain = difference(result.roll_strain, implied["roll_strain"])
+    return {
+        "tension": difference(result.tension, f.tension) / tension_scale,
+        "zones": 0.0 if _zones_are_valid(result, implied) else inf,
+        "mesh": max(positions) / extent,
+        "roll_strain": strain / equations.slope_scale,
+    }
+
+
+def _wrap_conditions(
+    result: Any, equations: NipEquations, state: NipState, implied: Implied
+) -> dict[str, float]:
+    """Return the residual of the normal equilibrium on the wraps, and that of the curvature."""
+    problem, at, f = equations.problem, equations.layout, state.fields
+    if not problem.is_wrapped:
+        return {"curvature": difference(result.curvature, implied["curvature"])}
+    # as nodal forces and as turns of the web over a cell: on short cells curvatures are
+    # differences of nearly equal slopes
+    lengths = f.geometry.a * f.geometry.mesh.weights
+    upstream = lengths[: at.first + 1] if problem.drum_wrap else lengths[:0]
+    downstream = lengths[at.last :] if problem.roll_wrap else lengths[:0]
+    forces = np.abs(state.equilibrium[at.last - at.first : -2])
+    forces = forces * np.append(upstream, downstream) * equations.pressure_scale
+    lengths = lengths if result.curvature.shape == lengths.shape else np.ones(())
+    turn = difference(lengths * result.curvature, lengths * implied["curvature"])
+    return {
+        "hoop_pressure": largest(forces) / problem.nip_load,
+        "curvature": turn / equations.slope_scale,
+    }
+
+
+def _surface_loads(result: Any, f: Fields, implied: Implied) -> dict[str, float]:
+    """Return the differences of pressures and tractions from those implied, zero outside a face."""
+    pressures = {
+        "drum_pressure": f.p_drum,
+        "roll_pressure": f.p_roll,
+        "hoop_pressure": implied["hoop_pressure"],
+    }
+    tractions = {"roll_traction": f.q_roll, "drum_traction": f.q_drum}
+    peak = float(np.abs(f.p_drum).max())
+
+    def largest_difference(arrays: Implied) -> float:
+        return max(difference(getattr(result, name), value) for name, value in arrays.items())
+
+    return {
+        "normal_equilibrium": largest_difference(pressures) / peak,
+        "free_surface": largest_difference(tractions) / peak,
+    }
+
+
 def _zones_are_valid(result: Any, implied: Mapping[str, Array]) -> bool:
-    """Return whether zones are -1, 0 or 1, and nodes without a traction repeat their neighbour."""
+    """Return True if all zones are -1, 0 or 1 and those of nodes without a traction are implied."""
     zones = result.roll_zone, result.drum_zone
     known = all(np.isin(zone, (-1, 0, 1)).all() for zone in zones)
     same = all(

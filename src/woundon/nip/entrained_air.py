@@ -31,9 +31,14 @@ if TYPE_CHECKING:
     from .equations import NipEquations, NipState
 
 __all__ = [
-    "AirFilm", "air_conditions", "air_film", "air_warnings", "film_of_state", "films_of",
+    "AirFilm",
+    "air_conditions",
+    "air_film",
+    "air_warnings",
+    "film_of_state",
+    "films_of",
     "inlet_gradient",
-]  # fmt: skip
+]
 
 Array = np.ndarray
 
@@ -73,6 +78,14 @@ class AirFilm(ReadOnly):
         K [Pa/sqrt(m)]: the pressure near the inlet edge is K sqrt(s).
     inlet_length : float
         Length of the inlet in which the film forms [m].
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> problem = wo.NipProblem.example().replace(web_speed=20.0, air=wo.Air(roughness=3e-6))
+    >>> film = wo.solve(problem, nodes=41).air
+    >>> print(f"{1e6 * film.film:.2f} um of air, {film.friction_share:.0%} of the friction")
+    1.90 um of air, 100% of the friction
     """
 
     part_of_result: ClassVar[bool] = True  # its fields are outputs of the result that holds it
@@ -194,13 +207,15 @@ def films_of(problem: NipProblem, gradient: float, half_width: float) -> dict[st
 
     friction = reduced(problem.roll_friction, in_nip)
     return {
-        "foil_film": foil, "nip_film": downstream, "film_in_nip": in_nip,
+        "foil_film": foil,
+        "nip_film": downstream,
+        "film_in_nip": in_nip,
         "inlet_length": passing.length,
         "film": float(escaped_film(wound, air.permeance, T, V)),
         "roll_friction": friction,
         "wrap_friction": reduced(problem.friction_on_wrap, wound),
         "friction_share": friction / problem.roll_friction,
-    }  # fmt: skip
+    }
 
 
 def air_film(problem: NipProblem, x: Array, pressure: Array, half_width: float) -> AirFilm:
@@ -240,15 +255,19 @@ def air_conditions(result: Any) -> dict[str, float]:
     profile = _thickness(result.problem, arrays[1], result.half_width, air.film_in_nip)
     return {
         "air_inlet": abs(air.gradient - gradient) / gradient,
-        "air_film": largest([
-            abs(getattr(air, name) - value) / max(value, 1e-300)
-            for name, value in films.items() if value or getattr(air, name)
-        ]),
+        "air_film": largest(
+            [
+                abs(getattr(air, name) - value) / max(value, 1e-300)
+                for name, value in films.items()
+                if value or getattr(air, name)
+            ]
+        ),
         "air_film_profile": (
             largest(np.abs(air.thickness - profile)) / max(air.film_in_nip, 1e-300)
-            if air.thickness.shape == profile.shape else float("inf")
+            if air.thickness.shape == profile.shape
+            else float("inf")
         ),
-    }  # fmt: skip
+    }
 
 
 def air_warnings(problem: NipProblem, film: AirFilm, half_width: float) -> tuple[str, ...]:

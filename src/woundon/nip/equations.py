@@ -228,9 +228,11 @@ class NipEquations:
             return self._first_mesh
         roll, drum = (body.radius / a for body in self.problem.bodies)
         return nip_mesh(
-            self.size, Wrap(self.drum_wrap * drum, drum, graded_end=True),
-            Wrap(max(self.roll_wrap * roll - 1, 0.0), roll), self._first_mesh,
-        )  # fmt: skip
+            self.size,
+            Wrap(self.drum_wrap * drum, drum, graded_end=True),
+            Wrap(max(self.roll_wrap * roll - 1, 0.0), roll),
+            self._first_mesh,
+        )
 
     def geometry(self, a: float) -> Geometry:
         """Return mesh and surfaces for a half width."""
@@ -279,7 +281,7 @@ class NipEquations:
             kappa_roll = g.roll.curvature(roll.slope, *on_roll, a)
         return Fields(
             g, p_roll, p_drum, q_roll, q_drum, transfer, T, roll, drum, kappa_roll, kappa_drum
-        )  # fmt: skip
+        )
 
     @cached_property
     def _hoop_nodes(self) -> slice:

@@ -44,8 +44,10 @@ class Layout:
         self.drum_nodes = np.arange(1, self.last)
         n, k, m = self.p_nodes.size, self.roll_nodes.size, self.drum_nodes.size
         self.p, self.drum_p, self.wrap_p = (
-            slice(0, n), slice(0, self.last - start), slice(self.last - start, n)
-        )  # fmt: skip
+            slice(0, n),
+            slice(0, self.last - start),
+            slice(self.last - start, n),
+        )
         self.shift, self.xi, self.ln_a = n, n + 1, n + 2
         self.roll_q, self.drum_q = slice(n + 3, n + 3 + k), slice(n + 3 + k, n + 3 + k + m)
         self.q, self.size = slice(n + 3, n + 3 + k + m), n + 3 + k + m

@@ -63,9 +63,10 @@ def check_load(problem: ContactProblem, load_field: str) -> None:
         return
     load, R = float(getattr(problem, load_field)), problem.contact_radius
     tubes = [
-        name for name, body in zip(problem.pair, problem.bodies, strict=True)
+        name
+        for name, body in zip(problem.pair, problem.bodies, strict=True)
         if load > BENDING_SHARE * body.bending_load(R)
-    ]  # fmt: skip
+    ]
     # a contact of twice Hertz's half width usually carries the load: influence functions of larger
     # distances are not needed then
     wide = min(2 * half_width_guess(load, *problem.bodies), largest_half_width(problem))
@@ -171,7 +172,7 @@ def frictionless_pressure(problem: ContactProblem, face: Face, a: float) -> Arra
 
 
 def _narrowest_body(problem: ContactProblem) -> str:
-    """Return which body limits the half width, and what to change."""
+    """Return a text about the body that limits the half width."""
     named = zip(problem.pair, problem.bodies, strict=True)
     name, body = min(named, key=lambda pair: min(pair[1].radius, pair[1].widest))
     if body.radius <= body.widest:

@@ -83,7 +83,7 @@ class SlipRatios:
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class NipResult(Dissipation, Result):
-    """The state of a winding nip; the arrays run along the web.
+    """The solution of a winding nip; the arrays run along the web.
 
     With wraps the arrays run from the web's first contact with the drum through the nip (the nodes
     ``in_nip``) to where it is held to the roll.  Slips are nan where the web does not touch the
@@ -135,15 +135,28 @@ class NipResult(Dissipation, Result):
     refinement : Refinement
         The solutions on all meshes, from which a neighbouring case starts; None of a result that
         was loaded from a file.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> nip = wo.solve(wo.NipProblem.example(), nodes=41)
+    >>> print(f"{nip.wound_on_tension:.0f} N/m, of that {nip.nip_induced_tension:.0f} by the nip")
+    700 N/m, of that 350 by the nip
+    >>> print(f"nip width {1e3 * nip.nip_width:.2f} mm, slip angle {nip.slip_angle:.2f} rad")
+    nip width 4.95 mm, slip angle 0.07 rad
     """
 
     MAIN: ClassVar[tuple[str, ...]] = ("wound_on_tension",)
     CONTACT_PRESSURE: ClassVar[str] = "drum_pressure"
     # outputs of ``sensitivity`` where none is named
     DIFFERENTIATED: ClassVar[tuple[str, ...]] = (
-        "wound_on_tension", "nip_induced_tension", "outlet_tension", "half_width", "nip_width",
+        "wound_on_tension",
+        "nip_induced_tension",
+        "outlet_tension",
+        "half_width",
+        "nip_width",
         "drum_creepage",
-    )  # fmt: skip
+    )
     MAY_BE_NAN: ClassVar[frozenset[str]] = frozenset(
         {"roll_slip", "drum_slip", "roll_strain", "rolling_resistance"}
     )
@@ -268,9 +281,8 @@ class NipResult(Dissipation, Result):
         """Fields without a derivative, with the reason."""
         text = "0 has no derivative: with a wrap the path of the web changes"
         return {
-            name: text for name in ("roll_wrap", "drum_wrap")
-            if getattr(self.problem, name) == 0
-        }  # fmt: skip
+            name: text for name in ("roll_wrap", "drum_wrap") if getattr(self.problem, name) == 0
+        }
 
     def certified(self) -> Residuals:
         """Return the certificate, evaluated from the problem and the arrays of this result."""

@@ -66,9 +66,13 @@ def certificate(result: Any) -> Residuals:
     given = free if loose else problem.creepage
     peak = float(np.max(np.abs(p)))
     friction = friction_law(
-        result.zone[1:-1], q[1:-1], slip[1:-1], problem.friction * p[1:-1],
-        unit=np.full(p.size - 2, (problem.friction or 1.0) * peak), slip_scale=unit,
-    )  # fmt: skip
+        result.zone[1:-1],
+        q[1:-1],
+        slip[1:-1],
+        problem.friction * p[1:-1],
+        unit=np.full(p.size - 2, (problem.friction or 1.0) * peak),
+        slip_scale=unit,
+    )
     ends = [[0, -1], [1, -2]]
     same_zone = np.array_equal(result.zone[ends[0]], result.zone[ends[1]])
     Q, asked = integral(q, result.x), problem.tangential_load or 0.0

@@ -62,7 +62,7 @@ def surface_work(problem: Any, mesh: Mesh, state: Any) -> tuple[SurfaceWork, Sur
 
 
 def dissipation(problem: Any, bodies: tuple[SurfaceWork, SurfaceWork]) -> float:
-    """Return what the viscoelastic bodies dissipate per length rolled and width [N/m]."""
+    """Return the dissipation of the viscoelastic bodies per length rolled and width [N/m]."""
     pairs = zip(problem.bodies, bodies, strict=True)
     return sum(of.work for body, of in pairs if body.viscoelastic)
 

@@ -26,7 +26,7 @@ Array = np.ndarray
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class RollerResult(Dissipation, Result):
-    """The state of two rollers in contact.
+    """The solution of two rollers in contact.
 
     Attributes
     ----------
@@ -51,6 +51,13 @@ class RollerResult(Dissipation, Result):
         Estimated discretisation error of the traction, L2 norm relative to its own [1].
     refinement : Refinement
         The solutions on all meshes, for a warm start; None of a result loaded from a file.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> rollers = wo.solve(wo.RollerProblem.example())
+    >>> print(f"creepage {rollers.creepage:.2e}, slip on {rollers.slip_share:.0%} of the width")
+    creepage 1.41e-04, slip on 10% of the width
     """
 
     MAY_BE_NAN: ClassVar[frozenset[str]] = frozenset(

@@ -1,4 +1,4 @@
-"""Where two solved rollers leave the model."""
+"""Validity checks of two rollers."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ __all__ = ["roller_warnings"]
 
 
 def roller_warnings(result: RollerResult) -> tuple[str, ...]:
-    """Return where two rollers leave the model, and what their grid is too coarse for."""
+    """Return the warnings of rollers outside the validity limits, or on too coarse a mesh."""
     xi, mu = result.creepage, result.problem.friction  # xi is nan in static contact
     return (
         *pair_warnings(result, {"upper": result.traction, "lower": -result.traction}),

@@ -205,7 +205,7 @@ class RollerEquations:
 
     @property
     def is_force_given(self) -> bool:
-        """Whether the resultant of the tractions is given, and xi unknown."""
+        """True if the tangential load is prescribed and xi is unknown."""
         return self.problem.friction > 0 and self.problem.creepage is None
 
     @property
@@ -234,7 +234,7 @@ class RollerEquations:
         return np.asarray(u2 - u1 + u[self.xi])
 
     def _is_curved(self, k: int) -> bool:
-        """Whether the strain of a body contains v/R."""
+        """True if the strain of a body contains v/R."""
         body = self.problem.bodies[k]
         return body.curvature > 0 and not body.rigid
 
@@ -307,7 +307,7 @@ class RollerEquations:
     # ---- fields and outputs --------------------------------------------------------------------
 
     def slip_points(self, a: float) -> Array:
-        """Return where the slip of each node is taken, (N+1,) [m]."""
+        """Return the collocation points of the slip of the nodes, (N+1,) [m]."""
         points = self.mesh.nodes
         if not self.static:
             points = np.append(self.mesh.points[:1], self.mesh.points)
@@ -315,9 +315,7 @@ class RollerEquations:
 
     def slip(self, state: RollerState) -> tuple[float, Array]:
         """Return xi and the slip of all nodes: strains in rolling, lengths [m] if static."""
-        slip = self._slip(
-            state.u, state.surfaces, state.p, state.q, state.upper, state.lower
-        )  # fmt: skip
+        slip = self._slip(state.u, state.surfaces, state.p, state.q, state.upper, state.lower)
         xi = float(state.u[self.xi])
         if not self.problem.friction and self.problem.creepage is None:
             xi = -pressure_median(slip[1:-1] - xi, (self.mesh.weights * state.p)[1:-1])
@@ -337,9 +335,7 @@ class RollerEquations:
     def approach(self, state: RollerState) -> float:
         """Return the approach of the centres, from the closed gap at the trailing edge [m]."""
         s = state.surfaces
-        v = s.upper.end_displacement(state.p, state.q) + s.lower.end_displacement(
-            state.p, -state.q
-        )  # fmt: skip
+        v = s.upper.end_displacement(state.p, state.q) + s.lower.end_displacement(state.p, -state.q)
         return float(s.a**2 / (2 * self.problem.contact_radius) - v - state.u[self.shift] * s.a)
 
     def main_outputs(self, state: RollerState) -> dict[str, float]:

@@ -58,7 +58,7 @@ MOST_SHOWN = 3
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Sensitivity(Presented, ReadOnly):
-    """First derivatives of a nip's outputs at one problem.
+    """First derivatives of the outputs of a nip or of rollers at one problem.
 
     Attributes
     ----------
@@ -76,6 +76,14 @@ class Sensitivity(Presented, ReadOnly):
         derivatives to both sides differ.
     errors : (outputs, parameters) array
         Estimated discretisation errors of the derivatives; nan where they are not known.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> nip = wo.solve(wo.NipProblem.example(), nodes=41)
+    >>> slopes = nip.sensitivity("roll_friction", "nip_load", outputs=["wound_on_tension"])
+    >>> print(slopes.elasticities.round(2))
+    [[0.07 0.34]]
     """
 
     outputs: tuple[str, ...]
@@ -109,9 +117,9 @@ class Sensitivity(Presented, ReadOnly):
             "derivative": (dims, self.derivatives, {"long_name": "d output / d parameter, SI"}),
             "elasticity": (dims, self.elasticities, {"units": "1"}),
         }
-        told = {"value": ("output", self.values), "field": ("parameter", self.fields)}
+        variables = {"value": ("output", self.values), "field": ("parameter", self.fields)}
         places = {"output": list(self.outputs), "parameter": list(self.parameters)}
-        return xarray.Dataset(tables, places | told, {"zone_change": self.zone_change})
+        return xarray.Dataset(tables, places | variables, {"zone_change": self.zone_change})
 
     def to_dataframe(self) -> pd.DataFrame:
         """Return a row for each parameter: its value [SI] and the outputs' elasticities [1]."""
@@ -158,9 +166,11 @@ def _list_items(problem: Any) -> dict[str, float]:
     """Return the numbers of all lists, as the values of a profile, by dotted name."""
     return {
         f"{place.path}.{k}": item
-        for place in walk(problem) if isinstance(place.value, tuple)
-        for k, item in enumerate(place.value) if isinstance(item, float)
-    }  # fmt: skip
+        for place in walk(problem)
+        if isinstance(place.value, tuple)
+        for k, item in enumerate(place.value)
+        if isinstance(item, float)
+    }
 
 
 @one_thread
@@ -216,22 +226,28 @@ def contact_sensitivity(
     shape = len(outputs), len(names)
     keys = [f"{output}/{name}" for output in outputs for name in names]
     return Sensitivity(
-        outputs, names,
+        outputs,
+        names,
         np.array([history[-1][1][key] for key in keys]).reshape(shape),
-        np.array([
-            meshes[-1].outputs[name] if name in meshes[-1].outputs else value_of(result, name)
-            for name in outputs
-        ]),
+        np.array(
+            [
+                meshes[-1].outputs[name] if name in meshes[-1].outputs else value_of(result, name)
+                for name in outputs
+            ]
+        ),
         np.array([known[name] for name in names]),
         near_zone_change(meshes[-1]),
         np.array([errors[key] for key in keys]).reshape(shape),
-    )  # fmt: skip
+    )
 
 
 def _derivatives(
-    mesh: MeshSolution, problem: Any, names: tuple[str, ...], known: Mapping[str, float],
+    mesh: MeshSolution,
+    problem: Any,
+    names: tuple[str, ...],
+    known: Mapping[str, float],
     outputs: tuple[str, ...],
-) -> dict[str, float]:  # fmt: skip
+) -> dict[str, float]:
     """Return the derivatives on one mesh by "output/parameter"."""
     solved = _Perturbed(mesh, outputs)
     found: dict[str, float] = {}
@@ -276,9 +292,8 @@ class _Perturbed:
         """Return the outputs of a problem next to the solved one."""
         has_air = getattr(problem, "air", None) is not None
         system, u = (
-            self._solved_with_air(problem) if has_air
-            else self._solved(problem, self.mesh.state.u)
-        )  # fmt: skip
+            self._solved_with_air(problem) if has_air else self._solved(problem, self.mesh.state.u)
+        )
         state = system.evaluate(u)
         outputs = dict(system.outputs(state, self.mesh.active))
         if has_air:

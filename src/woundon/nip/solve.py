@@ -95,8 +95,11 @@ def solve_nip(
     if start is not None:
         check_type("start", start, NipResult)
     options: dict[str, Any] = {
-        "nodes": nodes, "rtol": rtol, "start": start, "progress": progress,
-    }  # fmt: skip
+        "nodes": nodes,
+        "rtol": rtol,
+        "start": start,
+        "progress": progress,
+    }
     if problem.air is None:
         return _solve(problem, **options).warned()
     return solve_with_film(problem, **options).warned()
@@ -134,11 +137,14 @@ def _solve(
     criterion = _criterion(problem, rtol or default)
     try:
         found = refine(
-            lambda size: NipSystem(problem, size), nodes=nodes, criterion=criterion,
-            most_nodes=MOST_NODES_RTOL if rtol else most, progress=progress,
+            lambda size: NipSystem(problem, size),
+            nodes=nodes,
+            criterion=criterion,
+            most_nodes=MOST_NODES_RTOL if rtol else most,
+            progress=progress,
             start=getattr(start, "refinement", None),
             check=lambda mesh: _check_taut(problem, mesh, CERTAINLY_SLACK),
-        )  # fmt: skip
+        )
     except NewtonFailed as failed:
         outside = _outside_model(problem)
         raise NotConverged("; ".join(filter(None, (f"no solution: {failed}", outside)))) from None
@@ -185,7 +191,7 @@ def _criterion(
 
 
 def _outside_model(problem: Any) -> str:
-    """Return where a case that is not solved lies far outside the model."""
+    """Return a text about the quantities of an unsolved case far outside the model."""
     width = 2 * half_width_guess(problem.nip_load, *problem.bodies)
     texts = (*web_far_outside(problem, width), *far_outside(problem, problem.nip_load))
     return "; ".join(texts)
@@ -224,18 +230,24 @@ def result_of(problem: NipProblem, found: Refinement, film: AirFilm | None = Non
     scalars = "roll_wound_on_tension", "half_width", "approach", "offset", "drum_creepage"
     values: dict[str, Any] = {name: outputs[name] for name in (*scalars, *SLIP_RATIOS)} | arrays
     result = NipResult(
-        problem=problem, residuals=Residuals(), air=film, **values,
+        problem=problem,
+        residuals=Residuals(),
+        air=film,
+        **values,
         iterations=found.iterations,
         series_terms=max((k.terms for k in kernels), default=0),
         series_error=max((k.truncation_error for k in kernels), default=0.0),
         rolling_resistance=outputs.get("rolling_resistance", nan),
         refinement=found,
-    )  # fmt: skip
+    )
     of_the_film = air_warnings(problem, film, result.half_width) if film else ()
     return measured(
-        result, errors=error_estimates(found, arrays), residuals=certificate(result, equations),
+        result,
+        errors=error_estimates(found, arrays),
+        residuals=certificate(result, equations),
         warnings=(
-            *of_the_film, *nip_warnings(result),
+            *of_the_film,
+            *nip_warnings(result),
             *inconsistencies(found.meshes[-REPORTED - 1 :]),
         ),
-    )  # fmt: skip
+    )

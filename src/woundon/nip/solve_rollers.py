@@ -100,13 +100,18 @@ def solve_rollers(
     criterion = Criterion(problem, DEFAULT_RTOL if rtol is None else float(rtol))
     try:
         found = refine(
-            lambda size: RollerEquations(problem, size), nodes=nodes, criterion=criterion,
+            lambda size: RollerEquations(problem, size),
+            nodes=nodes,
+            criterion=criterion,
             most_nodes=DEFAULT_NODES if rtol is None else MOST_NODES,
-            start=None if start is None else start.refinement, progress=progress,
-        )  # fmt: skip
+            start=None if start is None else start.refinement,
+            progress=progress,
+        )
     except NewtonFailed as failed:
-        texts = (f"stick and slip zones were not found: {failed}",
-                 *far_outside(problem, problem.load))  # fmt: skip
+        texts = (
+            f"stick and slip zones were not found: {failed}",
+            *far_outside(problem, problem.load),
+        )
         raise NotConverged("; ".join(texts)) from failed
     missed = "" if nodes else criterion.missed(found)
     result = _result(problem, found, missed if rtol is None else "").checked()
@@ -164,7 +169,7 @@ class Criterion:
         return max(self.ratios(outputs, errors).values())
 
     def missed(self, found: Refinement) -> str:
-        """Return which output is not known well enough; '' where all are."""
+        """Return a text about the output with the largest ratio above 1; empty if there is none."""
         errors = found.deciding_errors()
         ratios = self.ratios(found.last.main_outputs, errors)
         name = max(ratios, key=lambda key: ratios[key])

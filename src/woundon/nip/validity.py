@@ -1,4 +1,4 @@
-"""Warnings where a nip leaves the validity of the model of two bodies and a thin taut web."""
+"""Validity checks of a nip: two bodies and a thin taut web."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ FAR_THICKNESS = 10.0  # nip widths
 
 
 def nip_warnings(result: NipResult) -> tuple[str, ...]:
-    """Return where a solved nip leaves the model's validity, and what its grid is too coarse for.
+    """Return the warnings of a nip outside the validity limits, or on too coarse a mesh.
 
     Strains and tensions are those of the whole web; surfaces and zones those of the nip.
     """
@@ -50,15 +50,19 @@ def _surface_strains(r: NipResult, web: Array) -> Iterator[str]:
         if not body.rigid:
             k = int(np.abs(strain).argmax())
             yield from past(
-                "surface strain", float(strain[k]),
-                "the {0}'s surface strain is {} at x = {1:.3g} mm", name, x[k] * 1e3,
-            )  # fmt: skip
+                "surface strain",
+                float(strain[k]),
+                "the {0}'s surface strain is {} at x = {1:.3g} mm",
+                name,
+                x[k] * 1e3,
+            )
 
 
 def _bodies_strains(r: NipResult, web: Array) -> dict[str, Array]:
-    """Return the bodies' surface strains in the nip where slips are taken, by the slips (eq. 133).
+    """Return the surface strains of the bodies at the points of the slip velocities (eq. 133).
 
-    ``web`` are the web's strains in the nip.  The roll's is that less the one at the trailing edge.
+    ``web`` is the strain of the web in the nip.  The strain of the roll is relative to that at the
+    trailing edge.
     """
     own = r.in_nip
     web = np.interp(r.slip_x[own], r.x[own], web)
@@ -78,20 +82,26 @@ def _web(r: NipResult, strain: Array) -> Iterator[str]:
     web, peak = r.problem.web, float(r.drum_pressure.max())
     modulus = web.radial_modulus(peak)
     yield from past(
-        "pressure on the web", peak / modulus,
+        "pressure on the web",
+        peak / modulus,
         "the peak pressure {0:.3g} MPa is {} of the web's radial stiffness {1:.3g} MPa",
-        peak / 1e6, modulus / 1e6,
-    )  # fmt: skip
+        peak / 1e6,
+        modulus / 1e6,
+    )
     k = int(np.abs(strain).argmax())
     yield from past(
-        "web strain", float(strain[k]),
-        "the web's strain is {} at a tension of {0:.4g} N/m", r.tension[k],
-    )  # fmt: skip
+        "web strain",
+        float(strain[k]),
+        "the web's strain is {} at a tension of {0:.4g} N/m",
+        r.tension[k],
+    )
     yield from past(
-        "web thickness", web.thickness / r.nip_width,
+        "web thickness",
+        web.thickness / r.nip_width,
         "the web's thickness {0:.3g} um is {} of the nip width {1:.3g} mm",
-        web.thickness * 1e6, r.nip_width * 1e3,
-    )  # fmt: skip
+        web.thickness * 1e6,
+        r.nip_width * 1e3,
+    )
     slackest = float(np.min(r.tension))
     if slackest < 0:
         at = float(r.x[int(np.argmin(r.tension))])
@@ -102,13 +112,13 @@ def _web(r: NipResult, strain: Array) -> Iterator[str]:
 
 
 def web_far_outside(problem: NipProblem, width: float) -> Iterator[str]:
-    """Yield where a web is far outside the model, and what to change.
+    """Yield a text for each quantity of the web that is far outside the model.
 
     Parameters
     ----------
     problem : NipProblem
     width : float
-        About that of the nip [m].
+        Approximate nip width [m].
     """
     web = problem.web
     tension = problem.web_tension + (problem.roll_friction + problem.drum_friction) * (
@@ -123,9 +133,9 @@ def web_far_outside(problem: NipProblem, width: float) -> Iterator[str]:
         )
     if width < web.thickness / FAR_THICKNESS:
         yield (
-            f"this is far outside the model: a nip about {width:.2g} m wide is nothing beside the "
-            f"web's thickness, {web.thickness:.2g} m; take a larger nip load, or a smaller web "
-            "tension"
+            f"this is far outside the model: a nip width of about {width:.2g} m is negligible next "
+            f"to the thickness of the web, {web.thickness:.2g} m; take a larger load or a smaller "
+            "web tension"
         )
 
 

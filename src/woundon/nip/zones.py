@@ -66,7 +66,7 @@ def slip_lengths(x: Array, zones: Array, slip: Array, slack: Array) -> tuple[flo
 
 
 def has_traction_jump(zones: Array) -> bool:
-    """Return whether slip changes its direction without a stick zone of more than one node.
+    """Return True if slip changes its direction without a stick zone of more than one node.
 
     Examples
     --------

@@ -1,0 +1,23 @@
+"""The examples in the docstrings of all modules are executed; their output is compared."""
+
+from __future__ import annotations
+
+import doctest
+import importlib
+from pathlib import Path
+
+import pytest
+
+import woundon
+
+
+def modules_with_examples() -> list[str]:
+    root = Path(woundon.__file__).parent
+    files = (file for file in sorted(root.rglob("*.py")) if ">>> " in file.read_text("utf-8"))
+    return [".".join(("woundon", *file.relative_to(root).with_suffix("").parts)) for file in files]
+
+
+@pytest.mark.parametrize("name", modules_with_examples())
+def test_examples_of_a_module(name: str) -> None:
+    result = doctest.testmod(importlib.import_module(name), verbose=False)
+    assert result.failed == 0
