@@ -38,6 +38,8 @@ def test_a_grade_fills_the_case(look):
     seen = look()
     page = seen.page
     assert page.locator("#grade option").count() == len(wo.grades()) + 1
+    wide = "one => one.getBoundingClientRect().right <= one.closest('.left').clientWidth"
+    assert page.eval_on_selector("#f-web-material", wide)
     page.select_option("#grade", "lwc")
     page.wait_for_function("() => document.querySelector('#f-web-thickness').value === '47'")
     seen.rest()
@@ -71,6 +73,7 @@ def test_a_limit_is_entered_next_to_its_margin_on_a_phone(look):
     page.wait_for_selector(".margins", timeout=60_000)
     seen.rest()
     assert page.evaluate("() => document.scrollingElement.scrollWidth") <= 390
+    assert page.input_value("#limit-slip") == "100"  # [%], as the value next to it
     page.fill("#limit-blocking", "10000")  # [kPa]
     page.locator("#limit-blocking").blur()
     seen.rest()

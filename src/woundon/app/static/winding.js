@@ -51,8 +51,9 @@ function Limit({ store, margin, text }) {
   const { units } = store;
   const [typed, setTyped] = useState(null);
   const path = margin.limit_field;
-  const field = path && store.fieldAt(path);
-  if (!field) return text(margin.limit);
+  const known = path && store.fieldAt(path);
+  if (!known) return text(margin.limit);
+  const field = { ...known, shown_unit: margin.quantity.shown_unit }; // the unit of the value next to it
   const value = at(store.state.case, path);
   const { fault } = typed?.trim() ? units.read(field, typed, T.form.finite) : {};
   const put = () => {
