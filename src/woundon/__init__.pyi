@@ -77,9 +77,9 @@ from .studies.pull_tab import PullTab as PullTab
 from .studies.schedule import OptimisedSchedule as OptimisedSchedule
 from .studies.schedule import optimise_schedule as optimise_schedule
 from .studies.sobol import SobolIndices as SobolIndices
-from .studies.window import OperatingPoint as OperatingPoint
-from .studies.window import OperatingWindow as OperatingWindow
 from .studies.window import operating_window as operating_window
+from .studies.window_result import OperatingPoint as OperatingPoint
+from .studies.window_result import OperatingWindow as OperatingWindow
 from .winding.margins import Margin as Margin
 from .winding.margins import Margins as Margins
 from .winding.margins import margins as margins

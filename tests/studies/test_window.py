@@ -16,7 +16,6 @@ from scipy.stats import norm
 import woundon as wo
 from woundon.cli.commands import main
 from woundon.io.case_files import to_toml
-from woundon.studies.window import _with_value
 from woundon.studies.window_map import (
     MarginMap,
     fitted,
@@ -25,6 +24,7 @@ from woundon.studies.window_map import (
     standard_normal,
     to_reserve,
 )
+from woundon.studies.window_model import with_value
 
 RANGES = {"web_tension": (150.0, 450.0), "nip_load": (500.0, 3000.0)}
 STRENGTH = 700.0  # N/m
@@ -119,7 +119,7 @@ def test_schedules_keep_their_shape():
         wo.Profile(radius=(0.04, 0.1, 0.2), value=(310.0, 280.0, 250.0)),
     ):
         problem = winding(web_tension=schedule)
-        scaled = problem.replace(**_with_value(problem, "web_tension", 450.0))
+        scaled = problem.replace(**with_value(problem, "web_tension", 450.0))
         r = np.array([0.05, 0.09, 0.15])
         before, after = problem.at("web_tension", r), scaled.at("web_tension", r)
         assert after[0] == pytest.approx(450.0)
@@ -233,7 +233,7 @@ def test_an_interrupted_window_is_resumed(strength, tmp_path: Path):
     """Invariance: the map is the same, and no winding is solved twice."""
 
     def stop(done: int, expected: int) -> None:
-        if done == 15:
+        if done > 14:
             raise KeyboardInterrupt
 
     options = {"uncertain": {**dict.fromkeys(wo.grade("newsprint").spread_of(winding()), 0),
@@ -244,7 +244,7 @@ def test_an_interrupted_window_is_resumed(strength, tmp_path: Path):
     resumed = wo.operating_window(
         winding(), **RANGES, **options, resume=True, progress=lambda done, _: calls.append(done)
     )
-    assert min(calls) > 14
+    assert min(calls) > 14  # of chunks of three windings
     np.testing.assert_array_equal(resumed.probability, strength.probability)
 
 

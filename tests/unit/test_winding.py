@@ -15,7 +15,7 @@ import pytest
 import woundon as wo
 from woundon.parallel import Cancelled
 from woundon.results import ACCEPTED_RESIDUAL
-from woundon.roll.stages import wound_so_far
+from woundon.roll.stages import stage_at
 from woundon.winding.bodies import effective_cylinder, felt_pressure
 from woundon.winding.interpolation import Piece, leja
 from woundon.winding.measured import smoothed
@@ -129,7 +129,7 @@ def test_each_nip_answers_what_the_roll_was_wound_with():
     assert nip.roll_wound_on_tension == pytest.approx(tension, rel=2 * run.agreed)
     assert run.roll.problem.tension_curve.at(r) * 66e-6 == pytest.approx(tension, rel=1e-12)
     # and the roll so far asks for the modulus that it has; what is left is a second-order change
-    stage = wound_so_far(run.roll, r)
+    stage = stage_at(run.roll, r)
     found = felt_pressure(stage, nip.roll_wound_on_tension, nip.half_width, nip.peak_pressure)
     assert found == pytest.approx(float(run.nip_felt_pressure[k]), rel=1e-4)
 

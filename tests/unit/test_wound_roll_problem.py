@@ -199,7 +199,7 @@ def test_the_picture_has_a_zero_line_and_shades_compression(result):
     [
         ("x", "radius: 'x' is not a number; must be a radius on the roll [m]"),
         ([0.05, 0.06], "radius: 2 values; must be one radius [m]"),
-        (0.0446, "radius: 0.0446 is out of range; must be >= 0.04516 [m], 10 laps"),
+        (0.0446, "radius: 0.0446 is out of range; must be >= 0.04516 [m], 10 layers"),
         (0.2, "radius: 0.2 is out of range; must be >= 0.0445 and <= 0.15 [m], on the roll"),
         (float("nan"), "radius: nan is out of range"),
     ],

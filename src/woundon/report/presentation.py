@@ -62,7 +62,7 @@ def figure_of(thing: Any, *options: Any) -> Any:
     from ..studies.fit import FitResult
     from ..studies.schedule import OptimisedSchedule
     from ..studies.sobol import SobolIndices
-    from ..studies.window import OperatingWindow
+    from ..studies.window_result import OperatingWindow
     from .compare_plots import plot_comparison
     from .find_plots import plot_find
     from .plan_plots import plot_plan

@@ -15,7 +15,7 @@ from .figures import COLOURS, axis_label, wrapped_text
 from .panels import Case, Panel, drawn
 
 if TYPE_CHECKING:
-    from ..studies.window import OperatingWindow
+    from ..studies.window_result import OperatingWindow
 
 __all__ = ["plot_window"]
 

@@ -2,43 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ..results import Residuals, largest
 from .build_up import cell_source
-from .equations import CellSource, StageEquations
+from .finished import equations_of, final_changes, shifted
 
-if TYPE_CHECKING:
-    from ..problems.roll import RollProblem
-
-__all__ = ["certificate", "changes", "equations_of"]
-
-Array = np.ndarray
-
-
-def equations_of(problem: RollProblem) -> StageEquations:
-    """Return the equations of a roll's stages."""
-    stack, E_c = problem.stack, problem.core.effective_stiffness
-    E_t, nu = stack.tangential, stack.poissons_ratio
-    law = stack.radial
-    return StageEquations(
-        law.strain_at, law.modulus, law.modulus_slope, E_t, E_t / E_c - 1 + nu
-    )  # fmt: skip
-
-
-def changes(problem: RollProblem) -> tuple[float, float]:
-    """Return what the finished roll's changes add to its source, and to the core's tension [Pa].
-
-    A lap's free strain alpha dT takes no part in its stress, so C gets E_t (alpha_t - alpha_r) dT;
-    a core that shrinks more than the laps lets these go.
-    """
-    E_t, dT = problem.stack.tangential, problem.temperature_change
-    along = problem.tangential_expansion
-    source = E_t * (along - problem.radial_expansion) * dT
-    core = E_t * ((problem.core_expansion - along) * dT - problem.core_shrinkage)
-    return source, core
+__all__ = ["certificate"]
 
 
 def certificate(result: Any) -> Residuals:
@@ -57,7 +29,7 @@ def certificate(result: Any) -> Residuals:
     curve, E_t, nu = problem.tension_curve, stack.tangential, stack.poissons_ratio
     r, P, Q = result.radius, result.pressure, result.pressure_gradient
     x, T = np.log(r), curve.at(r)
-    unit, more = float(T[0]), changes(problem)
+    unit, more = float(T[0]), final_changes(problem)
     source = shifted(cell_source(curve, result.kappa, x), more[0])
     miss, _ = equations_of(problem).defects(x, source, unit + more[1], P, Q)
     hoop = -(P + Q)
@@ -75,8 +47,3 @@ def certificate(result: Any) -> Residuals:
         positive_pressure=largest(-P) / max(float(np.max(np.abs(P))), 1e-300),
         roll=largest(np.abs(r[[0, -1]] / [problem.core.radius, result.stage_radius[-1]] - 1)),
     )
-
-
-def shifted(source: CellSource, by: float) -> CellSource:
-    """Return a source with the same added everywhere."""
-    return CellSource(*(part + by for part in source))

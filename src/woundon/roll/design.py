@@ -27,8 +27,8 @@ from ..problems.schedules import Profile
 from ..problems.wound_roll import WoundRoll
 from ..quantities import find
 from .build_up import in_cells, nodes_between
-from .certificate import equations_of
 from .equations import Solved, pressure_between
+from .finished import equations_of
 
 if TYPE_CHECKING:
     from .equations import StageEquations
@@ -218,7 +218,7 @@ class _Stages:
         self.solved: dict[float, tuple[Array, Solved]] = {}
         law, E_t = wanted.problem.stack.radial, wanted.problem.stack.tangential
         E = float(law.modulus(0.0))
-        # as :func:`.solve.layer_of`, with a tension that makes such a pressure
+        # as :func:`.finished.layer_thickness`, with a tension that makes such a pressure
         P = float(np.max(wanted.pressure(wanted.knots)))
         T = np.sqrt(2 * E_t * float(law.strain_at(P)) * P)
         self.layer = min(law.reaches(2 * E) / T, (E / E_t) ** 0.5, 0.3)

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..errors import NotConverged
 from .build_up import Laps
-from .certificate import changes, equations_of, shifted
+from .finished import equations_of, final_changes, shifted
 
 __all__ = ["changed_by_laps", "finite_laps", "laps_of"]
 
@@ -26,7 +26,7 @@ def finite_laps(result: Any) -> tuple[Array, Array]:
     x = np.log(result.radius)
     if np.isnan(result.lap_growth).any():
         return np.full(x.size, np.nan), np.full(x.size, np.nan)
-    laps, (more, at_core) = laps_of(result), changes(result.problem)
+    laps, (more, at_core) = laps_of(result), final_changes(result.problem)
     source, T_c = shifted(laps.source(result.kappa_of_laps, x), more), laps.at_core(x[0]) + at_core
     P, Q = result.pressure, result.pressure_gradient
     solved = laps.equations.solve(x, source, T_c, P, Q)

@@ -7,15 +7,17 @@ from dataclasses import dataclass
 from functools import cached_property
 from math import pi
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
 from ..quantities import Quantity, length, line_load, pure, strain, stress
 from ..results import Residuals, Result
-
-if TYPE_CHECKING:
-    from .growth import Growth
+from .certificate import certificate
+from .density import as_wound, in_the_roll, volume, wound_mass
+from .growth import Growth
+from .laps import finite_laps
+from .stages import stage_arrays, stresses_between
 
 __all__ = ["RollResult"]
 
@@ -123,8 +125,6 @@ class RollResult(Result):
         self,
     ) -> Annotated[Array, stress("P_h", "pressure added by layers of finite thickness")]:
         """What laps of the web's thickness add to P, which is that of thin ones [Pa]."""
-        from .laps import finite_laps
-
         return finite_laps(self)[0]
 
     @property
@@ -138,15 +138,11 @@ class RollResult(Result):
     @cached_property
     def kappa(self) -> Growth:
         """Kappa over ln r, a function."""
-        from .growth import Growth
-
         return Growth.of(np.log(self.stage_radius), self.growth, self.stage_order)
 
     @cached_property
     def kappa_of_laps(self) -> Growth:
         """The same with laps of the web's thickness."""
-        from .growth import Growth
-
         return Growth.of(np.log(self.stage_radius), self.lap_growth, self.stage_order)
 
     @property
@@ -182,8 +178,6 @@ class RollResult(Result):
         self,
     ) -> Annotated[Array, Quantity("rho_r", "kg/m^3", "density of the wound layers")]:
         """Of the finished roll, pressed and drawn laps, at the nodes [kg/m^3]; nan as ``mass``."""
-        from .density import in_the_roll
-
         return np.asarray(in_the_roll(self))
 
     @property
@@ -196,8 +190,6 @@ class RollResult(Result):
         ),
     ]:
         """What a density analyser on the winder draws, at the nodes [kg/m^3]; nan as ``mass``."""
-        from .density import as_wound
-
         return np.asarray(as_wound(self, self.radius))
 
     @property
@@ -205,8 +197,6 @@ class RollResult(Result):
         self,
     ) -> Annotated[float, Quantity("m_w", "kg/m", "mass of the web with compressed layers")]:
         """Of all laps as they are laid, each thinner as it is pressed [kg/m]; nan as ``mass``."""
-        from .density import wound_mass
-
         return float(wound_mass(self))
 
     @property
@@ -214,8 +204,6 @@ class RollResult(Result):
         self,
     ) -> Annotated[float, Quantity("rho_m", "kg/m^3", "mean density of the wound layers")]:
         """The wound mass over the volume that it fills [kg/m^3]; nan as ``mass``."""
-        from .density import volume
-
         return self.wound_mass / float(volume(self))
 
     def at_radius(self, radius: Any) -> dict[str, Any]:
@@ -236,9 +224,7 @@ class RollResult(Result):
         InvalidProblem
             For a radius outside the roll.
         """
-        from .stages import between
-
-        return dict(between(self, radius))
+        return stresses_between(self, radius)
 
     def at(self, radius: float) -> RollResult:
         """Return the roll when its surface was at a radius: a stage of its build-up.
@@ -253,13 +239,10 @@ class RollResult(Result):
         InvalidProblem
             For a radius outside the roll.
         """
-        from .stages import at as stage_at
-
-        stage: RollResult = stage_at(self, radius)
-        return stage
+        arrays = stage_arrays(self, radius)
+        stage = RollResult(**arrays, errors=self.errors, residuals=Residuals())
+        return stage.replace(residuals=certificate(stage)).checked()
 
     def certified(self) -> Residuals:
-        """Return the certificate measured anew, from the problem and the arrays held here."""
-        from .certificate import certificate
-
+        """Return the residuals, computed from problem and arrays."""
         return certificate(self)

@@ -24,23 +24,20 @@ from ..results import Residuals
 from .build_up import (
     BuildUp,
     NotWoundError,
-    cell_source,
     missed_source,
     wind,
     wind_again,
     wind_laps,
 )
-from .certificate import certificate, changes, equations_of, shifted
-from .equations import Solved, pressure_between
-from .growth import Growth
+from .certificate import certificate
+from .equations import pressure_between
+from .finished import equations_of, finished_arrays, layer_thickness
 from .laps import changed_by_laps, laps_of
 from .result import RollResult
 
 __all__ = [
     "ThinLaps",
     "check_options",
-    "finished",
-    "layer_of",
     "solve_thin_laps",
     "solve_wound_roll",
 ]
@@ -187,22 +184,12 @@ def check_options(*, rtol: Any = DEFAULT_RTOL) -> None:
     tolerance("rtol", rtol, 1e-8, 0.1)
 
 
-def layer_of(problem: RollProblem) -> float:
-    """Return over which part of ln r the pressure rises below a surface.
-
-    There the modulus doubles, or, where it does not, waves of the incremental equation die out.
-    """
-    law, T = problem.stack.radial, float(problem.tension_curve.at(np.array(problem.core.radius)))
-    E = float(law.modulus(0.0))
-    return min(law.reaches(2 * E) / T, (E / problem.stack.tangential) ** 0.5, 0.3)
-
-
 def _wound(
     problem: RollProblem, tolerance: float, cells: int, known: BuildUp | None,
     told: Told | None,
 ) -> tuple[BuildUp, RollResult]:  # fmt: skip
     equations, curve = equations_of(problem), problem.tension_curve
-    layer = layer_of(problem)
+    layer = layer_thickness(problem)
     try:
         if known is None:
             found = wind(
@@ -215,59 +202,16 @@ def _wound(
             )
     except NotWoundError as stop:
         raise NotConverged(str(stop)) from None
-    result = finished(problem, found.x, found.growth, found.solved)
+    arrays = finished_arrays(problem, found.x, found.growth, found.solved)
+    result = RollResult(problem=problem, **arrays, residuals=Residuals())
     return found, result.replace(steps=equations.steps + result.steps)
-
-
-def finished(problem: RollProblem, x: Array, growth: Growth, solved: Solved) -> RollResult:
-    """Return the result of a roll wound so far, what changes the finished roll put in.
-
-    Parameters
-    ----------
-    problem : RollProblem
-    x : (M,) array
-        ln r of the nodes.
-    growth : Growth
-    solved : Solved
-        As wound.
-    """
-    equations, curve, stack = equations_of(problem), problem.tension_curve, problem.stack
-    r, T = np.exp(x), curve.at(np.exp(x))
-    r[0], r[-1] = problem.core.radius, problem.radius
-    more, at_core = changes(problem)
-    source = shifted(cell_source(curve, growth, x), more)
-    again = equations.solve(x, source, float(T[0]) + at_core, solved.P, solved.Q)
-    if again is None:
-        raise NotConverged("the finished roll's changes leave it without a solution")
-    P, Q, E_t = again.P, again.Q, stack.tangential
-    hoop = -(P + Q)
-    strain = (hoop + stack.poissons_ratio * P) / E_t
-    strain = strain + problem.tangential_expansion * problem.temperature_change
-    return RollResult(
-        problem=problem,
-        radius=r,
-        pressure=P,
-        hoop_stress=hoop,
-        displacement=r * (strain - T / E_t),
-        lap_strain=strain,
-        radial_modulus=stack.radial.modulus(P),
-        source=np.append(source.left, source.right[-1]),
-        pressure_gradient=Q,
-        stage_radius=np.exp(growth.x),
-        growth=growth.kappa,
-        stage_order=growth.through,
-        lap_growth=np.full_like(growth.kappa, np.nan),
-        surface_slope=float(-solved.Q[-1] / T[-1] - 1),
-        steps=equations.steps,
-        residuals=Residuals(),
-    )  # fmt: skip
 
 
 def _with_laps(result: RollResult, known: BuildUp, cells: int) -> RollResult:
     """Return a result with laps of the web's thickness, and what they change in its errors."""
     laps = laps_of(result)
     try:
-        growth = wind_laps(laps, known, cells=cells, layer=layer_of(result.problem))
+        growth = wind_laps(laps, known, cells=cells, layer=layer_thickness(result.problem))
     except NotWoundError as stop:
         raise NotConverged(f"with laps as thick as the web {stop}", result) from None
     result = result.replace(lap_growth=growth, steps=result.steps + laps.equations.steps)

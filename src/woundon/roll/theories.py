@@ -12,7 +12,7 @@ from ..problems.radial_laws import Constant
 from ..problems.roll import RollProblem
 from ..problems.stack import Stack
 from .build_up import nodes_between
-from .certificate import equations_of
+from .finished import equations_of, final_changes
 from .lap_by_lap import wind_laps
 
 if TYPE_CHECKING:
@@ -89,9 +89,7 @@ def constant_moduli(problem: RollProblem, radius: ArrayLike) -> RollStresses:
 
 def _changed(problem: RollProblem, g: float, b: float, r: Array) -> tuple[Array, Array]:
     """Return what changes of the finished roll add to P, and r times its slope."""
-    from .certificate import changes
-
-    source, at_core = changes(problem)
+    source, at_core = final_changes(problem)
     core, R = problem.core.radius, problem.radius
     # r^2 P'' + 3 r P' + (1 - g^2) P = source: a constant (a logarithm where g = 1), and two powers
     even = abs(g - 1) < 1e-9

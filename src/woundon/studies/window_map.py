@@ -23,7 +23,10 @@ from itertools import product
 import numpy as np
 from numpy.polynomial import chebyshev
 
-__all__ = ["MarginMap", "fitted", "from_reserve", "lobatto", "standard_normal", "to_reserve"]
+__all__ = [
+    "MarginMap", "SetPoints", "distance", "fitted", "from_reserve", "lobatto", "standard_normal",
+    "to_reserve",
+]  # fmt: skip
 
 Array = np.ndarray
 # Share of the points that polynomials may have as coefficients if points are missing: least squares
@@ -32,6 +35,48 @@ USED_SHARE = 0.7
 
 
 RATIO = 5.0  # a: logarithmic from a fifth of the limit
+
+
+@dataclass(frozen=True, eq=False)
+class SetPoints:
+    """Coordinates of the set points: tension and load by logarithm, the torque split linear.
+
+    Attributes
+    ----------
+    names : tuple of str
+    ranges : (d, 2) array
+        Lowest and highest value at the core, SI units.
+    """
+
+    names: tuple[str, ...]
+    ranges: Array
+
+    @property
+    def _is_logarithmic(self) -> Array:
+        return np.array([name != "torque_split" for name in self.names])
+
+    def coordinates(self, values: Array) -> Array:
+        """Return the coordinates of values at the core in [-1, 1], (points, d)."""
+        by_log = self._is_logarithmic
+        low, high, inner = (
+            np.where(by_log, np.log(np.where(by_log, v, 1.0)), v) for v in (*self.ranges.T, values)
+        )
+        return np.clip(2 * (inner - low) / (high - low) - 1, -1.0, 1.0)
+
+    def values(self, x: Array) -> Array:
+        """Return the values at the core of coordinates, (points, d)."""
+        share, (low, high), by_log = (x + 1) / 2, self.ranges.T, self._is_logarithmic
+        ratio = np.where(by_log, high / np.where(by_log, low, 1.0), 1.0)
+        return np.where(by_log, low * ratio**share, low + (high - low) * share)
+
+    def along(self, k: int, x: Array) -> Array:
+        """Return the values at the core of one coordinate, (points,)."""
+        return self.values(np.tile(x[:, None], len(self.names)))[:, k]
+
+
+def distance(mean: Array, deviation: Array) -> Array:
+    """Return means in standard deviations; without a deviation a large multiple of the mean."""
+    return np.asarray(mean / np.maximum(deviation, 1e-6))
 
 
 def from_reserve(m: Array) -> Array:
@@ -158,7 +203,12 @@ class MarginMap:
         """Return the contributions to the variance of y, (points, margins, inputs)."""
         return self.slopes_at(x) ** 2 + self.curvature**2 / 2
 
-    def probability(self, x: Array, shift: Array | float = 0.0, linear: bool = False) -> Array:
+    def margins(self, x: Array, z: Array) -> Array:
+        """Return y at set points with inputs z, one for each point, (points, margins)."""
+        change = np.einsum("pmi,pi->pm", self.slopes_at(x), z)
+        return np.asarray(self.nominal(x) + change + z**2 @ self.curvature.T / 2)
+
+    def probability(self, x: Array, shift: Array | float = 0.0) -> Array:
         """Return the probability that all margins hold, (points,).
 
         Parameters
@@ -166,19 +216,15 @@ class MarginMap:
         x : (points, d) array
         shift : (margins,) array, optional
             Added to y.
-        linear : bool
-            Leave out C.
         """
-        return self.holds(x, shift, linear).all(axis=1).mean(axis=-1)
+        return self.holds(x, shift).all(axis=1).mean(axis=-1)
 
-    def holds(self, x: Array, shift: Array | float = 0.0, linear: bool = False) -> Array:
-        """Return whether each margin holds for each draw, (points, margins, draws)."""
+    def holds(self, x: Array, shift: Array | float = 0.0) -> Array:
+        """Return which margins hold for each draw, (points, margins, draws)."""
         mean, slopes = self.nominal(x) + shift, self.slopes_at(x)
         found = np.empty((len(x), mean.shape[1], len(self.sample)), dtype=bool)
         squares = self.sample.T**2 / 2
         for k, curvature in enumerate(self.curvature):
-            change = slopes[:, k] @ self.sample.T
-            if not linear:
-                change = change + curvature @ squares
+            change = slopes[:, k] @ self.sample.T + curvature @ squares
             found[:, k] = mean[:, k, None] + change >= 0
         return found

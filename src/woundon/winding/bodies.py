@@ -128,8 +128,17 @@ def _effective(
     known, radius = own or near, float(stage.radius[-1])
     if own:
         P = foreseen(problem, stage, own).wanted
-    elif near and not isnan(near.wanted):  # it is, of a winding with another roll body
+    elif near and isnan(near.wanted):  # of a winding with another roll body
+        P = min(_first_guess(problem, stage), _most(problem))
+    elif near and near.radius != radius:
         P = near.wanted
+    elif near:
+        # The same nip of another winding, with another roll and another load: widths and
+        # pressures of line contacts vary as the root of the load.
+        load = float(problem.at("nip_load", radius))
+        wider = (load / near.result.problem.nip_load) ** 0.5
+        _, a, peak = _told(near.result)
+        P = min(felt_pressure(stage, stage.tension, wider * a, wider * peak), _most(problem))
     else:
         P = min(_first_guess(problem, stage), _most(problem))
     result = known.result if known else None

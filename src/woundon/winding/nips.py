@@ -15,7 +15,7 @@ from ..problems.bodies import Body
 from ..problems.nip import NipProblem
 from ..problems.winding import WindingProblem
 from ..roll.result import RollResult
-from ..roll.stages import wound_so_far
+from ..roll.stages import stage_at
 from .bodies import Felt, foreseen, solved_nip
 
 __all__ = ["Nips", "warnings_of"]
@@ -59,7 +59,7 @@ class Nips:
         self.problem, self.nodes, self.agreed, self.tell = problem, nodes, agreed, tell
         self.before = {felt.radius: felt for felt in before}
         self.felt: dict[float, Felt] = {}
-        self.solved, self.coarse = solved, False
+        self.solved, self.coarse, self.rough = solved, False, False
         self.films: dict[float, float] = {}  # of air, that the nips let through, by radius
         self.frictions: dict[float, tuple[float, float]] = {}  # that they leave
 
@@ -78,17 +78,17 @@ class Nips:
             return own.tension
         with _at(radius):
             linear = self.problem.roll_body == "linear"
-            stage = None if roll is None or linear else wound_so_far(roll, radius)
+            stage = None if roll is None or linear else stage_at(roll, radius)
             felt = solved_nip(
                 self._on(roll), radius, stage, own, self._near(radius), self._solve,
-                FELT_COARSELY if self.coarse else FELT,
+                FELT_COARSELY if self.rough else FELT,
             )  # fmt: skip
         self.felt[radius] = felt
         return felt.tension
 
     def foreseen(self, radius: float, roll: RollResult) -> float:
         """Return what a nip, not solved again, would answer on another effective roll [N/m]."""
-        stage = wound_so_far(roll, radius)
+        stage = stage_at(roll, radius)
         self.felt[radius] = foreseen(self._on(roll), stage, self.felt[radius])
         return self.felt[radius].tension
 

@@ -14,7 +14,9 @@ from ..quantities import Quantity, length, line_load, pure, strain, stress
 from ..results import Residuals, Result
 from ..roll.result import RollResult
 from .bodies import Felt
+from .certificate import certificate
 from .margins import WithMargins
+from .roll import wound_again
 
 __all__ = ["WindingResult"]
 
@@ -128,8 +130,6 @@ class WindingResult(WithMargins, Result):
         A result that was loaded winds it again.
         """
         if self.wound is None:
-            from .roll import wound_again
-
             object.__setattr__(self, "wound", wound_again(self))
         assert self.wound is not None
         return self.wound
@@ -186,6 +186,4 @@ class WindingResult(WithMargins, Result):
 
     def certified(self) -> Residuals:
         """Return the certificate measured anew, from the problem and the arrays held here."""
-        from .certificate import certificate
-
         return certificate(self)

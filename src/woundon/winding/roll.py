@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ..errors import NoSteadyState
@@ -10,7 +12,6 @@ from ..problems.schedules import Profile
 from ..problems.winding import WindingProblem
 from ..roll.result import RollResult
 from ..roll.solve import ThinLaps, solve_thin_laps
-from .result import WindingResult
 
 __all__ = ["changed", "wind", "wound_again"]
 
@@ -51,7 +52,7 @@ def changed(
     return roll.wound_with(_roll_problem(problem, r, tension, film))
 
 
-def wound_again(result: WindingResult) -> RollResult:
+def wound_again(result: Any) -> RollResult:
     """Return the roll of a result that does not have it, for it comes from a file."""
     thin = wind(
         result.problem, result.radius, result.wound_on_tension, result.roll_rtol, result.air_film

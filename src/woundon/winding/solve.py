@@ -61,6 +61,7 @@ SETTLED = 0.03  # change of the tension from which on roll and nips are solved w
 TOLD_BY = {"effective": 5e-3, "linear": 1.0, "direct": 1e-3}
 COARSE_RTOL = 0.05  # until then
 LEAST_SECANT = 1e-6  # of a share, a step that tells how steep answers are: less is noise
+POWER = 0.75  # of the nip load, to which a neighbour's nip-induced tension is proportional
 SPARE = 0.9  # of what nips and roll are to agree to, at which the turns end
 ROUNDING = 1e-13
 LEAST_RTOL, LEAST_AGREED, LEAST_NODES = 1e-6, 1e-8, 25
@@ -231,6 +232,7 @@ class _Winder:
         then: to choose them anew might move it by more than nips and roll are to agree to.
         """
         film, r = self.nips.mean_film(), self.curve.knots()
+        self.nips.rough = rough
         tension = self.curve.tension(given, r)
         if before is None:
             roll = wind(self.problem, r, tension, max(self.rtol, COARSE_RTOL * rough), film)
@@ -271,8 +273,10 @@ class _Winder:
         if self.start is None:
             return NOMINAL
         r = self.curve.radius(place)
-        told = np.interp(r, self.start.radius, self.start.nip_induced_tension)
-        return float(told / (self.problem.roll_friction * self.problem.at("nip_load", r)))
+        # the nip-induced tension varies as a power of the nip load, between 1/2 and 1
+        ratio = self.start.nip_induced_tension / self.start.nip_load**POWER
+        friction = self.problem.roll_friction * self.problem.at("nip_load", r) ** (1 - POWER)
+        return float(np.interp(r, self.start.radius, ratio) / friction)
 
     def _refined(self, turn: _Turn) -> bool:
         """Add radii until the interpolation is good enough; tell whether any were needed."""

@@ -1,0 +1,110 @@
+"""From a roll problem to its equations, and from their solution to the arrays of a result."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..errors import NotConverged
+from .build_up import cell_source
+from .equations import CellSource, Solved, StageEquations
+
+if TYPE_CHECKING:
+    from ..problems.roll import RollProblem
+    from .growth import Growth
+
+__all__ = ["equations_of", "final_changes", "finished_arrays", "layer_thickness", "shifted"]
+
+Array = np.ndarray
+
+
+def equations_of(problem: RollProblem) -> StageEquations:
+    """Return the equations of the stages of a roll."""
+    stack, E_c = problem.stack, problem.core.effective_stiffness
+    E_t, law = stack.tangential, stack.radial
+    core = E_t / E_c - 1 + stack.poissons_ratio
+    return StageEquations(law.strain_at, law.modulus, law.modulus_slope, E_t, core)
+
+
+def layer_thickness(problem: RollProblem) -> float:
+    """Return the thickness in ln r of the layer below a surface in which the pressure rises.
+
+    There the modulus doubles, or, where it does not, waves of the incremental equation die out.
+    """
+    law, T = problem.stack.radial, float(problem.tension_curve.at(np.array(problem.core.radius)))
+    E = float(law.modulus(0.0))
+    return min(law.reaches(2 * E) / T, (E / problem.stack.tangential) ** 0.5, 0.3)
+
+
+def final_changes(problem: RollProblem) -> tuple[float, float]:
+    """Return the changes of source and core tension after winding [Pa].
+
+    The free strain alpha dT of a layer takes no part in its stress, so that the source C changes by
+    E_t (alpha_t - alpha_r) dT; a core that shrinks more than the layers releases them.
+    """
+    E_t, dT = problem.stack.tangential, problem.temperature_change
+    along = problem.tangential_expansion
+    source = E_t * (along - problem.radial_expansion) * dT
+    core = E_t * ((problem.core_expansion - along) * dT - problem.core_shrinkage)
+    return source, core
+
+
+def shifted(source: CellSource, by: float) -> CellSource:
+    """Return a source with a constant added."""
+    return CellSource(*(part + by for part in source))
+
+
+def finished_arrays(
+    problem: RollProblem, x: Array, growth: Growth, solved: Solved
+) -> dict[str, Any]:
+    """Return the arrays of a roll result after the changes of the finished roll.
+
+    Parameters
+    ----------
+    problem : RollProblem
+    x : (M,) array
+        ln r of the nodes.
+    growth : Growth
+    solved : Solved
+        As wound.
+
+    Returns
+    -------
+    dict
+        Fields of :class:`~woundon.RollResult` by name.
+
+    Raises
+    ------
+    NotConverged
+        If no equilibrium exists after the changes.
+    """
+    equations, curve, stack = equations_of(problem), problem.tension_curve, problem.stack
+    r = np.exp(x)
+    T = curve.at(r)
+    r[0], r[-1] = problem.core.radius, problem.radius
+    added, at_core = final_changes(problem)
+    source = shifted(cell_source(curve, growth, x), added)
+    final = equations.solve(x, source, float(T[0]) + at_core, solved.P, solved.Q)
+    if final is None:
+        raise NotConverged("no equilibrium after the change of temperature or core")
+    P, Q, E_t = final.P, final.Q, stack.tangential
+    hoop = -(P + Q)
+    strain = (hoop + stack.poissons_ratio * P) / E_t
+    strain = strain + problem.tangential_expansion * problem.temperature_change
+    return {
+        "radius": r,
+        "pressure": P,
+        "hoop_stress": hoop,
+        "displacement": r * (strain - T / E_t),
+        "lap_strain": strain,
+        "radial_modulus": stack.radial.modulus(P),
+        "source": np.append(source.left, source.right[-1]),
+        "pressure_gradient": Q,
+        "stage_radius": np.exp(growth.x),
+        "growth": growth.kappa,
+        "stage_order": growth.through,
+        "lap_growth": np.full_like(growth.kappa, np.nan),
+        "surface_slope": float(-solved.Q[-1] / T[-1] - 1),
+        "steps": equations.steps,
+    }

@@ -1,0 +1,326 @@
+"""The result of an operating window: probability, binding margins, operating points, simulation."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import isfinite, log
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from ..errors import InvalidProblem
+from ..quantities import Quantity
+from ..results import Presented, ReadOnly
+from .api import in_si
+from .design import make_design
+from .engine import Progress, run_study
+from .kind_model import get_field
+from .runners import runner_for
+from .window_map import MarginMap, SetPoints, distance, standard_normal
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+__all__ = ["LEVELS", "OperatingPoint", "OperatingWindow", "log_deviation"]
+
+Array = np.ndarray
+LEVELS = (0.5, 0.9, 0.99)  # of the contours
+SIMULATED_TOGETHER = 5  # draws that one worker simulates in a row, each from the one before
+
+
+class OperatingPoint(NamedTuple):
+    """One point of an operating window.
+
+    Attributes
+    ----------
+    values : mapping of str to float
+        Web tension, nip load and torque split at the core, SI units.
+    probability : float
+        That all margins hold.
+    binding : str
+        The margin that is nearest to its limit, in its standard deviations.
+    margins : mapping of str to (float, float)
+        Each reserve with median inputs and its standard deviation, as a share of the limit.
+    contributions : mapping of str to float
+        Share of the variance of the binding margin that each uncertain input causes, largest first.
+    """
+
+    values: Mapping[str, float]
+    probability: float
+    binding: str
+    margins: Mapping[str, tuple[float, float]]
+    contributions: Mapping[str, float]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class OperatingWindow(Presented, ReadOnly):
+    """The probability that all margins of a winding hold, over its set points.
+
+    Attributes
+    ----------
+    problem : WindingProblem
+    names : tuple of str
+        ``web_tension``, ``nip_load`` and, if it is varied, ``torque_split``.
+    ranges : (d, 2) array
+        Values at the core, SI units.
+    margins : tuple of str
+        The margins that have limits.
+    uncertain : mapping of str to float
+        Relative standard deviations by dotted name.
+    axes : tuple of (n,) arrays
+        Values of the map along each name, SI units.
+    probability : (n, n[, n]) array
+        That all margins hold; nan where no steady state exists.
+    index : (n, n[, n], margins) array
+        Mean distance of each margin from its limit, in its standard deviations.
+    points : (p, d) array
+        The operating points at which the margins are interpolated, SI units.
+    values : (p, margins) array
+        The reserves there with median inputs; nan where the winding failed.
+    failures : tuple of (point, reason)
+    errors : mapping of str to float
+        Largest error of the probability over the map from ``interpolation``, ``expansion`` in the
+        uncertain inputs, and ``sampling``; nan if unknown.
+    interpolation, expansion : (margins,) arrays
+        Largest difference of each mapped margin from windings at other set points, with median
+        inputs and with inputs one standard deviation off, as a share of its limit near the limit.
+    windings : int
+        Windings whose nips were solved.
+    is_coarse : bool
+        True for the preview of 3 x 3 points.
+    quantities : mapping of str to Quantity
+    map : MarginMap
+    model : WindowModel
+    """
+
+    problem: Any
+    names: tuple[str, ...]
+    ranges: Array
+    margins: tuple[str, ...]
+    uncertain: Mapping[str, float]
+    axes: tuple[Array, ...]
+    probability: Array
+    index: Array
+    points: Array
+    values: Array
+    failures: tuple[tuple[tuple[float, ...], str], ...]
+    errors: Mapping[str, float]
+    interpolation: Array
+    expansion: Array
+    windings: int
+    is_coarse: bool
+    quantities: Mapping[str, Quantity]
+    map: MarginMap
+    model: Any
+
+    @property
+    def set_points(self) -> SetPoints:
+        """The coordinates of the map."""
+        return SetPoints(self.names, self.ranges)
+
+    @property
+    def binding(self) -> Array:
+        """Number of the binding margin over the map; -1 where no steady state exists."""
+        return np.where(np.isnan(self.probability), -1, np.argmin(self.index, axis=-1))
+
+    @property
+    def best(self) -> OperatingPoint:
+        """The point of the map with the highest probability.
+
+        Among equal probabilities, that with the largest distance of the binding margin from its
+        limit, in standard deviations.
+        """
+        highest = np.nanmax(self.probability)
+        smallest = self.index.min(axis=-1)
+        candidates = np.where(self.probability >= highest - 1e-12, smallest, -np.inf)
+        place = np.unravel_index(int(np.argmax(candidates)), candidates.shape)
+        return self.at(*(axis[k] for axis, k in zip(self.axes, place, strict=True)))
+
+    def at(self, *values: float | str) -> OperatingPoint:
+        """Return a point of the window.
+
+        Parameters
+        ----------
+        *values : float or str
+            Web tension, nip load and, if it is varied, torque split at the core; SI or texts with
+            units.
+
+        Raises
+        ------
+        InvalidProblem
+            For values outside the ranges of the map.
+        """
+        point = self._in_si(values)
+        x = self.set_points.coordinates(point[None])
+        k = int(np.argmin(distance(*self.map.moments(x))[0]))
+        reserves, deviations = (part[0].tolist() for part in self.map.reserves(x))
+        variances = self.map.variances(x)[0, k]
+        shares = variances / (variances.sum() or 1.0)
+        ranked = sorted(zip(self.uncertain, shares.tolist(), strict=True), key=lambda p: -p[1])
+        return OperatingPoint(
+            values=dict(zip(self.names, point.tolist(), strict=True)),
+            probability=float(self.map.probability(x)[0]),
+            binding=self.margins[k],
+            margins=dict(zip(self.margins, zip(reserves, deviations, strict=True), strict=True)),
+            contributions=dict(ranked),
+        )
+
+    def _in_si(self, values: tuple[float | str, ...]) -> Array:
+        """Return a set point as numbers within the ranges of the map, (d,)."""
+        if len(values) != len(self.names):
+            text = f"{len(values)} values are given; must be {', '.join(self.names)}"
+            raise InvalidProblem.at("values", text)
+        columns = in_si(self.problem, {n: [v] for n, v in zip(self.names, values, strict=True)})
+        point = np.array([float(columns[name][0]) for name in self.names])
+        for name, value, (low, high) in zip(self.names, point, self.ranges, strict=True):
+            if not low * (1 - 1e-9) <= value <= high * (1 + 1e-9):
+                must = f"must be >= {low:g} and <= {high:g}, the range of the map"
+                raise InvalidProblem.at(name, f"{value:g} is out of range; {must}")
+        return point
+
+    def __repr__(self) -> str:
+        best = self.best
+        return f"OperatingWindow({self._text(best)}: probability {best.probability:.2f})"
+
+    def __str__(self) -> str:
+        return "\n".join(self.lines())
+
+    def _text(self, point: OperatingPoint) -> str:
+        texts = []
+        for name, value in point.values.items():
+            quantity = self.quantities[name]
+            texts.append(f"{name} {quantity.shown(value):.4g} {quantity.display}".rstrip())
+        return ", ".join(texts)
+
+    def lines(self, *points: OperatingPoint) -> list[str]:
+        """Return the window as lines of text: the best point, then others, and the errors."""
+        rows = self._point_lines("highest probability", self.best)
+        for point in points:
+            rows += self._point_lines("probability", point)
+        size = self.probability.size
+        for level in LEVELS:
+            share = 100 * np.sum(self.probability >= level) / size
+            rows.append(f"share of the map with a probability of at least {level:g}: {share:.0f} %")
+        known = [f"{name} {value:.2f}" for name, value in self.errors.items() if isfinite(value)]
+        rows.append(f"estimated errors of the probability, at most: {', '.join(known)}")
+        if np.isnan(self.probability).any():
+            share = 100 * np.mean(np.isnan(self.probability))
+            rows.append(f"no steady state, or not solved: {share:.0f} % of the map")
+        preview = " (preview)" * self.is_coarse
+        rows.append(f"{self.windings} windings, {len(self.failures)} failed{preview}")
+        return rows
+
+    def _point_lines(self, head: str, point: OperatingPoint) -> list[str]:
+        rows = [f"{head} {point.probability:.2f} at {self._text(point)}"]
+        for name, (mean, deviation) in point.margins.items():
+            mark = "  binding" * (name == point.binding)
+            rows.append(f"  {name:<14}{mean:+8.2f} +- {deviation:.2f}{mark}")
+        largest = list(point.contributions.items())[:3]
+        shares = [f"{name} {100 * share:.0f} %" for name, share in largest if share > 0.005]
+        return [*rows, f"  variance of {point.binding}: {', '.join(shares) or 'none'}"]
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Return the map as a table, SI units.
+
+        A row for each point: the values at the core, the probability, the binding margin, and of
+        each margin the reserve with median inputs and its standard deviation.
+        """
+        import pandas as pd
+
+        mesh = np.stack(np.meshgrid(*self.axes, indexing="ij"), axis=-1)
+        mesh = mesh.reshape(-1, len(self.names))
+        reserve, deviation = self.map.reserves(self.set_points.coordinates(mesh))
+        columns: dict[str, Any] = dict(zip(self.names, mesh.T, strict=True))
+        columns["probability"] = self.probability.ravel()
+        words = np.array([*self.margins, ""], dtype=object)
+        columns["binding"] = words[self.binding.ravel()]
+        unknown = np.isnan(self.probability.ravel())
+        for k, name in enumerate(self.margins):
+            columns[f"margins.{name}"] = np.where(unknown, np.nan, reserve[:, k])
+            columns[f"margins.{name} +-"] = np.where(unknown, np.nan, deviation[:, k])
+        return pd.DataFrame(columns)
+
+    def to_json(self) -> str:
+        """Return the best point and the error estimates as JSON, SI units."""
+        best = self.best
+        table = {
+            "best": {**best._asdict(), "margins": {k: list(v) for k, v in best.margins.items()}},
+            "errors": {k: v if isfinite(v) else None for k, v in self.errors.items()},
+            "uncertain": dict(self.uncertain),
+            "windings": self.windings,
+            "failures": [[list(point), reason] for point, reason in self.failures],
+        }
+        return json.dumps(table, indent=1)
+
+    def simulate(
+        self,
+        *values: float | str,
+        samples: int = 100,
+        seed: int = 1,
+        workers: int | None = None,
+        progress: bool | Progress = False,
+    ) -> float:
+        """Return the probability by Monte Carlo simulation with windings.
+
+        Independent of the interpolation and of the expansion in the inputs: each sample is a
+        winding whose nips are solved.
+
+        Parameters
+        ----------
+        *values : float or str
+            As of :meth:`at`.
+        samples, seed : int
+            Number of draws, and their seed, which differs from that of the map by default.
+        workers, progress
+            As of :func:`~woundon.operating_window`.
+
+        Returns
+        -------
+        float
+            Share of the windings that keep all limits; one without a solution keeps none.
+
+        Raises
+        ------
+        InvalidProblem
+            As of :meth:`at`.
+        """
+        z = standard_normal(len(self.uncertain), samples, seed)
+        set_point = zip(self.names, self._in_si(values), strict=True)
+        columns: dict[str, Any] = {name: np.full(samples, value) for name, value in set_point}
+        for k, (name, spread) in enumerate(self.uncertain.items()):
+            median = float(get_field(self.problem, name))
+            columns[name] = median * np.exp(log_deviation(spread) * z[:, k])
+        design, runner = make_design(columns, "table"), runner_for(workers, None)
+        table = run_study(self.model, design, runner, chunk=SIMULATED_TOGETHER, progress=progress)
+        reserves = np.column_stack(list(table.outputs.values()))
+        return float(np.mean((reserves >= 0).all(axis=1)))
+
+    def plot(self, path: Any = None, ax: Any = None) -> Any:
+        """Draw the probability, its contours and the binding margins.
+
+        Parameters
+        ----------
+        path, ax
+            As of :func:`woundon.plot`.
+
+        Returns
+        -------
+        matplotlib.figure.Figure, or ``ax`` where it is given
+        """
+        return self._figure(path, ax)
+
+
+def log_deviation(spread: float) -> float:
+    """Return the standard deviation of the logarithm of a log-normal distribution.
+
+    >>> round(log_deviation(0.3), 4)
+    0.2936
+
+    Parameters
+    ----------
+    spread : float
+        Standard deviation relative to the mean.
+    """
+    return log(1 + spread**2) ** 0.5

@@ -1,0 +1,342 @@
+"""The stages of an operating window, and the maps that follow from their windings.
+
+    nips     windings with nips at 3 x 3 set points, and at the centre with each input one standard
+             deviation higher: the friction shares as polynomials of set point and inputs
+    rolls    windings with these shares, which need no nips: 5 x 5 set points, and differences in
+             the inputs at the centre and at four more points
+    checks   windings with nips at eight other set points, four of them with other inputs: errors
+
+If shares are of no help, the windings of the second stage are solved like those of the first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from ..errors import InvalidProblem, NotConverged
+from .window_cases import Case, CaseSolver, Point, Shares, Windings, share_polynomials
+from .window_map import (
+    MarginMap,
+    Polynomial,
+    distance,
+    fitted,
+    lobatto,
+    standard_normal,
+    to_reserve,
+)
+from .window_model import margin_names
+from .window_result import OperatingWindow
+
+__all__ = ["WindowStudy"]
+
+Array = np.ndarray
+GRID = 33  # points of the map along web tension and nip load
+IMPORTANT = 0.01  # of the variance of a margin at the centre, from which its slope is mapped
+FEWEST = 4  # solved windings from which a map is made
+INNER = 0.5**0.5  # coordinate of the second and fourth of five Lobatto points
+# off all lines of the 5 x 5 points, halfway between them in the angle
+OUTER, MIDDLE = 0.92387953, 0.38268343
+CHECKS = ((OUTER, MIDDLE), (-MIDDLE, OUTER), (-OUTER, -MIDDLE), (MIDDLE, -OUTER))
+CHECKS_OF_INPUTS = tuple((-u, v) for u, v in CHECKS)
+
+
+class WindowStudy:
+    """The windings of a window and the maps that follow from them.
+
+    Parameters
+    ----------
+    solver : CaseSolver
+    sampling : (samples, seed)
+        Of the inputs.
+    report : callable
+        Is called with (windings done, windings expected), of those with nips.
+    """
+
+    def __init__(
+        self, solver: CaseSolver, sampling: tuple[int, int], report: Callable[[int, int], None]
+    ) -> None:
+        self.solver, self.sampling, self.report = solver, sampling, report
+        self.set_points = solver.set_points
+        self.names = margin_names(solver.model.problem)
+        dimension, self.inputs = len(self.set_points.names), len(solver.spreads)
+        self.median = (0.0,) * self.inputs
+        self.reference = (0.0,) * dimension  # point of the differences in the inputs
+        third = [lobatto(3)] * (dimension - 2)
+        self.fine = _product(lobatto(5), lobatto(5), *third)
+        self.rough = _product(lobatto(3), lobatto(3), *third)
+        self.degrees = [2] * (dimension - 2)  # of the torque split
+        self.uses_shares = bool(solver.model.depths)
+        self.nips = Windings()
+        self.rolls = Windings() if self.uses_shares else self.nips
+        self.expected = len(self.rough) + self.inputs + len(CHECKS) + len(CHECKS_OF_INPUTS)
+        if not self.uses_shares:  # four more slopes for three inputs are expected to be mapped
+            self.expected += len(self.fine) - len(self.rough) + 5 * min(3, self.inputs)
+
+    # ---- stages ---------------------------------------------------------------------------------
+
+    def coarse(self) -> OperatingWindow:
+        """Solve 3 x 3 points and one difference for each input; return the preview."""
+        steps = self._steps(range(self.inputs), 1.0)
+        self._solve("nips", self.nips, [*self._nominal(self.rough), *steps])
+        if self.nips.reasons and self.uses_shares:  # polynomials need more points then
+            self._solve("more_nips", self.nips, self._nominal(self.fine))
+        solved = [x for x, z in self._nominal(self.fine) if self.nips.is_solved((x, z))]
+        if solved and self.reference not in solved:
+            self.reference = _nearest(self.reference, solved)
+            self._solve("reference", self.nips, self._steps(range(self.inputs), 1.0))
+        return self._window(self.nips, self.rough, [2, 2, *self.degrees], is_coarse=True)
+
+    def complete(self) -> OperatingWindow:
+        """Solve all points, the slopes of the inputs that matter, and the checks."""
+        shares = self._shares() if self.uses_shares else None
+        up = self._steps(range(self.inputs), 1.0)
+        down = self._steps(self._important(self.nips), -1.0)
+        self._solve("rolls", self.rolls, [*self._nominal(self.fine), *up, *down], shares)
+        important = self._important(self.rolls)
+        slopes = [(x, self._step(k, 1.0)) for k in important for x in self._outer()]
+        self._solve("slopes", self.rolls, slopes, shares)
+        self._solve("checks", self.nips, [*self._checks(), *self._checks_of_inputs()])
+        return self._window(self.rolls, self.fine, [4, 4, *self.degrees], is_coarse=False)
+
+    def _solve(
+        self, stage: str, windings: Windings, cases: Sequence[Case], shares: Shares | None = None
+    ) -> None:
+        done = len(self.nips.margins)
+        self.expected = max(self.expected, done + len(cases) * (windings is self.nips))
+
+        def report(solved: int) -> None:
+            self.report(done + solved * (windings is self.nips), self.expected)
+
+        self.solver.solve(stage, windings, cases, shares, report)
+
+    def _shares(self) -> Shares:
+        """Return the friction shares as polynomials of the windings with nips."""
+        known = [(x, z) for x, z in self._nominal(self.fine) if (x, z) in self.nips.margins]
+        degree = 2 if len(known) == len(self.rough) else 4
+        solved = [x for x, z in known if self.nips.is_solved((x, z))]
+        steps = self._steps(range(self.inputs), 1.0)
+        return share_polynomials(self.nips, solved, [degree, degree, *self.degrees], steps)
+
+    def _nominal(self, points: Sequence[Point]) -> list[Case]:
+        """Return the cases of set points with median inputs."""
+        return [(x, self.median) for x in points]
+
+    def _step(self, k: int, size: float) -> Point:
+        return tuple(size * (j == k) for j in range(self.inputs))
+
+    def _steps(self, numbers: Sequence[int], size: float) -> list[Case]:
+        """Return the cases at the reference point with one input changed."""
+        return [(self.reference, self._step(k, size)) for k in numbers]
+
+    def _outer(self) -> list[Point]:
+        """Return the four other points at which slopes are computed."""
+        third = (0.0,) * len(self.degrees)
+        places = [(u, v, *third) for u in (-INNER, INNER) for v in (-INNER, INNER)]
+        return [_nearest(place, self.fine) for place in places]
+
+    def _checks(self) -> list[Case]:
+        """Return cases with median inputs at set points between those of the polynomials."""
+        return self._nominal([(*x, *self._between(k)) for k, x in enumerate(CHECKS)])
+
+    def _checks_of_inputs(self) -> list[Case]:
+        """Return cases with all inputs one standard deviation off, to random sides."""
+        sides = np.random.default_rng(0).choice([-1.0, 1.0], (len(CHECKS_OF_INPUTS), self.inputs))
+        points = [(*x, *self._between(k)) for k, x in enumerate(CHECKS_OF_INPUTS)]
+        return list(zip(points, map(tuple, sides.tolist()), strict=True))
+
+    def _between(self, k: int) -> list[float]:
+        """Return the torque split of a check, between two of its three levels."""
+        return [(-1) ** k * INNER] * len(self.degrees)
+
+    # ---- differences in the inputs --------------------------------------------------------------
+
+    def _important(self, windings: Windings) -> list[int]:
+        """Return the inputs that matter at the reference point, or whose effect is unknown."""
+        checked = self._checked()
+        slopes, curvature = (part[checked] for part in self._differences(windings))
+        variance = slopes**2 + curvature**2 / 2
+        total = np.nansum(variance, axis=1, keepdims=True)
+        share = variance / np.where(total > 0, total, 1.0)
+        return np.nonzero(~(share <= IMPORTANT).all(axis=0))[0].tolist()
+
+    def _checked(self) -> Array:
+        """Return which margins have a limit: those that any winding gives as a number."""
+        return np.isfinite(np.array(list(self.nips.margins.values()))).any(axis=0)
+
+    def _differences(self, windings: Windings) -> tuple[Array, Array]:
+        """Return slopes and curvatures at the reference point, (margins, inputs), nan if unknown.
+
+        Central differences, or differences to one side with zero curvature.
+        """
+        unknown = np.full(len(self.names), np.nan)
+        base = windings.margins.get((self.reference, self.median), unknown)
+        up, down = (
+            np.array([windings.margins.get(case, unknown) - base for case in self._steps_to(side)])
+            for side in (1.0, -1.0)
+        )
+        both = np.isfinite(up) & np.isfinite(down)
+        slopes = np.where(both, (up - down) / 2, np.where(np.isfinite(up), up, -down))
+        return slopes.T, np.where(both, up + down, 0.0).T
+
+    def _steps_to(self, side: float) -> list[Case]:
+        return self._steps(range(self.inputs), side)
+
+    def _expansion(
+        self, windings: Windings, checked: Array
+    ) -> tuple[tuple[Polynomial, ...], Array]:
+        """Return slopes as functions of the set point, and curvatures."""
+        parts = self._differences(windings)
+        at_reference, curvature = (np.nan_to_num(part[checked]) for part in parts)
+        slopes = []
+        for k in range(self.inputs):
+            points, values = [self.reference[:2]], [at_reference[:, k]]
+            for x in self._outer():
+                up, base = (x, self._step(k, 1.0)), (x, self.median)
+                if windings.is_solved(up) and windings.is_solved(base):
+                    change = (windings.margins[up] - windings.margins[base])[checked]
+                    points.append(x[:2])
+                    # a difference to one side contains half of the curvature
+                    values.append(change - curvature[:, k] / 2)
+            degree = 1 if len(points) == 5 else 0
+            slopes.append(fitted(np.array(points), np.array(values), [degree, degree]))
+        return tuple(slopes), curvature
+
+    # ---- maps -----------------------------------------------------------------------------------
+
+    def _window(
+        self, windings: Windings, nodes: Sequence[Point], degrees: Sequence[int], *, is_coarse: bool
+    ) -> OperatingWindow:
+        """Return the window of the windings solved so far."""
+        checked = self._checked()
+        if not checked.any():
+            self._reject()
+        margins = np.array([windings.margins[case] for case in self._nominal(nodes)])[:, checked]
+        mapped = self._margin_map(windings, np.array(nodes), margins, checked, degrees)
+        axes = [np.linspace(-1, 1, GRID)] * 2 + [lobatto(3)] * len(self.degrees)
+        mesh, shape = np.array(_product(*axes)), tuple(len(axis) for axis in axes)
+        steady = self._steady(mesh, windings, nodes)
+        if not steady.any():
+            raise NotConverged("no steady state exists at any point of the map")
+        interpolation = self._deviation(mapped, checked, self._checks())
+        expansion = self._deviation(mapped, checked, self._checks_of_inputs())
+        model, spreads = self.solver.model, self.solver.spreads
+        varied = {name: model.quantity(name) for name in (*self.set_points.names, *spreads)}
+        probability = np.where(steady, mapped.probability(mesh), np.nan)
+        names = tuple(n for n, known in zip(self.names, checked, strict=True) if known)
+        return OperatingWindow(
+            problem=model.problem,
+            names=self.set_points.names,
+            ranges=self.set_points.ranges,
+            margins=names,
+            uncertain=spreads,
+            axes=tuple(self.set_points.along(k, axis) for k, axis in enumerate(axes)),
+            probability=probability.reshape(shape),
+            index=distance(*mapped.moments(mesh)).reshape(*shape, -1),
+            points=self.set_points.values(np.array(nodes)),
+            values=to_reserve(margins)[0],
+            failures=self._failures(windings),
+            errors=_probability_errors(mapped, mesh[steady], interpolation, expansion),
+            interpolation=interpolation,
+            expansion=expansion,
+            windings=len(self.nips.margins),
+            is_coarse=is_coarse,
+            quantities={name: q for name, q in varied.items() if q is not None},
+            map=mapped,
+            model=model.only(f"margins.{name}" for name in names),
+        )
+
+    def _margin_map(
+        self, windings: Windings, x: Array, margins: Array, checked: Array, degrees: Sequence[int]
+    ) -> MarginMap:
+        """Return the margins as functions of set point and inputs.
+
+        Raises
+        ------
+        NotConverged
+            If too few windings are solved.
+        """
+        solved = np.isfinite(margins).all(axis=1)
+        if solved.sum() < FEWEST:
+            text = f"only {solved.sum()} of {len(x)} windings were solved"
+            raise NotConverged(f"{text}: {self._reasons(windings)}")
+        nominal = fitted(x[solved], margins[solved], degrees)
+        draws = standard_normal(self.inputs, *self.sampling)
+        return MarginMap(nominal, *self._expansion(windings, checked), draws)
+
+    def _reject(self) -> None:
+        if self.nips.reasons and len(self.nips.reasons) == len(self.nips.margins):
+            text = f"none of {len(self.nips.margins)} windings was solved"
+            raise NotConverged(f"{text}: {self._reasons(self.nips)}")
+        text = "none is given; must be at least one, or no margin can be checked"
+        raise InvalidProblem.at("limits", text)
+
+    def _reasons(self, windings: Windings) -> str:
+        return "; ".join(dict.fromkeys([*self.nips.reasons.values(), *windings.reasons.values()]))
+
+    def _steady(self, mesh: Array, windings: Windings, nodes: Sequence[Point]) -> Array:
+        """Return at which points a winding exists.
+
+        Not where the problem is rejected, as the drum slides, and not where the nearest node is
+        admissible and nevertheless not solved.
+        """
+        failed = [
+            case in self.nips.reasons or case in windings.reasons for case in self._nominal(nodes)
+        ]
+        if not any(failed):
+            return np.ones(len(mesh), dtype=bool)
+        unsolved = np.array(failed) & self._admissible(np.array(nodes))
+        squares = ((mesh[:, None] - np.array(nodes)[None]) ** 2).sum(axis=-1)
+        return self._admissible(mesh) & ~unsolved[np.argmin(squares, axis=1)]
+
+    def _admissible(self, x: Array) -> Array:
+        """Return at which coordinates the problem is valid: loads that the drum can carry."""
+        admissible = np.ones(len(x), dtype=bool)
+        for k, point in enumerate(self.set_points.values(x).tolist()):
+            try:
+                self.solver.model.variant(dict(zip(self.set_points.names, point, strict=True)))
+            except InvalidProblem:
+                admissible[k] = False
+        return admissible
+
+    def _failures(self, windings: Windings) -> tuple[tuple[Point, str], ...]:
+        reasons = {**self.nips.reasons, **windings.reasons}
+        points = [self.set_points.values(np.array([x]))[0].tolist() for x, _ in reasons]
+        return tuple(zip(map(tuple, points), reasons.values(), strict=True))
+
+    def _deviation(self, mapped: MarginMap, checked: Array, cases: Sequence[Case]) -> Array:
+        """Return the largest differences of the margins from windings, nan without windings."""
+        solved = [case for case in cases if self.nips.is_solved(case)]
+        if not solved:
+            return np.full(int(checked.sum()), np.nan)
+        x, z = (np.array(part) for part in zip(*solved, strict=True))
+        margins = np.array([self.nips.margins[case][checked] for case in solved])
+        return np.asarray(np.abs(mapped.margins(x, z) - margins).max(axis=0))
+
+
+def _probability_errors(
+    mapped: MarginMap, x: Array, interpolation: Array, expansion: Array
+) -> dict[str, float]:
+    """Return the largest errors of the probability over the map, nan if unknown."""
+    some = x[::3]  # every third point: the errors vary slowly
+    reference = mapped.probability(some)
+    errors: dict[str, float] = {}
+    for name, deviation in (("interpolation", interpolation), ("expansion", expansion)):
+        shifted = [mapped.probability(some, shift=side * deviation) for side in (-1, 1)]
+        largest = float(np.abs(np.array(shifted) - reference).max())
+        errors[name] = largest if np.isfinite(deviation).all() else np.nan
+    # of independent draws; that of Sobol points is smaller
+    variance = reference * (1 - reference) / len(mapped.sample)
+    return {**errors, "sampling": float(np.sqrt(variance).max())}
+
+
+def _product(*axes: Array) -> list[Point]:
+    """Return all combinations of coordinates."""
+    mesh = np.meshgrid(*axes, indexing="ij")
+    return [tuple(row) for row in np.stack(mesh, axis=-1).reshape(-1, len(axes)).tolist()]
+
+
+def _nearest(point: Point, points: Sequence[Point]) -> Point:
+    """Return the point that is nearest to another."""
+    return min(points, key=lambda other: float(np.sum((np.array(other) - point) ** 2)))
