@@ -14,7 +14,8 @@ from typing import Any
 
 from ..errors import unwarned
 from ..parallel import Cancelled, usable_cores
-from ..studies.window import OperatingPoint, OperatingWindow, operating_window
+from ..studies.window import operating_window
+from ..studies.window_result import OperatingPoint, OperatingWindow
 from .computations import as_json, problem_of
 from .request_errors import RequestError, request_error_of
 
