@@ -26,9 +26,15 @@ from .columns import with_columns
 from .files import read_whole
 
 __all__ = [
-    "apply_settings", "check_like_a_case", "load_case", "make_problem", "read_case",
-    "tables_of_text", "template", "to_toml",
-]  # fmt: skip
+    "apply_settings",
+    "check_like_a_case",
+    "load_case",
+    "make_problem",
+    "read_case",
+    "tables_of_text",
+    "template",
+    "to_toml",
+]
 
 LARGEST = 10_000_000  # bytes; a case file has some hundreds, a wound roll's tables some thousands
 DEEPEST = 20  # tables in tables
@@ -139,8 +145,9 @@ def _unlike_a_case(case: Mapping[str, Any]) -> str:
     names = 0
     for _ in range(DEEPEST):
         names += sum(len(part) for part in inner if isinstance(part, dict))
-        values = [value for part in inner
-                  for value in (part.values() if isinstance(part, dict) else part)]  # fmt: skip
+        values = [
+            value for part in inner for value in (part.values() if isinstance(part, dict) else part)
+        ]
         if any(isinstance(value, int) and value.bit_length() > 10_000 for value in values):
             return "it has a number of thousands of digits"
         inner = [value for value in values if isinstance(value, (dict, list))]

@@ -90,8 +90,11 @@ def to_toml(problem: Problem, comments: bool = False, under: str = "") -> str:
 def _header(problem: Problem) -> list[str]:
     of = kinds.of(problem)
     known = {n: quantity_of(about) for n, about in type(problem).model_fields.items()}
-    settings = [f"{n}={_value(q.typical[1], q)}" for n, q in known.items()
-                if q and q.unit != "1" and q.typical]  # fmt: skip
+    settings = [
+        f"{n}={_value(q.typical[1], q)}"
+        for n, q in known.items()
+        if q and q.unit != "1" and q.typical
+    ]
     text = _HEADER.format(about=of.about, setting=[*settings, "FIELD=VALUE"][0])
     return [f"# {line}".rstrip() for line in text.split("\n")]
 
@@ -160,9 +163,11 @@ class _Writer:
         schema = Row("schema", str(SCHEMA), self.told("version of the format"))
         yield Section("", [schema, *top.rows])
         for group, names in problem.tables.items():
-            yield Section(f"[{group}]", [self.row(problem, name) for name in names
-                                         if self.shows(problem, name)],
-                          self.told(_without(problem, group)))  # fmt: skip
+            yield Section(
+                f"[{group}]",
+                [self.row(problem, name) for name in names if self.shows(problem, name)],
+                self.told(_without(problem, group)),
+            )
         yield from nested
 
     def description(
@@ -176,12 +181,16 @@ class _Writer:
         admitted: tuple[type[Any], ...] = (),
     ) -> Iterator[Section]:
         """Yield the section of a description, then those of the ones in it."""
-        fields = {name: getattr(thing, name) for name in type(thing).model_fields
-                  if name not in apart}  # fmt: skip
+        fields = {
+            name: getattr(thing, name) for name in type(thing).model_fields if name not in apart
+        }
         inner = {name: value for name, value in fields.items() if self.is_nested(value)}
         rows = [self.kind(thing, admitted)] if isinstance(thing, Family) else []
-        rows += [self.row(thing, name, of_field) for name in fields
-                 if name not in inner and self.shows(thing, name)]  # fmt: skip
+        rows += [
+            self.row(thing, name, of_field)
+            for name in fields
+            if name not in inner and self.shows(thing, name)
+        ]
         yield Section(header, rows, comment)
         for name, value in inner.items():
             below = f"{path}{name}"
@@ -226,9 +235,11 @@ class _Writer:
         """Return the line that names a member of an open set; the first lists all of a field's."""
         others = [m for m in admitted if m is not type(thing) and issubclass(m, Family)]
         told = [
-            m.member_name() if m in self.listed
-            else f"{m.member_name()} ({', '.join(m.model_fields)})" for m in others
-        ]  # fmt: skip
+            m.member_name()
+            if m in self.listed
+            else f"{m.member_name()} ({', '.join(m.model_fields)})"
+            for m in others
+        ]
         self.listed.update(admitted)
         comment = f"or {', '.join(told)}" if told else ""
         return Row("kind", json.dumps(thing.member_name()), self.told(comment))

@@ -127,8 +127,11 @@ class ResultInUnits:
     @property
     def errors(self) -> dict[str, float]:
         """Estimated discretisation errors by output."""
-        return {name: self._number(name, value) for name, value in self.result.errors.items()
-                if name in self._quantities}  # fmt: skip
+        return {
+            name: self._number(name, value)
+            for name, value in self.result.errors.items()
+            if name in self._quantities
+        }
 
     def to_dataframe(self) -> Any:
         """Return the table of :meth:`woundon.Result.to_dataframe`."""
@@ -160,8 +163,11 @@ class ResultInUnits:
 def in_units(result: Result, chosen: Iterable[str], by_name: Mapping[str, str]) -> ResultInUnits:
     """Return a result in units; parameters as of :meth:`woundon.Result.in_units`."""
     kind, width = kinds.of(result), getattr(result.problem, "width", None)
-    places = [p for p in (*walk(result.problem), *walk(kind.problem), *outputs(result))
-              if p.quantity is not None]  # fmt: skip
+    places = [
+        p
+        for p in (*walk(result.problem), *walk(kind.problem), *outputs(result))
+        if p.quantity is not None
+    ]
     sizes: Sizes = {}
     for unit in [chosen] if isinstance(chosen, str) else chosen:
         found = _system(places, unit) if unit in SYSTEMS else _in_unit(places, unit, width)

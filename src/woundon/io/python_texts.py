@@ -15,8 +15,14 @@ WIDTH = 96
 
 def to_python(problem: Problem) -> str:
     """Return a script that solves a problem: running it gives the very same result."""
-    lines = ("import woundon as wo", "", f"problem = {_made(problem, 0)}",
-             "result = wo.solve(problem)", "print(result)", "")  # fmt: skip
+    lines = (
+        "import woundon as wo",
+        "",
+        f"problem = {_made(problem, 0)}",
+        "result = wo.solve(problem)",
+        "print(result)",
+        "",
+    )
     return "\n".join(lines)
 
 
@@ -31,8 +37,9 @@ def _made(value: Any, depth: int) -> str:
         parts, ends = [_made(item, depth + 1) for item in value], ("[", "]")
     else:
         fields = {name: getattr(value, name) for name in type(value).model_fields}
-        parts = [f"{name}={_made(held, depth + 1)}" for name, held in fields.items()
-                 if held is not None]  # fmt: skip
+        parts = [
+            f"{name}={_made(held, depth + 1)}" for name, held in fields.items() if held is not None
+        ]
         ends = (f"{_class(value)}(", ")")
     line = f"{ends[0]}{', '.join(parts)}{ends[1]}"
     if len(line) + 4 * depth <= WIDTH and "\n" not in line:

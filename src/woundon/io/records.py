@@ -23,9 +23,16 @@ from ..quantities import scalar_outputs, value_of
 from ..results import Residuals, Result, Zone
 
 __all__ = [
-    "FORMAT", "SCHEMA", "Record", "from_record", "number", "plain", "saved_hints", "saved_values",
+    "FORMAT",
+    "SCHEMA",
+    "Record",
+    "from_record",
+    "number",
+    "plain",
+    "saved_hints",
+    "saved_values",
     "to_record",
-]  # fmt: skip
+]
 
 FORMAT = "woundon-result"
 SCHEMA = 4
@@ -94,9 +101,10 @@ def saved_values(result: Result) -> dict[str, Any]:
             values |= {f"{each.name}.{f.name}": getattr(value, f.name) for f in fields(value)}
     required = {each.name for each in saved_fields(type(result)) if _is_required(each)}
     return {
-        name: value for name, value in values.items()
+        name: value
+        for name, value in values.items()
         if name in required or not (isinstance(value, np.ndarray) and value.size == 0)
-    }  # fmt: skip
+    }
 
 
 def _is_required(part: Field[Any]) -> bool:
@@ -106,9 +114,11 @@ def _is_required(part: Field[Any]) -> bool:
 def _parts(cls: type[Any]) -> dict[str, type[Any]]:
     """Return the classes of the fields that are parts with outputs of their own, by name."""
     return {
-        name: part for name, hint in get_type_hints(cls).items() for part in get_args(hint)
+        name: part
+        for name, hint in get_type_hints(cls).items()
+        for part in get_args(hint)
         if getattr(part, "part_of_result", False)
-    }  # fmt: skip
+    }
 
 
 def plain(value: Any, name: str) -> Any:

@@ -176,8 +176,11 @@ def _verify(record: Record, result: Result) -> Residuals:
 def _check_scalars(record: Record, result: Result) -> None:
     """Compare scalars and told outputs with what the arrays give."""
     told = record.get("outputs", {})
-    due = {name: (number(told[name], name, True), value_of(result, name), 0.0)
-           for name in scalar_outputs(result) if name in told}  # fmt: skip
+    due = {
+        name: (number(told[name], name, True), value_of(result, name), 0.0)
+        for name in scalar_outputs(result)
+        if name in told
+    }
     due |= {name: (getattr(result, name), *given) for name, given in result.recomputed().items()}
     for name, (one, other, within) in due.items():
         # other versions of NumPy may add up in another order
@@ -244,8 +247,9 @@ def _csv(result: Result) -> bytes:
             _told(table, f"{name}_error", known.get(name), error)
     for note in result.warnings:
         table.writerow(["# warning", note])
-    arrays = {name: value for name, value in saved_values(result).items()
-              if isinstance(value, np.ndarray)}  # fmt: skip
+    arrays = {
+        name: value for name, value in saved_values(result).items() if isinstance(value, np.ndarray)
+    }
     first = next(iter(arrays.values()), np.empty(0))
     columns = {name: array for name, array in arrays.items() if array.shape == first.shape[:1]}
     told = [_in_table(name, known.get(name), array) for name, array in columns.items()]
@@ -330,8 +334,9 @@ def _record_of_netcdf(content: bytes) -> Record:
     with xarray.open_dataset(io.BytesIO(content), engine="scipy", decode_times=False) as data:
         values = {str(name): _null(v.values.tolist()) for name, v in data.variables.items()}
         dimensions = {str(name): list(v.dims) for name, v in data.variables.items()}
-        units = {str(name): v.attrs["units"] for name, v in data.variables.items()
-                 if "units" in v.attrs}  # fmt: skip
+        units = {
+            str(name): v.attrs["units"] for name, v in data.variables.items() if "units" in v.attrs
+        }
         attributes = {str(name): _item(value) for name, value in data.attrs.items()}
     if attributes["format"] != FORMAT:
         raise ValueError("another format")
@@ -345,10 +350,15 @@ def _record_of_netcdf(content: bytes) -> Record:
     hints = saved_hints(cls)
     known = {place.path for place in outputs(cls)}
     errors = {str(name): f"{name}_error" for name in json.loads(attributes.pop("errors"))}
-    told = {name: value for name, value in values.items()
-            if name in hints or name not in known | set(errors.values())}  # fmt: skip
-    told |= {name: text if hints.get(name) in ("str", str) else json.loads(text)
-             for name, text in attributes.items()}  # fmt: skip
+    told = {
+        name: value
+        for name, value in values.items()
+        if name in hints or name not in known | set(errors.values())
+    }
+    told |= {
+        name: text if hints.get(name) in ("str", str) else json.loads(text)
+        for name, text in attributes.items()
+    }
     return record | {
         "fields": told,
         "dimensions": dimensions,

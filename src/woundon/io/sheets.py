@@ -27,9 +27,15 @@ from ..problems.units import is_unit
 from .files import read_whole
 
 __all__ = [
-    "Sheet", "check_cells", "check_header", "check_lines", "need_openpyxl", "read_sheet",
-    "split_rows", "write_workbook",
-]  # fmt: skip
+    "Sheet",
+    "check_cells",
+    "check_header",
+    "check_lines",
+    "need_openpyxl",
+    "read_sheet",
+    "split_rows",
+    "write_workbook",
+]
 
 LARGEST = 50_000_000  # bytes of a file, and of the unpacked parts of an Excel file
 MOST_CELLS = 2_000_000
@@ -432,10 +438,12 @@ def _marked_unknown(rows: Rows, formulas: Rows) -> Rows:
     empty: list[Any] = []
     for row, told in itertools.zip_longest(rows, formulas, fillvalue=empty):
         pairs = itertools.zip_longest(row, told, fillvalue="")
-        marked.append([
-            formula if cell == "" and str(formula).startswith("=") else cell
-            for cell, formula in pairs
-        ])  # fmt: skip
+        marked.append(
+            [
+                formula if cell == "" and str(formula).startswith("=") else cell
+                for cell, formula in pairs
+            ]
+        )
     return marked
 
 

@@ -207,9 +207,11 @@ def _splits(header: str) -> Iterator[tuple[str, str]]:
 
 def _twice(found: list[Column], where: str) -> Faults:
     kinds = [(column.name, column.deviation) for column in found]
-    return [(where, f"two columns are {name}{' +-' * deviation}")
-            for name, deviation in dict.fromkeys(kinds)
-            if kinds.count((name, deviation)) > 1]  # fmt: skip
+    return [
+        (where, f"two columns are {name}{' +-' * deviation}")
+        for name, deviation in dict.fromkeys(kinds)
+        if kinds.count((name, deviation)) > 1
+    ]
 
 
 # ---- cells --------------------------------------------------------------------------------------
@@ -339,12 +341,18 @@ def decimal_sign(sheet: Sheet) -> str:
     """
     if sheet.between == ",":
         return "."
-    short = (cell.strip() for cells in sheet.columns.values() for cell in cells
-             if isinstance(cell, str) and len(cell) <= LONGEST_NUMBER)  # fmt: skip
+    short = (
+        cell.strip()
+        for cells in sheet.columns.values()
+        for cell in cells
+        if isinstance(cell, str) and len(cell) <= LONGEST_NUMBER
+    )
     with_comma = [text for text in short if _COMMA.fullmatch(text)]
-    unlike = with_comma if sheet.between == ";" else [
-        text for text in with_comma if not _THOUSANDS.fullmatch(text)
-    ]  # fmt: skip
+    unlike = (
+        with_comma
+        if sheet.between == ";"
+        else [text for text in with_comma if not _THOUSANDS.fullmatch(text)]
+    )
     return "," if unlike else "."
 
 

@@ -122,13 +122,25 @@ def sweep(
         If the file in ``out`` is damaged; the damaged chunks are solved again.
     """
     model, cases = study_of(
-        problem, over, outputs, columns=columns, design=design, samples=samples, seed=seed, tie=tie,
+        problem,
+        over,
+        outputs,
+        columns=columns,
+        design=design,
+        samples=samples,
+        seed=seed,
+        tie=tie,
         options=solver_options(nodes, rtol, options),
-    )  # fmt: skip
+    )
     table = run_study(
-        model, cases, runner_for(workers, scheduler),
-        out=out, resume=resume, chunk=chunk, progress=progress,
-    )  # fmt: skip
+        model,
+        cases,
+        runner_for(workers, scheduler),
+        out=out,
+        resume=resume,
+        chunk=chunk,
+        progress=progress,
+    )
     return table.refused_if_all_failed().to_dataset()
 
 
@@ -166,9 +178,12 @@ def _cases(
 
 
 def _varied(
-    problem: Problem, over: Any, outputs: Sequence[str] | None, tie: Mapping[str, str] | None,
+    problem: Problem,
+    over: Any,
+    outputs: Sequence[str] | None,
+    tie: Mapping[str, str] | None,
     options: Mapping[str, Any],
-) -> KindModel:  # fmt: skip
+) -> KindModel:
     """Return the model of a study, its inputs checked."""
     model = model_of(problem, outputs, tie, options)
     model.check_varied(over if isinstance(over, Mapping) else ())
@@ -241,9 +256,8 @@ def global_sensitivity(
     model = _varied(problem, over, outputs, tie, solver_options(nodes, rtol, options))
     cases = saltelli_design(in_si(problem, over), samples, seed)
     table = run_study(
-        model, cases, runner_for(workers, scheduler),
-        out=out, resume=resume, progress=progress,
-    )  # fmt: skip
+        model, cases, runner_for(workers, scheduler), out=out, resume=resume, progress=progress
+    )
     return sobol_indices_of(table, samples, seed)
 
 

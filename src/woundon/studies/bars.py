@@ -54,14 +54,22 @@ def bar(label: str, unit: str = "", done: int = 0) -> Iterator[Callable[[float, 
     done : int
         What was done before, for the rate.
     """
-    counted = (MofNCompleteColumn(), _Rate(), TimeElapsedColumn(), TextColumn("left"),
-               TimeRemainingColumn())  # fmt: skip
+    counted = (
+        MofNCompleteColumn(),
+        _Rate(),
+        TimeElapsedColumn(),
+        TextColumn("left"),
+        TimeRemainingColumn(),
+    )
     columns = counted if unit else (TaskProgressColumn(), TimeElapsedColumn())
     console = _Channel(stderr=True)
     with Progress(
-        TextColumn("{task.description}"), BarColumn(), *columns,
-        console=console, transient=not unit,
-    ) as progress:  # fmt: skip
+        TextColumn("{task.description}"),
+        BarColumn(),
+        *columns,
+        console=console,
+        transient=not unit,
+    ) as progress:
         task = progress.add_task(label, total=None, completed=done, begun_with=done, unit=unit)
         yield lambda now, expected: progress.update(task, completed=now, total=expected)
 

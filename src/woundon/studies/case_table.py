@@ -124,9 +124,14 @@ def solve_table(
     cells, failure = _values(sheet, problem, inputs)
     model = _RowModel(**vars(base), complete=complete)
     values, warnings = _solved(
-        model, cells, failure, {} if complete else _present(problem, cells),
-        runner_for(workers, None), chunk, progress,
-    )  # fmt: skip
+        model,
+        cells,
+        failure,
+        {} if complete else _present(problem, cells),
+        runner_for(workers, None),
+        chunk,
+        progress,
+    )
     frame = _joined(sheet, matched, problem, model, values, outputs is None)
     frame["failure"], frame["warnings"] = failure, warnings
     frame.index = getattr(table, "index", frame.index)
@@ -255,8 +260,9 @@ def _values(
     for column in inputs:
         quantity = names.quantity(column.name)
         if quantity is None:
-            fields[column.name] = [_thing(problem, column, k, faults[k])
-                                  for k in range(len(sheet.numbers))]  # fmt: skip
+            fields[column.name] = [
+                _thing(problem, column, k, faults[k]) for k in range(len(sheet.numbers))
+            ]
             continue
         reasons: list[tuple[str, str]] = []
         values = numbers(sheet, column, quantity, reasons, gaps=True, sign=sign)
@@ -307,9 +313,14 @@ def _present(problem: Problem, cells: Mapping[str, Sequence[Any]]) -> dict[str, 
 
 
 def _solved(
-    model: _RowModel, cells: Mapping[str, list[Any]], failure: list[str],
-    present: Mapping[str, Any], runner: Any, chunk: int | None, progress: bool | Progress,
-) -> tuple[dict[str, Array], list[str]]:  # fmt: skip
+    model: _RowModel,
+    cells: Mapping[str, list[Any]],
+    failure: list[str],
+    present: Mapping[str, Any],
+    runner: Any,
+    chunk: int | None,
+    progress: bool | Progress,
+) -> tuple[dict[str, Array], list[str]]:
     """Return the outputs and warnings of all rows; enter the reasons of those that failed."""
     rows = [k for k, reason in enumerate(failure) if not reason]
     values = {name: np.full(len(failure), np.nan) for name in model.outputs}
@@ -333,8 +344,10 @@ def _solved(
 def _readable(reason: str) -> str:
     """Return a reason without the name of the exception that carries it."""
     for name, text in (
-        ("InvalidProblem: ", ""), ("NoSteadyState: ", ""), ("NotConverged: ", "not converged: "),
-    ):  # fmt: skip
+        ("InvalidProblem: ", ""),
+        ("NoSteadyState: ", ""),
+        ("NotConverged: ", "not converged: "),
+    ):
         if reason.startswith(name):
             return text + reason.removeprefix(name)
     return reason
@@ -345,15 +358,22 @@ def _default_outputs(problem: Problem) -> tuple[str, ...]:
     result = kind_of(problem).result
     errors = [f"errors.{name}" for name in result.MAIN]
     left_out = {*result.ESTIMATES, *type(problem).model_fields, "residual"}
-    others = [name for name in scalar_outputs(result)
-              if name not in left_out and not name.endswith("_error")]  # fmt: skip
+    others = [
+        name
+        for name in scalar_outputs(result)
+        if name not in left_out and not name.endswith("_error")
+    ]
     return tuple(dict.fromkeys((*result.MAIN, *errors, *others)))
 
 
 def _joined(
-    sheet: Sheet, matched: Sequence[Column], problem: Problem, model: _RowModel,
-    values: Mapping[str, Array], drop_empty: bool,
-) -> pd.DataFrame:  # fmt: skip
+    sheet: Sheet,
+    matched: Sequence[Column],
+    problem: Problem,
+    model: _RowModel,
+    values: Mapping[str, Array],
+    drop_empty: bool,
+) -> pd.DataFrame:
     """Return the columns of the table with the outputs next to them."""
     import pandas as pd
 
@@ -413,7 +433,10 @@ def write_table(frame: pd.DataFrame, path: str | Path) -> None:
         columns = [frame[name].tolist() for name in frame.columns]
         about = frame.attrs.get("about", {})
         texts = ((k, v if isinstance(v, str) else json.dumps(v)) for k, v in about.items())
-        write_workbook(aside, {
-            "results": [list(frame.columns), *zip(*columns, strict=True)],
-            "about": [("what", "value"), *texts],
-        })  # fmt: skip
+        write_workbook(
+            aside,
+            {
+                "results": [list(frame.columns), *zip(*columns, strict=True)],
+                "about": [("what", "value"), *texts],
+            },
+        )

@@ -175,9 +175,14 @@ class Comparison(Presented, ReadOnly):
         mean = float(np.mean(self.predicted[rows]))
         coverage = nan if np.isnan(deviation).any() else np.mean(np.abs(residual) <= 2 * total)
         return Agreement(
-            n, bias, uncertainty, bias / mean if mean else nan, _rms(residual), _rms(total),
+            n,
+            bias,
+            uncertainty,
+            bias / mean if mean else nan,
+            _rms(residual),
+            _rms(total),
             float(coverage),
-        )  # fmt: skip
+        )
 
     def lines(self) -> list[str]:
         """Return the agreement of every output and the possible explanations as lines of text."""
@@ -215,10 +220,16 @@ class Comparison(Presented, ReadOnly):
             columns["measured_radius"] = self.position
         columns |= dict(self.inputs)
         columns |= {
-            "measured": self.measured, "predicted": self.predicted, "residual": self.residual,
-            "deviation": self.deviation, "error": self.error, "spread": self.spread,
-            "total": self.total, "ratio": self.ratio, "failure": self.failures,
-        }  # fmt: skip
+            "measured": self.measured,
+            "predicted": self.predicted,
+            "residual": self.residual,
+            "deviation": self.deviation,
+            "error": self.error,
+            "spread": self.spread,
+            "total": self.total,
+            "ratio": self.ratio,
+            "failure": self.failures,
+        }
         frame = pd.DataFrame(columns)
         frame.insert(2, "unit", [self.quantities[name].unit for name in self.names])
         return frame
@@ -316,9 +327,11 @@ def compare(
     """
     data = read_observations(problem, measured, tab, columns)
     settings = {"nodes": nodes, "rtol": rtol, **(options or {})}
-    scalars = tuple(dict.fromkeys(
-        name for name, place in zip(data.names, data.position, strict=True) if place != place
-    ))  # fmt: skip
+    scalars = tuple(
+        dict.fromkeys(
+            name for name, place in zip(data.names, data.position, strict=True) if place != place
+        )
+    )
     model = model_of(problem, scalars or ("residual",), tie, settings)
     deviations = {name: _deviation(problem, name, value) for name, value in (spread or {}).items()}
     model.check_varied([*data.inputs, *deviations])
@@ -356,12 +369,21 @@ def compare(
     if data.common.any():
         effects = np.column_stack([effects, data.common])
     comparison = Comparison(
-        names=data.names, numbers=data.numbers, position=data.position, measured=data.measured,
-        predicted=predicted, deviation=data.deviation, error=error, sources=sources,
-        effects=effects, failures=tuple(failures), quantities=data.quantities, problem=problem,
+        names=data.names,
+        numbers=data.numbers,
+        position=data.position,
+        measured=data.measured,
+        predicted=predicted,
+        deviation=data.deviation,
+        error=error,
+        sources=sources,
+        effects=effects,
+        failures=tuple(failures),
+        quantities=data.quantities,
+        problem=problem,
         inputs={name: values[data.rows] for name, values in data.inputs.items()},
         covariates=covariates,
-    )  # fmt: skip
+    )
     return replace(comparison, explanations=explain(comparison))
 
 
@@ -412,9 +434,12 @@ def _deviation(problem: Problem, name: str, value: float | str) -> float:
 
 
 def _effects(
-    model: KindModel, result: Any, inputs: Mapping[str, float],
-    places: Sequence[tuple[str, float]], deviations: Mapping[str, float],
-) -> Array:  # fmt: skip
+    model: KindModel,
+    result: Any,
+    inputs: Mapping[str, float],
+    places: Sequence[tuple[str, float]],
+    deviations: Mapping[str, float],
+) -> Array:
     """Return the changes by one standard deviation of each input, (places, inputs)."""
     names, effects = tuple(deviations), np.zeros((len(places), len(deviations)))
     if not names:

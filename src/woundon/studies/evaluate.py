@@ -95,6 +95,4 @@ def solve_chunk(model: Model, chunk: Chunk) -> Block:
         block.values[row], block.warnings[row] = answer.values, answer.warnings
         state = answer.state
     seconds = time.perf_counter() - began
-    return Block(
-        block.number, block.cases, block.values, block.failure, block.warnings, seconds
-    )  # fmt: skip
+    return Block(block.number, block.cases, block.values, block.failure, block.warnings, seconds)

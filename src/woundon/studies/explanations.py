@@ -211,8 +211,10 @@ def _trends(comparison: Any, output: str, rows: Array) -> Iterator[Explanation]:
         lines = [linregress(x, values) for values in measures]
         changes = [float(line.slope) * float(np.ptp(x)) for line in lines]
         sign = 1 if changes[0] > 0 else -1
-        if not all(line.pvalue < P_VALUE and sign * change > least
-                   for line, change in zip(lines, changes, strict=True)):  # fmt: skip
+        if not all(
+            line.pvalue < P_VALUE and sign * change > least
+            for line, change in zip(lines, changes, strict=True)
+        ):
             continue
         word = "rises" if sign > 0 else "falls"
         ends = " to ".join(_shown(comparison.quantities.get(name), v) for v in (x.min(), x.max()))
@@ -247,8 +249,10 @@ def _budget(comparison: Any, output: str, rows: Array, significant: bool) -> Ite
         rest2 = max(of.bias_uncertainty**2 - float(np.sum(common**2)), 0.0)
         if abs(of.bias) > SIGNIFICANT * sqrt(rest2):
             largest = comparison.sources[int(np.argmax(np.abs(common)))]
-            text = ("the mean difference lies within the spread of the inputs; the largest "
-                    f"contribution is that of {largest}")  # fmt: skip
+            text = (
+                "the mean difference lies within the spread of the inputs; the largest "
+                f"contribution is that of {largest}"
+            )
             yield Explanation(output, text)
 
 

@@ -102,10 +102,13 @@ def _excel(table: Table, path: Path) -> None:
     columns = {header: np.asarray(values).tolist() for header, values in _columns(table).items()}
     record = {"design": table.design.kind, **table.record}
     about = ((k, v if isinstance(v, str) else json.dumps(v)) for k, v in record.items())
-    write_workbook(path, {
-        "study": [list(columns), *zip(*columns.values(), strict=True)],
-        "about": [("what", "is"), *about],
-    })  # fmt: skip
+    write_workbook(
+        path,
+        {
+            "study": [list(columns), *zip(*columns.values(), strict=True)],
+            "about": [("what", "is"), *about],
+        },
+    )
 
 
 def _parquet(table: Table, path: Path) -> None:

@@ -156,11 +156,13 @@ class FindResult(Presented, ReadOnly):
                 {name: number if isfinite(number) else None for name, number in row.items()}
                 for row in self.to_dataframe().to_dict(orient="records")
             ],
-            "scan": [[x, y if isfinite(y) else None]
-                     for x, y in zip(self.values.tolist(), self.outputs.tolist(), strict=True)],
+            "scan": [
+                [x, y if isfinite(y) else None]
+                for x, y in zip(self.values.tolist(), self.outputs.tolist(), strict=True)
+            ],
             "failures": [list(pair) for pair in self.failures],
             "jumps": [list(pair) for pair in self.jumps],
-        }  # fmt: skip
+        }
         return json.dumps(table, indent=1)
 
     def plot(self, path: Any = None, ax: Any = None) -> Any:
@@ -267,13 +269,20 @@ def find(
         uncertainties = np.where(slopes == 0, nan, errors / np.abs(slopes))
     warn(roots[0].result.warnings)
     return FindResult(
-        name=name, output=output, target=aim,
+        name=name,
+        output=output,
+        target=aim,
         solutions=tuple(Solution(sample.value, sample.result) for sample in roots),
-        reached=np.array([sample.output for sample in roots]), errors=errors,
-        uncertainties=uncertainties, slopes=slopes, values=scan[:, 0].copy(),
-        outputs=scan[:, 1].copy(), failures=failures, jumps=tuple(search.jumps),
+        reached=np.array([sample.output for sample in roots]),
+        errors=errors,
+        uncertainties=uncertainties,
+        slopes=slopes,
+        values=scan[:, 0].copy(),
+        outputs=scan[:, 1].copy(),
+        failures=failures,
+        jumps=tuple(search.jumps),
         quantities=quantities,
-    )  # fmt: skip
+    )
 
 
 # ---- input --------------------------------------------------------------------------------------
@@ -373,9 +382,11 @@ def _slope(search: RootSearch, sample: Sample) -> float:
 
 
 def _no_solution(
-    search: RootSearch, quantities: Mapping[str, Quantity], scan: Array,
+    search: RootSearch,
+    quantities: Mapping[str, Quantity],
+    scan: Array,
     failures: tuple[tuple[float, str], ...],
-) -> Exception:  # fmt: skip
+) -> Exception:
     """Return the error that explains why there is no solution."""
     field_of, output_of = quantities[search.name], quantities[search.output]
     values, outputs = scan[:, 0].tolist(), scan[:, 1].tolist()
@@ -424,8 +435,10 @@ def remarks(outcome: FindResult) -> list[str]:
     """Return remarks on the solutions: their number, the uncertainty, scan, failures and jumps."""
     texts = []
     if len(outcome.solutions) > 1:
-        texts.append(f"{len(outcome.solutions)} values give {_target_text(outcome)}; "
-                    "value, problem and result are those of the first")  # fmt: skip
+        texts.append(
+            f"{len(outcome.solutions)} values give {_target_text(outcome)}; "
+            "value, problem and result are those of the first"
+        )
     if np.isfinite(outcome.uncertainties).any():
         texts.append("+- is the estimated discretisation error of the output over the slope")
     low, high = (_text(outcome, outcome.name, end) for end in outcome.values[[0, -1]])
@@ -437,6 +450,8 @@ def remarks(outcome: FindResult) -> list[str]:
         at = _text(outcome, outcome.name, value)
         texts.append(f"{count} have no solution, e.g. {at}: {reason}")
     for jump in outcome.jumps:
-        texts.append(f"{outcome.output} jumps across the target at {outcome.name} = "
-                    f"{_text(outcome, outcome.name, jump[0])}")  # fmt: skip
+        texts.append(
+            f"{outcome.output} jumps across the target at {outcome.name} = "
+            f"{_text(outcome, outcome.name, jump[0])}"
+        )
     return texts

@@ -378,9 +378,12 @@ def _covariance(predictor: Predictor, J: Array, S: float) -> Array:
 
 
 def _result(
-    predictor: Predictor, found: list[Minimum], starts: int,
-    profiles: tuple[ProfileLikelihood, ...], quantities: Mapping[str, Quantity],
-) -> FitResult:  # fmt: skip
+    predictor: Predictor,
+    found: list[Minimum],
+    starts: int,
+    profiles: tuple[ProfileLikelihood, ...],
+    quantities: Mapping[str, Quantity],
+) -> FitResult:
     u, r, _ = found[0]
     J = predictor.jacobian(u)
     S, parameters = found[0].S, predictor.parameters
@@ -398,8 +401,11 @@ def _result(
     return FitResult(
         names=tuple(p.name for p in parameters),
         estimates=np.array(list(predictor.inputs(u).values())),
-        standard_errors=error, covariance=covariance, correlation=correlation,
-        rms=float(np.sqrt(S / m)), direction=direction,
+        standard_errors=error,
+        covariance=covariance,
+        correlation=correlation,
+        rms=float(np.sqrt(S / m)),
+        direction=direction,
         condition=float(singular[0] / singular[-1]) if singular[-1] > 0 else float("inf"),
         effects=tenth * np.linalg.norm(J * unit, axis=0) / np.sqrt(m),
         joint_effect=float(tenth * np.linalg.norm(J @ (unit * direction)) / np.sqrt(m)),
@@ -407,11 +413,15 @@ def _result(
         minima=tuple((end.S, tuple(predictor.inputs(end.u).values())) for end in found),
         reached=sum(S * (1 + _same_minimum(predictor)) + rounding >= end.S for end in found),
         starts=starts,
-        solves=predictor.solves, measured=predictor.measured,
+        solves=predictor.solves,
+        measured=predictor.measured,
         fitted=predictor.measured + predictor.deviation * r,
-        row_outputs=predictor.row_outputs, row_numbers=predictor.row_numbers,
-        weighted=predictor.weighted, profiles=profiles, quantities=quantities,
-    )  # fmt: skip
+        row_outputs=predictor.row_outputs,
+        row_numbers=predictor.row_numbers,
+        weighted=predictor.weighted,
+        profiles=profiles,
+        quantities=quantities,
+    )
 
 
 def _same_minimum(predictor: Predictor) -> float:

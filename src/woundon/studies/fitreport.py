@@ -66,8 +66,10 @@ def to_frame(fit: Any) -> pd.DataFrame:
         "unit": [_unit(fit, name) for name in fit.names],
     }
     frame = pd.DataFrame(columns, index=pd.Index(fit.names, name="parameter"))
-    frame.attrs["long_names"] = {"low": "low end of the 95 % profile interval",
-                                 "high": "high end of the 95 % profile interval"}  # fmt: skip
+    frame.attrs["long_names"] = {
+        "low": "low end of the 95 % profile interval",
+        "high": "high end of the 95 % profile interval",
+    }
     return frame
 
 
@@ -78,13 +80,22 @@ def to_dataset(fit: Any) -> xarray.Dataset:
     table = to_frame(fit).to_xarray()
     both = ("parameter", "parameter_2")
     rms_unit = "standard deviations" if fit.weighted else units[0]
-    return table.set_coords("unit").assign(
-        covariance=(both, fit.covariance), correlation=(both, fit.correlation),
-        measured=("measurement", fit.measured), fitted=("measurement", fit.fitted),
-    ).assign_coords(
-        parameter_2=list(fit.names), output=("measurement", outputs),
-        row=("measurement", list(fit.row_numbers)), output_unit=("measurement", units),
-    ).assign_attrs(rms=fit.rms, rms_unit=rms_unit)  # fmt: skip
+    return (
+        table.set_coords("unit")
+        .assign(
+            covariance=(both, fit.covariance),
+            correlation=(both, fit.correlation),
+            measured=("measurement", fit.measured),
+            fitted=("measurement", fit.fitted),
+        )
+        .assign_coords(
+            parameter_2=list(fit.names),
+            output=("measurement", outputs),
+            row=("measurement", list(fit.row_numbers)),
+            output_unit=("measurement", units),
+        )
+        .assign_attrs(rms=fit.rms, rms_unit=rms_unit)
+    )
 
 
 def _unit(fit: Any, name: str) -> str:

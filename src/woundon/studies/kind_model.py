@@ -40,9 +40,18 @@ from .model import Answer
 from .sources import source_digest
 
 __all__ = [
-    "KindModel", "columns_of", "field_quantity", "get_field", "kind_of", "made", "measurable",
-    "model_of", "number_in_si", "options_of", "replaced",
-]  # fmt: skip
+    "KindModel",
+    "columns_of",
+    "field_quantity",
+    "get_field",
+    "kind_of",
+    "made",
+    "measurable",
+    "model_of",
+    "number_in_si",
+    "options_of",
+    "replaced",
+]
 
 FEW_NODES = 17
 _ERROR = "errors."  # of an output: "errors.half_width"

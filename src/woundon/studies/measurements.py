@@ -114,10 +114,16 @@ def read_observations(
             raise InvalidProblem.at(table.where, text)
         unknown = np.full(values.shape, nan)
         entries += [
-            (row, name, radius[row] if positioned else nan, values[row],
-             deviations.get(name, unknown)[row], common.get(name, np.zeros(values.shape))[row])
+            (
+                row,
+                name,
+                radius[row] if positioned else nan,
+                values[row],
+                deviations.get(name, unknown)[row],
+                common.get(name, np.zeros(values.shape))[row],
+            )
             for row in np.nonzero(np.isfinite(values))[0]
-        ]  # fmt: skip
+        ]
     if not entries:
         raise InvalidProblem.at(table.where, "has no measured value")
     entries.sort(key=lambda entry: entry[0])
@@ -125,10 +131,17 @@ def read_observations(
     quantities = {name: known[name] for name in names}
     quantities |= {name: q for name in table.inputs if (q := fields.get(name)) is not None}
     return Observations(
-        rows=np.array(rows), numbers=tuple(table.numbers[row] for row in rows), names=names,
-        position=np.array(position), measured=np.array(measured), deviation=np.array(deviation),
-        common=np.array(shared), inputs=table.inputs, quantities=quantities, where=table.where,
-    )  # fmt: skip
+        rows=np.array(rows),
+        numbers=tuple(table.numbers[row] for row in rows),
+        names=names,
+        position=np.array(position),
+        measured=np.array(measured),
+        deviation=np.array(deviation),
+        common=np.array(shared),
+        inputs=table.inputs,
+        quantities=quantities,
+        where=table.where,
+    )
 
 
 def _radius(values_of: dict[str, Array], where: str, count: int) -> Array:
@@ -151,10 +164,13 @@ def arrays_over_radius(result: type[Any], fields: set[str]) -> dict[str, Quantit
         arrays = arrays_over_radius(get_type_hints(roll.fget)["return"], fields)
     along = getattr(result, "ALONG", {})
     arrays |= {
-        name: place.quantity for name, place in places.items()
-        if name not in scalars and name not in along and place.quantity is not None
+        name: place.quantity
+        for name, place in places.items()
+        if name not in scalars
+        and name not in along
+        and place.quantity is not None
         and np.ndarray in get_args(place.field)
-    }  # fmt: skip
+    }
     return {name: of for name, of in arrays.items() if name not in fields and name != "radius"}
 
 
@@ -179,8 +195,10 @@ def predict(result: Any, name: str, position: float) -> float:
         return float(roll.at_radius(position)[name])
     if name in scalar_outputs(result):
         if name not in scalar_outputs(roll):
-            raise InvalidProblem.at(name, "is not known of a stage of the build-up; leave out the "
-                                    "column with its radius")  # fmt: skip
+            raise InvalidProblem.at(
+                name,
+                "is not known of a stage of the build-up; leave out the column with its radius",
+            )
         return float(value_of(roll.at(position), name))
     holder = result if hasattr(type(result), name) or name in vars(result) else roll
     low, high = float(holder.radius[0]), float(holder.radius[-1])

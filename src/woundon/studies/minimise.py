@@ -77,10 +77,17 @@ def minimise(
         # a step of e standard errors changes S by e^2 S/(m - p); no gtol, which is absolute: the
         # residuals of small outputs, such as a creepage, would be below it at once
         end = least_squares(
-            residuals, start, predictor.differences, (predictor.low, predictor.high),
-            method="dogbox", x_scale="jac", ftol=standard_errors**2 / freedom,
-            xtol=SMALLEST_STEP, gtol=None, max_nfev=EVALUATIONS,
-        )  # fmt: skip
+            residuals,
+            start,
+            predictor.differences,
+            (predictor.low, predictor.high),
+            method="dogbox",
+            x_scale="jac",
+            ftol=standard_errors**2 / freedom,
+            xtol=SMALLEST_STEP,
+            gtol=None,
+            max_nfev=EVALUATIONS,
+        )
     except _InBasinError:
         return known
     except ValueError:  # a derivative could not be solved

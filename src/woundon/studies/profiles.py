@@ -214,7 +214,14 @@ class _Profile:
         # the guess may lie on a bound, which must not be outside by rounding
         bounds = (low[others] / unit - 1e-9, high[others] / unit + 1e-9)
         found = least_squares(
-            residuals, np.zeros(unit.size), derivatives, bounds, method="dogbox",
-            gtol=REFIT * s2, xtol=REFIT, ftol=1e-4, max_nfev=REFIT_EVALUATIONS,
-        )  # fmt: skip
+            residuals,
+            np.zeros(unit.size),
+            derivatives,
+            bounds,
+            method="dogbox",
+            gtol=REFIT * s2,
+            xtol=REFIT,
+            ftol=1e-4,
+            max_nfev=REFIT_EVALUATIONS,
+        )
         return place(found.x), np.asarray(found.fun)

@@ -95,9 +95,14 @@ class RootSearch:
     """The samples of f, in ascending order of the value."""
 
     def __init__(
-        self, model: KindModel, name: str, output: str, target: float, interval: Interval,
+        self,
+        model: KindModel,
+        name: str,
+        output: str,
+        target: float,
+        interval: Interval,
         tell: Callable[[int], None],
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.model, self.name, self.output, self.target = model, name, output, target
         self.interval, self.tell = interval, tell
         self.samples: list[Sample] = []
@@ -162,9 +167,11 @@ class RootSearch:
 
     def _brackets(self) -> list[tuple[Sample, Sample]]:
         """Return neighbouring samples between which f changes its sign, or is zero."""
-        return [(a, b) for a, b in self._pairs()
-                if a.result is not None and b.result is not None
-                and self.f(a) * self.f(b) <= 0]  # fmt: skip
+        return [
+            (a, b)
+            for a, b in self._pairs()
+            if a.result is not None and b.result is not None and self.f(a) * self.f(b) <= 0
+        ]
 
     def _approaches(self, outward: int) -> bool:
         """Return whether |f| decreases towards an end of the samples."""
@@ -226,8 +233,12 @@ class RootSearch:
                 return float(sign * self.f(sample))
 
             with suppress(_UnsolvedError, _CrossedError):
-                minimize_scalar(height, bounds=(a.value, c.value), method="bounded",
-                                options={"maxiter": MINIMISATIONS})  # fmt: skip
+                minimize_scalar(
+                    height,
+                    bounds=(a.value, c.value),
+                    method="bounded",
+                    options={"maxiter": MINIMISATIONS},
+                )
 
     def _solve_bracket(self, a: Sample, b: Sample, depth: int) -> list[Sample]:
         """Return the solutions between two samples of different sign."""
@@ -258,8 +269,9 @@ class RootSearch:
         sample = samples[value] if value in samples else self.evaluate(value, model)
         if self.is_root(sample) or abs(self.f(sample)) <= error_of(sample.result, self.output):
             return [sample]
-        near = [s.value for s in self.samples if s.result is not None
-                and self.f(s) * self.f(sample) < 0]  # fmt: skip
+        near = [
+            s.value for s in self.samples if s.result is not None and self.f(s) * self.f(sample) < 0
+        ]
         other = min(near, key=lambda x: abs(x - value))
         self.jumps.append((min(value, other), max(value, other)))
         return []

@@ -267,12 +267,18 @@ class _Search:
     """The search: what was wound so far, and what SciPy is asked to do."""
 
     def __init__(
-        self, model: KindModel, ranges: Mapping[str, tuple[float, float]], limits: Any,
-        goal: tuple[str | None, float], evaluations: int,
-    ) -> None:  # fmt: skip
-        if isinstance(evaluations, bool) or not isinstance(evaluations, int) or (
-            evaluations < LEAST_EVALUATIONS
-        ):  # fmt: skip
+        self,
+        model: KindModel,
+        ranges: Mapping[str, tuple[float, float]],
+        limits: Any,
+        goal: tuple[str | None, float],
+        evaluations: int,
+    ) -> None:
+        if (
+            isinstance(evaluations, bool)
+            or not isinstance(evaluations, int)
+            or (evaluations < LEAST_EVALUATIONS)
+        ):
             text = f"{quote(evaluations)} is out of range; must be >= {LEAST_EVALUATIONS}"
             raise InvalidProblem.at("evaluations", text)
         self.model, self.limits, self.goal, self.sign = model, limits, *goal
@@ -347,12 +353,14 @@ class _Search:
             room = 0 if own else 1  # for t
             begun = np.append(start, [] if own else np.clip(first.least, -1, 1))
             end = minimize(
-                self._objective, begun, method="COBYLA",
+                self._objective,
+                begun,
+                method="COBYLA",
                 bounds=Bounds([0.0] * n + [-2.0] * room, [1.0] * n + [1.0] * room),
                 constraints=NonlinearConstraint(self._constraints, ROOM, np.inf),
-tol=LAST_STEP,
+                tol=LAST_STEP,
                 options={"rhobeg": FIRST_STEP, "maxiter": 20 * self.most},
-            )  # fmt: skip
+            )
         except _Stop:
             return f"stopped after {self.most} windings"
         except KeyboardInterrupt:
@@ -383,9 +391,11 @@ tol=LAST_STEP,
         else:
             best = max(holding or done, key=lambda case: case.least)
         nearest = max(best.least, 0.0) + BINDING
-        goal = f"{'most' if self.sign < 0 else 'least'} {self.goal}" if self.goal else (
-            "largest smallest reserve"
-        )  # fmt: skip
+        goal = (
+            f"{'most' if self.sign < 0 else 'least'} {self.goal}"
+            if self.goal
+            else ("largest smallest reserve")
+        )
         every = list(self.wound.values())
         problem = self.model.problem
         return OptimisedSchedule(
@@ -397,8 +407,11 @@ tol=LAST_STEP,
             margins_before=self.before[1],
             margins_after=best.margins,
             feasible=best.least >= 0,
-            binding=tuple(name for name, reserve in zip(self.checked, best.reserves, strict=True)
-                          if reserve <= nearest),
+            binding=tuple(
+                name
+                for name, reserve in zip(self.checked, best.reserves, strict=True)
+                if reserve <= nearest
+            ),
             tried=np.array([case.values for case in every]),
             reserves=np.array([case.least if case.result is not None else nan for case in every]),
             goal=goal,
@@ -406,4 +419,4 @@ tol=LAST_STEP,
             ended=ended,
             ranges=np.column_stack([self.low, self.high]),
             quantities={name: field_quantity(problem, name) for name in self.names},
-        )  # fmt: skip
+        )

@@ -99,8 +99,11 @@ class SobolIndices(Presented, ReadOnly):
 
     def _repr_html_(self) -> str:
         head = "Share of the variance, alone (first order) and with interactions (total)"
-        strongest = [k * len(self.inputs) + j for k in range(len(self.outputs))
-                     for j in np.argsort(-self.total_order[k])]  # fmt: skip
+        strongest = [
+            k * len(self.inputs) + j
+            for k in range(len(self.outputs))
+            for j in np.argsort(-self.total_order[k])
+        ]
         table = self.to_dataframe().iloc[strongest]
         return self._html_of_table(head, table, self.remarks())
 
@@ -243,11 +246,9 @@ def _indices(values: Array, samples: int) -> tuple[Array, Array]:
     from scipy.stats import sobol_indices
 
     found: Sequence[Any] = [
-        sobol_indices(
-            func={"f_A": v[:1], "f_B": v[1:2], "f_AB": v[2:, None, :]}, n=samples
-        )
+        sobol_indices(func={"f_A": v[:1], "f_B": v[1:2], "f_AB": v[2:, None, :]}, n=samples)
         for v in values
-    ]  # fmt: skip
+    ]
     return (
         np.array([np.ravel(f.first_order) for f in found]),
         np.array([np.ravel(f.total_order) for f in found]),

@@ -51,18 +51,26 @@ CHUNK = (
 )
 # errors of the system; SQLite's other errors mean that the file is damaged
 SYSTEM = {
-    sqlite3.SQLITE_FULL: errno.ENOSPC, sqlite3.SQLITE_IOERR: errno.EIO,
-    sqlite3.SQLITE_READONLY: errno.EROFS, sqlite3.SQLITE_CANTOPEN: errno.EACCES,
-    sqlite3.SQLITE_PERM: errno.EACCES, sqlite3.SQLITE_BUSY: errno.EBUSY,
+    sqlite3.SQLITE_FULL: errno.ENOSPC,
+    sqlite3.SQLITE_IOERR: errno.EIO,
+    sqlite3.SQLITE_READONLY: errno.EROFS,
+    sqlite3.SQLITE_CANTOPEN: errno.EACCES,
+    sqlite3.SQLITE_PERM: errno.EACCES,
+    sqlite3.SQLITE_BUSY: errno.EBUSY,
     sqlite3.SQLITE_NOMEM: errno.ENOMEM,
-}  # fmt: skip
+}
 
 
 @contextmanager
 def opened(
-    folder: str | Path, design: Design, chunks: Sequence[np.ndarray], outputs: tuple[str, ...],
-    record: Mapping[str, Any], *, resume: bool,
-) -> Iterator[Store]:  # fmt: skip
+    folder: str | Path,
+    design: Design,
+    chunks: Sequence[np.ndarray],
+    outputs: tuple[str, ...],
+    record: Mapping[str, Any],
+    *,
+    resume: bool,
+) -> Iterator[Store]:
     """Open the store of a study, or create it.
 
     Parameters
@@ -106,13 +114,22 @@ class Store:
     """
 
     def __init__(
-        self, folder: Path, design: Design, chunks: Sequence[np.ndarray], outputs: tuple[str, ...],
+        self,
+        folder: Path,
+        design: Design,
+        chunks: Sequence[np.ndarray],
+        outputs: tuple[str, ...],
         record: Mapping[str, Any],
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.folder, self.path = folder, folder / FILE
         self.chunks, self.outputs = chunks, outputs
-        self.study = {"format": FORMAT, "schema": SCHEMA, "design": design.record(),
-                      "outputs": list(outputs), **record}  # fmt: skip
+        self.study = {
+            "format": FORMAT,
+            "schema": SCHEMA,
+            "design": design.record(),
+            "outputs": list(outputs),
+            **record,
+        }
         self.text = json.dumps(self.study, sort_keys=True)
         self.sha256 = hashlib.sha256(self.text.encode()).hexdigest()
         self.kept, self.messages = dict[int, Block](), list[str]()

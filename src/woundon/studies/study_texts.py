@@ -63,20 +63,23 @@ def study_template(kind: str) -> str:
     outputs = [*chosen.result.MAIN] or known[:1]
     others = [name for name in known if name not in outputs]
     return _TEXT.format(
-        schema=SCHEMA, outputs=json.dumps(outputs),
+        schema=SCHEMA,
+        outputs=json.dumps(outputs),
         others=fill(f"# or any of: {', '.join(others)}", 100, subsequent_indent="# "),
         over="\n".join(f"{name:<{width}} = {values}" for name, values in varied.items()),
-        options=", ".join(options_of(problem)), case=to_toml(problem, comments=True, under="case"),
-    )  # fmt: skip
+        options=", ".join(options_of(problem)),
+        case=to_toml(problem, comments=True, under="case"),
+    )
 
 
 def _varied(problem: Problem) -> Iterator[tuple[str, str]]:
     """Yield two loads, or other fields with a unit, and the values to try, as TOML."""
     known = {name: find(problem, name)[0].quantity for name in type(problem).model_fields}
     loads = {
-        name: about for name, about in known.items()
+        name: about
+        for name, about in known.items()
         if about and getattr(problem, name) and isinstance(getattr(problem, name), (int, float))
-    }  # fmt: skip
+    }
     ranked = sorted(loads, key=lambda name: (loads[name].unit == "1", not loads[name].typical))
     other = {name: (getattr(problem, name) / 2, getattr(problem, name)) for name in ranked[1:2]}
     for name in ranked[:1]:

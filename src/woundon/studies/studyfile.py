@@ -17,8 +17,14 @@ from .design import DESIGNS
 from .kind_model import field_quantity, number_in_si
 
 __all__ = [
-    "SCHEMA", "StudyFile", "base_case", "flat_names", "load_study", "study_of_tables", "table_of",
-]  # fmt: skip
+    "SCHEMA",
+    "StudyFile",
+    "base_case",
+    "flat_names",
+    "load_study",
+    "study_of_tables",
+    "table_of",
+]
 
 SCHEMA = 1
 _KNOWN = ("schema", "case", "outputs", "over", "columns", "tie", "design", "solver")
@@ -99,9 +105,14 @@ def study_of_tables(
             for name, given in flat_names(table_of(content, "over")).items()
         }
     return StudyFile(
-        problem, over, _outputs(content.get("outputs")), _columns(content),
-        table_of(content, "tie"), design, table_of(content, "solver"),
-    )  # fmt: skip
+        problem,
+        over,
+        _outputs(content.get("outputs")),
+        _columns(content),
+        table_of(content, "tie"),
+        design,
+        table_of(content, "solver"),
+    )
 
 
 def _columns(told: Mapping[str, Any]) -> dict[str, str | None] | None:

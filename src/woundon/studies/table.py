@@ -55,9 +55,12 @@ class Table(Presented):
 
     @classmethod
     def empty(
-        cls, design: Design, outputs: tuple[str, ...], quantities: Mapping[str, Quantity],
+        cls,
+        design: Design,
+        outputs: tuple[str, ...],
+        quantities: Mapping[str, Quantity],
         record: Mapping[str, Any],
-    ) -> Table:  # fmt: skip
+    ) -> Table:
         """Return a table to be filled by :meth:`put`."""
         n = design.size
         columns = {name: np.full(n, np.nan) for name in outputs}
@@ -108,8 +111,10 @@ class Table(Presented):
         }
 
     def __repr__(self) -> str:
-        return (f"Table({self.design.size} cases of {', '.join(self.design.names)}; "
-                f"{', '.join(self.outputs)}; {self.failed.size} failed)")  # fmt: skip
+        return (
+            f"Table({self.design.size} cases of {', '.join(self.design.names)}; "
+            f"{', '.join(self.outputs)}; {self.failed.size} failed)"
+        )
 
     def to_dataset(self) -> xarray.Dataset:
         """Return an xarray Dataset: a dimension for each axis of a grid, or ``case``.
