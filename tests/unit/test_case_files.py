@@ -237,7 +237,7 @@ def test_no_more_is_read_than_a_case_may_have(tmp_path):
     path.write_bytes(b"#" * 101)
     with pytest.raises(wo.InvalidProblem, match=r"is larger than 0.0001 MB"):
         read_whole(path, 100)
-    with pytest.raises(wo.InvalidProblem, match=r"is no regular file"):
+    with pytest.raises(wo.InvalidProblem, match=r"is not a regular file"):
         wo.load_case("/dev/zero")
 
 
@@ -302,7 +302,7 @@ def test_loose_fields_of_rollers_are_reported_too():
 
 def test_a_field_in_two_places_is_rejected():
     tables = tomllib.loads(to_toml(TABLE_2)) | {"roll_wrap": 1.0}
-    with pytest.raises(wo.InvalidProblem, match=r"roll_wrap: given twice, in \[wrap\] and above"):
+    with pytest.raises(wo.InvalidProblem, match=r"roll_wrap: given twice, in \[wrap\] and at "):
         make_problem(tables)
 
 

@@ -19,7 +19,7 @@ import woundon as wo
 from woundon.cli.commands import main
 from woundon.io import files
 from woundon.io.case_files import template
-from woundon.io.files import put_in_place, read_whole, write_whole
+from woundon.io.files import read_whole, replaced_file, write_whole
 
 # ---- reading ------------------------------------------------------------------------------------
 
@@ -56,9 +56,9 @@ def loop(folder: Path) -> Path:
 
 
 ODD = {
-    "zero": (device("zero"), "is no regular file, but a device or a pipe"),
-    "null": (device("null"), "is no regular file, but a device or a pipe"),
-    "pipe": (pipe, "is no regular file, but a device or a pipe"),
+    "zero": (device("zero"), "is not a regular file, but a device or a pipe"),
+    "null": (device("null"), "is not a regular file, but a device or a pipe"),
+    "pipe": (pipe, "is not a regular file, but a device or a pipe"),
     "socket": (bound, "cannot be read: No such device or address"),
     "folder": (lambda folder: folder, "cannot be read: Is a directory"),
     "missing": (lambda folder: folder / "none", "cannot be read: No such file or directory"),
@@ -147,7 +147,7 @@ def test_a_block_that_raises_leaves_the_old_file_and_nothing_else(tmp_path):
 
     path = tmp_path / "a"
     path.write_text("old")
-    with pytest.raises(KeyboardInterrupt), put_in_place(path) as aside:
+    with pytest.raises(KeyboardInterrupt), replaced_file(path) as aside:
         fill(aside)
     assert path.read_text() == "old"
     assert list(tmp_path.iterdir()) == [path]

@@ -187,7 +187,7 @@ def test_bad_diameters(make, said):
 def test_separators_are_rejected_with_a_hint(text, hint):
     with pytest.raises(wo.InvalidProblem) as report:
         NIP.replace(nip_load=text)
-    assert str(report.value).endswith(f"no mark between thousands: {hint}")
+    assert str(report.value).endswith(f"no thousands separator: {hint}")
 
 
 def faulty_fields(make):

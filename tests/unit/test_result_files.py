@@ -106,7 +106,7 @@ def test_what_is_not_known_is_reported_and_left_out(solved, tmp_path):
     data = solved("nip").to_xarray()
     data["temperature"] = ((), 300.0)
     (tmp_path / "nip.nc").write_bytes(sealed_netcdf(data))
-    with pytest.warns(UserWarning, match="left out: temperature"):
+    with pytest.warns(UserWarning, match="ignored: temperature"):
         assert wo.load_result(tmp_path / "nip.nc") == solved("nip")
 
 
@@ -138,12 +138,12 @@ def test_netcdf_is_labelled(solved, tmp_path, name):
         assert data.attrs["version"] == wo.__version__
         assert data.attrs["kind"] == kinds.of(result).name
         assert float(data.residual.max()) == result.residuals.largest
-        assert list(data.law.values) == [law for law, _ in result.residuals.items()]
+        assert list(data.condition.values) == [law for law, _ in result.residuals.items()]
         # labelled by position: the pressure nearest the middle of the nip
         pressure = data[result.CONTACT_PRESSURE]
         assert float(pressure.sel(x=0, method="nearest")) > 0.9 * result.peak_pressure
         unlabelled = {name for name, v in data.variables.items() if "units" not in v.attrs}
-        assert unlabelled == {"law"}
+        assert unlabelled == {"condition"}
 
 
 @pytest.mark.parametrize(("name", "unit"), [("rolling", "1"), ("static", "m")])
@@ -176,7 +176,7 @@ def test_json_is_strict_complete_and_tells_units(solved, tmp_path):
 
     record = json.loads((tmp_path / "a.json").read_text(), parse_constant=refuse)
     assert (record["format"], record["schema"], record["kind"]) == (
-        "woundon-result", 4, "nip",
+        "woundon-result", 5, "nip",
     )  # fmt: skip
     assert record["errors"] == {"wound_on_tension": None}
     computed = record["fields"] | record["outputs"]
@@ -238,7 +238,9 @@ def test_a_kind_from_outside_is_saved_and_loaded(springs, tmp_path, ending):
     springs.save(path)
     assert wo.load_result(path, verify=True) == springs
     springs.replace(push=np.ones(3)).save(path)
-    with pytest.raises(wo.InvalidProblem, match=r"does not hold what it says: .*balance 3"):
+    with pytest.raises(
+        wo.InvalidProblem, match=r"the contents of the file do not match: .*balance 3"
+    ):
         wo.load_result(path, verify=True)
 
 
@@ -289,7 +291,7 @@ def test_a_file_that_cannot_be_read_is_rejected_as_a_case_is(tmp_path):
 def test_another_schema_and_an_unknown_kind_are_reported(solved, tmp_path):
     record, path = json.loads(result_files.to_json(solved("nip"))), tmp_path / "nip.json"
     path.write_text(sealed(record | {"schema": 3}))
-    with pytest.raises(wo.InvalidProblem, match=r"schema: 3 is unknown; .* reads 4"):
+    with pytest.raises(wo.InvalidProblem, match=r"schema: 3 is unknown; .* reads 5"):
         wo.load_result(path)
     path.write_text(sealed(record | {"kind": "nap"}))
     with pytest.raises(
@@ -397,7 +399,7 @@ def test_damage_is_rejected_by_name(solved, tmp_path, place, value, said):
 def test_verifying_finds_what_no_shape_tells(solved, tmp_path, name, place, value):
     path = tmp_path / "result.json"
     path.write_text(damaged(solved(name), place, value))
-    with pytest.raises(wo.InvalidProblem, match="does not hold what it says"):
+    with pytest.raises(wo.InvalidProblem, match="the contents of the file do not match"):
         wo.load_result(path, verify=True)
 
 
@@ -431,13 +433,13 @@ def test_verifying_compares_scalars_with_the_arrays(solved, tmp_path, name, plac
     wo.load_result(path)
     with pytest.raises(wo.InvalidProblem) as refusal:
         wo.load_result(path, verify=True)
-    assert f"does not hold what it says: {said}" in str(refusal.value)
+    assert f"the contents of the file do not match: {said}" in str(refusal.value)
 
 
 # ---- the seal -----------------------------------------------------------------------------------
 
 CHANGED = (
-    "sha256: its content has changed since it was saved; load a copy that is as it was saved, "
+    "sha256: its content has changed since it was saved; load an unchanged copy, "
     "or solve the problem again"
 )
 GONE = "sha256: missing; the file was not written by result.save, or has changed since"
@@ -513,8 +515,16 @@ def test_a_file_that_lost_its_seal_is_rejected(solved, tmp_path):
 @pytest.mark.parametrize(
     ("place", "value", "said"),
     [
-        ("fields.drum_creepage", 0.0, "does not hold what it says: contact conditions are not"),
-        ("problem.nip_load", 3503.0, "does not hold what it says: contact conditions are not"),
+        (
+            "fields.drum_creepage",
+            0.0,
+            "contents of the file do not match: contact conditions are not",
+        ),
+        (
+            "problem.nip_load",
+            3503.0,
+            "contents of the file do not match: contact conditions are not",
+        ),
         ("outputs.peak_pressure", 1.0, "peak_pressure: 1.0, but the arrays give "),
         ("units.drum_pressure", "kPa", "drum_pressure: is in 'kPa'; must be in 'Pa'"),
         ("units.half_width", 3, "half_width: is in 3; must be in 'm'"),

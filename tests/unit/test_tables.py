@@ -94,7 +94,7 @@ def test_a_symbol_that_several_fields_have_is_rejected():
         "web.material.radial, roll.material.radial, roll.layers.0.material.radial, "
         "drum.material.radial or drum.layers.0.material.radial"
     )
-    assert message[0] == f"column 'A_rr [MPa]': may be {several}; write which"
+    assert message[0] == f"column 'A_rr [MPa]': is ambiguous: {several}"
 
 
 def test_units_may_be_in_the_mapping(tmp_path: Path):
@@ -177,9 +177,9 @@ def test_what_stands_around_a_table_is_left_out(tmp_path: Path, text: str):
 @pytest.mark.parametrize(
     ("text", "cell", "why"),
     [
-        ('nip_load [N/m],WOT [N/m]\n"1,900",650\n', "'1,900'", "no mark between thousands"),
-        ("nip_load [N/m]\tWOT [N/m]\n1,900\t650\n", "'1,900'", "no mark between thousands"),
-        ("nip_load [N/m];WOT [N/m]\n1.900,5;650\n", "'1.900,5'", "no mark between thousands"),
+        ('nip_load [N/m],WOT [N/m]\n"1,900",650\n', "'1,900'", "no thousands separator"),
+        ("nip_load [N/m]\tWOT [N/m]\n1,900\t650\n", "'1,900'", "no thousands separator"),
+        ("nip_load [N/m];WOT [N/m]\n1.900,5;650\n", "'1.900,5'", "no thousands separator"),
         ("nip_load [N/m];WOT [N/m]\n1.900;650,5\n", "'1.900'", "a point where other cells have"),
         ("nip_load [N/m];WOT [N/m]\n1_900;650\n", "'1_900'", "is not a number"),
         ("nip_load [N/m];WOT [N/m]\n1e999;650\n", "'1e999'", "is not a finite number"),
@@ -202,16 +202,16 @@ def test_bad_cells_are_reported_by_row_and_column_all_at_once(tmp_path: Path):
     many = "nip_load [N/m],WOT [N/m]\n" + "x,1\n" * 30
     message = faults(written(tmp_path, many))
     assert len(message) == 11
-    assert message[-1] == "20 more faults"
+    assert message[-1] == "20 more errors"
 
 
 @pytest.mark.parametrize("content", [b"PK\x03\x04....", b"\xd0\xcf\x11\xe0...."])
 def test_a_spreadsheet_by_another_name_is_reported(tmp_path: Path, content: bytes):
-    assert faults(written(tmp_path, content)) == ["is no text; save it as .xlsx or .csv"]
+    assert faults(written(tmp_path, content)) == ["is not a text file; save it as .xlsx or .csv"]
 
 
 def test_a_file_that_is_too_large_is_rejected(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(sheets, "LARGEST", 1000)
+    monkeypatch.setattr(sheets, "MAX_BYTES", 1000)
     assert "is larger than 0.001 MB" in faults(written(tmp_path, "nip_load [N/m]\n" * 100))[0]
 
 
@@ -278,6 +278,6 @@ def test_cells_of_excel_that_hold_no_number(tmp_path: Path):
 
 
 def test_a_sheet_that_reaches_too_far_is_rejected(tmp_path: Path, monkeypatch):
-    monkeypatch.setattr(sheets, "MOST_CELLS", 5)
+    monkeypatch.setattr(sheets, "MAX_CELLS", 5)
     rows = [["nip_load [N/m]", "WOT [N/m]"], [1, 2], [1, 2]]
     assert "has more than 5 cells" in faults(book(tmp_path, rows))[0]

@@ -67,7 +67,7 @@ def test_mill_units():
         ("17 plx", "N/m", "unknown unit 'plx'; expected a value in N/m*did you mean 'pli'?"),
         ("17 mpa", "Pa", "unknown unit 'mpa'*did you mean 'MPa'?"),
         ("17 newtons", "N/m", "did you mean 'N'?"),
-        ("3,502 N/m", "N/m", "write a decimal point, and no mark between thousands"),
+        ("3,502 N/m", "N/m", "write a decimal point, and no thousands separator"),
         ("17 N", "N/m", "wrong dimension; expected a value in N/m"),
         ("17 N m", "N/m", "wrong dimension"),
         ("0.2 N", "1", "wrong dimension; expected a plain number"),

@@ -1,1 +1,1 @@
-"""Files and units at the edge: case files, result files, units in text."""
+"""Case files, result files, tables and chosen units."""

@@ -1,8 +1,8 @@
-"""Cases in: TOML with units to a problem of any kind; :mod:`.case_texts` writes them.
+"""Read case files: TOML with units becomes a problem of any kind; :mod:`.case_texts` writes them.
 
-A case file's names are those of the descriptions, and the unit of each field is the one that the
-field itself states; there is no second table.  The kind of problem is told by the names: no kind
-is written.  Fields that a problem groups (``[wrap]``) may stand in their table or bare.
+The names in a case file are the fields of the problem, and units are converted to that of the
+field.  The names determine the kind of problem.  Fields that a problem groups (``[wrap]``) may be
+in their table or at the top level.
 """
 
 from __future__ import annotations
@@ -36,13 +36,13 @@ __all__ = [
     "to_toml",
 ]
 
-LARGEST = 10_000_000  # bytes; a case file has some hundreds, a wound roll's tables some thousands
-DEEPEST = 20  # tables in tables
-MOST_NAMES = 5000  # a thousand layers
+MAX_BYTES = 10_000_000  # a case file has some hundreds, tables of a wound roll some thousands
+MAX_DEPTH = 20  # of nested tables
+MAX_NAMES = 5000  # a thousand layers
 
 _BARE = re.compile(r"[\w.-]+\s*=\s*[\d.+-]+\s*[^\W\d_].*")  # nip_load = 3.5 kN/m
 _NAME = r"""(?:[\w-]+|"[^"\n]*"|'[^'\n]*')[ \t]*"""
-_LONG_KEY = re.compile(rf"(?<![\w-])(?:{_NAME}\.[ \t]*){{{DEEPEST}}}")  # a.a.a.a...
+_LONG_KEY = re.compile(rf"(?<![\w-])(?:{_NAME}\.[ \t]*){{{MAX_DEPTH}}}")  # a.a.a.a...
 
 Faults = list[tuple[str, str]]
 
@@ -61,32 +61,42 @@ def load_case(path: str | Path, settings: Iterable[str] = ()) -> Problem:
     Returns
     -------
     Problem
-        Of the kind that the names of the file's fields and tables tell.
+        Of the kind that has the fields and tables of the file.
 
     Raises
     ------
     InvalidProblem
-        For a file that cannot be read, broken TOML, or wrong fields: every fault of the file, by
-        field, value and admissible range.
+        For a file that cannot be read, invalid TOML, or invalid fields; lists all errors of the
+        file with field, value and permitted range.
     NoSteadyState
-        If no steady state carries the loads.
+        If no steady state exists for these loads.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> import woundon as wo
+    >>> from woundon.io.case_texts import template
+    >>> path = pathlib.Path(tempfile.mkdtemp(), "rollers.toml")
+    >>> _ = path.write_text(template("rollers"))
+    >>> wo.load_case(path, ["load=100 kN/m"]).load
+    100000.0
     """
     return make_problem(apply_settings(read_case(path), settings))
 
 
 def read_case(path: str | Path) -> dict[str, Any]:
-    """Return the case file's tables as written, values neither converted nor checked.
+    """Return the tables of a case file as written, values neither converted nor checked.
 
-    A table's ``csv = "file.csv"`` stands for the columns of that file, next to the case, and
-    ``grades = "file.toml"`` for the file that ``grade`` is looked up in.
+    ``csv = "file.csv"`` in a table is replaced by the columns of that file, and ``grade`` is looked
+    up in the file of ``grades = "file.toml"``; both are relative to the folder of the case.
 
     Raises
     ------
     InvalidProblem
-        If the file cannot be read, is empty, or is no TOML (with the line).
+        If the file cannot be read, is empty, or is not TOML (names the line).
     """
     folder = Path(path).parent
-    tables = dict(with_columns(tables_of_text(read_whole(path, LARGEST), str(path)), folder))
+    tables = dict(with_columns(tables_of_text(read_whole(path, MAX_BYTES), str(path)), folder))
     if "grades" not in tables:
         return tables
     file, name = tables.pop("grades"), tables.get("grade")
@@ -97,17 +107,17 @@ def read_case(path: str | Path) -> dict[str, Any]:
 
 
 def tables_of_text(content: bytes, where: str) -> dict[str, Any]:
-    """Return the tables of a case file's content, as written; no other file is looked into.
+    """Return the tables of the content of a case file, as written; no other file is read.
 
     Raises
     ------
     InvalidProblem
-        If it is empty, or is no TOML (with the line); ``where`` it stands is told.
+        If it is empty, or is not TOML; names the file ``where`` it is, and the line.
     """
     try:
-        # Windows editors put a mark before the first byte of UTF-8
+        # Windows editors put a byte order mark before the text
         text = content.decode("utf-8-sig")
-        if _LONG_KEY.search(text):  # tomllib takes the square of its length
+        if _LONG_KEY.search(text):  # tomllib takes time proportional to its square
             raise RecursionError
         case = tomllib.loads(text)
     except UnicodeDecodeError as fault:
@@ -129,21 +139,21 @@ def tables_of_text(content: bytes, where: str) -> dict[str, Any]:
 
 
 def check_like_a_case(case: Mapping[str, Any], where: str = "") -> None:
-    """Refuse tables that are larger or deeper than those of any case.
+    """Reject tables that are larger or deeper than those of any case.
 
     Raises
     ------
     InvalidProblem
     """
-    if unlike := _unlike_a_case(case):
-        raise InvalidProblem.at(where, f"is not a case file: {unlike}")
+    if reason := _excess(case):
+        raise InvalidProblem.at(where, f"is not a case file: {reason}")
 
 
-def _unlike_a_case(case: Mapping[str, Any]) -> str:
-    """Return what no case file is like, '' if this may be one."""
+def _excess(case: Mapping[str, Any]) -> str:
+    """Return the limit that the tables exceed; '' if they may be a case."""
     inner: list[Any] = [case]
     names = 0
-    for _ in range(DEEPEST):
+    for _ in range(MAX_DEPTH):
         names += sum(len(part) for part in inner if isinstance(part, dict))
         values = [
             value for part in inner for value in (part.values() if isinstance(part, dict) else part)
@@ -153,11 +163,11 @@ def _unlike_a_case(case: Mapping[str, Any]) -> str:
         inner = [value for value in values if isinstance(value, (dict, list))]
     if inner:
         return "it is nested too deeply"
-    return f"it has {names} names" if names > MOST_NAMES else ""
+    return f"it has {names} names" if names > MAX_NAMES else ""
 
 
 def _line_at_fault(text: str, fault: str) -> str:
-    """Return the line that a TOML error names, for its value is what must be changed."""
+    """Return the line that a TOML error names, with a hint if a unit without quotes is in it."""
     found = re.search(r"line (\d+)", fault)
     lines = text.rstrip().split("\n")
     line = lines[min(int(found[1]), len(lines)) - 1 if found else -1].split("#")[0].strip()
@@ -171,15 +181,15 @@ def _line_at_fault(text: str, fault: str) -> str:
 def apply_settings(case: Mapping[str, Any], settings: Iterable[str]) -> dict[str, Any]:
     """Return the case's tables with settings "field=value" applied.
 
-    Nested fields go by dotted name, items of a list by number, fields of a table such as ``[wrap]``
-    by their bare name.  A value with a unit, a plain number (SI) or a name is taken as in the file;
-    "none" leaves an optional field, or a table, out.
+    Nested fields have dotted names, items of a list numbers; fields of a table such as ``[wrap]``
+    are named without the table.  Values are read as in the file: with a unit, as a plain number
+    (SI) or as a name; "none" unsets an optional field or a table.
 
     Raises
     ------
     InvalidProblem
-        For a text that is not a setting, a dotted name through a field that has no fields, or a
-        field to leave out that does not exist.
+        For a text that is not a setting, a name below a field that has no fields of its own, or
+        an unset field that does not exist.
     """
     changed = deepcopy(dict(case))
     for setting in [settings] if isinstance(settings, str) else settings:
@@ -188,12 +198,12 @@ def apply_settings(case: Mapping[str, Any], settings: Iterable[str]) -> dict[str
         if not sign or not all((*parts, value.strip())):
             text = "is not a setting; write field=value, e.g. nip_load='3.5 kN/m'"
             raise InvalidProblem.at(setting, text)
-        if len(parts) > DEEPEST:
-            text = f"a name of {len(parts)} parts; must have at most {DEEPEST}"
+        if len(parts) > MAX_DEPTH:
+            text = f"a name of {len(parts)} parts; must have at most {MAX_DEPTH}"
             raise InvalidProblem.at(path.strip(), text)
         model = _kind_of([*changed, parts[0]]).problem
         if len(parts) == 1:
-            # beside a table that groups it, a field is changed in its table
+            # a field of a group is changed in the table of the group, if the case has it
             groups = (group for group, names in model.tables.items() if parts[0] in names)
             parts = [*(group for group in groups if group in changed), *parts]
         _set(changed, parts, _plain(value), model)
@@ -201,13 +211,13 @@ def apply_settings(case: Mapping[str, Any], settings: Iterable[str]) -> dict[str
 
 
 def _set(case: dict[str, Any], parts: list[str], value: Any, model: type[Any]) -> None:
-    """Set one value in a case's tables and add the tables above it; None leaves the field out."""
+    """Set one value in the tables of a case and add the tables above it; None unsets the field."""
     *heads, leaf = parts
     path = ".".join(parts)
     inner: Any = case
     for k, head in enumerate(heads):
         if value is None and isinstance(inner, dict) and head not in inner:
-            inner = {}  # The table is not given, so that nothing needs to be left out of it.
+            inner = {}  # the table is not given, so there is nothing to unset
             break
         inner = _below(inner, head, path, find(model, ".".join(heads[: k + 1])))
     if isinstance(inner, dict) and leaf not in inner:
@@ -253,7 +263,7 @@ def _below(table: Any, name: str, path: str, places: tuple[Place, ...]) -> Any:
     inner = table[key] if isinstance(table, list) else table.setdefault(name, {})
     members = [m for place in places for m in members_of(place.field.annotation)]
     if isinstance(inner, str) and any(issubclass(m, Material) for m in members):
-        # a named material is opened up, so that one of its moduli can be changed
+        # the name of a material is replaced by its fields, so that one of them can be changed
         inner = table[key] = material(inner).model_dump()
     if not isinstance(inner, (dict, list)):
         raise InvalidProblem.at(path, f"{name} has no fields of its own")
@@ -287,14 +297,14 @@ def make_problem(tables: Mapping[str, Any], kind: str | None = None) -> Problem:
     Parameters
     ----------
     tables : mapping
-        As a case file has them: numbers in SI, or texts with units.
+        As in a case file: numbers in SI, or texts with units.
     kind : str, optional
-        The kind of problem to make of them; by default that which their names tell.
+        The kind of problem; by default the one that has these fields.
 
     Raises
     ------
     InvalidProblem
-        With all faults.
+        Lists all errors.
     """
     model = (kinds.named(kind) if kind else _kind_of(tables)).problem
     faults = list(_schema_faults(tables))
@@ -303,8 +313,8 @@ def make_problem(tables: Mapping[str, Any], kind: str | None = None) -> Problem:
     try:
         problem = model(**fields)
     except InvalidProblem as report:
-        told = {field for field, _ in faults}
-        faults += [_helped(f, t, model) for f, t in report.faults if f not in told]
+        reported = {field for field, _ in faults}
+        faults += [_with_hint(f, t, model) for f, t in report.faults if f not in reported]
         whole = len(faults) == len(report.faults)
         raise (type(report) if whole else InvalidProblem)(faults) from None
     if faults:
@@ -325,7 +335,7 @@ def _schema_faults(case: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
 
 
 def _ungrouped(fields: dict[str, Any], model: type[Any], faults: Faults) -> dict[str, Any]:
-    """Return the fields with those of a problem's tables taken out of them."""
+    """Return the fields of all groups at the top level."""
     flat = dict(fields)
     for group, names in model.tables.items():
         if group not in flat or group in model.model_fields:
@@ -338,16 +348,16 @@ def _ungrouped(fields: dict[str, Any], model: type[Any], faults: Faults) -> dict
         for name, value in table.items():
             if name not in names:
                 text = f"no such field{did_you_mean(name, names)}"
-                faults.append(_helped(f"{group}.{name}", text, model))
+                faults.append(_with_hint(f"{group}.{name}", text, model))
             elif name in flat:
-                faults.append((name, f"given twice, in [{group}] and above; must be in one place"))
+                faults.append((name, f"given twice, in [{group}] and at the top level"))
             else:
                 flat[name] = value
     return flat
 
 
-def _helped(field: str, text: str, model: type[Any]) -> tuple[str, str]:
-    """Mend the text for the slip that TOML invites: a loose field below a [section]."""
+def _with_hint(field: str, text: str, model: type[Any]) -> tuple[str, str]:
+    """Return an error with a hint if a top-level field was written below a [section]."""
     *heads, leaf = field.split(".")
     if heads and leaf in model.model_fields and text.startswith("no such field"):
         section = ".".join(head for head in heads if not head.isdecimal())

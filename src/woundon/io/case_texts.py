@@ -1,7 +1,6 @@
-"""Problems as case files: the inverse of reading one, and the template that ``woundon new`` prints.
+"""Write case files, and the template that ``woundon new`` prints.
 
-A file is written from the fields of the problem alone: names, units, ranges and meanings are those
-that the fields carry.
+Names, units, ranges and descriptions are those of the fields of the problem.
 """
 
 from __future__ import annotations
@@ -26,19 +25,19 @@ __all__ = ["SCHEMA", "field_comment", "field_ranges", "template", "to_toml"]
 
 SCHEMA = 1
 _WIDTH = 100
-_TIED = "\N{NO-BREAK SPACE}"  # in a comment, where no line may end
+_UNBREAKABLE = "\N{NO-BREAK SPACE}"  # in a comment, where a line must not be broken
 
 _HEADER = """\
 {about}
 
   woundon solve case.toml                            solve it
-  woundon solve case.toml --set {setting:<20} change a value for once
+  woundon solve case.toml --set {setting:<20} change a value for this run
   woundon solve case.toml --plot case.png --save case.nc
 
 A value is a text with its unit ("66 um", "3.38 GPa", "20 pli", "19 %") or a plain number in SI.
-Loads and tensions are per metre of width.  Fields of no [section] come first.
+Loads and tensions are per metre of width.  Fields outside of a [section] come first.
 
-Behind a value: symbol, meaning, the usual range, and in brackets what is admissible."""
+Each comment gives symbol, description, typical range and, in parentheses, the permitted range."""
 
 
 def template(kind: str = "nip") -> str:
@@ -47,12 +46,17 @@ def template(kind: str = "nip") -> str:
     Parameters
     ----------
     kind : str
-        The kind of problem, with hyphens or underscores.
+        Name of the kind of problem, with hyphens or underscores.
 
     Raises
     ------
     InvalidProblem
         For an unknown kind, or one that has no example.
+
+    Examples
+    --------
+    >>> print(template("rollers").splitlines()[0])
+    # Two rollers in contact without a web, rolling or static.
     """
     return to_toml(kinds.named(kind.replace("-", "_")).example(), comments=True)
 
@@ -65,15 +69,15 @@ def to_toml(problem: Problem, comments: bool = False, under: str = "") -> str:
     problem : Problem
         Of any kind.
     comments : bool
-        Say how to run it, and of each field its symbol, meaning, unit and ranges; a material that
-        has a name is written by it where it first occurs.
+        Add instructions, and to each field its symbol, description, unit and ranges; a material
+        that has a name is written as this name at its first occurrence.
     under : str
-        The table of another file that is to hold the case: it gets no head of its own.
+        The table of another file that contains the case; the header is omitted.
 
     Returns
     -------
     str
-        Numbers as texts with units where that reads well and is exact, else in SI.
+        Numbers as texts with units where that is readable and exact, otherwise in SI.
     """
     sections = list(_Writer(comments).problem(problem))
     lines = [*_header(problem), ""] if comments and not under else []
@@ -103,14 +107,14 @@ def _header(problem: Problem) -> list[str]:
 
 
 class Row(NamedTuple):
-    """A line of the file; one without a value is an optional field that is left out."""
+    """A line of the file; without a value it is an optional field that is not set."""
 
     key: str
     value: str
     comment: str = ""
 
     def lines(self, keys: int, values: int) -> list[str]:
-        """Return the line, its comment aligned with the others and folded."""
+        """Return the line with its comment, aligned with the others and wrapped."""
         text = f"{self.key.ljust(keys)} = {self.value}"
         if self.value == "...":
             text = f"# {self.key} = ..."
@@ -118,20 +122,20 @@ class Row(NamedTuple):
 
 
 class Section(NamedTuple):
-    """A table of the file with its rows; the first has no header."""
+    """A table of the file with its rows; the first one has no header."""
 
     header: str
     rows: list[Row]
     comment: str = ""
 
     def under(self, table: str) -> Section:
-        """Return the same section as a part of a table."""
+        """Return the section nested in a table."""
         path = ".".join(filter(None, (table, self.header.strip("[]"))))
         item = self.header.startswith("[[")
         return self._replace(header=f"[[{path}]]" if item else f"[{path}]")
 
     def lines(self, keys: int, values: int) -> list[str]:
-        """Return the section's lines and an empty one."""
+        """Return the lines of the section and an empty line."""
         own = keys or max((len(row.key) for row in self.rows if row.value != "..."), default=0)
         head = _commented(self.header, self.comment, own + 3 + values) if self.header else []
         return [*head, *(line for row in self.rows for line in row.lines(own, values)), ""]
@@ -141,7 +145,7 @@ def _commented(text: str, comment: str, column: int) -> list[str]:
     if not comment:
         return [text]
     parts = textwrap.wrap(comment, max(_WIDTH - column - 4, 30), break_long_words=False)
-    first, *others = (part.replace(_TIED, " ") for part in parts)
+    first, *others = (part.replace(_UNBREAKABLE, " ") for part in parts)
     return [f"{text.ljust(column)}  # {first}", *(f"{'':{column}}  # {part}" for part in others)]
 
 
@@ -150,23 +154,23 @@ def _commented(text: str, comment: str, column: int) -> list[str]:
 
 @dataclass
 class _Writer:
-    """Walks a problem; remembers what it has already shown."""
+    """Converts a problem to sections; remembers the names and kinds that were written."""
 
     comments: bool
     named: set[str] = field(default_factory=set)
     listed: set[type[Any]] = field(default_factory=set)
 
     def problem(self, problem: Problem) -> Iterator[Section]:
-        """Yield the sections of a problem: its own fields, its tables, then what is nested."""
+        """Yield the sections of a problem: its own fields, its groups, then nested descriptions."""
         grouped = {name for names in problem.tables.values() for name in names}
         top, *nested = self.description(problem, "", "", grouped)
-        schema = Row("schema", str(SCHEMA), self.told("version of the format"))
+        schema = Row("schema", str(SCHEMA), self.comment("version of the format"))
         yield Section("", [schema, *top.rows])
         for group, names in problem.tables.items():
             yield Section(
                 f"[{group}]",
                 [self.row(problem, name) for name in names if self.shows(problem, name)],
-                self.told(_without(problem, group)),
+                self.comment(_without(problem, group)),
             )
         yield from nested
 
@@ -180,7 +184,7 @@ class _Writer:
         of_field: Quantity | None = None,
         admitted: tuple[type[Any], ...] = (),
     ) -> Iterator[Section]:
-        """Yield the section of a description, then those of the ones in it."""
+        """Yield the section of a description, then those of the descriptions in it."""
         fields = {
             name: getattr(thing, name) for name in type(thing).model_fields if name not in apart
         }
@@ -195,7 +199,7 @@ class _Writer:
         for name, value in inner.items():
             below = f"{path}{name}"
             held = type(thing).model_fields[name]
-            about, quantity = self.told(held.description or ""), quantity_of(held, of_field)
+            about, quantity = self.comment(held.description or ""), quantity_of(held, of_field)
             members = members_of(held.annotation)
             for item in value if isinstance(value, tuple) else (value,):
                 head = f"[[{below}]]" if isinstance(value, tuple) else f"[{below}]"
@@ -203,16 +207,16 @@ class _Writer:
                     item, f"{below}.", head, set(), about, quantity, members
                 )
 
-    def told(self, comment: str) -> str:
-        """Return a comment, where there are to be any."""
+    def comment(self, comment: str) -> str:
+        """Return a comment if comments are written."""
         return comment if self.comments else ""
 
     def shows(self, thing: Description, name: str) -> bool:
-        """Tell whether a field gets a line: one that is left out only with its comment."""
+        """Return whether a field is written: if it is set, or if comments are written."""
         return self.comments or getattr(thing, name) is not None
 
     def is_nested(self, value: Any) -> bool:
-        """Tell whether a value gets sections of its own; a named material its name, once."""
+        """Return whether a value is written as sections; a named material is not at first."""
         if isinstance(value, tuple):
             return any(isinstance(item, Description) for item in value)
         name = _name_of(value) if self.comments else None
@@ -227,22 +231,22 @@ class _Writer:
         quantity = quantity_of(about, of_field)
         if isinstance(value, Description):
             comment = "a name ('woundon materials' lists them), or a table of its fields"
-            return Row(name, json.dumps(_name_of(value)), self.told(comment))
+            return Row(name, json.dumps(_name_of(value)), self.comment(comment))
         text = "..." if value is None else _value(value, quantity) or _plain(value)
-        return Row(name, text, self.told(field_comment(about)))
+        return Row(name, text, self.comment(field_comment(about)))
 
     def kind(self, thing: Family, admitted: tuple[type[Any], ...]) -> Row:
-        """Return the line that names a member of an open set; the first lists all of a field's."""
+        """Return the line with the kind of a description; the first one lists the alternatives."""
         others = [m for m in admitted if m is not type(thing) and issubclass(m, Family)]
-        told = [
+        names = [
             m.member_name()
             if m in self.listed
             else f"{m.member_name()} ({', '.join(m.model_fields)})"
             for m in others
         ]
         self.listed.update(admitted)
-        comment = f"or {', '.join(told)}" if told else ""
-        return Row("kind", json.dumps(thing.member_name()), self.told(comment))
+        comment = f"or {', '.join(names)}" if names else ""
+        return Row("kind", json.dumps(thing.member_name()), self.comment(comment))
 
 
 def _name_of(value: Any) -> str | None:
@@ -250,7 +254,7 @@ def _name_of(value: Any) -> str | None:
 
 
 def _without(problem: Problem, group: str) -> str:
-    """Return what a case is without one of its tables."""
+    """Return a comment on the kind of problem that remains without a group."""
     names = set(type(problem).model_fields) - set(problem.tables[group])
     other = kinds.for_fields(names)
     if isinstance(problem, other.problem):
@@ -259,7 +263,7 @@ def _without(problem: Problem, group: str) -> str:
 
 
 def _value(value: Any, quantity: Quantity | None) -> str | None:
-    """Return a number with its unit as TOML has it; None for what has none."""
+    """Return a number with its unit as TOML; None if it has no unit."""
     if quantity is None or isinstance(value, (bool, str)) or value is None:
         return None
     if isinstance(value, tuple):
@@ -276,7 +280,7 @@ def _plain(value: Any) -> str:
     return repr(value)
 
 
-# ---- what is said of a field --------------------------------------------------------------------
+# ---- description of a field --------------------------------------------------------------------
 
 
 def field_comment(field: Any) -> str:
@@ -288,7 +292,7 @@ def field_comment(field: Any) -> str:
     text, ranges = f"{quantity.symbol}: {quantity.meaning}", field_ranges(field, quantity)
     if ranges:
         comma = "" if ranges.startswith("(") else ","
-        text += f"{comma} {ranges.replace(' ', _TIED).replace(f'{_TIED}(', ' (')}"
+        text += f"{comma} {ranges.replace(' ', _UNBREAKABLE).replace(f'{_UNBREAKABLE}(', ' (')}"
     return text if field.is_required() or field.default is not None else f"{text}; optional"
 
 
@@ -312,7 +316,7 @@ def field_ranges(field: Any, quantity: Quantity, with_unit: bool = True) -> str:
 
 
 def _limits(field: Any, quantity: Quantity) -> str:
-    """Return what is admissible: "0 to 10", "> 0", "0 to < 0.5"."""
+    """Return the permitted range: "0 to 10", "> 0", "0 to < 0.5"."""
     ends = dict(bounds(field))
     shown = {sign: _number(quantity.shown(end)) for sign, end in ends.items()}
     if len(shown) == 2:

@@ -1,4 +1,4 @@
-"""Units that people choose for fields and outputs: ``wo.units(nip_load="kN/m")``, ``--unit``."""
+"""Display units of fields and outputs: ``wo.units(nip_load="kN/m")``, ``--unit``."""
 
 from __future__ import annotations
 
@@ -23,21 +23,26 @@ _TOTALS = {"N/m": "N", "kg/m": "kg", "W/m": "W"}
 
 @contextmanager
 def units(chosen: Mapping[str, str] | None = None, /, **more: str) -> Iterator[None]:
-    """Show fields and outputs in units of choice: reports, figures, and tables that are written.
-
-    >>> with wo.units(nip_load="kN/m", half_width="um"):  # doctest: +SKIP
-    ...     print(result)
+    """Use chosen units in reports, figures and exported tables.
 
     Parameters
     ----------
     chosen, more : mapping of str to str
-        Name of a field (dotted where it is nested) or output, of any kind -> unit.  What is not
-        named is shown as ever; results themselves, netCDF and JSON files stay SI.
+        Name of a field (dotted if nested) or output of any kind of problem -> unit.  Other
+        quantities keep their default units; results, netCDF and JSON files are in SI.
 
     Raises
     ------
     InvalidProblem
-        For a name that no kind has, or a unit that is unknown or of another dimension.
+        For an unknown name, or a unit that is unknown or of another dimension.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> result = wo.solve(wo.RollerProblem.example(), nodes=33)
+    >>> with wo.units(half_width="um"):
+    ...     "half-width" in str(result) and "um" in str(result)
+    True
     """
     asked = {**(chosen or {}), **more}
     known = _known() if asked else {}
@@ -47,13 +52,13 @@ def units(chosen: Mapping[str, str] | None = None, /, **more: str) -> Iterator[N
         if pattern(name) not in known:
             faults.append((name, f"no field or output{did_you_mean(name, known)}"))
             continue
-        told, last = len(sizes), InvalidProblem("")
+        count, last = len(sizes), InvalidProblem("")
         for of in known[pattern(name)]:
             try:
                 sizes[name, of] = (unit, float(factor(unit, of, name)))
             except InvalidProblem as fault:
                 last = fault
-        if len(sizes) == told:
+        if len(sizes) == count:
             faults += last.faults
     if faults:
         raise InvalidProblem(faults)
@@ -61,10 +66,10 @@ def units(chosen: Mapping[str, str] | None = None, /, **more: str) -> Iterator[N
         yield
 
 
-def units_of(told: Iterable[str]) -> AbstractContextManager[None]:
-    """Return the context of :func:`units` for texts "NAME=UNIT", as the command line has them."""
+def units_of(settings: Iterable[str]) -> AbstractContextManager[None]:
+    """Return the context of :func:`units` for texts "NAME=UNIT" of the command line."""
     chosen: dict[str, str] = {}
-    for text in told:
+    for text in settings:
         name, _, unit = (part.strip() for part in text.partition("="))
         if not name or not unit:
             raise InvalidProblem.at(text, "must be written NAME=UNIT, e.g. nip_load='kN/m'")
@@ -73,7 +78,7 @@ def units_of(told: Iterable[str]) -> AbstractContextManager[None]:
 
 
 def _known() -> dict[str, list[str]]:
-    """Return the SI units of all fields and outputs; a name may be of two, in two kinds."""
+    """Return the SI units of all fields and outputs; a name may have two, in two kinds."""
     known: dict[str, list[str]] = {}
     for kind in kinds.every():
         places: list[Any] = [*walk(kind.problem), *outputs(kind.result)]

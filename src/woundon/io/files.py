@@ -1,4 +1,4 @@
-"""Files as a whole: read up to a limit, written aside and put in place."""
+"""Read complete files up to a limit, and replace files atomically."""
 
 from __future__ import annotations
 
@@ -12,81 +12,87 @@ from threading import get_ident
 
 from ..errors import InvalidProblem
 
-__all__ = ["check_writable", "put_in_place", "read_whole", "write_whole"]
+__all__ = ["check_writable", "read_whole", "replaced_file", "write_whole"]
 
 
-def read_whole(path: str | Path, most: int) -> bytes:
-    """Return the bytes of a regular file that holds no more than ``most``.
+def read_whole(path: str | Path, max_bytes: int) -> bytes:
+    """Return the bytes of a regular file of at most ``max_bytes``.
 
-    A missing file is no ``FileNotFoundError``: whoever loads has one class of error to catch.
+    A missing file raises InvalidProblem, so that callers have one class of error to catch.
 
     Raises
     ------
     InvalidProblem
-        If it is missing, cannot be read, is no regular file, or is larger.
+        If it is missing, cannot be read, is not a regular file, or is larger.
+
+    Examples
+    --------
+    >>> read_whole("missing.toml", 1000)
+    Traceback (most recent call last):
+    woundon.errors.InvalidProblem: missing.toml: cannot be read: No such file or directory
     """
     path = os.fspath(path)  # open() would take a number for an open file
     try:
-        # a pipe that nobody writes to would keep open() waiting
-        with open(path, "rb", opener=_at_once) as file:
-            about = os.fstat(file.fileno())
-            regular = stat.S_ISREG(about.st_mode)
-            # the kernel's own files say that they are empty
-            content = file.read(most + 1) if regular and about.st_size <= most else b""
+        # open() would wait for a pipe that nobody writes to
+        with open(path, "rb", opener=_open_nonblocking) as file:
+            status = os.fstat(file.fileno())
+            regular = stat.S_ISREG(status.st_mode)
+            # files of the kernel state a size of 0
+            content = file.read(max_bytes + 1) if regular and status.st_size <= max_bytes else b""
     except OSError as fault:
         raise InvalidProblem.at(str(path), f"cannot be read: {fault.strerror}") from None
     except ValueError as fault:  # a zero byte in the name
         raise InvalidProblem.at(repr(str(path)), f"cannot be read: {fault}") from None
     if not regular:
-        raise InvalidProblem.at(str(path), "is no regular file, but a device or a pipe")
-    if max(about.st_size, len(content)) > most:
-        text = f"is larger than {most / 1e6:g} MB, which no file of this sort is"
+        raise InvalidProblem.at(str(path), "is not a regular file, but a device or a pipe")
+    if max(status.st_size, len(content)) > max_bytes:
+        text = f"is larger than {max_bytes / 1e6:g} MB"
         raise InvalidProblem.at(str(path), text)
     return content
 
 
-def _at_once(path: str, flags: int) -> int:
+def _open_nonblocking(path: str, flags: int) -> int:
     return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
 
 
 @contextlib.contextmanager
-def put_in_place(path: str | Path) -> Iterator[Path]:
-    """Yield a path beside ``path``; what is written there replaces ``path`` when the block ends.
+def replaced_file(path: str | Path) -> Iterator[Path]:
+    """Yield a temporary path; the file written there replaces ``path`` when the block ends.
 
-    The file is there whole or not at all, also after a loss of power: its content is on disk before
-    it takes its name.  If the block raises, what was at ``path`` stays as it was.
+    The replacement is atomic, also after a loss of power: the content is on disk before the file is
+    renamed.  If the block raises, the file at ``path`` is unchanged.
 
     Raises
     ------
     OSError
         If it cannot be written, with the name of ``path``.
     """
-    place = Path(os.path.realpath(path))  # a link goes on leading to the file
-    aside = place.with_name(f".{place.name[:100]}.{os.getpid()}-{get_ident()}.part")
+    place = Path(os.path.realpath(path))  # a link is kept, its target is replaced
+    temporary = place.with_name(f".{place.name[:100]}.{os.getpid()}-{get_ident()}.part")
     try:
-        with _faults_of(path):
-            yield aside
+        with _errors_named(path):
+            yield temporary
             with contextlib.suppress(FileNotFoundError):
-                copymode(place, aside)
-            _to_disk(aside, os.O_RDWR)
-            os.replace(aside, place)
-        with contextlib.suppress(OSError):  # not every system does that with a folder
-            _to_disk(place.parent, os.O_RDONLY)
+                copymode(place, temporary)
+            _sync(temporary, os.O_RDWR)
+            os.replace(temporary, place)
+        with contextlib.suppress(OSError):  # not every system can do that for a folder
+            _sync(place.parent, os.O_RDONLY)
     finally:
         with contextlib.suppress(OSError):
-            aside.unlink()
+            temporary.unlink()
 
 
 @contextlib.contextmanager
-def _faults_of(path: str | Path) -> Iterator[None]:
-    """Name ``path`` in the system's errors, whatever the file that they happened to."""
+def _errors_named(path: str | Path) -> Iterator[None]:
+    """Name ``path`` in the errors of the system, instead of the temporary file."""
     try:
         yield
     except OSError as fault:
         raise OSError(fault.errno, fault.strerror or str(fault), str(path)) from None
 
 
-def _to_disk(path: Path, flags: int) -> None:
+def _sync(path: Path, flags: int) -> None:
     descriptor = os.open(path, flags)
     try:
         os.fsync(descriptor)
@@ -95,24 +101,24 @@ def _to_disk(path: Path, flags: int) -> None:
 
 
 def write_whole(path: str | Path, content: bytes) -> None:
-    """Write a file so that it is there whole or not at all; see :func:`put_in_place`.
+    """Write a file atomically; see :func:`replaced_file`.
 
     Raises
     ------
     OSError
-        If it cannot be written; the file that was there stays as it was.
+        If it cannot be written; an existing file is unchanged.
     """
     path = Path(path)
-    if path.exists() and not path.is_file():  # a device or a pipe is written to, never replaced
-        with _faults_of(path):
+    if path.exists() and not path.is_file():  # a device or a pipe cannot be replaced
+        with _errors_named(path):
             path.write_bytes(content)
         return
-    with put_in_place(path) as aside:
-        aside.write_bytes(content)
+    with replaced_file(path) as temporary:
+        temporary.write_bytes(content)
 
 
 def check_writable(path: Path) -> None:
-    """Refuse a file that cannot be written, before anything is solved.
+    """Reject a file that cannot be written, before a long computation.
 
     Raises
     ------

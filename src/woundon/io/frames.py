@@ -1,4 +1,4 @@
-"""Results as tables of pandas."""
+"""Results as pandas DataFrames."""
 
 from __future__ import annotations
 
@@ -14,9 +14,15 @@ __all__ = ["to_frame"]
 
 
 def to_frame(result: Result) -> pd.DataFrame:
-    """Return a result's arrays along the first of them as columns; its numbers if it has none.
+    """Return the arrays of a result as columns, or its numbers as one row if it has no arrays.
 
-    SI units; the attributes ``units`` and ``long_names`` tell them by column.
+    Arrays of another length than the first one are omitted.  SI units; the frame has the attributes
+    ``units`` and ``long_names``, by column.
+
+    >>> import woundon as wo
+    >>> to_frame(wo.solve(wo.RollerProblem.example(), nodes=33)).attrs["units"]["pressure"]
+    'Pa'
+
     """
     import numpy as np
     import pandas as pd
@@ -24,8 +30,8 @@ def to_frame(result: Result) -> pd.DataFrame:
     known = {p.path: p.quantity for p in outputs(result) if p.quantity is not None}
     values = {name: value_of(result, name) for name in known}
     arrays = {name: value for name, value in values.items() if isinstance(value, np.ndarray)}
-    long = next((array.shape[:1] for array in arrays.values()), None)
-    columns = {name: array for name, array in arrays.items() if array.shape == long}
+    length = next((array.shape[:1] for array in arrays.values()), None)
+    columns = {name: array for name, array in arrays.items() if array.shape == length}
     frame = pd.DataFrame(columns) if columns else pd.DataFrame([values])
     frame.attrs = {
         "units": {name: known[name].unit for name in frame},

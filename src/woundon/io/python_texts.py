@@ -1,4 +1,4 @@
-"""Problems as Python: the script that makes one and solves it."""
+"""Write problems as Python scripts."""
 
 from __future__ import annotations
 
@@ -14,11 +14,16 @@ WIDTH = 96
 
 
 def to_python(problem: Problem) -> str:
-    """Return a script that solves a problem: running it gives the very same result."""
+    """Return a Python script that solves a problem with the same result.
+
+    >>> import woundon as wo
+    >>> to_python(wo.RollerProblem.example()).splitlines()[-2:]
+    ['result = wo.solve(problem)', 'print(result)']
+    """
     lines = (
         "import woundon as wo",
         "",
-        f"problem = {_made(problem, 0)}",
+        f"problem = {_expression(problem, 0)}",
         "result = wo.solve(problem)",
         "print(result)",
         "",
@@ -26,19 +31,21 @@ def to_python(problem: Problem) -> str:
     return "\n".join(lines)
 
 
-def _made(value: Any, depth: int) -> str:
-    """Return the expression of a value; on one line where that is short."""
+def _expression(value: Any, depth: int) -> str:
+    """Return the expression of a value, on one line if it is short."""
     if not isinstance(value, (Description, tuple)):
         return repr(value)
     name = next((name for name, known in MATERIALS.items() if known.material == value), None)
     if name is not None:
         return f"wo.material({name!r})"
     if isinstance(value, tuple):
-        parts, ends = [_made(item, depth + 1) for item in value], ("[", "]")
+        parts, ends = [_expression(item, depth + 1) for item in value], ("[", "]")
     else:
         fields = {name: getattr(value, name) for name in type(value).model_fields}
         parts = [
-            f"{name}={_made(held, depth + 1)}" for name, held in fields.items() if held is not None
+            f"{name}={_expression(item, depth + 1)}"
+            for name, item in fields.items()
+            if item is not None
         ]
         ends = (f"{_class(value)}(", ")")
     line = f"{ends[0]}{', '.join(parts)}{ends[1]}"

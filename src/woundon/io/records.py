@@ -1,10 +1,10 @@
-"""A result as a record of plain values, as files hold it, and back.
+"""Convert results to records of plain values for files, and back.
 
-A record has format, schema, version, kind, the problem, the result's fields with their dimensions,
-residuals, errors and warnings, and, for readers only, the outputs that the fields give.  Fields are
-read off the dataclass: one with ``metadata={"saved": False}`` stays out.  A field that a record
-does not have takes its default; one that this version does not know is left out with a warning,
-for the record may come from a later version.  What is damaged is refused.
+A record contains format, schema, version, kind, the problem, the fields of the result with their
+dimensions, residuals, error estimates and warnings, and the outputs that are computed from the
+fields (for other readers).  Fields with ``metadata={"saved": False}`` are omitted.  A field that is
+missing in a record takes its default; an unknown one is ignored with a warning, because the record
+may come from a later version.  Damaged records are rejected.
 """
 
 from __future__ import annotations
@@ -35,12 +35,12 @@ __all__ = [
 ]
 
 FORMAT = "woundon-result"
-SCHEMA = 4
+SCHEMA = 5
 
 Array = np.ndarray
 Record = dict[str, Any]
 
-_OWN = ("problem", "residuals", "errors", "warnings")  # told beside the other fields
+_SEPARATE = ("problem", "residuals", "errors", "warnings")  # have their own entries in a record
 
 
 def to_record(result: Result) -> Record:
@@ -49,10 +49,10 @@ def to_record(result: Result) -> Record:
     Raises
     ------
     InvalidProblem
-        For a field that is nothing that files hold.
+        For a field of a type that cannot be saved.
     """
     saved = saved_values(result)
-    told = [name for name in scalar_outputs(result) if name not in saved]
+    computed = [name for name in scalar_outputs(result) if name not in saved]
     return {
         "format": FORMAT,
         "schema": SCHEMA,
@@ -61,20 +61,20 @@ def to_record(result: Result) -> Record:
         "problem": result.problem.model_dump(mode="json"),
         "fields": {name: plain(value, name) for name, value in saved.items()},
         "dimensions": _dimensions(saved),
-        "outputs": {name: plain(value_of(result, name), name) for name in told},
-        "residuals": {law: plain(value, law) for law, value in result.residuals.items()},
+        "outputs": {name: plain(value_of(result, name), name) for name in computed},
+        "residuals": {name: plain(value, name) for name, value in result.residuals.items()},
         "errors": {name: plain(value, name) for name, value in result.errors.items()},
         "warnings": list(result.warnings),
     }
 
 
 def saved_fields(cls: type[Any]) -> list[Field[Any]]:
-    """Return the fields of a result's class that a record has under ``fields``."""
-    return [f for f in fields(cls) if f.name not in _OWN and f.metadata.get("saved", True)]
+    """Return the fields of the class of a result that a record has under ``fields``."""
+    return [f for f in fields(cls) if f.name not in _SEPARATE and f.metadata.get("saved", True)]
 
 
 def saved_hints(cls: type[Any]) -> dict[str, Any]:
-    """Return the types of the saved fields, those of parts by dotted name."""
+    """Return the types of the saved fields; those of parts have dotted names."""
     parts = _parts(cls)
     hints: dict[str, Any] = {}
     for each in saved_fields(cls):
@@ -87,9 +87,9 @@ def saved_hints(cls: type[Any]) -> dict[str, Any]:
 
 
 def saved_values(result: Result) -> dict[str, Any]:
-    """Return the values of the saved fields; those of a part, as an air film, by dotted name.
+    """Return the values of the saved fields; those of parts have dotted names.
 
-    Missing parts are left out, and empty arrays of fields that have a default.
+    Missing parts are omitted, and empty arrays of fields that have a default.
     """
     values: dict[str, Any] = {}
     parts = _parts(type(result))
@@ -112,7 +112,7 @@ def _is_required(part: Field[Any]) -> bool:
 
 
 def _parts(cls: type[Any]) -> dict[str, type[Any]]:
-    """Return the classes of the fields that are parts with outputs of their own, by name."""
+    """Return the classes of the fields that have outputs of their own, by name."""
     return {
         name: part
         for name, hint in get_type_hints(cls).items()
@@ -122,7 +122,11 @@ def _parts(cls: type[Any]) -> dict[str, type[Any]]:
 
 
 def plain(value: Any, name: str) -> Any:
-    """Return a field as JSON knows it; what is not a number becomes null."""
+    """Return a field as JSON types; nan and infinity become null.
+
+    >>> plain(np.array([1.0, np.nan]), "x")
+    [1.0, None]
+    """
     if value is None or isinstance(value, (str, bool)):
         return value
     if isinstance(value, np.ndarray):
@@ -138,7 +142,7 @@ def plain(value: Any, name: str) -> Any:
 
 
 def _dimensions(values: Mapping[str, Any]) -> dict[str, list[str]]:
-    """Return the names of each array's dimensions; the first array of a length names it."""
+    """Return the names of the dimensions of each array: the first array of each length."""
     arrays = {name: value for name, value in values.items() if isinstance(value, np.ndarray)}
     named: dict[int, str] = {}
     for name, array in arrays.items():
@@ -154,16 +158,23 @@ def _dimensions(values: Mapping[str, Any]) -> dict[str, list[str]]:
 
 
 def from_record(record: Record) -> Result:
-    """Return the result of a record, each of its parts checked."""
+    """Return the result of a record after checking each of its parts."""
     kind = kinds.named(str(record.get("kind")))
     try:
         problem = kind.problem(**record["problem"])
         values = dict(_restored_fields(kind.result, record["fields"], record["dimensions"]))
-        told = _told(record["residuals"])
+        residuals = {
+            str(name): number(value, f"residuals.{name}", False)
+            for name, value in record["residuals"].items()
+        }
         errors = {name: number(v, f"errors.{name}", True) for name, v in record["errors"].items()}
         notes = tuple(str(text) for text in record["warnings"])
         result = kind.result(
-            problem=problem, residuals=Residuals(**told), errors=errors, warnings=notes, **values
+            problem=problem,
+            residuals=Residuals(**residuals),
+            errors=errors,
+            warnings=notes,
+            **values,
         )
         _check_nodes(result)
         with np.errstate(all="ignore"):
@@ -179,7 +190,7 @@ def from_record(record: Record) -> Result:
 def _restored_fields(
     cls: type[Any], given: Mapping[str, Any], dimensions: Mapping[str, Any]
 ) -> Iterator[tuple[str, Any]]:
-    """Yield the fields of a result by name; those that have a default may be missing."""
+    """Yield the fields of a result by name, with its parts."""
     parts = _parts(cls)
     sizes: dict[str, int] = {}
     for name, part in parts.items():
@@ -194,13 +205,13 @@ def _restored_fields(
 def _restored_values(
     cls: type[Any], given: Mapping[str, Any], dimensions: Mapping[str, Any], sizes: dict[str, int]
 ) -> Iterator[tuple[str, Any]]:
-    """Yield the values of a dataclass by name, those of parts excepted."""
+    """Yield the values of a dataclass by name, except those of parts."""
     hints, parts = get_type_hints(cls, include_extras=True), _parts(cls)
     known = {each.name: each for each in saved_fields(cls) if each.name not in parts}
     may_be_nan: frozenset[str] | None = getattr(cls, "MAY_BE_NAN", frozenset())
-    strange = [str(name) for name in given if name not in known]
-    if strange:
-        text = f"not known to this version of woundon, left out: {', '.join(strange)}"
+    unknown = [str(name) for name in given if name not in known]
+    if unknown:
+        text = f"not known to this version of woundon, ignored: {', '.join(unknown)}"
         warnings.warn(text, UserWarning, stacklevel=6)
     for name, part in known.items():
         if name in given:
@@ -217,27 +228,28 @@ def _check_shape(value: Array, named: Any, sizes: dict[str, int], name: str) -> 
     if len(named) != value.ndim:
         raise InvalidProblem.at(name, f"has {value.ndim} dimensions; must be {len(named)}")
     for dimension, size in zip(named, value.shape, strict=True):
-        due = sizes.setdefault(str(dimension), size)
-        if size != due:
-            raise InvalidProblem.at(name, f"has {size} values; must be {due}, as {dimension}")
+        expected = sizes.setdefault(str(dimension), size)
+        if size != expected:
+            text = f"has {size} values; must be {expected}, as {dimension}"
+            raise InvalidProblem.at(name, text)
 
 
 def _restored(value: Any, hint: Any, name: str, free: bool) -> Any:
-    """Return a field of the type that its annotation says; ``free`` ones may be nan."""
+    """Return a field of the type of its annotation; ``free`` ones may be nan."""
     marks = get_args(hint)[1:] if get_origin(hint) not in (None, tuple) else ()
-    own = get_args(hint)[0] if marks else hint
-    if own is np.ndarray:
+    expected = get_args(hint)[0] if marks else hint
+    if expected is np.ndarray:
         return _zones(value, name) if Zone in marks else _array(value, name, free)
-    if own is float:
+    if expected is float:
         return number(value, name, free)
-    if own in (int, str) and type(value) is not own:
-        word = "a whole number" if own is int else "a word"
+    if expected in (int, str) and type(value) is not expected:
+        word = "a whole number" if expected is int else "a word"
         raise InvalidProblem.at(name, f"{value!r:.40} is out of place; must be {word}")
-    return _items(value, own)
+    return _items(value, expected)
 
 
 def _items(value: Any, hint: Any) -> Any:
-    """Return lists as the tuples that they were, and null among floats as nan."""
+    """Return lists as tuples, and null among floats as nan."""
     if not isinstance(value, list):
         return nan if value is None and hint is float else value
     inner = get_args(hint) or (Any,)
@@ -246,7 +258,11 @@ def _items(value: Any, hint: Any) -> Any:
 
 
 def number(value: Any, name: str, free: bool) -> float:
-    """Return a number as a record has it, null as nan where it may be; refuse all else."""
+    """Return a number of a record, null as nan if ``free``; reject other values.
+
+    >>> number(None, "half_width", free=True)
+    nan
+    """
     if value is None and free:
         return nan
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not isfinite(value):
@@ -257,10 +273,10 @@ def number(value: Any, name: str, free: bool) -> float:
 def _array(values: Any, name: str, free: bool) -> Array:
     """Return a list as an array, null as nan."""
     parts = np.asarray(values)
-    kinds_ok = parts.dtype.kind in "iuf" or all(
+    numeric = parts.dtype.kind in "iuf" or all(
         part is None or type(part) in (int, float) for part in parts.ravel().tolist()
     )
-    array = np.asarray(values, dtype=float) if kinds_ok and parts.ndim else None
+    array = np.asarray(values, dtype=float) if numeric and parts.ndim else None
     if array is None or np.isinf(array).any() or (not free and np.isnan(array).any()):
         raise InvalidProblem.at(name, "must be a list of finite numbers")
     return array
@@ -271,10 +287,6 @@ def _zones(values: Any, name: str) -> Array:
     if parts.dtype.kind not in "iu" or not np.isin(parts, list(Zone)).all():
         raise InvalidProblem.at(name, "must be a list of zones, -1, 0 or 1")
     return parts.astype(np.int8)
-
-
-def _told(residuals: Mapping[str, Any]) -> dict[str, float]:
-    return {str(law): number(value, f"residuals.{law}", False) for law, value in residuals.items()}
 
 
 def _check_nodes(result: Result) -> None:

@@ -1,7 +1,7 @@
-"""Results to files and back: netCDF (labelled, for xarray), JSON (complete), CSV (to look at).
+"""Save and load results: netCDF (labelled, for xarray), JSON (complete), CSV (export only).
 
-What is kept of a result is its record (:mod:`.records`); labels and units come from the quantities,
-so that a new field, output or kind needs no change here.
+The record of a result (:mod:`.records`) is saved; labels and units come from the quantities, so
+that a new field, output or kind needs no change here.
 """
 
 from __future__ import annotations
@@ -41,21 +41,21 @@ if TYPE_CHECKING:
 
 __all__ = ["load_result", "save_result", "to_dataset", "to_json", "writer_for"]
 
-LARGEST = 1_000_000_000  # bytes
+MAX_BYTES = 1_000_000_000
 
 
 def save_result(result: Result, path: str | Path) -> None:
-    """Write a result to ``.nc``, ``.json`` or ``.csv``, by the path's ending.
+    """Save a result as ``.nc``, ``.json`` or ``.csv``.
 
-    netCDF and JSON hold all of it and a ``sha256``, by which a change is found when it is loaded;
-    CSV is for spreadsheets, and is not loaded again.
+    netCDF and JSON files are complete and contain a ``sha256`` that detects changes; CSV files are
+    for spreadsheets and cannot be loaded.
 
     Raises
     ------
     InvalidProblem
-        For another ending, or a field that is nothing that files hold.
+        For another suffix, or a field of a type that cannot be saved.
     OSError
-        If the file cannot be written; the one that was there stays as it was.
+        If the file cannot be written; an existing file is unchanged.
     """
     write_whole(path, writer_for(path)(result))
 
@@ -63,22 +63,33 @@ def save_result(result: Result, path: str | Path) -> None:
 def load_result(path: str | Path, verify: bool = False) -> Any:
     """Return the result saved in a netCDF or JSON file.
 
-    The ``sha256`` of the file shows any change since it was saved.
+    The ``sha256`` in the file must be that of its content, the residuals must be within the limits
+    of a solution, and all arrays must have the shapes and units of the result.
 
     Parameters
     ----------
     path : path
     verify : bool
-        Measure the certificate anew, from the problem and the arrays, and compare with them what
-        else the file tells.
+        Recompute the residuals from the problem and the arrays, and compare the outputs in the file
+        with those that the arrays give.
 
     Raises
     ------
     InvalidProblem
-        If the file cannot be read, is no saved result, damaged or changed, or its certificate does
-        not hold; as of a case file.
+        If the file cannot be read, is not a saved result, is damaged or changed, or if the
+        residuals exceed their limits.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> import woundon as wo
+    >>> path = pathlib.Path(tempfile.mkdtemp(), "rollers.nc")
+    >>> result = wo.solve(wo.RollerProblem.example(), nodes=33)
+    >>> result.save(path)
+    >>> wo.load_result(path, verify=True).half_width == result.half_width
+    True
     """
-    content = read_whole(path, LARGEST)
+    content = read_whole(path, MAX_BYTES)
     if Path(path).suffix == ".csv":
         text = "is a table for spreadsheets; load the .nc or .json file of the result"
         raise InvalidProblem.at(str(path), text)
@@ -94,12 +105,12 @@ def load_result(path: str | Path, verify: bool = False) -> Any:
 
 
 def writer_for(path: str | Path) -> Callable[[Result], bytes]:
-    """Return what turns a result into the bytes of the format that the path's ending names.
+    """Return the function that converts a result to the file format of the suffix of a path.
 
     Raises
     ------
     InvalidProblem
-        For an ending other than .nc, .json, .csv.
+        For a suffix other than .nc, .json, .csv.
     """
     ending = Path(path).suffix
     if ending not in _WRITERS:
@@ -112,7 +123,7 @@ def writer_for(path: str | Path) -> Callable[[Result], bytes]:
 
 
 def _read(content: bytes) -> Record:
-    """Return the record in the content of a file, its seal checked."""
+    """Return the record in the content of a file after checking its SHA-256."""
     try:
         if content[:3] == b"CDF":
             sealed = seals.check_bytes(content)
@@ -125,7 +136,7 @@ def _read(content: bytes) -> Record:
             raise TypeError("no table")
     except InvalidProblem:
         raise
-    except Exception:  # whatever damage makes the readers of JSON and netCDF raise
+    except Exception:  # the readers of JSON and netCDF raise many types for damaged files
         raise InvalidProblem("is not a result saved by woundon, or is damaged") from None
     if schema != SCHEMA:
         text = f"{schema!r} is unknown; this version of woundon reads {SCHEMA}"
@@ -154,12 +165,12 @@ def _check_units(record: Record, result: Result) -> None:
 
 
 def _verify(record: Record, result: Result) -> Residuals:
-    """Measure the certificate anew, and compare outputs with what the fields give.
+    """Recompute the residuals, and compare the outputs with those of the fields.
 
     Raises
     ------
     InvalidProblem
-        If it does not hold, or cannot be measured.
+        If the residuals exceed their limits, outputs differ, or the kind cannot be verified.
     """
     try:
         with np.errstate(all="ignore"):
@@ -170,20 +181,22 @@ def _verify(record: Record, result: Result) -> Residuals:
     except NotImplementedError as fault:
         raise InvalidProblem(str(fault)) from None
     except (NotConverged, ArithmeticError, LookupError, TypeError, ValueError) as fault:
-        raise InvalidProblem(f"does not hold what it says: {fault}") from None
+        raise InvalidProblem(f"the contents of the file do not match: {fault}") from None
 
 
 def _check_scalars(record: Record, result: Result) -> None:
-    """Compare scalars and told outputs with what the arrays give."""
-    told = record.get("outputs", {})
-    due = {
-        name: (number(told[name], name, True), value_of(result, name), 0.0)
+    """Compare the outputs in the file with those computed from the arrays."""
+    saved = record.get("outputs", {})
+    expected = {
+        name: (number(saved[name], name, True), value_of(result, name), 0.0)
         for name in scalar_outputs(result)
-        if name in told
+        if name in saved
     }
-    due |= {name: (getattr(result, name), *given) for name, given in result.recomputed().items()}
-    for name, (one, other, within) in due.items():
-        # other versions of NumPy may add up in another order
+    expected |= {
+        name: (getattr(result, name), *given) for name, given in result.recomputed().items()
+    }
+    for name, (one, other, within) in expected.items():
+        # other versions of NumPy may add in another order
         if not np.isclose(one, other, rtol=1e-9, atol=within, equal_nan=True):
             raise InvalidProblem.at(name, f"{one!r:.40}, but the arrays give {other!r}")
 
@@ -192,9 +205,9 @@ def _check_scalars(record: Record, result: Result) -> None:
 
 
 def to_json(result: Result, sensitivity: Sensitivity | None = None) -> str:
-    """Return the complete result as JSON text, SI units, with a table of the units by name.
+    """Return the complete result as JSON text in SI units, with the units by name.
 
-    With a ``sensitivity``: its derivatives and elasticities too, by output and dotted field name.
+    A ``sensitivity`` adds derivatives and elasticities, by output and dotted name of the field.
     """
     record = to_record(result)
     if sensitivity is not None:
@@ -228,10 +241,10 @@ def _quantities(result: Result) -> dict[str, Quantity]:
 
 
 def _csv(result: Result) -> bytes:
-    """Return all single numbers as comments, ``# name [unit],value``, then the arrays in columns.
+    """Return scalars as comments, ``# name [unit],value``, followed by the arrays in columns.
 
-    Fields of the problem come first, then outputs and their estimated errors.  The arrays are those
-    along the first of them; ``pandas.read_csv(path, comment="#")`` reads them.
+    Fields of the problem come first, then outputs and their error estimates.  Arrays of another
+    length than the first one are omitted; ``pandas.read_csv(path, comment="#")`` reads the columns.
     """
     known = _quantities(result)
     text = io.StringIO()
@@ -239,12 +252,12 @@ def _csv(result: Result) -> bytes:
     table.writerow([f"# woundon {__version__}", kinds.of(result).name])
     for place in walk(result.problem):
         if place.value is not None:
-            _told(table, place.path, place.quantity, place.value)
+            _write_scalar(table, place.path, place.quantity, place.value)
     for name, quantity in scalar_outputs(result).items():
-        _told(table, name, quantity, value_of(result, name))
+        _write_scalar(table, name, quantity, value_of(result, name))
     for name, error in result.errors.items():
         if f"{name}_error" not in known:
-            _told(table, f"{name}_error", known.get(name), error)
+            _write_scalar(table, f"{name}_error", known.get(name), error)
     for note in result.warnings:
         table.writerow(["# warning", note])
     arrays = {
@@ -252,20 +265,20 @@ def _csv(result: Result) -> bytes:
     }
     first = next(iter(arrays.values()), np.empty(0))
     columns = {name: array for name, array in arrays.items() if array.shape == first.shape[:1]}
-    told = [_in_table(name, known.get(name), array) for name, array in columns.items()]
-    table.writerow(header for header, _ in told)
-    table.writerows(zip(*(array.tolist() for _, array in told), strict=True))
+    cells = [_in_table(name, known.get(name), array) for name, array in columns.items()]
+    table.writerow(header for header, _ in cells)
+    table.writerows(zip(*(array.tolist() for _, array in cells), strict=True))
     return text.getvalue().encode("utf-8")
 
 
-def _told(table: Any, name: str, quantity: Quantity | None, value: Any) -> None:
-    """Write a single number, or word, as a comment."""
+def _write_scalar(table: Any, name: str, quantity: Quantity | None, value: Any) -> None:
+    """Write a number or a text as a comment."""
     header, shown = _in_table(name, quantity, value)
     table.writerow([f"# {header}", shown])
 
 
 def _in_table(name: str, quantity: Quantity | None, value: Any) -> tuple[str, Any]:
-    """Return a column's header, with its unit, and its values in that unit."""
+    """Return the header of a column with its unit, and the values in this unit."""
     if quantity is None:
         return name, value
     unit, shown = quantity.in_table(value)
@@ -276,11 +289,16 @@ def _in_table(name: str, quantity: Quantity | None, value: Any) -> tuple[str, An
 
 
 def to_dataset(result: Result) -> xarray.Dataset:
-    """Return the result as an xarray Dataset, every variable with unit, name and symbol.
+    """Return the result as an xarray Dataset; all variables have unit, name and symbol.
 
-    Arrays lie along the first of them (``x``), the certificate is ``residual`` along ``law``, and
-    the estimated error of an output stands beside it as ``half_width_error``; the problem is the
+    The dimension of the arrays is the first one (``x``); ``residual`` has the dimension
+    ``condition``; error estimates are variables such as ``half_width_error``; the problem is the
     attribute ``problem`` (JSON).
+
+    >>> import woundon as wo
+    >>> to_dataset(wo.solve(wo.RollerProblem.example(), nodes=33)).half_width.attrs["units"]
+    'm'
+
     """
     import xarray
 
@@ -294,17 +312,23 @@ def to_dataset(result: Result) -> xarray.Dataset:
         if isinstance(value, str):
             attributes[name] = value
             continue
-        if isinstance(value, list) and not dims:  # a tuple of whatever
+        if isinstance(value, list) and not dims:  # a tuple
             attributes[name] = json.dumps(value)
             continue
         data = np.asarray(value_of(result, name)) if dims else nan if value is None else value
         variables[name] = (dims, data, _labels(known.get(name)))
     for name, error in result.errors.items():
         variables.setdefault(f"{name}_error", ((), error, _error(known.get(name))))
-    variables["residual"] = ("law", list(record["residuals"].values()), _labels(known["residual"]))
+    variables["residual"] = (
+        "condition",
+        list(record["residuals"].values()),
+        _labels(known["residual"]),
+    )
     names = {dim for dims in record["dimensions"].values() for dim in dims}
     coordinates = {name: variables.pop(name) for name in list(variables) if name in names}
-    return xarray.Dataset(variables, coordinates | {"law": list(record["residuals"])}, attributes)
+    return xarray.Dataset(
+        variables, coordinates | {"condition": list(record["residuals"])}, attributes
+    )
 
 
 def _labels(quantity: Quantity | None) -> dict[str, str]:
@@ -314,7 +338,7 @@ def _labels(quantity: Quantity | None) -> dict[str, str]:
 
 
 def _error(quantity: Quantity | None) -> dict[str, str]:
-    """Return the labels of an output's error."""
+    """Return the labels of the error estimate of an output."""
     if quantity is None:
         return {}
     about = f"estimated discretisation error: {quantity.meaning}"
@@ -322,7 +346,7 @@ def _error(quantity: Quantity | None) -> dict[str, str]:
 
 
 def _netcdf(result: Result) -> bytes:
-    # the classic format: read everywhere, written by SciPy alone, the same bytes every time
+    # the classic format can be read everywhere, needs SciPy only and is reproducible
     data = to_dataset(result).assign_attrs({seals.NAME: seals.BLANK})
     return seals.sealed_bytes(bytes(data.to_netcdf(engine="scipy")))
 
@@ -330,7 +354,7 @@ def _netcdf(result: Result) -> bytes:
 def _record_of_netcdf(content: bytes) -> Record:
     import xarray
 
-    # units of time are units like others
+    # without decoding, a unit of time would become a date
     with xarray.open_dataset(io.BytesIO(content), engine="scipy", decode_times=False) as data:
         values = {str(name): _null(v.values.tolist()) for name, v in data.variables.items()}
         dimensions = {str(name): list(v.dims) for name, v in data.variables.items()}
@@ -344,36 +368,36 @@ def _record_of_netcdf(content: bytes) -> Record:
     heads = ("format", "schema", "version", "kind")
     record: Record = {name: attributes.pop(name) for name in heads}
     record |= {name: json.loads(attributes.pop(name)) for name in ("problem", "warnings")}
-    record["residuals"] = dict(zip(values.pop("law"), values.pop("residual"), strict=True))
+    record["residuals"] = dict(zip(values.pop("condition"), values.pop("residual"), strict=True))
     record["units"] = units
     cls = kinds.named(str(record["kind"])).result
     hints = saved_hints(cls)
     known = {place.path for place in outputs(cls)}
     errors = {str(name): f"{name}_error" for name in json.loads(attributes.pop("errors"))}
-    told = {
+    restored = {
         name: value
         for name, value in values.items()
         if name in hints or name not in known | set(errors.values())
     }
-    told |= {
+    restored |= {
         name: text if hints.get(name) in ("str", str) else json.loads(text)
         for name, text in attributes.items()
     }
     return record | {
-        "fields": told,
+        "fields": restored,
         "dimensions": dimensions,
-        "outputs": {name: values[name] for name in known - set(told) if name in values},
+        "outputs": {name: values[name] for name in known - set(restored) if name in values},
         "errors": {name: values[of] for name, of in errors.items()},
     }
 
 
 def _item(value: Any) -> Any:
-    """Return an attribute as Python has it."""
+    """Return an attribute as a Python type."""
     return value.item() if isinstance(value, np.generic) else value
 
 
 def _null(value: Any) -> Any:
-    """Return nan as None, as the record has it."""
+    """Return nan as None, as in a record."""
     if isinstance(value, list):
         return [_null(item) for item in value]
     return None if value != value else value

@@ -1,8 +1,8 @@
-"""The seal of a result file: a SHA-256 of what it says, by which any change is found.
+"""The SHA-256 of result files, which detects damage and edits.
 
-JSON is sealed by its content, so that it may be laid out anew or pass through a terminal; netCDF by
-its bytes, so that a damaged file is refused before it is taken apart.  A seal keeps off accidents
-and well-meant edits, nothing more: whoever forges a file can seal it too.
+The hash of a JSON file is that of its content, so that it may be reformatted; the hash of a netCDF
+file is that of its bytes, so that a damaged file is rejected before it is parsed.  It is not a
+signature: a forger can compute it too.
 """
 
 from __future__ import annotations
@@ -17,61 +17,65 @@ from ..errors import InvalidProblem
 __all__ = ["BLANK", "NAME", "check_bytes", "check_record", "of_record", "sealed_bytes"]
 
 NAME = "sha256"
-BLANK = "0" * 64  # what the seal is computed with in its own place
+BLANK = "0" * 64  # in place of the hash while it is computed
 # the name of an attribute, padded; text; 64 characters (the classic format of netCDF)
 _MARK = b"\0\0\0\x06sha256\0\0" + b"\0\0\0\x02" + b"\0\0\0\x40"
 
 
 def of_record(record: Mapping[str, Any]) -> str:
-    """Return the seal of what a JSON file holds."""
+    """Return the SHA-256 of the content of a JSON file.
+
+    >>> of_record({"a": 1})[:8] == of_record({"a": 1, "sha256": "..."})[:8]
+    True
+    """
     content = {name: part for name, part in record.items() if name != NAME}
-    return _seal(json.dumps(content, sort_keys=True, allow_nan=False).encode("ascii"))
+    return _sha256(json.dumps(content, sort_keys=True, allow_nan=False).encode("ascii"))
 
 
 def check_record(record: Mapping[str, Any]) -> bool:
-    """Tell whether a record is sealed.
+    """Return whether a record has a SHA-256.
 
     Raises
     ------
     InvalidProblem
-        If the seal is not that of the content.
+        If it is not that of the content.
     """
     return NAME in record and _same(record[NAME], of_record(record))
 
 
 def sealed_bytes(content: bytes) -> bytes:
-    """Return a netCDF file with its seal in place of the blank one."""
+    """Return a netCDF file with its SHA-256 in place of the blank one."""
     before, blank, after = _parts(content)
     if blank != BLANK.encode("ascii"):
-        raise AssertionError("the file has no place for its seal")
-    return before + _seal(content).encode("ascii") + after
+        raise AssertionError("the file has no place for its SHA-256")
+    return before + _sha256(content).encode("ascii") + after
 
 
 def check_bytes(content: bytes) -> bool:
-    """Tell whether a netCDF file is sealed.
+    """Return whether a netCDF file has a SHA-256.
 
     Raises
     ------
     InvalidProblem
-        If the seal is not that of the content.
+        If it is not that of the content.
     """
     before, seal, after = _parts(content)
     blank = BLANK.encode("ascii")
-    return bool(seal) and _same(seal.decode("latin-1"), _seal(before + blank + after))
+    return bool(seal) and _same(seal.decode("latin-1"), _sha256(before + blank + after))
 
 
 def _parts(content: bytes) -> tuple[bytes, bytes, bytes]:
-    """Return what is before, in and after the place of the seal."""
+    """Return the bytes before, in and after the place of the SHA-256."""
     head, mark, tail = content.partition(_MARK)
     return head + mark, tail[:64], tail[64:]
 
 
-def _seal(content: bytes) -> str:
+def _sha256(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()
 
 
-def _same(told: Any, due: str) -> bool:
-    if told != due:
-        text = "its content has changed since it was saved; load a copy that is as it was saved, "
+def _same(found: Any, expected: str) -> bool:
+    if found != expected:
+        text = "its content has changed since it was saved; load an unchanged copy, "
         raise InvalidProblem.at(NAME, f"{text}or solve the problem again")
     return True

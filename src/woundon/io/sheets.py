@@ -1,8 +1,8 @@
-"""Tables as spreadsheets hold them: CSV as Excel writes it anywhere, .xlsx, columns in memory.
+"""Read tables: CSV of any locale, Excel files, columns in memory; and write Excel files.
 
-A sheet is a header and the rows below it, which keep the numbers that a spreadsheet shows beside
-them.  Titles above the header, blank rows, columns without a header and lines that open with # are
-left out; a merged cell counts for all that it covers.  What they mean is told in :mod:`.tables`.
+A sheet has a header and rows, which keep the row numbers of the spreadsheet.  Titles above the
+header, blank rows, columns without a header and lines that start with # are ignored; the value of a
+merged cell is repeated in all cells of the block.  :mod:`.tables` interprets headers and cells.
 """
 
 from __future__ import annotations
@@ -37,17 +37,17 @@ __all__ = [
     "write_workbook",
 ]
 
-LARGEST = 50_000_000  # bytes of a file, and of the unpacked parts of an Excel file
-MOST_CELLS = 2_000_000
-MOST_SPANNED = 5 * MOST_CELLS  # of an Excel sheet, empty cells included
-MOST_COLUMNS = 500
-MOST_ROWS = 1_048_576  # as Excel has
-MOST_BLANK_ROWS = 1000  # between rows of a table; a cell farther down is not part of it
-MOST_MERGED = 1000  # blocks of merged cells
-LONGEST_HEADER = 200  # characters; the search for names in a header takes the square of its length
-LONGEST_CELL = 32_767  # characters, as Excel admits
-LONGEST_LINE = 100_000  # characters of a text file; the csv module admits 131 072 in a cell
-WIDEST = 60  # characters of a column
+MAX_BYTES = 50_000_000  # bytes of a file, and of the unpacked parts of an Excel file
+MAX_CELLS = 2_000_000
+MAX_SPANNED_CELLS = 5 * MAX_CELLS  # of an Excel sheet, empty cells included
+MAX_COLUMNS = 500
+MAX_ROWS = 1_048_576  # the limit of Excel
+MAX_BLANK_ROWS = 1000  # between rows of a table; a cell farther down is not part of it
+MAX_MERGED_BLOCKS = 1000  # blocks of merged cells
+MAX_HEADER = 200  # characters; the time to search names is proportional to the square of it
+MAX_CELL = 32_767  # characters, the limit of Excel
+MAX_LINE = 100_000  # characters of a text file; the limit of the csv module is 131 072 in a cell
+MAX_WIDTH = 60  # characters
 EXCEL = (".xlsx", ".xlsm")
 _BINARY = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0")  # zip archives, Excel before 2007
 
@@ -55,22 +55,22 @@ Rows = list[list[Any]]
 
 
 class Sheet(NamedTuple):
-    """A table as it was given.
+    """A table before its headers and cells are interpreted.
 
     Attributes
     ----------
     where : str
-        The file's path, or what the columns in memory are.
+        Path of the file, or the name of the columns in memory.
     columns : mapping of str to list
         The cells below each header.
     numbers : sequence of int
-        Of the rows.
+        Row numbers, as a spreadsheet shows them.
     units : mapping of str to str
-        From a row of units below the header.
+        Units in a row below the header, by header.
     in_si : bool
-        Whether numbers without a unit are SI: columns in memory are, as all of Python is.
-    between : str
-        The sign between the cells of a text; empty of others.
+        Whether numbers without a unit are in SI, as columns in memory are.
+    separator : str
+        Character between the cells of a text file; empty for other tables.
     """
 
     where: str
@@ -78,23 +78,29 @@ class Sheet(NamedTuple):
     numbers: Sequence[int]
     units: Mapping[str, str] = MappingProxyType({})
     in_si: bool = False
-    between: str = ""
+    separator: str = ""
 
 
 def read_sheet(data: Any, name: str) -> Sheet:
-    """Return a table.
+    """Read a table.
 
     Parameters
     ----------
     data : path, mapping or pandas.DataFrame
         ``.xlsx`` file (its first sheet), text file with commas, semicolons or tabs; or columns.
     name : str
-        What columns in memory are called in error texts.
+        Name of columns in memory in error messages.
 
     Raises
     ------
     InvalidProblem
-        If it cannot be read or is no table, naming the row at fault.
+        If it cannot be read or is not a table; names the row.
+
+    Examples
+    --------
+    >>> sheet = read_sheet({"nip_load [N/m]": [1000.0, 2000.0]}, "measured")
+    >>> sheet.columns
+    {'nip_load [N/m]': [1000.0, 2000.0]}
     """
     if isinstance(data, Mapping) or (hasattr(data, "iloc") and not isinstance(data, type)):
         return _in_memory(data, name)
@@ -105,20 +111,20 @@ def read_sheet(data: Any, name: str) -> Sheet:
     if excel:
         need_openpyxl()
     where = os.fspath(data)
-    content = read_whole(where, LARGEST)
+    content = read_whole(where, MAX_BYTES)
     if excel:
         return _sheet(where, _excel_rows(content, where))
     if content[:4] in _BINARY:
-        raise InvalidProblem.at(where, "is no text; save it as .xlsx or .csv")
-    rows, between = _text_rows(_decoded(content, where), where)
-    return _sheet(where, rows)._replace(between=between)
+        raise InvalidProblem.at(where, "is not a text file; save it as .xlsx or .csv")
+    rows, separator = _text_rows(_decoded(content, where), where)
+    return _sheet(where, rows)._replace(separator=separator)
 
 
 def _in_memory(data: Any, name: str) -> Sheet:
-    """Return the sheet of columns by name, from a mapping or a DataFrame."""
+    """Return the sheet of a mapping or a DataFrame."""
     columns: dict[str, list[Any]] = {}
-    for given, cells in data.items():  # a DataFrame may have two columns of one name
-        header = str(given)
+    for label, cells in data.items():  # a DataFrame may have two columns of one name
+        header = str(label)
         check_header(header, len(columns) + 1, name)
         if header in columns:
             raise InvalidProblem.at(name, f"two columns have the same header {header!r}")
@@ -130,7 +136,7 @@ def _in_memory(data: Any, name: str) -> Sheet:
 
 
 def _listed(cells: Any, where: str) -> list[Any]:
-    """Return the cells of a column; reject what is not a sequence of one dimension."""
+    """Return the cells of a column; reject values that are not one-dimensional sequences."""
     no_cells = isinstance(cells, (str, bytes, bytearray, Mapping, set, frozenset, type))
     if not no_cells and getattr(cells, "ndim", 1) == 1:
         try:
@@ -144,13 +150,13 @@ def _listed(cells: Any, where: str) -> list[Any]:
 
 
 def _sheet(where: str, rows: Rows) -> Sheet:
-    told = [(number, cells) for number, cells in enumerate(rows, 1) if _filled(cells)]
-    wide = any(len(_filled(cells)) > 1 for _, cells in told)
-    while wide and len(_filled(told[0][1])) == 1:  # a title
-        del told[0]
-    if len(told) < 2:
-        raise InvalidProblem.at(where, "holds no header with rows below it")
-    (number, header), *below = told
+    filled = [(number, cells) for number, cells in enumerate(rows, 1) if _filled(cells)]
+    wide = any(len(_filled(cells)) > 1 for _, cells in filled)
+    while wide and len(_filled(filled[0][1])) == 1:  # a title
+        del filled[0]
+    if len(filled) < 2:
+        raise InvalidProblem.at(where, "has no header with rows below it")
+    (number, header), *below = filled
     names = [" ".join(str(cell).split()) for cell in header]
     while not names[-1]:
         names.pop()
@@ -175,29 +181,29 @@ def _sheet(where: str, rows: Rows) -> Sheet:
 
 
 def check_header(header: str, column: int, where: str, row: int = 0) -> None:
-    """Reject a header that is too long, and columns that are too many."""
+    """Reject a header that is too long, or a column beyond the maximum number."""
     place = f"row {row}, column {column}" if row else f"column {column}"
-    if column > MOST_COLUMNS:
-        text = f"{place}: the table has too many columns; must be at most {MOST_COLUMNS}"
+    if column > MAX_COLUMNS:
+        text = f"{place}: the table has too many columns; must be at most {MAX_COLUMNS}"
         raise InvalidProblem.at(where, text)
-    if len(header) > LONGEST_HEADER:
-        text = f"the header has {len(header)} characters; must be at most {LONGEST_HEADER}"
+    if len(header) > MAX_HEADER:
+        text = f"the header has {len(header)} characters; must be at most {MAX_HEADER}"
         raise InvalidProblem.at(where, f"{place}: {text}")
 
 
 def check_cells(cells: Sequence[Any], row: int, where: str) -> None:
     """Reject a row that has too many cells, or a cell that is too long."""
-    if len(cells) > MOST_COLUMNS and (filled := _last_filled(cells)) > MOST_COLUMNS:
-        text = f"the row has too many cells; must be at most {MOST_COLUMNS}"
+    if len(cells) > MAX_COLUMNS and (filled := _last_filled(cells)) > MAX_COLUMNS:
+        text = f"the row has too many cells; must be at most {MAX_COLUMNS}"
         raise InvalidProblem.at(where, f"row {row}, column {filled}: {text}")
     for column, cell in enumerate(cells, 1):
-        if isinstance(cell, str) and len(cell) > LONGEST_CELL:
-            text = f"the cell has {len(cell)} characters; must be at most {LONGEST_CELL}"
+        if isinstance(cell, str) and len(cell) > MAX_CELL:
+            text = f"the cell has {len(cell)} characters; must be at most {MAX_CELL}"
             raise InvalidProblem.at(where, f"row {row}, column {column}: {text}")
 
 
 def _last_filled(cells: Sequence[Any]) -> int:
-    """Return the number of the last cell of a row that is not empty, 0 without one."""
+    """Return the number of the last cell of a row that is not empty; 0 if all are empty."""
     return next((k for k in range(len(cells), 0, -1) if cells[k - 1] not in (None, "")), 0)
 
 
@@ -215,75 +221,75 @@ def _are_units(cells: Sequence[Any]) -> bool:
 
 
 def _decoded(content: bytes, where: str) -> str:
-    """Return a file's text: UTF-8, what Excel calls Unicode (UTF-16), or Windows' own code."""
+    """Return the text of a file in UTF-8, UTF-16 (Excel's Unicode text) or Windows-1252."""
     marked = content[:2] in (b"\xff\xfe", b"\xfe\xff")
-    # Windows' code matters for a header's µ or ± alone, which would match nothing if read wrongly
+    # Windows-1252 matters for µ and ± in headers only
     for code in ["utf-16"] if marked else ["utf-8-sig", "cp1252"]:
         try:
             return content.decode(code)
         except UnicodeDecodeError:
             continue
-    raise InvalidProblem.at(where, "is no text; save it as .xlsx or as CSV in UTF-8")
+    raise InvalidProblem.at(where, "is not a text file; save it as .xlsx or as CSV in UTF-8")
 
 
 def _text_rows(text: str, where: str) -> tuple[Rows, str]:
-    """Return the lines as cells, and what stands between these.
+    """Return the cells of the lines, and their separator.
 
-    By the standard library: pandas.read_csv would fill short rows up, and take the first column
-    for an index where a row is longer than the header.
+    The csv module is used, because pandas.read_csv fills short rows and takes the first column for
+    an index if a row is longer than the header.
     """
-    if max(map(text.count, "\r\n")) > MOST_ROWS:
-        raise InvalidProblem.at(where, f"has too many rows; must be at most {MOST_ROWS}")
+    if max(map(text.count, "\r\n")) > MAX_ROWS:
+        raise InvalidProblem.at(where, f"has too many rows; must be at most {MAX_ROWS}")
     # comments become blank lines, so that the rows keep their numbers
     lines = ["\n" if line.startswith("#") else line for line in text.splitlines(keepends=True)]
-    told = re.fullmatch(r"sep=(.)\s*", lines[0]) if lines and len(lines[0]) < 20 else None
-    if told:  # as Excel reads it
+    declared = re.fullmatch(r"sep=(.)\s*", lines[0]) if lines and len(lines[0]) < 20 else None
+    if declared:  # a line that Excel understands
         lines[0] = "\n"
 
-    def alike(between: str) -> int:
-        """Return how many of the first rows have as many cells as most of them."""
-        sizes = [len(row) for row in split_rows(lines[:100], between, where) if len(row) > 1]
+    def consistency(separator: str) -> int:
+        """Return the number of the first rows that have the most frequent number of cells."""
+        sizes = [len(row) for row in split_rows(lines[:100], separator, where) if len(row) > 1]
         return max(map(sizes.count, sizes), default=0)
 
     check_lines(lines, where)
-    # the first of equals: "1,5;2,5" could be three cells too
-    between = told[1] if told else max(";\t,", key=alike)
+    # the first one of equals: "1,5;2,5" could be three cells too
+    separator = declared[1] if declared else max(";\t,", key=consistency)
     rows, size = [], 0
-    for number, row in enumerate(split_rows(lines, between, where), 1):
+    for number, row in enumerate(split_rows(lines, separator, where), 1):
         check_cells(row, number, where)
         rows.append(row)
         size += len(row)
-        if size > MOST_CELLS:
-            raise InvalidProblem.at(where, f"row {number}: has more than {MOST_CELLS} cells so far")
-    return rows, between
+        if size > MAX_CELLS:
+            raise InvalidProblem.at(where, f"row {number}: has more than {MAX_CELLS} cells so far")
+    return rows, separator
 
 
 def check_lines(lines: Sequence[str], where: str) -> None:
-    """Reject lines that are too long or have a cell that is, whatever stands between the cells."""
+    """Reject lines, and cells between any of the separators, that are too long."""
     for number, line in enumerate(lines, 1):
-        if len(line) <= LONGEST_CELL:
+        if len(line) <= MAX_CELL:
             continue
         end = 0
-        for cell in re.split("[;\t,]", line[:LONGEST_LINE]):
+        for cell in re.split("[;\t,]", line[:MAX_LINE]):
             end += len(cell) + 1
-            if len(cell) > LONGEST_CELL:
-                text = f"the cell has too many characters; must be at most {LONGEST_CELL}"
+            if len(cell) > MAX_CELL:
+                text = f"the cell has too many characters; must be at most {MAX_CELL}"
                 break
         else:
-            text = f"the line has {len(line)} characters; must be at most {LONGEST_LINE}"
-            if len(line) <= LONGEST_LINE:
+            text = f"the line has {len(line)} characters; must be at most {MAX_LINE}"
+            if len(line) <= MAX_LINE:
                 continue
         column = 1 + max(line.count(sign, 0, end - 1) for sign in ";\t,")
         raise InvalidProblem.at(where, f"row {number}, column {column}: {text}")
 
 
-def split_rows(lines: Sequence[str], between: str, where: str) -> Iterator[list[str]]:
+def split_rows(lines: Sequence[str], separator: str, where: str) -> Iterator[list[str]]:
     """Yield the cells of each row of a text."""
-    reader = csv.reader(lines, delimiter=between, skipinitialspace=True)
+    reader = csv.reader(lines, delimiter=separator, skipinitialspace=True)
     try:
         yield from reader
     except csv.Error as fault:
-        raise InvalidProblem.at(where, f"row {reader.line_num}: is no table: {fault}") from None
+        raise InvalidProblem.at(where, f"row {reader.line_num}: is not a table: {fault}") from None
 
 
 # ---- Excel --------------------------------------------------------------------------------------
@@ -292,13 +298,13 @@ def split_rows(lines: Sequence[str], between: str, where: str) -> Iterator[list[
 def _excel_rows(content: bytes, where: str) -> Rows:
     """Return the rows of the first sheet of an Excel file, merged cells repeated.
 
-    The sheet is read as a stream: otherwise openpyxl creates a cell for each place that a merged
+    The sheet is read as a stream, because openpyxl would otherwise create all cells that a merged
     block or a single distant cell spans.
     """
     try:
         _check_unpacked(content, where)
         with _first_sheet(content, formulas=False) as sheet:
-            # first, since openpyxl reads the blocks too, whatever their number
+            # the number of blocks is checked before openpyxl reads them
             blocks, calculated = _merged_and_calculated(content, sheet._worksheet_path, where)
             rows = _streamed(sheet, where)
         if calculated:
@@ -308,7 +314,7 @@ def _excel_rows(content: bytes, where: str) -> Rows:
         _repeat_merged(rows, blocks, where)
     except InvalidProblem:
         raise
-    except Exception as fault:  # whatever damage makes the readers of zip archives and XML raise
+    except Exception as fault:  # zip and XML readers raise many types
         raise InvalidProblem.at(where, f"is not an Excel file: {fault}") from None
     return rows
 
@@ -317,14 +323,16 @@ def _check_unpacked(content: bytes, where: str) -> None:
     """Reject an archive whose parts are too large when they are unpacked."""
     with zipfile.ZipFile(io.BytesIO(content)) as archive:
         size = sum(part.file_size for part in archive.infolist())
-    if size > LARGEST:
-        text = f"has {size / 1e6:.0f} MB when it is unpacked; must be at most {LARGEST / 1e6:g} MB"
+    if size > MAX_BYTES:
+        text = (
+            f"has {size / 1e6:.0f} MB when it is unpacked; must be at most {MAX_BYTES / 1e6:g} MB"
+        )
         raise InvalidProblem.at(where, text)
 
 
 @contextmanager
 def _first_sheet(content: bytes, *, formulas: bool) -> Iterator[Any]:
-    """Provide the first sheet of an Excel file, to be read as a stream: formulas or values."""
+    """Provide the first sheet of an Excel file as a stream of formulas or of values."""
     import openpyxl
 
     book = openpyxl.load_workbook(
@@ -332,22 +340,22 @@ def _first_sheet(content: bytes, *, formulas: bool) -> Iterator[Any]:
     )
     with closing(book):
         sheet: Any = book.worksheets[0]
-        sheet.reset_dimensions()  # the file may state others than it has
+        sheet.reset_dimensions()  # those stated in the file may be wrong
         yield sheet
 
 
 def _streamed(sheet: Any, where: str) -> Rows:
-    """Return the rows of a sheet, each up to its last cell with a value."""
+    """Return the rows of a sheet, each up to its last cell that is not empty."""
     rows: Rows = []
     blank = size = spanned = 0
     for number, cells in enumerate(sheet.iter_rows(values_only=True), 1):
         spanned += len(cells)
-        if spanned > MOST_SPANNED:
-            text = f"more than {MOST_SPANNED} cells are spanned so far, empty ones included"
+        if spanned > MAX_SPANNED_CELLS:
+            text = f"more than {MAX_SPANNED_CELLS} cells are spanned so far, empty ones included"
             raise InvalidProblem.at(where, f"row {number}, column {len(cells)}: {text}")
         filled = _last_filled(cells)
-        if number > MOST_ROWS or (filled and blank > MOST_BLANK_ROWS and rows):
-            text = f"{blank} rows above it are blank; must be at most {MOST_BLANK_ROWS}"
+        if number > MAX_ROWS or (filled and blank > MAX_BLANK_ROWS and rows):
+            text = f"{blank} rows above it are blank; must be at most {MAX_BLANK_ROWS}"
             raise InvalidProblem.at(where, f"row {number}, column {max(filled, 1)}: {text}")
         if not filled:
             blank += 1
@@ -357,14 +365,14 @@ def _streamed(sheet: Any, where: str) -> Rows:
         rows += [[] for _ in range(number - 1 - len(rows))]
         rows.append(row)
         blank, size = 0, size + len(row)
-        if size > MOST_CELLS:
-            text = f"row {number}: has more than {MOST_CELLS} cells so far"
+        if size > MAX_CELLS:
+            text = f"row {number}: has more than {MAX_CELLS} cells so far"
             raise InvalidProblem.at(where, text)
     return rows
 
 
 class Block(NamedTuple):
-    """Ends of a block of merged cells, counted from 1."""
+    """First and last row and column of a block of merged cells, counted from 1."""
 
     top: int
     first: int
@@ -378,13 +386,13 @@ _BLOCK = re.compile(r"\$?([A-Z]{1,3})\$?(\d{1,7})(?::\$?([A-Z]{1,3})\$?(\d{1,7})
 def _even(rows: Rows, where: str) -> Rows:
     """Return rows of equal length."""
     width = max(map(len, rows), default=0)
-    if width * len(rows) > MOST_CELLS:
-        raise InvalidProblem.at(where, f"has more than {MOST_CELLS} cells")
+    if width * len(rows) > MAX_CELLS:
+        raise InvalidProblem.at(where, f"has more than {MAX_CELLS} cells")
     return [row + [""] * (width - len(row)) for row in rows]
 
 
 def _merged_and_calculated(content: bytes, part: str, where: str) -> tuple[list[Block], bool]:
-    """Return the merged blocks of a sheet, and whether the sheet has formulas."""
+    """Return the merged blocks of a sheet and, as a bool, if the sheet has formulas."""
     from openpyxl.utils import column_index_from_string as column
 
     blocks: list[Block] = []
@@ -397,8 +405,8 @@ def _merged_and_calculated(content: bytes, part: str, where: str) -> tuple[list[
         if local != "mergeCell":
             return
         ends = _BLOCK.fullmatch(attributes.get("ref", ""))
-        if ends is None or len(blocks) == MOST_MERGED:
-            text = f"merged cells: must be at most {MOST_MERGED} blocks, each as A1:B2"
+        if ends is None or len(blocks) == MAX_MERGED_BLOCKS:
+            text = f"merged cells: must be at most {MAX_MERGED_BLOCKS} blocks, each as A1:B2"
             raise InvalidProblem.at(where, text)
         first, top, last, bottom = ends.groups()
         block = Block(int(top), column(first), int(bottom or top), column(last or first))
@@ -412,32 +420,32 @@ def _merged_and_calculated(content: bytes, part: str, where: str) -> tuple[list[
 
 
 def _repeat_merged(rows: Rows, blocks: Iterable[Block], where: str) -> None:
-    """Put the value of each merged block into all its cells; titles stay."""
+    """Repeat the value of each merged block in all its cells, except in titles."""
     repeated = 0
     for top, first, bottom, last in blocks:
         block = rows[top - 1 : bottom]
         width = len(block[0][first - 1 : last]) if block else 0
         repeated += sum(map(len, block))
-        if bottom > len(rows) + MOST_BLANK_ROWS or repeated > MOST_CELLS:
+        if bottom > len(rows) + MAX_BLANK_ROWS or repeated > MAX_CELLS:
             text = f"merged cells reach down to row {bottom}, far below the table"
             raise InvalidProblem.at(where, f"row {top}, column {first}: {text}")
         if not width:  # outside the table
             continue
         value = block[0][first - 1]
-        for row in block:  # Excel shows the first cell alone
+        for row in block:  # Excel shows the first cell only
             row[first - 1 : last] = [""] * width
         block[0][first - 1] = value
         for row in block:
-            if len(_filled(row)) > (row[first - 1] != ""):  # else it is a title
+            if len(_filled(row)) > (row[first - 1] != ""):  # otherwise it is a title
                 row[first - 1 : last] = [value] * width
 
 
 def _marked_unknown(rows: Rows, formulas: Rows) -> Rows:
-    """Return the rows with formulas that no spreadsheet has calculated yet as their values."""
+    """Return the rows with those formulas that no spreadsheet has calculated as texts."""
     marked: Rows = []
     empty: list[Any] = []
-    for row, told in itertools.zip_longest(rows, formulas, fillvalue=empty):
-        pairs = itertools.zip_longest(row, told, fillvalue="")
+    for row, texts in itertools.zip_longest(rows, formulas, fillvalue=empty):
+        pairs = itertools.zip_longest(row, texts, fillvalue="")
         marked.append(
             [
                 formula if cell == "" and str(formula).startswith("=") else cell
@@ -448,20 +456,20 @@ def _marked_unknown(rows: Rows, formulas: Rows) -> Rows:
 
 
 def need_openpyxl() -> None:
-    """Say how to install what reads and writes Excel files, where it is missing."""
+    """Reject the use of Excel files if openpyxl is not installed."""
     if find_spec("openpyxl") is None:
         text = "Excel files need openpyxl: pip install 'woundon[excel]'"
         raise InvalidProblem.at("xlsx", text)
 
 
 def write_workbook(path: Path, sheets: dict[str, Iterable[Sequence[Any]]]) -> None:
-    """Write rows to the sheets of an Excel file, the first row of each bold and always in sight.
+    """Write rows to the sheets of an Excel file, with a bold and frozen first row.
 
     Parameters
     ----------
     path : path
     sheets : mapping of str to iterable of rows
-        nan and None are empty cells, for Excel knows no nan.
+        nan and None become empty cells.
     """
     from openpyxl import Workbook
     from openpyxl.styles import Font
@@ -476,7 +484,9 @@ def write_workbook(path: Path, sheets: dict[str, Iterable[Sequence[Any]]]) -> No
         sheet.freeze_panes = "A2"
         for k, column in enumerate(sheet.iter_cols(), 1):
             column[0].font = Font(bold=True)
-            # numbers are shown to what fits; of texts the longest
+            # numbers are rounded to the width, texts are not
             longest = max(len(str(c.value)) for c in column if isinstance(c.value, str))
-            sheet.column_dimensions[get_column_letter(k)].width = min(max(longest, 8) + 3, WIDEST)
+            sheet.column_dimensions[get_column_letter(k)].width = min(
+                max(longest, 8) + 3, MAX_WIDTH
+            )
     book.save(path)

@@ -1,9 +1,9 @@
-"""Columns of a table to names of the model and numbers in SI.
+"""Interpret the columns of a table: names of fields and outputs, numbers in SI.
 
     nip_load [kN/m]    Nip load (kN/m)    nip load, kN/m    NIP LOAD kN/m    P [kN/m]
 
-are all the input ``nip_load``.  Behind an output's name "+-" (or "±") says that the column holds
-its standard deviations.  Whatever is at fault, columns and cells, is told at once.
+are all the input ``nip_load``.  "+-" (or "±") after the name of an output denotes its standard
+deviations.  All errors of a table, in headers and cells, are reported together.
 """
 
 from __future__ import annotations
@@ -22,15 +22,15 @@ from ..problems.units import factor, is_unit, parse
 from ..quantities import Quantity, pattern
 from .sheets import Sheet
 
-__all__ = ["Column", "Names", "decimal_sign", "match_columns", "numbers", "tell"]
+__all__ = ["Column", "Names", "decimal_sign", "match_columns", "numbers", "raise_faults"]
 
 Array = np.ndarray
 Faults = list[tuple[str, str]]
 
-MOST_TOLD = 10  # faulty cells of a table
-MOST_COUNTED = 1000  # faulty cells that are looked for
-LONGEST_NUMBER = 60  # characters, with the unit
-NO_UNIT = ("", "1", "-", "\N{EN DASH}")  # how pure numbers are headed
+MAX_REPORTED = 10  # errors of a table
+MAX_COUNTED = 1000  # errors of a table
+MAX_NUMBER = 60  # characters, with the unit
+NO_UNIT = ("", "1", "-", "\N{EN DASH}")  # units in headers of dimensionless columns
 _BETWEEN = re.compile(r"[\s_.\-]+")
 _BRACKETS = re.compile(r"(.*?)[\s,/]*[\[(]\s*([^\[\]()]*)\s*[\])]")
 _SEPARATOR = re.compile(r"\s*,\s*|\s+/\s+|\s+in\s+|[\s_]+")
@@ -40,18 +40,24 @@ _COMMA = re.compile(r"[+-]?\d*,[\d,]+(?:[eE][+-]?\d{1,3})?\D*")
 _THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(?:,\d{3})+\D*")
 
 _HELP = (
-    "say what a column is in columns: {{{0!r}: 'NAME [UNIT]'}} in Python, [columns] in a study "
-    "file, --column {1!r} on the command line; an empty name leaves it out"
+    "name the column in columns: {{{0!r}: 'NAME [UNIT]'}} in Python, [columns] in a study "
+    "file, --column {1!r} on the command line; an empty name omits it"
 )
 
 
 class Names:
-    """Names that a column may have, found however they are written.
+    """Names that a column may have, independent of their spelling.
 
     Parameters
     ----------
     known : mapping of str to Quantity
-        Dotted names, ``*`` for the number of an item; None for what is not a number.
+        Dotted names, ``*`` for the number of an item; None if it is not a number.
+
+    Examples
+    --------
+    >>> from woundon.quantities import length
+    >>> Names({"nip_width": length("b", "nip width")}).find("Nip Width")
+    ['nip_width']
     """
 
     def __init__(self, known: Mapping[str, Quantity | None]) -> None:
@@ -64,20 +70,20 @@ class Names:
                 self._by_symbol.setdefault(quantity.symbol, []).append(name)
 
     def find(self, text: str) -> list[str]:
-        """Return the names that a text may mean: without regard to case, spaces and underscores.
+        """Return the names that a text may denote, ignoring case, spaces and underscores.
 
-        A symbol means what alone has it, and is taken to the letter.
+        Symbols are recognised too, if they are spelled exactly.
         """
         numbers = iter(part for part in _BETWEEN.split(text) if part.isdigit())
         found = self._by_key.get(_key(text)) or self._by_symbol.get(text.strip(), [])
         return [re.sub(r"\*", lambda _: next(numbers, "0"), name) for name in found]
 
     def quantity(self, name: str) -> Quantity | None:
-        """Return what a found name is."""
+        """Return the quantity of a name."""
         return self.known[pattern(name)]
 
     def nearest(self, text: str) -> str:
-        """Return the name that a text is most like, '' if it is like none."""
+        """Return the name that is most similar to a text; '' if none is."""
         return nearest("_".join(_BETWEEN.split(text)), self.known)
 
 
@@ -87,7 +93,7 @@ def _key(text: str) -> str:
 
 
 class Column(NamedTuple):
-    """A column whose name is known: what its header says, and its cells."""
+    """A column with a known name: header, name, unit, and cells."""
 
     header: str
     name: str
@@ -102,40 +108,48 @@ class Column(NamedTuple):
 def match_columns(
     sheet: Sheet, names: Names, columns: Mapping[str, str | None] | None = None
 ) -> list[Column]:
-    """Return the columns of a sheet by the names that their headers mean.
+    """Return the columns of a sheet with the names that their headers denote.
 
     Parameters
     ----------
     sheet : Sheet
     names : Names
     columns : mapping
-        Header, with or without its unit -> name, with or without a unit; None, or an empty name,
-        for a column to leave out.
+        Header, with or without its unit -> name, with or without a unit; None or an empty name
+        omits the column.
 
     Raises
     ------
     InvalidProblem
-        Naming all columns that are of no known name, or of one that another column has.
+        Lists all columns with an unknown name, or with the name of another column.
+
+    Examples
+    --------
+    >>> from woundon.io.sheets import read_sheet
+    >>> from woundon.quantities import length
+    >>> sheet = read_sheet({"Nip width in mm": [4.0]}, "measured")
+    >>> [(c.name, c.unit) for c in match_columns(sheet, Names({"nip_width": length("b", "")}))]
+    [('nip_width', 'mm')]
     """
     _check_renaming(columns)
     faults: Faults = []
     found: list[Column] = []
-    strange: list[str] = []
+    unknown: list[str] = []
     left = {_key(header): (header, target) for header, target in (columns or {}).items()}
     for header, cells in sheet.columns.items():
         target, unit = _renamed(header, left)
         if target is None:
             continue
         try:
-            name, own, deviation = _meant(target, names)
+            name, explicit, deviation = _interpreted(target, names)
         except InvalidProblem as fault:
             faults.append((sheet.where, f"column {header!r}: {fault}"))
-            strange.append(header)
+            unknown.append(header)
             continue
-        told = own or unit or sheet.units.get(header, "")
-        found.append(Column(header, name, told, deviation, cells))
-    if strange:
-        faults.append((sheet.where, _HELP.format(strange[0], f"{strange[0]}=NAME [UNIT]")))
+        unit = explicit or unit or sheet.units.get(header, "")
+        found.append(Column(header, name, unit, deviation, cells))
+    if unknown:
+        faults.append((sheet.where, _HELP.format(unknown[0], f"{unknown[0]}=NAME [UNIT]")))
     faults += [(sheet.where, f"has no column {header!r}") for header, _ in left.values()]
     faults += _twice(found, sheet.where)
     if faults:
@@ -144,7 +158,7 @@ def match_columns(
 
 
 def _check_renaming(columns: Any) -> None:
-    """Reject what is not a mapping of headers to names."""
+    """Reject values that are not a mapping of headers to names."""
     if columns is None:
         return
     if not isinstance(columns, Mapping):
@@ -157,30 +171,30 @@ def _check_renaming(columns: Any) -> None:
 
 
 def _renamed(header: str, left: dict[str, tuple[str, str | None]]) -> tuple[str | None, str]:
-    """Return what a header is to be read as, and the unit that is left of it; used up by that."""
+    """Return the text that replaces a header, and its remaining unit; remove it from ``left``."""
     for text, unit in _splits(header):
         if _key(text) in left:
             return left.pop(_key(text))[1] or None, unit
     return header, ""
 
 
-def _meant(text: str, names: Names) -> tuple[str, str, bool]:
-    """Return name, unit and whether it is of standard deviations.
+def _interpreted(text: str, names: Names) -> tuple[str, str, bool]:
+    """Return the name, the unit, and True for standard deviations.
 
     Raises
     ------
     InvalidProblem
-        If it is no known name, or more than one.
+        If it is not the name of exactly one quantity.
     """
-    for deviation, told in ((False, text), (True, _DEVIATION.sub(" ", text).strip())):
-        if deviation and told == text:
+    for deviation, header in ((False, text), (True, _DEVIATION.sub(" ", text).strip())):
+        if deviation and header == text:
             break
-        for name, unit in _splits(told):
+        for name, unit in _splits(header):
             found = [] if _DEVIATION.search(unit) else names.find(name)
             if found and unit and not is_unit(unit) and names.quantity(found[0]) is None:
-                continue  # "web tenson" is no web
+                continue  # "web tenson" is not the field web
             if len(found) > 1:
-                raise InvalidProblem(f"may be {one_of(found)}; write which")
+                raise InvalidProblem(f"is ambiguous: {one_of(found)}")
             if found:
                 return found[0], _without_symbol(unit, names.quantity(found[0])), deviation
     name = next((name for name, unit in _splits(text) if is_unit(unit)), text)
@@ -196,7 +210,7 @@ def _without_symbol(unit: str, quantity: Quantity | None) -> str:
 
 
 def _splits(header: str) -> Iterator[tuple[str, str]]:
-    """Yield ways to take a header for a name and a unit, the longest name first."""
+    """Yield the ways to split a header into name and unit, the longest name first."""
     yield header, ""
     match = _BRACKETS.fullmatch(header.strip())
     if match:
@@ -226,15 +240,15 @@ def numbers(
     gaps: bool,
     sign: str,
 ) -> Array:
-    """Return a column in SI; what is at fault is nan, and told.
+    """Return a column in SI; invalid cells are nan, and are added to ``faults``.
 
     Parameters
     ----------
     sheet, column : Sheet, Column
     quantity : Quantity
-        What it holds; None for what is not a number.
-    faults : list
-        Of (where, text), for whatever is at fault in the column.
+        Quantity of the column; None if it is not a number.
+    faults : list of (where, text)
+        Errors of the column are appended.
     gaps : bool
         Whether cells may be empty, or nan.
     sign : str
@@ -251,30 +265,30 @@ def numbers(
         faults.append((sheet.where, f"column {column.header!r}: {fault}"))
         return values
     for row, cell in enumerate(column.cells):
-        if len(faults) >= MOST_COUNTED:
+        if len(faults) >= MAX_COUNTED:
             break
         if gaps and _missing(cell):
             continue
         try:
             values[row] = _number(cell, scale, quantity.unit, sign)
         except InvalidProblem as fault:
-            told = f"row {sheet.numbers[row]}, column {column.header!r}: {fault}"
-            faults.append((sheet.where, told))
+            text = f"row {sheet.numbers[row]}, column {column.header!r}: {fault}"
+            faults.append((sheet.where, text))
     return values
 
 
 def _scale(column: Column, quantity: Quantity, in_si: bool) -> Fraction | None:
-    """Return how many SI units the column's unit is; None where the cells must tell theirs."""
+    """Return the size of the unit of a column in SI; None if the cells have their own units."""
     if column.unit in NO_UNIT:
         if in_si or quantity.unit == "1":
             return Fraction(1)
         if all(_with_unit(cell) for cell in column.cells if not _missing(cell)):
             return None
-        told = f"{column.name} [{quantity.unit}]"
+        named = f"{column.name} [{quantity.unit}]"
         raise InvalidProblem(
-            f"has no unit; write it into the header, as in {told!r}, into a row below the headers, "
-            f"or into columns, as in {{{column.header!r}: {told!r}}} or "
-            f"--column {f'{column.header}={told}'!r}"
+            f"has no unit; write it into the header, as in {named!r}, into a row below the "
+            f"headers, or into columns, as in {{{column.header!r}: {named!r}}} or "
+            f"--column {f'{column.header}={named}'!r}"
         )
     return factor(column.unit, quantity.unit, "")
 
@@ -286,7 +300,7 @@ def _missing(cell: Any) -> bool:
 
 
 def _with_unit(cell: Any) -> bool:
-    short = isinstance(cell, str) and len(cell) <= LONGEST_NUMBER
+    short = isinstance(cell, str) and len(cell) <= MAX_NUMBER
     number = _NUMBER.match(cell.strip()) if short else None
     return number is not None and is_unit(cell.strip()[number.end() :].strip())
 
@@ -297,14 +311,14 @@ def _number(cell: Any, scale: Fraction | None, unit: str, sign: str) -> float:
     Raises
     ------
     InvalidProblem
-        Without a field, saying what is wrong with the cell.
+        Describes the error of the cell, without naming the field.
     """
     if _missing(cell):
         raise InvalidProblem("the cell is empty")
     huge = isinstance(cell, int) and cell.bit_length() > 1024
     text = "inf" if huge else str(cell).strip()
-    if len(text) > LONGEST_NUMBER:
-        most = f"must have at most {LONGEST_NUMBER} characters"
+    if len(text) > MAX_NUMBER:
+        most = f"must have at most {MAX_NUMBER} characters"
         raise InvalidProblem(f"{quote(cell)} is not a number; {most}")
     if isinstance(cell, str):
         text = _with_point(text, sign)
@@ -322,11 +336,11 @@ def _number(cell: Any, scale: Fraction | None, unit: str, sign: str) -> float:
 
 
 def _with_point(text: str, sign: str) -> str:
-    """Return a text with a decimal point, the other mark refused."""
+    """Return a number with a decimal point; reject thousands separators."""
     if sign == "," and _COMMA.fullmatch(text) and text.count(",") == 1:
         return text.replace(",", ".")
     if "," in text:
-        hint = "write a decimal point, and no mark between thousands"
+        hint = "write a decimal point and no thousands separator"
         raise InvalidProblem(f"{text!r} is not a number; {hint}")
     if sign == "," and "." in text:
         raise InvalidProblem(f"{text!r} has a point where other cells have decimal commas")
@@ -336,30 +350,30 @@ def _with_point(text: str, sign: str) -> str:
 def decimal_sign(sheet: Sheet) -> str:
     """Return the decimal sign of a table's texts, "." or ",".
 
-    Between semicolons a comma is one, between commas it is none; elsewhere it is where one number
-    has a comma that cannot stand between thousands, so that "1,900" alone is refused.
+    If the separator is a semicolon, a comma is the decimal sign; if it is a comma, it is not.  In
+    other tables it is, if a number has a comma that cannot separate thousands: "1,900" is rejected.
     """
-    if sheet.between == ",":
+    if sheet.separator == ",":
         return "."
     short = (
         cell.strip()
         for cells in sheet.columns.values()
         for cell in cells
-        if isinstance(cell, str) and len(cell) <= LONGEST_NUMBER
+        if isinstance(cell, str) and len(cell) <= MAX_NUMBER
     )
     with_comma = [text for text in short if _COMMA.fullmatch(text)]
     unlike = (
         with_comma
-        if sheet.between == ";"
+        if sheet.separator == ";"
         else [text for text in with_comma if not _THOUSANDS.fullmatch(text)]
     )
     return "," if unlike else "."
 
 
-def tell(faults: Faults) -> None:
-    """Raise InvalidProblem with the first faults of a table, if there are any."""
+def raise_faults(faults: Faults) -> None:
+    """Raise InvalidProblem with the first errors of a table, if there are any."""
     if not faults:
         return
-    at_least = "at least " if len(faults) >= MOST_COUNTED else ""
-    more = [(faults[0][0], f"{at_least}{len(faults) - MOST_TOLD} more faults")]
-    raise InvalidProblem(faults[:MOST_TOLD] + more * (len(faults) > MOST_TOLD))
+    at_least = "at least " if len(faults) >= MAX_COUNTED else ""
+    more = [(faults[0][0], f"{at_least}{len(faults) - MAX_REPORTED} more errors")]
+    raise InvalidProblem(faults[:MAX_REPORTED] + more * (len(faults) > MAX_REPORTED))

@@ -412,7 +412,7 @@ def _fault(field: str, value: Any, what: str, unit: str, hint: str = "") -> Inva
 
 def _mistyped(value: str) -> str:
     """Return the hint for separators and dashes that are not read."""
-    rule = "; write a decimal point, and no mark between thousands"
+    rule = "; write a decimal point, and no thousands separator"
     if found := _THOUSANDS.match(value):
         digits = re.sub(r"[^\d.+-]", "", found[1])
         unit = found[2].strip()

@@ -20,7 +20,7 @@ import numpy as np
 from .. import __version__, kinds
 from ..errors import InvalidProblem, one_of
 from ..io.case_files import SCHEMA, load_case, make_problem
-from ..io.files import put_in_place
+from ..io.files import replaced_file
 from ..io.sheets import Sheet, need_openpyxl, read_sheet, write_workbook
 from ..io.tables import Column, Names, decimal_sign, match_columns, numbers
 from ..problems.problem import Problem
@@ -426,7 +426,7 @@ def write_table(frame: pd.DataFrame, path: str | Path) -> None:
         If the file cannot be written.
     """
     path = check_table_path(path)
-    with put_in_place(path) as aside:
+    with replaced_file(path) as aside:
         if path.suffix == ".csv":
             frame.to_csv(aside, index=False, lineterminator="\n")
             return

@@ -18,7 +18,15 @@ import numpy as np
 from ..errors import InvalidProblem
 from ..io.case_files import check_like_a_case
 from ..io.sheets import Sheet, read_sheet
-from ..io.tables import MOST_COUNTED, Column, Names, decimal_sign, match_columns, numbers, tell
+from ..io.tables import (
+    MAX_COUNTED,
+    Column,
+    Names,
+    decimal_sign,
+    match_columns,
+    numbers,
+    raise_faults,
+)
 from ..quantities import Quantity
 
 __all__ = ["BESIDE", "Measured", "read_cases", "read_measured"]
@@ -93,7 +101,7 @@ def read_measured(
         quantity = names.quantity(column.name)
         values = numbers(sheet, column, quantity, faults, gaps=output, sign=sign)
         found[kind][column.name] = values
-    tell(faults)
+    raise_faults(faults)
     _check(found, sheet.where)
     return Measured(**found, where=sheet.where, numbers=sheet.numbers)
 
@@ -143,7 +151,7 @@ def read_cases(
             over[column.name] = values.tolist()
         else:
             over[column.name] = _things(sheet, column, made, faults)
-    tell(faults)
+    raise_faults(faults)
     if not over:
         raise InvalidProblem.at(sheet.where, "has no column that is an input of the model")
     return over
@@ -156,7 +164,7 @@ def _things(
     things: list[Any] = []
     for number, cell in zip(sheet.numbers, column.cells, strict=True):
         thing = cell.strip() if isinstance(cell, str) else cell
-        if len(faults) >= MOST_COUNTED:
+        if len(faults) >= MAX_COUNTED:
             break
         try:
             if thing in ("", None):

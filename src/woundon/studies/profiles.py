@@ -168,10 +168,7 @@ class _Profile:
         return self.known[distance]
 
     def _refitted(self, distance: float) -> float:
-        """Return the least S over the other parameters, this one fixed; inf if not solved.
-
-        The derivatives are those at the initial guess, which is close.
-        """
+        """Return the least S over the other parameters, this one fixed; inf if not solved."""
         predictor, j, minimum = self.predictor, self.j, self.minimum
         at = float(minimum.u[j]) + distance
         near = min([minimum.u, *(u for _, u in self.points)], key=lambda u: abs(float(u[j]) - at))
@@ -182,20 +179,21 @@ class _Profile:
             return float("inf")
         if others.size:
             try:
-                u, r = self._with_others_fitted(u, predictor.differences(u, skip=j))
+                u, r = self._with_others_fitted(u)
             except ValueError:  # a derivative could not be solved
                 return float("inf")
         self.points.append((float(r @ r), u))
         return float(r @ r)
 
-    def _with_others_fitted(self, guess: Array, J: Array) -> tuple[Array, Array]:
-        """Return u and residuals with the other parameters fitted, by constant derivatives."""
+    def _with_others_fitted(self, guess: Array) -> tuple[Array, Array]:
+        """Return u and residuals with the other parameters fitted."""
         from scipy.optimize import least_squares
 
         others = np.arange(guess.size) != self.j
         s2 = self.minimum.S / max(self.predictor.measured.size - guess.size, 1)
         # variables in units of their conditional standard errors, so that tolerances are such
-        unit = np.sqrt(s2) / np.maximum(np.linalg.norm(J[:, others], axis=0), 1e-300)
+        sizes = np.linalg.norm(self.minimum.J[:, others], axis=0)
+        unit = np.sqrt(s2) / np.maximum(sizes, 1e-300)
         unit = np.minimum(unit, (self.predictor.high - self.predictor.low)[others])
 
         low, high = self.predictor.low - guess, self.predictor.high - guess
@@ -209,7 +207,7 @@ class _Profile:
             return self.predictor.residuals(place(v))
 
         def derivatives(v: Array) -> Array:
-            return np.asarray(J[:, others] * unit)
+            return self.predictor.differences(place(v), skip=self.j)[:, others] * unit
 
         # the guess may lie on a bound, which must not be outside by rounding
         bounds = (low[others] / unit - 1e-9, high[others] / unit + 1e-9)
@@ -220,7 +218,7 @@ class _Profile:
             bounds,
             method="dogbox",
             gtol=REFIT * s2,
-            xtol=REFIT,
+            xtol=REFIT**2,
             ftol=1e-4,
             max_nfev=REFIT_EVALUATIONS,
         )

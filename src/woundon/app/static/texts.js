@@ -38,7 +38,7 @@ export const T = {
     outward: (title, k) => `Move ${title.toLowerCase()} ${k} outward`, drop: (title, k) => `Remove ${title.toLowerCase()} ${k}`,
     notNumber: (text, range) => `must be a number, got '${text}'; permitted: ${range}`,
     unknownUnit: (unit, due) => `unknown unit '${unit}'; must be a number${due ? ` in ${due}, or with a unit, e.g. '5 ${due}'` : ""}`,
-    separators: (text) => `write a decimal point, and no mark between thousands; got '${text}'`,
+    separators: (text) => `write a decimal point, and no thousands separator; got '${text}'`,
     needed: (unit, needed) => `'${unit}' is converted with the ${needed} of the web; enter it first`,
     wrongDimension: (unit, due) => `'${unit}' is the unit of another quantity; must be ${due ? `a number in ${due}, or in a unit of the same dimension` : "a plain number"}`,
     outOfRange: (text, range) => `${text} is out of range; must be ${range}`,
