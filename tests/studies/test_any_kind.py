@@ -65,7 +65,7 @@ def test_by_default_a_study_gives_what_the_kind_is_about():
     loads = {"nip_load": [1e3]}
     for nip in (paper_nip(), paper_nip().replace(roll_wrap=pi)):
         assert "wound_on_tension" in wo.sweep(nip, loads, nodes=17, workers=1)
-    with pytest.raises(wo.InvalidProblem, match=r"none is given; known: .*creepage, shift, "):
+    with pytest.raises(wo.InvalidProblem, match=r"missing; known: .*creepage, shift, "):
         wo.sweep(wo.RollerProblem.example(), {"load": [1e3]})
 
 

@@ -173,7 +173,7 @@ def test_bad_tables_of_cases_are_rejected(tmp_path: Path, text: str, says: str):
 
 
 def test_a_table_is_not_drawn_from():
-    with pytest.raises(wo.InvalidProblem, match="'sobol' is drawn; a table has its cases already"):
+    with pytest.raises(wo.InvalidProblem, match="'sobol' draws samples, which cannot be combined"):
         wo.sweep(paper_nip(), "cases.csv", design="sobol", samples=8)
 
 

@@ -264,7 +264,7 @@ def _rms(nip: wo.NipProblem, shear: float) -> float:
         (["--vary", "roll.material.shear=-5 MPa:5 MPa"], "bounds: -5000000 is out of range"),
         (
             ["--vary", "roll_friction", "--tie", "roll_friction=drum_friction"],
-            "roll_friction: cannot be varied, for roll_friction is tied to drum_friction",
+            "roll_friction: cannot be varied, because roll_friction is tied to drum_friction",
         ),
     ],
 )
@@ -310,7 +310,7 @@ def test_example_studies_load(name: str):
         (
             "[solver]",
             '[tie]\nnip_load = "web_tension"\n[solver]',
-            "nip_load: cannot be varied, for nip_load is tied to web_tension",
+            "nip_load: cannot be varied, because nip_load is tied to web_tension",
         ),
         ("[solver]", '[tie]\n"web.material" = 5\n[solver]', "tie.web.material: 5 is not the name"),
         (

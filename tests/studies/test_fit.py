@@ -101,7 +101,7 @@ def test_a_product_cannot_be_distinguished():
     assert abs(fit.direction[0] + fit.direction[1]) < 1e-6
     assert fit.condition > 1e6
     assert fit.joint_effect < 1e-6 * fit.effects[0]
-    assert any("nearly a trade-off: " in line for line in fit.lines())
+    assert any("nearly non-identifiable combination: " in line for line in fit.lines())
     assert fit.not_identified == ("a", "b")
     assert "a  " in fit.lines()[1]
     assert "not identified by the data" in fit.lines()[1]
@@ -118,7 +118,7 @@ def test_several_starts_find_the_deepest_of_several_minima():
     assert one.rms > 0.1
     assert many.rms < 1e-6
     assert many.reached < 12
-    assert any("the next minimum has RMS" in line for line in many.lines())
+    assert any("second-best local minimum: RMS" in line for line in many.lines())
 
 
 def test_a_profile_that_walks_into_a_deeper_valley_takes_it():
@@ -290,7 +290,7 @@ def test_the_measured_tensions_cannot_tell_radial_from_shear_modulus(newsprint):
     assert np.all(fit.standard_errors > fit.estimates)
     computed = "\n".join(fit.lines())
     assert "correlation of roll.material.shear and roll.material.radial: 0.99" in computed
-    assert "nearly a trade-off: roll.material.shear +10.0%" in computed
+    assert "nearly non-identifiable combination: roll.material.shear +10.0%" in computed
 
 
 @pytest.mark.parametrize(

@@ -127,12 +127,12 @@ def test_bad_columns_are_rejected(columns, says):
 @pytest.mark.parametrize(
     ("content", "says"),
     [
-        (b"", "holds no header with rows below it"),
-        (b"nip_load,half_width\n", "holds no header with rows below it"),
+        (b"", "has no header with rows below it"),
+        (b"nip_load,half_width\n", "has no header with rows below it"),
         (b"nip_load,half_width\n1,2,3\n", "row 2 has 3 cells, the header 2"),
         (b"nip_load,half_width\n1,2\n3\n", "row 3 has 1 cells, the header 2"),
         (b"half_width,half_width\n1,2\n", "two columns have the same header"),
-        (b"nip_load,half_width\n\x81,1\n", "is no text; save it as .xlsx or as CSV in UTF-8"),
+        (b"nip_load,half_width\n\x81,1\n", "is not a text file; save it as .xlsx"),
     ],
 )
 def test_bad_files_are_rejected(tmp_path: Path, content, says):

@@ -50,7 +50,7 @@ def test_the_nip_knows_its_strong_inputs():
     change = exact.derivatives[0] * base
     # 2 % is nearly linear; sampling error at 32 base samples
     assert found.total_order[0] == pytest.approx(change**2 / np.sum(change**2), abs=0.08)
-    assert found.to_dataset().total_order.sel(input="nip_load").values == found.total_order[:, 0]
+    assert found.to_xarray().total_order.sel(input="nip_load").values == found.total_order[:, 0]
     assert found.lines()[0].startswith("wound_on_tension: share of the variance")
 
 

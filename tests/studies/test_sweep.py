@@ -170,7 +170,7 @@ def test_progress_is_reported():
         ({"nip_lode": [1.0]}, "half_width", {}, "nip_lode: no such field; did you mean 'nip_load'"),
         ({"roll.material.sheer": [1.0]}, "half_width", {}, "did you mean 'shear'"),
         ({"nip_load": [1e3]}, "half_with", {}, "half_with: not a scalar output; did you mean"),
-        ({"nip_load": [1e3]}, (), {}, "outputs: none is given"),
+        ({"nip_load": [1e3]}, (), {}, "outputs: missing"),
         ({"nip_load": [1e3]}, "half_width", {"options": {"node": 17}}, "node: no such option; d"),
         ({"nip_load": [1e3]}, "half_width", {"nodes": 17, "options": {"nodes": 13}}, "given twice"),
         ({"nip_load": [1e3]}, "half_width", {"nodes": 17, "rtol": 1e-3}, "together with rtol"),
@@ -179,7 +179,7 @@ def test_progress_is_reported():
         ({"nip_load": [1e3]}, "half_width", {"workers": 0}, "workers: 0 is out of range"),
         (
             {"nip_load": [1e3]}, "half_width", {"workers": 2, "scheduler": "tcp://127.0.0.1:1"},
-            "workers: has no meaning with a scheduler",
+            "workers: cannot be combined with a scheduler",
         ),
         ({"nip_load": [1e3]}, "half_width", {"tie": {"web.materiel": "roll.material"}}, "materiel"),
     ],

@@ -251,7 +251,7 @@ def test_columns_from_a_csv_file(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        ("pressure [kPa], strain\n", "test.csv: holds no header with rows below it"),
+        ("pressure [kPa], strain\n", "test.csv: has no header with rows below it"),
         ("pressure [kPa], strain\n1, 2\n3\n", "test.csv: row 2 has 1 cells, the header 2"),
         ("strain, strain\n1, 2\n", "test.csv: two columns are 'strain'"),
         ("pressure [kPa], kind\n1, 2\n", "test.csv: has a column 'kind', which the case gives"),

@@ -230,7 +230,7 @@ def sobol(
     for line in indices.lines():
         click.echo(line)
     targets = [folder / "sobol.nc", folder / "sobol.png"]
-    indices.to_dataset().to_netcdf(targets[0], engine="scipy")
+    indices.to_xarray().to_netcdf(targets[0], engine="scipy")
     indices.plot(targets[1])
     _print_written(targets)
 

@@ -212,11 +212,11 @@ class _Writer:
         return comment if self.comments else ""
 
     def shows(self, thing: Description, name: str) -> bool:
-        """Return whether a field is written: if it is set, or if comments are written."""
+        """Return True if a field is written: if it is set, or if comments are written."""
         return self.comments or getattr(thing, name) is not None
 
     def is_nested(self, value: Any) -> bool:
-        """Return whether a value is written as sections; a named material is not at first."""
+        """Return True if a value is written as sections; a named material is not at first."""
         if isinstance(value, tuple):
             return any(isinstance(item, Description) for item in value)
         name = _name_of(value) if self.comments else None

@@ -33,7 +33,7 @@ def of_record(record: Mapping[str, Any]) -> str:
 
 
 def check_record(record: Mapping[str, Any]) -> bool:
-    """Return whether a record has a SHA-256.
+    """Return True if a record has a SHA-256.
 
     Raises
     ------
@@ -52,7 +52,7 @@ def sealed_bytes(content: bytes) -> bytes:
 
 
 def check_bytes(content: bytes) -> bool:
-    """Return whether a netCDF file has a SHA-256.
+    """Return True if a netCDF file has a SHA-256.
 
     Raises
     ------

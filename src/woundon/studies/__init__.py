@@ -1,7 +1,7 @@
-"""Studies over any kind of problem: sweeps, fits, global sensitivity; they know no physics.
+"""Studies over any kind of problem: sweeps, fits, global sensitivity; they contain no physics.
 
-    inputs and their values --> Design --> chunks --> runner (here, pool, Dask) --> store, Table
+    inputs and their values --> Design --> chunks --> runner (serial, pool, Dask) --> store, Table
 
-The engine knows a ``Model`` only: names in, numbers out.  ``kind_model`` makes one of a problem of
-any kind; ``api`` and ``commands`` are what people call.
+The engine uses a ``Model`` only: names in, numbers out.  ``kind_model`` provides the model of any
+kind of problem; ``api`` contains the public functions.
 """

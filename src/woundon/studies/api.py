@@ -16,11 +16,11 @@ from .engine import run_study
 from .fit import FitResult, fit_parameters
 from .kind_model import (
     KindModel,
+    build,
     columns_of,
     field_quantity,
     get_field,
     kind_of,
-    made,
     measurable,
     model_of,
     number_in_si,
@@ -67,59 +67,66 @@ def sweep(
     Parameters
     ----------
     problem : Problem
-        What is not varied: :class:`~woundon.NipProblem`,
-        :class:`~woundon.RollerProblem`, ...
+        The base case, of any kind.
     over : mapping, path or pandas.DataFrame
         Dotted name of any field, ``"drum.layers.0.thickness"``, -> its values, SI or texts with
-        units; for a drawn design (low, high) or (low, high, "log").  Values may be bodies or names
-        of materials too.  Or a table with a case a row: a CSV or Excel file with units in its
-        header, such as a study writes, or a DataFrame (SI where its columns name no unit).
+        units; for a drawn design (low, high) or (low, high, "log").  Values may also be bodies or
+        names of materials.  Or a table with one case in each row: a CSV or Excel file with units in
+        its header, or a DataFrame (SI if its columns have no unit).
     outputs : sequence of str
-        Any scalar of the result, or ``"errors.<output>"`` for its estimated error; by default the
-        nip-induced tension of a nip, the wound-on tension of a wrapped one.
+        Any scalars of the result, or ``"errors.<output>"`` for an error estimate; by default the
+        main outputs of the kind.
     columns : mapping
-        Header in the table -> name here, maybe with its unit; None for a column to leave out.
+        Header in the table -> name of the field, with or without unit; None omits a column.
     design : {"grid", "table", "latin-hypercube", "sobol"}
-        All combinations (default); row by row; drawn.
+        All combinations (default); the rows of a table; drawn samples.
     samples, seed : int
-        Of a drawn design: number of cases (a power of 2 for "sobol"), and the generator's seed.
+        Of a drawn design: number of cases (a power of 2 for "sobol") and seed of the generator.
     tie : mapping of str to str
         Field -> field that it follows, e.g. ``{"web.material": "roll.material"}``.
     workers : int
-        Processes; by default one a core where it pays.
+        Processes; by default one for each core if the study takes more than some seconds.
     scheduler : str
-        Address of a Dask scheduler, "tcp://..."; its workers solve.
+        Address of a Dask scheduler, "tcp://...", whose workers solve the cases.
     out : path
-        Folder of the file to which results are added as they come; ``resume=True`` continues it.
+        Folder of the file to which solved chunks are added; ``resume=True`` continues the study.
     chunk : int
-        Cases that are solved in a row, each from the state of the one before.
+        Number of successive cases, each of which starts from the solution of the previous one.
     progress : bool or callable
-        Show rate and time left, or call with (cases done, cases in all).
+        Show rate and remaining time, or call with (cases done, all cases).
     nodes, rtol : int, float
-        Of the kind's solver: the nodes of the grid, or the error until which it is refined.
+        Of the solver: the number of nodes, or the error to which the mesh is refined.
     options : mapping
-        What else the kind's solver takes, e.g. ``{"rtol": 1e-4}``.
+        Further options of the solver, e.g. ``{"rtol": 1e-4}``.
 
     Returns
     -------
     xarray.Dataset
-        A dimension for each input of a grid, or ``case``.  Failed cases are nan, their reason is in
-        the variable ``failure``.  The numbers depend neither on workers nor on interruptions.
+        With a dimension for each input of a grid, or ``case``.  Failed cases are nan; the variable
+        ``failure`` has the reason.  Results depend neither on workers nor on interruptions.
 
     Raises
     ------
     InvalidProblem
-        For a name that does not exist, a folder that holds another study, or values of which none
-        is admissible.
+        For a name that does not exist, a folder that contains another study, or if all values are
+        invalid.
     NotConverged
-        If no case at all was solved, with the reasons; carries the dataset.
+        If no case was solved, with the reasons; has the dataset.
     OSError
-        If ``out`` cannot be written, e.g. on a full disk; what was written stays valid.
+        If ``out`` cannot be written, e.g. on a full disk; chunks in the file remain valid.
 
     Warns
     -----
     UserWarning
         If the file in ``out`` is damaged; the damaged chunks are solved again.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> loads = {"load": ["50 kN/m", 89e3]}
+    >>> table = wo.sweep(wo.RollerProblem.example(), loads, ["half_width"], workers=1)
+    >>> (1e6 * table.half_width).round().values.tolist()
+    [265.0, 354.0]
     """
     model, cases = study_of(
         problem,
@@ -141,7 +148,7 @@ def sweep(
         chunk=chunk,
         progress=progress,
     )
-    return table.refused_if_all_failed().to_dataset()
+    return table.check_any_solved().to_dataset()
 
 
 def study_of(
@@ -156,7 +163,14 @@ def study_of(
     tie: Mapping[str, str] | None = None,
     options: Mapping[str, Any] | None = None,
 ) -> tuple[KindModel, Design]:
-    """Return model and cases of a :func:`sweep`: what :func:`~.engine.run_study` takes."""
+    """Return the model and the design of a :func:`sweep`, for :func:`~.engine.run_study`.
+
+    >>> import woundon as wo
+    >>> over = {"load": [1e4, 2e4], "friction": [0.3]}
+    >>> _, design = study_of(wo.RollerProblem.example(), over, ["half_width"])
+    >>> design.shape
+    (2, 1)
+    """
     if columns is not None or isinstance(over, (str, Path)) or hasattr(over, "iloc"):
         over, design = _cases(problem, over, columns, design), "table"
     return (
@@ -170,11 +184,13 @@ def _cases(
 ) -> dict[str, list[Any]]:
     """Return the cases of a table, row by row."""
     if design not in ("grid", "table"):
-        raise InvalidProblem.at("design", f"{design!r} is drawn; a table has its cases already")
+        raise InvalidProblem.at(
+            "design", f"{design!r} draws samples, which cannot be combined with a table"
+        )
     outputs = scalar_outputs(kind_of(problem).result)
     outputs |= {f"errors.{name}": quantity for name, quantity in outputs.items()}
     inputs = columns_of(problem)
-    return read_cases(data, inputs, outputs, lambda *given: made(problem, *given), columns)
+    return read_cases(data, inputs, outputs, lambda *given: build(problem, *given), columns)
 
 
 def _varied(
@@ -191,7 +207,11 @@ def _varied(
 
 
 def solver_options(nodes: Any, rtol: Any, options: Mapping[str, Any] | None) -> dict[str, Any]:
-    """Return all options of the solver that are given."""
+    """Return the options of the solver that are not None.
+
+    >>> solver_options(65, None, {"progress": None})
+    {'nodes': 65, 'progress': None}
+    """
     named = {name: value for name, value in (("nodes", nodes), ("rtol", rtol)) if value is not None}
     for name in named.keys() & (options or {}).keys():
         raise InvalidProblem.at(name, "is given twice, also among the options")
@@ -199,7 +219,12 @@ def solver_options(nodes: Any, rtol: Any, options: Mapping[str, Any] | None) -> 
 
 
 def in_si(problem: Problem, over: Any) -> Any:
-    """Return values, ranges or bounds by field with their texts with units in SI."""
+    """Return values, ranges or bounds by field, with texts with units converted to SI.
+
+    >>> import woundon as wo
+    >>> in_si(wo.RollerProblem.example(), {"load": ("50 kN/m", 1e5)})
+    {'load': [50000.0, 100000.0]}
+    """
     if not isinstance(over, Mapping):
         return over
     return {name: _numbers(problem, name, given) for name, given in over.items()}
@@ -233,15 +258,15 @@ def global_sensitivity(
     rtol: float | None = None,
     options: Mapping[str, Any] | None = None,
 ) -> SobolIndices:
-    """Return how much of each output's variance the ranges of inputs explain (Sobol's indices).
+    """Compute Sobol' indices: the share of the variance of each output due to each input.
 
     Parameters
     ----------
     problem : Problem
         Of any kind.
     over : mapping
-        Dotted name -> range (low, high), or (low, high, "log") for one even in the logarithm; in SI
-        or texts with units.
+        Dotted name -> range (low, high), or (low, high, "log") for a uniform distribution of the
+        logarithm; SI or texts with units.
     outputs : sequence of str
     samples : int
         Base samples, a power of 2; samples * (inputs + 2) cases are solved.
@@ -251,7 +276,17 @@ def global_sensitivity(
     Raises
     ------
     InvalidProblem
-        Also if a case of the ranges cannot be solved: the indices need every one.
+        Also if a case cannot be solved: the indices need all cases.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> ranges = {"load": (50e3, 100e3), "friction": (0.3, 0.5)}
+    >>> indices = wo.global_sensitivity(
+    ...     wo.RollerProblem.example(), ranges, ["half_width"], samples=16, nodes=17, workers=1
+    ... )
+    >>> bool(indices.total_order[0, 0] > indices.total_order[0, 1])
+    True
     """
     model = _varied(problem, over, outputs, tie, solver_options(nodes, rtol, options))
     cases = saltelli_design(in_si(problem, over), samples, seed)
@@ -282,10 +317,9 @@ def fit(
     Parameters
     ----------
     problem : Problem
-        Everything that is neither measured nor fitted.  Wound-on tensions are fitted by
-        ``wound_on_tension``.
+        The base case, with the fields that are neither measured nor fitted.
     measured : path, mapping or pandas.DataFrame
-        CSV or Excel file with units in its header, or columns by name, SI where they name no unit:
+        CSV or Excel file with units in its header, or columns by name, SI if they have no unit:
         inputs ("nip_load [kN/m]"), outputs ("wound_on_tension [N/m]"), and standard deviations of
         these ("wound_on_tension +- [N/m]").
     vary : mapping or sequence of str
@@ -294,31 +328,41 @@ def fit(
     tie : mapping of str to str
         Field -> field that it follows, e.g. ``{"web.material": "roll.material"}``.
     columns : mapping
-        Header in the data -> name here, maybe with its unit; None for a column to leave out.
+        Header in the data -> name of the quantity, with or without unit; None omits a column.
     starts, seed : int
-        Starting points: the problem as it is, the others drawn.
+        Number of starting points: the values of the problem, and drawn ones; seed of these.
     profiles : bool or sequence of str
-        Find profile-likelihood intervals: of all, or of the fields named.
+        Compute profile-likelihood intervals: of all fitted fields, or of the named ones.
     workers : int
         Processes for starts and profiles if they take long; by default one for each core.
     progress : bool or callable
         Show the fraction that is done, or call with (starts and profiles done, in all).
     nodes, rtol, options
-        As of :func:`sweep`; 65 nodes by default where the solver would choose their number itself.
-        Leave ``rtol`` out: on one grid the outputs are continuous in the parameters, between grids
-        they jump by the discretisation's error.
+        As of :func:`sweep`; by default 65 nodes if the solver chooses the mesh.  ``rtol`` is not
+        recommended: outputs are continuous in the parameters on one mesh, and jump by the
+        discretisation error where the mesh changes.
 
     Returns
     -------
     FitResult
-        Its ``problem`` has the estimates put in.
+        Its ``problem`` contains the estimates.
 
     Raises
     ------
     InvalidProblem
-        For names, bounds, or data at fault.
+        For invalid names, bounds or data.
     NotConverged
         If no start can be solved.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> data = {"load [kN/m]": [50, 89, 120], "half_width [um]": [265, 354, 411]}
+    >>> found = wo.fit(
+    ...     wo.RollerProblem.example(), data, {"upper.radius": (0.1, 1.0)}, starts=1, nodes=17
+    ... )
+    >>> round(found.estimate("upper.radius"), 2)  # m
+    0.25
     """
     outputs = measurable(problem)
     data = read_measured(measured, columns_of(problem), outputs, columns, replaced(problem))
@@ -348,7 +392,7 @@ def fit(
 
 
 def _on_one_grid(problem: Problem, options: Mapping[str, Any]) -> dict[str, Any]:
-    """Keep a grid that its solver would choose from being refined where the error asks for it."""
+    """Return the options with a fixed number of nodes if the solver would choose the mesh."""
     chosen = options_of(problem).get("nodes", ...) is None
     if not chosen or any(options.get(name) is not None for name in ("nodes", "rtol")):
         return dict(options)
@@ -367,7 +411,7 @@ def _bounds(vary: Any) -> dict[str, Any]:
 
 
 def _profiled(profiles: bool | Sequence[str], varied: Mapping[str, Any]) -> tuple[str, ...]:
-    """Return the parameters whose profiles are asked for."""
+    """Return the names of the parameters that get a profile."""
     if isinstance(profiles, bool):
         return tuple(varied) if profiles else ()
     names = (profiles,) if isinstance(profiles, str) else tuple(profiles)
@@ -393,7 +437,7 @@ def _parameter(problem: Problem, name: str, bounds: Any) -> Parameter:
 
 
 def _check_bounds(problem: Problem, parameter: Parameter) -> None:
-    """Refuse bounds that the field itself does not admit."""
+    """Reject bounds outside the permitted range of the field."""
     for end in (parameter.low, parameter.high):
         try:
             problem.replace(**{parameter.name: end})
@@ -406,7 +450,7 @@ def _check_bounds(problem: Problem, parameter: Parameter) -> None:
 
 
 def _check_rows(problem: Problem, data: Measured) -> None:
-    """Refuse inputs that a field does not admit; what no steady state carries is the fit's."""
+    """Reject rows with invalid inputs; rows without a steady state are left to the fit."""
     columns = [values.tolist() for values in data.inputs.values()]
     for number, *row in zip(data.numbers, *columns, strict=bool(columns)):
         try:
@@ -418,7 +462,7 @@ def _check_rows(problem: Problem, data: Measured) -> None:
 
 
 def _one_unit(quantities: Mapping[str, Quantity], data: Measured) -> None:
-    """Refuse to weigh outputs of different units against each other without deviations."""
+    """Reject outputs of different units without standard deviations."""
     units = {quantities[name].unit for name in data.outputs}
     if len(units) > 1 and set(data.deviations) != set(data.outputs):
         text = f"outputs of different units ({', '.join(sorted(units))}) need standard deviations"

@@ -27,8 +27,8 @@ from ..problems.problem import Problem
 from ..quantities import Quantity, pattern, scalar_outputs
 from . import design as designs
 from .engine import run_study
-from .kind_model import KindModel, columns_of, get_field, kind_of, made, model_of
-from .measured import BESIDE
+from .kind_model import KindModel, build, columns_of, get_field, kind_of, model_of
+from .measured import ANNOTATIONS
 from .model import quantities_of
 from .progress import Progress
 from .runners import runner_for
@@ -221,7 +221,7 @@ def _names(problem: Problem) -> Names:
     """Return all names that a header may have: fields, outputs, what studies write next to them."""
     known = scalar_outputs(kind_of(problem).result)
     errors = {f"errors.{name}": quantity for name, quantity in known.items()}
-    return Names({**dict.fromkeys(BESIDE), **known, **errors, **columns_of(problem)})
+    return Names({**dict.fromkeys(ANNOTATIONS), **known, **errors, **columns_of(problem)})
 
 
 def _named(kind: str) -> kinds.Kind:
@@ -290,7 +290,7 @@ def _thing(problem: Problem, column: Column, row: int, faults: list[str]) -> Any
     if not text.startswith("{"):
         return text or None
     try:
-        return made(problem, column.name, json.loads(text))
+        return build(problem, column.name, json.loads(text))
     except (ValueError, RecursionError) as fault:  # InvalidProblem and JSONDecodeError are such
         faults.append(f"column {column.header!r}: {fault}".replace("\n", "; "))
         return None
@@ -378,7 +378,9 @@ def _joined(
     import pandas as pd
 
     names = {column.header: column for column in matched}
-    written = any(column.name in BESIDE for column in matched)  # by this function or by a sweep
+    written = any(
+        column.name in ANNOTATIONS for column in matched
+    )  # by this function or by a sweep
     cells_of: dict[str, Any] = {}
     for header, cells in sheet.columns.items():
         column = names.get(header)

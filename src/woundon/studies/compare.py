@@ -100,6 +100,14 @@ class Comparison(Presented, ReadOnly):
     explanations : tuple of Explanation
         Possible causes of systematic differences, by rules; none is proved by them.
     problem : Problem
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> rows = {"load [kN/m]": [50.0, 89.0], "nip_width [mm]": [0.54, 0.72]}
+    >>> check = wo.compare(wo.RollerProblem.example(), rows, nodes=33)
+    >>> round(check.agreement("nip_width").bias * 1e3, 2)  # mm
+    0.01
     """
 
     names: tuple[str, ...]

@@ -1,10 +1,10 @@
-"""First derivatives of any kind's outputs: exact where the result has them, else by differences."""
+"""First derivatives of the outputs of any kind: exact ones, or central differences."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from math import isfinite
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -15,22 +15,19 @@ from ..nip.sensitivity import Sensitivity
 from ..quantities import walk
 from ..results import Result
 
-if TYPE_CHECKING:
-    from ..nip.sensitivity import Sensitivity
-
 __all__ = ["derivatives"]
 
 Array = np.ndarray
 
-STEP = 1e-3  # of a field: its square is left of an output, and what solves leave, 1e-8, over it
+STEP = 1e-3  # relative; errors: its square, and the solver tolerance, 1e-8, divided by it
 
 
 def derivatives(result: Any, *parameters: str, **options: Any) -> Sensitivity:
     """Return derivatives of a result's main outputs with respect to fields of its problem.
 
-    Nips and wrapped nips tell them by differentiation of their equations; of all other kinds, and
-    with options, they are central differences of the outputs told, two solves a field, over a
-    thousandth of it; one-sided where one of the two is refused.
+    Results with a method ``sensitivity`` (nips) differentiate their equations.  For all other
+    kinds, and with options, the derivatives are central differences with a step of 0.1 % of the
+    field; one-sided if the problem is invalid on one side.
 
     Parameters
     ----------
@@ -38,7 +35,7 @@ def derivatives(result: Any, *parameters: str, **options: Any) -> Sensitivity:
     parameters : str
         Dotted names (``"lower.material.prony.0.time"``).
     options
-        Of the solver, where differences are taken; by default as many nodes as the result has.
+        Of the solver, for differences; by default the number of nodes of the result.
 
     Returns
     -------
@@ -47,10 +44,18 @@ def derivatives(result: Any, *parameters: str, **options: Any) -> Sensitivity:
     Raises
     ------
     InvalidProblem
-        For what is no result, if no field is named, for a name that is not a number, or a field
-        that is 0.
+        If the first argument is not a result, no field is named, or a field is not a number or 0.
     NoSteadyState, NotConverged
         If neither side can be solved.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> result = wo.solve(wo.RollerProblem.example(), nodes=33)
+    >>> found = wo.derivatives(result, "load")
+    >>> slope = found.derivatives[found.outputs.index("half_width"), 0]
+    >>> round(float(slope * result.problem.load / result.half_width), 3)  # a varies as sqrt(P)
+    0.5
     """
     check_type("result", result, Result)
     exact = getattr(result, "sensitivity", None)
@@ -63,13 +68,15 @@ def derivatives(result: Any, *parameters: str, **options: Any) -> Sensitivity:
     known = {name: getattr(result, name, None) for name in (*result.MAIN, *result.errors)}
     outputs = tuple(n for n, value in known.items() if isinstance(value, float) and isfinite(value))
 
-    def told(problem: Any) -> Array:
+    def solved_outputs(problem: Any) -> Array:
         with unwarned():
             solved = kinds.solve(problem, **options)
         return np.array([float(getattr(solved, name)) for name in outputs])
 
     values = np.array([float(getattr(result, name)) for name in outputs])
-    columns = [_difference(told, result.problem, name, value) for name, value in fields.items()]
+    columns = [
+        _difference(solved_outputs, result.problem, name, value) for name, value in fields.items()
+    ]
     where = np.array(list(fields.values()))
     return Sensitivity(outputs, tuple(fields), np.array(columns).T, values, where)
 
@@ -81,20 +88,20 @@ def _fields(problem: Any, names: tuple[str, ...]) -> dict[str, float]:
         items = place.value if isinstance(place.value, tuple) else ()
         known |= {place.path: place.value} | {f"{place.path}.{k}": x for k, x in enumerate(items)}
     if not names:
-        raise InvalidProblem.at("parameters", "missing; must be names of fields, two solves each")
+        raise InvalidProblem.at("parameters", "missing; must be names of fields")
     for name in names:
         if not isinstance(known.get(name), float):
             raise InvalidProblem.at(name, "is not a continuous field")
         if known[name] == 0:
-            raise InvalidProblem.at(name, "0 has no scale to take a difference over")
+            raise InvalidProblem.at(name, "is 0, which has no scale for a difference")
     return {name: known[name] for name in names}
 
 
-def _difference(told: Callable[[Any], Array], problem: Any, name: str, value: float) -> Array:
+def _difference(outputs: Callable[[Any], Array], problem: Any, name: str, value: float) -> Array:
     sides: list[tuple[float, Array]] = []
     for place in ((1 + STEP) * value, (1 - STEP) * value, value):
         try:
-            sides.append((place, told(problem.replace(**{name: place}))))
+            sides.append((place, outputs(problem.replace(**{name: place}))))
         except (InvalidProblem, NoSteadyState, NotConverged):
             if place == value or (len(sides) == 0 and place < value):
                 raise

@@ -1,9 +1,9 @@
-"""Which cases a study solves: grids, and tables of cases drawn or given, as immutable designs.
+"""Designs of studies: grids, and tables of given or drawn cases.
 
     over + kind --> Design --> chunks of neighbouring cases
 
-A chunk is solved in its order, each case from the state of the one before, the first one cold.
-Chunks depend on the design alone, so the numbers do not depend on who solves them, nor when.
+The cases of a chunk are solved in order, each from the state of the previous one.  Chunks depend on
+the design only, so results do not depend on the number of processes or on interruptions.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ MOST_CASES = 100_000_000
 
 @dataclass(frozen=True, eq=False)
 class Column:
-    """The values of one input: numbers, or things such as bodies and names of materials.
+    """The values of one input: numbers, or objects such as bodies and names of materials.
 
     Attributes
     ----------
@@ -49,7 +49,7 @@ class Column:
         Raises
         ------
         InvalidProblem
-            If it is no sequence, or empty, or mixes numbers with other things.
+            If it is not a sequence, is empty, or mixes numbers with other objects.
         """
         if isinstance(values, (str, Mapping)) or not hasattr(values, "__len__"):
             raise InvalidProblem.at(name, f"{values!r} is not a list of values")
@@ -60,12 +60,14 @@ class Column:
         if all(numbers):
             return cls(name, np.array(items, dtype=float))
         if any(numbers):
-            raise InvalidProblem.at(name, "numbers and other things do not mix in one list")
+            raise InvalidProblem.at(
+                name, "contains numbers and other values; must be all of one type"
+            )
         return cls(name, tuple(items))
 
     @property
     def numeric(self) -> bool:
-        """Whether the values are numbers."""
+        """True if the values are numbers."""
         return isinstance(self.values, np.ndarray)
 
     def at(self, index: Array) -> Array | tuple[Any, ...]:
@@ -76,13 +78,13 @@ class Column:
 
     @cached_property
     def labels(self) -> Array:
-        """The values as tables and axes show them: numbers as they are, things by their text."""
+        """The values for tables and axes: numbers, or the text of other objects."""
         if isinstance(self.values, np.ndarray):
             return self.values
         return np.array([v if isinstance(v, str) else repr(v) for v in self.values], dtype=object)
 
     def record(self) -> Any:
-        """Return the values for JSON; of long columns of numbers the SHA-256 of their bytes."""
+        """Return the values for JSON; for long numeric columns their SHA-256."""
         if isinstance(self.values, np.ndarray):
             if self.values.size <= 1000:
                 return self.values.tolist()
@@ -91,7 +93,11 @@ class Column:
 
 
 class Range:
-    """The range of a drawn input: even between two bounds, or even in the logarithm."""
+    """The range of a drawn input with a uniform or log-uniform distribution.
+
+    >>> Range("load", (1.0, 100.0, "log")).scaled(np.array([0.0, 0.5]))
+    array([ 1., 10.])
+    """
 
     def __init__(self, name: str, given: Any) -> None:
         parts = list(given) if isinstance(given, (list, tuple, np.ndarray)) else []
@@ -123,7 +129,7 @@ class Design:
     kind : str
         "grid", "table", "latin-hypercube" or "sobol".
     columns : tuple of Column
-        Of a grid the values on each axis, else one value a case.
+        The values on each axis of a grid; otherwise one value for each case.
     """
 
     kind: str
@@ -136,7 +142,7 @@ class Design:
 
     @property
     def gridded(self) -> bool:
-        """Whether the cases are all combinations of the columns' values."""
+        """True if the cases are all combinations of the values of the columns."""
         return self.kind == "grid"
 
     @property
@@ -151,7 +157,7 @@ class Design:
         return prod(self.shape)
 
     def _places(self, cases: Array) -> tuple[Array, ...]:
-        """Return where each column's values of the cases are."""
+        """Return the positions of the cases in each column."""
         if self.gridded:
             return tuple(np.unravel_index(cases, self.shape))
         return (cases,) * len(self.columns)
@@ -162,19 +168,19 @@ class Design:
         return {c.name: c.at(k) for c, k in zip(self.columns, places, strict=True)}
 
     def labels(self, cases: Array) -> dict[str, Array]:
-        """Return the inputs of the cases by column, as tables show them."""
+        """Return the inputs of the cases by column, for tables."""
         places = self._places(cases)
         return {c.name: c.labels[k] for c, k in zip(self.columns, places, strict=True)}
 
     def chunks(self, size: int | None = None) -> list[Array]:
-        """Cut the cases into chunks of neighbours: 10 to 100 cases each unless ``size`` is given.
+        """Divide the cases into chunks of neighbours, by default of 10 to 100 cases.
 
-        Few cases make small chunks, so that every worker gets some.
+        Chunks of small studies are small, so that every worker gets some.
         """
         size = size or min(100, max(10, ceil(self.size / 32)))
         order, points = np.arange(self.size), None
         if self.gridded:
-            # things vary slowest, then nested fields (bodies, materials): those are the big steps
+            # objects vary slowest, then nested fields: they change the solution most
             rank = [(c.numeric, -c.name.count(".")) for c in self.columns]
             order = serpentine(self.shape, sorted(range(len(rank)), key=lambda k: rank[k]))
         elif numbers := [c.values for c in self.columns if isinstance(c.values, np.ndarray)]:
@@ -207,7 +213,13 @@ def make_design(
     Raises
     ------
     InvalidProblem
-        Naming the input at fault.
+        Names the invalid input.
+
+    Examples
+    --------
+    >>> design = make_design({"nip_load": [1e3, 2e3, 4e3], "roll_friction": [0.2, 0.3]})
+    >>> design.size, design.names
+    (6, ('nip_load', 'roll_friction'))
     """
     if kind not in DESIGNS:
         raise InvalidProblem.at("design", f"{kind!r} is unknown{did_you_mean(kind, DESIGNS)}")
@@ -236,7 +248,7 @@ def _checked_samples(kind: str, samples: int | None) -> int:
     power = int(log2(samples))
     if kind == "sobol" and samples != 2**power:
         near = f"{2**power} or {2 ** (power + 1)}"
-        text = f"{samples} is not a power of 2, as Sobol points ask for: {near}"
+        text = f"{samples} is not a power of 2, which Sobol points require: {near}"
         raise InvalidProblem.at("samples", text)
     return int(samples)
 

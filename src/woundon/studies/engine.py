@@ -42,14 +42,14 @@ def run_study(
     chunk : int, optional
         Cases in a chunk.
     progress : bool or callable
-        Show rate and time left, or call with (cases done, cases in all).
+        Show rate and remaining time, or call with (cases done, all cases).
 
     Raises
     ------
     InvalidProblem
-        For a name the model does not know, or a folder that holds another study.
+        For an unknown name, or a folder that contains another study.
     OSError
-        If ``out`` cannot be written; what was written stays valid.
+        If ``out`` cannot be written; chunks in the file remain valid.
     KeyboardInterrupt
         After Ctrl-C; finished chunks are in ``out``.
 
@@ -57,11 +57,22 @@ def run_study(
     -----
     UserWarning
         If the file in ``out`` is damaged; the damaged chunks are solved again.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> from woundon.studies.api import study_of
+    >>> from woundon.studies.runners import SerialRunner
+    >>> model, design = study_of(
+    ...     wo.RollerProblem.example(), {"load": [5e4, 1e5]}, ["half_width"], options={"nodes": 17}
+    ... )
+    >>> run_study(model, design, SerialRunner()).failed.size
+    0
     """
     if resume and out is None:
-        raise InvalidProblem.at("resume", "needs out, the folder of the study to go on with")
+        raise InvalidProblem.at("resume", "needs out, the folder of the study to resume")
     for name in set(design.names) & set(model.outputs):
-        raise InvalidProblem.at(name, "is varied, so it cannot be an output too")
+        raise InvalidProblem.at(name, "is varied, so it cannot be an output")
     quantities = quantities_of(model, (*design.names, *model.outputs))
     record = model.record()
     table = Table.empty(design, model.outputs, quantities, record)

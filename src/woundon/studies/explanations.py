@@ -225,7 +225,7 @@ def _trends(comparison: Any, output: str, rows: Array) -> Iterator[Explanation]:
 
 
 def _budget(comparison: Any, output: str, rows: Array, significant: bool) -> Iterator[Explanation]:
-    """Yield what the parts of the error budget say."""
+    """Yield findings from the parts of the error budget."""
     of = comparison.agreement(output)
     if np.isnan(comparison.deviation[rows]).any():
         text = (

@@ -1,4 +1,4 @@
-"""A study's table to files: netCDF for xarray, CSV and Excel with units in the header, Parquet."""
+"""Export the table of a study: netCDF, CSV and Excel with units in the header, Parquet."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ EXCEL_ROWS = 1_048_576
 
 
 def export(table: Table, path: str | Path) -> None:
-    """Write a table to ``.nc``, ``.csv``, ``.xlsx`` or ``.parquet``, by the path's ending.
+    """Write a table to ``.nc``, ``.csv``, ``.xlsx`` or ``.parquet``.
 
     Raises
     ------
@@ -41,7 +41,7 @@ def export(table: Table, path: str | Path) -> None:
 
 
 def check_export(path: str | Path) -> Callable[[Table, Path], None]:
-    """Return what writes the format that a path's ending names; refuse others."""
+    """Return the function that writes the format of the suffix of a path; reject others."""
     ending = Path(path).suffix
     if ending not in _WRITERS:
         raise InvalidProblem(
@@ -60,20 +60,22 @@ def check_export(path: str | Path) -> Callable[[Table, Path], None]:
 
 
 def _columns(table: Table) -> dict[str, Any]:
-    """Return the columns as files for people have them, units in the header.
+    """Return the columns with units in the header.
 
-    Bodies are written as JSON, so that the file can be read as the cases of another study.
+    Bodies are written as JSON, so that the file can be used as the cases of another study.
     """
     things = {column.name: column for column in table.design.columns if not column.numeric}
-    told: dict[str, Any] = {}
+    columns: dict[str, Any] = {}
     for name, values in table.columns().items():
         unit, shown = (
             table.quantities[name].in_table(values) if name in table.quantities else ("", values)
         )
-        told[f"{name} [{unit}]" if unit else name] = shown
+        columns[f"{name} [{unit}]" if unit else name] = shown
     cases = np.arange(table.design.size)
-    told |= {name: [_text(thing) for thing in table.design.inputs(cases)[name]] for name in things}
-    return told
+    columns |= {
+        name: [_text(thing) for thing in table.design.inputs(cases)[name]] for name in things
+    }
+    return columns
 
 
 def _text(thing: Any) -> str:
@@ -83,7 +85,7 @@ def _text(thing: Any) -> str:
 
 
 def _netcdf(table: Table, path: Path) -> None:
-    # the classic format: read everywhere, written by SciPy alone, the same bytes every time
+    # the classic format can be read everywhere, needs SciPy only and is reproducible
     table.to_dataset().to_netcdf(path, engine="scipy")
 
 
@@ -106,7 +108,7 @@ def _excel(table: Table, path: Path) -> None:
         path,
         {
             "study": [list(columns), *zip(*columns.values(), strict=True)],
-            "about": [("what", "is"), *about],
+            "about": [("entry", "value"), *about],
         },
     )
 
@@ -115,7 +117,7 @@ def _parquet(table: Table, path: Path) -> None:
     import pyarrow
     from pyarrow import parquet
 
-    # without pandas, which would write nan as null
+    # pandas would write nan as null
     parquet.write_table(pyarrow.table(table.columns()), path)
 
 

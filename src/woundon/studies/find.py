@@ -77,6 +77,13 @@ class FindResult(Presented, ReadOnly):
         Intervals in which the output jumps across the target without taking its value.
     quantities : mapping of str to Quantity
         Of the field and the output.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> found = wo.find(wo.RollerProblem.example(), "load", nip_width="1 mm", nodes=33)
+    >>> len(found.solutions), round(found.problem.load / 1e3)  # kN/m
+    (1, 178)
     """
 
     name: str

@@ -1,4 +1,4 @@
-r"""Least squares on measured data, and what the data can tell of the parameters.
+r"""Fit parameters to measured data by least squares, with intervals and identifiability.
 
     residual r_i = (predicted_i - measured_i) / deviation_i,    S = sum r_i^2
 
@@ -7,9 +7,9 @@ s^2 = S/(m - p), or 1 where the deviations are known:
 
     covariance        s^2 (J^T J)^-1
     profile           S_j(u_j) = min of S over the other parameters; the 95 % interval is where
-                      S_j - S <= s^2 F(1, m - p): it holds for bent and open valleys too
-    identifiability   J = U diag(lambda) V^T: the last column of V is the change of parameters
-                      that the data see least, lambda how much they see of it
+                      S_j - S <= s^2 F(1, m - p); valid for curved and open valleys too
+    identifiability   J = U diag(lambda) V^T: the last column of V is the direction of parameters
+                      to which the predictions are least sensitive
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ SAME_MINIMUM = 1e-3  # relative difference of S
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FitResult(Presented, ReadOnly):
-    """A fit and its evidence; m measured values, p parameters.
+    """Result of :func:`woundon.fit`, of m measured values and p parameters.
 
     Attributes
     ----------
@@ -59,29 +59,40 @@ class FitResult(Presented, ReadOnly):
         SI.
     covariance, correlation : (p, p) arrays
     rms : float
-        Root mean square of the residuals, in the outputs' unit, or in deviations if ``weighted``.
+        Root mean square of the residuals, in the unit of the outputs, or in standard deviations if
+        ``weighted``.
     profiles : tuple of ProfileLikelihood
-        With the 95 % intervals; empty if not asked for.
+        Profiles with 95 % intervals; empty if not requested.
     direction : (p,) array
-        The change of parameters that the data see least: of ln(value), or of value / range where
-        a bound is not positive; the largest entry is 1.
+        The direction to which the predictions are least sensitive, in ln(value), or in value /
+        range if a bound is not positive; the largest entry is 1.
     condition : float
         Ratio of the largest to the smallest singular value of the scaled Jacobian.
     effects : (p,) array
-        RMS change of the predictions for +10 % of each parameter alone (10 % of the range).
+        RMS change of the predictions for +10 % of each parameter (or 10 % of the range).
     joint_effect : float
         The same for ``direction`` at +-10 % of its largest entry.
     minima : tuple of (S, estimates)
-        Where the starts ended, best first.
+        Minima of all starts, best first.
     reached : int
-        How many of ``starts`` starts ended in the best minimum.
+        Number of starts, of ``starts``, that converged to the best minimum.
     measured, fitted : (m,) arrays
     row_outputs, row_numbers : tuples
         Output and row of each measured value.
     quantities : mapping of str to Quantity
         Of parameters and outputs.
     problem : object
-        The base problem with the estimates put in.
+        The base problem with the estimates.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> data = {"load [kN/m]": [50, 89, 120], "half_width [um]": [265, 354, 411]}
+    >>> found = wo.fit(
+    ...     wo.RollerProblem.example(), data, {"upper.radius": (0.1, 1.0)}, starts=1, nodes=17
+    ... )
+    >>> round(found.problem.upper.radius, 2), found.not_identified
+    (0.25, ())
     """
 
     names: tuple[str, ...]
@@ -327,7 +338,7 @@ class _Tasks:
         work : callable
         items : sequence
         pace : float, optional
-            Expected seconds of an item; by default the first one is measured.
+            Expected seconds for each item; by default that of the first one.
         """
         answers: dict[int, Answer] = {}
         began = time.perf_counter()
@@ -360,7 +371,7 @@ def _sum_of_squares(minimum: Minimum) -> float:
 
 
 def _is_same(one: Minimum, other: Minimum, predictor: Predictor) -> bool:
-    """Tell whether two ends of minimisations are the same minimum to their accuracy."""
+    """Return True if two minima are the same to their accuracy."""
     if one is other:
         return True
     freedom = max(one.r.size - one.u.size, 1)
@@ -369,7 +380,7 @@ def _is_same(one: Minimum, other: Minimum, predictor: Predictor) -> bool:
 
 
 def _covariance(predictor: Predictor, J: Array, S: float) -> Array:
-    """Return s^2 (J^T J)^-1; inf where the data say nothing."""
+    """Return s^2 (J^T J)^-1; inf if J is singular."""
     m, p = J.shape
     s2 = 1.0 if predictor.weighted else S / (m - p) if m > p else np.nan
     _, values, V = np.linalg.svd(J, full_matrices=False)

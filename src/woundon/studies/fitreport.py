@@ -26,12 +26,13 @@ _SAVED = (
 
 
 def lines(fit: Any) -> list[str]:
-    """Return the fit as lines of text: estimates, intervals, what trades off against what."""
+    """Return the fit as lines of text: estimates, intervals, minima and correlations."""
     unit = _rms_unit(fit)
     m, p = fit.measured.size, len(fit.names)
     head = (
         f"{m} measured values, {p} fitted {'parameter' if p == 1 else 'parameters'}, "
-        f"RMS {_rms(fit, fit.rms):.4g}{unit}; {fit.reached} of {fit.starts} starts ended here"
+        f"RMS {_rms(fit, fit.rms):.4g}{unit}; {fit.reached} of {fit.starts} starts converged to "
+        "this minimum"
     )
     return [head, *_estimates(fit), *remarks(fit)]
 
@@ -39,15 +40,15 @@ def lines(fit: Any) -> list[str]:
 def line(fit: Any) -> str:
     """Return the fit as one line of text."""
     shown = ((n, *_in_table(fit, n, v)) for n, v in zip(fit.names, fit.estimates, strict=True))
-    told = [f"{name}={value:.4g} {of}".rstrip() for name, of, value in list(shown)[:MOST_SHOWN]]
+    texts = [f"{name}={value:.4g} {of}".rstrip() for name, of, value in list(shown)[:MOST_SHOWN]]
     more = len(fit.names) - MOST_SHOWN
-    told += [f"{more} more"] if more > 0 else []
+    texts += [f"{more} more"] if more > 0 else []
     rms = f"RMS {_rms(fit, fit.rms):.4g}{_rms_unit(fit)} of {fit.measured.size} measured values"
-    return f"FitResult({', '.join(told)}; {rms})"
+    return f"FitResult({', '.join(texts)}; {rms})"
 
 
 def remarks(fit: Any) -> list[str]:
-    """Return what is to be said beside the estimates: other minima, what trades off."""
+    """Return remarks on other minima, correlations and combinations that are not identifiable."""
     unit = _rms_unit(fit)
     return [*_minima(fit, unit), *_trade_offs(fit, unit)]
 
@@ -112,12 +113,12 @@ def _rms_unit(fit: Any) -> str:
 
 
 def _rms(fit: Any, value: float) -> float:
-    """Return a root mean square in the unit that is told with it."""
+    """Return a root mean square in the unit for display."""
     return value if fit.weighted else float(_in_table(fit, fit.row_outputs[0], value)[1])
 
 
 def _in_table(fit: Any, name: str, value: Any) -> tuple[str, Any]:
-    """Return unit, empty for a pure number, and value: in SI, or as somebody chose."""
+    """Return unit (empty if dimensionless) and value, in SI or in chosen units."""
     about = fit.quantities.get(name)
     unit, shown = about.in_table(value) if about else ("", value)
     return "" if unit == "1" else unit, shown
@@ -150,13 +151,13 @@ def _interval(fit: Any, profile: ProfileLikelihood) -> str:
 def _minima(fit: Any, unit: str) -> Iterator[str]:
     m = fit.measured.size
     for S, values in fit.minima[fit.reached : fit.reached + 1]:
-        told = ((n, *_in_table(fit, n, v)) for n, v in zip(fit.names, values, strict=True))
-        where = ", ".join(f"{name} {value:.4g} {of}".rstrip() for name, of, value in told)
-        yield f"the next minimum has RMS {_rms(fit, (S / m) ** 0.5):.4g}{unit} at {where}"
+        shown = ((n, *_in_table(fit, n, v)) for n, v in zip(fit.names, values, strict=True))
+        where = ", ".join(f"{name} {value:.4g} {of}".rstrip() for name, of, value in shown)
+        yield f"second-best local minimum: RMS {_rms(fit, (S / m) ** 0.5):.4g}{unit} at {where}"
 
 
 def _trade_offs(fit: Any, unit: str) -> Iterator[str]:
-    """Yield what the data cannot tell apart."""
+    """Yield correlations, and the combination of parameters that is identified least."""
     p = len(fit.names)
     for j in range(p):
         for k in range(j):
@@ -174,13 +175,13 @@ def _trade_offs(fit: Any, unit: str) -> Iterator[str]:
         for name, part in zip(fit.names, fit.direction, strict=True)
         if abs(part) > 0.02
     ]
-    told = (
+    text = (
         f"{' with '.join(moves)} together change the fitted values by "
         f"{joint:.3g}{unit} (RMS); {fit.names[leading]} +10 % alone by {alone:.3g}{unit}"
     )
     if joint < 0.2 * alone:
-        told = f"nearly a trade-off: {told}"
-    yield f"{told}; condition number {fit.condition:.3g}"
+        text = f"nearly non-identifiable combination: {text}"
+    yield f"{text}; condition number {fit.condition:.3g}"
 
 
 def to_json(fit: Any) -> str:

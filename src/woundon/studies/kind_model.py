@@ -1,7 +1,7 @@
-"""A base problem of any kind as a :class:`~.model.Model`: what studies know of problems is here.
+"""Models of studies: problems of any kind with outputs, solver options and tied fields.
 
 Problem, solver and result class are looked up in :mod:`woundon.kinds`, fields and outputs in
-:mod:`woundon.quantities`; no kind of problem is treated otherwise than another.
+:mod:`woundon.quantities`; all kinds of problem are treated alike.
 """
 
 from __future__ import annotations
@@ -41,11 +41,11 @@ from .sources import source_digest
 
 __all__ = [
     "KindModel",
+    "build",
     "columns_of",
     "field_quantity",
     "get_field",
     "kind_of",
-    "made",
     "measurable",
     "model_of",
     "number_in_si",
@@ -59,16 +59,16 @@ _ERROR = "errors."  # of an output: "errors.half_width"
 
 @dataclass(frozen=True, eq=False)
 class KindModel:
-    """A problem of any kind, the outputs wanted and the solver's options.
+    """A problem of any kind with the requested outputs and the options of the solver.
 
     Attributes
     ----------
     problem : Problem
     outputs : tuple of str
     options : mapping
-        Keywords of the solver.
+        Keyword arguments of the solver.
     tie : mapping of str to str
-        Field -> field that it follows, e.g. ``{"web.material": "roll.material"}``: one paper.
+        Field -> field that it follows, e.g. ``{"web.material": "roll.material"}``.
     """
 
     problem: Problem
@@ -78,13 +78,13 @@ class KindModel:
 
     @property
     def kind(self) -> kinds.Kind:
-        """The kind of the problem; looked up, for solvers do not go to worker processes."""
+        """The kind of the problem; looked up, because solvers are not sent to worker processes."""
         return kinds.of(self.problem)
 
-    # ---- what is refused before anything is solved ---------------------------------------------
+    # ---- validation ----------------------------------------------------------------------------
 
     def checked(self) -> KindModel:
-        """Return itself.
+        """Return the model itself after validation.
 
         Raises
         ------
@@ -104,14 +104,14 @@ class KindModel:
     def _check_outputs(self) -> None:
         known = scalar_outputs(self.kind.result)
         if not self.outputs:
-            text = f"none is given; known: {', '.join(known)}"
+            text = f"missing; known: {', '.join(known)}"
             raise InvalidProblem.at("outputs", text)
         twice = [name for name in dict.fromkeys(self.outputs) if self.outputs.count(name) > 1]
         if twice:
             raise InvalidProblem.at("outputs", f"{twice[0]!r} is given twice")
-        strange = [name for name in self.outputs if str(name).removeprefix(_ERROR) not in known]
-        if strange:
-            raise InvalidProblem((str(name), _no_output(self.problem, name)) for name in strange)
+        unknown = [name for name in self.outputs if str(name).removeprefix(_ERROR) not in known]
+        if unknown:
+            raise InvalidProblem((str(name), _no_output(self.problem, name)) for name in unknown)
 
     def _check_options(self) -> None:
         known = options_of(self.problem)
@@ -126,17 +126,17 @@ class KindModel:
             self.kind.check(**self.options)
 
     def check_varied(self, names: Iterable[Any]) -> None:
-        """Refuse to vary what the problem does not have, or what follows another field.
+        """Reject varied fields that do not exist or are tied to others.
 
-        A field that the base problem lacks may come with a body or material that is varied too.
+        A field that the base problem lacks may belong to a body or material that is varied too.
         """
         varied = [str(name) for name in names]
         for name in varied:
             for follower, leader in self.tie.items():
-                if _below(name, follower):
-                    text = f"cannot be varied, for {follower} is tied to {leader}"
+                if _is_within(name, follower):
+                    text = f"cannot be varied, because {follower} is tied to {leader}"
                     raise InvalidProblem.at(name, text)
-            if not any(name != other and _below(name, other) for other in varied):
+            if not any(name != other and _is_within(name, other) for other in varied):
                 get_field(self.problem, name)
 
     # ---- one case -------------------------------------------------------------------------------
@@ -149,9 +149,9 @@ class KindModel:
         return problem.replace(**{path: get_field(problem, to) for path, to in self.tie.items()})
 
     def solve(self, problem: Any, start: Any | None) -> Any:
-        """Solve; if a start does not converge, without it.
+        """Solve a problem; if a warm start does not converge, solve without it.
 
-        In a worker the work can be cancelled wherever the solver reports its progress.
+        In a worker process the solver is cancelled at its next report of progress, if requested.
         """
         kind, options = self.kind, dict(self.options)
         known = _keywords(kind.solver)
@@ -164,16 +164,16 @@ class KindModel:
 
     def run(self, inputs: Mapping[str, Any], start: Any | None) -> Answer:
         """Solve one case."""
-        with unwarned():  # they are a column
+        with unwarned():  # warnings are a column of the table
             result = self.solve(self.variant(inputs), start)
         values = tuple(float(_value(result, name)) for name in self.outputs)
         return Answer(values, "; ".join(result.warnings), result)
 
-    # ---- what a solved case tells of others -----------------------------------------------------
+    # ---- coarse mesh and derivatives ------------------------------------------------------------
 
     @property
     def coarse(self) -> KindModel | None:
-        """The same on few nodes; None where so few are asked for anyway, or are not admitted."""
+        """The same model on few nodes; None if few are requested anyway, or are not permitted."""
         nodes = self.options.get("nodes")
         if not isinstance(nodes, int) or nodes < 2 * FEW_NODES:
             return None
@@ -185,7 +185,7 @@ class KindModel:
         return few
 
     def gradient(self, state: Any, names: tuple[str, ...]) -> np.ndarray | None:
-        """Return exact derivatives of the outputs, None where one of them has none."""
+        """Return exact derivatives of the outputs; None if one of them has none."""
         if not hasattr(state, "sensitivity"):
             return None
         paths = [(name, *self._followers(name)) for name in names]
@@ -202,13 +202,13 @@ class KindModel:
         return [
             path + name.removeprefix(leader)
             for path, leader in self.tie.items()
-            if _below(name, leader)
+            if _is_within(name, leader)
         ]
 
-    # ---- what it says of itself -----------------------------------------------------------------
+    # ---- quantities and record ------------------------------------------------------------------
 
     def quantity(self, name: str) -> Quantity | None:
-        """Return what an output or a field is; None for a field that is not a number."""
+        """Return the quantity of an output or a field; None for a field that is not a number."""
         output = name.removeprefix(_ERROR)
         known = scalar_outputs(self.kind.result)
         if output not in known:
@@ -217,7 +217,7 @@ class KindModel:
         return of if output == name else replace(of, meaning=f"estimated error of: {of.meaning}")
 
     def record(self) -> dict[str, Any]:
-        """Return all that the numbers depend on, for JSON."""
+        """Return all inputs that the results depend on, for JSON."""
         plain = (str, int, float, type(None))
         return {
             "version": __version__,
@@ -229,7 +229,7 @@ class KindModel:
         }
 
     def _packages(self) -> tuple[str, ...]:
-        """Return the names of this package and of those that a kind of a plug-in comes from."""
+        """Return the names of this package and of the packages of plug-ins."""
         code = (self.kind.problem, self.kind.solver, self.kind.result)
         roots = {part.__module__.partition(".")[0] for part in code}
         own = __name__.partition(".")[0]
@@ -246,12 +246,19 @@ def model_of(
     tie: Mapping[str, str] | None,
     options: Mapping[str, Any],
 ) -> KindModel:
-    """Return the model of a study; options that are None are left to the solver.
+    """Return the model of a study; options that are None are omitted.
 
     Raises
     ------
     InvalidProblem
-        For what is no problem, and as of :meth:`KindModel.checked`.
+        If it is not a problem, and as of :meth:`KindModel.checked`.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> model = model_of(wo.RollerProblem.example(), ["half_width"], None, {"nodes": 33})
+    >>> round(model.run({"load": 50e3}, None).values[0] * 1e6)
+    265
     """
     if outputs is None:
         outputs = kind_of(problem).result.MAIN
@@ -261,7 +268,12 @@ def model_of(
 
 
 def kind_of(problem: Any) -> kinds.Kind:
-    """Return the kind of a problem; refuse what is none, a result or the class itself."""
+    """Return the kind of a problem; reject results, classes and other objects.
+
+    >>> import woundon as wo
+    >>> kind_of(wo.RollerProblem.example()).name
+    'rollers'
+    """
     kind = kinds.of(problem)
     check_type("problem", problem, kind.problem)
     return kind
@@ -269,13 +281,18 @@ def kind_of(problem: Any) -> kinds.Kind:
 
 @cache
 def _keywords(solver: Callable[..., Any]) -> Mapping[str, Any]:
-    """Return what a solver takes beside the problem, by name, with what it takes by default."""
+    """Return the keyword arguments of a solver with their defaults."""
     parameters = signature(solver).parameters.values()
     return {p.name: p.default for p in parameters if p.kind is p.KEYWORD_ONLY}
 
 
 def options_of(problem: Problem) -> dict[str, Any]:
-    """Return the options of a problem's solver by name, with what it takes by default."""
+    """Return the options of the solver of a problem with their defaults.
+
+    >>> import woundon as wo
+    >>> "nodes" in options_of(wo.RollerProblem.example())
+    True
+    """
     own = {"start", "progress", *type(problem).model_fields}
     keywords = _keywords(kind_of(problem).solver)
     return {name: default for name, default in keywords.items() if name not in own}
@@ -290,7 +307,13 @@ def get_field(base: Description, path: str) -> Any:
     Raises
     ------
     InvalidProblem
-        If ``base`` has no such field, with what was meant.
+        If ``base`` has no such field, with a suggestion.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> get_field(wo.RollerProblem.example(), "upper.diameter")
+    0.5
     """
     value: Any = base
     for name in path.split("."):
@@ -332,6 +355,12 @@ def number_in_si(base: Problem, path: str, value: Any, where: str = "") -> Any:
     ------
     InvalidProblem
         For a text that is not a value of the field.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> number_in_si(wo.RollerProblem.example(), "load", "89 kN/m")
+    89000.0
     """
     place, quantity = next((p, p.quantity) for p in find(base, path) if p.quantity is not None)
     if not isinstance(value, str):
@@ -340,7 +369,7 @@ def number_in_si(base: Problem, path: str, value: Any, where: str = "") -> Any:
 
 
 def field_quantity(base: Problem, path: str) -> Quantity | None:
-    """Return what a field is, None if it is not a number; also one that only another body has.
+    """Return the quantity of a field, also of one of another body; None if it is not a number.
 
     Raises
     ------
@@ -349,14 +378,14 @@ def field_quantity(base: Problem, path: str) -> Quantity | None:
     """
     places = find(base, path)
     if not places:
-        get_field(base, path)  # says what is wrong with it
+        get_field(base, path)  # raises with the reason
     return next((place.quantity for place in places if place.quantity is not None), None)
 
 
 def measurable(problem: Problem) -> dict[str, Quantity]:
-    """Return the outputs that a column of measured data may hold.
+    """Return the outputs that a column of measured data may contain.
 
-    What the problem itself gives, such as the tangential load of rollers, is an input.
+    A quantity that is set in the problem, such as the tangential load of rollers, is an input.
     """
     known = scalar_outputs(kind_of(problem).result)
     fields = type(problem).model_fields
@@ -368,11 +397,11 @@ def measurable(problem: Problem) -> dict[str, Quantity]:
 
 
 def columns_of(problem: Problem) -> dict[str, Quantity | None]:
-    """Return all that a column of inputs may hold, None for what is not a number.
+    """Return the quantities that a column of inputs may contain; None if it is not a number.
 
-    By dotted name, ``*`` for the number of a list's item; fields that only other bodies and
-    materials have are among them, and so are these themselves.  A schedule is a number where the
-    problem has it as one.
+    Names are dotted, with ``*`` for the number of an item of a list.  Fields of other bodies and
+    materials are included, and these themselves.  A schedule is a number if the problem has a
+    number for it.
     """
     known: dict[str, Quantity | None] = {}
     for place in walk(type(problem)):
@@ -394,8 +423,8 @@ def _if_number(problem: Problem, path: str) -> Quantity | None:
     return field_quantity(problem, path) if is_number else None
 
 
-def made(problem: Problem, path: str, table: Any) -> Any:
-    """Return the body, material or other description that a table of its fields tells of.
+def build(problem: Problem, path: str, table: Any) -> Any:
+    """Return the body, material or other description with the fields of a table.
 
     Raises
     ------
@@ -418,13 +447,13 @@ def made(problem: Problem, path: str, table: Any) -> Any:
 
 
 def replaced(problem: Problem) -> Mapping[str, str]:
-    """Return names of outputs that people may look for in vain, with what there is instead."""
+    """Return names of outputs that do not exist, with a hint to existing ones."""
     names: Mapping[str, str] = kinds.of(problem).result.REPLACED
     return names
 
 
 def _no_output(problem: Problem, name: str) -> str:
-    """Return why a name is no output: what there is in its place, or what was meant."""
+    """Return the reason for an unknown output, with an existing one or a suggestion."""
     instead = replaced(problem)
     if name in instead:
         return f"no such output: {instead[name]}"
@@ -432,11 +461,11 @@ def _no_output(problem: Problem, name: str) -> str:
 
 
 def _value(result: Any, name: str) -> Any:
-    """Return an output, or the estimated error of one; nan where none is told."""
+    """Return an output or its error estimate; nan if there is none."""
     if name.startswith(_ERROR):
         return result.errors.get(name.removeprefix(_ERROR), np.nan)
     return value_of(result, name)
 
 
-def _below(name: str, path: str) -> bool:
+def _is_within(name: str, path: str) -> bool:
     return name == path or name.startswith(f"{path}.")

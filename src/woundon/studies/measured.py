@@ -1,9 +1,9 @@
-"""Tables that people make in spreadsheets: measured data of a fit, the cases of a sweep.
+"""Read tables of measured data for a fit, and of cases for a sweep.
 
     nip_load [kN/m], web_tension [N/m], wound_on_tension [N/m], wound_on_tension +- [N/m]
 
-A column's name is that of an input or an output of the model, however it is written; "+-" (or "±")
-holds an output's standard deviations (:mod:`woundon.io.tables`).
+The name of a column is that of an input or an output of the model; "+-" (or "±") denotes the
+standard deviations of an output (:mod:`woundon.io.tables`).
 """
 
 from __future__ import annotations
@@ -29,10 +29,10 @@ from ..io.tables import (
 )
 from ..quantities import Quantity
 
-__all__ = ["BESIDE", "Measured", "read_cases", "read_measured"]
+__all__ = ["ANNOTATIONS", "Measured", "read_cases", "read_measured"]
 
 Array = np.ndarray
-BESIDE = ("case", "failure", "warnings")  # what tables of studies hold beside inputs and outputs
+ANNOTATIONS = ("case", "failure", "warnings")  # further columns of the tables of studies
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,15 +42,15 @@ class Measured:
     Attributes
     ----------
     inputs : mapping of str to (rows,) array
-        What was set.
+        Settings of each row.
     outputs : mapping of str to (rows,) array
-        What was measured; nan where it was not.
+        Measured values; nan where there is none.
     deviations : mapping of str to (rows,) array
         Standard deviations of the outputs that have them.
     where : str
-        The file, for error texts.
+        Path of the file, for error messages.
     numbers : sequence of int
-        Of the rows, as a spreadsheet shows them.
+        Row numbers, as a spreadsheet shows them.
     """
 
     inputs: Mapping[str, Array]
@@ -67,28 +67,35 @@ def read_measured(
     columns: Mapping[str, str | None] | None = None,
     replaced: Mapping[str, str] | None = None,
 ) -> Measured:
-    """Return measured data.
+    """Read measured data.
 
     Parameters
     ----------
     data : path, mapping or pandas.DataFrame
         ``.csv`` or ``.xlsx`` file; or columns by name, in SI unless the name has a unit.
     inputs, outputs : mapping of str to Quantity
-        What a column may hold; an input that is no number is None.
+        Quantities that a column may contain; None for an input that is not a number.
     columns : mapping, optional
-        Header in the data -> name of the model, maybe with its unit; None for one to leave out.
+        Header in the data -> name of the quantity, with or without unit; None omits a column.
     replaced : mapping of str to str, optional
-        Names that people may look for in vain, with what there is instead.
+        Names of outputs that do not exist, with a hint to existing ones.
 
     Raises
     ------
     InvalidProblem
-        Naming all the file's columns, or rows, at fault.
+        Lists all invalid columns or cells.
+
+    Examples
+    --------
+    >>> from woundon.quantities import length
+    >>> outputs = {"nip_width": length("b", "nip width")}
+    >>> read_measured({"nip_width [mm]": [4.0]}, {}, outputs).outputs["nip_width"]
+    array([0.004])
     """
     sheet = read_sheet(data, "measured")
     instead = replaced or {}
-    names = Names({**dict.fromkeys((*BESIDE, *instead)), **inputs, **outputs})
-    matched = [c for c in match_columns(sheet, names, columns) if c.name not in BESIDE]
+    names = Names({**dict.fromkeys((*ANNOTATIONS, *instead)), **inputs, **outputs})
+    matched = [c for c in match_columns(sheet, names, columns) if c.name not in ANNOTATIONS]
     found: dict[str, dict[str, Array]] = {"inputs": {}, "outputs": {}, "deviations": {}}
     faults: list[tuple[str, str]] = []
     sign = decimal_sign(sheet)
@@ -120,37 +127,39 @@ def read_cases(
     data: Any,
     inputs: Mapping[str, Quantity | None],
     outputs: Mapping[str, Quantity],
-    made: Callable[[str, Any], Any],
+    build: Callable[[str, Any], Any],
     columns: Mapping[str, str | None] | None = None,
 ) -> dict[str, list[Any]]:
-    """Return the cases of a sweep: a value of each input a row, in SI.
+    """Read the cases of a sweep: for each input a list of values, in SI.
 
     Parameters
     ----------
     data, inputs, outputs, columns
-        As of :func:`read_measured`; outputs, and what else a study's table holds, are left out.
-    made : callable
-        (name, table) -> body or material, of a cell that holds one as JSON.
+        As of :func:`read_measured`; outputs and further columns of the tables of studies are
+        ignored.
+    build : callable
+        (name, table) -> body or material, for a cell that contains one as JSON.
     """
     sheet = read_sheet(data, "over")
-    names = Names({**dict.fromkeys(BESIDE), **outputs, **inputs})
+    names = Names({**dict.fromkeys(ANNOTATIONS), **outputs, **inputs})
     faults: list[tuple[str, str]] = []
     over: dict[str, list[Any]] = {}
     sign = decimal_sign(sheet)
     matched = match_columns(sheet, names, columns)
-    # what is both, the creepage of rollers, was found where a study wrote the table, else given
-    written = any(column.name in BESIDE for column in matched)
+    # a quantity that is both input and output, such as the creepage of rollers, is an output in the
+    # table of a study, and an input in other tables
+    written = any(column.name in ANNOTATIONS for column in matched)
     for column in matched:
         quantity = names.quantity(column.name)
         if column.name in outputs and (written or column.name not in inputs):
             continue
-        if column.deviation or column.name in BESIDE:
+        if column.deviation or column.name in ANNOTATIONS:
             continue
         if quantity is not None:
             values = numbers(sheet, column, quantity, faults, gaps=False, sign=sign)
             over[column.name] = values.tolist()
         else:
-            over[column.name] = _things(sheet, column, made, faults)
+            over[column.name] = _things(sheet, column, build, faults)
     raise_faults(faults)
     if not over:
         raise InvalidProblem.at(sheet.where, "has no column that is an input of the model")
@@ -158,9 +167,9 @@ def read_cases(
 
 
 def _things(
-    sheet: Sheet, column: Column, made: Callable[[str, Any], Any], faults: list[tuple[str, str]]
+    sheet: Sheet, column: Column, build: Callable[[str, Any], Any], faults: list[tuple[str, str]]
 ) -> list[Any]:
-    """Return what is no number: words, names of materials, bodies as JSON."""
+    """Return the cells of a column that is not numeric: words, materials, bodies as JSON."""
     things: list[Any] = []
     for number, cell in zip(sheet.numbers, column.cells, strict=True):
         thing = cell.strip() if isinstance(cell, str) else cell
@@ -172,9 +181,9 @@ def _things(
             if isinstance(thing, str) and thing.startswith("{"):
                 table = json.loads(thing)
                 check_like_a_case(table, "a table of fields")
-                thing = made(column.name, table)
+                thing = build(column.name, table)
         except (InvalidProblem, ValueError, RecursionError) as fault:
-            told = str(fault).replace("\n", "; ")
-            faults.append((sheet.where, f"row {number}, column {column.header!r}: {told}"))
+            reason = str(fault).replace("\n", "; ")
+            faults.append((sheet.where, f"row {number}, column {column.header!r}: {reason}"))
         things.append(thing)
     return things

@@ -32,7 +32,7 @@ class Minimum(NamedTuple):
         return float(self.r @ self.r)
 
     def predicts(self, u: Array, r: Array) -> bool:
-        """Tell whether the linear model about the minimum predicts residuals at another place."""
+        """Return True if the linear model about the minimum predicts the residuals at u."""
         change = r - self.r
         error = change - self.J @ (u - self.u)
         return bool(np.linalg.norm(error) <= LINEAR * np.linalg.norm(change))
@@ -45,7 +45,7 @@ class _InBasinError(Exception):
 def minimise(
     predictor: Predictor, start: Array, standard_errors: float, known: Minimum | None = None
 ) -> Minimum | None:
-    """Return the local minimum that a minimisation ends in.
+    """Return a local minimum.
 
     Parameters
     ----------

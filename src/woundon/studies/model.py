@@ -1,6 +1,6 @@
-"""What a study needs of a solver: inputs by name in, numbers out, and a state to start from.
+"""Interface between studies and solvers: inputs by name, outputs, and a state for warm starts.
 
-A study knows nothing of what it studies.  Whoever binds a solver to it writes a :class:`Model`.
+Studies use a solver through a :class:`Model` only.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ class Answer(NamedTuple):
     values : tuple of float
         The outputs, in the order of ``Model.outputs``, in SI units.
     warnings : str
-        Where the case leaves the model's validity; empty where it does not.
+        Warnings about the validity of the model; empty if there are none.
     state : object
-        What a neighbouring case may start from.
+        Warm start for a neighbouring case.
     """
 
     values: tuple[float, ...]
@@ -42,18 +42,18 @@ class Model(Protocol):
         ...
 
     def run(self, inputs: Mapping[str, Any], start: Any | None) -> Answer:
-        """Solve one case; ``start`` is the state of a neighbour and must not change the answer.
+        """Solve one case; ``start`` is the state of a neighbour and must not change the result.
 
-        Whatever it raises is the reason why the case failed.
+        An exception is the reason for the failure of the case.
         """
         ...
 
     def gradient(self, state: Any, names: tuple[str, ...]) -> np.ndarray | None:
-        """Return exact derivatives of a solved case's outputs, (outputs, names), None without."""
+        """Return exact derivatives of a solved case, (outputs, names); None if there are none."""
         ...
 
     def quantity(self, name: str) -> Quantity | None:
-        """Return what an input or output is, None for what is not a number.
+        """Return the quantity of an input or output; None if it is not a number.
 
         Raises
         ------
@@ -63,11 +63,11 @@ class Model(Protocol):
         ...
 
     def record(self) -> dict[str, Any]:
-        """Return all that the numbers depend on (base problem, settings, version) for JSON."""
+        """Return all that the results depend on (base problem, settings, version), for JSON."""
         ...
 
 
 def quantities_of(model: Model, names: Iterable[str]) -> dict[str, Quantity]:
-    """Return what inputs and outputs are, those that are numbers."""
-    told = {name: model.quantity(name) for name in names}
-    return {name: quantity for name, quantity in told.items() if quantity is not None}
+    """Return the quantities of those inputs and outputs that are numbers."""
+    known = {name: model.quantity(name) for name in names}
+    return {name: quantity for name, quantity in known.items() if quantity is not None}

@@ -1,4 +1,4 @@
-"""Orders in which neighbours follow one another, so that each case starts from the one before."""
+"""Orders of cases in which successive cases are neighbours, for warm starts."""
 
 from __future__ import annotations
 
@@ -25,23 +25,28 @@ def serpentine(shape: Sequence[int], axes: Sequence[int]) -> Array:
     -------
     (cases,) int array
         The reflected mixed-radix Gray code.
+
+    Examples
+    --------
+    >>> serpentine((2, 3), (0, 1)).tolist()
+    [0, 1, 2, 5, 4, 3]
     """
     step = np.arange(int(np.prod(shape)))
     index: list[Array] = [step] * len(shape)
     stride = step.size
     for axis in axes:
         count = shape[axis]
-        turns = step // stride  # passes along this axis that lie behind: every other one goes back
+        passes = step // stride  # number of completed passes: every second one is reversed
         stride //= count
         digit = step // stride % count
-        index[axis] = np.where(turns % 2 == 0, digit, count - 1 - digit)
+        index[axis] = np.where(passes % 2 == 0, digit, count - 1 - digit)
     return np.ravel_multi_index(tuple(index), tuple(shape))
 
 
 def bisected(points: Array) -> Array:
-    """Return the rows of a table so that every stretch of them is a compact group.
+    """Return an order of the rows of a table in which successive rows form compact groups.
 
-    The widest column is halved at its median, and the halves likewise.
+    Recursive bisection: the column with the largest range is divided at its median.
 
     Parameters
     ----------
@@ -67,7 +72,7 @@ def bisected(points: Array) -> Array:
 
 
 def tour(points: Array) -> Array:
-    """Return the order of a walk from row to nearest row not yet visited, from the first one.
+    """Return the nearest-neighbour tour of the rows of a table, from the first one.
 
     Parameters
     ----------
@@ -88,6 +93,6 @@ def tour(points: Array) -> Array:
 
 
 def _scaled(points: Array) -> Array:
-    """Return every column in units of its spread."""
+    """Return every column divided by its range."""
     spread = np.ptp(points, axis=0)
     return np.asarray(points / np.where(spread > 0, spread, 1.0))

@@ -26,7 +26,7 @@ KEPT, FEWEST_KEPT = 200, 3  # states; places
 
 @dataclass(frozen=True)
 class Parameter:
-    """What is fitted, between bounds; its coordinate u is ln(value) where the bounds are positive.
+    """A fitted parameter; its coordinate u is ln(value) if the bounds are positive.
 
     Attributes
     ----------
@@ -35,7 +35,12 @@ class Parameter:
     low, high : float
         Bounds.
     base : float, optional
-        Where the first start lies; midway between the bounds where None.
+        First starting point; the middle of the bounds if None.
+
+    Examples
+    --------
+    >>> Parameter("roll_friction", 0.1, 0.4, None).value(Parameter("f", 0.1, 0.4, None).start)
+    0.2
     """
 
     name: str
@@ -50,7 +55,7 @@ class Parameter:
 
     @property
     def logarithmic(self) -> bool:
-        """Whether u is the logarithm."""
+        """True if u is the logarithm of the value."""
         return self.low > 0
 
     def coordinate(self, value: float) -> float:
@@ -58,7 +63,7 @@ class Parameter:
         return log(value) if self.logarithmic else value
 
     def value(self, u: float) -> float:
-        """Return the value at u, rounding kept within the bounds."""
+        """Return the value at u, within the bounds in spite of rounding."""
         return min(max(exp(u) if self.logarithmic else u, self.low), self.high)
 
     def slope(self, u: float) -> float:
@@ -72,14 +77,14 @@ class Parameter:
 
     @property
     def start(self) -> float:
-        """Where the first start lies, u."""
+        """Coordinate of the first starting point."""
         if self.base is None:
             return sum(self.ends) / 2
         return self.coordinate(min(max(self.base, self.low), self.high))
 
 
 class _Visit(NamedTuple):
-    """A place that was solved: the predictions, and the states of all cases; none if one failed."""
+    """Predictions and states of all cases at u; no states if a case failed."""
 
     u: Array
     values: Array
@@ -89,7 +94,7 @@ class _Visit(NamedTuple):
 class Predictor:
     """Predicts every measured value from the parameters' coordinates u, from ``low`` to ``high``.
 
-    Each distinct row is solved once, from its state at the nearest place of those last seen.
+    Each distinct row is solved once, with a warm start from the nearest recent place.
     """
 
     def __init__(self, model: Model, measured: Measured, parameters: tuple[Parameter, ...]) -> None:
@@ -125,12 +130,12 @@ class Predictor:
 
     @cached_property
     def coarse(self) -> Predictor | None:
-        """The same on few nodes, to look around with; None where the model has no such."""
+        """The predictor on few nodes; None if the model has no such option."""
         model = getattr(self.model, "coarse", None)
         return None if model is None else Predictor(model, self._data, self.parameters)
 
     def values(self, u: Array) -> Array:
-        """Return the predictions, (m,); nan throughout where a case fails."""
+        """Return the predictions, (m,); all are nan if a case fails."""
         return self._visited(u).values
 
     def residuals(self, u: Array) -> Array:
@@ -197,7 +202,7 @@ class Predictor:
         return {p.name: p.value(float(v)) for p, v in zip(self.parameters, u, strict=True)}
 
     def _visited(self, u: Array) -> _Visit:
-        """Solve all cases, or return what is known."""
+        """Solve all cases, or return the known predictions."""
         known = [visit for visit in self._visits if np.array_equal(visit.u, u)]
         if known:
             return known[0]
@@ -211,7 +216,7 @@ class Predictor:
         return visit
 
     def _solved(self, u: Array) -> _Visit:
-        """Solve all cases, each from its state at the nearest place."""
+        """Solve all cases, with warm starts from the nearest place."""
         nearest = self._nearest(u)
         fitted, out = self.inputs(u), np.empty((len(self.cases), len(self.model.outputs)))
         states: list[Any] = []
@@ -224,7 +229,7 @@ class Predictor:
         return _Visit(np.array(u), out[self.of_case, self.of_output], states)
 
     def _nearest(self, u: Array) -> _Visit | None:
-        """Return the nearest place that was solved, on few nodes where there is none yet."""
+        """Return the nearest solved place, of the coarse predictor if there is none."""
         solved = [visit for visit in self._visits if visit.states]
         if solved:
             width = self.high - self.low

@@ -52,7 +52,7 @@ class Interval(NamedTuple):
 
     @property
     def geometric(self) -> bool:
-        """Whether the points have a constant ratio instead of a constant distance."""
+        """True if the points have a constant ratio instead of a constant distance."""
         return self.low > 0 and self.high / self.low >= DECADE
 
     def points(self, count: int) -> Array:
@@ -101,10 +101,10 @@ class RootSearch:
         output: str,
         target: float,
         interval: Interval,
-        tell: Callable[[int], None],
+        report: Callable[[int], None],
     ) -> None:
         self.model, self.name, self.output, self.target = model, name, output, target
-        self.interval, self.tell = interval, tell
+        self.interval, self.report = interval, report
         self.samples: list[Sample] = []
         self.jumps: list[tuple[float, float]] = []
         self.not_converged = ""
@@ -114,8 +114,8 @@ class RootSearch:
         return sample.output - self.target
 
     def is_root(self, sample: Sample) -> bool:
-        """Return whether a sample has the target value up to the solver's tolerance."""
-        # a target of 0 has no scale of its own: the outputs have
+        """True if a sample has the target value to the tolerance of the solver."""
+        # the scale of a target of 0 is that of the outputs
         scale = abs(self.target) or max(abs(s.output) for s in self.samples if s.result is not None)
         return abs(self.f(sample)) <= CLOSE * scale
 
@@ -133,14 +133,14 @@ class RootSearch:
         except NotConverged as fault:
             self.not_converged = str(fault)
             sample = Sample(value, nan, None, f"not converged: {fault}")
-        self.tell(len(self.samples) + 1)
-        # one sample a value: of a mesh comes in place of what another mesh gave
+        self.report(len(self.samples) + 1)
+        # a sample on another mesh replaces the one at the same value
         self.samples = [other for other in self.samples if other.value != value]
         insort(self.samples, sample, key=lambda s: s.value)
         return sample
 
     def scan(self, count: int, base: float | None) -> None:
-        """Evaluate the points of the range, and what lies next to it."""
+        """Evaluate the points of the range, and points next to it if needed."""
         start = self.interval.low if base is None else base
         for value in sorted(self.interval.points(count).tolist(), key=lambda x: abs(x - start)):
             self.evaluate(value)
@@ -174,7 +174,7 @@ class RootSearch:
         ]
 
     def _approaches(self, outward: int) -> bool:
-        """Return whether |f| decreases towards an end of the samples."""
+        """Return True if |f| decreases towards an end of the samples."""
         ends = self.samples[:2] if outward < 0 else self.samples[:-3:-1]
         if any(sample.result is None for sample in ends) or len(ends) < 2:
             return False

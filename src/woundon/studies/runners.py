@@ -1,7 +1,7 @@
-"""Who solves the chunks: this process, a pool of processes, or a Dask cluster.
+"""Runners, which solve chunks: in this process, in a pool of processes, or on a Dask cluster.
 
-All three take chunks and yield blocks as they are done, in any order, and give the same numbers.
-A worker that dies takes nothing with it: its chunks are solved by another.
+They yield blocks in order of completion, with the same numbers.  If a worker dies, another one
+solves its chunk.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from .model import Model
 
 __all__ = ["DaskRunner", "Pool", "Runner", "SerialRunner", "number_of_workers", "runner_for"]
 
-WORTH_A_POOL = 3.0  # seconds of work ahead; starting the workers costs about one
+WORTH_A_POOL = 3.0  # seconds of remaining work; starting the workers takes about one
 FINISHING = "finishing the chunks under way; press Ctrl-C again to stop at once"
 DIED = "the worker process died while it solved this chunk, twice"
 
@@ -35,16 +35,23 @@ class Runner(Protocol):
 
 
 def runner_for(workers: int | None, scheduler: str | None) -> Runner:
-    """Return who solves: ``scheduler``'s cluster, or ``workers`` processes (by default, cores).
+    """Return the runner: the cluster of a scheduler, or ``workers`` processes.
 
     Raises
     ------
     InvalidProblem
         For a number of workers below one, or given together with a scheduler.
+
+    Examples
+    --------
+    >>> type(runner_for(1, None)).__name__
+    'SerialRunner'
     """
     if scheduler is not None:
         if workers is not None:
-            raise InvalidProblem([("workers", "has no meaning with a scheduler: it has its own")])
+            raise InvalidProblem(
+                [("workers", "cannot be combined with a scheduler, which has its own workers")]
+            )
         return DaskRunner(scheduler)
     count = number_of_workers(workers)
     if count == 1:
@@ -68,7 +75,7 @@ def number_of_workers(workers: int | None) -> int:
 
 
 class SerialRunner:
-    """Solves in this process; hands over to a pool where enough work lies ahead to pay for it."""
+    """Solves in this process; continues with another runner if much work remains."""
 
     def __init__(self, then: Runner | None = None) -> None:
         self.then = then
@@ -88,7 +95,7 @@ class SerialRunner:
 
 
 class Pool:
-    """Solves in processes of this machine, one BLAS thread each."""
+    """Solves in processes of this machine, with one BLAS thread each."""
 
     def __init__(self, workers: int) -> None:
         self.workers = workers
@@ -108,7 +115,7 @@ class Pool:
 
 
 class DaskRunner:
-    """Solves on a Dask cluster by its scheduler's address; Dask replaces workers that die."""
+    """Solves on the Dask cluster of a scheduler; Dask replaces workers that die."""
 
     def __init__(self, address: str, timeout: float = 10.0) -> None:
         self.address, self.timeout = address, timeout
@@ -138,12 +145,12 @@ class DaskRunner:
                     chunk = running.pop(future)
                     try:
                         yield _checked(future.result())
-                    except KilledWorker:  # Dask gives a chunk up when several workers died over it
+                    except KilledWorker:  # several workers died while they solved this chunk
                         yield Block.failed(chunk, len(model.outputs), DIED)
 
 
 def _checked(block: Block) -> Block:
-    """Refuse blocks of workers that run another version of the program."""
+    """Reject blocks of workers with another version of the program."""
     from .. import __version__
 
     if block.version != __version__:

@@ -1,13 +1,13 @@
-r"""Which schedule holds best?  A few fields of a winding, its margins as constraints.
+r"""Optimise a winding schedule: a few fields are variables, the margins are constraints.
 
     a goal    min f(u)  so that  m_i(u) >= 0
-    no goal   max t     so that  m_i(u) >= t    the smallest reserve as large as can be
+    no goal   max t     so that  m_i(u) >= t    maximise the smallest reserve
 
 u are the fields as shares of their ranges, m_i the reserves of the margins that have limits.  Each
-evaluation winds a roll; there are few fields, and no derivatives: a margin is the worst over the
-radius, with a kink where its place jumps, and has the error of the winding.  COBYLA (Powell 1994,
-in SciPy) is made for that: linear models on a simplex of n + 1 windings, a trust region.  The best
-schedules stand where as many limits meet as there are fields, which linear models find quickly.
+evaluation is a complete winding.  Derivatives are not available: a margin is the minimum over the
+radius, with a kink where the location of the minimum jumps, and contains discretisation errors.
+COBYLA (Powell 1994, in SciPy) uses linear models on a simplex of n + 1 windings and a trust region.
+At the optimum usually as many limits are active as there are fields, which linear models find fast.
 """
 
 from __future__ import annotations
@@ -32,29 +32,28 @@ from .progress import Progress, reported
 __all__ = ["OptimisedSchedule", "optimise_schedule"]
 
 Array = np.ndarray
-# what a winder sets; what a winding does not have is left out
+# settings of a winder and their usual ranges
 USUAL = {"web_tension.taper": (0.0, 0.7), "torque_split": (0.0, 1.0)}
-USUAL_SHARES = {"nip_load": (0.25, 2.0)}  # of what it is
+USUAL_SHARES = {"nip_load": (0.25, 2.0)}  # relative to the present value
 FIRST_STEP, LAST_STEP = 0.2, 5e-4  # of the ranges
-ROOM = 1e-4  # of a limit, left so that the end of the search keeps it
+ROOM = 1e-4  # of a limit: tolerance of the constraints
 FAILED = -1.0  # reserve of a winding that cannot be solved
-BINDING = 0.01  # of a limit: how near to it a margin binds
+BINDING = 0.01  # of a limit: a margin with a smaller reserve is active
 LEAST_EVALUATIONS = 5
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class OptimisedSchedule(Presented, ReadOnly):
-    """The best schedule found, beside that it began with.
+    """Result of :func:`woundon.optimise_schedule`: initial and best schedule.
 
     Attributes
     ----------
     names : tuple of str
-        The fields varied.
+        Names of the varied fields.
     start, values : (n,) arrays
-        Before and after, SI.
+        Initial and best values, SI.
     before, after : Result
-        The windings; ``after`` is the best feasible one, or where there is none that with the
-        smallest violation.
+        Results; ``after`` is the best feasible one, or the one with the smallest violation.
     margins_before, margins_after : Margins
     feasible : bool
         Whether all limits are kept.
@@ -74,6 +73,16 @@ class OptimisedSchedule(Presented, ReadOnly):
         Of the fields, SI.
     quantities : mapping of str to Quantity
         Of the fields.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> best = wo.optimise_schedule(
+    ...     wo.RollProblem.example(), {"wound_on_tension": (200.0, 400.0)},
+    ...     limits=wo.Limits(core_pressure="1 MPa"), evaluations=5,
+    ... )
+    >>> best.after.problem == best.problem
+    True
     """
 
     names: tuple[str, ...]
@@ -102,30 +111,30 @@ class OptimisedSchedule(Presented, ReadOnly):
         return "\n".join(self.lines())
 
     def __repr__(self) -> str:
-        told = ", ".join(f"{n}={v:.4g}" for n, v in zip(self.names, self.values, strict=True))
-        return f"OptimisedSchedule({told}; {'holds' if self.feasible else 'no schedule holds'})"
+        values = ", ".join(f"{n}={v:.4g}" for n, v in zip(self.names, self.values, strict=True))
+        return f"OptimisedSchedule({values}; {'feasible' if self.feasible else 'infeasible'})"
 
     def lines(self) -> list[str]:
-        """Return what was found as lines of text."""
-        words = "A schedule that holds" if self.feasible else "NO schedule was found that holds"
-        told = [f"{words}: {self.goal}, {len(self.tried)} windings, {self.ended}"]
+        """Return schedule and margins as lines of text."""
+        words = "All limits are kept" if self.feasible else "NO schedule keeps all limits"
+        texts = [f"{words}: {self.goal}, {len(self.tried)} windings, {self.ended}"]
         ends = np.isclose(self.ranges, self.values[:, None], rtol=1e-3, atol=0)
         for name, old, new, end in zip(self.names, self.start, self.values, ends, strict=True):
             quantity = self.quantities[name]
             size, unit = (quantity.shown(1.0), quantity.display) if quantity else (1.0, "")
             mark = "  at the end of its range" * bool(end.any())
-            told.append(
+            texts.append(
                 f"  {name:<24} {old * size:>14.4g} -> {new * size:.4g} {unit}{mark}".rstrip()
             )
-        told.append(f"  {'margin':<24} {'reserve before':>14} -> after")
+        texts.append(f"  {'margin':<24} {'reserve before':>14} -> after")
         for old, new in zip(self.margins_before, self.margins_after, strict=True):
             if new.checked:
                 mark = "  binds" * (new.name in self.binding) + "  VIOLATED" * (new.ok is False)
                 then, now = 100 * old.reserve, 100 * new.reserve
-                told.append(f"  {new.name:<24} {then:>12.4g} % -> {now:.4g} %{mark}")
+                texts.append(f"  {new.name:<24} {then:>12.4g} % -> {now:.4g} %{mark}")
             else:
-                told.append(f"  {new.name:<24} not checked: {new.note}")
-        return told
+                texts.append(f"  {new.name:<24} not checked: {new.note}")
+        return texts
 
     def plot(self, path: Any = None, panels: Any = None) -> Any:
         """Draw the winding before and after: schedules, stresses, reserves.
@@ -155,32 +164,31 @@ def optimise_schedule(
     progress: bool | Progress = False,
     options: Mapping[str, Any] | None = None,
 ) -> OptimisedSchedule:
-    """Find the schedule that keeps all limits of a roll, best by a goal.
+    """Find the best schedule that keeps all limits of a roll.
 
     Parameters
     ----------
     problem : WindingProblem or RollProblem
-        Where the search begins; values outside their ranges are brought to the ends.
+        The initial schedule; values outside their ranges are replaced by the ends.
     over : mapping, optional
         Dotted name of a field -> (low, high), SI or texts with units.  By default
         ``web_tension.taper`` from 0 to 0.7, ``torque_split`` from 0 to 1 and ``nip_load`` from a
-        quarter to twice of what it is; those that the winding has as numbers.
+        quarter to twice the present value, if they are numbers in the problem.
     limits : Limits, optional
-        By default the winding's own; a roll alone has none.
+        By default those of the winding; required for a roll.
     minimise, maximise : str, optional
-        A scalar output, as best as the limits allow; without it the smallest reserve is made as
-        large as can be.
+        A scalar output; by default the smallest reserve is maximised.
     evaluations : int
-        Windings at most.  Ctrl-C ends the search earlier, with the best so far.
+        Maximum number of windings.  Ctrl-C ends the search with the best one so far.
     progress : bool or callable
-        Show rate and time left, or call with (windings done, at most).
+        Show rate and time left, or call with (windings done, maximum).
     options : mapping
-        Of the kind's solver, e.g. ``{"rtol": 1e-4}``.
+        Of the solver, e.g. ``{"rtol": 1e-4}``.
 
     Returns
     -------
     OptimisedSchedule
-        Also where no schedule holds: it tells which margins bind.
+        If no schedule is feasible, it contains the one with the smallest violation.
 
     Raises
     ------
@@ -188,6 +196,16 @@ def optimise_schedule(
         For names or ranges at fault, or where no margin has a limit.
     NotConverged
         If the winding that the search begins with cannot be solved.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> best = wo.optimise_schedule(
+    ...     wo.RollProblem.example(), {"wound_on_tension": (200.0, 400.0)},
+    ...     limits=wo.Limits(core_pressure="1 MPa"), evaluations=5,
+    ... )
+    >>> best.feasible, best.names
+    (True, ('wound_on_tension',))
     """
     model = model_of(problem, minimise or maximise, None, options or {})
     search = _Search(model, _ranges(problem, over), limits, _goal(minimise, maximise), evaluations)
@@ -206,7 +224,7 @@ def _goal(minimise: str | None, maximise: str | None) -> tuple[str | None, float
 
 
 def _ranges(problem: Problem, over: Mapping[str, Any] | None) -> dict[str, tuple[float, float]]:
-    """Return the ranges of the fields varied, SI."""
+    """Return the ranges of the varied fields, SI."""
     given = _usual(problem) if over is None else in_si(problem, over)
     if not given:
         text = "nothing to vary; must be a mapping of fields to (low, high)"
@@ -231,7 +249,7 @@ def _ranges(problem: Problem, over: Mapping[str, Any] | None) -> dict[str, tuple
 
 
 def _usual(problem: Problem) -> dict[str, tuple[float, float]]:
-    """Return the usual ranges of what the problem has as a number."""
+    """Return the usual ranges of those settings that are numbers in the problem."""
     ranges: dict[str, tuple[float, float]] = {}
     for name, (low, high) in (USUAL | USUAL_SHARES).items():
         try:
@@ -245,7 +263,7 @@ def _usual(problem: Problem) -> dict[str, tuple[float, float]]:
 
 
 class _Stop(Exception):
-    """All evaluations are used up."""
+    """The maximum number of evaluations is reached."""
 
 
 @dataclass
@@ -264,7 +282,7 @@ class _Wound:
 
 
 class _Search:
-    """The search: what was wound so far, and what SciPy is asked to do."""
+    """The windings that were computed, and objective and constraints for SciPy."""
 
     def __init__(
         self,
@@ -309,15 +327,15 @@ class _Search:
         return result, margins(result, self.limits)
 
     def _nearest(self, values: tuple[float, ...] | None) -> Any:
-        """Return the winding whose fields are nearest, of their ranges; None where none is."""
+        """Return the computed winding with the nearest values, relative to the ranges."""
         done = [case for case in self.wound.values() if case.result is not None]
         if values is None or not done:
             return None
-        off = (np.array([case.values for case in done]) - values) / (self.high - self.low)
-        return done[int(np.argmin(np.sum(off**2, axis=1)))].result
+        distance = (np.array([case.values for case in done]) - values) / (self.high - self.low)
+        return done[int(np.argmin(np.sum(distance**2, axis=1)))].result
 
     def at(self, u: Array) -> _Wound:
-        """Return the winding at shares of the ranges, wound if it was not yet."""
+        """Return the winding at relative coordinates u, computed if necessary."""
         values = tuple((self.low + np.clip(u, 0, 1) * (self.high - self.low)).tolist())
         if values in self.wound:
             return self.wound[values]
@@ -343,7 +361,7 @@ class _Search:
     # ---- searching -------------------------------------------------------------------------------
 
     def run(self) -> str:
-        """Search; return how it ended."""
+        """Optimise; return the reason of the termination."""
         from scipy.optimize import Bounds, NonlinearConstraint, minimize
 
         n, own = len(self.names), self.goal is not None
@@ -378,13 +396,13 @@ class _Search:
             return self.at(v).reserves
         return np.minimum(self.at(v[:-1]).reserves, 2.0) - v[-1]
 
-    # ---- the answer ------------------------------------------------------------------------------
+    # ---- result ----------------------------------------------------------------------------------
 
     def found(self, ended: str) -> OptimisedSchedule:
-        """Return the best of all that was wound."""
+        """Return the best of all windings."""
         done = [case for case in self.wound.values() if case.result is not None]
         if not done:
-            raise NotConverged(f"no schedule in these ranges can be wound: {self.why_not}")
+            raise NotConverged(f"no schedule in these ranges can be computed: {self.why_not}")
         holding = [case for case in done if case.least >= 0]
         if holding and self.goal is not None:
             best = min(holding, key=lambda case: self.sign * case.goal)

@@ -1,4 +1,4 @@
-"""Global sensitivity by Sobol's indices: how much of an output's variance each input explains.
+"""Sobol' indices: the share of the variance of an output that is due to each input.
 
 The cases are those of Saltelli's scheme, A, B and A with one column of B for each input, run as a
 study like any other: stored, resumed and spread over workers.  Indices by scipy.stats.
@@ -26,26 +26,36 @@ __all__ = ["SobolIndices", "saltelli_design", "sobol_indices_of"]
 
 Array = np.ndarray
 RESAMPLES = 200
-WIDE = 0.2  # of a 95 % interval: with it, an index of 0.5 could as well be 0.4 or 0.6
-ROUNDING = 1e-9  # of two equal indices
-MOST_TOLD = 3  # inputs in one line
+WIDE = 0.2  # width of a 95 % interval: an index of 0.5 may be 0.4 or 0.6
+ROUNDING = 1e-9  # difference of two equal indices
+MAX_SHOWN = 3  # inputs in one line
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SobolIndices(Presented, ReadOnly):
-    """Share of each output's variance that each input explains, with 95 % intervals.
+    """Result of :func:`woundon.global_sensitivity`: Sobol' indices with 95 % intervals.
 
     Attributes
     ----------
     inputs, outputs : tuple of str
     first_order : (outputs, inputs) array
-        By the input alone.
+        Share of the variance due to the input alone.
     total_order : (outputs, inputs) array
-        By the input with all its interactions.
+        Share of the variance due to the input and all its interactions.
     first_interval, total_interval : (2, outputs, inputs) arrays
         Low and high ends of the bootstrapped 95 % intervals.
     table : Table
-        The cases behind them.
+        The cases with their outputs.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> ranges = {"load": (50e3, 100e3), "friction": (0.3, 0.5)}
+    >>> indices = wo.global_sensitivity(
+    ...     wo.RollerProblem.example(), ranges, ["half_width"], samples=16, nodes=17, workers=1
+    ... )
+    >>> indices.inputs, indices.outputs
+    (('load', 'friction'), ('half_width',))
     """
 
     inputs: tuple[str, ...]
@@ -71,8 +81,6 @@ class SobolIndices(Presented, ReadOnly):
             {"output": list(self.outputs), "input": list(self.inputs), "end": ["low", "high"]},
         )
 
-    to_dataset = to_xarray  # its name in 0.1
-
     def to_dataframe(self) -> pd.DataFrame:
         """Return a row for each output and input: the indices and their 95 % intervals [1]."""
         import pandas as pd
@@ -92,10 +100,10 @@ class SobolIndices(Presented, ReadOnly):
         return "\n".join(self.lines())
 
     def __repr__(self) -> str:
-        order = np.argsort(-self.total_order[0])[:MOST_TOLD]
-        told = ", ".join(f"{self.inputs[j]} {self.total_order[0, j]:.2f}" for j in order)
+        order = np.argsort(-self.total_order[0])[:MAX_SHOWN]
+        texts = ", ".join(f"{self.inputs[j]} {self.total_order[0, j]:.2f}" for j in order)
         more = f"; {len(self.outputs)} outputs" if len(self.outputs) > 1 else ""
-        return f"SobolIndices({self.outputs[0]}: {told} of {len(self.inputs)} inputs{more})"
+        return f"SobolIndices({self.outputs[0]}: {texts} of {len(self.inputs)} inputs{more})"
 
     def _repr_html_(self) -> str:
         head = "Share of the variance, alone (first order) and with interactions (total)"

@@ -1,4 +1,4 @@
-"""Hash of the sources of a program, which tells apart two programs of one version number."""
+"""Hash of the source code, which distinguishes programs with the same version number."""
 
 from __future__ import annotations
 

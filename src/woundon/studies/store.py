@@ -1,16 +1,16 @@
-"""A study on disk: one SQLite file, to which every chunk is added when it is solved.
+"""Store of a study: one SQLite file, to which every chunk is added when it is solved.
 
     DIR/study.sqlite
-        study(record, sha256)                               what is studied, as JSON
+        study(record, sha256)                               base case, design, options as JSON
         chunk(number, outputs, failure, warnings, sha256)   the rows of a chunk
 
 ``outputs`` holds little-endian float64, case by case: as numbers SQLite would store nan as NULL and
 -0.0 as 0.0.  ``failure`` and ``warnings`` are JSON lists of texts.  The SHA-256 of a chunk covers
-its number, its content, its cases and the study, so that it verifies in its own place only.
+its number, content, cases and the study, so that a chunk of another place or study is rejected.
 
 Every chunk is one transaction with a rollback journal: after a kill -9 or a loss of power the file
-holds the chunks that were solved.  Processes at work in the same folder write the same chunks;
-SQLite keeps their transactions apart.
+contains the chunks that were solved.  Several processes may use the same folder; SQLite separates
+their transactions.
 """
 
 from __future__ import annotations
@@ -38,8 +38,8 @@ __all__ = ["FILE", "Store", "opened"]
 FILE = "study.sqlite"
 FORMAT = "woundon-study"
 SCHEMA = 3
-PROGRAM = {"version", "sources"}  # what a study records of the program that solves it
-RESUMABLE = "what is written stays valid, resume continues from there"
+PROGRAM = {"version", "sources"}  # entries of the record that identify the program
+RESUMABLE = "chunks in the file remain valid; resume continues the study"
 PATIENCE = 60.0  # seconds to wait for another process's transaction, which takes milliseconds
 # NORMAL waits for the disk three times a chunk, FULL four times.  On old file systems a loss of
 # power at the wrong moment may then damage the file, which the hashes detect.
@@ -81,15 +81,15 @@ def opened(
         Its cases by chunk.
     outputs : tuple of str
     record : mapping
-        What else the numbers depend on.
+        Everything else that the results depend on.
     resume : bool
         Continue the study in the folder; without it, the folder must not hold a study.
 
     Raises
     ------
     InvalidProblem
-        If the folder holds a study and ``resume`` is not set, or another study, or other files, or
-        a store of which nothing can be read.
+        If the folder contains a study and ``resume`` is not set, another study, other files, or a
+        store that cannot be read.
     OSError
         If it cannot be read, or cannot be written and the study is not complete.
     """
@@ -110,7 +110,7 @@ class Store:
     kept : dict of int to Block
         The chunks in the file that were verified, by number.
     messages : list of str
-        What the user should know of the file.
+        Warnings about the file for the user.
     """
 
     def __init__(
@@ -174,7 +174,7 @@ class Store:
         Raises
         ------
         OSError
-            If it cannot be written, e.g. on a full disk; what was written before stays valid.
+            If it cannot be written, e.g. on a full disk; chunks in the file remain valid.
         """
         with self.translated_errors():
             self._insert(self.connection, block)
@@ -182,7 +182,7 @@ class Store:
     # ---- the study ------------------------------------------------------------------------------
 
     def _read_record(self) -> dict[str, Any] | None:
-        """Return what the file says of its study: {} if it is empty, None if it is damaged."""
+        """Return the record of the study in the file: {} if it is empty, None if it is damaged."""
         try:
             if not self.connection.in_transaction:
                 self.connection.executescript(PRAGMAS)
@@ -241,7 +241,7 @@ class Store:
     def _verified(
         self, number: int, outputs: Any, failure: Any, warnings: Any, sha256: Any
     ) -> Block | None:
-        """Return a chunk, None if it is not what this study wrote."""
+        """Return a chunk; None if its SHA-256 is wrong."""
         cases = self.chunks[number]
         try:
             if self._hash(number, outputs, failure, warnings).encode() != sha256:
@@ -301,7 +301,7 @@ class Store:
         connection.execute("INSERT INTO study VALUES (?, ?)", (self.text, self.sha256))
 
     def _is_sound(self) -> bool:
-        """Return whether the file can be written to: some damage does not show on reading."""
+        """Return True if the file can be written to: some damage does not show on reading."""
         try:
             return bool(self.connection.execute("PRAGMA quick_check(1)").fetchone() == (b"ok",))
         except sqlite3.DatabaseError as fault:
@@ -331,7 +331,7 @@ class Store:
 
     @contextmanager
     def translated_errors(self) -> Iterator[None]:
-        """Raise what Python would in place of SQLite's errors."""
+        """Raise OSError or InvalidProblem in place of errors of SQLite."""
         try:
             yield
         except sqlite3.Error as fault:

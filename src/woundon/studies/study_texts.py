@@ -1,4 +1,4 @@
-"""A study file to start from, of any kind of problem: what ``woundon new --study`` prints."""
+"""Template of a study file for any kind of problem, printed by ``woundon new --study``."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _TEXT = """\
 # A study: the case below, solved for many values of its fields.
 #
 #   woundon sweep study.toml --out results             solve it; tables and figures are in results/
-#   woundon sweep study.toml --out results --resume    go on with it after an interruption
+#   woundon sweep study.toml --out results --resume    continue after an interruption
 
 schema  = {schema}
 outputs = {outputs}
@@ -32,7 +32,7 @@ outputs = {outputs}
 [over]
 {over}
 
-# [design]                      # cases that are drawn; the ranges above then have no count
+# [design]                      # drawn samples; the ranges above then have no count
 # kind    = "latin-hypercube"   # or "sobol"
 # samples = 64
 # seed    = 1
@@ -48,7 +48,7 @@ outputs = {outputs}
 
 
 def study_template(kind: str) -> str:
-    """Return the text of a study file that runs as it is, of the example of a kind of problem.
+    """Return the text of a study file for the example of a kind of problem.
 
     Raises
     ------
@@ -73,7 +73,7 @@ def study_template(kind: str) -> str:
 
 
 def _varied(problem: Problem) -> Iterator[tuple[str, str]]:
-    """Yield two loads, or other fields with a unit, and the values to try, as TOML."""
+    """Yield two fields, loads if possible, with values as TOML."""
     known = {name: find(problem, name)[0].quantity for name in type(problem).model_fields}
     loads = {
         name: about
@@ -88,8 +88,8 @@ def _varied(problem: Problem) -> Iterator[tuple[str, str]]:
         low, high = next(
             pair for pair in ends if pair and _admitted(problem, {name: pair, **other})
         )
-        told = f"from = {_text(low, loads[name])}, to = {_text(high, loads[name])}"
-        yield name, f"{{ {told}, count = 5 }}"
+        text = f"from = {_text(low, loads[name])}, to = {_text(high, loads[name])}"
+        yield name, f"{{ {text}, count = 5 }}"
     for name, values in other.items():
         yield name, f"[{', '.join(_text(value, loads[name]) for value in values)}]"
 

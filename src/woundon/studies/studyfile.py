@@ -1,4 +1,4 @@
-"""STUDY.toml: a base case of any kind, what is varied, what is wanted; units as in case files."""
+"""Read study files: a base case of any kind, varied fields and outputs; units as in case files."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _SPACING = ("linear", "log")
 
 @dataclass(frozen=True)
 class StudyFile:
-    """What a study file says, in SI.
+    """The content of a study file, in SI.
 
     Attributes
     ----------
@@ -41,9 +41,9 @@ class StudyFile:
     over : mapping or path
         Field -> values, or range (low, high[, "log"]) of a drawn design; or the table of cases.
     outputs : tuple of str, optional
-        None where the file does not say: the kind's own.
+        None for the main outputs of the kind.
     columns : mapping, optional
-        Header in the table -> name, None for a column to leave out.
+        Header in the table -> name; None omits a column.
     tie : mapping
     design : mapping
         Keywords ``design``, ``samples``, ``seed`` of :func:`~woundon.studies.api.sweep`.
@@ -67,12 +67,12 @@ def load_study(path: str | Path, *, ranges: bool = False) -> StudyFile:
     ----------
     path : path
     ranges : bool
-        Take every entry of [over] for a range to draw from, as the global sensitivity does.
+        Read every entry of [over] as a range, as for the global sensitivity.
 
     Raises
     ------
     InvalidProblem
-        For a file that cannot be read, or fields, values or units at fault.
+        For a file that cannot be read, or invalid fields, values or units.
     """
     path = Path(path)
     return study_of_tables(read_case(path), path.parent, ranges=ranges)
@@ -81,7 +81,7 @@ def load_study(path: str | Path, *, ranges: bool = False) -> StudyFile:
 def study_of_tables(
     content: Mapping[str, Any], folder: Path | None, *, ranges: bool = False
 ) -> StudyFile:
-    """Return the study that a file's tables describe; without a ``folder`` they may name no file.
+    """Return the study that the tables of a file describe; without ``folder`` they name no files.
 
     Raises
     ------
@@ -115,12 +115,12 @@ def study_of_tables(
     )
 
 
-def _columns(told: Mapping[str, Any]) -> dict[str, str | None] | None:
-    """Return what the columns of the table of cases are; an empty name leaves one out."""
-    if "columns" not in told:
+def _columns(content: Mapping[str, Any]) -> dict[str, str | None] | None:
+    """Return the names of the columns of the table of cases; an empty name omits one."""
+    if "columns" not in content:
         return None
-    columns = table_of(told, "columns")
-    if not isinstance(told.get("over"), str):
+    columns = table_of(content, "columns")
+    if not isinstance(content.get("over"), str):
         raise InvalidProblem.at("columns", "there is no table; write over = 'FILE'")
     for header, name in columns.items():
         if not isinstance(name, str):
@@ -166,7 +166,11 @@ def _design(table: dict[str, Any]) -> dict[str, Any]:
 
 
 def flat_names(table: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
-    """Return dotted names, whether they are written quoted or as the dotted keys of TOML."""
+    """Return a table with dotted names instead of nested tables.
+
+    >>> flat_names({"web": {"thickness": [1.0]}})
+    {'web.thickness': [1.0]}
+    """
     flat: dict[str, Any] = {}
     for name, value in table.items():
         if isinstance(value, Mapping) and not {"from", "to"} & set(value):

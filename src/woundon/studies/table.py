@@ -1,4 +1,4 @@
-"""A study's result: a table of cases with their outputs, failures and warnings; a dataset of it."""
+"""Table of the cases of a study with outputs, failures and warnings."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ __all__ = ["Table", "failures"]
 
 Array = np.ndarray
 TEXTS = {
-    "failure": "why the case failed; empty where it did not",
-    "warnings": "where the case leaves the model's validity",
+    "failure": "reason of the failure; empty if the case was solved",
+    "warnings": "warnings about the validity of the model",
 }
 
 
-_REFUSALS = tuple(f"{kind.__name__}: " for kind in (InvalidProblem, NoSteadyState))
+_REJECTIONS = tuple(f"{kind.__name__}: " for kind in (InvalidProblem, NoSteadyState))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -43,7 +43,7 @@ class Table(Presented):
     quantities : mapping of str to Quantity
         Of inputs and outputs; bodies, materials and words have none.
     record : mapping
-        What the numbers depend on: base problem, settings, version.
+        All that the results depend on: base problem, settings, version.
     """
 
     design: Design
@@ -79,23 +79,23 @@ class Table(Presented):
         """Numbers of the failed cases."""
         return np.nonzero(self.failure != "")[0]
 
-    def refused_if_all_failed(self) -> Table:
-        """Return itself.
+    def check_any_solved(self) -> Table:
+        """Return the table itself if a case was solved.
 
         Raises
         ------
         InvalidProblem, NotConverged
-            If no case at all was solved, with the reasons, by how many cases have them; the former
-            if all were refused before they were solved.
+            If no case was solved, with the most frequent reasons; InvalidProblem if all cases were
+            rejected before they were solved.
         """
         if self.failed.size < self.design.size:
             return self
         reasons = failures(self.failure)
         others = self.design.size - sum(count for _, count in reasons)
-        told = [f"{count} x {reason}" for reason, count in reasons]
-        told += [f"{others} x others"] if others else []
-        text = f"none of the {self.design.size} cases was solved: {'; '.join(told)}"
-        if all(reason.startswith(_REFUSALS) for reason in self.failure):
+        texts = [f"{count} x {reason}" for reason, count in reasons]
+        texts += [f"{others} x others"] if others else []
+        text = f"none of the {self.design.size} cases was solved: {'; '.join(texts)}"
+        if all(reason.startswith(_REJECTIONS) for reason in self.failure):
             raise InvalidProblem.at("over", text)
         raise NotConverged(text, self.to_dataset())
 
@@ -154,7 +154,11 @@ class Table(Presented):
 
 
 def failures(reasons: Array, most: int = 5) -> list[tuple[str, int]]:
-    """Return the commonest reasons of failure with their counts, numbers in them left out."""
+    """Return the most frequent reasons of failure with their counts, ignoring numbers in them.
+
+    >>> failures(np.array(["load 1 N", "load 2 N", ""], dtype=object))
+    [('load 1 N', 2)]
+    """
     import re
 
     kinds: dict[str, list[Any]] = {}
