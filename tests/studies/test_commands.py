@@ -69,7 +69,7 @@ def test_sweep_again_needs_resume(study: Path, tmp_path: Path, capsys: pytest.Ca
     command = ["sweep", str(study), "--out", str(tmp_path / "out"), "--workers", "1"]
     assert cli.main(command) == 0
     assert cli.main(command) == 2
-    assert "holds a study already; resume it, or take another folder" in capsys.readouterr().err
+    assert "contains a study already; resume it, or use another folder" in capsys.readouterr().err
     assert cli.main([*command, "--resume"]) == 0
 
 

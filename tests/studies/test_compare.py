@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import doctest
 import json
 from math import pi
 from pathlib import Path
@@ -14,8 +13,6 @@ import pytest
 import woundon as wo
 from woundon.cli.commands import main
 from woundon.io.case_texts import to_toml
-from woundon.studies import compare as compare_module
-from woundon.studies import pull_tab
 
 NIP = wo.NipProblem.example()
 ROLL = wo.RollProblem.example()
@@ -336,9 +333,3 @@ def test_the_command(tmp_path: Path, capsys, monkeypatch):
     assert json.loads(capsys.readouterr().out)["sources"] == ["wound_on_tension", "pull tab"]
     assert main(["compare", "tabs.csv", "roll.toml", "--column", "Nr="]) == 2
     assert main([*command, "--save", "x.txt"]) == 2
-
-
-def test_the_examples_of_the_docstrings_run():
-    for module, count in ((compare_module, 4), (pull_tab, 2)):
-        outcome = doctest.testmod(module)
-        assert (outcome.attempted, outcome.failed) == (count, 0)

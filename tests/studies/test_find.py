@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import doctest
 import json
 import pickle
 import sys
@@ -18,7 +17,6 @@ from woundon import kinds
 from woundon.cli.commands import main
 from woundon.io.case_files import load_case
 from woundon.io.case_texts import template
-from woundon.studies import find as find_module
 
 HERE = Path(__file__).parent
 
@@ -303,9 +301,3 @@ def test_the_command_as_json_and_its_exit_status(tmp_path, capsys):
     assert main([*common, "load=1", "--target", "nip_width=1 mm"]) == 2
     assert main([*common, "load", "--target", "nip_width"]) == 2
     assert main([*common, "load", "--target", "nip_width=1 mm", "--case", "x.txt"]) == 2
-
-
-def test_the_example_of_the_docstring_runs():
-    examples = doctest.DocTestFinder().find(find_module, "find", globs={})
-    assert sum(doctest.DocTestRunner().run(test).attempted for test in examples) == 4
-    assert all(doctest.DocTestRunner().run(test).failed == 0 for test in examples)

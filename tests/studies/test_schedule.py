@@ -97,7 +97,7 @@ def test_limits_that_nothing_keeps_are_reported_with_what_binds(problem: wo.Roll
     assert not found.feasible
     assert found.binding
     assert set(found.binding) <= set(found.margins_after.violated)
-    assert str(found).startswith("NO schedule was found that holds")
+    assert str(found).startswith("NO schedule keeps all limits")
     assert "VIOLATED" in str(found)
 
 

@@ -163,7 +163,7 @@ def test_a_chunk_of_another_study_of_the_same_cases_is_damage(tmp_path: Path):
         with connection:
             connection.execute("INSERT OR REPLACE INTO chunk SELECT * FROM other.chunk")
             connection.execute("DELETE FROM chunk WHERE number = 2")
-    with pytest.raises(wo.InvalidProblem, match="holds another study than this: model differs"):
+    with pytest.raises(wo.InvalidProblem, match="contains another study: model differs"):
         run_study(
             models.FailingModel(),
             DESIGN,
@@ -279,7 +279,7 @@ def test_a_write_waits_for_the_transaction_of_another_process(
             if patience:
                 assert run(tmp_path, resume=True).failed.size == 0
             else:
-                with pytest.raises(OSError, match="database is locked; what is written stays"):
+                with pytest.raises(OSError, match="database is locked; chunks in the file remain"):
                     run(tmp_path, resume=True)
 
 
@@ -346,20 +346,20 @@ def test_failures_are_kept_over_a_resume(tmp_path: Path):
 )
 def test_another_study_is_not_mixed_in(tmp_path: Path, over, changes, options, differs):
     wo.sweep(paper_nip(), {"nip_load": [1e3]}, nodes=17, workers=1, out=tmp_path)
-    with pytest.raises(wo.InvalidProblem, match=f"holds another study than this: {differs}"):
+    with pytest.raises(wo.InvalidProblem, match=f"contains another study: {differs}"):
         wo.sweep(paper_nip(**changes), over, workers=1, out=tmp_path, resume=True, **options)
 
 
 def test_folders_that_hold_something_else_are_left_alone(tmp_path: Path):
     (tmp_path / "thesis.txt").write_text("mine", encoding="utf-8")
-    with pytest.raises(wo.InvalidProblem, match="is not empty and holds no study"):
+    with pytest.raises(wo.InvalidProblem, match="is not empty and contains no study"):
         run_study(models.LinearModel(), DESIGN, SerialRunner(), out=tmp_path, resume=True)
     assert [path.name for path in tmp_path.iterdir()] == ["thesis.txt"]
 
 
 def test_a_study_is_not_overwritten(tmp_path: Path):
     run_study(models.LinearModel(), DESIGN, SerialRunner(), out=tmp_path)
-    with pytest.raises(wo.InvalidProblem, match="holds a study already; resume it"):
+    with pytest.raises(wo.InvalidProblem, match="contains a study already; resume it"):
         run_study(models.LinearModel(), DESIGN, SerialRunner(), out=tmp_path)
 
 

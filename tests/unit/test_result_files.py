@@ -315,7 +315,6 @@ DAMAGE: list[tuple[str, Any, str]] = [
     ("fields.roll_zone.3", 0.5, "roll_zone: must be a list of zones, -1, 0 or 1"),
     ("fields.half_width", None, "half_width: None is not a finite number"),
     ("fields.half_width", "wide", "half_width: 'wide' is not a finite number"),
-    ("fields.half_width", 1e-300, "damaged"),
     ("fields.half_width", True, "half_width: True is not a finite number"),
     ("fields.half_width", ..., "half_width: missing"),
     ("fields.iterations", 3.5, "iterations: 3.5 is out of place; must be a whole number"),

@@ -252,9 +252,9 @@ def test_columns_from_a_csv_file(tmp_path: Path) -> None:
     ("content", "message"),
     [
         ("pressure [kPa], strain\n", "test.csv: has no header with rows below it"),
-        ("pressure [kPa], strain\n1, 2\n3\n", "test.csv: row 2 has 1 cells, the header 2"),
-        ("strain, strain\n1, 2\n", "test.csv: two columns are 'strain'"),
-        ("pressure [kPa], kind\n1, 2\n", "test.csv: has a column 'kind', which the case gives"),
+        ("pressure [kPa], strain\n1, 2\n3\n", "test.csv: row 3 has 1 cells, the header 2"),
+        ("strain, strain\n1, 2\n", "test.csv: row 1: two columns have the same header 'strain'"),
+        ("pressure [kPa], kind\n1, 2\n", "test.csv: has a column 'kind', which the case contains"),
         ("pressure [mm], strain\n" + "1, 2\n" * 4, "radial.pressure.0: '1 mm' has the wrong dim"),
         ("pressure [kPa], strain\n1, x\n2, 3\n3, 4\n4, 5", "radial.strain.0: 'x' is"),
         ("pressure [kPa], stress\n" + "1, 2\n" * 4, "stress: no such field"),

@@ -277,6 +277,7 @@ def _place(items: list[Any], name: str, path: str) -> int:
 
 
 def _plain(text: str) -> str | float | None:
+    """Return the value of a setting: a number, a text without quotes, or None."""
     text = text.strip()
     if text.lower() == "none":
         return None

@@ -142,6 +142,7 @@ class Section(NamedTuple):
 
 
 def _commented(text: str, comment: str, column: int) -> list[str]:
+    """Return the lines of a text with a wrapped comment that starts at a column."""
     if not comment:
         return [text]
     parts = textwrap.wrap(comment, max(_WIDTH - column - 4, 30), break_long_words=False)
@@ -179,17 +180,17 @@ class _Writer:
         thing: Description,
         path: str,
         header: str,
-        apart: set[str],
+        excluded: set[str],
         comment: str = "",
         of_field: Quantity | None = None,
-        admitted: tuple[type[Any], ...] = (),
+        alternatives: tuple[type[Any], ...] = (),
     ) -> Iterator[Section]:
         """Yield the section of a description, then those of the descriptions in it."""
         fields = {
-            name: getattr(thing, name) for name in type(thing).model_fields if name not in apart
+            name: getattr(thing, name) for name in type(thing).model_fields if name not in excluded
         }
         inner = {name: value for name, value in fields.items() if self.is_nested(value)}
-        rows = [self.kind(thing, admitted)] if isinstance(thing, Family) else []
+        rows = [self.kind(thing, alternatives)] if isinstance(thing, Family) else []
         rows += [
             self.row(thing, name, of_field)
             for name in fields
@@ -198,9 +199,9 @@ class _Writer:
         yield Section(header, rows, comment)
         for name, value in inner.items():
             below = f"{path}{name}"
-            held = type(thing).model_fields[name]
-            about, quantity = self.comment(held.description or ""), quantity_of(held, of_field)
-            members = members_of(held.annotation)
+            field = type(thing).model_fields[name]
+            about, quantity = self.comment(field.description or ""), quantity_of(field, of_field)
+            members = members_of(field.annotation)
             for item in value if isinstance(value, tuple) else (value,):
                 head = f"[[{below}]]" if isinstance(value, tuple) else f"[{below}]"
                 yield from self.description(
@@ -235,16 +236,16 @@ class _Writer:
         text = "..." if value is None else _value(value, quantity) or _plain(value)
         return Row(name, text, self.comment(field_comment(about)))
 
-    def kind(self, thing: Family, admitted: tuple[type[Any], ...]) -> Row:
+    def kind(self, thing: Family, alternatives: tuple[type[Any], ...]) -> Row:
         """Return the line with the kind of a description; the first one lists the alternatives."""
-        others = [m for m in admitted if m is not type(thing) and issubclass(m, Family)]
+        others = [m for m in alternatives if m is not type(thing) and issubclass(m, Family)]
         names = [
             m.member_name()
             if m in self.listed
             else f"{m.member_name()} ({', '.join(m.model_fields)})"
             for m in others
         ]
-        self.listed.update(admitted)
+        self.listed.update(alternatives)
         comment = f"or {', '.join(names)}" if names else ""
         return Row("kind", json.dumps(thing.member_name()), self.comment(comment))
 

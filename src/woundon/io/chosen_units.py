@@ -175,12 +175,14 @@ def in_units(result: Result, chosen: Iterable[str], by_name: Mapping[str, str]) 
     ]
     sizes: Sizes = {}
     for unit in [chosen] if isinstance(chosen, str) else chosen:
-        found = _system(places, unit) if unit in SYSTEMS else _in_unit(places, unit, width)
+        found = (
+            _system(places, unit) if unit in SYSTEMS else _quantities_with_unit(places, unit, width)
+        )
         if not found:
             raise _no_such_unit(unit, width)
         sizes |= found
     for name, unit in by_name.items():
-        found = _in_unit([p for p in places if p.path == name], unit, width)
+        found = _quantities_with_unit([p for p in places if p.path == name], unit, width)
         if not found:
             with units({name: unit}):  # names what is wrong
                 raise _no_such_unit(unit, width)
@@ -200,8 +202,8 @@ def _system(places: Iterable[Place], system: str) -> Sizes:
     return sizes
 
 
-def _in_unit(places: Iterable[Place], unit: str, width: float | None) -> Sizes:
-    """Return the quantities that have a unit's dimension, or whose totals have it."""
+def _quantities_with_unit(places: Iterable[Place], unit: str, width: float | None) -> Sizes:
+    """Return sizes of a unit for all quantities that have its dimension per width or in total."""
     sizes: Sizes = {}
     for path, quantity in ((p.path, p.quantity) for p in places):
         assert quantity is not None

@@ -70,7 +70,7 @@ def replaced_file(path: str | Path) -> Iterator[Path]:
     place = Path(os.path.realpath(path))  # a link is kept, its target is replaced
     temporary = place.with_name(f".{place.name[:100]}.{os.getpid()}-{get_ident()}.part")
     try:
-        with _errors_named(path):
+        with _path_in_errors(path):
             yield temporary
             with contextlib.suppress(FileNotFoundError):
                 copymode(place, temporary)
@@ -84,8 +84,8 @@ def replaced_file(path: str | Path) -> Iterator[Path]:
 
 
 @contextlib.contextmanager
-def _errors_named(path: str | Path) -> Iterator[None]:
-    """Name ``path`` in the errors of the system, instead of the temporary file."""
+def _path_in_errors(path: str | Path) -> Iterator[None]:
+    """Raise errors of the system with the name of ``path`` instead of the temporary file."""
     try:
         yield
     except OSError as fault:
@@ -110,7 +110,7 @@ def write_whole(path: str | Path, content: bytes) -> None:
     """
     path = Path(path)
     if path.exists() and not path.is_file():  # a device or a pipe cannot be replaced
-        with _errors_named(path):
+        with _path_in_errors(path):
             path.write_bytes(content)
         return
     with replaced_file(path) as temporary:

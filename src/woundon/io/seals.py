@@ -1,4 +1,4 @@
-"""The SHA-256 of result files, which detects damage and edits.
+"""SHA-256 of result files, which detects damage and edits.
 
 The hash of a JSON file is that of its content, so that it may be reformatted; the hash of a netCDF
 file is that of its bytes, so that a damaged file is rejected before it is parsed.  It is not a

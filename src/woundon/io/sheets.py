@@ -309,7 +309,7 @@ def _excel_rows(content: bytes, where: str) -> Rows:
             rows = _streamed(sheet, where)
         if calculated:
             with _first_sheet(content, formulas=True) as sheet:
-                rows = _marked_unknown(rows, _streamed(sheet, where))
+                rows = _with_uncalculated_formulas(rows, _streamed(sheet, where))
         rows = _even(rows, where)
         _repeat_merged(rows, blocks, where)
     except InvalidProblem:
@@ -440,8 +440,8 @@ def _repeat_merged(rows: Rows, blocks: Iterable[Block], where: str) -> None:
                 row[first - 1 : last] = [value] * width
 
 
-def _marked_unknown(rows: Rows, formulas: Rows) -> Rows:
-    """Return the rows with those formulas that no spreadsheet has calculated as texts."""
+def _with_uncalculated_formulas(rows: Rows, formulas: Rows) -> Rows:
+    """Return the rows with the text of each formula whose value is not in the file."""
     marked: Rows = []
     empty: list[Any] = []
     for row, texts in itertools.zip_longest(rows, formulas, fillvalue=empty):

@@ -65,7 +65,7 @@ class Names:
         self._by_key: dict[str, list[str]] = {}
         self._by_symbol: dict[str, list[str]] = {}
         for name, quantity in known.items():
-            self._by_key.setdefault(_key(name), []).append(name)
+            self._by_key.setdefault(_normalised(name), []).append(name)
             if quantity is not None:
                 self._by_symbol.setdefault(quantity.symbol, []).append(name)
 
@@ -75,7 +75,7 @@ class Names:
         Symbols are recognised too, if they are spelled exactly.
         """
         numbers = iter(part for part in _BETWEEN.split(text) if part.isdigit())
-        found = self._by_key.get(_key(text)) or self._by_symbol.get(text.strip(), [])
+        found = self._by_key.get(_normalised(text)) or self._by_symbol.get(text.strip(), [])
         return [re.sub(r"\*", lambda _: next(numbers, "0"), name) for name in found]
 
     def quantity(self, name: str) -> Quantity | None:
@@ -87,7 +87,8 @@ class Names:
         return nearest("_".join(_BETWEEN.split(text)), self.known)
 
 
-def _key(text: str) -> str:
+def _normalised(text: str) -> str:
+    """Return a text without case, spaces and underscores, and with * for numbers."""
     parts = _BETWEEN.split(text.strip())
     return "".join("*" if part.isdigit() else part.casefold() for part in parts)
 
@@ -135,7 +136,7 @@ def match_columns(
     faults: Faults = []
     found: list[Column] = []
     unknown: list[str] = []
-    left = {_key(header): (header, target) for header, target in (columns or {}).items()}
+    left = {_normalised(header): (header, target) for header, target in (columns or {}).items()}
     for header, cells in sheet.columns.items():
         target, unit = _renamed(header, left)
         if target is None:
@@ -173,8 +174,8 @@ def _check_renaming(columns: Any) -> None:
 def _renamed(header: str, left: dict[str, tuple[str, str | None]]) -> tuple[str | None, str]:
     """Return the text that replaces a header, and its remaining unit; remove it from ``left``."""
     for text, unit in _splits(header):
-        if _key(text) in left:
-            return left.pop(_key(text))[1] or None, unit
+        if _normalised(text) in left:
+            return left.pop(_normalised(text))[1] or None, unit
     return header, ""
 
 

@@ -143,7 +143,7 @@ class Comparison(Presented, ReadOnly):
 
     @property
     def total(self) -> Array:
-        """Standard uncertainty of the residuals, (m,); what is not known counts as zero."""
+        """Standard uncertainty of the residuals, (m,); unknown parts count as zero."""
         known = [np.nan_to_num(self.deviation), np.nan_to_num(self.error), self.spread]
         return np.asarray(np.sqrt(np.sum(np.square(known), axis=0)))
 
@@ -299,9 +299,9 @@ def compare(
     Parameters
     ----------
     problem : Problem
-        Everything that the table does not vary.
+        The base case, with the fields that are not columns of the table.
     measured : path, mapping or pandas.DataFrame
-        CSV or Excel file with units in its header, or columns by name, SI where they name no unit:
+        CSV or Excel file with units in its header, or columns by name, SI if they have no unit:
         inputs ("nip_load [kN/m]"), outputs ("wound_on_tension [N/m]", "nip_width [mm]") and their
         standard deviations ("nip_width +- [mm]").  Of a roll or a winding also arrays over the
         radius ("pressure [kPa]", "wound_on_tension [N/m]"), "pull_tab_force [N]" and "length [m]",
@@ -321,7 +321,7 @@ def compare(
     Raises
     ------
     InvalidProblem
-        For names, units or values at fault, or if no row has a steady state.
+        For invalid names, units or values, or if no row has a steady state.
     NotConverged
         If no row was solved, and the solver did not converge at one of them.
 
@@ -346,10 +346,47 @@ def compare(
     twice = sorted(set(data.inputs) & set(deviations))
     if twice:
         raise InvalidProblem.at(f"spread: {twice[0]}", "is measured in a column of the table")
+    covariates = _covariates(problem, data)
+    predicted, error, effects, failures = _predictions(model, data, covariates, deviations)
+    effects[np.isnan(predicted)] = 0.0
+    sources = (*deviations, *([TAB] if data.common.any() else []))
+    if data.common.any():
+        effects = np.column_stack([effects, data.common])
+    comparison = Comparison(
+        names=data.names,
+        numbers=data.numbers,
+        position=data.position,
+        measured=data.measured,
+        predicted=predicted,
+        deviation=data.deviation,
+        error=error,
+        sources=sources,
+        effects=effects,
+        failures=failures,
+        quantities=data.quantities,
+        problem=problem,
+        inputs={name: values[data.rows] for name, values in data.inputs.items()},
+        covariates=covariates,
+    )
+    return replace(comparison, explanations=explain(comparison))
+
+
+def _predictions(
+    model: KindModel,
+    data: Observations,
+    covariates: Sequence[str],
+    deviations: Mapping[str, float],
+) -> tuple[Array, Array, Array, tuple[str, ...]]:
+    """Return predictions, their errors, effects of the input spreads, and reasons of failures.
+
+    Raises
+    ------
+    InvalidProblem, NotConverged
+        If there is no prediction at all.
+    """
     m = len(data.names)
     predicted, error, effects = np.full(m, nan), np.full(m, nan), np.zeros((m, len(deviations)))
     failures, converged, start = [""] * m, "", None
-    covariates = _covariates(problem, data)
     for rows, inputs in _groups(data, covariates):
         try:
             with unwarned():
@@ -372,27 +409,7 @@ def compare(
         reason = next((why for why in failures if why), "the predictions are nan")
         text = f"no row of the table has a prediction; the first reason: {reason}"
         raise NotConverged(text) if converged else InvalidProblem.at(data.where, text)
-    effects[np.isnan(predicted)] = 0.0
-    sources = (*deviations, *([TAB] if data.common.any() else []))
-    if data.common.any():
-        effects = np.column_stack([effects, data.common])
-    comparison = Comparison(
-        names=data.names,
-        numbers=data.numbers,
-        position=data.position,
-        measured=data.measured,
-        predicted=predicted,
-        deviation=data.deviation,
-        error=error,
-        sources=sources,
-        effects=effects,
-        failures=tuple(failures),
-        quantities=data.quantities,
-        problem=problem,
-        inputs={name: values[data.rows] for name, values in data.inputs.items()},
-        covariates=covariates,
-    )
-    return replace(comparison, explanations=explain(comparison))
+    return predicted, error, effects, tuple(failures)
 
 
 def _covariates(problem: Problem, data: Observations) -> tuple[str, ...]:
@@ -485,10 +502,12 @@ def _or_nan(result: Any, name: str, place: float) -> float:
 
 
 def _rms(values: Array) -> float:
+    """Return the root mean square."""
     return float(np.sqrt(np.mean(values**2)))
 
 
 def _finite(table: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a table with None in place of nan, for JSON."""
     return {name: None if value != value else value for name, value in table.items()}
 
 

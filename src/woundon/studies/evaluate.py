@@ -80,7 +80,7 @@ class Block:
 def solve_chunk(model: Model, chunk: Chunk) -> Block:
     """Solve the cases in their order, each from the state of the last one that was solved.
 
-    A case that fails, for whatever reason, is a row with its reason.
+    If a case raises an exception, this is the reason of its failure in the block.
     """
     block = Block.failed(chunk, len(model.outputs), "")
     state, began = None, time.perf_counter()
@@ -89,7 +89,7 @@ def solve_chunk(model: Model, chunk: Chunk) -> Block:
         try:
             answer = model.run(inputs, state)
         except Exception as fault:
-            # whatever a solver or a user's output raises belongs to its case, not to the study
+            # an exception of a solver or of an output of a plug-in must not end the study
             block.failure[row] = f"{type(fault).__name__}: {fault}".replace("\n", "; ")
             continue
         block.values[row], block.warnings[row] = answer.values, answer.warnings

@@ -153,6 +153,7 @@ def explain(comparison: Any) -> tuple[Explanation, ...]:
 
 
 def _of_output(comparison: Any, output: str) -> Iterator[Explanation]:
+    """Yield the findings on one output."""
     of = comparison.agreement(output)
     if of.size < 2:
         return

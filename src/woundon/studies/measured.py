@@ -159,31 +159,31 @@ def read_cases(
             values = numbers(sheet, column, quantity, faults, gaps=False, sign=sign)
             over[column.name] = values.tolist()
         else:
-            over[column.name] = _things(sheet, column, build, faults)
+            over[column.name] = _texts_and_bodies(sheet, column, build, faults)
     raise_faults(faults)
     if not over:
         raise InvalidProblem.at(sheet.where, "has no column that is an input of the model")
     return over
 
 
-def _things(
+def _texts_and_bodies(
     sheet: Sheet, column: Column, build: Callable[[str, Any], Any], faults: list[tuple[str, str]]
 ) -> list[Any]:
     """Return the cells of a column that is not numeric: words, materials, bodies as JSON."""
-    things: list[Any] = []
+    values: list[Any] = []
     for number, cell in zip(sheet.numbers, column.cells, strict=True):
-        thing = cell.strip() if isinstance(cell, str) else cell
+        value = cell.strip() if isinstance(cell, str) else cell
         if len(faults) >= MAX_COUNTED:
             break
         try:
-            if thing in ("", None):
+            if value in ("", None):
                 raise InvalidProblem("the cell is empty")
-            if isinstance(thing, str) and thing.startswith("{"):
-                table = json.loads(thing)
+            if isinstance(value, str) and value.startswith("{"):
+                table = json.loads(value)
                 check_like_a_case(table, "a table of fields")
-                thing = build(column.name, table)
+                value = build(column.name, table)
         except (InvalidProblem, ValueError, RecursionError) as fault:
             reason = str(fault).replace("\n", "; ")
             faults.append((sheet.where, f"row {number}, column {column.header!r}: {reason}"))
-        things.append(thing)
-    return things
+        values.append(value)
+    return values

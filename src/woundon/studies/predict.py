@@ -21,7 +21,7 @@ Array = np.ndarray
 # Outputs are smooth except for kinks where a node changes its zone.  The step is so long that the
 # solver's tolerance (1e-8 of the output) does not matter, and so short that curvature does not.
 STEP = 1e-3
-KEPT, FEWEST_KEPT = 200, 3  # states; places
+KEPT, MIN_KEPT = 200, 3  # states; places
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,7 @@ class Parameter:
         return self.coordinate(min(max(self.base, self.low), self.high))
 
 
-class _Visit(NamedTuple):
+class _Evaluation(NamedTuple):
     """Predictions and states of all cases at u; no states if a case failed."""
 
     u: Array
@@ -126,7 +126,7 @@ class Predictor:
         )
         self.low, self.high = np.transpose([p.ends for p in parameters])
         self.solves, self.fault = 0, ""
-        self._visits: list[_Visit] = []
+        self._evaluations: list[_Evaluation] = []
 
     @cached_property
     def coarse(self) -> Predictor | None:
@@ -136,7 +136,7 @@ class Predictor:
 
     def values(self, u: Array) -> Array:
         """Return the predictions, (m,); all are nan if a case fails."""
-        return self._visited(u).values
+        return self._evaluate_cached(u).values
 
     def residuals(self, u: Array) -> Array:
         """Return (predicted - measured) / deviation, (m,)."""
@@ -193,7 +193,7 @@ class Predictor:
         """Return a copy that knows the states of one place only, to be sent to a process."""
         other = copy(self)
         nearest = self._nearest(u)
-        other._visits = [] if nearest is None else [nearest]
+        other._evaluations = [] if nearest is None else [nearest]
         other.__dict__["coarse"] = None
         return other
 
@@ -201,21 +201,21 @@ class Predictor:
         """Return the parameters' values by name."""
         return {p.name: p.value(float(v)) for p, v in zip(self.parameters, u, strict=True)}
 
-    def _visited(self, u: Array) -> _Visit:
+    def _evaluate_cached(self, u: Array) -> _Evaluation:
         """Solve all cases, or return the known predictions."""
-        known = [visit for visit in self._visits if np.array_equal(visit.u, u)]
+        known = [evaluation for evaluation in self._evaluations if np.array_equal(evaluation.u, u)]
         if known:
             return known[0]
         try:
-            visit = self._solved(u)
+            evaluation = self._solve_all(u)
         except (ValueError, RuntimeError, ArithmeticError) as fault:
-            visit = _Visit(np.array(u), np.full(self.of_case.size, np.nan), [])
+            evaluation = _Evaluation(np.array(u), np.full(self.of_case.size, np.nan), [])
             self.fault = f"{type(fault).__name__}: {fault}"
-        most = max(FEWEST_KEPT, KEPT // len(self.cases))
-        self._visits = [*self._visits, visit][-most:]
-        return visit
+        kept = max(MIN_KEPT, KEPT // len(self.cases))
+        self._evaluations = [*self._evaluations, evaluation][-kept:]
+        return evaluation
 
-    def _solved(self, u: Array) -> _Visit:
+    def _solve_all(self, u: Array) -> _Evaluation:
         """Solve all cases, with warm starts from the nearest place."""
         nearest = self._nearest(u)
         fitted, out = self.inputs(u), np.empty((len(self.cases), len(self.model.outputs)))
@@ -226,21 +226,23 @@ class Predictor:
             out[k] = answer.values
             states.append(answer.state)
             self.solves += 1
-        return _Visit(np.array(u), out[self.of_case, self.of_output], states)
+        return _Evaluation(np.array(u), out[self.of_case, self.of_output], states)
 
-    def _nearest(self, u: Array) -> _Visit | None:
+    def _nearest(self, u: Array) -> _Evaluation | None:
         """Return the nearest solved place, of the coarse predictor if there is none."""
-        solved = [visit for visit in self._visits if visit.states]
+        solved = [evaluation for evaluation in self._evaluations if evaluation.states]
         if solved:
             width = self.high - self.low
-            return min(solved, key=lambda visit: float(np.max(np.abs(visit.u - u) / width)))
+            return min(
+                solved, key=lambda evaluation: float(np.max(np.abs(evaluation.u - u) / width))
+            )
         return None if self.coarse is None else self.coarse._nearest(u)
 
     def _exact(self, u: Array) -> Array | None:
         names = tuple(p.name for p in self.parameters)
         slope = np.array([p.slope(float(v)) for p, v in zip(self.parameters, u, strict=True)])
         found: list[Array] = []
-        for state in self._visited(u).states:
+        for state in self._evaluate_cached(u).states:
             gradient = self.model.gradient(state, names)
             if gradient is None:
                 return None

@@ -24,9 +24,10 @@ Array = np.ndarray
 LEVEL = 0.95
 ACCURACY = 5e-3  # of the distance from the minimum to an end; another mesh moves it by more
 REFIT = 0.05  # accuracy of the other parameters, in conditional standard errors: S to 0.3 % of s^2
+SMALL_GAIN = 1e-3  # of S, which ends a refit in a flat valley: 0.3 % of its usual rise at an end
 BEYOND = 1.1  # first distance relative to that of the linear model, to bracket the end mostly
 EXPANSION = 1.5  # growth of the distance until the end is bracketed
-EVALUATIONS, REFIT_EVALUATIONS = 30, 20
+EVALUATIONS, REFIT_EVALUATIONS = 30, 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,7 +143,7 @@ def _last_solved(profile: _Profile, solved: float, unsolved: float) -> float:
 
 
 class _Profile:
-    """distance of u_j from its minimum -> sqrt(S(u_j) - S_min) - sqrt(limit - S_min)."""
+    """Function of the distance of u_j from the minimum whose root is the end of the interval."""
 
     def __init__(self, predictor: Predictor, j: int, minimum: Minimum, limit: float) -> None:
         self.predictor, self.j, self.minimum, self.limit = predictor, j, minimum, limit
@@ -160,7 +161,7 @@ class _Profile:
         return min(self.reach / self.change, 0.1 * width) if self.change > 0 else 0.1 * width
 
     def __call__(self, distance: float) -> float:
-        """Return the function whose root is the end; exactly 0 within the accuracy."""
+        """Return sqrt(S - S_min) - sqrt(limit - S_min); exactly 0 within the accuracy."""
         if distance not in self.known:  # Brent's method starts with points that are known
             S = self._refitted(distance)
             f = float(np.sqrt(max(S - self.minimum.S, 0.0))) - self.reach
@@ -219,7 +220,7 @@ class _Profile:
             method="dogbox",
             gtol=REFIT * s2,
             xtol=REFIT**2,
-            ftol=1e-4,
+            ftol=SMALL_GAIN,
             max_nfev=REFIT_EVALUATIONS,
         )
         return place(found.x), np.asarray(found.fun)

@@ -36,10 +36,10 @@ Array = np.ndarray
 USUAL = {"web_tension.taper": (0.0, 0.7), "torque_split": (0.0, 1.0)}
 USUAL_SHARES = {"nip_load": (0.25, 2.0)}  # relative to the present value
 FIRST_STEP, LAST_STEP = 0.2, 5e-4  # of the ranges
-ROOM = 1e-4  # of a limit: tolerance of the constraints
+TOLERANCE = 1e-4  # of a limit: tolerance of the constraints
 FAILED = -1.0  # reserve of a winding that cannot be solved
 BINDING = 0.01  # of a limit: a margin with a smaller reserve is active
-LEAST_EVALUATIONS = 5
+MIN_EVALUATIONS = 5
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -267,8 +267,8 @@ class _Stop(Exception):
 
 
 @dataclass
-class _Wound:
-    """One evaluation."""
+class _Evaluation:
+    """One winding: values of the fields, result, margins, reserves and goal."""
 
     values: tuple[float, ...]
     result: Any
@@ -295,15 +295,15 @@ class _Search:
         if (
             isinstance(evaluations, bool)
             or not isinstance(evaluations, int)
-            or (evaluations < LEAST_EVALUATIONS)
+            or (evaluations < MIN_EVALUATIONS)
         ):
-            text = f"{quote(evaluations)} is out of range; must be >= {LEAST_EVALUATIONS}"
+            text = f"{quote(evaluations)} is out of range; must be >= {MIN_EVALUATIONS}"
             raise InvalidProblem.at("evaluations", text)
         self.model, self.limits, self.goal, self.sign = model, limits, *goal
         self.names = tuple(ranges)
         self.low, self.high = np.array(list(ranges.values())).T
-        self.most, self.why_not = evaluations, ""
-        self.wound: dict[tuple[float, ...], _Wound] = {}
+        self.max_evaluations, self.failure = evaluations, ""
+        self.evaluations: dict[tuple[float, ...], _Evaluation] = {}
         self.report: Progress = lambda done, expected: None
 
     # ---- winding ---------------------------------------------------------------------------------
@@ -328,35 +328,35 @@ class _Search:
 
     def _nearest(self, values: tuple[float, ...] | None) -> Any:
         """Return the computed winding with the nearest values, relative to the ranges."""
-        done = [case for case in self.wound.values() if case.result is not None]
+        done = [case for case in self.evaluations.values() if case.result is not None]
         if values is None or not done:
             return None
         distance = (np.array([case.values for case in done]) - values) / (self.high - self.low)
         return done[int(np.argmin(np.sum(distance**2, axis=1)))].result
 
-    def at(self, u: Array) -> _Wound:
+    def at(self, u: Array) -> _Evaluation:
         """Return the winding at relative coordinates u, computed if necessary."""
         values = tuple((self.low + np.clip(u, 0, 1) * (self.high - self.low)).tolist())
-        if values in self.wound:
-            return self.wound[values]
-        if len(self.wound) >= self.most:
+        if values in self.evaluations:
+            return self.evaluations[values]
+        if len(self.evaluations) >= self.max_evaluations:
             raise _Stop
         try:
             fields = dict(zip(self.names, values, strict=True))
             solved = self._solved(self.model.variant(fields), values)
         except (InvalidProblem, NotConverged) as fault:
-            self.why_not = str(fault).partition("\n")[0]
+            self.failure = str(fault).partition("\n")[0]
             failed = np.full(len(self.checked), FAILED)
-            self.wound[values] = _Wound(values, None, None, failed, nan)
+            self.evaluations[values] = _Evaluation(values, None, None, failed, nan)
         else:
             self._keep(values, *solved)
-        self.report(len(self.wound), self.most)
-        return self.wound[values]
+        self.report(len(self.evaluations), self.max_evaluations)
+        return self.evaluations[values]
 
     def _keep(self, values: tuple[float, ...], result: Any, margins: Any) -> None:
         reserves = np.array([margins[name].reserve for name in self.checked])
         goal = float(value_of(result, self.goal)) if self.goal else float(reserves.min())
-        self.wound[values] = _Wound(values, result, margins, reserves, goal)
+        self.evaluations[values] = _Evaluation(values, result, margins, reserves, goal)
 
     # ---- searching -------------------------------------------------------------------------------
 
@@ -375,12 +375,12 @@ class _Search:
                 begun,
                 method="COBYLA",
                 bounds=Bounds([0.0] * n + [-2.0] * room, [1.0] * n + [1.0] * room),
-                constraints=NonlinearConstraint(self._constraints, ROOM, np.inf),
+                constraints=NonlinearConstraint(self._constraints, TOLERANCE, np.inf),
                 tol=LAST_STEP,
-                options={"rhobeg": FIRST_STEP, "maxiter": 20 * self.most},
+                options={"rhobeg": FIRST_STEP, "maxiter": 20 * self.max_evaluations},
             )
         except _Stop:
-            return f"stopped after {self.most} windings"
+            return f"stopped after {self.max_evaluations} windings"
         except KeyboardInterrupt:
             return "interrupted"
         return "converged" if end.status == 0 else str(end.message).rstrip(".").lower()
@@ -400,9 +400,9 @@ class _Search:
 
     def found(self, ended: str) -> OptimisedSchedule:
         """Return the best of all windings."""
-        done = [case for case in self.wound.values() if case.result is not None]
+        done = [case for case in self.evaluations.values() if case.result is not None]
         if not done:
-            raise NotConverged(f"no schedule in these ranges can be computed: {self.why_not}")
+            raise NotConverged(f"no schedule in these ranges can be computed: {self.failure}")
         holding = [case for case in done if case.least >= 0]
         if holding and self.goal is not None:
             best = min(holding, key=lambda case: self.sign * case.goal)
@@ -414,7 +414,7 @@ class _Search:
             if self.goal
             else ("largest smallest reserve")
         )
-        every = list(self.wound.values())
+        every = list(self.evaluations.values())
         problem = self.model.problem
         return OptimisedSchedule(
             names=self.names,

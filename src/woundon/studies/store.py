@@ -139,7 +139,7 @@ class Store:
         """Read the file or create it; if it is damaged, keep what can be verified."""
         if not os.path.lexists(self.path):
             if self.folder.is_dir() and any(self.folder.iterdir()):
-                raise self._invalid("is not empty and holds no study")
+                raise self._invalid("is not empty and contains no study")
             self.folder.mkdir(parents=True, exist_ok=True)
         elif not self.path.is_file():
             raise self._invalid(f"its {FILE} is not a regular file")
@@ -198,9 +198,9 @@ class Store:
         return None
 
     def _check(self, found: Mapping[str, Any], resume: bool) -> None:
-        """Reject a study that is not to be resumed, or another one."""
+        """Reject another study, or a study if ``resume`` is not set."""
         if not resume:
-            raise self._invalid("holds a study already; resume it, or take another folder")
+            raise self._invalid("contains a study already; resume it, or use another folder")
         if (found.get("format"), found.get("schema")) != (FORMAT, SCHEMA):
             raise self._invalid(f"its {FILE} is not that of a study of this version")
         own = json.loads(self.text)
@@ -208,11 +208,11 @@ class Store:
         if differs and set(differs) <= PROGRAM:
             raise self._invalid(
                 f"was solved by another program: {_program(found)}, this is {_program(own)}; the "
-                "numbers of two programs are not mixed: solve the study in another folder, or "
-                "resume it by the program that began it"
+                "results of two programs cannot be combined: solve the study in another folder, or "
+                "resume it with the same program"
             )
         if differs:
-            raise self._invalid(f"holds another study than this: {', '.join(differs)} differs")
+            raise self._invalid(f"contains another study: {', '.join(differs)} differs")
 
     def _invalid(self, text: str) -> InvalidProblem:
         return InvalidProblem.at(str(self.folder), text)
@@ -301,7 +301,7 @@ class Store:
         connection.execute("INSERT INTO study VALUES (?, ?)", (self.text, self.sha256))
 
     def _is_sound(self) -> bool:
-        """Return True if the file can be written to: some damage does not show on reading."""
+        """Return True if SQLite finds no damage; reading does not detect all damage."""
         try:
             return bool(self.connection.execute("PRAGMA quick_check(1)").fetchone() == (b"ok",))
         except sqlite3.DatabaseError as fault:
@@ -309,23 +309,23 @@ class Store:
             return False
 
     def _replace(self) -> None:
-        """Set a copy of the damaged file aside, and write the verified chunks to a new one."""
+        """Back up the damaged file, and write the verified chunks to a new one."""
         self.close()
-        aside = self.path.with_name(f"damaged-{time.time_ns()}.sqlite")
-        fresh = self.path.with_name(f"fresh-{os.getpid()}.sqlite")
-        shutil.copyfile(self.path, aside)
-        fresh.unlink(missing_ok=True)
-        with closing(_connected(fresh, "mode=rwc")) as connection:
+        backup = self.path.with_name(f"damaged-{time.time_ns()}.sqlite")
+        repaired = self.path.with_name(f"repaired-{os.getpid()}.sqlite")
+        shutil.copyfile(self.path, backup)
+        repaired.unlink(missing_ok=True)
+        with closing(_connected(repaired, "mode=rwc")) as connection:
             connection.execute("BEGIN")
             with connection:
                 self._insert_study(connection)
                 for block in self.kept.values():
                     self._insert(connection, block)
-        os.replace(fresh, self.path)
+        os.replace(repaired, self.path)
         self._connect(writable=True)
         missing = len(self.chunks) - len(self.kept)
         self.messages.append(
-            f"{self.path}: damaged, a copy is in {aside.name}; {len(self.kept)} of its chunks are "
+            f"{self.path}: damaged, a copy is in {backup.name}; {len(self.kept)} of its chunks are "
             f"intact, the other {missing} are solved again"
         )
 
