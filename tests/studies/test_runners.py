@@ -238,7 +238,7 @@ def test_ctrl_c_ends_cleanly(study: Path, tmp_path: Path, workers: str):
     code, said = _stopped_in_the_middle(study, out, signal.SIGINT, "--workers", workers)
     assert code == 130
     assert "finishing the chunks under way; press Ctrl-C again to stop at once" in said
-    assert f"stopped; what was solved is in {out}, --resume goes on from there" in said
+    assert f"interrupted; the solved cases are in {out}, --resume continues" in said
     assert "Traceback" not in said
     assert [path.name for path in out.iterdir()] == ["study.sqlite"]
     assert 3 <= len(models.stored(out)) < 48
