@@ -28,17 +28,17 @@ FILM = wo.WindingProblem(
     radius=0.3, roll_friction=0.3, drum_friction=0.5,
     web_tension=wo.Taper(start=150.0, taper=0.25), nip_load=400.0, density=1390.0,
 )  # fmt: skip
-# largest deviation of the tension, at three radii; the stack K1 = 1 kPa, K2 = 80 is the worst known
+# largest deviation of the tension at three radii, as docs/theory/winding.md states it
 CASES = {
-    "2 kN/m": (CASE, 0.015),
-    "4 kN/m": (CASE.replace(nip_load=4000.0), 0.015),
-    "0.7 kN/m": (CASE.replace(nip_load=700.0), 0.03),
-    "soft stack": (CASE.replace(**{"stack.radial": wo.Pfeiffer(K1=1e3, K2=80.0)}), 0.09),
-    "stiff stack": (CASE.replace(**{"stack.radial": wo.Pfeiffer(K1=100e3, K2=40.0)}), 0.015),
-    "K2 = 150": (CASE.replace(**{"stack.radial": wo.Pfeiffer(K1=10e3, K2=150.0)}), 0.05),
+    "2 kN/m": (CASE, 0.045),
+    "4 kN/m": (CASE.replace(nip_load=4000.0), 0.045),
+    "0.7 kN/m": (CASE.replace(nip_load=700.0), 0.07),
+    "soft stack": (CASE.replace(**{"stack.radial": wo.Pfeiffer(K1=1e3, K2=80.0)}), 0.25),
+    "stiff stack": (CASE.replace(**{"stack.radial": wo.Pfeiffer(K1=100e3, K2=40.0)}), 0.025),
+    "K2 = 150": (CASE.replace(**{"stack.radial": wo.Pfeiffer(K1=10e3, K2=150.0)}), 0.07),
     "covered drum": (CASE.replace(drum=COVER), 0.045),
     "film": (FILM, 0.045),
-    "surface winding": (CASE.replace(torque_split=1.0), 0.015),
+    "surface winding": (CASE.replace(torque_split=1.0), 0.045),
 }
 
 
