@@ -7,9 +7,9 @@ to the next one; there pressure and kappa are solved for together.  By how far t
 off, the step is chosen.  The cost does not know how many laps there are.
 
 Laps of a finite thickness h are laid one after the other: under each the roll below takes the
-pressure T h/s at once, and the lap itself begins with a pressure that falls from T h/s to nil
+pressure T h/s at once, and the lap itself begins with a pressure that falls from T h/s to zero
 through it.  To first order in h that is a stage, and a lap laid on it, at half of that pressure,
-p = T h/(2 s), where thin laps have nil (:class:`Laps`): P(s) = p where kappa is found, E_t F(p)
+p = T h/(2 s), where thin laps have zero (:class:`Laps`): P(s) = p where kappa is found, E_t F(p)
 less in C, and at the core (E_t/E_c + nu) p more in T_c.
 """
 
@@ -32,7 +32,7 @@ __all__ = [
 
 Array = np.ndarray
 
-AGREED = 0.02  # of the tolerance: the last stage is solved anew when the roll is finished
+AGREED = 0.02  # of the tolerance: the last stage is solved again when the roll is finished
 ROUGHLY = 1.0
 WEAK = 0.05  # of the tolerance
 STRETCHED = 0.3  # of a step, lest the next one be tiny
@@ -208,10 +208,10 @@ class _Roll:
 
     def __init__(
         self, laps: Laps, core: float, cells: int, layer: float,
-        told: Callable[[float], None] | None,
+        report: Callable[[float], None] | None,
     ) -> None:  # fmt: skip
         self.laps, self.equations, self.tension = laps, laps.equations, laps.tension
-        self.cells, self.layer, self.told, self.start = cells, layer, told, log(core)
+        self.cells, self.layer, self.report, self.start = cells, layer, report, log(core)
         self.T_c = laps.at_core(self.start)
         self.growth = Growth(self.start, self.equations.core)
         self.last: BuildUp | None = None
@@ -246,8 +246,8 @@ class _Roll:
     def keep(self, found: BuildUp) -> None:
         """Take a stage as wound."""
         self.last, self.growth = found, found.growth
-        if self.told is not None:
-            self.told(exp(found.x[-1]))
+        if self.report is not None:
+            self.report(exp(found.x[-1]))
 
     def wound(self) -> BuildUp:
         """Return the last stage."""
@@ -257,7 +257,7 @@ class _Roll:
 
 def wind(
     equations: StageEquations, tension: Tension, core: float, radius: float, *, tolerance: float,
-    cells: int, layer: float, told: Callable[[float], None] | None = None,
+    cells: int, layer: float, report: Callable[[float], None] | None = None,
 ) -> BuildUp:  # fmt: skip
     """Wind a roll, its steps chosen on the way.
 
@@ -273,7 +273,7 @@ def wind(
         Of each stage.
     layer : float
         Depth of the layer below the surface, of ln r.
-    told : callable, optional
+    report : callable, optional
         Is called with each stage's radius [m].
 
     Raises
@@ -281,7 +281,7 @@ def wind(
     NotWoundError
         Where a stage cannot be solved.
     """
-    roll = _Roll(Laps(equations, tension), core, cells, layer, told)
+    roll = _Roll(Laps(equations, tension), core, cells, layer, report)
     x, end, step, kink = roll.start, log(radius), 0.1 * layer, -np.inf
     while x < end:
         # a kink that changes the source by less than its tolerance is none
@@ -296,13 +296,13 @@ def wind(
             if surface == stop:  # not stretched to there again
                 step = min(step, AGAIN * (stop - x))
             if x == kink:  # felt
-                roll.growth.begin_anew()
+                roll.growth.restart()
                 step, kink = min(step, layer), -np.inf
             if step < LEAST_STEP:
                 raise NotWoundError(_no_stage_beyond(x))
             if found is None or step > UNTOLD * layer:
                 continue
-            roll.growth.begin_anew()  # a kink that nobody told of, or what nodes leave
+            roll.growth.restart()  # an unknown kink, or an error of the nodes
             found, _ = roll.stage(surface, AGREED * tolerance)
             if found is None:
                 continue
@@ -314,11 +314,11 @@ def wind(
 
 def wind_again(
     equations: StageEquations, tension: Tension, known: BuildUp, *, tolerance: float, cells: int,
-    layer: float, told: Callable[[float], None] | None = None,
+    layer: float, report: Callable[[float], None] | None = None,
 ) -> BuildUp:  # fmt: skip
     """Wind a roll with the stages of another build-up: parameters as of :func:`wind`."""
     laps, every = Laps(equations, tension), range(1, known.growth.x.size)
-    return _with_stages(laps, known, every, AGREED * tolerance, cells, layer, told)
+    return _with_stages(laps, known, every, AGREED * tolerance, cells, layer, report)
 
 
 def wind_laps(laps: Laps, known: BuildUp, *, cells: int, layer: float) -> Array:
@@ -336,13 +336,13 @@ def wind_laps(laps: Laps, known: BuildUp, *, cells: int, layer: float) -> Array:
 
 def _with_stages(
     laps: Laps, known: BuildUp, which: Iterable[int], agreed: float, cells: int, layer: float,
-    told: Callable[[float], None] | None,
+    report: Callable[[float], None] | None,
 ) -> BuildUp:  # fmt: skip
-    roll = _Roll(laps, exp(known.growth.x[0]), cells, layer, told)
+    roll = _Roll(laps, exp(known.growth.x[0]), cells, layer, report)
     stages, last = known.stages(), 0
     for k in which:
         if (known.growth.through[last + 1 : k + 1] == 2).any():  # a kink at the last one
-            roll.growth.begin_anew()
+            roll.growth.restart()
         found, _ = roll.stage(stages[k - 1].x[-1], agreed, stages[k - 1])
         if found is None:
             raise NotWoundError(_no_stage_beyond(stages[k - 1].x[-1]))

@@ -34,12 +34,12 @@ def certificate(result: Any) -> Residuals:
     miss, _ = equations_of(problem).defects(x, source, unit + more[1], P, Q)
     hoop = -(P + Q)
     strain = (hoop + nu * P) / E_t + problem.tangential_expansion * problem.temperature_change
-    told = np.append(source.left, source.right[-1])
+    expected = np.append(source.left, source.right[-1])
     return Residuals(
         equilibrium=largest(np.abs(miss[1:-1])) / unit,
         core_condition=abs(float(miss[0])) / unit,
         free_surface=abs(float(miss[-1])) / unit,
-        frozen_source=largest(np.abs(result.source - told)) / largest(np.abs(told)),
+        frozen_source=largest(np.abs(result.source - expected)) / largest(np.abs(expected)),
         hoop_stress=largest(np.abs(result.hoop_stress - hoop)) / unit,
         lap_strain=largest(np.abs(result.lap_strain - strain)) * E_t / unit,
         displacement=largest(np.abs(result.displacement / r - (strain - T / E_t))) * E_t / unit,

@@ -5,7 +5,7 @@ shares.  So each stage is known without those before it: with its surface at s, 
 the equations of :mod:`.equations` with this C and P(s) = 0, and its slope there is the tension,
 T(s) = -r P'.  At the core T = b P - r P' by the core's condition.  No optimiser is needed.
 
-A pressure cannot be wanted of the surface, where it is nil.  What is wanted there shows as far
+A pressure cannot be wanted of the surface, where it is zero.  What is wanted there shows as far
 below it as the pressure takes to rise: the outer layer, whose depth and miss the result tells.
 """
 
@@ -262,7 +262,7 @@ class _Stages:
 
 
 def _refined(stages: _Stages, rtol: float) -> Array:
-    """Return ln r at which the tension is told: so many that a smooth curve between is near it."""
+    """Return ln r at which the tension is given: so many that a smooth curve between is near it."""
     from scipy.interpolate import CubicSpline
 
     knots = stages.wanted.knots

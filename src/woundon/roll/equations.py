@@ -10,7 +10,7 @@ because all increments of it are total derivatives.  In x = ln r, with Q = r P' 
     D P = Q
     D Q = C + E_t F(P) - P - 2 Q          on the interval from the core to the surface s
     Q = b P - T_c       at the core,  b = E_t/E_c - 1 + nu,  T_c = T(r_c)
-    P = P_s             at s: nil, but where laps are finite (see :func:`.build_up.with_laps`)
+    P = P_s             at s: zero, but where laps are finite (see :func:`.build_up.with_laps`)
 
 What a thin lap more adds is p = dP/ds, of the same equations made linear, with p = 1 at s (any
 multiple will do) and no T_c; its growth kappa = D p at s says what C the next lap gets:

@@ -56,7 +56,7 @@ class Growth:
         part.first = kept + 1 - int(self.through[kept])
         return part.then(x, float(self(np.array([x]))[0]))
 
-    def begin_anew(self) -> None:
+    def restart(self) -> None:
         """Draw no polynomial across the last stage: there the tension has a kink."""
         self.first = self.x.size - 1
 

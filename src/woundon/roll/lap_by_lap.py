@@ -24,7 +24,7 @@ Array = np.ndarray
 def wind_laps(
     modulus: Callable[[Array], Any], tangential: float, core: float, r: Array, T: Array
 ) -> Array:
-    """Return the pressure below every lap, (n + 1,) [Pa], nil at the surface.
+    """Return the pressure below every lap, (n + 1,) [Pa], zero at the surface.
 
     Parameters
     ----------

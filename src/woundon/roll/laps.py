@@ -36,7 +36,7 @@ def finite_laps(result: Any) -> tuple[Array, Array]:
 
 
 def changed_by_laps(result: Any) -> dict[str, float]:
-    """Return how much they change each output that an error is told of [Pa]."""
+    """Return how much they change each output that has an error estimate [Pa]."""
     pressure, hoop = finite_laps(result)
     middle = (result.radius[0] + result.radius[-1]) / 2
     return {

@@ -131,7 +131,7 @@ class RollResult(Result):
     def lap_effect(
         self,
     ) -> Annotated[float, strain("e_h", "change of the pressure by layers of finite thickness")]:
-        """Largest of ``finite_laps``, of the largest pressure; contained in the told errors [1]."""
+        """Largest of ``finite_laps`` over the largest pressure; part of the error estimates [1]."""
         by = self.finite_laps
         return float(by[np.argmax(np.abs(by))]) / self.peak_pressure
 

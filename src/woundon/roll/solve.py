@@ -5,7 +5,7 @@ r"""The stresses in a wound roll: from a problem to a certified result.
                      --> the same with more stages and nodes, until both agree
                      --> RollResult with its certificate      certificate
 
-The published lap-by-lap scheme (Hakiel 1987) stands beside it: ``theories.lap_by_lap``.
+The published lap-by-lap scheme (Hakiel 1987) is available as ``theories.lap_by_lap``.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ __all__ = [
 ]
 
 Array = np.ndarray
-Told = Callable[[float], None]
+Report = Callable[[float], None]
 
 DEFAULT_RTOL = 1e-3
 RTOL_OPTION = Option(
@@ -54,7 +54,7 @@ RTOL_OPTION = Option(
 # four; then half the cells more, until nodes and stages both leave less than asked
 FIRST, CELLS = 0.008, 28
 FINER, MORE = 0.25, 1.42
-LEFT = 0.6  # of the change by more nodes, told as error: a third where it is of order four
+LEFT = 0.6  # of the change by more nodes, as error estimate: a third where it is of order four
 # Of the estimate for the stages: it leaves out that the stages themselves stand on earlier ones
 STAGES = 1.6
 MOST_BY_STAGES = 0.7  # of rtol
@@ -140,7 +140,7 @@ class ThinLaps(NamedTuple):
         return ThinLaps(result.replace(errors=self.result.errors), known, self.cells)
 
 
-def solve_thin_laps(problem: RollProblem, rtol: float, told: Told | None = None) -> ThinLaps:
+def solve_thin_laps(problem: RollProblem, rtol: float, report: Report | None = None) -> ThinLaps:
     """Return a roll in the limit of thin laps; see :func:`solve_wound_roll`."""
     level = max(0, int(log(rtol / COARSE, FINER)))
     tolerance, cells = FIRST * FINER**level, round(CELLS * MORE**level)
@@ -149,7 +149,7 @@ def solve_thin_laps(problem: RollProblem, rtol: float, told: Told | None = None)
     before: RollResult | None = None
     steps, error = 0, inf
     for _ in range(MOST_LEVELS):
-        known, result = _wound(problem, tolerance, cells, known, told)
+        known, result = _wound(problem, tolerance, cells, known, report)
         steps += result.steps
         _pressed(result, COARSE)
         stages = _left_by_stages(result)
@@ -186,7 +186,7 @@ def check_options(*, rtol: Any = DEFAULT_RTOL) -> None:
 
 def _wound(
     problem: RollProblem, tolerance: float, cells: int, known: BuildUp | None,
-    told: Told | None,
+    report: Report | None,
 ) -> tuple[BuildUp, RollResult]:  # fmt: skip
     equations, curve = equations_of(problem), problem.tension_curve
     layer = layer_thickness(problem)
@@ -194,11 +194,17 @@ def _wound(
         if known is None:
             found = wind(
                 equations, curve, problem.core.radius, problem.radius, tolerance=tolerance,
-                cells=cells, layer=layer, told=told,
+                cells=cells, layer=layer, report=report,
             )  # fmt: skip
         else:
             found = wind_again(
-                equations, curve, known, tolerance=tolerance, cells=cells, layer=layer, told=told
+                equations,
+                curve,
+                known,
+                tolerance=tolerance,
+                cells=cells,
+                layer=layer,
+                report=report,
             )
     except NotWoundError as stop:
         raise NotConverged(str(stop)) from None
@@ -239,7 +245,7 @@ def _left_by_stages(result: RollResult) -> dict[str, float]:
 
 
 def _compared(result: RollResult) -> Array:
-    """Return ln r where errors are told of: at the nodes, dense where it matters, and between."""
+    """Return ln r where errors are estimated: at the nodes, dense where it matters, and between."""
     x = np.log(result.radius)
     return np.sort(np.append(x, (x[1:] + x[:-1]) / 2))
 

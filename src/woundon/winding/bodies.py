@@ -33,8 +33,8 @@ __all__ = [
     "Felt",
     "effective_cylinder",
     "felt_pressure",
-    "foreseen",
     "hardening_roll",
+    "predicted_nip",
     "solved_nip",
     "tension_on_roll",
 ]
@@ -127,7 +127,7 @@ def _effective(
 ) -> Felt:  # fmt: skip
     known, radius = own or near, float(stage.radius[-1])
     if own:
-        P = foreseen(problem, stage, own).wanted
+        P = predicted_nip(problem, stage, own).wanted
     elif near and isnan(near.wanted):  # of a winding with another roll body
         P = min(_first_guess(problem, stage), _most(problem))
     elif near and near.radius != radius:
@@ -148,7 +148,7 @@ def _effective(
         felt = Felt(result, P, powers=known.powers if known else HERTZ)
         if last is not None and abs(P - last.pressure) > TOLD * P:
             felt = felt._replace(powers=_powers(felt, last))
-        felt = foreseen(problem, stage, felt)
+        felt = predicted_nip(problem, stage, felt)
         if abs(felt.wanted - P) <= agreed * P:
             return felt
         last = known = felt
@@ -156,7 +156,7 @@ def _effective(
     raise NotConverged(f"the pressure that the roll feels is not found within {MOST} nips", result)
 
 
-def foreseen(problem: WindingProblem, stage: Stage, felt: Felt) -> Felt:
+def predicted_nip(problem: WindingProblem, stage: Stage, felt: Felt) -> Felt:
     """Return a nip with the P_e that it and a roll wound so far ask for, as far as powers tell."""
     P, steep, most = felt.pressure, 0.0, _most(problem)
     for _ in range(MOST):

@@ -18,14 +18,14 @@ def certificate(result: Any) -> Residuals:
     """Measure every law of a result.
 
     roll
-        The largest violation of a law of the roll, wound with the tension told.
+        The largest violation of a law of the roll, wound with the reported tension.
     roll_tension
-        That it is this tension, at every radius told; of the largest.
+        That it is this tension, at every radius; of the largest.
     nips
         The largest violation of a law of any nip; that their half-widths, pressures and frictions
         are positive.
     coupling
-        That each nip, on the roll wound so far, answers the tension told, less by what that departs
+        That each nip, on the roll wound so far, has the reported tension, minus its departure
         under schedules that wander: to the requested tolerance ``agreed`` of it, which counts as
         1e-8.
     air
@@ -41,8 +41,8 @@ def certificate(result: Any) -> Residuals:
     problem, r, roll = result.problem, result.radius, result.roll
     WOT = result.wound_on_tension
     wound = Curve(roll.problem.wound_on_tension, *problem.ends).at(r)
-    told = np.interp(result.nip_radius, r, WOT) - result.nip_departure
-    answers = told / result.nip_wound_on_tension - 1
+    tension = np.interp(result.nip_radius, r, WOT) - result.nip_departure
+    answers = tension / result.nip_wound_on_tension - 1
     unit = max(float(np.max(np.abs(WOT))), 1e-300)
     steps = np.diff(r)
     # no other tolerance can have been requested

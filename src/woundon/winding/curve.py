@@ -7,7 +7,7 @@ in T_in and P.  Its coordinate, the *place*, is x = ln(r - r_c), for a nip feels
             |------|============|================================|==============|
           tangent    on the core         a piece each of polynomials through few places
 
-On fewer laps than ten there is no roll whose pressure could be told.  In the piece on the core the
+On fewer laps than ten no roll has a known pressure.  In the piece on the core the
 contact is wider than what it presses, and y changes quickly; it matters to the core's surroundings
 only, and takes a few places of its own.
 """
@@ -37,8 +37,8 @@ DEEP_ENOUGH = 1.5  # times ten laps: the least depth of such a piece
 JUST_BEHIND, STEP = 0.5, 1e-4
 LEAST_KEPT = 0.2  # of the tenth lap's tension, by those before it
 SHARP = 0.1  # of a kink, r |d slope|/value, from which the curve is drawn in two pieces
-MOST_PIECES = 6  # beside that on the core
-LOOKED_AT = 200  # radii from which those of the curve told are taken
+MOST_PIECES = 6  # in addition to that on the core
+LOOKED_AT = 200  # radii from which the radii of the curve are chosen
 STRAIGHT = 0.3  # of rtol, by which the curve may miss the line between two of them
 # lines between the core and the surface, times the root of rtol; more where they miss by more
 LINES, FINER = 2.0, 1.25
@@ -61,7 +61,7 @@ class TensionCurve:
     allowed : list of float
         By how much of the tension each piece may be off.
     lines : int
-        How many there are, even in x, for the tension told.
+        How many there are, even in x, for the reported tension.
     """
 
     def __init__(self, problem: WindingProblem, rtol: float) -> None:
@@ -79,7 +79,7 @@ class TensionCurve:
             start = float(np.log(self.least))
             self.pieces.insert(0, Piece(start, ends[0], FEWEST_NEAR_CORE))
         self.on_core = len(self.pieces) >= len(ends)  # whether the first one is that on the core
-        # the rest is for the lines between the radii told
+        # the rest is for the lines between the reported radii
         self.allowed = [(1 - STRAIGHT) * rtol] * len(self.pieces)
         if self.on_core:
             self.allowed[0] *= LESS_EXACT
@@ -152,7 +152,7 @@ class TensionCurve:
         return gained / (self.problem.roll_friction * float(at("nip_load", r)))
 
     def knots(self) -> Array:
-        """Return the radii at which the tension is told: linear between, they are to draw it.
+        """Return the radii at which the tension is reported, linear in between.
 
         The places, what the schedules take, and more, even in x.  No tension takes part in their
         choice, so that the roll does not depend on where the winding was begun.
@@ -178,14 +178,14 @@ class TensionCurve:
             self.lines = ceil(FINER * self.lines)
 
     def _straight(
-        self, values: Mapping[float, float], r: Array, told: Array
+        self, values: Mapping[float, float], r: Array, tension: Array
     ) -> tuple[float, float]:
         """Return by how much of it straight lines miss the tension, and in the piece on the core.
 
         Of fewer laps than ten nothing is known.
         """
         fine = looked_at(self.problem)
-        off = np.abs(np.interp(fine, r, told) / self.tension(values, fine) - 1)
+        off = np.abs(np.interp(fine, r, tension) / self.tension(values, fine) - 1)
         first, rest = (self.radius(self.pieces[k].start) for k in (0, int(self.on_core)))
         on_core = off[(fine >= first) & (fine < rest)]
         return float(np.max(off[fine >= rest])), float(np.max(on_core, initial=0.0))
@@ -205,16 +205,18 @@ class TensionCurve:
         added = off * self.problem.roll_friction * self.problem.at("nip_load", r)
         return float(added / self.wound_on(np.array(value), r))
 
-    def off(self, values: Mapping[float, float], r: Array, told: Array) -> float:
-        """Return by how much of it the tension told at some radii may be off between nips."""
+    def off(self, values: Mapping[float, float], r: Array, tension: Array) -> float:
+        """Return by how much of it the tension reported at some radii may be off between nips."""
         fine = looked_at(self.problem)
-        straight, _ = self._straight(values, r, told)
+        straight, _ = self._straight(values, r, tension)
         unseen = self._unseen(fine, self.tension(values, fine))
         return max(self.errors(values)[self.on_core :]) + straight + unseen
 
-    def off_on_core(self, values: Mapping[float, float], r: Array, told: Array) -> float:
+    def off_on_core(self, values: Mapping[float, float], r: Array, tension: Array) -> float:
         """Return by how much of it the tension in the piece on the core may be off."""
-        return self.errors(values)[0] + self._straight(values, r, told)[1] if self.on_core else 0.0
+        return (
+            self.errors(values)[0] + self._straight(values, r, tension)[1] if self.on_core else 0.0
+        )
 
     def _unseen(self, r: Array, tension: Array) -> float:
         """Return what schedules may do to the tension between nips, of it.
@@ -235,7 +237,7 @@ def sharp_kinks(problem: WindingProblem) -> dict[float, float]:
 
 
 def looked_at(problem: WindingProblem) -> Array:
-    """Return radii, dense near the core, among which are those where something is told [m]."""
+    """Return radii, dense near the core, among which are those of the reported tension [m]."""
     core, R = problem.ends
     lap = problem.web.thickness
     deep = core + np.exp(np.linspace(np.log(lap), np.log(R - core), LOOKED_AT))

@@ -3,7 +3,7 @@ r"""A function of the radius from as few values as will do, and how far it may b
 Between kinks it is a polynomial through Leja's points: each further one is where the product of the
 distances to the others is largest, so that points are added one by one and none is wasted.  The
 coordinate is ln(r - r_c), for a nip feels a roll's depth.  Before a value is added the polynomial
-without it says what it expects there.  By how far that is off is told as the error of the
+without it says what it expects there.  This difference is the error estimate of the
 polynomial with it, which is smaller.
 """
 
@@ -72,9 +72,9 @@ class Piece:
 
     def misses(self, values: Mapping[float, float]) -> list[tuple[float, float]]:
         """Return of the last points where they are, and by how far the polynomial before is off."""
-        told = []
+        differences = []
         for k in range(max(UNTESTED, len(self.places) - TESTS), len(self.places)):
             place = self.places[k]
             off = float(self.at(np.array(place), values, k)) - values[place]
-            told.append((place, abs(off)))
-        return told
+            differences.append((place, abs(off)))
+        return differences

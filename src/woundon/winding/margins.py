@@ -63,7 +63,7 @@ HINTS = {
     "slack": "increase the web tension",
     "gauge_band": "reduce the wound-on tension, even out the thickness, or oscillate the web",
 }
-ALIKE = 1e-3  # by which stages differ that are told to be alike: what they err by default
+ALIKE = 1e-3  # relative difference below which stages are alike: their default error
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ class Margin:
     name : str
         "slip", "compression", "blocking", "core", "strength", "slack" or "gauge_band".
     value : float
-        What the roll has, where it is worst; SI, nan if it cannot be told.
+        What the roll has, where it is worst; SI, nan if it is unknown.
     limit : float
         What it may have at most (of "slack": must at least); nan where no limit is given.
     radius : float
@@ -469,8 +469,8 @@ def _slip(states: list[_State], roll: RollResult, limits: Limits, pull: Pull) ->
 def _compression(states: list[_State], roll: RollResult, limits: Limits) -> Margin:
     found = _worst(states, [-state.hoop for state in states])
     wound_on = float(np.max(roll.problem.tension_curve.at(roll.radius)))
-    told = NO_LIMIT * (limits.compression is None)
-    note = "; ".join(filter(None, (told, _if_laps_slid(states[-1], roll))))
+    missing = NO_LIMIT * (limits.compression is None)
+    note = "; ".join(filter(None, (missing, _if_laps_slid(states[-1], roll))))
     return _margin("compression", found, limits.compression, COMPRESSION, note, scale=wound_on)
 
 

@@ -111,9 +111,9 @@ def _slopes(felt: Felt) -> Array:
 
 
 def largest_miss(
-    departure: Departure, nips: Nips, roll: RollResult, told: Callable[[Array], Array]
+    departure: Departure, nips: Nips, roll: RollResult, tension_at: Callable[[Array], Array]
 ) -> float:
-    """Return by what of it nips under the measured loads miss the tension told, at the most.
+    """Return by what of it nips under the measured loads miss the reported tension, at most.
 
     Parameters
     ----------
@@ -121,8 +121,8 @@ def largest_miss(
     nips : Nips
         Of the measured winding.
     roll : RollResult
-        Wound with the tension told.
-    told : callable
+        Wound with the reported tension.
+    tension_at : callable
         (radii) -> that tension [N/m].
     """
     curve = departure.curve
@@ -132,5 +132,5 @@ def largest_miss(
     for part in np.array_split(np.arange(r.size), CHECKED):
         radius = float(r[part[np.argmax(by[part])]])
         tension = nips.tension(radius, roll)
-        missed = max(missed, abs(float(told(np.array(radius))) / tension - 1))
+        missed = max(missed, abs(float(tension_at(np.array(radius))) / tension - 1))
     return missed

@@ -16,7 +16,7 @@ from ..problems.nip import NipProblem
 from ..problems.winding import WindingProblem
 from ..roll.result import RollResult
 from ..roll.stages import stage_at
-from .bodies import Felt, foreseen, solved_nip
+from .bodies import Felt, predicted_nip, solved_nip
 
 __all__ = ["Nips", "warnings_of"]
 
@@ -86,14 +86,14 @@ class Nips:
         self.felt[radius] = felt
         return felt.tension
 
-    def foreseen(self, radius: float, roll: RollResult) -> float:
-        """Return what a nip, not solved again, would answer on another effective roll [N/m]."""
+    def predict(self, radius: float, roll: RollResult) -> float:
+        """Return the tension of a nip predicted on another effective roll [N/m]."""
         stage = stage_at(roll, radius)
-        self.felt[radius] = foreseen(self._on(roll), stage, self.felt[radius])
+        self.felt[radius] = predicted_nip(self._on(roll), stage, self.felt[radius])
         return self.felt[radius].tension
 
-    def told(self) -> list[Felt]:
-        """Return the last ones from the core to the surface."""
+    def from_core_to_surface(self) -> list[Felt]:
+        """Return the latest solution of every nip, from the core to the surface."""
         return [self.felt[radius] for radius in sorted(self.felt)]
 
     def mean_film(self) -> float:
@@ -105,8 +105,10 @@ class Nips:
         return float(np.trapezoid(h * r, r) / np.trapezoid(r, r)) if r.size > 1 else float(h[0])
 
     def warnings(self) -> tuple[str, ...]:
-        """Return what is to be said of the nips, each sort once, with the radii it holds for."""
-        return warnings_of([(felt.radius, felt.result.warnings) for felt in self.told()])
+        """Return the warnings of the nips, each kind once, with its radii."""
+        return warnings_of(
+            [(felt.radius, felt.result.warnings) for felt in self.from_core_to_surface()]
+        )
 
     def _on(self, roll: RollResult | None) -> WindingProblem:
         """Return the problem with the stack of a roll, air and all."""
@@ -151,11 +153,11 @@ class Nips:
         return result
 
 
-def warnings_of(told: Iterable[tuple[float, tuple[str, ...]]]) -> tuple[str, ...]:
+def warnings_of(nips: Iterable[tuple[float, tuple[str, ...]]]) -> tuple[str, ...]:
     """Return warnings at radii, each sort once, with the radii at which it comes up."""
     first: dict[str, str] = {}
     radii: dict[str, list[float]] = {}
-    for radius, texts in told:
+    for radius, texts in nips:
         for text in texts:
             sort = re.sub(r"[\d.e+-]+", "", text)
             first.setdefault(sort, text)

@@ -185,5 +185,5 @@ class WindingResult(WithMargins, Result):
         return self.roll.mass
 
     def certified(self) -> Residuals:
-        """Return the certificate measured anew, from the problem and the arrays held here."""
+        """Return the residuals, computed from problem and arrays."""
         return certificate(self)

@@ -12,8 +12,8 @@ What a nip adds depends on the radius, and on the stack just below the surface, 
 have wound: hardly on what is below.  So the loop closes in a few turns, each radius for itself:
 
     linear      no turn at all: the nips do not feel what they have wound
-    effective   what a nip would answer on a roll a little other than its own is foreseen, so that
-                two turns of nips do, and rolls alone between
+    effective   the tension of a nip on a slightly different roll is predicted, so that two turns
+                with nips suffice, and rolls alone in between
     direct      by a secant
 
 Radii are added where the polynomial without them is off by more than rtol.
@@ -34,6 +34,7 @@ from ..problems.schedules import Profile
 from ..problems.winding import WindingProblem
 from ..roll.result import RollResult
 from ..roll.solve import ThinLaps
+from .assembly import assemble_result
 from .bodies import tension_on_roll
 from .certificate import MOST_AGREED, certificate
 from .curve import NOMINAL, TensionCurve, looked_at, told_radii
@@ -42,7 +43,6 @@ from .measured import Departure, largest_miss, smoothed
 from .nips import Nips
 from .result import WindingResult
 from .roll import changed, wind
-from .told import told
 
 __all__ = ["check_options", "solve_winding"]
 
@@ -54,7 +54,7 @@ AGREED = {"effective": 1e-6, "linear": 1e-6, "direct": 1e-5}
 MOST_NIPS = 40  # radii
 MOST_TURNS = 30
 PATIENT = 10  # turns, after which radii are added whatever the tension still changes by
-EXPECTED_TURNS = 4  # for the progress told
+EXPECTED_TURNS = 4  # for the reported progress
 SETTLED = 0.03  # change of the tension from which on roll and nips are solved well
 # and from which on their answers tell whether more radii are needed, and which: not sooner, or that
 # would depend on where the winding was begun
@@ -126,7 +126,7 @@ def solve_winding(
     if start is not None:
         check_type("start", start, WindingResult)
     within = AGREED[problem.roll_body] if agreed is None else agreed
-    with unwarned():  # told once, with the radius
+    with unwarned():  # reported once, with the radius
         if problem.tension_law != "nip":
             result = _given(problem, rtol, nodes, within)
         elif (smooth := smoothed(problem, rtol)) is not None:
@@ -186,7 +186,7 @@ class _Winder:
         before: _Turn | None = None
         steep: dict[float, float] = {}
         solve, certain = True, False
-        # a neighbour's nips have told the tension
+        # the nips of a neighbour give the tension
         self.nips.coarse = change > SETTLED and not self.nips.before
         for number in range(MOST_TURNS):
             if solve and self.nips.coarse and change <= SETTLED:
@@ -200,7 +200,7 @@ class _Winder:
             change = turn.change
             settled = certain and not (added or rough)
             if settled and change <= SPARE * self.agreed:
-                return turn if solve else self._wound_anew(turn)
+                return turn if solve else self._recompute_roll(turn)
             direct = self.problem.roll_body == "direct"
             given = _corrected(turn, before, steep) if direct else turn.answers
             before = turn
@@ -228,8 +228,8 @@ class _Winder:
     def _turned(self, given: dict[float, float], rough: bool, before: _Turn | None) -> _Turn:
         """Wind the roll with shares at places, solve the nips on it.
 
-        Or, after another turn, foresee what they answer on it.  It is wound in the same stages
-        then: to choose them anew might move it by more than nips and roll are to agree to.
+        Or, after another turn, predict their tension on it.  It is wound in the same stages
+        then: other stages might move it by more than nips and roll are to agree to.
         """
         film, r = self.nips.mean_film(), self.curve.knots()
         self.nips.rough = rough
@@ -239,20 +239,20 @@ class _Winder:
             answers = {place: self._answer(place, roll.result) for place in given}
         else:
             roll = changed(self.problem, before.roll, r, tension, film)
-            answers = {place: self._foreseen(place, roll.result) for place in given}
+            answers = {place: self._predict(place, roll.result) for place in given}
         change = max(self._off(place, share) for place, share in given.items())
         # of a lap, what more of air it would hold
         change = max(change, abs(self.nips.mean_film() - film) / self.problem.web.thickness)
         return _Turn(given, answers, r, roll, film, change)
 
-    def _wound_anew(self, turn: _Turn) -> _Turn:
+    def _recompute_roll(self, turn: _Turn) -> _Turn:
         """Return a turn with the roll that its tension makes whatever was wound before."""
         tension = self.curve.tension(turn.given, turn.r)
         return replace(turn, roll=wind(self.problem, turn.r, tension, self.rtol, turn.film))
 
-    def _foreseen(self, place: float, roll: RollResult) -> float:
+    def _predict(self, place: float, roll: RollResult) -> float:
         radius = self.curve.radius(place)
-        return self.curve.share(self.nips.foreseen(radius, roll), radius)
+        return self.curve.share(self.nips.predict(radius, roll), radius)
 
     def _answer(self, place: float, roll: RollResult | None) -> float:
         radius = self.curve.radius(place)
@@ -314,7 +314,7 @@ class _Winder:
     def _told(self, turn: _Turn) -> WindingResult:
         curve, r = self.curve, turn.r
         tension = curve.tension(turn.given, r)
-        return told(
+        return assemble_result(
             self.problem, r, tension, turn.roll, self.nips,
             interpolation=(
                 curve.off(turn.answers, r, tension), curve.off_on_core(turn.answers, r, tension)
@@ -336,12 +336,14 @@ class _Winder:
         r = told_radii(problem, fine, tension(fine), self.rtol, own)
         roll = wind(problem, r, tension(r), self.rtol, turn.film)
         known = self.nips
-        checks = Nips(problem, self.nodes, self.agreed, known.tell, known.told(), known.solved)
+        checks = Nips(
+            problem, self.nodes, self.agreed, known.tell, known.from_core_to_surface(), known.solved
+        )
         missed = largest_miss(departs, checks, roll.result, tension)
         known.solved = checks.solved
         drawn = np.interp(turn.r, r, tension(r) - departs(r))
         smooth = curve.off(turn.answers, turn.r, drawn)
-        return told(
+        return assemble_result(
             problem, r, tension(r), roll, known,
             interpolation=(smooth + missed, curve.off_on_core(turn.answers, turn.r, drawn)),
             rtol=self.rtol, agreed=self.agreed, film=turn.film, bent=tension(r, bent=True),
@@ -381,7 +383,7 @@ def _given(problem: WindingProblem, rtol: float, nodes: int, agreed: float) -> W
     own = told_radii(problem, r, tension, rtol)
     drawn = np.interp(own, r, tension)
     off = float(np.max(np.abs(np.interp(r, own, drawn) - tension)) / np.max(np.abs(tension)))
-    return told(
+    return assemble_result(
         problem, own, drawn, wind(problem, own, drawn, rtol),
         Nips(problem, nodes, agreed, lambda _: None),
         interpolation=(off * (off > ROUNDING), 0.0), rtol=rtol, agreed=agreed, film=0.0,

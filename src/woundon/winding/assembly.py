@@ -1,4 +1,4 @@
-"""What is told of a winding: its result from curve, roll and nips."""
+"""The result of a winding, assembled from tension, roll and nips."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from .nips import Nips
 from .result import WindingResult
 from .roll import changed
 
-__all__ = ["told"]
+__all__ = ["assemble_result"]
 
 Array = np.ndarray
 
 OF_THE_ROLL = "core_pressure", "mid_pressure", "least_hoop_stress"
 
 
-def told(
+def assemble_result(
     problem: WindingProblem, r: Array, tension: Array, roll: ThinLaps, nips: Nips, *,
     interpolation: tuple[float, float], rtol: float, agreed: float, film: float,
     bent: Array | None = None, departure: Array | None = None,
@@ -34,7 +34,7 @@ def told(
     ----------
     problem : WindingProblem
     r, tension : (M,) arrays
-        The radii told [m], the wound-on tension there [N/m].
+        Radii [m], wound-on tension there [N/m].
     roll : ThinLaps
         Wound with it.
     nips : Nips
@@ -48,7 +48,7 @@ def told(
         By how much the tension departs at the nips from theirs, which are of smooth schedules.
     """
     loads: dict[str, Any] = {name: problem.at(name, r) for name in LOADS}
-    felt = nips.told()
+    felt = nips.from_core_to_surface()
     solved = [each.result for each in felt]
     result = WindingResult(
         problem=problem,
@@ -96,9 +96,10 @@ def _uneven(interpolation: float, rtol: float, count: int) -> list[str]:
 
 
 def _errors(result: WindingResult, first_laps: dict[str, float]) -> dict[str, float]:
-    """Return the errors told: what nips, their interpolation and the roll leave.
+    """Return the error estimates of the outputs, from nips, interpolation and roll.
 
-    What laps before the first nip may do is by how much a roll differs whose tension is bent there.
+    The effect of the layers below the first nip is the difference to a roll whose tension is
+    extrapolated there with its curvature.
     """
     found = {}
     share = result.interpolation_error + result.agreed
