@@ -228,6 +228,18 @@ def test_grades_of_users(tmp_path):
     assert load_case(case).web_thickness == 64e-6
 
 
+def test_limits_of_users_grades_are_marked(tmp_path):
+    file = tmp_path / "mill.toml"
+    file.write_text(OWN)
+    ours = wo.grade("ours", file)
+    roll = wo.RollProblem(grade=ours, core=CORE, radius=0.3, wound_on_tension=400.0)
+    margins = wo.margins(wo.solve(roll), ours.limits)
+    assert "limit of the grade ours, no source given" in margins["blocking"].note
+    assert "limit of the grade ours, typical" in margins["slack"].note
+    other = wo.margins(wo.solve(roll), ours.limits.replace(blocking_pressure="501 kPa"))
+    assert "grade" not in other["blocking"].note
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [('[grades.a]\nlike = "newsprnt"', "grades.a.like: 'newsprnt' is not a known grade"),

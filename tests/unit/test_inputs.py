@@ -100,6 +100,19 @@ def test_a_total_without_a_width_tells_how_to_convert_it(problem, changes, field
     assert "is a force; expected a force per width. Give the width" in text
 
 
+def test_a_total_is_rejected_where_no_width_is_known():
+    roll = wo.RollProblem.example()
+    stack = {"radial": 1e6, "tangential": 3e9, "poissons_ratio": 0, "shear": 1e6}
+    table = {"core": {"radius": 0.05, "stiffness": 1e9}, "radius": 0.5, "stack": stack,
+             "web_thickness": "60 um", "wound_on_tension": "1 kN"}  # fmt: skip
+    for make in (lambda: roll.replace(wound_on_tension="1 kN"), lambda: wo.RollProblem(**table)):
+        with pytest.raises(wo.InvalidProblem) as report:
+            make()
+        ((where, text),) = report.value.faults
+        assert where == "wound_on_tension"
+        assert text.endswith("Divide it by the width of the web and write it in N/m, kN/m or pli")
+
+
 # ---- stresses, basis weights, diameters ---------------------------------------------------------
 
 

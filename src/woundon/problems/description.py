@@ -16,7 +16,14 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from ..errors import InvalidProblem
 from ..quantities import Quantity, counterpart, find, is_item, walk
 from .help_texts import documentation, signature
-from .inputs import Context, FloatWithUnit, context_of, convert, convert_fields, in_order
+from .inputs import (
+    Context,
+    FloatWithUnit,
+    conversion_context,
+    conversion_order,
+    convert,
+    convert_fields,
+)
 from .messages import no_such_field, validation_error
 
 __all__ = ["Description"]
@@ -151,8 +158,8 @@ class Description(BaseModel, metaclass=DocumentedMeta):
         found: dict[str, Any] = dict(changes)
         if not any(isinstance(value, (str, FloatWithUnit)) for value in changes.values()):
             return found
-        context = context_of(self)
-        for path in in_order(changes):
+        context = conversion_context(self)
+        for path in conversion_order(changes):
             name = path.removeprefix("web.")
             if isinstance(changes[path], (str, FloatWithUnit)):
                 try:

@@ -452,8 +452,14 @@ def changes_of_grade(found: Grade, problem: Any, changes: Mapping[str, Any]) -> 
     return {path: value for path, value in values.items() if path.partition(".")[0] not in heads}
 
 
-def source_of_limit(name: str, value: float, thickness: float, tangential: float) -> str:
-    """Return the grade and the source of a limit that is that of a known grade; "" if it is not.
+def source_of_limit(
+    name: str,
+    value: float,
+    thickness: float,
+    tangential: float,
+    named_grade: Grade | None = None,
+) -> str:
+    """Return the grade that a limit comes from and its source; "" if it is no grade's limit.
 
     Parameters
     ----------
@@ -462,15 +468,17 @@ def source_of_limit(name: str, value: float, thickness: float, tangential: float
     value : float
         The limit [SI].
     thickness, tangential : float
-        Of the web [m], [Pa].  They identify the grade.
+        Of the web [m], [Pa].  They identify a grade of the package.
+    named_grade : Grade, optional
+        The grade that the problem was created with, which may be one of the user's own.
     """
-    for known in _library():
-        if (
-            getattr(known.limits, name) == value
-            and abs(known.thickness - thickness) <= SAME * thickness
+    for known in (*([] if named_grade is None else [named_grade]), *_library()):
+        is_same_web = (
+            abs(known.thickness - thickness) <= SAME * thickness
             and abs(known.tangential - tangential) <= SAME * tangential
-        ):
-            return f"grade {known.name}, {known.sources.get(f'limits.{name}', 'no source')}"
+        )
+        if getattr(known.limits, name) == value and (known is named_grade or is_same_web):
+            return f"grade {known.name}, {known.sources.get(f'limits.{name}', 'no source given')}"
     return ""
 
 

@@ -1,7 +1,7 @@
-"""The forms in which users enter values: texts with units, totals, diameters, basis weights.
+"""Conversion of the forms in which users enter values: units, totals, diameters, basis weights.
 
-A field holds one form: a force per metre of width, a radius, a thickness.  The functions here
-convert the other forms before a description is validated:
+A field holds a force per metre of width, a radius, a thickness.  Other forms are converted before
+a description is validated:
 
 - text with a unit of the field's dimension: "20 pli";
 - total force ("3.6 kN") for a force per width, with the ``width`` of the problem;
@@ -32,18 +32,18 @@ from .units import has_dimension, parse
 __all__ = [
     "Context",
     "FloatWithUnit",
-    "context_of",
+    "conversion_context",
+    "conversion_order",
     "convert",
     "convert_fields",
-    "in_order",
     "is_word",
 ]
 
 Faults = list[tuple[str, str]]
 
-# Fields that other fields are converted with; they are converted first, in this order.
+# Fields by which other fields are converted; they are converted first, in this order.
 _FIRST = ("width", "density", "web", "web_thickness", "thickness", "density as a basis weight")
-# SI units in which the values of a schedule are read that is not yet part of a problem.
+# SI units of the values of a schedule that is not yet part of a problem: one of them fits.
 _OF_SCHEDULES = ("N/m", "N", "Pa", "1")
 
 
@@ -69,33 +69,38 @@ class FloatWithUnit(float):
 
 
 class Context(NamedTuple):
-    """What totals, stresses and basis weights are converted with, SI; None where it is unknown."""
+    """Values that convert totals, stresses and basis weights [SI]; None if unknown.
+
+    ``accepts_width`` tells whether the problem has a field for the width.
+    """
 
     width: float | None = None
     thickness: float | None = None
     density: float | None = None
+    accepts_width: bool = False
 
     def with_field(self, name: str, value: Any) -> Context:
-        """Return the context once a field of this name is known."""
+        """Return the context with the value of a field."""
         if name == "web":
             inner = value.get("thickness") if isinstance(value, Mapping) else value
             name, value = "thickness", getattr(inner, "thickness", inner)
         name = name.removeprefix("web_")
-        if name not in self._fields or isinstance(value, bool):
+        known = name in ("width", "thickness", "density")
+        if not known or isinstance(value, bool) or not isinstance(value, (int, float)):
             return self
-        return self._replace(**{name: float(value)}) if isinstance(value, (int, float)) else self
+        return Context(**{**self._asdict(), name: float(value)})
 
 
-def context_of(problem: Any) -> Context:
-    """Return the context that the fields of a description give."""
-    context = Context()
+def conversion_context(problem: Any) -> Context:
+    """Return the context of a description."""
+    context = Context(accepts_width=hasattr(problem, "width"))
     for name in _FIRST:
         context = context.with_field(name, getattr(problem, name, None))
     return context
 
 
-def in_order(changes: Mapping[str, Any]) -> list[str]:
-    """Return the dotted names of changed fields, those first that others are converted with."""
+def conversion_order(changes: Mapping[str, Any]) -> list[str]:
+    """Return the dotted names of changed fields in the order of their conversion."""
 
     def rank(path: str) -> int:
         name = "thickness" if path in ("web.thickness", "web_thickness") else path
@@ -118,47 +123,43 @@ def convert_fields(
     fields : mapping
         Values by name: numbers in SI, texts with units, tables of nested descriptions.
     faults : list
-        Values that cannot be converted stay as they are and are appended here, (field, text).
+        Receives (field, text) for every value that cannot be converted; the value itself is
+        returned unchanged.
     context : Context, optional
-        That of the description which holds this one.
+        Context of the problem that contains this description.
     """
-    if not any(_may_be_converted(name, value, model) for name, value in fields.items()):
+    fields_only = all(name in model.model_fields for name in fields)
+    if fields_only and not any(map(_needs_conversion, fields.values())):
         return dict(fields)
-    return _table(fields, (model,), "", faults, context or Context())
+    context = context or Context(accepts_width="width" in model.model_fields)
+    return _convert_table(fields, (model,), "", faults, context)
 
 
 def convert(value: Any, place: Place, context: Context) -> Any:
-    """Return the value of one field as its description holds it.
+    """Return the converted value of one field.
 
     Raises
     ------
     InvalidProblem
-        For a text that is not a value of the field.
+        For text that is not a value of the field.
     """
     faults: Faults = []
-    found = _value(value, [place], place.path, faults, context)
+    found = _convert_value(value, [place], place.path, faults, context)
     if faults:
         raise InvalidProblem(faults)
     return found
 
 
-def _may_be_converted(name: str, value: Any, model: type[Any]) -> bool:
-    return name not in model.model_fields or _holds_other_form(value)
-
-
-def _holds_other_form(value: Any) -> bool:
-    if type(value) in (list, tuple):
-        return any(map(_is_other_form, value))
-    return _is_other_form(value)
-
-
-def _is_other_form(value: Any) -> bool:
+def _needs_conversion(value: Any) -> bool:
+    """Return whether a value is, or contains, text, a table or a number with a unit."""
     if type(value) in (float, int) or value is None:
         return False
+    if type(value) in (list, tuple):
+        return any(map(_needs_conversion, value))
     return isinstance(value, (str, Mapping, list, tuple, FloatWithUnit)) or _has_units(value)
 
 
-def _table(
+def _convert_table(
     table: Mapping[str, Any],
     models: Iterable[type[Any]],
     prefix: str,
@@ -166,21 +167,36 @@ def _table(
     context: Context,
     of_field: Quantity | None = None,
 ) -> dict[str, Any]:
-    """Return the converted fields of a description, or of a table that one is made of."""
+    """Return the converted fields of a description or of a nested table.
+
+    Parameters
+    ----------
+    table : mapping
+        Values by field name.
+    models : iterable of types
+        Classes whose fields the table may contain; ``kind`` selects one of them.
+    prefix : str
+        Dotted path of the table, for error messages.
+    faults : list
+        Receives (field, text).
+    context : Context
+    of_field : Quantity, optional
+        Quantity of the field that contains the table, for the values of a schedule.
+    """
     kind = table.get("kind")
     named = [m for m in models if getattr(m, "member_name", str)() == kind]
     models = tuple(named or models)
-    given = _with_radii(table, models, prefix, faults)
+    given = _diameters_to_radii(table, models, prefix, faults)
     first = [name for name in _FIRST if name in given]
-    if _is_basis_weight(given.get("density")):  # converted with the thickness
+    if _is_basis_weight(given.get("density")):  # which the thickness converts
         first = [*(name for name in first if name != "density"), "density"]
     found: dict[str, Any] = {}
     for name in dict.fromkeys((*first, *given)):
         found[name] = given[name]
-        if _holds_other_form(given[name]):
+        if _needs_conversion(given[name]):
             places = [p for m in models for p in find(m, str(name), of_field)]
             places = places or [p for m in models for p in _input_only(m, str(name))]
-            found[name] = _value(given[name], places, f"{prefix}{name}", faults, context)
+            found[name] = _convert_value(given[name], places, f"{prefix}{name}", faults, context)
         context = context.with_field(name, found[name])
     helpers = {name for m in models for name in getattr(m, "_input_only", ())} & found.keys()
     for name in helpers:
@@ -191,16 +207,16 @@ def _table(
 
 
 def _input_only(model: type[Any], name: str) -> Iterable[Place]:
-    """Yield what a description takes to convert its fields, but does not hold."""
+    """Yield inputs that convert other fields and are not stored, such as the density of a web."""
     quantity = getattr(model, "_input_only", {}).get(name)
     if quantity is not None:
         yield Place(name, quantity, model.model_fields["thickness"], model)
 
 
-def _with_radii(
+def _diameters_to_radii(
     table: Mapping[str, Any], models: tuple[type[Any], ...], prefix: str, faults: Faults
 ) -> dict[str, Any]:
-    """Return a table with radii in place of diameters."""
+    """Replace diameters in a table by radii."""
     given = dict(table)
     for name in table:
         radius = counterpart(str(name), "diameter")
@@ -210,89 +226,93 @@ def _with_radii(
             continue
         value = given.pop(name)
         if radius in given:
-            text = f"is given together with {radius}; must be one of the two"
+            text = f"is given together with {radius}; give one of the two"
             faults.append((f"{prefix}{name}", text))
             continue
         before = len(faults)
-        given[radius] = _radius(value, f"{prefix}{name}", faults)
+        given[radius] = _half(value, f"{prefix}{name}", faults)
         if len(faults) > before:
             given[radius] = None
-            faults.append((f"{prefix}{radius}", ""))  # The fault of the diameter stands for it.
+            faults.append((f"{prefix}{radius}", ""))  # not missing
     return given
 
 
-def _radius(diameter: Any, path: str, faults: Faults) -> Any:
+def _half(diameter: Any, path: str, faults: Faults) -> Any:
+    """Return the radius of a diameter, or of each diameter in a list [m]."""
     if isinstance(diameter, (list, tuple)):
-        return [_radius(item, f"{path}.{k}", faults) for k, item in enumerate(diameter)]
+        return [_half(item, f"{path}.{k}", faults) for k, item in enumerate(diameter)]
     if hasattr(diameter, "dtype"):  # an array
         return diameter / 2
     try:
-        return parse(_text(diameter), "m", path) / 2
+        return parse(_as_text(diameter), "m", path) / 2
     except InvalidProblem as fault:
         faults += fault.faults
         return diameter
 
 
-def _value(value: Any, places: list[Place], path: str, faults: Faults, context: Context) -> Any:
-    """Return one converted value; ``places`` are the fields that it may be a value of."""
+def _convert_value(
+    value: Any, places: list[Place], path: str, faults: Faults, context: Context
+) -> Any:
+    """Return one converted value; ``places`` are the fields that it may belong to."""
     if type(value) is float or value is None:
         return value
     if isinstance(value, Mapping):
         inner = tuple(model for p in places for model in members_of(p.field.annotation))
         of_field = next((p.quantity for p in places), None)
-        return _table(value, inner, f"{path}.", faults, context, of_field)
+        return _convert_table(value, inner, f"{path}.", faults, context, of_field)
     if isinstance(value, (list, tuple)) and any(is_list(p.field.annotation) for p in places):
-        if all(isinstance(item, (int, float)) and not _has_unit(item) for item in value):
+        if all(type(item) in (int, float) for item in value):
             return value
-        found = [_value(v, places, f"{path}.{k}", faults, context) for k, v in enumerate(value)]
+        found = [
+            _convert_value(v, places, f"{path}.{k}", faults, context) for k, v in enumerate(value)
+        ]
         return type(value)(found) if type(value) in (list, tuple) else found
     if _has_units(value):
-        return _schedule(value, places, path, faults, context)
+        return _convert_schedule(value, places, path, faults, context)
     if not isinstance(value, (str, FloatWithUnit)):
         return value
-    text = _text(value)
+    text = _as_text(value)
     quantity = next((p.quantity for p in places if p.quantity), None)
     try:
         if quantity is None:
             if any(OF_FIELD in getattr(p.field, "metadata", ()) for p in places):
-                return _with_unit(text, path)
+                return _value_with_unit(text, path)
             return value
         if any(is_word(value, p.field.annotation) for p in places):
             return value
-        return _number(text, quantity, path, context)
+        return _convert_number(text, quantity, path, context)
     except InvalidProblem as fault:
         faults += fault.faults
         return value
 
 
-def _has_unit(value: Any) -> bool:
-    return isinstance(value, FloatWithUnit)
-
-
-def _text(value: Any) -> Any:
+def _as_text(value: Any) -> Any:
     return value.text if isinstance(value, FloatWithUnit) else value
 
 
-def _has_units(value: Any) -> bool:
-    """Tell whether a schedule holds values with units."""
-    for name in _values_of_field(value.__class__):
-        held = getattr(value, name)
-        if any(map(_has_unit, held if isinstance(held, tuple) else (held,))):
+def _has_units(schedule: Any) -> bool:
+    """Return whether a schedule contains values with units."""
+    for name in _values_of_field(schedule.__class__):
+        values = getattr(schedule, name)
+        values = values if isinstance(values, tuple) else (values,)
+        if any(isinstance(value, FloatWithUnit) for value in values):
             return True
     return False
 
 
 @cache
 def _values_of_field(model: Any) -> tuple[str, ...]:
-    """Return the names of the fields that are in the unit of the field that holds them all."""
+    """Return the fields of a schedule whose unit is that of the field that holds the schedule."""
     fields = getattr(model, "model_fields", {})
     return tuple(name for name, field in fields.items() if OF_FIELD in field.metadata)
 
 
-def _schedule(value: Any, places: list[Place], path: str, faults: Faults, context: Context) -> Any:
-    """Return a schedule whose values are in the unit of the field that holds it."""
+def _convert_schedule(
+    value: Any, places: list[Place], path: str, faults: Faults, context: Context
+) -> Any:
+    """Return a schedule with its values in the SI unit of the field that holds it."""
     changed = {
-        name: _value(
+        name: _convert_value(
             getattr(value, name),
             [p for of in places for p in find(type(value), name, of.quantity)],
             f"{path}.{name}",
@@ -304,8 +324,8 @@ def _schedule(value: Any, places: list[Place], path: str, faults: Faults, contex
     return value.replace(**changed)
 
 
-def _with_unit(text: str, path: str) -> FloatWithUnit:
-    """Return the value of a schedule that is not yet part of a problem."""
+def _value_with_unit(text: str, path: str) -> FloatWithUnit:
+    """Return a value of a schedule that is not yet part of a problem, with its unit."""
     for unit in _OF_SCHEDULES:
         if has_dimension(text, unit):
             return FloatWithUnit(parse(text, unit, path), unit)
@@ -317,8 +337,8 @@ def _with_unit(text: str, path: str) -> FloatWithUnit:
 # ---- one number ---------------------------------------------------------------------------------
 
 
-def _number(text: str, quantity: Quantity, path: str, context: Context) -> float:
-    """Return a text as a number in the SI unit of a quantity."""
+def _convert_number(text: str, quantity: Quantity, path: str, context: Context) -> float:
+    """Return text as a number in the SI unit of a quantity."""
     unit = quantity.unit
     if unit == "N/m" and has_dimension(text, "N"):
         return _per_width(text, path, context)
@@ -331,11 +351,10 @@ def _number(text: str, quantity: Quantity, path: str, context: Context) -> float
 
 def _per_width(text: str, path: str, context: Context) -> float:
     if not context.width:
-        raise InvalidProblem.at(
-            path,
-            f"{text!r} is a force; expected a force per width. Give the width of the web, "
-            "e.g. width = '2.5 m', which divides it, or write it in N/m, kN/m or pli",
-        )
+        hint = "Divide it by the width of the web and write it in N/m, kN/m or pli"
+        if context.accepts_width:
+            hint = "Give the width of the web, e.g. width = '2.5 m', or write it in N/m or pli"
+        raise InvalidProblem.at(path, f"{text!r} is a force; expected a force per width. {hint}")
     return parse(text, "N", path) / context.width
 
 
@@ -343,8 +362,8 @@ def _tension_of_stress(text: str, path: str, context: Context) -> float:
     if not context.thickness:
         raise InvalidProblem.at(
             path,
-            f"{text!r} is a stress; expected a force per width. The thickness of the web, "
-            "which would convert it, is not known here; write it in N/m, kN/m or pli",
+            f"{text!r} is a stress; expected a force per width. The thickness of the web is not "
+            "known here; write it in N/m, kN/m or pli",
         )
     return parse(text, "Pa", path) * context.thickness
 
@@ -372,7 +391,7 @@ def _of_basis_weight(text: str, unit: str, path: str, context: Context) -> float
 
 
 def is_word(value: Any, annotation: Any) -> bool:
-    """Tell whether a text stands for a word that a field admits, and for no number with a unit."""
+    """Return whether text is one of the words of a field, and not a number with a unit."""
     words = _words_of(annotation)
     return (
         isinstance(value, str)

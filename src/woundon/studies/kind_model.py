@@ -22,7 +22,7 @@ from ..errors import InvalidProblem, NotConverged, did_you_mean, unwarned
 from ..parallel import progress
 from ..problems.description import Description
 from ..problems.family import best_match
-from ..problems.inputs import context_of, convert
+from ..problems.inputs import conversion_context, convert
 from ..problems.messages import no_such_field, not_one_of
 from ..problems.problem import Problem
 from ..problems.units import parse
@@ -365,7 +365,7 @@ def number_in_si(base: Problem, path: str, value: Any, where: str = "") -> Any:
     place, quantity = next((p, p.quantity) for p in find(base, path) if p.quantity is not None)
     if not isinstance(value, str):
         return parse(value, quantity.unit, where or path)
-    return convert(value, place._replace(path=where or path), context_of(base))
+    return convert(value, place._replace(path=where or path), conversion_context(base))
 
 
 def field_quantity(base: Problem, path: str) -> Quantity | None:

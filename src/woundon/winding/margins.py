@@ -26,7 +26,7 @@ import numpy as np
 from ..errors import InvalidProblem, one_of
 from ..nip.air_films import friction_between
 from ..problems.air import Air
-from ..problems.grades import source_of_limit
+from ..problems.grades import Grade, source_of_limit
 from ..problems.limits import Limits
 from ..problems.roll import Core
 from ..quantities import Quantity, length, line_load, strain, stress
@@ -395,16 +395,17 @@ def margins(result: Any, limits: Limits | None = None) -> Margins:
         _strength(states[-1], roll, limits, pull), _slack(roll, limits, pull),
         _gauge_band(roll, limits),
     )  # fmt: skip
-    return Margins(_with_source(margin, roll.problem) for margin in found)
+    named_grade = result.problem.named_grade
+    return Margins(_with_source(margin, roll.problem, named_grade) for margin in found)
 
 
-def _with_source(margin: Margin, problem: Any) -> Margin:
+def _with_source(margin: Margin, problem: Any, named_grade: Grade | None) -> Margin:
     """Return a margin whose note says from which grade its limit comes, if it is of one."""
     field = FIELDS.get(margin.name)
     if field is None or not margin.checked:
         return margin
     thickness, along = float(problem.web_thickness), float(problem.stack.tangential)
-    source = source_of_limit(field, margin.limit, thickness, along)
+    source = source_of_limit(field, margin.limit, thickness, along, named_grade)
     if not source:
         return margin
     return replace(margin, note="; ".join(filter(None, (f"limit of the {source}", margin.note))))
