@@ -344,5 +344,5 @@ def solve(problem: Any, **options: Any) -> Any:
     """
     kind = of(problem)
     if not isinstance(problem, type):  # the solver rejects a class
-        warn(getattr(problem, "remarks", ()), InputWarning)
+        warn(getattr(problem, "input_warnings", ()), InputWarning)
     return kind.solver(problem, **options)

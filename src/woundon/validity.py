@@ -81,8 +81,8 @@ def pair_warnings(result: Any, tractions: Mapping[str, Array]) -> Iterator[str]:
     )
     for name in problem.pair:
         body = getattr(problem, name)
-        cautions = filter(None, (material.caution for material in body.materials))
-        yield from dict.fromkeys(f"the {name}: {text}" for text in cautions)
+        warnings = filter(None, (material.validity_warning for material in body.materials))
+        yield from dict.fromkeys(f"the {name}: {text}" for text in warnings)
         if approach > LIMITS["indentation"].most * body.thickness:  # no body takes more than all
             depth = _indentation(result, body, tractions[name])
             yield from past(

@@ -121,7 +121,7 @@ def test_a_nip_of_a_grade():
             drum=wo.Rigid(radius=0.0762), nip_load=3502.0, web_tension=350.0,
         )  # fmt: skip
         assert nip == wo.NipProblem.example()
-        assert not nip.remarks
+        assert not nip.input_warnings
     newsprint = wo.grade("newsprint")
     assert newsprint.material == wo.material("newsprint")
     assert newsprint.roll("200 mm", "89 mm") == wo.Cylinder(
@@ -143,7 +143,7 @@ def test_a_winding_of_every_grade(name, tmp_path):
         problem = load_case(file)
     assert isinstance(problem, wo.WindingProblem)
     assert (problem.stack, problem.web, problem.limits) == (grade.stack, grade.web(), grade.limits)
-    assert not problem.remarks
+    assert not problem.input_warnings
     spread = grade.spread_of(problem)
     assert spread["stack.radial.K2"] == grade.spread["K2"]
     assert spread["roll_friction"] == grade.spread["friction"]
@@ -171,14 +171,14 @@ def test_values_that_differ_from_the_grade_are_warned_of():
 
 def test_one_paper_with_two_moduli_is_warned_of():
     nip = wo.NipProblem.example().replace(**{"web.material.tangential": "5 GPa"})
-    (text,) = nip.remarks
+    (text,) = nip.input_warnings
     assert "web.material and roll.material describe two papers" in text
     with pytest.warns(wo.InputWarning, match=r"5\.\d* and 3\.38 GPa|4\.999 and 3\.379 GPa"):
         result = wo.solve(nip, nodes=17)
     assert "describe two papers" in str(result)
     winding = wo.WindingProblem.example()
-    assert not winding.remarks
-    assert winding.replace(**{"stack.tangential": "5 GPa"}).remarks
+    assert not winding.input_warnings
+    assert winding.replace(**{"stack.tangential": "5 GPa"}).input_warnings
 
 
 @pytest.mark.parametrize(

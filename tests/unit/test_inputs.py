@@ -293,9 +293,9 @@ def test_a_speed_that_nothing_depends_on_is_reported():
         result = wo.solve(fast, nodes=17)
     assert "web_speed = 15.24 m/s is not used" in str(result)
     assert result.nip_induced_tension == wo.solve(NIP, nodes=17).nip_induced_tension
-    assert WINDING.replace(web_speed=10.0).remarks
-    assert not NIP.remarks
-    assert not wo.NipProblem.example().remarks
+    assert WINDING.replace(web_speed=10.0).input_warnings
+    assert not NIP.input_warnings
+    assert not wo.NipProblem.example().input_warnings
 
 
 # ---- outputs in units ---------------------------------------------------------------------------

@@ -146,7 +146,7 @@ def test_a_poor_fit_is_reported_with_every_result() -> None:
         result = wo.solve(nip(**{"drum.material": poor}), nodes=17)
     assert any(f"{poor.misfit:.1%}" in text for text in result.warnings)
     assert dynamic_test().misfit < 0.05
-    assert dynamic_test().caution == ""
+    assert dynamic_test().validity_warning == ""
 
 
 # ---- cases, studies, reports, files -------------------------------------------------------------

@@ -276,7 +276,7 @@ def test_a_poor_fit_of_a_test_is_reported() -> None:
     e = np.log1p(P / 2e4) / 30 + np.array([0, 0.01, -0.01, 0.01, -0.01, 0.01])
     law = wo.StackTest(pressure=P, strain=np.sort(e) + 1e-4 * np.arange(6))
     assert law.misfit > 0.01
-    assert "its stack test is fitted to" in roll(stack=PAPER.replace(radial=law)).caution
+    assert "its stack test is fitted to" in roll(stack=PAPER.replace(radial=law)).validity_warning
 
 
 def test_saved_and_loaded(tmp_path: Path) -> None:

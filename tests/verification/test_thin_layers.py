@@ -40,7 +40,7 @@ def test_coarse_meshes_carry_what_fine_ones_do(layer: wo.Cylinder) -> None:
     A piecewise linear parabola of 17 nodes has 0.7 % less of it.
     """
     pair = wo.RollerProblem(upper=wo.Rigid(radius=0.168), lower=layer, load=1.0, friction=0.0)
-    for a in np.geomspace(0.5, 1.0, 3) * layer.widest:
+    for a in np.geomspace(0.5, 1.0, 3) * layer.max_half_width:
         coarse, fine = (frictionless_load(pair, n, a) for n in (17, 129))
         assert coarse == pytest.approx(fine, rel=0.01)
 

@@ -169,7 +169,7 @@ def state_of(result: Result, report: bool = False, drawn: bool = False) -> dict[
         "answer": [line.text for line in answer_lines(result, full=report)],
         "certificate": _certificate(result),
         "margins": [_margin(margin) for margin in getattr(result, "margins", ())],
-        "warnings": [*getattr(result.problem, "remarks", ()), *result.warnings],
+        "warnings": [*getattr(result.problem, "input_warnings", ()), *result.warnings],
         "geometry": _geometry(result),
         "sections": [_section(part) for part in parts if isinstance(part, Section)],
     }

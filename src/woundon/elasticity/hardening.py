@@ -48,7 +48,7 @@ class RadialLaw(Protocol):
     """Compression of a stack through its thickness, defined for trial pressures of any size."""
 
     @property
-    def highest(self) -> float:
+    def max_pressure(self) -> float:
         """Pressure at which the law ends [Pa]."""
         ...
 
@@ -68,7 +68,7 @@ class RadialLaw(Protocol):
         """Return P by F(P) [Pa]."""
         ...
 
-    def reaches(self, modulus: float) -> float:
+    def pressure_at_modulus(self, modulus: float) -> float:
         """Return the pressure at which E_r is ``modulus``; inf if it never is [Pa]."""
         ...
 
@@ -108,8 +108,8 @@ class HardeningLaw:
     def limit(self) -> float:
         """Pressure at which the law ends, or E_r is 95 % of E_t/nu^2 [Pa]; inf if neither is."""
         nu, radial = self.poissons_ratio, self.radial
-        stiff = radial.reaches(MOST_MODULUS * self.tangential / nu**2) if nu else np.inf
-        return min(stiff, radial.highest)
+        stiff = radial.pressure_at_modulus(MOST_MODULUS * self.tangential / nu**2) if nu else np.inf
+        return min(stiff, radial.max_pressure)
 
     @cached_property
     def lowest(self) -> float:

@@ -129,10 +129,10 @@ class HardeningSurface:
     def outside(self, p: Array, q: Array) -> str:
         """Return a message if a pressure in the roll lies outside the law, else ''."""
         state, law = self._solve(p, q).state, self.ring.law
-        if state.highest > self.limit:
+        if state.max_pressure > self.limit:
             return (
-                f"the pressure in it reaches {state.highest:.4g} [Pa], and the law of its stack "
-                f"ends at {self.limit:.4g} [Pa]: a lower nip load or another law is needed"
+                f"the pressure in it reaches {state.max_pressure:.4g} [Pa], beyond the range of "
+                f"its stack law ({self.limit:.4g} [Pa]): lower the nip load or extend the law"
             )
         if state.lowest < law.lowest:
             return (

@@ -82,7 +82,7 @@ class RingState:
         return float(self.stressed.pressure.min())
 
     @property
-    def highest(self) -> float:
+    def max_pressure(self) -> float:
         """Largest pressure in the ring [Pa]."""
         return float(self.stressed.pressure.max())
 

@@ -186,7 +186,7 @@ class NipEquations:
     def largest_ln_a(self) -> float:
         """ln of the largest half width that the bodies and the roll wrap permit."""
         problem = self.problem
-        a = min(min(body.radius, body.widest) for body in problem.bodies)
+        a = min(min(body.radius, body.max_half_width) for body in problem.bodies)
         if self.roll_wrap:
             a = min(a, self.roll_wrap * problem.roll.radius / 2)
         return log(a)

@@ -215,7 +215,7 @@ def wound_in_pressure(result: Any, depths: Array) -> Array:
     try:
         return np.minimum(P0, stack.plateau_pressure(T))
     except InvalidProblem:  # the law ends below the plateau
-        return np.minimum(P0, stack.radial.highest)
+        return np.minimum(P0, stack.radial.max_pressure)
 
 
 def _blocks(result: Any) -> list[Array]:

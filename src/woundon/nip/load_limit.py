@@ -57,8 +57,8 @@ def check_load(problem: ContactProblem, load_field: str) -> None:
         With the largest admissible load.
     """
     for name, body in zip(problem.pair, problem.bodies, strict=True):
-        if body.unresolved:
-            raise InvalidProblem.at(name, body.unresolved)
+        if body.resolution_fault:
+            raise InvalidProblem.at(name, body.resolution_fault)
     if not problem.linear:
         return
     load, R = float(getattr(problem, load_field)), problem.contact_radius
@@ -116,7 +116,7 @@ def largest_load(problem: ContactProblem, sufficient: float | None = None) -> fl
 
 def largest_half_width(problem: ContactProblem) -> float:
     """Return the largest half width for which the model of the bodies holds [m]."""
-    return min(min(body.radius, body.widest) for body in problem.bodies)
+    return min(min(body.radius, body.max_half_width) for body in problem.bodies)
 
 
 def frictionless_half_width(
@@ -174,8 +174,8 @@ def frictionless_pressure(problem: ContactProblem, face: Face, a: float) -> Arra
 def _narrowest_body(problem: ContactProblem) -> str:
     """Return a text about the body that limits the half width."""
     named = zip(problem.pair, problem.bodies, strict=True)
-    name, body = min(named, key=lambda pair: min(pair[1].radius, pair[1].widest))
-    if body.radius <= body.widest:
+    name, body = min(named, key=lambda pair: min(pair[1].radius, pair[1].max_half_width))
+    if body.radius <= body.max_half_width:
         return f"a larger load makes the contact wider than the radius of the {name}"
     return (
         f"the elastic layer of the {name}, {body.thickness:.3g} m, is too thin for the contact "

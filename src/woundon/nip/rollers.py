@@ -137,7 +137,7 @@ class RollerEquations:
     @cached_property
     def largest_ln_a(self) -> float:
         """ln of the largest half width that the bodies permit."""
-        return log(min(min(body.radius, body.widest) for body in self.problem.bodies))
+        return log(min(min(body.radius, body.max_half_width) for body in self.problem.bodies))
 
     @property
     def creep_nodes(self) -> Array:

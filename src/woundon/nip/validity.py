@@ -40,8 +40,8 @@ def nip_warnings(result: NipResult) -> tuple[str, ...]:
 
 def _cautions(r: NipResult) -> Iterator[str]:
     for name, body in (("roll", r.problem.roll), ("drum", r.problem.drum)):
-        if body.caution:
-            yield f"of the {name}: {body.caution}"
+        if body.validity_warning:
+            yield f"of the {name}: {body.validity_warning}"
 
 
 def _surface_strains(r: NipResult, web: Array) -> Iterator[str]:

@@ -51,9 +51,9 @@ class AirBetween(RadialLaw):
     ] = default(101325.0)
 
     @property
-    def highest(self) -> float:
+    def max_pressure(self) -> float:
         """Pressure up to which the law holds [Pa]."""
-        return float(self.law.highest)
+        return float(self.law.max_pressure)
 
     def _compliance(self, P: Array) -> Array:
         h, t, p_a = self.film, self.web_thickness, self.ambient_pressure

@@ -1,11 +1,11 @@
 """The bodies in contact, wound roll and drum: geometry and material, and their surface response.
 
-A body implements :meth:`Body.surface`: the slope and the strain of its surface under nodal
+A body implements :meth:`Body.surface`: the slope and the strain of its surface due to nodal
 pressures and tractions (:class:`~woundon.elasticity.surface.SurfaceResponse`).  The bodies of this
 module are linear and homogeneous along their circumference, so that influence functions describe
 them (:class:`KernelBody`).
 
-The set of bodies is open: a subclass of :class:`Body` is a body like these.
+The set of bodies is open: subclass :class:`Body` to add one.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from ..elasticity.layers import stacked_compliance
 from ..elasticity.surface import RigidSurface, SurfaceResponse
 from ..errors import InvalidProblem
 from ..quantities import length
-from . import viscoelastic as viscoelastic  # it joins the materials
+from . import viscoelastic as viscoelastic  # registers its materials
 from .description import Description
 from .family import Family
 from .fields import Number
@@ -51,19 +51,20 @@ __all__ = [
     "Layered",
     "Radius",
     "Rigid",
+    "check_core",
     "contact_radius",
-    "core_inside",
     "half_width_guess",
 ]
 
 
-# of the radius; a core that is smaller still is no other roll, but its powers overflow
+# Smallest core radius relative to the radius: a smaller core has no effect, but powers of the ratio
+# overflow.
 SMALLEST_CORE = 1e-9
-# Largest half width, in lengths on which the influence functions of a body vary: up to there their
-# interpolation has at most 1200 points.
-RESOLVED = 60
-# of a truncated series, relative to the half-plane's response: above, nothing of it can be trusted
-SERIES_ERROR = 1e-2
+# Largest half width relative to the length over which the influence functions vary; their
+# interpolation then has at most 1200 points.
+LARGEST_RELATIVE_HALF_WIDTH = 60
+# Largest truncation error of a Fourier series, relative to the response of a half-plane.
+LARGEST_SERIES_ERROR = 1e-2
 
 Radius = Annotated[Number, length("R", "outer radius", "mm", (0.02, 1.0)), Field(gt=1e-4, le=50.0)]
 
@@ -73,7 +74,7 @@ CoreRadius = Annotated[
 
 
 class Body(Family):
-    """What nip and rollers need to know of a body; subclass it to add one.
+    """A body in contact; subclass it to add one.
 
     Attributes
     ----------
@@ -82,11 +83,11 @@ class Body(Family):
     rigid : bool
         Whether the surface does not deform at all.
     linear : bool
-        Whether the response is the same about every state.
-    caution : str
-        What is to be said with every result, empty for nothing.
+        Whether the response is linear in pressure and traction.
+    validity_warning : str
+        A warning for every result with this body; empty if there is none.
     viscoelastic : bool
-        Whether its response depends on the speed at which it rolls.
+        Whether the response depends on the rolling speed.
     """
 
     # Required, but type checkers must accept a diameter in its place.
@@ -95,11 +96,11 @@ class Body(Family):
         diameter: InitVar[float | str] = Field(...)
     rigid: ClassVar[bool] = False
     linear: ClassVar[bool] = True
-    caution: ClassVar[str] = ""
+    validity_warning: ClassVar[str] = ""
 
     @property
     def viscoelastic(self) -> bool:
-        """Whether the response depends on the speed."""
+        """True if the response depends on the rolling speed."""
         return False
 
     def surface(self, face: Face, half_width: float, speed: float | None = None) -> SurfaceResponse:
@@ -112,14 +113,14 @@ class Body(Family):
         half_width : float
             a [m].
         speed : float, optional
-            Speed at which the surface rolls along +x [m/s]; elastic bodies do not depend on it.
+            Speed of the surface along +x [m/s]; elastic bodies do not depend on it.
         """
         raise NotImplementedError(f"{type(self).__name__} has no surface response")
 
     def uniform_strain(self, pressure: float) -> float:
         """Return the surface strain under a uniform pressure on the whole circumference.
 
-        It is that of a roll under a closed layer of web; 0 for a body that does not define it.
+        A closed layer of web loads a roll in this way.  Zero unless a subclass defines it.
 
         Parameters
         ----------
@@ -131,12 +132,12 @@ class Body(Family):
     def interior_stress(
         self, x: np.ndarray, p: np.ndarray, q: np.ndarray, depths: np.ndarray, half_width: float
     ) -> tuple[Section, ...] | None:
-        """Return the stresses at depths below the surface; None of a body that does not know them.
+        """Return the stresses at depths below the surface; None if the body does not provide them.
 
         Parameters
         ----------
         x, p, q : (k,) arrays
-            Nodes [m], pressures and tractions of the web on the body along +x [Pa].
+            Nodes [m]; pressures and tractions along +x on the body [Pa].
         depths : (m,) array
             z [m], > 0 and less than the thickness.
         half_width : float
@@ -146,48 +147,48 @@ class Body(Family):
 
     @property
     def curvature(self) -> float:
-        """1/R where the surface strain has the term v/R, 0 where it has not [1/m]."""
+        """1/R if the surface strain includes the term v/R, otherwise 0 [1/m]."""
         return 1 / self.radius
 
     @property
     def thickness(self) -> float:
-        """Thickness of what deforms [m]: inf where it is deep."""
+        """Thickness of the deformable part [m]; inf for a half-plane."""
         return float("inf")
 
     @property
-    def widest(self) -> float:
-        """Largest half width of a contact on which the response is resolved [m]."""
+    def max_half_width(self) -> float:
+        """Largest half width of a contact for which the response is resolved [m]."""
         return float("inf")
 
     @property
-    def unresolved(self) -> str:
-        """Why the response is not resolved at all; '' where it is."""
+    def resolution_fault(self) -> str:
+        """The reason why the response is not resolved at any half width; otherwise empty."""
         return ""
 
     @property
     def surface_material(self) -> Material | None:
-        """The material at the surface, where the body is of linear elastic ones."""
+        """The linear elastic material at the surface; None if there is none."""
         found = getattr(self, "material", None)
         return found if isinstance(found, Material) else None
 
     @property
     def materials(self) -> tuple[Material, ...]:
-        """The materials that it is made of, where it says."""
+        """The materials of the body; empty if it does not state them."""
         return ()
 
     @property
     def compliance(self) -> float:
-        """C of the half-plane that the surface is near a line load (thesis eq. 30) [1/Pa].
+        """C of the half-plane that the surface resembles near a line load (thesis eq. 30) [1/Pa].
 
-        A contact's first guess of its width comes of it, nothing else.
+        It is used for the initial guess of the half width only.
         """
         material = self.surface_material
         return 0.0 if material is None else half_plane.coefficients(*material.stiffness).C
 
     def bending_load(self, contact_radius: float) -> float:
-        """Return about the line load that bends an open tube off a gap 1/R* [N/m].
+        """Return an estimate of the load at which an open tube lifts off in mid-contact [N/m].
 
-        inf of all other bodies.
+        inf for all other bodies.
         """
         return inf
 
@@ -199,12 +200,18 @@ else:
 
 
 class Rigid(Body):
-    """A rigid cylinder: it has a radius and does not deform.
+    """A rigid cylinder.
 
     Parameters
     ----------
     radius : float
         R [m].
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> wo.Rigid(diameter="6 in").radius
+    0.0762
     """
 
     rigid: ClassVar[bool] = True
@@ -215,54 +222,54 @@ class Rigid(Body):
 
 
 class KernelBody(Body, abstract=True):
-    """A linear body told by the influence functions of its surface."""
+    """A linear body that is described by the influence functions of its surface."""
 
     @cached_property
     def viscoelastic(self) -> bool:
-        """Whether one of its materials is."""
+        """True if one of the materials is viscoelastic."""
         return any(material.relaxes for material in self.materials)
 
     def kernels(self, speed: float | None = None) -> SurfaceKernels:
         """Return the influence functions, valid on the whole surface.
 
-        Those of a viscoelastic body without a speed are of all that relaxes relaxed.
+        Without a speed, a viscoelastic body is fully relaxed.
         """
         raise NotImplementedError
 
     def surface(
         self, face: Face, half_width: float, speed: float | None = None
     ) -> InfluenceSurface:
-        """Return the response of the surface by its influence functions."""
+        """Return the response of the surface, computed from the influence functions."""
         kernels = self.kernels(speed) if self.viscoelastic and speed else self.kernels()
         return InfluenceSurface(kernels, self.radius, self.curvature > 0, face, half_width)
 
     def uniform_strain(self, pressure: float) -> float:
         """Return the surface strain under a uniform pressure on the whole circumference.
 
-        A viscoelastic body is fully relaxed: in the material the load is constant.
+        A viscoelastic body is fully relaxed, because the load on a material point is constant.
         """
         return pressure * uniform_response(self.kernels().strain_p)
 
     @property
-    def widest(self) -> float:
-        """Largest half width whose contact the smooth parts' interpolation resolves [m]."""
-        return RESOLVED * self.kernels().length
+    def max_half_width(self) -> float:
+        """Largest half width for which the influence functions are interpolated [m]."""
+        return LARGEST_RELATIVE_HALF_WIDTH * self.kernels().length
 
     @property
-    def unresolved(self) -> str:
-        """Why the series of the influence functions is cut off too early; '' where it is not."""
+    def resolution_fault(self) -> str:
+        """A message if the Fourier series of the influence functions is truncated too early."""
         kernels = self.kernels()
-        if kernels.truncation_error <= SERIES_ERROR:
+        if kernels.truncation_error <= LARGEST_SERIES_ERROR:
             return ""
         return (
-            f"the response of its layer, {self.thickness:.3g} m thick, takes more than "
-            f"{kernels.terms} Fourier terms (they leave {kernels.truncation_error:.2g} of it); the "
-            "layer must be thicker, or the stiffnesses of its material nearer to each other"
+            f"the response of its layer, {self.thickness:.3g} m thick, needs more than "
+            f"{kernels.terms} Fourier terms (relative error {kernels.truncation_error:.2g}); use a "
+            "thicker layer or a material with less different stiffnesses"
         )
 
     @property
     def compliance(self) -> float:
-        """C of the half-plane that the surface is near a line load [1/Pa]."""
+        """C of the half-plane that the surface resembles near a line load [1/Pa]."""
         return pi * self.kernels().slope_p.inverse
 
 
@@ -274,18 +281,24 @@ class HalfPlane(KernelBody):
     radius : float
         R [m].
     material : Orthotropic or Isotropic
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> wo.HalfPlane(radius=0.25, material="steel").material.poissons_ratio
+    0.3
     """
 
     material: AnyMaterial
 
     @property
     def curvature(self) -> float:
-        """0: a half-plane's strain has no term v/R [1/m]."""
+        """0: the strain of a half-plane has no term v/R [1/m]."""
         return 0.0
 
     @property
     def materials(self) -> tuple[Material, ...]:
-        """Its material."""
+        """The material, as a tuple."""
         return (self.material,)
 
     def kernels(self, speed: float | None = None) -> SurfaceKernels:
@@ -293,7 +306,7 @@ class HalfPlane(KernelBody):
         stiffness = self.material.stiffness
         if speed is None:
             return half_plane.surface_kernels(*stiffness)
-        reach = (pi + 1) * self.radius  # as far as a wrap goes
+        reach = (pi + 1) * self.radius  # covers the largest wrap angle, pi
         return rolling.half_plane_kernels(stiffness, self.material.relaxation(speed), reach)
 
     def interior_stress(
@@ -306,7 +319,7 @@ class HalfPlane(KernelBody):
 
 
 class Cylinder(KernelBody):
-    """An elastic cylinder on a rigid core (thesis sec. 2.2); a drum cover's core is the shell.
+    """An elastic cylinder on a rigid core (thesis sec. 2.2); the core of a drum cover is its shell.
 
     Parameters
     ----------
@@ -318,6 +331,13 @@ class Cylinder(KernelBody):
     ------
     InvalidProblem
         For a core that is not smaller than the cylinder, or a layer thinner than R/2000.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> roll = wo.Cylinder(diameter="200 mm", core_diameter="89 mm", material="newsprint")
+    >>> round(roll.thickness, 4)
+    0.0555
     """
 
     core_radius: CoreRadius = Field(...)
@@ -326,8 +346,8 @@ class Cylinder(KernelBody):
     material: AnyMaterial
 
     @model_validator(mode="after")
-    def _core_inside(self) -> Self:
-        core_inside(self)
+    def _check_core(self) -> Self:
+        check_core(self)
         return self
 
     @property
@@ -337,7 +357,7 @@ class Cylinder(KernelBody):
 
     @property
     def materials(self) -> tuple[Material, ...]:
-        """Its material."""
+        """The material, as a tuple."""
         return (self.material,)
 
     def kernels(self, speed: float | None = None) -> SurfaceKernels:
@@ -358,8 +378,8 @@ class Cylinder(KernelBody):
         return cylinder_sections(x, p, q, depths, self.radius, (layer,))
 
 
-def core_inside(body: Any) -> None:
-    """Refuse a core that is not smaller than its body, or leaves a layer thinner than R/2000.
+def check_core(body: Any) -> None:
+    """Reject a core that is not smaller than the body, or leaves a layer thinner than R/2000.
 
     Raises
     ------
@@ -382,6 +402,12 @@ class Layer(Description):
     thickness : float
         h [m].
     material : Orthotropic or Isotropic
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> wo.Layer(thickness="15 mm", material="rubber").thickness
+    0.015
     """
 
     thickness: Annotated[
@@ -397,7 +423,7 @@ else:
 
 
 class Layered(KernelBody):
-    """An elastic cylinder of layers, as a covered shell or a core under a wound roll.
+    """An elastic cylinder of concentric layers, such as a covered shell.
 
     Parameters
     ----------
@@ -406,14 +432,22 @@ class Layered(KernelBody):
     layers : sequence of Layer
         Outermost first.
     core : "rigid" or "free"
-        What is below the innermost layer: a rigid core, or an open bore.  A bore is free of
-        traction but for a uniform one, across or around, that holds what force and torque act on
-        the surface; on average it does not move.
+        Support of the innermost layer: a rigid core, or an open bore.  The bore carries only the
+        tractions that balance the force and the torque on the surface; its mean displacement is
+        zero.
 
     Raises
     ------
     InvalidProblem
-        For layers that are thicker than the radius, or thinner than R/2000 together.
+        If the total thickness exceeds the radius or is less than R/2000.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> cover = {"thickness": "15 mm", "material": "soft-cover"}
+    >>> drum = wo.Layered(radius=0.25, layers=[cover, {"thickness": 0.03, "material": "steel"}])
+    >>> drum.thickness
+    0.045
     """
 
     layers: Annotated[Layers, Field(min_length=1, max_length=5000, description="outermost first")]
@@ -425,14 +459,14 @@ class Layered(KernelBody):
         if not least <= self.thickness <= most:
             raise InvalidProblem.at(
                 "layers",
-                f"a thickness of {self.thickness:.10g} in all is out of range; must be >= radius "
+                f"a total thickness of {self.thickness:.10g} is out of range; must be >= radius "
                 f"/ 2000 = {least:.10g} and < radius = {self.radius:.10g} [m]",
             )
         return self
 
     @cached_property
     def thickness(self) -> float:
-        """Thickness of all layers [m]."""
+        """Total thickness of the layers [m]."""
         return sum(layer.thickness for layer in self.layers)
 
     @property
@@ -442,24 +476,24 @@ class Layered(KernelBody):
 
     @cached_property
     def _stack(self) -> Stacked:
-        """The layers by the logarithms of their radii's ratios, and their stiffness."""
-        outside, made = self.radius, []
+        """Each layer as the logarithm of its radius ratio, followed by its stiffness."""
+        outside, layers = self.radius, []
         for layer in self.layers:
-            made.append((-log1p(-layer.thickness / outside), *layer.material.stiffness))
+            layers.append((-log1p(-layer.thickness / outside), *layer.material.stiffness))
             outside -= layer.thickness
-        return tuple(made)
+        return tuple(layers)
 
     @property
-    def widest(self) -> float:
-        """Any half width: kernels that are too short to interpolate are integrated exactly [m]."""
+    def max_half_width(self) -> float:
+        """inf: kernels that vary over a short length are integrated exactly [m]."""
         return inf
 
     def bending_load(self, contact_radius: float) -> float:
-        """Return about the line load that bends an open tube off a gap 1/R* [N/m].
+        """Return an estimate of the load at which an open tube lifts off in mid-contact [N/m].
 
-        A thin ring of bending stiffness B, held around its bore, is made flatter by a line load P
-        by P R/(pi B) sum_(n>1) 1/(n^2 - 1) = 3 P R/(4 pi B), and Y_2 = R^3/(9 B) tells its B.
-        Where that is 1/R* the ring leaves the other body in the middle of their contact.
+        A line load P changes the curvature of a thin ring of bending stiffness B by
+        P R/(pi B) sum_(n>1) 1/(n^2 - 1) = 3 P R/(4 pi B); B follows from Y_2 = R^3/(9 B).  If the
+        change equals 1/R*, the ring lifts off the other body in the middle of the contact.
         """
         if self.core == "rigid":
             return inf
@@ -468,11 +502,11 @@ class Layered(KernelBody):
 
     @property
     def materials(self) -> tuple[Material, ...]:
-        """Those of all layers."""
+        """The materials of all layers."""
         return tuple(layer.material for layer in self.layers)
 
     def kernels(self, speed: float | None = None) -> SurfaceKernels:
-        """Return the influence functions of all layers together."""
+        """Return the influence functions of the layered cylinder."""
         free = self.core == "free"
         if speed is None:
             return cylinder.layered_kernels(self.radius, self._stack, free)
@@ -494,12 +528,12 @@ def contact_radius(one: Body, two: Body) -> float:
 
 
 def half_width_guess(load: float, one: Body, two: Body) -> float:
-    """Return a half width to start from [m]: Hertz's, or less where a layer is thin.
+    """Return an initial guess of the half width [m]: Hertz's, or less for thin layers.
 
     Hertz's theory for half-planes, a = 2 sqrt(P R*/(pi E*)) with 1/E* = sum C/2 (thesis eqs. 101
-    to 103), is an upper bound; on a layer much thinner than a it is far off.
+    to 103), gives an upper bound, which is a poor guess for layers much thinner than a.
     """
     C, radius = one.compliance + two.compliance, contact_radius(one, two)
-    # a body that tells no compliance: any width is a start, for the load grows with it
+    # Bodies without a compliance: any guess converges, because the load increases with the width.
     hertz = sqrt(2 * C * load * radius / pi) or 0.01 * radius
     return min(hertz, 4 * one.thickness, 4 * two.thickness, 0.3 * radius)

@@ -63,11 +63,11 @@ class ContactProblem(Problem):
         return None if next(self.uses_of_speed(), None) is None else speed
 
     @property
-    def remarks(self) -> tuple[str, ...]:
+    def input_warnings(self) -> tuple[str, ...]:
         """Inputs that have no effect."""
         speed = getattr(self, self.speed_field)
         used = speed is None or self.rolling_speed is not None
-        return super().remarks if used else (unused_speed(self.speed_field, speed),)
+        return super().input_warnings if used else (unused_speed(self.speed_field, speed),)
 
     @cached_property
     def viscoelastic(self) -> bool:

@@ -1,4 +1,4 @@
-"""Linear elastic materials in plane strain, and a small library of named ones with their source.
+"""Linear elastic materials in plane strain, and a library of named materials with sources.
 
 An orthotropic material relates stress and strain in the (radial, tangential) axes by
 
@@ -6,7 +6,7 @@ An orthotropic material relates stress and strain in the (radial, tangential) ax
     sigma_t     = A_rt eps_r + A_tt eps_t
     tau_rt      = G gamma_rt
 
-(thesis eqs. 10 and 34).  Paper is of this kind: stiff along the web, soft through the stack.
+(thesis eqs. 10 and 34).  Paper is orthotropic: stiff along the web, soft through the stack.
 """
 
 from __future__ import annotations
@@ -48,8 +48,8 @@ __all__ = [
 class Stiffness(NamedTuple):
     """Plane-strain stiffness A_rr, A_tt, A_rt and shear modulus G [Pa].
 
-    ``along`` is D = A_tt - A_rt^2/A_rr, where it is known better than by the three: they have lost
-    it in a nearly incompressible material.
+    ``along`` is D = A_tt - A_rt^2/A_rr, if known: the difference loses all digits for a nearly
+    incompressible material.
     """
 
     rr: float
@@ -60,43 +60,43 @@ class Stiffness(NamedTuple):
 
 
 class Solid(Family):
-    """What webs and rolls are made of: linear elastic materials, and stacks that harden."""
+    """The materials of webs and rolls: linear elastic materials, and stacks that harden."""
 
     @property
     def stiffness(self) -> Stiffness:
-        """The plane-strain stiffness A_rr, A_tt, A_rt, G [Pa]; of what relaxes, in the end."""
+        """The plane-strain stiffness A_rr, A_tt, A_rt, G [Pa]; viscoelastic materials: relaxed."""
         raise NotImplementedError
 
     @property
     def relaxes(self) -> bool:
-        """Whether it is viscoelastic."""
+        """True for a viscoelastic material."""
         return False
 
     @property
-    def caution(self) -> str:
-        """What is to be said with every result, empty for nothing."""
+    def validity_warning(self) -> str:
+        """A warning for every result with this material; empty if there is none."""
         return ""
 
     def relaxation(self, speed: float) -> tuple[tuple[float, float], ...]:
-        """Return how the moduli relax in rolling: E_k/E_inf and lengths speed * tau_k [m]."""
+        """Return the relaxation in rolling: pairs E_k/E_inf [1], speed * tau_k [m]."""
         return ()
 
 
 class Material(Solid, abstract=True):
-    """A linear elastic material: an open set, whose members know their plane-strain stiffness."""
+    """A linear elastic material: an open set of classes with a plane-strain stiffness."""
 
     @classmethod
     def coerce(cls, value: Any) -> Any:
-        """Return the material of a table, or the named one."""
+        """Return the material of a table or of a name."""
         if not isinstance(value, str):
             return super().coerce(value)
         try:
             return material(value)
         except InvalidProblem as fault:
-            raise InvalidProblem(fault.faults[0][1]) from None  # the field's name is the caller's
+            raise InvalidProblem(fault.faults[0][1]) from None  # the caller adds the field's name
 
 
-# a material itself, a table of its fields, or the name of one
+# A field with a material accepts the material, a table of its fields, or a name.
 if TYPE_CHECKING:
     AnyMaterial = CoercedField[Material, Material | str | Mapping[str, Any]]
     OptionalMaterial = CoercedField[Material | None, Material | str | Mapping[str, Any] | None]
@@ -104,10 +104,10 @@ else:
     AnyMaterial = Annotated[SerializeAsAny[Material], BeforeValidator(Material.coerce)]
     OptionalMaterial = AnyMaterial | None
 
-# softer than any solid, and soft enough for numbers without dimension around 1
+# Range of moduli [Pa]: wider than that of solids, so that dimensionless problems can be entered.
 SOFTEST = 1e-3
 STIFFEST = 1e14
-# 1 - 2 nu that stands for nil: 1/A_rr is then lost in every sum that it enters
+# Smallest 1 - 2 nu: 1/A_rr is then below the rounding error of every sum in which it occurs.
 INCOMPRESSIBLE = 1e-20
 
 
@@ -127,6 +127,13 @@ class Orthotropic(Material):
     ------
     InvalidProblem
         For a modulus out of range, or a cross stiffness that makes the energy indefinite.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> newsprint = wo.Orthotropic(radial="27 MPa", tangential="3.38 GPa", cross=5e6, shear=10e6)
+    >>> newsprint.tangential
+    3380000000.0
     """
 
     radial: Annotated[
@@ -169,13 +176,13 @@ PoissonsRatio = Annotated[Number, pure("nu", "Poisson's ratio", (0.0, 0.49)), Fi
 
 
 class OneModulus(Material, abstract=True):
-    """An isotropic material of constant Poisson's ratio: all its moduli go with Young's."""
+    """An isotropic material with one modulus: Poisson's ratio does not depend on time."""
 
     if TYPE_CHECKING:
 
         @property
         def poissons_ratio(self) -> float:
-            """Declared by each member, in its own order."""
+            """Poisson's ratio [1]; a field of each subclass."""
 
     @property
     def long_term_modulus(self) -> float:
@@ -184,23 +191,23 @@ class OneModulus(Material, abstract=True):
 
     @property
     def prony_series(self) -> tuple[tuple[float, float], ...]:
-        """How it relaxes, (E_k [Pa], tau_k [s]); nothing where it does not."""
+        """The Prony terms (E_k [Pa], tau_k [s]); empty for an elastic material."""
         return ()
 
     @property
     def relaxes(self) -> bool:
-        """Whether it is viscoelastic."""
+        """True for a viscoelastic material."""
         return bool(self.prony_series)
 
     def relaxation(self, speed: float) -> tuple[tuple[float, float], ...]:
-        """Return how the moduli relax in rolling: E_k/E_inf and lengths speed * tau_k [m]."""
+        """Return the relaxation in rolling: pairs E_k/E_inf [1], speed * tau_k [m]."""
         return tuple((E / self.long_term_modulus, speed * tau) for E, tau in self.prony_series)
 
     @cached_property
     def stiffness(self) -> Stiffness:
         """The plane-strain stiffness A_rr = A_tt, A_rt, G [Pa].
 
-        A_rr grows like 1/(1 - 2 nu), D does not: all that is asked of them stays bounded.
+        A_rr varies as 1/(1 - 2 nu); D stays bounded and is therefore given separately.
         """
         E, nu = self.long_term_modulus, self.poissons_ratio
         direct = E * (1 - nu) / ((1 + nu) * max(1 - 2 * nu, INCOMPRESSIBLE))
@@ -210,18 +217,24 @@ class OneModulus(Material, abstract=True):
 
 
 class PronyTerm(Description):
-    """A term of a Prony series, E_k exp(-t/tau_k); a pair (E_k, tau_k) is one too.
+    """A term E_k exp(-t/tau_k) of a Prony series; fields also accept a pair (E_k, tau_k).
 
     Parameters
     ----------
     modulus : float
-        E_k [Pa], > 0: moduli relax, they do not grow with time.
+        E_k [Pa], > 0.
     time : float
         tau_k [s], > 0.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> wo.PronyTerm(modulus="2 MPa", time="1 ms").time
+    0.001
     """
 
     modulus: Annotated[
-        Number, stress("E_k", "modulus that relaxes", "MPa", (1e5, 1e8)), Field(gt=0, le=STIFFEST)
+        Number, stress("E_k", "relaxing modulus", "MPa", (1e5, 1e8)), Field(gt=0, le=STIFFEST)
     ]
     time: Annotated[
         Number, Quantity("tau_k", "s", "relaxation time", "ms", (1e-6, 10.0)), Field(gt=0, le=1e15)
@@ -229,7 +242,7 @@ class PronyTerm(Description):
 
     @classmethod
     def coerce(cls, value: Any) -> Any:
-        """Return the term of a pair or a table."""
+        """Return the term of a pair or of a table."""
         if isinstance(value, (tuple, list)) and len(value) == 2:
             return cls(modulus=value[0], time=value[1])
         return cls(**value) if isinstance(value, Mapping) else value
@@ -247,13 +260,13 @@ else:
 class Isotropic(OneModulus):
     """An isotropic material by Young's modulus and Poisson's ratio, used in plane strain.
 
-    With a Prony series it is viscoelastic, E(t) = E_inf + sum E_k exp(-t/tau_k), at a constant
-    Poisson's ratio; drums, rolls and rollers of it need a speed.
+    With a Prony series it is viscoelastic, E(t) = E_inf + sum E_k exp(-t/tau_k), with a constant
+    Poisson's ratio; the problem then needs a speed.
 
     Parameters
     ----------
     youngs_modulus : float
-        E [Pa], 1e-3 to 1e14; of a viscoelastic material E_inf, after all relaxation.
+        E [Pa], 1e-3 to 1e14; E_inf, the relaxed modulus, if it is viscoelastic.
     poissons_ratio : float
         nu, 0 <= nu <= 0.5.
     prony : sequence of (float, float), optional
@@ -263,6 +276,13 @@ class Isotropic(OneModulus):
     ------
     InvalidProblem
         For values out of range.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> rubber = wo.Isotropic(youngs_modulus="10 MPa", poissons_ratio=0.49, prony=[(2e6, 1e-3)])
+    >>> rubber.relaxes
+    True
     """
 
     youngs_modulus: Annotated[
@@ -288,7 +308,7 @@ class Isotropic(OneModulus):
 
 
 class NamedMaterial(NamedTuple):
-    """A library entry: the material and where its numbers come from."""
+    """A material of the library with its source and relative standard deviations."""
 
     material: Orthotropic | Isotropic
     source: str
@@ -334,12 +354,16 @@ MATERIALS: dict[str, NamedMaterial] = _library()
 
 
 def material(name: str) -> Orthotropic | Isotropic:
-    """Return the named material, e.g. ``material("newsprint")``.
+    """Return the elastic constants of a named material.
+
+    >>> import woundon as wo
+    >>> wo.material("steel").youngs_modulus
+    206000000000.0
 
     Raises
     ------
     InvalidProblem
-        For an unknown name, with the nearest known one.
+        For an unknown name; the message suggests the most similar known name.
     """
     if not isinstance(name, str) or name not in MATERIALS:
         raise InvalidProblem.at(

@@ -181,11 +181,11 @@ class NipProblem(ContactProblem):
         return given
 
     @property
-    def remarks(self) -> tuple[str, ...]:
+    def input_warnings(self) -> tuple[str, ...]:
         """Inputs that have no effect or contradict each other, as sentences."""
         name = "stack" if hasattr(self.roll, "stack") else "material"
         wound = getattr(self.roll, name, None)
-        return (*super().remarks, *different_moduli(self.web, f"roll.{name}", wound))
+        return (*super().input_warnings, *different_moduli(self.web, f"roll.{name}", wound))
 
     @model_validator(mode="after")
     def _has_steady_state(self) -> Self:

@@ -76,7 +76,7 @@ class Problem(Description):
         return variant
 
     @property
-    def remarks(self) -> tuple[str, ...]:
+    def input_warnings(self) -> tuple[str, ...]:
         """Inputs that have no effect or contradict each other, as sentences."""
         return ()
 

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from .fields import CoercedField
 
-# SciPy is imported where it is used: problems are read and written without it
+# SciPy is imported inside functions: reading and writing problems does not need it.
 
 __all__ = [
     "AnyLaw",
@@ -40,22 +40,21 @@ __all__ = [
 
 Array = np.ndarray
 
-# of the modulus without pressure; a law goes no lower, neither in tension nor where it softens
+# Smallest modulus of a law, relative to the modulus at P = 0.
 FLOOR = 0.01
 
 
 class RadialLaw(Family):
-    """The tangent modulus E_r(P) of a stack pressed by P: an open set.
+    """The tangent modulus E_r(P) of a stack under the pressure P: an open set of laws.
 
-    A member says ``_modulus``, ``_slope`` and ``_strain`` for 0 <= P <= ``highest``.  Beyond both
-    ends the law goes on smoothly enough for an iteration that tries states there: below P = 0 with
-    the modulus on its tangent, down to ``FLOOR`` of what it is without pressure; above ``highest``
-    with the modulus of that pressure.
+    A subclass implements ``_modulus``, ``_slope`` and ``_strain`` for 0 <= P <= ``max_pressure``.
+    The law is extrapolated for trial states of iterations: below P = 0 the modulus follows its
+    tangent down to ``FLOOR`` E_r(0); above ``max_pressure`` it is constant.
     """
 
     @property
-    def highest(self) -> float:
-        """Pressure up to which the law holds [Pa]; inf where it has no end."""
+    def max_pressure(self) -> float:
+        """Largest pressure of the law [Pa]; inf if it has no limit."""
         return inf
 
     def _modulus(self, P: Array) -> Array:
@@ -68,89 +67,88 @@ class RadialLaw(Family):
         raise NotImplementedError
 
     @cached_property
-    def _foot(self) -> tuple[float, float, float]:
-        """E_r and its slope at P = 0, and the pressure at which the tangent ends."""
+    def _tangent_at_zero(self) -> tuple[float, float, float]:
+        """E_r and dE_r/dP at P = 0, and the pressure at which the tangent reaches the floor."""
         start = np.zeros(1)
         E, slope = self._modulus(start).item(), self._slope(start).item()
         slope = slope if isfinite(slope) else 0.0
         return E, slope, -(1 - FLOOR) * E / slope if slope > 0 else -inf
 
-    def _holds(self, P: Array) -> bool:
-        """Return whether all pressures are within the law, as most are."""
-        return P.size > 0 and bool(P.min() >= 0) and bool(P.max() <= self.highest)
+    def _in_range(self, P: Array) -> bool:
+        """Return whether all pressures are within the range of the law."""
+        return P.size > 0 and bool(P.min() >= 0) and bool(P.max() <= self.max_pressure)
 
     def modulus(self, P: float | Array) -> Any:
         """Return E_r = dP/d(-eps_r) [Pa], the shape of P [Pa]."""
         P = np.asarray(P, dtype=float)
-        if self._holds(P):
+        if self._in_range(P):
             return self._modulus(P)[()]
-        E, slope, least = self._foot
-        foot = E + slope * np.clip(P, least, 0.0)
-        return np.where(P < 0, foot, self._modulus(np.clip(P, 0.0, self.highest)))[()]
+        E, slope, least = self._tangent_at_zero
+        tangent = E + slope * np.clip(P, least, 0.0)
+        return np.where(P < 0, tangent, self._modulus(np.clip(P, 0.0, self.max_pressure)))[()]
 
     def modulus_slope(self, P: float | Array) -> Any:
         """Return dE_r/dP [1], the shape of P [Pa]."""
         P = np.asarray(P, dtype=float)
-        if self._holds(P):
+        if self._in_range(P):
             return self._slope(P)[()]
-        _, slope, least = self._foot
-        inner = self._slope(np.clip(P, 0.0, self.highest))
-        beyond, pulled = self.highest < P, least > P
-        inner = np.where(beyond, 0.0, inner)
-        return np.where(P < 0, np.where(pulled, 0.0, slope), inner)[()]
+        _, slope, least = self._tangent_at_zero
+        inner = self._slope(np.clip(P, 0.0, self.max_pressure))
+        inner = np.where(self.max_pressure < P, 0.0, inner)
+        return np.where(P < 0, np.where(least > P, 0.0, slope), inner)[()]
 
     def strain_at(self, P: float | Array) -> Any:
         """Return F(P) = int dP/E_r from P = 0, compression positive [1], the shape of P [Pa]."""
         P = np.asarray(P, dtype=float)
-        if self._holds(P):
+        if self._in_range(P):
             return self._strain(P)[()]
-        E, slope, least = self._foot
-        low, inner = np.clip(P, least, 0.0), np.clip(P, 0.0, self.highest)
-        foot = low / E if slope == 0 else np.log1p(slope * low / E) / slope
-        foot = foot + (np.minimum(P, low) - low) / (E * FLOOR)
-        over = np.maximum(P - inner, 0.0) / self._modulus(inner)
-        return np.where(P < 0, foot, self._strain(inner) + over)[()]
+        E, slope, least = self._tangent_at_zero
+        low, inner = np.clip(P, least, 0.0), np.clip(P, 0.0, self.max_pressure)
+        below = low / E if slope == 0 else np.log1p(slope * low / E) / slope
+        below = below + (np.minimum(P, low) - low) / (E * FLOOR)
+        above = np.maximum(P - inner, 0.0) / self._modulus(inner)
+        return np.where(P < 0, below, self._strain(inner) + above)[()]
 
     def pressure_at(self, strain: float | Array) -> Any:
-        """Return P at which F(P) is ``strain`` [Pa]: the inverse of :meth:`strain_at`."""
-        wanted = np.asarray(strain, dtype=float)
-        E, slope, _ = self._foot
-        low = np.zeros_like(wanted)
-        high = np.full_like(wanted, self.highest)
+        """Return the pressure of a strain [Pa]: the inverse of :meth:`strain_at`."""
+        target = np.asarray(strain, dtype=float)
+        E, slope, _ = self._tangent_at_zero
+        low = np.zeros_like(target)
+        high = np.full_like(target, self.max_pressure)
         P = np.minimum(low + min(E / slope if slope > 0 else 1e5, 1e5), high)
         for _ in range(200):
-            miss = wanted - self.strain_at(P)
-            low, high = np.where(miss > 0, P, low), np.where(miss < 0, P, high)
-            # along the law whose modulus goes on rising as here; Pfeiffer's is hit at once
+            residual = target - self.strain_at(P)
+            low, high = np.where(residual > 0, P, low), np.where(residual < 0, P, high)
+            # The step assumes a modulus that is linear in P, which is exact for Pfeiffer's law.
             E_r = self.modulus(P)
-            rise = np.clip(np.minimum(self.modulus_slope(P), 1e99) * miss, -50.0, 50.0)
-            step = E_r * miss * np.where(rise == 0, 1.0, np.expm1(rise) / np.where(rise, rise, 1.0))
-            trial = P + step
-            half = np.where(np.isfinite(high), low / 2 + high / 2, 2 * P)
-            trial = np.where((trial < low) | (trial > high), half, trial)
-            settled = np.abs(trial - P) <= 1e-14 * np.abs(P)  # steps below tell rounding
+            rise = np.clip(np.minimum(self.modulus_slope(P), 1e99) * residual, -50.0, 50.0)
+            factor = np.where(rise == 0, 1.0, np.expm1(rise) / np.where(rise, rise, 1.0))
+            trial = P + E_r * residual * factor
+            bisection = np.where(np.isfinite(high), low / 2 + high / 2, 2 * P)
+            trial = np.where((trial < low) | (trial > high), bisection, trial)
+            converged = np.abs(trial - P) <= 1e-14 * np.abs(P)  # rounding error
             P = trial
-            if np.all(settled | (wanted <= 0)):
+            if np.all(converged | (target <= 0)):
                 break
-        return self._beyond(wanted, P)[()]
+        return self._extrapolate(target, P)[()]
 
-    def _beyond(self, wanted: Array, P: Array) -> Array:
-        """Return the pressures of strains, inverted in closed form at the law's two ends."""
-        E, slope, least = self._foot
+    def _extrapolate(self, strain: Array, P: Array) -> Array:
+        """Return P with the pressures of strains outside the law's range, in closed form."""
+        E, slope, least = self._tangent_at_zero
         end = self.strain_at(least) if isfinite(least) else -inf
-        foot = E * wanted if slope == 0 else E / slope * np.expm1(slope * np.minimum(wanted, 0.0))
+        below = E * strain if slope == 0 else E / slope * np.expm1(slope * np.minimum(strain, 0.0))
         if slope > 0:
-            foot = np.where(wanted < end, least + (wanted - end) * E * FLOOR, foot)
-        if isfinite(self.highest):
-            last, top = self.strain_at(self.highest), self.highest
-            P = np.where(wanted > last, top + (wanted - last) * self.modulus(top), P)
-        return np.where(wanted < 0, foot, np.where(wanted == 0, 0.0, P))
+            below = np.where(strain < end, least + (strain - end) * E * FLOOR, below)
+        if isfinite(self.max_pressure):
+            last, top = self.strain_at(self.max_pressure), self.max_pressure
+            P = np.where(strain > last, top + (strain - last) * self.modulus(top), P)
+        return np.where(strain < 0, below, np.where(strain == 0, 0.0, P))
 
-    def reaches(self, modulus: float) -> float:
-        """Return the least P >= 0 at which E_r reaches ``modulus`` [Pa]; inf if it never does."""
+    def pressure_at_modulus(self, modulus: float) -> float:
+        """Return the smallest P >= 0 at which E_r is ``modulus`` [Pa]; inf if there is none."""
         from scipy.optimize import brentq
 
-        top = self.highest if isfinite(self.highest) else 1e12
+        top = self.max_pressure if isfinite(self.max_pressure) else 1e12
         grid = np.concatenate([[0.0], np.geomspace(min(1e-3, top / 2), top, 2000)])
         reached = np.nonzero(self.modulus(grid) >= modulus)[0]
         if not reached.size:
@@ -162,7 +160,7 @@ class RadialLaw(Family):
 
 
 class SolidLaw(RadialLaw, abstract=True):
-    """The law of a stack of paper or film alone, without air between the laps."""
+    """The law of a stack of paper or film, without air between the layers."""
 
 
 class Constant(SolidLaw):
@@ -220,12 +218,13 @@ class Pfeiffer(SolidLaw):
         return np.log1p(P / self.K1) / self.K2
 
     def pressure_at(self, strain: float | Array) -> Any:
-        """Return P at which F(P) is ``strain`` [Pa], in closed form."""
-        wanted = np.asarray(strain, dtype=float)
-        return self._beyond(wanted, self.K1 * np.expm1(np.clip(self.K2 * wanted, 0.0, 600.0)))[()]
+        """Return the pressure of a strain [Pa], in closed form."""
+        target = np.asarray(strain, dtype=float)
+        P = self.K1 * np.expm1(np.clip(self.K2 * target, 0.0, 600.0))
+        return self._extrapolate(target, P)[()]
 
-    def reaches(self, modulus: float) -> float:
-        """Return P at which E_r is ``modulus`` [Pa]; 0 if it is stiffer from the start."""
+    def pressure_at_modulus(self, modulus: float) -> float:
+        """Return P at which E_r is ``modulus`` [Pa]; 0 if E_r(0) is larger."""
         return max(modulus / self.K2 - self.K1, 0.0)
 
 
@@ -235,8 +234,8 @@ class Polynomial(SolidLaw):
     Parameters
     ----------
     coefficients : sequence of float
-        c_0 [Pa], c_1 [1], c_2 [1/Pa], ...; c_0 > 0.  The law ends where the modulus has fallen to
-        1 % of c_0.
+        c_0 [Pa], c_1 [1], c_2 [1/Pa], ...; c_0 > 0.  The law ends where the modulus falls to 1 %
+        of c_0.
     """
 
     coefficients: Annotated[
@@ -251,7 +250,7 @@ class Polynomial(SolidLaw):
 
     @field_validator("coefficients")
     @classmethod
-    def _stiff_at_first(cls, c: tuple[float, ...]) -> tuple[float, ...]:
+    def _positive_at_zero(cls, c: tuple[float, ...]) -> tuple[float, ...]:
         if not SOFTEST <= c[0] <= STIFFEST:
             text = f"{quote(c[0])} is out of range; must be >= {SOFTEST:g} and <= {STIFFEST:g} [Pa]"
             raise InvalidProblem.at("0", f"{text}: E_r at P = 0")
@@ -259,30 +258,30 @@ class Polynomial(SolidLaw):
 
     @cached_property
     def _scale(self) -> float:
-        """The least pressure at which the modulus is another [Pa]."""
+        """Smallest pressure at which a term is as large as c_0 [Pa]; scales the variable P."""
         c = self.coefficients
         sizes = (abs(c[0] / c_k) ** (1 / k) for k, c_k in enumerate(c) if k and c_k)
         return min(sizes, default=1e5)
 
     @cached_property
-    def highest(self) -> float:
-        """Pressure at which the modulus has fallen to 1 % [Pa]; inf if it never does."""
-        return self._first(FLOOR * self.coefficients[0])
+    def max_pressure(self) -> float:
+        """Pressure at which the modulus falls to 1 % of c_0 [Pa]; inf if it does not."""
+        return self._smallest_root(FLOOR * self.coefficients[0])
 
-    def _first(self, modulus: float) -> float:
-        """Return the least P > 0 at which E_r is ``modulus``."""
+    def _smallest_root(self, modulus: float) -> float:
+        """Return the smallest P > 0 at which E_r is ``modulus``; inf if there is none."""
         c = np.array(self.coefficients) * self._scale ** np.arange(len(self.coefficients))
         c[0] -= modulus
         roots = polynomial.polyroots(np.trim_zeros(c, "b")) if np.any(c[1:]) else np.zeros(0)
         real = roots.real[(np.abs(roots.imag) <= 1e-9 * np.abs(roots)) & (roots.real > 0)]
         return float(real.min()) * self._scale if real.size else inf
 
-    def reaches(self, modulus: float) -> float:
-        """Return the least P >= 0 at which E_r reaches ``modulus`` [Pa]; inf if it never does."""
+    def pressure_at_modulus(self, modulus: float) -> float:
+        """Return the smallest P >= 0 at which E_r is ``modulus`` [Pa]; inf if there is none."""
         if modulus <= self.coefficients[0]:
             return 0.0
-        first = self._first(modulus)
-        return first if first <= self.highest else inf
+        P = self._smallest_root(modulus)
+        return inf if self.max_pressure < P else P
 
     def _modulus(self, P: Array) -> Array:
         return polynomial.polyval(P, self.coefficients)
@@ -291,14 +290,14 @@ class Polynomial(SolidLaw):
         return polynomial.polyval(P, polynomial.polyder(self.coefficients))
 
     def _strain(self, P: Array) -> Array:
-        # in t, P = scale (e^t - 1), the poles of 1/E_r are at a distance
+        # Substitution P = scale (e^t - 1): it moves the poles of 1/E_r away from the interval.
         scale = self._scale
 
-        def strains(t: Array) -> Array:
+        def integrand(t: Array) -> Array:
             P = scale * np.expm1(t)
             return (P + scale) / self._modulus(P)
 
-        return _integral(strains, np.log1p(P / scale))
+        return _integral(integrand, np.log1p(P / scale))
 
 
 class PowerLaw(SolidLaw):
@@ -307,10 +306,9 @@ class PowerLaw(SolidLaw):
     Parameters
     ----------
     E0 : float
-        E_r at P = 0 [Pa], >= 0; > 0 where m >= 1, for a stack without stiffness has no finite
-        strain then.
+        E_r at P = 0 [Pa], >= 0; > 0 if m >= 1, otherwise the strain is infinite.
     k : float
-        What 100 kPa add to it [Pa], > 0.
+        Increase of E_r at 100 kPa [Pa], > 0.
     m : float
         Exponent, 0.1 to 5.
     """
@@ -331,7 +329,8 @@ class PowerLaw(SolidLaw):
     def _finite_strain(self) -> Self:
         if self.E0 == 0 and self.m >= 1:
             raise InvalidProblem.at(
-                "E0", "0 is out of range; must be > 0 [Pa] where m >= 1, or the strain is infinite"
+                "E0",
+                "0 is out of range; must be > 0 [Pa] if m >= 1, otherwise the strain is infinite",
             )
         if 0 < self.E0 < SOFTEST:
             text = f"{quote(self.E0)} is out of range; must be 0 or >= {SOFTEST:g} [Pa]"
@@ -340,7 +339,7 @@ class PowerLaw(SolidLaw):
 
     @property
     def _start(self) -> float:
-        """Pressure below which a law without E0 is taken as constant [Pa]: next to nothing."""
+        """Pressure below which the modulus is constant if E0 = 0 [Pa], to keep it positive."""
         return 1e-4 if self.E0 == 0 else 0.0
 
     def _modulus(self, P: Array) -> Array:
@@ -360,7 +359,8 @@ class PowerLaw(SolidLaw):
             grown = (above / 1e5) ** (1 - m) - (start / 1e5) ** (1 - m)
             first = np.minimum(P, start) / self._modulus(np.zeros(()))
             return first + 1e5 / (self.k * (1 - m)) * grown
-        # int dx/(1 + x^m): Pfaff's transformation up to x = 1, then over ln x
+        # int dx/(1 + x^m): hypergeometric function with Pfaff's transformation up to x = 1, then
+        # quadrature over ln x.
         knee = 1e5 * (self.E0 / self.k) ** (1 / m)
         low = np.minimum(P, knee)
         z = (low / knee) ** m
@@ -369,24 +369,24 @@ class PowerLaw(SolidLaw):
         above = knee * _integral(lambda t: np.exp(t) / (1 + np.exp(m * t)), end)
         return (below + above) / self.E0
 
-    def reaches(self, modulus: float) -> float:
-        """Return P at which E_r is ``modulus`` [Pa]; 0 if it is stiffer from the start."""
+    def pressure_at_modulus(self, modulus: float) -> float:
+        """Return P at which E_r is ``modulus`` [Pa]; 0 if E_r(0) is larger."""
         P = 1e5 * (max(modulus - self.E0, 0.0) / self.k) ** (1 / self.m)
         return P if self._start < P else 0.0
 
 
 class StackTest(SolidLaw):
-    """A measured compression test, fitted by a law that rises throughout.
+    """A measured compression test, interpolated by a monotone law.
 
-    Pfeiffer's law is fitted first; a monotone cubic spline over ln(1 + P/K1) takes what it leaves.
-    The law ends at the largest measured pressure.
+    Pfeiffer's law gives K1; then a monotone cubic spline over ln(1 + P/K1) is fitted to the
+    strains.  The law ends at the largest measured pressure.
 
     Parameters
     ----------
     pressure : sequence of float
         P [Pa], >= 0, rising; at least 4.
     strain : sequence of float
-        Compressive strain [1], rising; where it is zero does not matter.
+        Compressive strain [1], rising; the origin is arbitrary.
     """
 
     pressure: Annotated[
@@ -419,39 +419,43 @@ class StackTest(SolidLaw):
         return self
 
     @property
-    def highest(self) -> float:
+    def max_pressure(self) -> float:
         """The largest measured pressure [Pa]."""
         return self.pressure[-1]
 
     @cached_property
     def _fit(self) -> tuple[float, BSpline]:
-        """K1 [Pa] and the strain over ln(1 + P/K1), less that at P = 0."""
+        """K1 [Pa] and the spline of the strain over ln(1 + P/K1)."""
         from scipy.interpolate import BSpline
         from scipy.optimize import lsq_linear, minimize_scalar
 
         P, e = np.array(self.pressure), np.array(self.strain)
 
-        def missed(log_K1: float) -> float:
-            return float(_line(np.log1p(P / exp(log_K1)), e)[1])
+        def squared_error(log_K1: float) -> float:
+            return float(_fit_line(np.log1p(P / exp(log_K1)), e)[1])
 
         ends = log(P[-1]) - 10.0, log(P[-1]) + 5.0
-        K1 = exp(minimize_scalar(missed, bounds=ends, method="bounded").x)
+        K1 = exp(minimize_scalar(squared_error, bounds=ends, method="bounded").x)
         x = np.log1p(P / K1)
-        (_, slope), _ = _line(x, e)
+        (_, slope), _ = _fit_line(x, e)
         inner = min((P.size - 4) // 3, 8)
-        # no more knots than data between them: quantiles of the data
+        # Knots at quantiles of the data: every interval contains data.
         cuts = np.quantile(x, np.linspace(0, 1, inner + 2)[1:-1])
         knots = np.concatenate([[x[0]] * 4, cuts, [x[-1]] * 4])
         greville = np.array([knots[k + 1 : k + 4].mean() for k in range(inner + 4)])
         basis = BSpline.design_matrix(x, knots, 3).toarray()
-        rising = np.tril(np.ones((inner + 4, inner + 4)))
-        # rising coefficients make a rising spline: steps of at least 1 % of the line's
+        cumulative = np.tril(np.ones((inner + 4, inner + 4)))
+        # Increasing coefficients give an increasing spline: increments of at least 1 % of those of
+        # the straight line.
         least = np.concatenate([[-np.inf], FLOOR * slope * np.diff(greville)])
-        steps = lsq_linear(basis @ rising, e, (least, np.inf), tol=1e-14).x
-        return K1, BSpline(knots, rising @ steps, 3)
+        increments = lsq_linear(basis @ cumulative, e, (least, np.inf), tol=1e-14).x
+        return K1, BSpline(knots, cumulative @ increments, 3)
 
-    def _over(self, P: Array, order: int) -> Array:
-        """Return a derivative of the strain with respect to ln(1 + P/K1), linear below the data."""
+    def _derivative(self, P: Array, order: int) -> Array:
+        """Return a derivative of the strain by ln(1 + P/K1); order 0 is the strain.
+
+        Below the smallest measured pressure the spline is extrapolated linearly.
+        """
         K1, spline = self._fit
         x, first = np.log1p(P / K1), spline.t[0]
         inside = spline(np.maximum(x, first), order)
@@ -460,52 +464,52 @@ class StackTest(SolidLaw):
         return inside + np.minimum(x - first, 0.0) * spline(first, 1) * (order == 0)
 
     def _modulus(self, P: Array) -> Array:
-        return (self._fit[0] + P) / self._over(P, 1)
+        return (self._fit[0] + P) / self._derivative(P, 1)
 
     def _slope(self, P: Array) -> Array:
-        first = self._over(P, 1)
-        return 1 / first - self._over(P, 2) / first**2
+        first = self._derivative(P, 1)
+        return 1 / first - self._derivative(P, 2) / first**2
 
     def _strain(self, P: Array) -> Array:
-        return self._over(P, 0) - self._over(np.zeros(()), 0)
+        return self._derivative(P, 0) - self._derivative(np.zeros(()), 0)
 
     @cached_property
     def misfit(self) -> float:
-        """The fit's largest miss of a measured strain, of the largest strain [1]."""
+        """Largest residual of the fit, relative to the range of the measured strain [1]."""
         e = np.array(self.strain)
-        offset = self._over(np.array(self.pressure), 0) - e
+        offset = self._derivative(np.array(self.pressure), 0) - e
         return float(np.max(np.abs(offset)) / (e[-1] - e[0]))
 
 
 def _integral(f: Callable[[Array], Array], end: Array) -> Array:
-    """Return the integrals of a smooth f from 0 to ``end``."""
-    t, weights = _six_panels()
+    """Return the integrals of a smooth function f from 0 to each of ``end``."""
+    t, weights = _composite_gauss_rule()
     return end * (f(end[..., None] * t) @ weights)
 
 
 @cache
-def _six_panels() -> tuple[Array, Array]:
-    """Return points and weights of Gauss's rule on six panels of [0, 1]."""
+def _composite_gauss_rule() -> tuple[Array, Array]:
+    """Return points and weights of the composite Gauss rule with 6 panels on [0, 1]."""
     x, w = np.polynomial.legendre.leggauss(24)
     return ((np.arange(6)[:, None] + (x + 1) / 2) / 6).ravel(), np.tile(w / 12, 6)
 
 
-def _line(x: Array, y: Array) -> tuple[tuple[float, float], float]:
-    """Return offset and slope of the straight line nearest to y(x), and the sum of its squares."""
+def _fit_line(x: Array, y: Array) -> tuple[tuple[float, float], float]:
+    """Return (offset, slope) of the least-squares line through y(x), and its squared error."""
     x0, y0 = x.mean(), y.mean()
     slope = float((x - x0) @ (y - y0) / ((x - x0) @ (x - x0)))
-    rest = y - y0 - slope * (x - x0)
-    return (float(y0 - slope * x0), slope), float(rest @ rest)
+    residuals = y - y0 - slope * (x - x0)
+    return (float(y0 - slope * x0), slope), float(residuals @ residuals)
 
 
 def _law(value: Any) -> Any:
-    """Return the law of a table; a number is a modulus that does not change."""
+    """Return the law of a table or of a number, which is a constant modulus."""
     if isinstance(value, (RadialLaw, Mapping)):
         return RadialLaw.coerce(value)
     try:
         return Constant(youngs_modulus=value)
     except InvalidProblem as fault:
-        raise InvalidProblem(fault.faults[0][1]) from None  # the field's name is the caller's
+        raise InvalidProblem(fault.faults[0][1]) from None  # the caller adds the field's name
 
 
 if TYPE_CHECKING:

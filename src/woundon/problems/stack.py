@@ -108,7 +108,7 @@ class Stack(Solid):
     @cached_property
     def limit(self) -> float:
         """Pressure beyond which the stack is not admissible [Pa]: its law ends, or its energy."""
-        return min(self.radial.highest, self.radial.reaches(self.stiffest))
+        return min(self.radial.max_pressure, self.radial.pressure_at_modulus(self.stiffest))
 
     @cached_property
     def stiffness(self) -> Stiffness:
@@ -181,7 +181,7 @@ class Stack(Solid):
         ------
         InvalidProblem
         """
-        highest, end = float(np.max(P, initial=0.0)), min(self.radial.highest, LAST_PRESSURE)
+        highest, end = float(np.max(P, initial=0.0)), min(self.radial.max_pressure, LAST_PRESSURE)
         if not highest <= end:
             raise InvalidProblem.at(
                 "stack.radial",

@@ -1,6 +1,6 @@
-r"""The nip loads of a two-drum winder: a roll's own weight, and a rider roll, on two drums.
+r"""The nip loads of a two-drum winder: a roll under its weight and a rider roll on two drums.
 
-The roll rests in the valley between two drums whose centres are on a level, a gap between them::
+The roll rests between two drums of equal centre height, with a gap between them::
 
             rider
               |
@@ -8,16 +8,15 @@ The roll rests in the valley between two drums whose centres are on a level, a g
            a/    \b
       (rear)      (front)
 
-Normal loads N alone hold it, for what the drums' torques and the web pull along their surfaces is
-left out: N_r sin a = N_f sin b and N_r cos a + N_f cos b = W + rider load, so that
+Only normal loads N act; the tangential forces of the drums and the web are neglected:
+N_r sin a = N_f sin b and N_r cos a + N_f cos b = W + rider load, so that
 
     N_r = (W + rider) sin b/sin(a + b),   N_f = (W + rider) sin a/sin(a + b)
 
-and (W + rider)/(2 cos a) where the drums are alike.  A roll grows into the valley's opening: its
-weight grows like R^2, while cos a tends to 1.
+or (W + rider)/(2 cos a) for equal drums.
 
-The nip of a :class:`~woundon.WindingProblem` is the nip on the drum on which the web arrives,
-usually the rear drum.  Its ``drum`` is that drum, and its ``nip_load`` the load ``rear``.
+The nip of a :class:`~woundon.WindingProblem` is the nip at the drum on which the web arrives,
+usually the rear drum: ``drum`` is that drum, and ``nip_load`` is the load ``rear``.
 """
 
 from __future__ import annotations
@@ -40,7 +39,7 @@ GRAVITY = 9.80665  # m/s^2, standard
 class DrumLoads(NamedTuple):
     """Nip loads on the rear and the front drum [N/m].
 
-    The web usually arrives on the rear drum, whose load is then the nip load of a winding.
+    The web usually arrives on the rear drum, whose load is the nip load of the winding.
     """
 
     rear: Any
@@ -50,23 +49,29 @@ class DrumLoads(NamedTuple):
 def roll_weight(
     radius: ArrayLike, core_radius: float, density: float, core_mass: float = 0.0
 ) -> Any:
-    """Return the weight of a roll per metre of width [N/m], the shape of ``radius``.
+    """Return the weight of a roll per metre of width [N/m], in the shape of ``radius``.
 
     Parameters
     ----------
     radius : array_like
-        Of the roll so far [m].
+        Radius of the roll [m].
     core_radius : float
         [m].
     density : float
-        Of the web [kg/m^3].
+        Density of the web [kg/m^3].
     core_mass : float
-        Of the core, and a shaft, per metre of width [kg/m].
+        Mass of core and shaft per metre of width [kg/m].
 
     Raises
     ------
     InvalidProblem
-        For a negative or missing number, or a roll smaller than its core.
+        For a negative number, nan, or a roll smaller than its core.
+
+    Examples
+    --------
+    >>> from woundon.problems.two_drums import roll_weight
+    >>> round(roll_weight(radius=0.5, core_radius=0.05, density=680.0))
+    5185
     """
     R = _checked("radius", radius)
     rc, rho, core = (
@@ -91,7 +96,7 @@ def drum_loads(
     gap: float,
     rider_load: ArrayLike = 0.0,
 ) -> DrumLoads:
-    """Return the nip loads between a roll and the two drums it rests on.
+    """Return the nip loads between a roll and the two drums that support it.
 
     Parameters
     ----------
@@ -100,11 +105,11 @@ def drum_loads(
     weight : array_like
         W of the roll per metre of width [N/m]; see :func:`roll_weight`.
     drum_radius : float or (float, float)
-        Of both drums, or of the rear and the front one [m].
+        Radius of both drums, or of the rear and the front drum [m].
     gap : float
-        Between the drums' surfaces [m], >= 0.
+        Gap between the surfaces of the drums [m], >= 0.
     rider_load : array_like
-        Line load of a rider roll, straight down [N/m].
+        Vertical line load of a rider roll [N/m].
 
     Returns
     -------
@@ -116,6 +121,13 @@ def drum_loads(
     ------
     InvalidProblem
         For numbers out of range: a roll that falls between the drums, or off the smaller one.
+
+    Examples
+    --------
+    >>> from woundon.problems.two_drums import drum_loads
+    >>> loads = drum_loads(radius=0.5, weight=5000.0, drum_radius=0.3, gap=0.01)
+    >>> round(float(loads.rear)), round(float(loads.front))
+    (2704, 2704)
     """
     rear, front = _shares(radius, drum_radius, gap)
     down = _checked("weight", weight) + _checked("rider_load", rider_load)
@@ -130,17 +142,18 @@ def rider_load_for(
     gap: float,
     drum: str = "rear",
 ) -> Any:
-    """Return the rider roll's line load that makes a wanted nip load on one drum [N/m].
+    """Return the rider-roll load that gives a target nip load on one drum [N/m].
 
-    Where it is negative the roll is too heavy: its weight alone loads the nip more.  Parameters as
-    of :func:`drum_loads`, and
+    It is negative if the weight of the roll alone exceeds the target.
 
     Parameters
     ----------
     nip_load : array_like
-        Wanted [N/m].
+        Target [N/m].
+    radius, weight, drum_radius, gap
+        As for :func:`drum_loads`.
     drum : "rear" or "front"
-        Which one; the web usually arrives on the rear drum.
+        The drum with the target; the web usually arrives on the rear drum.
     """
     if drum not in ("rear", "front"):
         raise InvalidProblem.at("drum", f"{quote(drum)} is unknown; must be 'rear' or 'front'")
@@ -151,7 +164,7 @@ def rider_load_for(
 def _shares(
     radius: ArrayLike, drum_radius: float | tuple[float, float], gap: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the loads on both drums of a unit load straight down."""
+    """Return the loads on the rear and the front drum due to a unit vertical load."""
     R, space = _checked("radius", radius), _checked("gap", gap).item()
     drums = _checked("drum_radius", drum_radius)
     if drums.size not in (1, 2) or not (drums > 0).all():
@@ -161,22 +174,24 @@ def _shares(
         text = f"{quote(float(np.min(R)))} is out of range; must be > gap/2 = {space / 2:.6g} [m]"
         raise InvalidProblem.at("radius", f"{text}, or the roll falls between the drums")
     first, second = np.broadcast_to(drums.ravel(), 2)
-    apart = first + second + space
-    # how far the roll's centre is from each drum's, along the level and along the line of centres
-    to_rear = (apart**2 + (R + first) ** 2 - (R + second) ** 2) / (2 * apart)
-    to_front = apart - to_rear
+    distance = first + second + space
+    # horizontal distances of the roll's centre from those of the drums
+    to_rear = (distance**2 + (R + first) ** 2 - (R + second) ** 2) / (2 * distance)
+    to_front = distance - to_rear
     if np.any((to_rear <= 0) | (to_front <= 0)):
         small, large = sorted((first, second))
-        most = (apart**2 + small**2 - large**2) / (2 * (large - small))
+        most = (distance**2 + small**2 - large**2) / (2 * (large - small))
         text = f"{quote(float(np.max(R)))} is out of range; must be < {most:.6g} [m]"
         raise InvalidProblem.at("radius", f"{text}, or the roll rolls off the smaller drum")
-    up = np.sqrt((R + first) ** 2 - to_rear**2)
-    # sin b/sin(a + b) and sin a/sin(a + b), with sin(a + b) = up * apart/(both lines of centres)
-    return (R + first) * to_front / (up * apart), (R + second) * to_rear / (up * apart)
+    height = np.sqrt((R + first) ** 2 - to_rear**2)
+    # sin b/sin(a + b) and sin a/sin(a + b): twice the area of the triangle of the three centres is
+    # height * distance = (R + first) (R + second) sin(a + b)
+    area = height * distance
+    return (R + first) * to_front / area, (R + second) * to_rear / area
 
 
 def _checked(name: str, value: Any) -> np.ndarray:
-    """Return numbers >= 0."""
+    """Return a value as an array; reject numbers < 0 and nan."""
     try:
         numbers = np.asarray(value, dtype=float)
     except (TypeError, ValueError):

@@ -1,6 +1,6 @@
-"""Viscoelastic materials by what is measured: a loss angle, or a table of storage and loss moduli.
+"""Viscoelastic materials from measurements: a loss angle, or storage and loss moduli.
 
-Both come to a Prony series, as :class:`~.materials.Isotropic` takes it directly.
+Both are converted to a Prony series, which :class:`~.materials.Isotropic` accepts directly.
 """
 
 from __future__ import annotations
@@ -21,10 +21,14 @@ from .messages import quote
 
 __all__ = ["DynamicTest", "LossAngle"]
 
-PER_DECADE = 5  # relaxation times
-BEYOND = 0.5  # decades to either side of the measured frequencies
+# Relaxation times of the fitted series: number per decade, and decades by which they extend beyond
+# the measured frequencies on both sides.
+TIMES_PER_DECADE = 5
+EXTENSION = 0.5
+# Relative rms misfit above which a table is rejected, and above which a warning is given.  Tables
+# with a scatter of 5 % are usual; 10 % is more than scatter explains.
 LARGEST_MISFIT = 0.1
-TOLD_MISFIT = 0.05
+WARNING_MISFIT = 0.05
 
 
 def _frequency(meaning: str) -> Quantity:
@@ -32,10 +36,10 @@ def _frequency(meaning: str) -> Quantity:
 
 
 class LossAngle(OneModulus):
-    """An isotropic material of which a loss angle at one frequency is known: a standard solid.
+    """A standard linear solid with a given loss angle at one frequency.
 
-    E(t) = E_inf + E_1 exp(-t/tau), the one whose loss is largest at that frequency; far from it the
-    loss is less than in a real rubber.
+    E(t) = E_inf + E_1 exp(-t/tau).  The loss angle is largest at the given frequency; far from it
+    the loss is smaller than that of a real rubber.
 
     Parameters
     ----------
@@ -70,18 +74,19 @@ class LossAngle(OneModulus):
 
     @cached_property
     def prony_series(self) -> tuple[tuple[float, float], ...]:
-        """E_1 [Pa] and tau [s]: tan delta = g/(2 sqrt(1+g)), g = E_1/E_inf, at its largest."""
+        """E_1 [Pa] and tau [s]; the largest tan delta is g/(2 sqrt(1+g)) with g = E_1/E_inf."""
         t = tan(self.loss_angle)
         g = 2 * t * (t + hypot(1.0, t))
         return ((g * self.youngs_modulus, 1 / (2 * pi * self.frequency * sqrt(1 + g))),)
 
 
 class DynamicTest(OneModulus):
-    """An isotropic material by a measured table of storage and loss moduli.
+    """An isotropic material with a measured table of storage and loss moduli.
 
-    A Prony series is fitted to it, five times a decade, no modulus negative, half a decade beyond
-    the measured frequencies; relative misfits count, of storage and loss alike.  What such a series
-    cannot follow is not causal (Kramers and Kronig), and is refused beyond 10 %.
+    A Prony series is fitted by non-negative least squares of the relative residuals of storage and
+    loss modulus, with five relaxation times per decade, from half a decade below to half a decade
+    above the measured frequencies.  A table that no such series follows within 10 % violates the
+    Kramers-Kronig relations and is rejected.
 
     Parameters
     ----------
@@ -95,7 +100,8 @@ class DynamicTest(OneModulus):
     Raises
     ------
     InvalidProblem
-        For tables of unlike lengths, frequencies that do not rise, or moduli that are not causal.
+        For columns of different lengths, frequencies that do not rise, or moduli that are not
+        causal.
     """
 
     frequency: Annotated[
@@ -110,7 +116,7 @@ class DynamicTest(OneModulus):
     poissons_ratio: PoissonsRatio
 
     @model_validator(mode="after")
-    def _is_a_table(self) -> Self:
+    def _is_valid_table(self) -> Self:
         for name in ("storage_modulus", "loss_modulus"):
             values = getattr(self, name)
             if len(values) != len(self.frequency):
@@ -132,48 +138,48 @@ class DynamicTest(OneModulus):
         if self.misfit > LARGEST_MISFIT:
             raise InvalidProblem.at(
                 "loss_modulus",
-                f"misses what the storage moduli imply: no series of relaxing moduli is nearer to "
-                f"the table than {self.misfit:.2g}; must be within {LARGEST_MISFIT:g} (Kramers and "
-                "Kronig)",
+                f"disagrees with the storage moduli (Kramers-Kronig relations): the best Prony "
+                f"series misfits the table by {self.misfit:.2g} (rms); must be <= "
+                f"{LARGEST_MISFIT:g}",
             )
         return self
 
     @cached_property
     def _fit(self) -> tuple[tuple[float, ...], tuple[float, ...], float]:
-        """E_inf and E_k [Pa], tau_k [s], and the rms of the relative misfits."""
+        """E_inf and E_k [Pa], tau_k [s], and the rms of the relative residuals."""
         from scipy.optimize import nnls
 
         omega = 2 * pi * np.array(self.frequency)
-        low, high = log10(1 / omega[-1]) - BEYOND, log10(1 / omega[0]) + BEYOND
-        tau = np.logspace(low, high, 1 + max(1, round(PER_DECADE * (high - low))))
-        wave = 1j * omega[:, None] * tau
-        terms = np.hstack([np.ones((omega.size, 1)), wave / (1 + wave)])
+        low, high = log10(1 / omega[-1]) - EXTENSION, log10(1 / omega[0]) + EXTENSION
+        tau = np.logspace(low, high, 1 + max(1, round(TIMES_PER_DECADE * (high - low))))
+        i_omega_tau = 1j * omega[:, None] * tau
+        terms = np.hstack([np.ones((omega.size, 1)), i_omega_tau / (1 + i_omega_tau)])
         storage, loss = np.array(self.storage_modulus), np.array(self.loss_modulus)
         rows = np.vstack([terms.real / storage[:, None], terms.imag / loss[:, None]])
         scale = storage.max()
-        E, miss = nnls(rows * scale, np.ones(2 * omega.size))
-        found, times = (E * scale).tolist(), tau.tolist()
-        return tuple(found), tuple(times), float(miss / sqrt(2 * omega.size))
+        E, residual = nnls(rows * scale, np.ones(2 * omega.size))
+        moduli, times = (E * scale).tolist(), tau.tolist()
+        return tuple(moduli), tuple(times), float(residual / sqrt(2 * omega.size))
 
     @property
     def misfit(self) -> float:
-        """Rms of what the series misses of storage and loss moduli, relative [1]."""
+        """Root mean square of the relative residuals of storage and loss moduli [1]."""
         return self._fit[2]
 
     @property
     def long_term_modulus(self) -> float:
-        """E_inf [Pa]; at least a millionth of the least storage modulus, for a liquid has none."""
+        """E_inf [Pa], at least 1e-6 of the smallest storage modulus: a liquid has none."""
         return max(self._fit[0][0], 1e-6 * min(self.storage_modulus))
 
     @cached_property
     def prony_series(self) -> tuple[tuple[float, float], ...]:
-        """E_k [Pa] and tau_k [s], those that are not nil."""
+        """E_k [Pa] and tau_k [s] of the terms with E_k > 0."""
         E, tau, _ = self._fit
         return tuple((e, t) for e, t in zip(E[1:], tau, strict=True) if e > 0)
 
     @property
-    def caution(self) -> str:
-        """How far the series is from the table, where it is far."""
-        if self.misfit <= TOLD_MISFIT:
+    def validity_warning(self) -> str:
+        """A warning if the series misfits the table by more than 5 %, otherwise empty."""
+        if self.misfit <= WARNING_MISFIT:
             return ""
-        return f"its Prony series misses the measured moduli by {self.misfit:.1%} (rms)"
+        return f"its Prony series misfits the measured moduli by {self.misfit:.1%} (rms)"

@@ -248,9 +248,9 @@ class WindingProblem(Problem):
             yield "air", "needs tension_law = 'nip', whose nips tell what passes them"
 
     @property
-    def remarks(self) -> tuple[str, ...]:
+    def input_warnings(self) -> tuple[str, ...]:
         """Inputs that have no effect or contradict each other, as sentences."""
-        texts = [*super().remarks, *different_moduli(self.web, "stack", self.stack)]
+        texts = [*super().input_warnings, *different_moduli(self.web, "stack", self.stack)]
         if self.web_speed is not None and self.air is None and not self.drum.viscoelastic:
             texts.append(unused_speed("web_speed", self.web_speed))
         return tuple(texts)

@@ -18,7 +18,7 @@ from ..elasticity.influence import InfluenceSurface
 from ..elasticity.interior_stress import Section, cylinder_sections
 from ..errors import InvalidProblem
 from ..quantities import stress
-from .bodies import Body, CoreRadius, core_inside
+from .bodies import Body, CoreRadius, check_core
 from .graded import graded_layers, wound_kernels
 from .messages import quote
 from .schedules import Schedule, at_radius, values_of
@@ -67,7 +67,7 @@ class WoundRoll(Body):
 
     @model_validator(mode="after")
     def _admissible(self) -> Self:
-        core_inside(self)
+        check_core(self)
         for name, P in values_of(self.pressure).items():
             if not 0 <= P < self.stack.limit:
                 raise InvalidProblem.at(
@@ -85,7 +85,7 @@ class WoundRoll(Body):
         return self.hardening == "frozen"
 
     @property
-    def caution(self) -> str:  # type: ignore[override]
+    def validity_warning(self) -> str:  # type: ignore[override]
         """What is to be said with every result."""
         misfit = getattr(self.stack.radial, "misfit", 0.0)
         coarse = f"its stack test is fitted to {misfit:.2g} of its strain only" * (misfit > POOR)

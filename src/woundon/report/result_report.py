@@ -33,7 +33,7 @@ def report_parts(result: Result) -> list[Part]:
     """Return the report of any result: answer, sections, warnings and certificate."""
     kind = kinds.of(result)
     report = kind.report or REPORTS.get(kind.name, outputs_report)
-    warnings = warning_lines((*getattr(result.problem, "remarks", ()), *result.warnings))
+    warnings = warning_lines((*getattr(result.problem, "input_warnings", ()), *result.warnings))
     return [
         *answer_lines(result),
         *report(result),

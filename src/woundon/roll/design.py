@@ -221,7 +221,7 @@ class _Stages:
         # as :func:`.finished.layer_thickness`, with a tension that makes such a pressure
         P = float(np.max(wanted.pressure(wanted.knots)))
         T = np.sqrt(2 * E_t * float(law.strain_at(P)) * P)
-        self.layer = min(law.reaches(2 * E) / T, (E / E_t) ** 0.5, 0.3)
+        self.layer = min(law.pressure_at_modulus(2 * E) / T, (E / E_t) ** 0.5, 0.3)
 
     def tension(self, x: float) -> float:
         """Return T [Pa] with which the lap at ln r = x is laid."""

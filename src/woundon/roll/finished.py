@@ -34,7 +34,7 @@ def layer_thickness(problem: RollProblem) -> float:
     """
     law, T = problem.stack.radial, float(problem.tension_curve.at(np.array(problem.core.radius)))
     E = float(law.modulus(0.0))
-    return min(law.reaches(2 * E) / T, (E / problem.stack.tangential) ** 0.5, 0.3)
+    return min(law.pressure_at_modulus(2 * E) / T, (E / problem.stack.tangential) ** 0.5, 0.3)
 
 
 def final_changes(problem: RollProblem) -> tuple[float, float]:

@@ -420,9 +420,9 @@ def _covariates(problem: Problem, data: Observations) -> tuple[str, ...]:
             continue
         try:
             with unwarned():
-                remarks = problem.replace(**{name: float(values[0])}).remarks
+                texts = problem.replace(**{name: float(values[0])}).input_warnings
             # a remark says that nothing depends on the field
-            if any(text.startswith(name) for text in remarks if text not in problem.remarks):
+            if any(text.startswith(name) for text in texts if text not in problem.input_warnings):
                 names.append(name)
         except InvalidProblem as fault:
             if any(path == name for path, _ in fault.faults):
