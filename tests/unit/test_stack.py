@@ -214,7 +214,7 @@ def test_noise_does_not_make_the_modulus_jump() -> None:
         (lambda: wo.Pfeiffer(K1=-1e3, K2=40), "K1: -1000 is out of range; must be > 0"),
         (lambda: wo.Pfeiffer(K1=1e3, K2="ten"), "K2: 'ten' is not a number with a unit"),
         (lambda: wo.Polynomial(coefficients=[0, 40]), "coefficients.0: 0 is out of range; must"),
-        (lambda: wo.PowerLaw(E0=0, k=1e6, m=1), "E0: 0 is out of range; must be > 0 [Pa] where m"),
+        (lambda: wo.PowerLaw(E0=0, k=1e6, m=1), "E0: 0 is out of range; must be > 0 [Pa] if m"),
         (lambda: wo.PowerLaw(E0=1, k=1e6, m=0), "m: 0 is out of range; must be >= 0.1 and <= 5"),
         (
             lambda: wo.StackTest(pressure=[0, 1e5, 9e4, 2e5], strain=[0, 0.1, 0.2, 0.3]),
