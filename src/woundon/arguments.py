@@ -1,4 +1,4 @@
-"""Arguments of the solvers, checked in one place: the kind of thing, counts, tolerances."""
+"""Checks of solver arguments: types, integers, tolerances."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Option(NamedTuple):
 
 
 def check_type(name: str, value: Any, *types: type[Any]) -> None:
-    """Refuse a value that is none of the types, e.g. the path of a case in place of a problem."""
+    """Raise an error unless a value has one of the types."""
     if not isinstance(value, types):
         must = one_of(kind.__name__ for kind in types)
         raise InvalidProblem.at(name, f"{quote(value)} is out of place; must be a {must}")
@@ -44,7 +44,7 @@ def nodes_or_rtol(nodes: Any, rtol: Any) -> None:
 
 
 def whole_number(name: str, value: Any, low: int, high: int) -> int:
-    """Return a whole number from low to high."""
+    """Return an integer; raise an error unless it is from ``low`` to ``high``."""
     if (
         isinstance(value, bool)
         or not isinstance(value, (int, np.integer))
@@ -56,7 +56,7 @@ def whole_number(name: str, value: Any, low: int, high: int) -> int:
 
 
 def tolerance(name: str, value: Any, low: float, high: float) -> float:
-    """Return a relative tolerance from low to high."""
+    """Return a relative tolerance; raise an error unless it is from ``low`` to ``high``."""
     if (
         isinstance(value, bool)
         or not isinstance(value, (int, float, np.floating))

@@ -1,4 +1,4 @@
-"""What can go wrong, as types; every text names the field, the value and what is admissible."""
+"""Exceptions and warnings; messages name field, value and permitted range."""
 
 from __future__ import annotations
 
@@ -22,22 +22,31 @@ __all__ = [
     "warn",
 ]
 
-RESOLUTION = "resolution: "  # how a warning on the grid begins
+RESOLUTION = "resolution: "  # prefix of a warning about the grid
 
+# Bounds of messages, which quote inputs: numbers of lines, and characters per line and word.
 MOST_LINES = 50
 LONGEST_LINE = 1000
-LONGEST_WORD = 200  # names and values are shorter, and most paths
+LONGEST_WORD = 200  # longer than names, values and most paths
 
 
 class InvalidProblem(ValueError):
-    """The description of a problem is not admissible.
+    """Invalid input: the message names field, value and permitted range.
 
     Attributes
     ----------
     faults : tuple of (field, text)
-        One entry a fault, ``field`` as a dotted path (``roll.material.shear``).
+        One entry per fault, ``field`` as a dotted path (``roll.material.shear``).  The message has
+        a line for each of the first 50.
 
-    Its text has a line for each of the first 50.
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> try:
+    ...     wo.Rigid(radius=-1)
+    ... except wo.InvalidProblem as error:
+    ...     print(error)
+    radius: -1 is out of range; must be > 0.0001 and <= 50 [m]
     """
 
     def __init__(self, faults: str | Iterable[tuple[str, str]]) -> None:
@@ -86,7 +95,15 @@ def _shortened(text: str, longest: int) -> str:
 
 
 class NoSteadyState(InvalidProblem):
-    """The loads are admissible one by one, but no steady rolling carries them (the drum slides)."""
+    """No steady state exists for the loads: the drum or the rollers slip.
+
+    >>> import woundon as wo
+    >>> try:
+    ...     wo.NipProblem.example().replace(winding_force=5000.0)
+    ... except wo.NoSteadyState as error:
+    ...     print(error.faults[0][0])
+    winding_force
+    """
 
 
 class NoSolution(InvalidProblem):
@@ -121,7 +138,7 @@ class NoSolution(InvalidProblem):
 
 
 class NotConverged(RuntimeError):
-    """A solution was not brought to tolerance; ``best`` carries the best state that was reached."""
+    """The solver did not converge; ``best`` is the best iterate."""
 
     def __init__(self, text: str, best: Any = None) -> None:
         super().__init__(text)
@@ -129,7 +146,7 @@ class NotConverged(RuntimeError):
 
 
 class ValidityWarning(UserWarning):
-    """A solved case lies where the linear, small-strain, plane model no longer holds."""
+    """A solved case is outside the validity range of the linear, small-strain, plane model."""
 
 
 class InputWarning(UserWarning):
@@ -137,17 +154,17 @@ class InputWarning(UserWarning):
 
 
 class ResolutionWarning(UserWarning):
-    """The grid is too coarse for something that a solved case shows; more nodes mend it."""
+    """The mesh is too coarse for a detail of the solution; increase the number of nodes."""
 
 
 def warn(texts: Iterable[str], kind: type[Warning] | None = None) -> None:
-    """Issue warnings at the line outside this package that asked for a result.
+    """Issue warnings at the line outside this package that called it.
 
     Parameters
     ----------
     texts : iterable of str
     kind : type, optional
-        By default that of a result's warning: of validity, or of resolution.
+        Category; by default ValidityWarning, or ResolutionWarning by the prefix of the text.
     """
     if not (texts := tuple(texts)):
         return
@@ -161,7 +178,7 @@ def warn(texts: Iterable[str], kind: type[Warning] | None = None) -> None:
 
 @contextmanager
 def unwarned() -> Iterator[None]:
-    """Issue no warnings of results: they are told in another way, or are another result's."""
+    """Suppress the warnings of results, which are reported in another way."""
     with warnings.catch_warnings():
         for category in (InputWarning, ValidityWarning, ResolutionWarning):
             warnings.simplefilter("ignore", category)
@@ -169,7 +186,7 @@ def unwarned() -> Iterator[None]:
 
 
 def nearest(word: Any, known: Iterable[str]) -> str:
-    """Return the known name that a misspelt ``word`` is most like, '' if it is like none."""
+    """Return the known name most similar to a misspelt ``word``; empty if none is similar."""
     by_lower = {name.lower(): name for name in sorted(known)}
     near = difflib.get_close_matches(str(word).lower(), by_lower, n=1, cutoff=0.55)
     return by_lower[near[0]] if near else ""

@@ -119,7 +119,7 @@ def test_mill_units_in_and_out(look, example):
 WRONG = [
     ("nip_load", "ten", ["must be a number, got 'ten'", "≤ 1e7 N/m"]),
     ("drum_friction", "50", ["out of range", "≤ 10"]),
-    ("winding_force", "5000", ["drum slides"]),  # only the server knows
+    ("winding_force", "5000", ["drum slips"]),  # only the server knows
 ]
 
 

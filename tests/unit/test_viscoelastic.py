@@ -75,11 +75,11 @@ def dynamic_test(**known: Any) -> wo.DynamicTest:
         ),
         (
             lambda: dynamic_test(loss_modulus=[2 * value for value in LOSS]),
-            "loss_modulus: misses what the storage moduli imply",
+            "loss_modulus: disagrees with the storage moduli",
         ),
         (
             lambda: dynamic_test(storage_modulus=STORAGE[::-1]),  # a modulus that falls with f
-            "loss_modulus: misses what the storage moduli imply",
+            "loss_modulus: disagrees with the storage moduli",
         ),
         (lambda: dynamic_test(frequency=HZ[::-1]), "frequency.1: 968 is out of range; must be >"),
         (lambda: dynamic_test(loss_modulus=LOSS[:4]), "loss_modulus: 4 values; must be as many as"),
@@ -142,7 +142,7 @@ def test_a_dynamic_test_is_followed() -> None:
 def test_a_poor_fit_is_reported_with_every_result() -> None:
     poor = dynamic_test(loss_modulus=[1.25 * value for value in LOSS])
     assert 0.05 < poor.misfit < 0.1
-    with pytest.warns(wo.ValidityWarning, match="the drum: its Prony series misses the measured"):
+    with pytest.warns(wo.ValidityWarning, match="the drum: its Prony series misfits the measured"):
         result = wo.solve(nip(**{"drum.material": poor}), nodes=17)
     assert any(f"{poor.misfit:.1%}" in text for text in result.warnings)
     assert dynamic_test().misfit < 0.05

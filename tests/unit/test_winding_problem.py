@@ -27,9 +27,9 @@ FALLING = wo.Profile(radius=[0.05, 0.6], value=[2000.0, 400.0])
         ({"web_tension": wo.Taper(start=300.0, taper=1.0)},
          "web_tension.taper: 1 is out of range; leaves 0 [N/m] at the radius 0.6 [m], must be >="),
         ({"nip_load": wo.Profile(radius=[0.06, 0.6], value=[1e3, 1e3])},
-         "nip_load.radius.0: 0.06 is out of range; must be <= core.radius = 0.05 [m], for the "),
+         "nip_load.radius.0: 0.06 is out of range; must be <= core.radius = 0.05 [m]: the "),
         ({"web_tension": wo.Profile(radius=[0.05, 0.5], value=[300, 300])},
-         "web_tension.radius.1: 0.5 is out of range; must be >= radius = 0.6 [m], for the whole"),
+         "web_tension.radius.1: 0.5 is out of range; must be >= radius = 0.6 [m]: the schedule"),
         ({"web_tension": wo.Profile(radius=[0.05, 0.6], value=[300, -1])},
          "web_tension.value.1: -1 is out of range; must be >= 1e-06 and <= 1e+06 [N/m]"),
         ({"torque_split": 1.5}, "torque_split: 1.5 is out of range; must be >= 0 and <= 1"),
@@ -61,7 +61,7 @@ def test_a_drum_that_slides_is_rejected_with_the_radius():
         CASE.replace(nip_load=FALLING, winding_force=-200.0)
     text = str(fault.value)
     assert text.startswith("winding_force: -200 at the radius 0.39")
-    assert "the drum slides" in text
+    assert "the drum slips" in text
     # 2 mm beyond, on the grid of radii that are looked at
     assert float(text.split("radius ")[1].split()[0]) == pytest.approx(0.39375, abs=2.2e-3)
 

@@ -406,10 +406,10 @@ def test_a_load_that_flattens_a_tube_is_rejected() -> None:
     [
         (
             lambda: drum((0.2, RUBBER), (0.05, RUBBER)),
-            "layers: a thickness of 0.25 in all is out of range; must be >= radius / 2000 = 0.00012"
+            "layers: a total thickness of 0.25 is out of range; must be >= radius / 2000 = 0.00012"
             " and < radius = 0.24 [m]",
         ),
-        (lambda: drum((1e-6, RUBBER)), "layers: a thickness of 1e-06 in all is out of range; must"),
+        (lambda: drum((1e-6, RUBBER)), "layers: a total thickness of 1e-06 is out of range; must"),
         (lambda: drum(), "layers: 0 values; must be at least 1"),
         (lambda: drum((0.01, RUBBER), core="open"), "core: 'open' is unknown; must be 'rigid' or"),
         (

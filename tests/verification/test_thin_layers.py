@@ -94,11 +94,11 @@ def test_a_contact_too_wide_to_be_resolved_is_rejected_with_what_to_change() -> 
 
 def test_a_layer_whose_series_is_not_resolved_is_rejected() -> None:
     fibres = wo.Orthotropic(radial=2.5e9, tangential=1e6, cross=4e5, shear=5.0)
-    text = ("roll: the response of its layer, 0.008 m thick, takes more than 262144 Fourier terms "
-            r"(they leave ")  # fmt: skip
+    text = ("roll: the response of its layer, 0.008 m thick, needs more than 262144 Fourier terms "
+            r"(relative error ")  # fmt: skip
     with pytest.raises(wo.InvalidProblem, match=re.escape(text)) as fault:
         wo.solve(newsprint_nip(roll=on_rigid_core(0.008, fibres, 4.0)))
-    assert "must be thicker, or the stiffnesses of its material nearer to each other" in str(fault)
+    assert "use a thicker layer or a material with less different stiffnesses" in str(fault)
 
 
 # ---- webs far outside the model -----------------------------------------------------------------

@@ -154,7 +154,7 @@ def test_the_drum_takes_force_by_nip_first_then_by_the_wrap_to_the_capstan_bound
     bound = nip_limit + T_in * (exp(mu * angle) - 1)
     nearly = solve_wrapped(PAPER, drum_wrap=angle, winding_force=0.995 * bound)
     assert nearly.inlet_tension < wo.theories.capstan(T_in, mu, angle)
-    with pytest.raises(wo.NoSteadyState, match="the drum slides"):
+    with pytest.raises(wo.NoSteadyState, match="the drum slips"):
         solve_wrapped(PAPER, drum_wrap=angle, winding_force=1.0001 * bound)
 
 

@@ -94,7 +94,7 @@ def certificate(result: Any, equations: NipEquations) -> Residuals:
         Those of its mesh.
     """
     problem = equations.problem
-    problem.web.refuse(float(result.drum_pressure.max()))
+    problem.web.check_pressure(float(result.drum_pressure.max()))
     try:
         state = state_of(result, equations)
     except ValueError:

@@ -1,1 +1,1 @@
-"""What is described: materials, bodies, and the problems that are solved; immutable, validated."""
+"""Problem definitions: materials, bodies, webs, schedules, problems; immutable, validated."""

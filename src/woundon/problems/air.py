@@ -1,4 +1,4 @@
-"""Air that the web entrains."""
+"""Entrained air."""
 
 from __future__ import annotations
 
@@ -20,27 +20,35 @@ __all__ = ["Air", "with_film"]
 
 
 class Air(Description):
-    """The air around a winder, and the surfaces that it is caught between.
+    """Entrained air and the surfaces of the web that enclose it.
 
     Parameters
     ----------
     roughness : float
-        Root mean square of both facing surfaces of the web together, sqrt(s1^2 + s2^2) [m].
+        Combined root-mean-square roughness of the facing surfaces, sqrt(s1^2 + s2^2) [m].
     viscosity : float
-        Of the air [Pa s].
+        Viscosity of the air [Pa s].
     ambient_pressure : float
         [Pa].
     permeance : float
-        Speed of the air through the web per pressure across it [m/(Pa s)]: 0 for film, of paper as
-        measured.
+        Air speed through the web per pressure difference [m/(Pa s)]; 0 for film, measured for
+        paper.
     full_friction, no_friction : float
-        Film up to which friction is that without air, and from which there is none, in
-        roughnesses; linear between.
+        Film thickness relative to the roughness up to which friction is not reduced, and above
+        which it is zero; linear in between.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> air = wo.Air(roughness="3 um")
+    >>> nip = wo.NipProblem.example().replace(air=air, web_speed="1000 m/min")
+    >>> nip.air.no_friction
+    3.0
     """
 
     roughness: Annotated[
         Number,
-        length("s", "rms roughness of both surfaces together", "um", (0.05e-6, 10e-6)),
+        length("s", "combined rms roughness of the facing surfaces", "um", (0.05e-6, 10e-6)),
         Field(gt=0, le=1e-3),
     ]
     viscosity: Annotated[
@@ -78,7 +86,7 @@ class Air(Description):
         return self
 
     def too_rough(self, thickness: float) -> Iterator[tuple[str, str]]:
-        """Yield the field at fault and what to say where a web is rougher than thick [m]."""
+        """Yield (field, message) if the roughness is not less than the web thickness [m]."""
         if self.roughness >= thickness:
             yield (
                 "roughness",
@@ -88,26 +96,26 @@ class Air(Description):
 
 
 def with_film(roll: RollProblem, film: float, air: Air) -> RollProblem:
-    """Return a roll whose laps hold a film of air between them; see :class:`.AirBetween`.
+    """Return a roll with an air film between its layers; see :class:`.AirBetween`.
 
     Parameters
     ----------
     roll : RollProblem
         Without air.
     film : float
-        At ambient pressure [m].
+        Film thickness at ambient pressure [m].
     air : Air
 
     Raises
     ------
     InvalidProblem
-        If the roll's stack has air already.
+        If the stack already contains air.
     """
     if film == 0:
         return roll
     stack, web = roll.stack, roll.web_thickness
     if not isinstance(stack.radial, SolidLaw):
-        raise InvalidProblem.at("stack.radial", "has air already; must be without")
+        raise InvalidProblem.at("stack.radial", "already contains air; must be a law without air")
     law = AirBetween(
         law=stack.radial, film=film, web_thickness=web, ambient_pressure=air.ambient_pressure
     )

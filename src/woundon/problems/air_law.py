@@ -1,4 +1,4 @@
-"""The radial law of a stack that holds air between its laps."""
+"""The radial law of a stack with air between its layers."""
 
 from __future__ import annotations
 
@@ -17,24 +17,31 @@ Array = np.ndarray
 
 
 class AirBetween(RadialLaw):
-    """A stack whose laps hold a film of air that cannot leave: stack and air in series.
+    """A stack with a trapped air film between its layers: stack and air in series.
 
-    A lap of the web t and the film h is pressed by P to t (1 - F(P)) + h p_a/(p_a + P), the air
-    isothermal: E_r = (t + h)/(t/E_r(P) + h p_a/(p_a + P)^2), of the thickness t + h.  That the laps
-    touch in places and so carry a share of P besides is left out: it is the softest that air can
-    make a stack (after the idea of Good and Holmberg, Effect of air entrainment in centerwound
-    rolls, of which the abstract was read).
+    A layer of web thickness t with a film h has the thickness t (1 - F(P)) + h p_a/(p_a + P) under
+    the pressure P (isothermal air), so that E_r = (t + h)/(t/E_r(P) + h p_a/(p_a + P)^2).
+    Contact between the layers through the film is neglected: the stack is as soft as trapped air
+    can make it (after Good and Holmberg, Effect of air entrainment in centerwound rolls, abstract).
 
     Parameters
     ----------
     law : Pfeiffer, Polynomial, PowerLaw, StackTest or float
-        Of the stack without air.
+        Law of the stack without air.
     film : float
-        h between two laps at ambient pressure [m].
+        h between two layers at ambient pressure [m].
     web_thickness : float
         t [m].
     ambient_pressure : float
         p_a [Pa].
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> paper = wo.Pfeiffer(K1=10e3, K2=40.0)
+    >>> law = wo.AirBetween(law=paper, film="2 um", web_thickness="66 um")
+    >>> bool(law.modulus(0.0) < paper.modulus(0.0))
+    True
     """
 
     law: Annotated[AnySolidLaw, stress("E_r", "radial modulus of the stack without air", "MPa")]
@@ -52,7 +59,7 @@ class AirBetween(RadialLaw):
 
     @property
     def max_pressure(self) -> float:
-        """Pressure up to which the law holds [Pa]."""
+        """Largest pressure of the law [Pa]."""
         return float(self.law.max_pressure)
 
     def _compliance(self, P: Array) -> Array:

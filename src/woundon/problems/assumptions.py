@@ -16,7 +16,9 @@ AIR = (
     "falls linearly with its thickness."
 )
 WRAPPED = "The web is held to the roll at the end of the roll wrap."
-HELD = "The web does not slip on the roll downstream of the nip: it is held at its trailing edge."
+NO_WRAP = (
+    "The web is held to the roll at the trailing edge of the nip and does not slip downstream."
+)
 
 
 def of_nip(problem: Any) -> tuple[str, ...]:
@@ -30,7 +32,7 @@ def of_nip(problem: Any) -> tuple[str, ...]:
         f"The web is a thin strip, {web}.",
         *bodies,
         BONDED,
-        WRAPPED if problem.roll_wrap else HELD,
+        WRAPPED if problem.roll_wrap else NO_WRAP,
         *([AIR] if problem.air is not None else []),
     )
 

@@ -1,4 +1,4 @@
-"""Values that describe the same paper in two places of a problem."""
+"""Contradictions between values that describe the same paper in two places."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ if TYPE_CHECKING:
 
 __all__ = ["different_moduli"]
 
-# Relative difference from which two moduli are of two papers; plane strain and the thickness at
-# which a modulus is measured account for less.
+# Relative difference above which two moduli describe different papers; plane strain and the
+# pressure at which the thickness is measured cause smaller differences.
 TOLERANCE = 0.01
 
 
@@ -27,8 +27,8 @@ def different_moduli(web: Web, field: str, wound: Any) -> Iterator[str]:
     field : str
         Name of the field that describes the layers in the roll.
     wound : Stack, Material or other
-        Their stack or material.  An isotropic material of a roll stands for its layers as a whole
-        and is not compared.
+        Stack or material of the layers.  An isotropic material describes the roll as a whole and is
+        not compared.
     """
     if not isinstance(wound, (Orthotropic, Stack)):
         return

@@ -16,12 +16,12 @@ __all__ = ["ContactProblem", "unused_speed"]
 
 
 def unused_speed(field: str, speed: float) -> str:
-    """Return what is said of a speed on which nothing depends."""
+    """Return the warning for a speed on which nothing depends."""
     return f"{field} = {speed:.6g} m/s is not used: the bodies are elastic and there is no air"
 
 
 class ContactProblem(Problem):
-    """Two bodies pressed together; not a problem of its own.
+    """Base class of the problems of two bodies pressed together.
 
     Attributes
     ----------
@@ -47,41 +47,41 @@ class ContactProblem(Problem):
 
     @cached_property
     def linear(self) -> bool:
-        """Whether both bodies are."""
+        """True if both bodies are linear."""
         one, two = self.bodies
         return one.linear and two.linear
 
     @property
     def thinning(self) -> float:
-        """Change of thickness by unit pressure of what lies between the bodies [m/Pa]."""
+        """Thickness change of the web between the bodies per pressure [m/Pa]; 0 without a web."""
         return 0.0
 
     @property
     def rolling_speed(self) -> float | None:
-        """V, at which both surfaces roll along +x [m/s]; None where nothing depends on it."""
+        """V of both surfaces along +x [m/s]; None if nothing depends on it."""
         speed: float | None = getattr(self, self.speed_field)
         return None if next(self.uses_of_speed(), None) is None else speed
 
     @property
     def input_warnings(self) -> tuple[str, ...]:
-        """Inputs that have no effect."""
+        """Warnings about inputs that have no effect."""
         speed = getattr(self, self.speed_field)
         used = speed is None or self.rolling_speed is not None
         return super().input_warnings if used else (unused_speed(self.speed_field, speed),)
 
     @cached_property
     def viscoelastic(self) -> bool:
-        """Whether a body is."""
+        """True if one of the bodies is viscoelastic."""
         return any(body.viscoelastic for body in self.bodies)
 
     def uses_of_speed(self) -> Iterator[tuple[str, str]]:
-        """Yield what depends on the speed: the field, and a text that says why."""
+        """Yield (field, reason) for every part of the problem that depends on the speed."""
         for name, body in zip(self.pair, self.bodies, strict=True):
             if body.viscoelastic:
                 yield name, f"{name} is of a viscoelastic material"
 
     @model_validator(mode="after")
-    def _speed_where_it_counts(self) -> Self:
+    def _has_speed(self) -> Self:
         use = next(self.uses_of_speed(), None)
         if use is not None and self.rolling_speed is None:
             text = f"missing; must be > 0 [m/s], as {use[1]}"

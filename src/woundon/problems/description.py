@@ -37,9 +37,9 @@ else:
 # not frozen_default: type checkers reject a frozen CoercedField
 @dataclass_transform(kw_only_default=True)
 class DocumentedMeta(ModelMetaclass):
-    """How classes of descriptions show themselves to help(), dir() and editors.
+    """Metaclass for the documentation of descriptions in help(), dir() and editors.
 
-    By their fields and their own methods; pydantic's are of no use to who describes a nip.
+    It shows the fields and the methods of the description, and hides those of pydantic.
     """
 
     @property
@@ -48,12 +48,12 @@ class DocumentedMeta(ModelMetaclass):
 
     @property
     def __signature__(cls) -> Signature:  # noqa: N805
-        made: Signature = signature(cls)
-        return made
+        arguments: Signature = signature(cls)
+        return arguments
 
     @__signature__.setter
     def __signature__(cls, value: Any) -> None:  # noqa: N805
-        pass  # pydantic's, with all its marks
+        pass  # pydantic sets its own, with annotations that help() cannot show
 
     def __dir__(cls) -> list[str]:  # noqa: N805
         names = set(super().__dir__()) - set(dir(BaseModel))
@@ -61,7 +61,7 @@ class DocumentedMeta(ModelMetaclass):
 
 
 class Description(BaseModel, metaclass=DocumentedMeta):
-    """An immutable, validated description; unknown names and values out of range are refused."""
+    """An immutable, validated description; rejects unknown names and values out of range."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
@@ -73,7 +73,7 @@ class Description(BaseModel, metaclass=DocumentedMeta):
             return True
         if type(self) is not type(other):
             return NotImplemented
-        # what is cached beside the fields may hold arrays, which do not compare
+        # Only the fields: cached properties may be arrays, which have no single truth value.
         return all(getattr(self, name) == getattr(other, name) for name in type(self).model_fields)
 
     def __init__(self, /, **fields: Any) -> None:
@@ -89,25 +89,29 @@ class Description(BaseModel, metaclass=DocumentedMeta):
 
     @classmethod
     def _converted(cls, fields: dict[str, Any], faults: list[tuple[str, str]]) -> dict[str, Any]:
-        """Return the fields in the forms that are held; see :mod:`~woundon.problems.inputs`."""
+        """Return the fields converted to SI numbers; see :mod:`~woundon.problems.inputs`."""
         return convert_fields(cls, fields, faults)
 
     def __setattr__(self, name: str, value: Any) -> NoReturn:
-        """Refuse: a description does not change."""
+        """Raise an error: a description is immutable."""
         raise FrozenInstanceError(
-            f"a {type(self).__name__} does not change; make a variant by .replace({name}=...)"
+            f"a {type(self).__name__} is immutable; create a variant with .replace({name}=...)"
         )
 
     def __delattr__(self, name: str) -> NoReturn:
-        """Refuse: a description does not change."""
-        raise FrozenInstanceError(f"a {type(self).__name__} does not change; {name} stays")
+        """Raise an error: a description is immutable."""
+        raise FrozenInstanceError(f"a {type(self).__name__} is immutable; {name} cannot be deleted")
 
     def replace(self, /, **changes: Any) -> Self:
-        """Return a variant with some fields changed; nested ones by dotted name, lists by number.
+        """Return a variant with some fields changed.
 
-        A value is SI, or a text with its unit; ``diameter`` replaces ``radius``.
+        Nested fields have dotted names, items of lists are numbered.  A value is a number in SI or
+        text with a unit; ``diameter`` may replace ``radius``.
 
-        >>> problem.replace(nip_load=5e3, **{"web.thickness": "57 um"})  # doctest: +SKIP
+        >>> import woundon as wo
+        >>> nip = wo.NipProblem.example().replace(nip_load=5e3, **{"web.thickness": "57 um"})
+        >>> nip.nip_load, nip.web.thickness
+        (5000.0, 5.7e-05)
 
         Raises
         ------
@@ -128,7 +132,7 @@ class Description(BaseModel, metaclass=DocumentedMeta):
             elif dot and rest:
                 nested.setdefault(head, {})[rest] = value
             elif dot:
-                faults.append((path, "no field is named behind the dot"))
+                faults.append((path, "the name of a field is missing after the dot"))
             else:
                 fields[head] = value
         for head, inner in nested.items():
@@ -154,7 +158,7 @@ class Description(BaseModel, metaclass=DocumentedMeta):
         return f"<table>{caption}<tbody>\n{cells}\n</tbody></table>"
 
     def _changes(self, changes: Mapping[str, Any], faults: list[tuple[str, str]]) -> dict[str, Any]:
-        """Return changes by dotted name with texts as numbers in SI."""
+        """Return changes by dotted name, with text converted to numbers in SI."""
         found: dict[str, Any] = dict(changes)
         if not any(isinstance(value, (str, FloatWithUnit)) for value in changes.values()):
             return found
@@ -182,7 +186,7 @@ class Description(BaseModel, metaclass=DocumentedMeta):
 
 
 def _changed(value: Any, name: str, changes: Mapping[str, Any]) -> Any:
-    """Return what a field holds with changes below it, by path; of a list by the item's number."""
+    """Return the value of a field with nested changes, by path; items of lists by number."""
     if isinstance(value, Description):
         return value.replace(**changes)
     if not isinstance(value, tuple):
@@ -202,15 +206,15 @@ def _changed(value: Any, name: str, changes: Mapping[str, Any]) -> Any:
 
 
 def _position(field: str, changes: Mapping[str, Any]) -> int:
-    """Return which of the changes a fault belongs to."""
+    """Return the index of the change that a fault belongs to."""
     paths = list(changes)
     return next((k for k, path in enumerate(paths) if f"{field}.".startswith(path)), len(paths))
 
 
 def _cells(path: str, quantity: Quantity | None, value: Any) -> tuple[str, str, str, str]:
-    """Return what a field is, its symbol, its value and its unit as text."""
+    """Return the label, symbol, value and unit of a field as text."""
     if quantity is None or not isinstance(value, (int, float)):
         return path, "", str(value), ""
-    # the meaning of a nested field does not say of which part it is
+    # The meaning of a nested field ("outer radius") does not identify the part.
     label = path if "." in path else quantity.meaning
     return label, quantity.symbol, f"{quantity.shown(value):.6g}", quantity.display

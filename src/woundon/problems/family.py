@@ -17,11 +17,11 @@ __all__ = ["Family", "best_match"]
 
 
 class Family(Description):
-    """An open set of descriptions; a direct subclass opens one, the classes below are its members.
+    """An open set of descriptions: a direct subclass is a family, its subclasses are the members.
 
-    A member is known by the snake-case name of its class (``half_plane``), which files write as
-    ``kind``; where none is said, the names of a table's fields give the member away.  A class
-    that only helps to define members says so: ``class Helper(Body, abstract=True)``.
+    Files identify a member by ``kind``, the snake-case name of its class (``half_plane``); without
+    ``kind`` the member with the best matching fields is chosen.  Abstract classes between family
+    and members are declared with ``class Helper(Body, abstract=True)``.
     """
 
     _members: ClassVar[dict[str, type[Family]]]
@@ -31,7 +31,7 @@ class Family(Description):
 
     @classmethod
     def __pydantic_init_subclass__(cls, abstract: bool = False, **kwargs: Any) -> None:
-        """Open a family, or join one."""
+        """Register a member, or create the register of a family."""
         if Family in cls.__bases__:
             cls._members = {}
         elif not abstract:
@@ -39,22 +39,22 @@ class Family(Description):
 
     @classmethod
     def members(cls) -> dict[str, type[Family]]:
-        """Return the family's members by name; of one of its classes, those that it and its are."""
+        """Return the members that are subclasses of this class, by name."""
         return {name: member for name, member in cls._members.items() if issubclass(member, cls)}
 
     @classmethod
     def member_name(cls) -> str:
-        """Return the class's name as files write it."""
+        """Return the name of the class in files."""
         return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", cls.__name__).lower()
 
     @classmethod
     def coerce(cls, value: Any) -> Any:
-        """Return the member that a table describes; anything else as it is.
+        """Return the member that a table describes; other values unchanged.
 
         Raises
         ------
         InvalidProblem
-            For an unknown kind, or whatever the member finds at fault.
+            For an unknown kind, or invalid fields of the member.
         """
         if not isinstance(value, Mapping):
             return value
@@ -72,21 +72,21 @@ class Family(Description):
 
 
 def best_match(names: Iterable[str], models: Iterable[type[Any]]) -> type[Any]:
-    """Return the class of description whose fields are nearest to the given names.
+    """Return the class whose fields match the given names best.
 
-    A name that it does not have counts two, but one if it is like a field that is not given; a
-    field that is missing counts one.  Of equals the first with the fewest fields.
+    The penalty is 2 for an unknown name (1 if it resembles a field that is not given) and 1 for a
+    missing required field.  Ties are resolved by the smaller number of fields, then by order.
     """
     given = [counterpart(str(name), "diameter") or str(name) for name in names]
     has_grade = "grade" in given
     given = [name for name in given if name not in ("grade", "grades")]
 
-    def misfit(model: type[Any]) -> tuple[int, int]:
+    def penalty(model: type[Any]) -> tuple[int, int]:
         known = set(model.model_fields) | set(getattr(model, "tables", ()))
-        strange = [name for name in given if name not in known]
-        meant = {nearest(name, known) for name in strange} - {"", *given}
+        unknown = [name for name in given if name not in known]
+        meant = {nearest(name, known) for name in unknown} - {"", *given}
         had = meant.union(given, getattr(model, "graded", ()) if has_grade else ())
         missing = sum(f.is_required() and n not in had for n, f in model.model_fields.items())
-        return 2 * len(strange) - len(meant) + missing, len(known)
+        return 2 * len(unknown) - len(meant) + missing, len(known)
 
-    return min(models, key=misfit)
+    return min(models, key=penalty)

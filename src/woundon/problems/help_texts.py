@@ -1,4 +1,4 @@
-"""What ``help`` says of a description: signature, text, and fields with units and ranges."""
+"""Signature and docstring of a description for ``help``, with units and ranges of the fields."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ WIDTH = 92
 
 
 def signature(model: Any) -> Signature:
-    """Return the arguments that make a description, without pydantic's marks."""
+    """Return the constructor's signature without pydantic's annotations."""
     return Signature(
         [
             Parameter(
                 name,
                 Parameter.KEYWORD_ONLY,
-                annotation=_word(field.annotation),
+                annotation=_type_name(field.annotation),
                 default=Parameter.empty if field.is_required() else field.default,
             )
             for name, field in model.model_fields.items()
@@ -34,14 +34,14 @@ def signature(model: Any) -> Signature:
 
 
 def documentation(model: Any) -> str:
-    """Return a description's own text, with a table of its fields before its sections."""
+    """Return a description's docstring with a table of its fields before its sections."""
     own, fields = cleandoc(vars(model)["__doc__"] or ""), model.model_fields
     if not fields:
         return own
     width = max(map(len, fields)) + 2
     rows = [
         fill(
-            f"{name:<{width}}{_told(field)}",
+            f"{name:<{width}}{_describe(field)}",
             WIDTH,
             initial_indent="    ",
             subsequent_indent=" " * (width + 4),
@@ -53,12 +53,12 @@ def documentation(model: Any) -> str:
     return "\n".join([head, "", "Fields, SI units::", "", *rows]) + mark + sections
 
 
-def _told(field: FieldInfo) -> str:
+def _describe(field: FieldInfo) -> str:
     """Return "P, nip load: >= 1e-12 and <= 1e+07 [N/m], usually 500 to 10000"."""
     quantity = quantity_of(field)
     if quantity is None:
-        about = f"{field.description}: " if field.description else ""
-        return about + admissible(field)
+        label = f"{field.description}: " if field.description else ""
+        return label + admissible(field)
     text = f"{quantity.symbol}, {quantity.meaning}: {admissible(field)}"
     if quantity.typical:
         low, high = quantity.typical
@@ -66,13 +66,13 @@ def _told(field: FieldInfo) -> str:
     return text
 
 
-def _word(annotation: Any) -> str:
-    """Return a type as it is written: "float | None"."""
+def _type_name(annotation: Any) -> str:
+    """Return a type as text, such as "float | None"."""
     origin, parts = get_origin(annotation), get_args(annotation)
     if origin is Annotated:
-        return _word(parts[0])
+        return _type_name(parts[0])
     if origin in (Union, UnionType):
-        return " | ".join(map(_word, parts))
+        return " | ".join(map(_type_name, parts))
     if origin is Literal:
         return f"Literal[{', '.join(map(repr, parts))}]"
     if annotation in (NoneType, None):
@@ -80,4 +80,4 @@ def _word(annotation: Any) -> str:
     if annotation is Ellipsis:
         return "..."
     name = getattr(origin or annotation, "__name__", str(annotation))
-    return f"{name}[{', '.join(map(_word, parts))}]" if parts else name
+    return f"{name}[{', '.join(map(_type_name, parts))}]" if parts else name

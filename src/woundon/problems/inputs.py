@@ -26,7 +26,7 @@ from ..quantities import (
     is_list,
     members_of,
 )
-from .permitted import takes_a_number
+from .permitted import accepts_number
 from .units import has_dimension, parse
 
 __all__ = [
@@ -151,7 +151,7 @@ def convert(value: Any, place: Place, context: Context) -> Any:
 
 
 def _needs_conversion(value: Any) -> bool:
-    """Return whether a value is, or contains, text, a table or a number with a unit."""
+    """Return True if a value is or contains text, a table or a number with a unit."""
     if type(value) in (float, int) or value is None:
         return False
     if type(value) in (list, tuple):
@@ -291,7 +291,7 @@ def _as_text(value: Any) -> Any:
 
 
 def _has_units(schedule: Any) -> bool:
-    """Return whether a schedule contains values with units."""
+    """Return True if a schedule contains values with units."""
     for name in _values_of_field(schedule.__class__):
         values = getattr(schedule, name)
         values = values if isinstance(values, tuple) else (values,)
@@ -391,12 +391,12 @@ def _of_basis_weight(text: str, unit: str, path: str, context: Context) -> float
 
 
 def is_word(value: Any, annotation: Any) -> bool:
-    """Return whether text is one of the words of a field, and not a number with a unit."""
+    """Return True if text is one of the words of a field, and not a number with a unit."""
     words = _words_of(annotation)
     return (
         isinstance(value, str)
         and bool(words)
-        and (value in words or not takes_a_number(annotation))
+        and (value in words or not accepts_number(annotation))
     )
 
 

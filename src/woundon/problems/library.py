@@ -1,4 +1,4 @@
-"""The data file of grades and drum covers, and files of the same form by users."""
+"""The data file of grades and drum covers, and users' files in the same format."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ..errors import InvalidProblem, did_you_mean
 
 __all__ = ["Entry", "entry_of", "library", "read_file"]
 
-LARGEST = 10_000_000  # bytes
+LARGEST_FILE = 10_000_000  # bytes; far above any list of grades
 FILE = Path(__file__).with_name("grades.toml")
 
 
@@ -39,8 +39,8 @@ def read_file(path: Path) -> dict[str, Any]:
         If it cannot be read, or is not a TOML file with a table ``grades``.
     """
     try:
-        if path.stat().st_size > LARGEST:
-            raise InvalidProblem.at(str(path), f"is larger than {LARGEST} bytes")
+        if path.stat().st_size > LARGEST_FILE:
+            raise InvalidProblem.at(str(path), f"is larger than {LARGEST_FILE} bytes")
         tables = tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except (OSError, UnicodeDecodeError, ValueError, RecursionError) as fault:
         text = getattr(fault, "strerror", None) or str(fault)
@@ -73,13 +73,13 @@ def entry_of(table: Mapping[str, Any]) -> Entry:
             entry.spread.update({f"{name}.{k}": v for k, v in inner.spread.items()})
             entry.sources.update({f"{name}.{k}": v for k, v in inner.sources.items()})
         elif isinstance(given, Mapping):
-            _take(entry, name, given)
+            _add_entry(entry, name, given)
         else:
             entry.values[name] = given
     return entry
 
 
-def _take(entry: Entry, name: str, given: Mapping[str, Any]) -> None:
+def _add_entry(entry: Entry, name: str, given: Mapping[str, Any]) -> None:
     known = ("value", "spread", "source")
     for key in given:
         if key not in known:

@@ -1,4 +1,4 @@
-"""What a wound roll must bear: the limits that its margins are measured by."""
+"""Limits of a wound roll, to which its margins refer."""
 
 from __future__ import annotations
 
@@ -14,37 +14,41 @@ __all__ = ["Limits"]
 
 
 class Limits(Description):
-    """Limits of a wound roll; one that is None is not checked, and reports say so.
+    """Limits of a wound roll.  A limit that is None is not checked, which reports state.
 
     Parameters
     ----------
     layer_friction : float, optional
-        Coefficient of friction between layers; by default that of web and roll where the winding
-        is known.
+        Coefficient of friction between layers; by default the interlayer friction of the winding.
     torque_share : float
-        Largest share of the torque which friction between laps can carry that may be asked of it;
-        0.5 is a safety of two.
+        Largest torque relative to the interlayer slip capacity; 0.5 is a safety factor of two.
     acceleration : float
-        Of the web at a start or a stop which the core alone drives or brakes [m/s^2]; needs the
-        web's density.
+        Acceleration of the web at a start or stop through the core alone [m/s^2]; needs the density
+        of the web.
     compression : float, optional
-        Largest stress along the web in compression [Pa]; 0 allows none.
+        Largest compressive stress along the web [Pa]; 0 allows none.
     blocking_pressure : float, optional
-        Between layers, beyond which they stick or mark each other [Pa].
+        Pressure at which layers stick together or mark each other [Pa].
     core_pressure : float, optional
-        That the core bears [Pa]; without it the elastic collapse of a thin tube.
+        Collapse pressure of the core [Pa]; by default the elastic collapse of a thin tube.
     web_strength : float, optional
-        Tension that the web bears [N/m].
+        Tensile strength of the web [N/m].
     slack_tension : float, optional
-        Tension at and below which the web runs slack [N/m].
+        Minimum tension of the web [N/m]; it runs slack below.
     yield_strain : float, optional
-        Strain along the web at which it yields, so that the lane of a gauge band stays longer and
-        is baggy [1].
+        Strain along the web at which it yields, so that the lane of a gauge band becomes baggy [1].
 
     Raises
     ------
     InvalidProblem
         For a limit out of range.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> limits = wo.Limits(blocking_pressure="1 MPa", slack_tension="30 N/m")
+    >>> limits.blocking_pressure, limits.core_pressure
+    (1000000.0, None)
     """
 
     layer_friction: Annotated[

@@ -67,7 +67,7 @@ def _translate(report: ValidationError, model: type[BaseModel]) -> InvalidProble
 
 
 def _counts_faults(item: Any) -> bool:
-    """Tell whether a list is called too short for the items of it that are at fault."""
+    """Return True if a list is only too short because pydantic omits its invalid items."""
     return item["type"] == "too_short" and len(item["input"]) > item["ctx"]["actual_length"]
 
 
@@ -82,8 +82,8 @@ def _fault(item: Any, field: FieldInfo) -> str:
         return f"{quote(value)} is not a finite number; must be {admissible(field)}"
     if kind in ("too_short", "too_long"):
         (limit,) = (n for name, n in item["ctx"].items() if name in ("min_length", "max_length"))
-        least = "at least" if kind == "too_short" else "at most"
-        return f"{len(value)} values; must be {least} {limit}"
+        bound = "at least" if kind == "too_short" else "at most"
+        return f"{len(value)} values; must be {bound} {limit}"
     if kind in ("tuple_type", "list_type"):
         return f"{quote(value)} is not a list"
     if kind == "literal_error":
@@ -91,11 +91,12 @@ def _fault(item: Any, field: FieldInfo) -> str:
     if members_of(field.annotation):
         return f"{quote(value)} is out of place; must be {admissible(field)}"
     value = value if isinstance(value, Real) else float(value)  # an array of no dimension
-    return f"{quote(value)} is out of range; must be {admissible(field)}{_slip(value, field)}"
+    hint = _other_unit_hint(value, field)
+    return f"{quote(value)} is out of range; must be {admissible(field)}{hint}"
 
 
 def not_one_of(value: Any, known: Iterable[str]) -> str:
-    """Return the text for a value that is none of the known words."""
+    """Return the message for a value that is not one of the known words."""
     known = list(known)
     text = f"{quote(value)} is unknown; must be {one_of(map(repr, known))}"
     near = nearest(value, known)
@@ -103,7 +104,7 @@ def not_one_of(value: Any, known: Iterable[str]) -> str:
 
 
 def no_such_field(name: str, model: type[BaseModel]) -> str:
-    """Return the text for a name that ``model`` does not have: who has it, or what was meant."""
+    """Return the message for an unknown field, with the class that has it or the intended name."""
     own = model.model_fields
     family = getattr(model, "_members", {}).values()
     owners = [m.__name__ for m in family if name in m.model_fields]
@@ -114,14 +115,14 @@ def no_such_field(name: str, model: type[BaseModel]) -> str:
             f"no such field in {model.__name__}, but in {one_of(owners, 'and')}; "
             f"known: {', '.join(own)}"
         )
-    # the symbol of the formulas ("P"), a word of the meaning, a part of the name ("friction")
-    told = [
+    # The user may know the symbol ("P"), a word of the meaning, or a part of the name ("friction").
+    similar = [
         known
         for known, field in own.items()
         if name in _words(field) or (len(name) > 2 and name.lower() in known)
     ]
-    if told:
-        return f"no such field; did you mean {one_of(map(repr, told))}?"
+    if similar:
+        return f"no such field; did you mean {one_of(map(repr, similar))}?"
     return f"no such field{did_you_mean(name, own)}"
 
 
@@ -135,8 +136,8 @@ def _words(field: FieldInfo) -> list[str]:
 _OTHER_UNITS = {"m": {"mm": 1e-3, "um": 1e-6}, "1": {"%": 1e-2}, "rad": {"deg": pi / 180}}
 
 
-def _slip(value: Any, field: FieldInfo) -> str:
-    """Return a hint where the number would be right in another unit (66 for 66 um)."""
+def _other_unit_hint(value: Any, field: FieldInfo) -> str:
+    """Return a hint if the number is in range in another unit (66 for 66 um)."""
     if value < 1:
         return ""
     tests = {">": float.__gt__, ">=": float.__ge__, "<": float.__lt__, "<=": float.__le__}
@@ -153,7 +154,7 @@ _repr.maxstring = _repr.maxother = 40
 
 
 def quote(value: Any) -> str:
-    """Return a value as an error text shows it: short, numbers without their type."""
+    """Return a value as text for a message: short, numbers without their type."""
     if isinstance(value, bool) or not isinstance(value, Real):
         return _repr.repr(value)
     try:

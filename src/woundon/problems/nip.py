@@ -12,7 +12,7 @@ from pydantic import Field, model_validator
 
 from ..errors import InvalidProblem, NoSteadyState
 from ..quantities import angle, length, line_load, pure, tension, velocity
-from . import wound_roll as wound_roll  # it joins the bodies
+from . import wound_roll as wound_roll  # registers its body
 from .air import Air
 from .assumptions import of_nip
 from .bodies import AnyBody, Cylinder, Rigid
@@ -36,7 +36,7 @@ __all__ = [
     "WrapFriction",
 ]
 
-LEAST_FRICTION = 1e-8  # below, rounding decides on stick and slip
+LEAST_FRICTION = 1e-8  # below, rounding errors decide between stick and slip
 _FRICTION = Field(ge=LEAST_FRICTION, le=10.0)
 _HALF_TURN = Field(ge=0, le=pi * (1 + 1e-12))
 
@@ -81,8 +81,7 @@ class NipProblem(ContactProblem):
     roll, drum : Rigid, HalfPlane, Cylinder or another Body
         Wound roll (body 1, +) and winding drum (body 2, -).
     roll_friction, drum_friction : float
-        mu+ between the layers and mu- between web and drum, 1e-8 to 10; with ``air`` those without
-        it.
+        mu+ between the layers and mu- between web and drum, 1e-8 to 10, both without air.
     nip_load : float
         P [N/m], 1e-12 to 1e7.
     winding_force : float
@@ -111,7 +110,7 @@ class NipProblem(ContactProblem):
     InvalidProblem
         Naming every field, value and permitted range.
     NoSteadyState
-        If the drum slides under nip and wrap (capstan, thesis eq. 179).
+        If the drum slips in the nip and on its wrap (capstan equation, thesis eq. 179).
 
     Examples
     --------
@@ -175,8 +174,9 @@ class NipProblem(ContactProblem):
                 raise InvalidProblem.at(
                     name,
                     f"0 is out of range; must be >= {LEAST_FRICTION:g} and <= 10: without "
-                    "friction nothing fixes how fast the web runs against the "
-                    f"{name.partition('_')[0]}; the smallest value shows the limit",
+                    "friction the web speed relative to the "
+                    f"{name.partition('_')[0]} is undetermined; use the smallest allowed value to "
+                    "represent the frictionless limit",
                 )
         return given
 
@@ -201,13 +201,13 @@ class NipProblem(ContactProblem):
             raise NoSteadyState.at(
                 "winding_force",
                 f"{self.winding_force:.10g} is out of range; must be > {low:.10g} and < "
-                f"{high:.10g} [N/m], what friction carries in the nip (drum_friction * nip_load) "
-                "and on the drum wrap, or the drum slides",
+                f"{high:.10g} [N/m], the friction capacity of the nip (drum_friction * nip_load) "
+                "and the drum wrap; otherwise the drum slips",
             )
         return self
 
     @model_validator(mode="after")
-    def _rolls(self) -> Self:
+    def _speed_is_positive(self) -> Self:
         if self.web_speed == 0 and self.viscoelastic:
             uses = next(text for field, text in super().uses_of_speed())
             raise InvalidProblem.at("web_speed", f"0 is out of range; must be > 0 [m/s], as {uses}")
@@ -221,35 +221,34 @@ class NipProblem(ContactProblem):
             if not (self.roll.compliance + self.drum.compliance) > 0:
                 raise InvalidProblem.at(
                     "roll",
-                    "is rigid, and so is the drum; one of them must deform, or there is no nip "
-                    "that air could pass",
+                    "is rigid, and so is the drum; one of them must be elastic for a nip with air",
                 )
         return self
 
     def uses_of_speed(self) -> Iterator[tuple[str, str]]:
-        """Yield what depends on the speed: entrained air, and viscoelastic bodies."""
+        """Yield (field, reason) for entrained air and viscoelastic bodies."""
         if self.air is not None:
             yield "air", "the web entrains air"
         yield from super().uses_of_speed()
 
     @cached_property
     def linear(self) -> bool:
-        """Whether the bodies and the web are linear."""
+        """True if the bodies and the web are linear."""
         return self.web.linear and all(body.linear for body in self.bodies)
 
     @property
     def thinning(self) -> float:
-        """-2h c22 of the web [m/Pa], without pressure."""
+        """-2h c22, thickness change of the unloaded web per pressure [m/Pa]."""
         return -self.web.thickness * self.web.compliance.c22
 
     @property
     def friction_on_wrap(self) -> float:
-        """mu+ on the roll downstream of the nip."""
+        """mu+ on the roll wrap."""
         return self.roll_friction if self.wrap_friction is None else self.wrap_friction
 
     @property
     def is_wrapped(self) -> bool:
-        """Whether the web lies on the roll downstream, or on the drum upstream of the nip."""
+        """True if the roll wrap or the drum wrap is not zero."""
         return self.roll_wrap > 0 or self.drum_wrap > 0
 
     def without_air(
@@ -260,13 +259,13 @@ class NipProblem(ContactProblem):
         Parameters
         ----------
         roll_friction, wrap_friction : float, optional
-            Those that the air film leaves; by default those of this problem.
+            Effective coefficients with the air film; by default those of this problem.
         """
         if self.air is None:
             return self
         changes: dict[str, Any] = {"air": None}
         if not self.viscoelastic:
-            changes["web_speed"] = None  # nothing but the air depends on it
+            changes["web_speed"] = None  # only the air depends on it
         if roll_friction is not None and roll_friction != self.roll_friction:
             changes["roll_friction"] = roll_friction
         if wrap_friction is not None and wrap_friction != self.friction_on_wrap:
@@ -277,7 +276,7 @@ class NipProblem(ContactProblem):
 
     @property
     def assumptions(self) -> tuple[str, ...]:
-        """What the model assumes of this case, as sentences."""
+        """The assumptions of the model for this case, as sentences."""
         return of_nip(self)
 
     @classmethod

@@ -9,11 +9,11 @@ from pydantic.fields import FieldInfo
 from ..errors import one_of
 from ..quantities import members_of, quantity_of
 
-__all__ = ["admissible", "bounds", "takes_a_number", "unit_of"]
+__all__ = ["accepts_number", "admissible", "bounds", "unit_of"]
 
 
 def bounds(field: FieldInfo) -> list[tuple[str, float]]:
-    """Return the limits of a field, each with its sign, as (">", 0.0)."""
+    """Return the bounds of a field with their signs, such as (">", 0.0)."""
     signs = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
     return [
         (sign, getattr(part, name))
@@ -24,17 +24,17 @@ def bounds(field: FieldInfo) -> list[tuple[str, float]]:
 
 
 def unit_of(field: FieldInfo) -> str:
-    """Return the SI unit of a field, '' of one that is no number."""
+    """Return the SI unit of a field; empty if the field is not a number."""
     quantity = quantity_of(field)
     return quantity.unit if quantity else ""
 
 
 def admissible(field: FieldInfo) -> str:
-    """Return what a field takes: "> 0 and <= 10", "Rigid, HalfPlane or Cylinder", ..."""
+    """Return the permitted values as text: "> 0 and <= 10", "Rigid, HalfPlane or Cylinder"."""
     models = members_of(field.annotation)
     if models:
         names = one_of(model.__name__ for model in models)
-        if takes_a_number(field.annotation):
+        if accepts_number(field.annotation):
             unit = unit_of(field)
             names = f"a number{f' [{unit}]' if unit not in ('', '1') else ''} or a {names}"
         by_name = ", or a name that 'woundon materials' lists" if "Isotropic" in names else ""
@@ -47,6 +47,6 @@ def admissible(field: FieldInfo) -> str:
     return (limits or "a finite number") + (f" [{unit}]" if unit not in ("", "1") else "")
 
 
-def takes_a_number(annotation: Any) -> bool:
-    """Return whether an annotation admits a number."""
-    return annotation is float or any(map(takes_a_number, get_args(annotation)[:2]))
+def accepts_number(annotation: Any) -> bool:
+    """Return True if an annotation admits a number."""
+    return annotation is float or any(map(accepts_number, get_args(annotation)[:2]))

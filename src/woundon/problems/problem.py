@@ -13,15 +13,16 @@ __all__ = ["Problem"]
 
 
 class Problem(Description):
-    """What is solved.  Its kind is known by its class, and in files by the names of its fields.
+    """Base class of the problems.
+
+    Files identify the kind of a problem by the names of its fields.
 
     Attributes
     ----------
     tables : mapping of str to tuple of str
-        Fields that a case file groups in a table of their own, by the table's name.
+        Fields that a case file groups in a table, by the name of the table.
     graded : tuple of str
-        Fields that a ``grade`` supplies: of a problem that has one, ``grade = "newsprint"`` may
-        stand in their place.
+        Fields that ``grade = "newsprint"`` supplies.
     """
 
     tables: ClassVar[Mapping[str, tuple[str, ...]]] = {}
@@ -82,10 +83,10 @@ class Problem(Description):
 
     @property
     def assumptions(self) -> tuple[str, ...]:
-        """What the model assumes of this case, as sentences."""
+        """The assumptions of the model for this case, as sentences."""
         return ()
 
     @classmethod
     def example(cls) -> Self:
-        """Return a case to start from: what ``woundon new`` writes."""
+        """Return an example, which ``woundon new`` writes."""
         raise NotImplementedError(f"{cls.__name__} has no example")

@@ -1,4 +1,4 @@
-"""The winding of a roll: core, web, stack and the tension of its laps."""
+"""The wound roll: core, web, stack and wound-on tension."""
 
 from __future__ import annotations
 
@@ -27,12 +27,11 @@ if TYPE_CHECKING:
 
 __all__ = ["Core", "GaugeExcess", "RollProblem"]
 
-MOST_LAPS = 1e6
-FEWEST_LAPS = 10
-PER_KELVIN = 1e-2  # no solid expands more
+# The layers are a continuum, which needs many of them; above a million the web is no paper or film.
+FEWEST_LAYERS, MOST_LAYERS = 10, 1e6
+PER_KELVIN = 1e-2  # larger than the thermal expansion of any solid
 
-
-# of rolls and windings
+# Field of rolls and windings.
 GaugeExcess = Annotated[
     Number,
     strain("d", "gauge excess: relative additional thickness of the thickest lane"),
@@ -45,23 +44,30 @@ def _expansion(symbol: str, meaning: str) -> Quantity:
 
 
 class Core(Description):
-    """What a roll is wound on.
+    """The core of a roll: its stiffness, or a tube.
 
     Parameters
     ----------
     radius : float
         Outer radius r_c [m].
     stiffness : float, optional
-        E_c [Pa]: its radius shrinks by r_c P/E_c under the pressure P.
+        E_c [Pa]: the radius decreases by r_c P/E_c under the pressure P.
     inner_radius : float, optional
-        Of a tube [m], instead of the stiffness.
+        Inner radius of a tube [m], instead of the stiffness.
     material : Isotropic, optional
-        Of the tube, in plane strain.
+        Material of the tube, in plane strain.
 
     Raises
     ------
     InvalidProblem
-        Unless there is either a stiffness or a tube.
+        Unless either a stiffness or a tube is given.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> core = wo.Core(diameter="100 mm", inner_diameter="80 mm", material="steel")
+    >>> f"{core.effective_stiffness / 1e9:.1f} GPa"
+    '54.9 GPa'
     """
 
     radius: Annotated[
@@ -90,12 +96,12 @@ class Core(Description):
                 "stiffness",
                 "is given together with a tube; must be one of the two"
                 if tube
-                else "missing; must be > 0 [Pa], or a tube given by inner_radius and material",
+                else "missing; must be > 0 [Pa], unless inner_radius and material define a tube",
             )
         if not tube:
             return self
         if self.inner_radius is None or not isinstance(self.material, Isotropic):
-            text = "missing; must be a tube's, with an isotropic material"
+            text = "missing; a tube needs an inner radius and an isotropic material"
             raise InvalidProblem.at(
                 "inner_radius" if self.inner_radius is None else "material", text
             )
@@ -109,7 +115,7 @@ class Core(Description):
 
     @property
     def effective_stiffness(self) -> float:
-        """E_c [Pa]: as given, or that of a thick tube in plane strain (Lame)."""
+        """E_c [Pa]: as given, or of a thick tube in plane strain (Lame)."""
         if self.stiffness is not None:
             return self.stiffness
         assert isinstance(self.material, Isotropic)
@@ -120,10 +126,9 @@ class Core(Description):
 
 
 class RollProblem(Problem):
-    """A roll as it is wound lap by lap: what pressures and stresses stay in it.
+    """The stresses in a roll that is wound layer by layer with a given wound-on tension.
 
-    The laps are thin beside the radius, in plane strain, their law that of the stack; the tension
-    they are wound on with is given over the radius.
+    The layers are thin relative to the radius, in plane strain, and obey the law of the stack.
 
     Parameters
     ----------
@@ -136,21 +141,28 @@ class RollProblem(Problem):
     wound_on_tension : float, Taper or Profile
         WOT over the radius [N/m], > 0.
     density : float, optional
-        Of the web [kg/m^3]; with it the result has the roll's mass.
+        Density of the web [kg/m^3]; with it the result contains the mass of the roll.
     gauge_excess : float
-        d, additional thickness of the thickest lane across the width, relative to the web [1].  It
-        changes no stress of the roll, only the margin and the ridge of that lane.
+        d, relative additional thickness of the thickest lane across the width [1].  It affects only
+        the margin and the ridge height of that lane.
     temperature_change : float
-        Of the finished roll, core included [K].
+        Temperature change of the finished roll including its core [K].
     tangential_expansion, radial_expansion, core_expansion : float
         Coefficients of thermal expansion along the web, through the stack, of the core [1/K].
     core_shrinkage : float
-        Share by which the free core of the finished roll gets smaller [1].
+        Relative shrinkage of the unloaded core of the finished roll [1].
 
     Raises
     ------
     InvalidProblem
-        Naming every field, value and range at fault.
+        Naming every invalid field with its value and permitted range.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> result = wo.solve(wo.RollProblem.example())
+    >>> result.pressure.shape == result.radius.shape
+    True
     """
 
     graded: ClassVar[tuple[str, ...]] = ("stack", "web_thickness", "density")
@@ -204,12 +216,12 @@ class RollProblem(Problem):
                 "core.radius",
                 f"{quote(core)} is out of range; must be > 0 and < radius = {radius:.6g} [m]",
             )
-        thinnest, thickest = ((radius - core) / laps for laps in (MOST_LAPS, FEWEST_LAPS))
+        thinnest, thickest = ((radius - core) / layers for layers in (MOST_LAYERS, FEWEST_LAYERS))
         if not thinnest <= self.web_thickness <= thickest:
             raise InvalidProblem.at(
                 "web_thickness",
                 f"{quote(self.web_thickness)} is out of range; must be >= {thinnest:.4g} and <= "
-                f"{thickest:.4g} [m]: {FEWEST_LAPS} to {MOST_LAPS:.0e} laps",
+                f"{thickest:.4g} [m]: {FEWEST_LAYERS} to {MOST_LAYERS:.0e} layers",
             )
         self._tension_is_positive()
         return self
@@ -227,7 +239,7 @@ class RollProblem(Problem):
                     raise InvalidProblem.at(
                         f"wound_on_tension.radius.{k}",
                         f"{quote(r)} is out of range; must be {sign} {name} = {edge:.6g} [m], "
-                        "for the whole roll is wound",
+                        "because the schedule must cover the whole roll",
                     )
         for name, value in values_of(schedule).items():
             if not 0 < value <= 1e6:
@@ -239,13 +251,13 @@ class RollProblem(Problem):
                 text = f"the smooth curve falls to {quote(float(between.min()))} between its values"
                 raise InvalidProblem.at(
                     "wound_on_tension.value",
-                    f"{text}; must stay > 0 [N/m]: more values, or between = 'lines'",
+                    f"{text}; must be > 0 [N/m]: give more values, or between = 'lines'",
                 )
         if isinstance(schedule, Taper) and not self.tension_curve.at(np.array(self.radius)) > 0:
             raise InvalidProblem.at(
                 "wound_on_tension.taper",
-                f"{quote(schedule.taper)} is out of range; must leave a tension > 0 [N/m] at the "
-                "surface",
+                f"{quote(schedule.taper)} is out of range; the tension at the surface must be "
+                "> 0 [N/m]",
             )
 
     @property
@@ -255,7 +267,7 @@ class RollProblem(Problem):
 
     @property
     def assumptions(self) -> tuple[str, ...]:
-        """What the model assumes of this case, as sentences."""
+        """The assumptions of the model for this case, as sentences."""
         return of_roll(self)
 
     @classmethod

@@ -27,23 +27,29 @@ class RollerProblem(ContactProblem):
     load : float
         P [N/m], 1e-12 to 1e9.
     friction : float
-        mu, 1e-8 to 10, or 0: the rollers slip freely (Hertz's problem).
+        mu, 1e-8 to 10; 0 is the frictionless (Hertz) problem.
     tangential_load : float, optional
-        Q, the traction on the upper roller along +x, integrated [N/m]; |Q| < mu P.  Zero if
-        neither it nor ``creepage`` is given, and without friction.
+        Q, resultant of the traction on the upper roller along +x [N/m]; |Q| < mu P.  0 by default.
     creepage : float, optional
-        xi [1], in place of the tangential load; rolling only.
+        xi [1], instead of the tangential load; rolling only.
     motion : {"rolling", "static"}
         Rolling along the material flow +x, or a monotone static load.
     speed : float, optional
-        V of both surfaces [m/s]; needed where a roller is viscoelastic, and only there.
+        V of both surfaces [m/s]; needed if a roller is viscoelastic.
 
     Raises
     ------
     InvalidProblem
-        Naming every field, value and range at fault.
+        Naming every invalid field with its value and permitted range.
     NoSteadyState
-        If |Q| >= mu P: the rollers slide.
+        If |Q| >= mu P: the rollers slip.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> steel = wo.HalfPlane(radius=0.25, material="steel")
+    >>> wo.RollerProblem(upper=steel, lower=steel, load="89 kN/m", friction=0.5).motion
+    'rolling'
     """
 
     pair: ClassVar[tuple[str, str]] = ("upper", "lower")
@@ -77,14 +83,14 @@ class RollerProblem(ContactProblem):
         if self.creepage is not None and self.motion == "static":
             raise InvalidProblem.at(
                 "creepage",
-                f"{self.creepage:.10g} is given, but motion = 'static' has none; "
-                "must be left out, or motion = 'rolling'",
+                f"{self.creepage:.10g} is given, but a static contact has no creepage; "
+                "omit it, or set motion = 'rolling'",
             )
         if self.viscoelastic and self.motion == "static":
             raise InvalidProblem.at(
                 "motion",
-                "'static' is out of place; must be 'rolling': a viscoelastic roller "
-                "answers a static load in time",
+                "'static' is out of place; must be 'rolling': the response of a "
+                "viscoelastic roller to a static load depends on time",
             )
         if 0 < self.friction < LEAST_FRICTION:
             raise InvalidProblem.at(
@@ -93,8 +99,8 @@ class RollerProblem(ContactProblem):
         if not self.friction and self.tangential_load:
             raise NoSteadyState.at(
                 "tangential_load",
-                f"{self.tangential_load:.10g} is out of range; must be 0 or left out: rollers "
-                "without friction carry none",
+                f"{self.tangential_load:.10g} is out of range; must be 0 or omitted for "
+                "rollers without friction",
             )
         limit = self.friction * self.load
         if self.tangential_load and abs(self.tangential_load) >= limit:
@@ -102,13 +108,13 @@ class RollerProblem(ContactProblem):
                 "tangential_load",
                 f"{self.tangential_load:.10g} is out of range; "
                 f"|tangential_load| must be < friction * load = {limit:.10g} [N/m], "
-                "or the rollers slide",
+                "otherwise the rollers slip",
             )
         return self
 
     @property
     def assumptions(self) -> tuple[str, ...]:
-        """What the model assumes of this case, as sentences."""
+        """The assumptions of the model for this case, as sentences."""
         return of_rollers(self)
 
     @classmethod

@@ -1,4 +1,4 @@
-"""Schedules over the radius of a roll: a number throughout, a profile, or a taper."""
+"""Schedules over the radius of a roll: a constant, a profile, or a taper."""
 
 from __future__ import annotations
 
@@ -42,10 +42,17 @@ class Profile(Description):
     radius : sequence of float
         [m], rising.
     value : sequence of float
-        As many, in the unit of the field that has the profile.
+        Values at these radii, in the unit of the field that has the profile.
     between : "lines" or "smooth"
-        Straight lines between the values, or a cubic spline through them: a schedule without
-        kinks is wound faster.  A spline through few values may go beyond them.
+        Linear interpolation or a cubic spline.  Windings without kinks are solved faster; a spline
+        may overshoot the values.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> load = wo.Profile(radius=["50 mm", "0.5 m"], value=["1 kN/m", "2 kN/m"])
+    >>> round(float(load.at(0.275)))
+    1500
     """
 
     radius: Annotated[
@@ -71,14 +78,14 @@ class Profile(Description):
         return self
 
     @cached_property
-    def _table(self) -> tuple[Array, Array, Array]:
-        """Radii, values, and the slopes before, between and behind them."""
+    def _nodes_and_slopes(self) -> tuple[Array, Array, Array]:
+        """Radii, values, and slopes: 0, of each interval, 0."""
         x, y = np.asarray(self.radius), np.asarray(self.value)
         return x, y, np.concatenate([[0.0], np.diff(y) / np.diff(x), [0.0]])
 
     @cached_property
     def _smooth(self) -> tuple[Any, Any]:
-        """The curve and its derivative."""
+        """The cubic spline and its derivative."""
         from scipy.interpolate import CubicSpline
 
         curve = CubicSpline(self.radius, self.value)
@@ -87,27 +94,27 @@ class Profile(Description):
     def at(self, r: Array) -> Any:
         """Return the values at radii [m]."""
         if self.between == "lines":
-            return np.interp(r, *self._table[:2])
+            return np.interp(r, *self._nodes_and_slopes[:2])
         return self._smooth[0](np.clip(r, self.radius[0], self.radius[-1]))
 
     def slope(self, r: Array, side: int | Array = 1) -> Array:
-        """Return the derivatives [1/m]; at a kink that before (-1) or behind (1) it."""
-        x, _, steps = self._table
+        """Return the derivatives [1/m]; at a kink the left (-1) or right (1) derivative."""
+        x, _, steps = self._nodes_and_slopes
         if self.between == "smooth":
             inside = self._smooth[1](np.clip(r, x[0], x[-1]))
             return np.where((r < x[0]) | (r > x[-1]), 0.0, inside)
-        # a node that stands on a kink may miss it by a rounding
+        # A node on a kink may differ from it by rounding.
         return np.asarray(steps[np.searchsorted(x, r * (1 + side * 1e-12))])
 
     @property
     def kinks(self) -> tuple[float, ...]:
-        """Radii at which the slope jumps [m]; at both ends of a smooth one."""
+        """Radii at which the slope jumps [m]; for a spline only its ends."""
         smooth = self.between == "smooth"
         return (self.radius[0], self.radius[-1]) if smooth else self.radius
 
 
 class Taper(Description):
-    """A value that falls from the core to the surface.
+    """A value that decreases from the core to the surface.
 
     With t(r) = (r - rc)/(R - rc), from the core at rc to the roll's radius R:
 
@@ -118,10 +125,17 @@ class Taper(Description):
     Parameters
     ----------
     start : float
-        At the core, in the unit of the field that has the schedule.
+        Value at the core, in the unit of the field that has the schedule.
     taper : float
-        Share by which it falls, 0 to 1; below 0 it rises.
+        Relative decrease, 0 to 1; negative for an increase.
     law : "linear", "hyperbolic" or "constant_torque"
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> tension = wo.Taper(start="400 N/m", taper="30 %")
+    >>> wo.WindingProblem.example().replace(web_tension=tension).web_tension.taper
+    0.3
     """
 
     start: Annotated[NumberOfField, OF_FIELD, Field(description="value at the core")]
@@ -135,8 +149,8 @@ class Taper(Description):
     @model_validator(mode="after")
     def _one_taper(self) -> Self:
         if self.law == "constant_torque" and self.taper:
-            text = f"{quote(self.taper)} is given, but law = 'constant_torque' has none"
-            raise InvalidProblem.at("taper", f"{text}; must be left out")
+            text = f"{quote(self.taper)} is given, but law = 'constant_torque' has no taper"
+            raise InvalidProblem.at("taper", f"{text}; must be omitted")
         return self
 
 
@@ -164,7 +178,7 @@ else:
 
 
 class Curve:
-    """A schedule between two radii: values, slopes, and where these jump (``kinks``, ``bends``).
+    """A schedule between two radii: values, slopes and kinks (``kinks``, ``bends``).
 
     Parameters
     ----------
@@ -172,7 +186,7 @@ class Curve:
     core, radius : float
         [m].
     scale : float
-        Of the values.
+        Factor of the values.
     """
 
     def __init__(
@@ -181,15 +195,15 @@ class Curve:
         self.schedule, self.core, self.radius, self.scale = schedule, core, radius, scale
         inner = schedule.kinks if isinstance(schedule, Profile) else ()
         self.kinks = np.array([r for r in inner if core < r < radius])
-        behind, before = (self.slope(self.kinks, side) for side in (-1, 1))
-        self.bends = self.kinks * np.abs(before - behind) / np.abs(self.at(self.kinks))
+        left, right = (self.slope(self.kinks, side) for side in (-1, 1))
+        self.bends = self.kinks * np.abs(right - left) / np.abs(self.at(self.kinks))
 
     def at(self, r: Array) -> Array:
         """Return the values at radii [m]."""
         return self.scale * self._value_and_slope(r, 1)[0]
 
     def slope(self, r: Array, side: int | Array = 1) -> Array:
-        """Return the derivatives [1/m]; at a kink that before (-1) or behind (1) it."""
+        """Return the derivatives [1/m]; at a kink the left (-1) or right (1) derivative."""
         return self.scale * self._value_and_slope(r, side)[1]
 
     def _value_and_slope(self, r: Array, side: int | Array) -> tuple[Array, Array]:
@@ -214,7 +228,7 @@ def at_radius(schedule: float | Profile, r: Array) -> Array:
 
 
 def values_of(schedule: float | Profile | Taper) -> dict[str, float]:
-    """Return the numbers that a schedule is made of, by what is added to its field's name."""
+    """Return the numbers of a schedule by the suffix of their dotted name."""
     if isinstance(schedule, Profile):
         return {f".value.{k}": value for k, value in enumerate(schedule.value)}
     if isinstance(schedule, Taper):

@@ -1,6 +1,6 @@
-"""Stacks: paper and film in a roll, which get stiffer the more they are pressed.
+"""Stacks: layers of paper or film, whose modulus increases with the pressure.
 
-A stack's law is that of one complementary energy of the pressure P = -sigma_r through it, the
+The law of a stack follows from a complementary energy of the pressure P = -sigma_r through it, the
 stress sigma_t along it and the shear stress tau,
 
     W = int F dP + (nu/E_t) P sigma_t + sigma_t^2/(2 E_t) + tau^2/(2 G),
@@ -9,7 +9,7 @@ stress sigma_t along it and the shear stress tau,
     eps_t = (nu/E_t) P + sigma_t/E_t,      gamma = tau/G,
 
 so that its tangent compliances are symmetric: c_rr = 1/E_r(P), c_rt = -nu/E_t, c_tt = 1/E_t.  It is
-elastic; that paper unloads stiffer than it was loaded is not in it.  docs/theory/hardening.md
+elastic: the hysteresis of paper is neglected (docs/theory/hardening.md).
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from ..errors import InvalidProblem
 from ..quantities import pure, stress
-from . import air_law as air_law  # it joins the laws
+from . import air_law as air_law  # registers its law
 from .fields import Number, default
 from .materials import SOFTEST, STIFFEST, Solid, Stiffness
 from .messages import quote
@@ -36,27 +36,27 @@ __all__ = ["AnyStack", "Stack"]
 
 Array = np.ndarray
 
-# Gauss points of each cell of an integral over the pressure, and halvings of the cells towards
-# zero: a law with K1 = 1e-6 P is integrated to 1e-12.
+# Gauss points per cell of an integral over the pressure, and number of bisections of the cells
+# towards zero: a law with K1 = 1e-6 P is integrated to 1e-12.
 GAUSS, SMALLEST_CELL = 12, 24
-# Of Newton's method for the plateau, in ln P: its error after a step is about the square of it.
+# Newton's method for the plateau pressure, in ln P: the error after a step is about its square.
 PLATEAU_STEP, LARGEST_STEP, PLATEAU_STEPS = 1e-8, 3.0, 60
-# Pressure above which no roll is wound [Pa].  Laws that stiffen faster than P^2 take up a bounded
-# work of compression: under a larger tension they have no plateau.
+# Pressure above which no roll is wound [Pa].  Laws that stiffen faster than P^2 have a bounded work
+# of compression: above a certain tension no plateau exists.
 LAST_PRESSURE = 1e10
 
 
 class Stack(Solid):
-    """The material of a wound roll, stiffer under pressure through it, linear along it.
+    """The material of a wound roll: hardening through the layers, linear along them.
 
     Parameters
     ----------
     radial : Pfeiffer, Polynomial, PowerLaw, StackTest or float
-        The tangent modulus E_r(P) of uniaxial compression [Pa]; a number is one that stays.
+        The tangent modulus E_r(P) in uniaxial compression [Pa]; a number is a constant modulus.
     tangential : float
         E_t along the web [Pa].
     poissons_ratio : float
-        nu, how much thinner the stack gets of a unit strain along the web, if pulled along it.
+        nu, thinning of the stack per strain along the web in uniaxial tension.
     shear : float
         G [Pa] of the wound stack.
     shear_exponent : float
@@ -65,7 +65,15 @@ class Stack(Solid):
     Raises
     ------
     InvalidProblem
-        For a law whose modulus is E_t/nu^2 or more without any pressure: it has no energy there.
+        If E_r(0) >= E_t/nu^2: the energy would be indefinite.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> stack = wo.Stack(radial=wo.Pfeiffer(K1="10 kPa", K2=40), tangential="3.38 GPa",
+    ...                  poissons_ratio=0.01, shear="10 MPa")
+    >>> float(stack.radial.modulus(100e3))
+    4400000.0
     """
 
     radial: Annotated[AnyLaw, stress("E_r", "radial modulus of the stack", "MPa")]
@@ -101,13 +109,13 @@ class Stack(Solid):
 
     @property
     def stiffest(self) -> float:
-        """E_t/nu^2, the modulus through the stack where its energy ceases to be positive [Pa]."""
+        """E_t/nu^2, the E_r at which the energy becomes indefinite [Pa]."""
         nu = self.poissons_ratio
         return self.tangential / nu**2 if nu > 0 else inf
 
     @cached_property
     def limit(self) -> float:
-        """Pressure beyond which the stack is not admissible [Pa]: its law ends, or its energy."""
+        """Largest pressure [Pa]: the end of the law, or the limit of a definite energy."""
         return min(self.radial.max_pressure, self.radial.pressure_at_modulus(self.stiffest))
 
     @cached_property
@@ -124,7 +132,7 @@ class Stack(Solid):
             Pressure [Pa], >= 0.
         """
         P = np.asarray(P, dtype=float)
-        # E_r may rise from zero pressure on within a small share of P: cells halve towards zero
+        # E_r may vary over pressures much smaller than P: cells are bisected towards zero.
         ends = np.append(0.0, 0.5 ** np.arange(SMALLEST_CELL, -1, -1))
         points, weights = np.polynomial.legendre.leggauss(GAUSS)
         half = np.diff(ends)[:, None] / 2
@@ -136,8 +144,8 @@ class Stack(Solid):
         """Return the pressure far from core and surface of a roll wound at constant tension [Pa].
 
         The first integral of the equations of a wound roll below its surface, many thin layers
-        deep: the work of compression is that of the tension, T^2/(2 E_t) = int_0^P P' dP'/E_r.
-        The curvature left out makes it 3 to 13 % low in rolls of paper and film.
+        deep: the work of compression equals that of the tension, T^2/(2 E_t) = int_0^P P' dP'/E_r.
+        Neglecting the curvature makes it 3 to 13 % low in rolls of paper and film.
 
         Parameters
         ----------
@@ -159,8 +167,8 @@ class Stack(Solid):
         """
         T = np.asarray(stress, dtype=float)
         work = np.maximum(T**2 / (2 * self.tangential), 1e-300)
-        # Newton's method in logarithms: d ln W/d ln P is 2 of a constant modulus, 1 of one that is
-        # proportional to P, and hardly varies between
+        # Newton's method in logarithms: d ln W/d ln P is nearly constant, 2 for a constant modulus
+        # and 1 for one proportional to P.
         P = np.sqrt(2 * work * self.radial.modulus(np.zeros(T.shape) + 1.0))
         for _ in range(PLATEAU_STEPS):
             W = self.compression_energy(P)
@@ -175,7 +183,7 @@ class Stack(Solid):
         return P
 
     def check_pressure(self, P: float | Array) -> None:
-        """Raise an error for a pressure at which the law has ended.
+        """Raise an error if a pressure is beyond the range of the law.
 
         Raises
         ------
@@ -185,7 +193,7 @@ class Stack(Solid):
         if not highest <= end:
             raise InvalidProblem.at(
                 "stack.radial",
-                f"the law ends at {end:.4g} [Pa], below the pressure that is wound into the roll",
+                f"the law ends at {end:.4g} [Pa], below the pressure wound into the roll",
             )
 
     def tangent(self, P: float | Array, wound: float | Array | None = None) -> Stiffness:

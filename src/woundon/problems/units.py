@@ -1,7 +1,7 @@
-"""Texts with units, such as "66 um", "3.38 GPa" or "17 pli", to SI numbers, and back.
+"""Conversion of text with units ("66 um", "3.38 GPa", "17 pli") to SI numbers, and back.
 
-The units are defined here: a general registry with free prefixes reads "17 pli" as a tiny length
-and "min" as a milli-inch.  Conversion multiplies exact fractions.
+The units are defined here: a registry with free prefixes reads "17 pli" as a small length and "min"
+as a milli-inch.  Conversion multiplies exact fractions.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ __all__ = [
     "written",
 ]
 
-# one line a unit, by those above it; names are exact: no free prefixes, no plurals, no aliases
+# One unit per line, defined by those above it; no prefixes, plurals or aliases.
 _DEFINITIONS = """
 m
 s
@@ -75,7 +75,7 @@ fpm = ft / min
 mpm = m / min
 """
 
-# Other spellings that mills use; the definitions above hold the spelling that is written.
+# Other spellings in use; output uses the spelling of the definitions above.
 _SPELLINGS = {
     "inch": "in",
     "inches": "in",
@@ -101,7 +101,7 @@ _SPELLINGS = {
     "\N{GREEK SMALL LETTER MU}": "um",
 }
 
-# Full names are not read, but an error message names the unit.
+# Full names are rejected, with the unit in the message.
 _FULL_NAMES = {
     "micrometer": "um",
     "micrometre": "um",
@@ -123,18 +123,18 @@ _FULL_NAMES = {
     "u": "um",
 }
 
-# Marks that are typed in place of a minus.
+# Characters that are typed instead of a minus sign.
 _DASHES = ("\N{MINUS SIGN}", "\N{EN DASH}", "\N{EM DASH}")
 
-# in which units a number is written, by its SI unit
-_LADDERS = {
+# Units for output, by SI unit.
+_OUTPUT_UNITS = {
     "m": ("um", "mm", "m"),
     "N/m": ("N/m", "kN/m"),
     "Pa": ("Pa", "kPa", "MPa", "GPa"),
     "rad": ("deg", "rad"),
 }
 
-# what North American mills say, by the unit in which a quantity is shown else
+# Units of North American mills, by the unit that is displayed otherwise.
 MILL = {
     "um": "mil",
     "mm": "in",
@@ -173,11 +173,11 @@ _UNIT = re.compile(rf"1/[Ks]|{_FACTOR}(?:(?:\s*[*/\N{{MIDDLE DOT}}]\s*|\s+){_FAC
 _QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*(.*?)\s*")
 _TERMS = re.compile(rf"([*/\N{{MIDDLE DOT}}]?)\s*({_NAME})({_POWER}?)")
 _RAISED = str.maketrans("\N{SUPERSCRIPT TWO}\N{SUPERSCRIPT THREE}", "23", "*^")
-_LONGEST = 60
+_MAX_LENGTH = 60
 
 
 class _Unit(NamedTuple):
-    """How many of SI's base units it is, and the powers of these by name."""
+    """A unit as a factor and powers of SI base units by name."""
 
     factor: Fraction
     powers: dict[str, int]
@@ -201,7 +201,7 @@ def _definitions() -> dict[str, _Unit]:
 
 
 def _product(text: str, known: dict[str, _Unit]) -> _Unit:
-    """Return the unit that a text of our grammar writes."""
+    """Return the unit of a product of units such as "N/m" or "kg m^-3"."""
     factor, powers = Fraction(1), dict[str, int]()
     for sign, name, written_power in _TERMS.findall(text):
         power = int(written_power.translate(_RAISED) or 1) * (-1 if sign == "/" else 1)
@@ -213,12 +213,12 @@ def _product(text: str, known: dict[str, _Unit]) -> _Unit:
 
 @cache
 def known_units() -> tuple[str, ...]:
-    """Return the names of all units that are understood."""
+    """Return the names of all known units."""
     return tuple(sorted(_definitions()))
 
 
 def definitions() -> dict[str, dict[str, Any]]:
-    """Return all units by name: how many SI base units each is, and the powers of these."""
+    """Return factor and powers of SI base units of all units by name."""
     return {
         name: {"factor": float(unit.factor), "powers": unit.powers}
         for name, unit in _definitions().items()
@@ -226,25 +226,25 @@ def definitions() -> dict[str, dict[str, Any]]:
 
 
 def has_dimension(text: str, unit: str) -> bool:
-    """Tell whether a text is a number with a unit of the dimension of ``unit``."""
-    match = _QUANTITY.fullmatch(text) if len(text) <= _LONGEST else None
+    """Return True if text is a number with a unit of the dimension of ``unit``."""
+    match = _QUANTITY.fullmatch(text) if len(text) <= _MAX_LENGTH else None
     return bool(match and is_unit(match[2]) and _converted(match[2], unit) is not None)
 
 
 def is_unit(text: str) -> bool:
-    """Tell whether a text is a unit that is understood."""
-    if len(text) > _LONGEST:
+    """Return True if text is a known unit."""
+    if len(text) > _MAX_LENGTH:
         return False
     return bool(_UNIT.fullmatch(text)) and set(re.findall(_NAME, text)) <= set(known_units())
 
 
 def alike(unit: str, *more: str) -> dict[str, float]:
-    """Return the units in which a quantity may be told: name -> how many of the SI ``unit``.
+    """Return the units in which a quantity may be displayed, with their size in the SI ``unit``.
 
-    Those that have a name of their own, the ladder on which numbers are written, what mills say
-    in their place, and ``more``.
+    They are the units of the same dimension with a name, those for output, those of North American
+    mills, and ``more``.
     """
-    if unit != "1" and not is_unit(unit):  # of an output that nobody writes
+    if unit != "1" and not is_unit(unit):  # of a plug-in's output
         return {unit: 1.0}
     due = _product(unit, _definitions()).powers if unit != "1" else {}
     own = [
@@ -252,7 +252,9 @@ def alike(unit: str, *more: str) -> dict[str, float]:
         for name, known in _definitions().items()
         if known.powers == due and due and name not in _SPELLINGS
     ]
-    names = dict.fromkeys((unit, *_LADDERS.get(unit, ()), *own, *(("%",) * (unit == "1")), *more))
+    names = dict.fromkeys(
+        (unit, *_OUTPUT_UNITS.get(unit, ()), *own, *(("%",) * (unit == "1")), *more)
+    )
     names |= dict.fromkeys(MILL[name] for name in list(names) if name in MILL)
     sizes = {
         "" if name == "1" else name: _converted(name, unit) if name != "1" else Fraction(1)
@@ -262,7 +264,7 @@ def alike(unit: str, *more: str) -> dict[str, float]:
 
 
 def factor(text: str, unit: str, field: str) -> Fraction:
-    """Return how many of an SI ``unit`` the unit written as ``text`` is, exactly.
+    """Return the exact conversion factor from the unit ``text`` to an SI unit.
 
     Raises
     ------
@@ -273,27 +275,27 @@ def factor(text: str, unit: str, field: str) -> Fraction:
 
 
 def parse(value: str | float, unit: str, field: str = "value") -> float:
-    """Return ``value`` in SI; a plain number is SI already.
+    """Return ``value`` in SI; a plain number is in SI already.
 
     Parameters
     ----------
     value : str or float
         Number with its unit ("17 pli", "-400 N/m", "19 %") or a plain number.
     unit : str
-        SI unit that is due, e.g. "N/m"; "1" where a pure number is.
+        SI unit of the quantity, e.g. "N/m"; "1" for a pure number.
     field : str
-        Name of the field, for the error's text.
+        Name of the field, for the error message.
 
     Raises
     ------
     InvalidProblem
-        If it is no number, or its unit is missing, unknown or of another dimension.
+        If the value is not a number, or its unit is missing, unknown or of another dimension.
     """
     if isinstance(value, bool) or not isinstance(value, (str, int, float)):
         raise _fault(field, value, "is not a number", unit)
     if not isinstance(value, str):
         return _as_float(value, unit, field)
-    match = _QUANTITY.fullmatch(value) if len(value) <= _LONGEST else None
+    match = _QUANTITY.fullmatch(value) if len(value) <= _MAX_LENGTH else None
     if match is None:
         raise _fault(field, value, "is not a number with a unit", unit)
     number, text = match.groups()
@@ -307,35 +309,35 @@ def parse(value: str | float, unit: str, field: str = "value") -> float:
 
 
 def written(value: float, unit: str, shown_unit: str = "") -> str | float:
-    """Return a number in SI as a text that people like to read, the number itself if there is none.
+    """Return a number in SI as readable text with a unit; the number itself if there is none.
 
     Parameters
     ----------
     value : float
     unit : str
-        Its SI unit; a pure number is written as one, unless ``shown_unit`` is given.
+        SI unit; a pure number stays a number unless ``shown_unit`` is given.
     shown_unit : str
-        The unit to take where others would do as well.
+        Preferred unit.
 
     Returns
     -------
     str or float
-        "66 um", "3.38 GPa"; :func:`parse` reads exactly the same number from it.
+        "66 um", "3.38 GPa"; :func:`parse` returns exactly the same number.
     """
-    names = dict.fromkeys((shown_unit or unit, *_LADDERS.get(unit, (unit,))))
+    names = dict.fromkeys((shown_unit or unit, *_OUTPUT_UNITS.get(unit, (unit,))))
     if unit == "1":
         names = dict.fromkeys([shown_unit] if shown_unit else [])
     texts = [text for name in names if (text := _in_unit(value, name, unit))]
     if not texts:
         return value
-    return min(texts, key=_effort) if value else texts[0]
+    return min(texts, key=_reading_penalty) if value else texts[0]
 
 
 def _in_unit(value: float, name: str, unit: str) -> str:
-    """Return a number with a unit, '' if it would not be read as the same number."""
+    """Return a number with a unit; empty if :func:`parse` would not return the same number."""
     try:
         factor = _factor(name, unit, "", "")
-        # the decimals that Python prints, moved by the unit, are no others; of pi they are
+        # 15 digits suffice for decimals; numbers such as pi need 17.
         number = Decimal(repr(value)) * factor.denominator / factor.numerator
         for digits in (15, 17):
             text = f"{_short(round(number, digits - 1 - number.adjusted()))} {name}"
@@ -351,8 +353,8 @@ def _short(number: Decimal) -> str:
     return f"{number:f}" if -5 <= number.adjusted() <= 6 else f"{number:e}"
 
 
-def _effort(text: str) -> tuple[int, int]:
-    """Return how hard a number is to read: by its length, and more so below 1 or from 10^4."""
+def _reading_penalty(text: str) -> tuple[int, int]:
+    """Return a penalty for numbers that are hard to read: long, below 1, or above 10^4."""
     number = text.split()[0].lstrip("-")
     before = len(number.partition(".")[0])
     far = number.startswith("0") or before > 4
@@ -367,8 +369,8 @@ def _as_float(value: float, unit: str, field: str) -> float:
 
 
 def _factor(text: str, unit: str, field: str, value: str) -> Fraction:
-    """Return how many of ``unit`` the unit written as ``text`` is."""
-    if len(text) > _LONGEST or not _UNIT.fullmatch(text):
+    """Return the conversion factor to an SI unit; ``value`` is quoted in the error message."""
+    if len(text) > _MAX_LENGTH or not _UNIT.fullmatch(text):
         raise _fault(field, value, f"has the unreadable unit {text!r}", unit)
     for name in re.findall(_NAME, text):
         if name not in known_units():
@@ -381,7 +383,7 @@ def _factor(text: str, unit: str, field: str, value: str) -> Fraction:
 
 @lru_cache(maxsize=256)
 def _converted(text: str, unit: str) -> Fraction | None:
-    """Return the factor; mills write a pound-force as "lb", so that lb/in is read as lbf/in."""
+    """Return the conversion factor; "lb" may be a force, so that lb/in is lbf/in."""
     known = _definitions()
     due = _product(unit, known)
     for pound in ("lb", "lbf"):
@@ -392,7 +394,7 @@ def _converted(text: str, unit: str) -> Fraction | None:
 
 
 def _nearest(name: str) -> str:
-    """Return the hint for an unknown unit; a wrong case is the likeliest slip ("mpa")."""
+    """Return a hint for an unknown unit; wrong case ("mpa") is the most common mistake."""
     word = name.lower()
     full = _FULL_NAMES.get(word) or _FULL_NAMES.get(word.removesuffix("s"))
     if full:
@@ -405,7 +407,7 @@ def _nearest(name: str) -> str:
 def _fault(field: str, value: Any, what: str, unit: str, hint: str = "") -> InvalidProblem:
     due = "a plain number" if unit == "1" else f"a value in {unit}"
     example = _EXAMPLES.get(unit, "")
-    if isinstance(value, str) and len(value) <= _LONGEST:
+    if isinstance(value, str) and len(value) <= _MAX_LENGTH:
         hint += _mistyped(value)
     return InvalidProblem([(field, f"{value!r} {what}; expected {due}{example}{hint}")])
 

@@ -48,8 +48,15 @@ class Web(Description):
         2h [m], 0.1 um to 10 mm; or a basis weight, "45 gsm", with the ``density`` of the web,
         "680 kg/m^3".
     material : Orthotropic, Isotropic or Stack
-        The web's own plane-strain stiffness.  Of a stack the web hardens under the nip's pressure,
-        from none; its shear modulus plays no part.
+        Plane-strain stiffness of the web.  A stack makes the web harden under the pressure in the
+        nip; its shear modulus has no effect.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> web = wo.Web(thickness="45 gsm", density="680 kg/m^3", material="newsprint")
+    >>> round(web.thickness * 1e6, 1)
+    66.2
     """
 
     _input_only: ClassVar[Mapping[str, Quantity]] = {"density": density_of_web()}
@@ -61,18 +68,18 @@ class Web(Description):
 
     @property
     def linear(self) -> bool:
-        """Whether it is as stiff under any pressure: not a stack whose modulus changes."""
+        """True unless the material is a stack whose modulus depends on the pressure."""
         stack = self.material
         return not isinstance(stack, Stack) or isinstance(stack.radial, Constant)
 
     @cached_property
     def compliance(self) -> Compliance:
-        """Its plane-strain compliances [1/Pa]; c22, through it, is that without pressure."""
+        """The plane-strain compliances [1/Pa]; c22, through the thickness, without pressure."""
         rr, tt, rt, _, along = self.material.stiffness
         return compliance(rr, tt, rt, along)
 
     def thinned(self, p: Array) -> tuple[Array, Array]:
-        """Return by how much pressures [Pa] make it thinner [m], and the derivatives [m/Pa]."""
+        """Return the thickness reduction [m] by pressures [Pa], and its derivative [m/Pa]."""
         if not isinstance(self.material, Stack):
             by_p = np.full(p.shape, self.thickness * self.compliance.c22)
             return by_p * p, by_p
@@ -80,13 +87,13 @@ class Web(Description):
         return self.thickness * radial.strain_at(p), self.thickness / radial.modulus(p)
 
     def radial_modulus(self, pressure: float) -> float:
-        """Return A_rr; of a stack the mean modulus up to a pressure, P/F(P) [Pa]."""
+        """Return A_rr, or the secant modulus P/F(P) of a stack [Pa]."""
         if isinstance(self.material, Stack):
             return pressure / float(self.material.radial.strain_at(pressure))
         return self.material.stiffness.rr
 
-    def refuse(self, pressure: float) -> None:
-        """Refuse a largest pressure [Pa] beyond the law of a stack.
+    def check_pressure(self, pressure: float) -> None:
+        """Raise an error if a pressure [Pa] is beyond the range of the stack law.
 
         Raises
         ------
@@ -95,6 +102,6 @@ class Web(Description):
         if isinstance(self.material, Stack) and pressure > self.material.limit:
             raise InvalidProblem.at(
                 "web.material",
-                f"the pressure on the web reaches {pressure:.4g} [Pa], and its stack's law ends at "
-                f"{self.material.limit:.4g}: a lower nip load or another law is needed",
+                f"the pressure on the web reaches {pressure:.4g} [Pa], beyond the range of its "
+                f"stack law ({self.material.limit:.4g} [Pa]): lower the nip load or extend the law",
             )

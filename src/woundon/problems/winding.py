@@ -1,4 +1,4 @@
-"""The winding of a roll through a nip: what the winder sets over the radius, and what it winds."""
+"""The winding of a roll through a nip, with schedules over the radius."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ __all__ = ["WindingProblem"]
 
 Array = np.ndarray
 LAWS = ("nip", "friction", "fixed")
-# what the winder sets over the radius: least and largest value
+# Schedules over the radius with their smallest and largest permitted values.
 SCHEDULES: dict[str, tuple[float, float]] = {
     "web_tension": (1e-6, 1e6),
     "nip_load": (1e-12, 1e7),
@@ -56,13 +56,13 @@ SCHEDULES: dict[str, tuple[float, float]] = {
     "tension_law": (1e-6, 1e6),
 }
 LOADS = ("nip_load", "winding_force", "web_tension")
-# of the nip, at every radius
-SAME = frozenset({"web", "drum", "roll_friction", "drum_friction", *WRAP_TABLE["wrap"]})
-LOOKED_AT = 257  # radii at which a load case must have a steady state, beside all kinks
+# Fields of the nip that do not depend on the radius.
+NIP_FIELDS = frozenset({"web", "drum", "roll_friction", "drum_friction", *WRAP_TABLE["wrap"]})
+CHECKED_RADII = 257  # radii, in addition to all kinks, at which a steady state must exist
 
 
 def _law(value: Any) -> Any:
-    """Return a table of tensions as a profile; refuse what is neither a law's name nor a table."""
+    """Return the name of a law, or a profile of the wound-on tension; reject other values."""
     if isinstance(value, Mapping):
         return Profile(**value)
     if isinstance(value, str) and value not in LAWS:
@@ -82,7 +82,7 @@ else:
 
 
 class WindingProblem(Problem):
-    """The winding of a roll: the nip adds tension as the roll grows, the roll's pressure bears it.
+    """The winding of a roll: nip and roll coupled over the radius.
 
     Parameters
     ----------
@@ -98,30 +98,30 @@ class WindingProblem(Problem):
     web_tension, nip_load, winding_force : float, Taper or Profile
         T_in, P and F over the radius [N/m]; F = 0: centre winding.
     torque_split : float, Taper or Profile, optional
-        Share of the web tension that the drum pulls, F = -torque_split T_in, instead of F: 0 is
+        Fraction of the web tension carried by the drum, F = -torque_split T_in, instead of F: 0 is
         centre winding, 1 surface winding.
     roll_body : "effective", "direct" or "linear"
-        What the nip feels of the roll.  "effective": a linear cylinder with E_r at the pressure of
-        wound roll and nip, an estimate.  "direct": the hardening roll with all it has been wound
-        to.  "linear": a cylinder of the web's own moduli, whatever the stack.
+        Model of the roll in the nip.  "effective": a linear cylinder with E_r at the pressure of
+        wound roll and nip, an estimate.  "direct": the hardening roll with its wound-in pressure.
+        "linear": a cylinder with the moduli of the web.
     tension_law : "nip", "friction", "fixed" or Profile
-        Where the wound-on tension comes from.  "nip": the wrapped nip, solved.  "friction":
-        T_in + F + roll_friction P, a nip that slips throughout.  "fixed": T_in +
+        Model of the wound-on tension.  "nip": the solved wrapped nip.  "friction":
+        T_in + F + roll_friction P, full slip in the nip.  "fixed": T_in +
         nip_induced_tension.  A Profile is the wound-on tension itself [N/m].
     nip_induced_tension : float, Taper or Profile, optional
         WOT - T_in [N/m], with tension_law "fixed" only.
     density : float, optional
-        Of the web [kg/m^3], or its basis weight, "45 gsm"; with it the roll has a mass.
+        Density [kg/m^3] or basis weight, "45 gsm", of the web; with it the result contains the mass
+        of the roll.
     gauge_excess : float
-        d, additional thickness of the thickest lane across the width, relative to the web [1], of
-        which the margin ``gauge_band`` and the ridge follow.
+        d, relative additional thickness of the thickest lane across the width [1], for the margin
+        ``gauge_band`` and the ridge height.
     web_speed : float, optional
         V [m/s], needed with air or a viscoelastic drum.
     air : Air, optional
-        What the web brings of it takes friction from nip and laps, and softens the roll; with
-        tension_law "nip".
+        Entrained air reduces the friction in the nip and softens the roll; with tension_law "nip".
     limits : Limits
-        What the roll must bear: its margins are measured by them.
+        Limits to which the margins refer.
     width : float, optional
         Of the web [m]. With it, loads and tensions may be entered as totals, "3.6 kN"; they are
         held per metre of width.
@@ -129,9 +129,16 @@ class WindingProblem(Problem):
     Raises
     ------
     InvalidProblem
-        Naming every field, value and range at fault; a schedule with the radius.
+        Naming every invalid field with its value and permitted range, and the radius.
     NoSteadyState
-        Where the drum would slide at some radius.
+        If the drum slips at some radius.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> winding = wo.WindingProblem.example().replace(nip_load="2.5 kN/m")
+    >>> winding.nip_load, winding.web_tension.start
+    (2500.0, 350.0)
     """
 
     tables: ClassVar[Mapping[str, tuple[str, ...]]] = WRAP_TABLE
@@ -176,7 +183,7 @@ class WindingProblem(Problem):
     wrap_friction: WrapFriction = default(None)
     roll_body: Annotated[
         Literal["effective", "direct", "linear"],
-        Field(description="what the nip feels of the roll"),
+        Field(description="model of the roll in the nip"),
     ] = "effective"
     tension_law: Annotated[TensionLaw, tension("WOT", "wound-on tension model", (50.0, 1500.0))] = (
         default("nip")
@@ -199,21 +206,21 @@ class WindingProblem(Problem):
 
     @model_validator(mode="after")
     def _windable(self) -> Self:
-        try:  # core, laps and density as of any wound roll
+        try:  # checks core, number of layers and density
             self.wound_roll(1.0)
         except InvalidProblem as fault:
             places = {"web_thickness": "web.thickness"}
             raise InvalidProblem([(places.get(f, f), t) for f, t in fault.faults]) from None
         faults = [fault for name in SCHEDULES for fault in self._faults_of(name)]
-        faults += self._misfits()
+        faults += self._contradictions()
         if faults:
             raise InvalidProblem(faults)
         if self.tension_law in ("nip", "friction"):
             self._has_steady_state()
         return self
 
-    def _misfits(self) -> Iterator[tuple[str, str]]:
-        """Yield what does not go together."""
+    def _contradictions(self) -> Iterator[tuple[str, str]]:
+        """Yield (field, message) for combinations of fields that are not permitted."""
         fixed = self.tension_law == "fixed"
         if fixed != (self.nip_induced_tension is not None):
             law = quote(self.tension_law) if isinstance(self.tension_law, str) else "a table"
@@ -245,7 +252,7 @@ class WindingProblem(Problem):
             for field, text in self.air.too_rough(self.web.thickness):
                 yield f"air.{field}", text
         if self.air is not None and self.tension_law != "nip":
-            yield "air", "needs tension_law = 'nip', whose nips tell what passes them"
+            yield "air", "needs tension_law = 'nip', which computes the entrained air"
 
     @property
     def input_warnings(self) -> tuple[str, ...]:
@@ -256,7 +263,7 @@ class WindingProblem(Problem):
         return tuple(texts)
 
     def _faults_of(self, name: str) -> Iterator[tuple[str, str]]:
-        """Yield what is wrong with a schedule: numbers out of range, a table too short."""
+        """Yield (field, message) for numbers out of range and for profiles that are too short."""
         schedule = getattr(self, name)
         if schedule is None or isinstance(schedule, str):
             return
@@ -269,7 +276,7 @@ class WindingProblem(Problem):
             if not low <= value <= high
         ]
         if isinstance(schedule, Profile):
-            wrong += self._short(name, schedule)
+            wrong += self._uncovered_ends(name, schedule)
         yield from wrong
         if isinstance(schedule, Taper) and not wrong:
             value = float(self.curve(name).at(np.array(self.radius)))
@@ -278,19 +285,19 @@ class WindingProblem(Problem):
                 text = f"{quote(schedule.taper)} is out of range; leaves {quote(value)}{unit} {at}"
                 yield f"{name}.taper", f"{text}, {must}"
 
-    def _short(self, name: str, table: Profile) -> Iterator[tuple[str, str]]:
-        """Yield at which end a table does not reach as far as the roll."""
+    def _uncovered_ends(self, name: str, table: Profile) -> Iterator[tuple[str, str]]:
+        """Yield (field, message) for each end of a profile that does not cover the roll."""
         core, R, last = self.core.radius, self.radius, len(table.radius) - 1
         for k, beyond, must in (
             (0, table.radius[0] > core * (1 + 1e-9), f"<= core.radius = {core:.6g}"),
             (last, table.radius[-1] < R * (1 - 1e-9), f">= radius = {R:.6g}"),
         ):
             if beyond:
-                text = f"{quote(table.radius[k])} is out of range; must be {must} [m], for the "
-                yield f"{name}.radius.{k}", f"{text}whole roll is wound"
+                text = f"{quote(table.radius[k])} is out of range; must be {must} [m]: the "
+                yield f"{name}.radius.{k}", f"{text}schedule must cover the whole roll"
 
     def _has_steady_state(self) -> None:
-        r = self.radii(LOOKED_AT)
+        r = self.radii(CHECKED_RADII)
         P, T, F = (self.at(name, r) for name in ("nip_load", "web_tension", "winding_force"))
         nip, wrap = self.drum_friction * P, self.drum_friction * self.drum_wrap
         low, high = -nip + T * np.expm1(-wrap), nip + T * np.expm1(wrap)
@@ -304,8 +311,8 @@ class WindingProblem(Problem):
             raise NoSteadyState.at(
                 name,
                 f"{quote(value)} at the radius {r[k]:.6g} [m]{means} is out of range; must be > "
-                f"{low[k]:.6g} and < {high[k]:.6g} [N/m] there, what friction can carry, or the "
-                "drum slides",
+                f"{low[k]:.6g} and < {high[k]:.6g} [N/m] there, the friction capacity; "
+                "otherwise the drum slips",
             )
 
     # ---- schedules ------------------------------------------------------------------------------
@@ -320,7 +327,7 @@ class WindingProblem(Problem):
         return Curve(getattr(self, name), *self.ends)
 
     def at(self, name: str, r: Any) -> Array:
-        """Return the values of a field's schedule at radii [m]; F follows from a torque split."""
+        """Return the values of a schedule at radii [m]; F may be given by the torque split."""
         r = np.asarray(r, dtype=float)
         if name == "winding_force" and self.torque_split is not None:
             return -self.curve("torque_split").at(r) * self.curve("web_tension").at(r)
@@ -328,8 +335,8 @@ class WindingProblem(Problem):
 
     @property
     def kinks(self) -> dict[float, float]:
-        """Radii at which a schedule has a kink [m], and how sharp it is: r |d slope|/value."""
-        found: dict[float, float] = {}
+        """Radii of the kinks of all schedules [m], with their sharpness r |d slope|/value."""
+        sharpness: dict[float, float] = {}
         for name in SCHEDULES:
             schedule = getattr(self, name)
             if isinstance(schedule, Profile):
@@ -337,29 +344,29 @@ class WindingProblem(Problem):
                 with np.errstate(divide="ignore", invalid="ignore"):
                     sharp = np.nan_to_num(curve.bends, nan=0.0, posinf=1e9)
                 for r, bend in zip(curve.kinks.tolist(), sharp.tolist(), strict=True):
-                    found[r] = max(found.get(r, 0.0), bend)
-        return dict(sorted(found.items()))
+                    sharpness[r] = max(sharpness.get(r, 0.0), bend)
+        return dict(sorted(sharpness.items()))
 
     def radii(self, count: int) -> Array:
-        """Return so many radii from the core to the surface, and those of all kinks [m]."""
+        """Return ``count`` equidistant radii from core to surface and those of all kinks [m]."""
         return np.union1d(np.linspace(*self.ends, count), list(self.kinks))
 
-    # ---- what it is made of ---------------------------------------------------------------------
+    # ---- nip and roll ---------------------------------------------------------------------------
 
     def nip(self, radius: float, roll: Body) -> NipProblem:
-        """Return the nip, with the air, when the roll has a radius [m] and is the given body."""
-        same: dict[str, Any] = {
-            name: getattr(self, name) for name in NipProblem.model_fields if name in SAME
+        """Return the nip, with the air, at a radius of the roll [m]; ``roll`` is its body."""
+        fields: dict[str, Any] = {
+            name: getattr(self, name) for name in NipProblem.model_fields if name in NIP_FIELDS
         }
-        same |= {name: float(self.at(name, radius)) for name in LOADS}
+        fields |= {name: float(self.at(name, radius)) for name in LOADS}
         if self.drum.viscoelastic or self.air is not None:
-            same |= {"web_speed": self.web_speed, "air": self.air}
-        return NipProblem(**same, roll=roll)
+            fields |= {"web_speed": self.web_speed, "air": self.air}
+        return NipProblem(**fields, roll=roll)
 
     def wound_roll(
         self, wound_on_tension: float | Taper | Profile, film: float = 0.0
     ) -> RollProblem:
-        """Return the roll that is wound with a tension over the radius [N/m], and air [m]."""
+        """Return the roll for a wound-on tension [N/m] and an air film [m] between its layers."""
         roll = RollProblem(
             core=self.core,
             radius=self.radius,
@@ -373,7 +380,7 @@ class WindingProblem(Problem):
 
     @property
     def assumptions(self) -> tuple[str, ...]:
-        """What the model assumes of this case, as sentences."""
+        """The assumptions of the model for this case, as sentences."""
         return of_winding(self)
 
     @classmethod

@@ -1,4 +1,4 @@
-"""The wound roll: a stack under the pressure that was wound into it, stiffer still under a nip."""
+"""The wound roll in a nip: a stack that hardens under the pressure wound in and in the nip."""
 
 from __future__ import annotations
 
@@ -36,24 +36,31 @@ Array = np.ndarray
 
 
 class WoundRoll(Body):
-    """A roll of a stack that hardens under the pressure wound in and under that of the nip.
+    """A roll whose stack hardens under the pressure wound in and the pressure of the nip.
 
     Parameters
     ----------
     radius, core_radius : float
-        R and R0 [m], as of a :class:`~woundon.problems.bodies.Cylinder`.
+        R and R0 [m], as for a :class:`~woundon.problems.bodies.Cylinder`.
     stack : Stack
     pressure : float or Profile
-        P0, wound in [Pa], >= 0.
+        P0, pressure wound into the roll [Pa], >= 0.
     hardening : "direct" or "frozen"
-        "direct": the equilibrium of the roll under all loads, by finite elements.  "frozen": linear
-        about the wound state, without the hardening under the nip's own pressure; too soft under a
-        nip, for checks.
+        "direct": equilibrium of the roll under all loads, by finite elements.  "frozen": linearised
+        at the pressure wound in, without hardening in the nip, therefore too soft; for checks.
 
     Raises
     ------
     InvalidProblem
-        For a core that is not smaller than the roll, or a pressure at which the stack's law ends.
+        For a core that is not smaller than the roll, or a pressure beyond the stack law.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> stack = wo.grade("newsprint").stack
+    >>> roll = wo.WoundRoll(radius=0.5, core_radius=0.05, stack=stack, pressure="200 kPa")
+    >>> roll.linear
+    False
     """
 
     core_radius: CoreRadius = Field(...)
@@ -76,29 +83,31 @@ class WoundRoll(Body):
                     "where the stack's law ends or its modulus is tangential/poissons_ratio^2",
                 )
         if self.hardening == "direct" and self.stack.shear_exponent > 0:
-            _has_slope(self.stack)
+            _check_shear_slope(self.stack)
         return self
 
     @property
     def linear(self) -> bool:  # type: ignore[override]
-        """Whether the response is the same about every state."""
+        """True if the roll is linearised at the pressure wound in."""
         return self.hardening == "frozen"
 
     @property
     def validity_warning(self) -> str:  # type: ignore[override]
-        """What is to be said with every result."""
+        """A warning for every result with this body; empty if there is none."""
         misfit = getattr(self.stack.radial, "misfit", 0.0)
-        coarse = f"its stack test is fitted to {misfit:.2g} of its strain only" * (misfit > POOR)
-        return "; ".join(filter(None, (CAUTIONS[self.hardening], coarse)))
+        texts = [VALIDITY_WARNINGS[self.hardening]]
+        if misfit > WARNING_MISFIT:
+            texts.append(f"its stack test is fitted to {misfit:.2g} of its strain only")
+        return "; ".join(filter(None, texts))
 
     @property
     def thickness(self) -> float:
-        """Thickness R - R0 of what deforms [m]."""
+        """Thickness R - R0 of the layers [m]."""
         return self.radius - self.core_radius
 
     @property
     def compliance(self) -> float:
-        """C of the half-plane that the wound surface is near a line load [1/Pa]."""
+        """C of the half-plane that the surface resembles near a line load [1/Pa]."""
         wound = float(self.wound_pressure(self.radius))
         return coefficients(*self.stack.tangent(wound, wound)[:4]).C
 
@@ -112,14 +121,14 @@ class WoundRoll(Body):
         return at_radius(self.pressure, r)
 
     def uniform_strain(self, pressure: float) -> float:
-        """Return the surface strain under a uniform pressure, linearised about the wound state."""
+        """Return the surface strain under a uniform pressure, linearised at the wound pressure."""
         return pressure * uniform_response(self._kernels.strain_p)
 
     def surface(self, face: Face, half_width: float, speed: float | None = None) -> SurfaceResponse:
         """Return the response of the surface on a face scaled by the half width."""
         if self.hardening == "frozen":
             return InfluenceSurface(self._kernels, self.radius, True, face, half_width)
-        # imported late: SciPy's sparse solvers take a quarter of a second to load
+        # Imported here: SciPy's sparse solvers take 0.25 s to load.
         from ..elasticity.hardening_surface import HardeningSurface
 
         ring = ring_of(self)
@@ -130,7 +139,7 @@ class WoundRoll(Body):
     def interior_stress(
         self, x: Array, p: Array, q: Array, depths: Array, half_width: float
     ) -> tuple[Section, ...]:
-        """Return the stresses that the tractions add to those wound in."""
+        """Return the stresses due to the tractions, without those wound in."""
         if self.hardening == "frozen":
             layers = graded_layers(self.radius, self.core_radius, self.stack, self.pressure)
             return cylinder_sections(x, p, q, depths, self.radius, layers)
@@ -139,31 +148,31 @@ class WoundRoll(Body):
         return hardening_sections(ring_of(self), x, p, q, depths, half_width)
 
 
-CAUTIONS = {
+VALIDITY_WARNINGS = {
     "direct": "",
-    "frozen": "it is taken as linear about the wound state, without the nip's own pressure: too "
-    "soft under the nip, by up to a factor of six",
+    "frozen": "it is linearised at the pressure wound in, without hardening in the nip: too soft "
+    "by up to a factor of six",
 }
 
-POOR = 0.01  # misfit of a stack test, of its strain, from which it is told
+WARNING_MISFIT = 0.01  # relative misfit of a stack test above which a warning is given
 
 
-def _has_slope(stack: Any) -> None:
-    """Refuse a shear modulus whose slope is infinite where a roll may lose its pressure.
+def _check_shear_slope(stack: Any) -> None:
+    """Reject a shear modulus with an infinite slope at zero pressure.
 
-    Shear strains the stack radially in proportion to that slope: without bound there.
+    Shear causes a radial strain in proportion to this slope.
     """
     if not isfinite(float(stack.radial.modulus_slope(np.zeros(())))):
         raise InvalidProblem.at(
             "stack.shear_exponent",
-            f"{quote(stack.shear_exponent)} is out of range; must be 0 with a radial law that "
-            "sets in with an infinite slope, as a PowerLaw with m < 1 does",
+            f"{quote(stack.shear_exponent)} is out of range; must be 0 for a radial law with "
+            "an infinite slope at P = 0, such as a PowerLaw with m < 1",
         )
 
 
 @lru_cache(maxsize=4)
 def ring_of(roll: WoundRoll) -> RingPair:
-    """Return the finite-element rings of a roll; they keep the last state to start from."""
+    """Return the finite-element rings of a roll; they keep the last state as initial guess."""
     from ..elasticity.ring_equilibrium import RingPair
 
     stack = roll.stack

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..errors import InvalidProblem, NotConverged
 from ..problems.messages import quote
-from ..problems.roll import FEWEST_LAPS, RollProblem
+from ..problems.roll import FEWEST_LAYERS, RollProblem
 from ..problems.schedules import Profile, Taper
 from .build_up import cell_source, kinks_of, nodes_between
 from .equations import Solved, pressure_between
@@ -68,10 +68,10 @@ def stage_arrays(result: Any, radius: float) -> dict[str, Any]:
     if place.ndim:
         raise InvalidProblem.at("radius", f"{place.size} values; must be one radius [m]")
     surface, problem = float(place), result.problem
-    smallest = problem.core.radius + FEWEST_LAPS * problem.web_thickness
+    smallest = problem.core.radius + FEWEST_LAYERS * problem.web_thickness
     if surface < smallest:
         text = f"{quote(surface)} is out of range; must be >= {smallest:.6g} [m]"
-        raise InvalidProblem.at("radius", f"{text}, {FEWEST_LAPS} layers")
+        raise InvalidProblem.at("radius", f"{text}, {FEWEST_LAYERS} layers")
     stage, nodes, growth, solved = _solved_stage(result, surface, result.radius.size - 1)
     arrays = finished_arrays(stage, nodes, growth, solved)
     lap_growth = result.kappa_of_laps.until(growth.x[-1]).kappa

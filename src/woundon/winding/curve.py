@@ -20,7 +20,7 @@ from math import ceil
 
 import numpy as np
 
-from ..problems.roll import FEWEST_LAPS
+from ..problems.roll import FEWEST_LAYERS
 from ..problems.winding import LOADS, WindingProblem
 from .interpolation import FEWEST, Piece
 
@@ -69,7 +69,7 @@ class TensionCurve:
         self.lines = ceil(LINES / rtol**0.5)
         core, R = problem.ends
         room = ROOM_FOR_AIR if problem.air is not None and problem.web_speed else 1 + 1e-9
-        self.least = FEWEST_LAPS * problem.web.thickness * room
+        self.least = FEWEST_LAYERS * problem.web.thickness * room
         inner = min(max(self.least, NEAR_CORE * core), max(self.least, 0.25 * (R - core)))
         sharp = {r: bend for r, bend in sharp_kinks(problem).items() if core + inner < r < R}
         cuts = sorted(sorted(sharp, key=sharp.__getitem__)[-MOST_PIECES + 1 :])
