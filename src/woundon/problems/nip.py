@@ -44,7 +44,7 @@ Width = Annotated[
     OptionalNumber, length("w", "width of the web", "m", (0.2, 10.0)), Field(gt=0, le=100)
 ]
 
-# fields that nips and windings share
+# Fields that nips and windings share.
 RollFriction = Annotated[
     Number, pure("mu+", "interlayer friction coefficient", (0.1, 0.6)), _FRICTION
 ]
