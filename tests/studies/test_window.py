@@ -24,7 +24,7 @@ from woundon.studies.window_map import (
     standard_normal,
     to_reserve,
 )
-from woundon.studies.window_model import with_value
+from woundon.studies.window_model import window_model, with_value
 
 RANGES = {"web_tension": (150.0, 450.0), "nip_load": (500.0, 3000.0)}
 STRENGTH = 700.0  # N/m
@@ -172,6 +172,22 @@ def test_margins_are_outputs_of_studies():
     result = wo.solve(problem)
     assert float(data["margins.strength"][0]) == result.margins["strength"].reserve
     assert np.isnan(float(data["margins.core"][0]))
+
+
+@pytest.mark.slow
+def test_friction_shares_replace_the_nips():
+    """Independent method: a winding with the friction shares of its nips keeps its margins."""
+    limits = wo.Limits(blocking_pressure=400e3, web_strength=STRENGTH)
+    model = window_model(winding(tension_law="nip", limits=limits), {}, None)
+    set_point = {"web_tension": 250.0, "nip_load": 1200.0}
+    answer = model.run(set_point, None)
+    count = len(answer.values) - len(model.depths)
+    margins, shares = answer.values[:count], answer.values[count:]
+    without_nips = model.run({**set_point, "friction_share": shares}, None)
+    assert without_nips.state.nips_solved == 0
+    assert answer.state.nips_solved > 0
+    # 0.01: the reduced accuracy of the windings
+    np.testing.assert_allclose(without_nips.values[:count], margins, atol=0.01)
 
 
 # ---- windows of windings ------------------------------------------------------------------------
