@@ -227,6 +227,9 @@ def every() -> tuple[Kind[Any, Any], ...]:
 def named(name: str) -> Kind[Any, Any]:
     """Return a kind by its name.
 
+    >>> named("nip").problem.__name__, list(named("nip").solver_options())
+    ('NipProblem', ['nodes', 'rtol'])
+
     Raises
     ------
     InvalidProblem
@@ -242,6 +245,9 @@ def named(name: str) -> Kind[Any, Any]:
 def of(thing: Any) -> Kind[Any, Any]:
     """Return the kind of a problem or of a result.
 
+    >>> of(NipProblem.example()).name
+    'nip'
+
     Raises
     ------
     InvalidProblem
@@ -256,7 +262,11 @@ def of(thing: Any) -> Kind[Any, Any]:
 
 
 def for_fields(names: Iterable[str]) -> Kind[Any, Any]:
-    """Return the kind whose problem has the fields, or a file's tables, of these names."""
+    """Return the kind whose problem has the fields, or a file's tables, of these names.
+
+    >>> for_fields(["upper", "lower", "load"]).name
+    'rollers'
+    """
     kinds = every()
     chosen = best_match(names, [kind.problem for kind in kinds])
     return next(kind for kind in kinds if kind.problem is chosen)

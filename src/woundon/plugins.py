@@ -67,6 +67,14 @@ def load() -> None:
 def register_command(command: click.Command) -> None:
     """Add a command to the command line.
 
+    >>> import click
+    >>> @click.command("greet")
+    ... def greet():
+    ...     click.echo("good day")
+    >>> register_command(greet)
+    >>> commands()["greet"] is greet
+    True
+
     Parameters
     ----------
     command : click.Command

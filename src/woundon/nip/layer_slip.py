@@ -67,7 +67,7 @@ class LayerSlip(ReadOnly):
     layers : int
         Number of layers in which abs(tau) exceeds mu (P0 + p) somewhere.
     depth : float
-        Depth of the deepest of them [m], 0 if there is none.
+        Depth of the deepest slipping layer [m], 0 if there is none.
     width : float
         Extent in x over which any layer slips [m].
     layer : (k,) int array
@@ -84,9 +84,9 @@ class LayerSlip(ReadOnly):
         mu [1].
     """
 
-    ratio: Annotated[float, pure("S_tau", "largest shear between layers / what friction carries")]
-    layers: Annotated[int, pure("n_slip", "layers that would slip")]
-    depth: Annotated[float, length("z_slip", "depth of the deepest of them")]
+    ratio: Annotated[float, pure("S_tau", "largest interlayer shear / friction limit")]
+    layers: Annotated[int, pure("n_slip", "number of layers that would slip")]
+    depth: Annotated[float, length("z_slip", "depth of the deepest slipping layer")]
     width: Annotated[float, length("w_slip", "extent along the nip over which layers would slip")]
     friction: float
     layer: Array = field(repr=False)
