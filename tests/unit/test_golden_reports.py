@@ -34,7 +34,10 @@ CASES = {
 def without_estimates(text: str) -> str:
     text = re.sub(r"± \S+|\d+ Newton iterations", "", text)
     text = re.sub(r"largest residual \S+ \(.*\)", "largest residual", text)
-    return "".join(f"{line.rstrip()}\n" for line in text.splitlines() if "▶" not in line)
+    lines = [line.rstrip() for line in text.splitlines() if "▶" not in line]
+    # outputs of the thesis, which another test may have imported in this process
+    lines = [line for line in lines if not re.search(", to A |, from [BC] ", line)]
+    return "".join(f"{line}\n" for line in lines)
 
 
 @pytest.mark.parametrize("name", CASES)
