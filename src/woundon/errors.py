@@ -138,7 +138,12 @@ class NoSolution(InvalidProblem):
 
 
 class NotConverged(RuntimeError):
-    """The solver did not converge; ``best`` is the best iterate."""
+    """The solver did not converge; ``best`` is the best iterate.
+
+    >>> import woundon as wo
+    >>> wo.NotConverged("no convergence", best=1.0).best
+    1.0
+    """
 
     def __init__(self, text: str, best: Any = None) -> None:
         super().__init__(text)
@@ -146,15 +151,36 @@ class NotConverged(RuntimeError):
 
 
 class ValidityWarning(UserWarning):
-    """A solved case is outside the validity range of the linear, small-strain, plane model."""
+    """A solved case is outside the validity range of the linear, small-strain, plane model.
+
+    >>> import warnings
+    >>> import woundon as wo
+    >>> with warnings.catch_warnings():
+    ...     warnings.simplefilter("ignore", wo.ValidityWarning)
+    ...     result = wo.solve(wo.RollProblem.example())
+    """
 
 
 class InputWarning(UserWarning):
-    """An input has no effect, or contradicts another one."""
+    """An input has no effect, or contradicts another one.
+
+    >>> import warnings
+    >>> import woundon as wo
+    >>> with warnings.catch_warnings():
+    ...     warnings.simplefilter("ignore", wo.InputWarning)
+    ...     result = wo.solve(wo.RollProblem.example())
+    """
 
 
 class ResolutionWarning(UserWarning):
-    """The mesh is too coarse for a detail of the solution; increase the number of nodes."""
+    """The mesh is too coarse for a detail of the solution; increase the number of nodes.
+
+    >>> import warnings
+    >>> import woundon as wo
+    >>> with warnings.catch_warnings():
+    ...     warnings.simplefilter("ignore", wo.ResolutionWarning)
+    ...     result = wo.solve(wo.RollProblem.example())
+    """
 
 
 def warn(texts: Iterable[str], kind: type[Warning] | None = None) -> None:

@@ -67,7 +67,11 @@ _PER_SI = {
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class Quantity:
-    """What a number is.
+    """The meaning of a number: symbol, unit and label.
+
+    >>> import woundon as wo
+    >>> wo.Quantity("P", "N/m", "nip load").display
+    'N/m'
 
     Attributes
     ----------
@@ -357,13 +361,13 @@ def members_of(annotation: Any) -> tuple[type, ...]:
 
 
 def is_item(name: str, count: int) -> bool:
-    """Return whether a part of a dotted name is the number of an item in a list of ``count``."""
+    """Return True if a part of a dotted name is the index of an item in a list of ``count``."""
     # Python limits the digits of int(), and isdecimal() admits digits of other scripts.
     return name.isascii() and name.isdecimal() and len(name) < 10 and int(name) < count
 
 
 def is_list(annotation: Any) -> bool:
-    """Tell whether an annotation admits a list, or a tuple, of values or of descriptions."""
+    """Return True if an annotation admits a list or tuple of values or descriptions."""
     if get_origin(annotation) in (tuple, list):
         return True
     return any(is_list(part) for part in get_args(annotation) if get_origin(part) is not None)
@@ -415,7 +419,7 @@ def _walk_outputs(thing: Any, of: type, prefix: str, values: bool = True) -> Ite
 
 
 def _version(of: type) -> tuple[tuple[str, int], ...]:
-    """Return what changes when somebody sets another output on a class."""
+    """Return the identity of the outputs of a class, for caching."""
     return tuple(
         (name, id(made))
         for base in of.__mro__

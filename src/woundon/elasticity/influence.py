@@ -199,7 +199,7 @@ class InfluenceSurface:
 
     @cached_property
     def _is_short(self) -> bool:
-        """Whether the smooth parts vary too rapidly for polynomials."""
+        """True if the smooth parts vary too rapidly for polynomials."""
         return self._rank > min(HIGHEST_RANK, 8 * (self.face.size - 1))
 
     @cached_property

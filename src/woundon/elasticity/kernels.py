@@ -8,7 +8,7 @@ functions is a sum
     k(t) = inverse / t  +  delta * Dirac(t)  +  log * ln|t|  +  sign * sgn(t)  +  lag  +  smooth(t)
 
 whose first parts are integrated in closed form against the traction elements and whose smooth rest
-is integrated by interpolation.  The lag is that of a viscoelastic surface, nil of an elastic one.
+is integrated by interpolation.  The lag is that of a viscoelastic surface, zero for an elastic one.
 The half-plane has no smooth rest.  A curved body's rest is smooth on either side of t = 0 and
 bounded; at t = 0 it has a kink |t|, t ln|t| or weaker.
 """

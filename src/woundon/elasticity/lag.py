@@ -53,7 +53,7 @@ SERIES = [-((-1) ** k) / factorial(k) * sum(1 / m for m in range(1, k + 1)) for 
 
 @dataclass(frozen=True, eq=False)
 class Lag:
-    """Kernels Re sum_m g_m Phi(t; l_m), told by their second integrals.
+    """Kernels Re sum_m g_m Phi(t; l_m), given by their second integrals.
 
     Parameters
     ----------

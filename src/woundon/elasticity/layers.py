@@ -15,7 +15,7 @@ N and K are positive semidefinite and stay finite for incompressible materials; 
 layer to layer.  What is wanted is the surface compliance Y_n, w = Y_n t at r = R.
 
 The thesis builds Y_n from the roots of (43) and powers of r; these overflow, coincide, and cancel
-in thin or nearly incompressible layers.  Here every layer is told by three matrices, from its
+in thin or nearly incompressible layers.  Here every layer is described by three matrices, from its
 inner side 0 to its outer side 1,
 
     w1 = A w0 + Q t1,     t0 = A' t1 - H w0,     A = I + E,

@@ -160,12 +160,12 @@ class Face:
 
     @property
     def extends_downstream(self) -> bool:
-        """Whether the body touches the web downstream of the nip."""
+        """True if the body touches the web downstream of the nip."""
         return self.last < self.nodes.size - 1
 
     @property
     def is_nip(self) -> bool:
-        """Whether the face has no wrap."""
+        """True if the face has no wrap."""
         return self.nodes.size == self.size
 
     @cached_property

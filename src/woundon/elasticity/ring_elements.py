@@ -241,7 +241,7 @@ class RingMesh:
 
     @cached_property
     def circles(self) -> Array:
-        """Where nodes are along r, (2 rows + 1,) [m]."""
+        """Radii of the nodes, (2 rows + 1,) [m]."""
         middle = (self.r[:-1] + self.r[1:]) / 2
         return np.append(np.stack([self.r[:-1], middle], axis=1).ravel(), self.r[-1])
 

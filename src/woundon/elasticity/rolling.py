@@ -38,7 +38,7 @@ __all__ = ["half_plane_kernels", "layered_kernels"]
 
 Array = np.ndarray
 
-SLOW = 1.0  # eps from which a retardation is told by powers of 1/n
+SLOW = 1.0  # eps above which a retardation is expanded in powers of 1/n
 LEAST_TERMS = 128  # then they are so many, which leave 1e-12
 
 

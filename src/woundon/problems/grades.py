@@ -280,6 +280,10 @@ class Grades(dict[str, Grade]):
 def grades(path: str | Path | None = None) -> Grades:
     """Return all grades by name.
 
+    >>> import woundon as wo
+    >>> "newsprint" in wo.grades()
+    True
+
     Parameters
     ----------
     path : path, optional

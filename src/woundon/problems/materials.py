@@ -83,7 +83,12 @@ class Solid(Family):
 
 
 class Material(Solid, abstract=True):
-    """A linear elastic material: an open set of classes with a plane-strain stiffness."""
+    """A linear elastic material: an open set of classes with a plane-strain stiffness.
+
+    >>> import woundon as wo
+    >>> isinstance(wo.material("steel"), wo.Material)
+    True
+    """
 
     @classmethod
     def coerce(cls, value: Any) -> Any:

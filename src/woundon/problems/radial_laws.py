@@ -197,6 +197,12 @@ class Pfeiffer(SolidLaw):
         Pressure [Pa], > 0.
     K2 : float
         Springiness factor [1], > 0.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> float(wo.Pfeiffer(K1="10 kPa", K2=40.0).modulus(100e3))
+    4400000.0
     """
 
     K1: Annotated[
@@ -236,6 +242,12 @@ class Polynomial(SolidLaw):
     coefficients : sequence of float
         c_0 [Pa], c_1 [1], c_2 [1/Pa], ...; c_0 > 0.  The law ends where the modulus falls to 1 %
         of c_0.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> float(wo.Polynomial(coefficients=(4e5, 40.0)).modulus(100e3))
+    4400000.0
     """
 
     coefficients: Annotated[

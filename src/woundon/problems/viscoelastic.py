@@ -56,6 +56,14 @@ class LossAngle(OneModulus):
     ------
     InvalidProblem
         For values out of range.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> wo.LossAngle(
+    ...     youngs_modulus="5 MPa", poissons_ratio=0.45, loss_angle="10 deg", frequency="100 Hz"
+    ... ).relaxes
+    True
     """
 
     youngs_modulus: Annotated[
