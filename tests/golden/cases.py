@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import woundon as wo
+import woundon.jorkama2001.nips  # adds rig_tension, an output of nips in version 0.2
 from woundon.quantities import value_of
 
 __all__ = [
