@@ -64,7 +64,7 @@ ROUNDING = 1e-9
 # tolerance of the stages of a roll that is wound again: the last step of Newton's method, which
 # leaves about the square of its change, is at most 5e-8
 EXACT = 5e-13
-TOLD = "peak_pressure", "core_pressure", "mid_pressure", "least_hoop_stress"
+ESTIMATED = "peak_pressure", "core_pressure", "mid_pressure", "least_hoop_stress"
 NEAR = 0.15  # of the build-up
 
 
@@ -255,7 +255,7 @@ def _worst(result: RollResult, pressure: Array, hoop: Array) -> dict[str, float]
     r, core, R = np.exp(_compared(result)), result.radius[0], result.radius[-1]
     near_core, near_mid = (abs(r - place) <= NEAR * (R - core) for place in (core, (core + R) / 2))
     worst = pressure, pressure[near_core], pressure[near_mid], hoop
-    return {name: float(np.max(errors)) for name, errors in zip(TOLD, worst, strict=True)}
+    return {name: float(np.max(errors)) for name, errors in zip(ESTIMATED, worst, strict=True)}
 
 
 def _admissible(result: RollResult, known: BuildUp) -> RollResult:

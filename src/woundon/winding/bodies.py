@@ -47,7 +47,7 @@ DEPTHS = 33  # at which the wound pressure is averaged
 MOST = 25  # nips until P_e is found
 # powers of P_e with which WOT, a and p_max go, by first guess: Hertz's, with (E_r E_t)^1/2
 HERTZ = 0.0, -0.25, 0.25
-TOLD = 2e-3  # of P_e, a step from which powers are taken: less would tell the grid's noise
+SMALLEST_STEP = 2e-3  # of P_e, for powers: smaller differences are discretisation noise
 STEP, SETTLED = 1e-3, 1e-9  # of P_e
 ALMOST = 0.9  # of the pressure at which a stack's law ends
 
@@ -146,7 +146,7 @@ def _effective(
     for _ in range(MOST):
         result = solve(effective_cylinder(problem, radius, P), result)
         felt = Felt(result, P, powers=known.powers if known else HERTZ)
-        if last is not None and abs(P - last.pressure) > TOLD * P:
+        if last is not None and abs(P - last.pressure) > SMALLEST_STEP * P:
             felt = felt._replace(powers=_powers(felt, last))
         felt = predicted_nip(problem, stage, felt)
         if abs(felt.wanted - P) <= agreed * P:
