@@ -205,7 +205,7 @@ def test_files_and_reports(wrapped: bool, tmp_path: Any) -> None:
         result.save(tmp_path / name)
         assert wo.load_result(tmp_path / name) == result
     said = str(result)
-    for text in ("rolling resistance", "turn into heat", "resultant", "300  m/min", "all relaxed"):
+    for text in ("rolling resistance", "dissipated", "resultant", "300  m/min", "relaxed"):
         assert text in said
     assert result.certified().largest < 1e-8
 
