@@ -15,8 +15,8 @@ from slow_cases import slow_case
 from thesis_cases import newsprint_nip, paper_nip
 
 import woundon as wo
-import woundon.jorkama2001.nips  # adds the output rig_tension
 import woundon.studies.fit
+from woundon.jorkama2001.estimate import rig_tension
 from woundon.studies.fit import fit_parameters
 from woundon.studies.kind_model import columns_of, measurable, model_of, replaced
 from woundon.studies.measured import Measured, read_measured
@@ -26,6 +26,12 @@ from woundon.studies.profiles import threshold
 
 X = np.linspace(1.0, 4.0, 12)
 NOISE = np.random.default_rng(7).normal(0, 0.1, X.size)
+
+
+@pytest.fixture(autouse=True)
+def _rig_tension(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Add the tension that the thesis fitted to the outputs of nips."""
+    monkeypatch.setattr(wo.NipResult, "rig_tension", property(rig_tension), raising=False)
 
 
 def _fitted(model, y, parameters, *, deviation=None, starts=3, profiles=True, workers=1):
