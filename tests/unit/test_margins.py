@@ -15,7 +15,7 @@ from woundon.roll.theories import constant_moduli
 from woundon.winding import margins as module
 from woundon.winding.criteria import (
     collapse_pressure,
-    sliding_laps_buckle,
+    sliding_layers_buckling_stress,
     torque_carried,
     torque_share,
 )
@@ -78,7 +78,9 @@ def test_layers_that_slide_buckle_as_beams_on_springs(laps: int) -> None:
     softest = np.linalg.eigvalsh(springs)[0]
     load = np.min(E_t * h**3 / 12 * waves**2 + softest / waves**2)
     # of the waves' grid, whose minimum is flat
-    assert sliding_laps_buckle(E_r, E_t, h, laps * h) == pytest.approx(load / h, rel=1e-5)
+    assert sliding_layers_buckling_stress(E_r, E_t, h, laps * h) == pytest.approx(
+        load / h, rel=1e-5
+    )
 
 
 def test_what_friction_must_hold_is_reported(roll: wo.RollResult) -> None:
@@ -105,7 +107,7 @@ def test_a_roll_in_closed_form_slips_where_and_as_it_should() -> None:
         core=core, radius=0.2, stack=stack, web_thickness=h, wound_on_tension=T
     )
     found = wo.margins(wo.solve(problem, rtol=1e-5), wo.Limits(layer_friction=MU))["slip"]
-    r = np.linspace(0.05, 0.2 - module.TAIL_LAPS * h, 2001)
+    r = np.linspace(0.05, 0.2 - module.TAIL_LAYERS * h, 2001)
     P = constant_moduli(problem, r).pressure
     share = T * 0.2 / (2 * pi * r**2 * MU * P)
     assert found.value == pytest.approx(share.max(), rel=1e-4)  # ten times the solver's

@@ -16,7 +16,7 @@ import woundon as wo
 from woundon.parallel import Cancelled
 from woundon.results import ACCEPTED_RESIDUAL
 from woundon.roll.stages import stage_at
-from woundon.winding.bodies import effective_cylinder, felt_pressure
+from woundon.winding.bodies import effective_cylinder, effective_pressure
 from woundon.winding.interpolation import Piece, leja
 from woundon.winding.measured import smoothed
 from woundon.winding.nips import Nips
@@ -47,17 +47,17 @@ def test_leja_points_are_ends_and_then_as_far_from_others_as_can_be():
     assert leja(9)[:4] == leja(4)
 
 
-def test_a_piece_meets_polynomials_exactly_and_tells_its_misses():
+def test_a_piece_meets_polynomials_exactly_and_estimates_its_error():
     piece = Piece(-3.0, 1.0)
     values = {x: x**3 - 2 * x for x in piece.places}
     x = np.linspace(-3, 1, 101)
     np.testing.assert_allclose(piece.at(x, values), x**3 - 2 * x, atol=1e-11)
     np.testing.assert_allclose(piece.at(np.array(piece.places), values), list(values.values()))
-    assert max(miss for _, miss in piece.misses(values)) < 1e-11
+    assert max(error for _, error in piece.error_estimates(values)) < 1e-11
     # the error at a kink is in the estimate
     kinked = {x: abs(x + 0.9) for x in piece.places}
     off = np.max(np.abs(piece.at(x, kinked) - np.abs(x + 0.9)))
-    assert max(miss for _, miss in piece.misses(kinked)) > 0.3 * off
+    assert max(error for _, error in piece.error_estimates(kinked)) > 0.3 * off
 
 
 # ---- measured schedules -------------------------------------------------------------------------
@@ -130,7 +130,7 @@ def test_each_nip_answers_what_the_roll_was_wound_with():
     assert run.roll.problem.tension_curve.at(r) * 66e-6 == pytest.approx(tension, rel=1e-12)
     # and the roll so far asks for the modulus that it has; what is left is a second-order change
     stage = stage_at(run.roll, r)
-    found = felt_pressure(stage, nip.roll_wound_on_tension, nip.half_width, nip.peak_pressure)
+    found = effective_pressure(stage, nip.roll_wound_on_tension, nip.half_width, nip.peak_pressure)
     assert found == pytest.approx(float(run.nip_felt_pressure[k]), rel=1e-4)
 
 

@@ -93,9 +93,24 @@ def made_by(module: str, solver: str) -> tuple[Exhibit, ...]:
     )
 
     known = [
-        fig5, fig15, fig16_18, fig19, fig20, fig21_22, fig23_24, fig25, fig26, fig27,
-        fig28_29, fig30, fig33, fig34, fig35, table3, table4,
-    ]  # fmt: skip
+        fig5,
+        fig15,
+        fig16_18,
+        fig19,
+        fig20,
+        fig21_22,
+        fig23_24,
+        fig25,
+        fig26,
+        fig27,
+        fig28_29,
+        fig30,
+        fig33,
+        fig34,
+        fig35,
+        table3,
+        table4,
+    ]
     (found,) = (one for one in known if one.__name__.rpartition(".")[2] == module)
     made: tuple[Exhibit, ...] = found.exhibits(solver)
     return made

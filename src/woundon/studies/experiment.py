@@ -301,9 +301,13 @@ def next_experiment(
     if goal.measurement.size != 1:
         raise InvalidProblem.at("operating_point", "must be one state, without sequences")
     study = _Study(
-        [planned(m) for m in candidates], known, goal, criterion,
-        np.array([m.cost for m in candidates]), _start_information(prior, fitted),
-    )  # fmt: skip
+        [planned(m) for m in candidates],
+        known,
+        goal,
+        criterion,
+        np.array([m.cost for m in candidates]),
+        _start_information(prior, fitted),
+    )
     local = study.at(theta)
     order = local.select(count)
     scores, covariances = local.steps(order)
@@ -317,20 +321,28 @@ def next_experiment(
     quantities = {goal.output: goal.quantity}
     quantities |= {name: q for name in names if (q := field_quantity(base, name)) is not None}
     return NextExperiment(
-        names=names, values=np.array(list(theta.values())),
-        measurements=tuple(candidates[k] for k in order), scores=scores,
+        names=names,
+        values=np.array(list(theta.values())),
+        measurements=tuple(candidates[k] for k in order),
+        scores=scores,
         standard_errors=np.sqrt([np.diag(C) for C in covariances]),
-        output=goal.output, output_value=local.output_value,
+        output=goal.output,
+        output_value=local.output_value,
         output_errors=np.sqrt([local.gradient @ C @ local.gradient for C in covariances]),
-        covariance=covariances[-1], candidates=tuple(candidates), first_scores=first,
+        covariance=covariances[-1],
+        candidates=tuple(candidates),
+        first_scores=first,
         first_errors=np.sqrt(
             [np.diag(np.linalg.inv(local.J0 + each)) for each in local.information]
         ),
         unidentified=tuple(name for name, is_weak in zip(names, weak, strict=True) if is_weak),
-        direction=least, direction_error=float(np.sqrt(variance[-1])), criterion=criterion,
+        direction=least,
+        direction_error=float(np.sqrt(variance[-1])),
+        criterion=criterion,
         warnings=tuple(_warnings(first, candidates, covariances[0], names, failures)),
-        quantities=quantities, problem=base,
-    )  # fmt: skip
+        quantities=quantities,
+        problem=base,
+    )
 
 
 def _main_output(base: Problem, candidates: Sequence[Measurement]) -> str:

@@ -14,9 +14,16 @@ from .studyfile import SCHEMA, base_case, flat_names, table_of
 __all__ = ["load_plan"]
 
 _KNOWN = (
-    "schema", "case", "unknown", "tie", "completed", "candidate", "plan", "operating_point",
+    "schema",
+    "case",
+    "unknown",
+    "tie",
+    "completed",
+    "candidate",
+    "plan",
+    "operating_point",
     "solver",
-)  # fmt: skip
+)
 _PLAN = ("count", "criterion", "output", "draws", "seed")
 _MEASUREMENT = ("quantity", "at", "standard_deviation", "cost", "case", "fields", "label")
 

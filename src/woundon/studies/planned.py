@@ -117,9 +117,11 @@ class Measurement:
         if self.label:
             return self.label
         places = [
-            f"{name} {_short(value[0])} ... {_short(value[-1])}" if _is_series(value)
-            else f"{name} {_short(value)}" for name, value in self.at.items()
-        ]  # fmt: skip
+            f"{name} {_short(value[0])} ... {_short(value[-1])}"
+            if _is_series(value)
+            else f"{name} {_short(value)}"
+            for name, value in self.at.items()
+        ]
         series = f"{self.size} values of " if self.size > 1 else ""
         return f"{series}{self.quantity}" + (f" at {', '.join(places)}" if places else "")
 
@@ -217,9 +219,12 @@ class Planned:
         return np.array([predict(result, self.output, float(self.position[k])) for k in rows])
 
     def _slopes(
-        self, result: Any, state: Mapping[str, float], rows: list[int],
+        self,
+        result: Any,
+        state: Mapping[str, float],
+        rows: list[int],
         theta: Mapping[str, float],
-    ) -> Array:  # fmt: skip
+    ) -> Array:
         """Return the derivatives by ln(theta) of the values at one state, (rows, p)."""
         slopes = np.zeros((len(rows), len(theta)))
         paths = tuple(path for its in self.paths.values() for path in its)
@@ -242,9 +247,14 @@ class Planned:
         return slopes
 
     def _moved(
-        self, model: KindModel, start: Any, state: Mapping[str, float],
-        theta: Mapping[str, float], name: str, step: float,
-    ) -> Any:  # fmt: skip
+        self,
+        model: KindModel,
+        start: Any,
+        state: Mapping[str, float],
+        theta: Mapping[str, float],
+        name: str,
+        step: float,
+    ) -> Any:
         """Return the result for a parameter that is larger by the factor exp(step)."""
         with unwarned():
             moved = {**theta, name: theta[name] * exp(step)}
@@ -252,9 +262,12 @@ class Planned:
 
 
 def plan_measurement(
-    measurement: Measurement, problem: Problem, unknown: Mapping[str, float],
-    tie: Mapping[str, str], options: Mapping[str, Any],
-) -> Planned:  # fmt: skip
+    measurement: Measurement,
+    problem: Problem,
+    unknown: Mapping[str, float],
+    tie: Mapping[str, str],
+    options: Mapping[str, Any],
+) -> Planned:
     """Check the names, units and states of a measurement.
 
     Parameters
@@ -300,8 +313,16 @@ def plan_measurement(
     states = tuple({name: values[k] for name, values in state.items()} for k in range(n))
     deviation, is_relative = _deviation(measurement, known[output])
     return Planned(
-        measurement, model, states, output, known[output], position, deviation, is_relative, paths,
-    )  # fmt: skip
+        measurement,
+        model,
+        states,
+        output,
+        known[output],
+        position,
+        deviation,
+        is_relative,
+        paths,
+    )
 
 
 def _state(measurement: Measurement, base: Problem, has_radius: bool) -> tuple[Any, Array]:

@@ -24,9 +24,15 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 __all__ = [
-    "MarginMap", "SetPoints", "distance", "fitted", "from_reserve", "lobatto", "standard_normal",
+    "MarginMap",
+    "SetPoints",
+    "distance",
+    "fitted",
+    "from_reserve",
+    "lobatto",
+    "standard_normal",
     "to_reserve",
-]  # fmt: skip
+]
 
 Array = np.ndarray
 # Share of the points that polynomials may have as coefficients if points are missing: least squares

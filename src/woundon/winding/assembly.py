@@ -24,10 +24,19 @@ OF_THE_ROLL = "core_pressure", "mid_pressure", "least_hoop_stress"
 
 
 def assemble_result(
-    problem: WindingProblem, r: Array, tension: Array, roll: ThinLaps, nips: Nips, *,
-    interpolation: tuple[float, float], rtol: float, agreed: float, film: float,
-    bent: Array | None = None, departure: Array | None = None,
-) -> WindingResult:  # fmt: skip
+    problem: WindingProblem,
+    r: Array,
+    tension: Array,
+    roll: ThinLaps,
+    nips: Nips,
+    *,
+    interpolation: tuple[float, float],
+    rtol: float,
+    agreed: float,
+    film: float,
+    curved: Array | None = None,
+    departure: Array | None = None,
+) -> WindingResult:
     """Return the result of a winding, without its certificate.
 
     Parameters
@@ -42,27 +51,27 @@ def assemble_result(
         By what of it the tension between the nips may be off, and that in the piece on the core.
     rtol, agreed, film : float
         As of the result.
-    bent : (M,) array, optional
+    curved : (M,) array, optional
         The tension, extrapolated to the core otherwise [N/m].
     departure : (n,) array, optional
         By how much the tension departs at the nips from theirs, which are of smooth schedules.
     """
     loads: dict[str, Any] = {name: problem.at(name, r) for name in LOADS}
-    felt = nips.from_core_to_surface()
-    solved = [each.result for each in felt]
+    samples = nips.from_core_to_surface()
+    solved = [each.result for each in samples]
     result = WindingResult(
         problem=problem,
         radius=r,
         **loads,
         nip_induced_tension=tension - loads["web_tension"],
         wound_on_tension=tension,
-        nip_radius=np.array([each.radius for each in felt]),
+        nip_radius=np.array([each.radius for each in samples]),
         nip_wound_on_tension=np.array([tension_on_roll(nip) for nip in solved]),
-        nip_departure=np.zeros(len(felt)) if departure is None else departure,
+        nip_departure=np.zeros(len(samples)) if departure is None else departure,
         nip_half_width=np.array([nip.half_width for nip in solved]),
         nip_peak_pressure=np.array([nip.peak_pressure for nip in solved]),
-        nip_felt_pressure=np.array([each.pressure for each in felt]),
-        nip_air_film=np.array([nips.films[each.radius] for each in felt]),
+        nip_felt_pressure=np.array([each.pressure for each in samples]),
+        nip_air_film=np.array([nips.films[each.radius] for each in samples]),
         nip_friction=np.array([nip.problem.roll_friction for nip in solved]),
         air_film=film,
         nip_error=np.array([nip.errors.get("roll_wound_on_tension", np.nan) for nip in solved]),
@@ -74,13 +83,13 @@ def assemble_result(
         agreed=agreed,
         nips_solved=nips.solved,
         residuals=Residuals(),
-        warnings=(*nips.warnings(), *_uneven(interpolation[0], rtol, len(felt))),
+        warnings=(*nips.warnings(), *_uneven(interpolation[0], rtol, len(samples))),
         wound=roll.with_laps(),
-        nips=tuple(felt),
+        nips=tuple(samples),
     )
-    if bent is None:
+    if curved is None:
         return result.replace(errors=_errors(result, {}))
-    other = changed(problem, roll, r, bent, film).result
+    other = changed(problem, roll, r, curved, film).result
     by = {name: abs(getattr(other, name) - getattr(roll.result, name)) for name in OF_THE_ROLL}
     return result.replace(errors=_errors(result, by))
 

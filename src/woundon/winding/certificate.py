@@ -1,4 +1,4 @@
-"""The certificate of a winding: nips, roll, and what binds them together."""
+"""Residuals of a winding: nips, roll and the coupling between them."""
 
 from __future__ import annotations
 
@@ -15,28 +15,28 @@ MOST_AGREED = 1e-2  # largest tolerance that may be requested of nips and roll
 
 
 def certificate(result: Any) -> Residuals:
-    """Measure every law of a result.
+    """Compute the residuals of a result.
 
     roll
-        The largest violation of a law of the roll, wound with the reported tension.
+        Largest residual of the roll.
     roll_tension
-        That it is this tension, at every radius; of the largest.
+        Difference between the tension of the roll and the reported wound-on tension, relative to
+        the largest.
     nips
-        The largest violation of a law of any nip; that their half-widths, pressures and frictions
-        are positive.
+        Largest residual of any nip; infinite unless half-widths, pressures and friction
+        coefficients are positive.
     coupling
-        That each nip, on the roll wound so far, has the reported tension, minus its departure
-        under schedules that wander: to the requested tolerance ``agreed`` of it, which counts as
-        1e-8.
+        Relative difference between the wound-on tension of each nip and the reported tension minus
+        its departure under fluctuating schedules; scaled so that the tolerance ``agreed`` is 1e-8.
     air
-        That the laps hold the mean of the nips' films: to ``agreed`` of a lap, which counts as
-        1e-8.
+        Difference between the air film of the layers and the mean film of the nips, relative to the
+        web thickness; scaled so that ``agreed`` is 1e-8.
     tension_balance
-        That WOT - T_in is the nip-induced tension, of the largest WOT.
+        Residual of WOT = T_in + NIT, relative to the largest WOT.
     schedules
-        That T_in, P and F are the problem's, each of its largest.
+        Differences of T_in, P and F from the schedules, each relative to its largest value.
     reach
-        That the radii go from the core to the finished roll, and rise.
+        Relative difference of the end radii from core and roll radius; 1 unless radii increase.
     """
     problem, r, roll = result.problem, result.radius, result.roll
     WOT = result.wound_on_tension
@@ -55,9 +55,9 @@ def certificate(result: Any) -> Residuals:
     return Residuals(
         roll=roll.certified().largest,
         roll_tension=largest(np.abs(wound - WOT)) / unit,
-        nips=largest([largest(result.nip_residual), _impossible(result)]),
+        nips=largest([largest(result.nip_residual), _positivity_residual(result)]),
         coupling=largest(np.abs(answers)) * scale,
-        air=_air_missed(result) * scale,
+        air=_air_film_residual(result) * scale,
         tension_balance=largest(np.abs(WOT - result.web_tension - result.nip_induced_tension))
         / unit,
         schedules=largest(schedules),
@@ -67,16 +67,16 @@ def certificate(result: Any) -> Residuals:
     )
 
 
-def _impossible(result: Any) -> float:
-    """Return 0 if the nips have widths, pressures and frictions that a nip can have, else inf."""
+def _positivity_residual(result: Any) -> float:
+    """Return 0 if widths, pressures and friction of all nips are positive, else inf."""
     quantities = [result.nip_half_width, result.nip_peak_pressure, result.nip_friction]
     if result.problem.roll_body == "effective":
         quantities.append(result.nip_felt_pressure)
     return largest([positive(*quantities), 0.0 if (result.nip_residual >= 0).all() else np.inf])
 
 
-def _air_missed(result: Any) -> float:
-    """Return by what of a lap the air between laps misses the mean of the nips' films."""
+def _air_film_residual(result: Any) -> float:
+    """Return the difference of the air film from the mean film of the nips, over thickness."""
     r, h = result.nip_radius, result.nip_air_film
     mean = float(np.trapezoid(h * r, r) / np.trapezoid(r, r)) if r.size > 1 else 0.0
     return abs(result.air_film - mean) / float(result.problem.web.thickness)

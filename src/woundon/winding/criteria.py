@@ -1,4 +1,4 @@
-"""What laps and cores bear, in closed form; sources in docs/theory/margins.md."""
+"""Closed forms of the strength of layers and cores; sources in docs/theory/margins.md."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ import numpy as np
 from ..problems.materials import Isotropic
 from ..problems.roll import Core
 
-__all__ = ["collapse_pressure", "sliding_laps_buckle", "torque_carried", "torque_share"]
+__all__ = ["collapse_pressure", "sliding_layers_buckling_stress", "torque_carried", "torque_share"]
 
 Array = np.ndarray
-THIN = 10  # radius over thickness beyond which a tube collapses as a thin one
+THIN = 10  # ratio of radius to thickness above which the thin-tube formula is used
 
 
 def torque_carried(r: Array, s: float, tension: float, density: float, acceleration: float) -> Any:
-    """Return the torque through the laps at radii, per metre of width [N].
+    """Return the torque through the layers at radii, per metre of width [N].
 
-    That of the core's pull, and of what speeds up or stops all that is wound outside.
+    The sum of the torque from the core and of the inertia of the layers outside the radius.
 
     Parameters
     ----------
@@ -43,16 +43,18 @@ def torque_share(r: Array, P: Array, friction: float | Array, torque: Array) -> 
         return np.where(torque > 0, torque / capacity, 0.0)
 
 
-def sliding_laps_buckle(radial: float, tangential: float, thickness: float, depth: float) -> float:
-    """Return the compression at which a zone of laps that slide freely on each other buckles [Pa].
+def sliding_layers_buckling_stress(
+    radial: float, tangential: float, thickness: float, depth: float
+) -> float:
+    """Return the buckling stress of a zone of layers that slide freely on each other [Pa].
 
-    An estimate: each lap is a beam, held by its neighbours through the stack between them; the zone
-    is even, and held at both of its faces by laps in tension.  A wave of the number q needs
+    An estimate: each layer is a beam on the elastic foundation of its neighbours; the zone is
+    uniform and is bounded on both faces by layers in tension.  At the wave number q the load is
 
         N = E_t h^3/12 q^2 + k/q^2,    k = 4 E_r/h sin^2(pi/(2 (n + 1))),    n h = depth
 
-    (the softest mode of n laps on n + 1 springs E_r/h), at least 2 (k E_t h^3/12)^(1/2).  As long
-    as friction lets no lap slide, the stack's shear modulus adds to it, which is far more.
+    (the softest mode of n layers on n + 1 springs E_r/h), at minimum 2 (k E_t h^3/12)^(1/2).  While
+    friction prevents sliding, the shear modulus of the stack adds a much larger resistance.
 
     Parameters
     ----------
@@ -66,7 +68,7 @@ def sliding_laps_buckle(radial: float, tangential: float, thickness: float, dept
 
 
 def collapse_pressure(core: Core) -> float:
-    """Return the external pressure at which a long thin tube collapses [Pa]; nan of other cores.
+    """Return the collapse pressure of a long thin tube [Pa]; nan for other cores.
 
     E/(4 (1 - nu^2)) (t/r)^3, r the mean radius, for r/t > 10: Saunders and Windenberg (1931), after
     Roark, table 35, case 19a.

@@ -1,15 +1,16 @@
-r"""The wound-on tension over the radius, from what a few nips add.
+r"""Interpolation of the wound-on tension over the radius, from a few nips.
 
-What is drawn is the share y = (WOT - T_in)/(mu+ P), which hardly varies: what the schedules do is
-in T_in and P.  Its coordinate, the *place*, is x = ln(r - r_c), for a nip feels a roll's depth:
+The share y = (WOT - T_in)/(mu+ P) is interpolated.  It varies little, because T_in and P contain
+most of the effect of the schedules.  Its coordinate, the *place*, is x = ln(r - r_c), because the
+nip depends on the depth of the roll:
 
-    laps    1     10         0.05 r_c                     a sharp kink          R
+    layers    1     10         0.05 r_c                     a sharp kink          R
             |------|============|================================|==============|
-          tangent    on the core         a piece each of polynomials through few places
+          tangent    on the core         one polynomial per piece, through a few places
 
-On fewer laps than ten no roll has a known pressure.  In the piece on the core the
-contact is wider than what it presses, and y changes quickly; it matters to the core's surroundings
-only, and takes a few places of its own.
+The pressure of a roll of fewer than ten layers is not computed.  In the piece on the core the
+contact is wider than the depth of the layers and y varies quickly; it affects only the region near
+the core and has its own few places.
 """
 
 from __future__ import annotations
@@ -24,44 +25,51 @@ from ..problems.roll import FEWEST_LAYERS
 from ..problems.winding import LOADS, WindingProblem
 from .interpolation import FEWEST, Piece
 
-__all__ = ["MOST_PIECES", "NOMINAL", "TensionCurve", "looked_at", "sharp_kinks", "told_radii"]
+__all__ = [
+    "MOST_PIECES",
+    "NOMINAL",
+    "TensionCurve",
+    "polyline_radii",
+    "sampling_radii",
+    "sharp_kinks",
+]
 
 Array = np.ndarray
 
-NEAR_CORE = 0.05  # depth of the piece on the core, of the core's radius
-ROOM_FOR_AIR = 2.0  # how thick ten laps may be with their air, of the web alone
-FEWEST_NEAR_CORE = 4  # of its places
-LESS_EXACT = 5  # times rtol, by which that piece may be off
-DEEP_ENOUGH = 1.5  # times ten laps: the least depth of such a piece
-# of x: from where the curvature before the first place is taken, and on which slopes are
+NEAR_CORE = 0.05  # depth of the piece on the core, relative to the core radius
+ROOM_FOR_AIR = 2.0  # largest thickness of ten layers with air, relative to the web alone
+FEWEST_NEAR_CORE = 4  # initial number of places of the piece on the core
+LESS_EXACT = 5  # accepted error of the piece on the core, in multiples of rtol
+DEEP_ENOUGH = 1.5  # minimum depth of the piece on the core, in multiples of ten layers
+# distance in x for the curvature at the first place, and step of the difference quotients
 JUST_BEHIND, STEP = 0.5, 1e-4
-LEAST_KEPT = 0.2  # of the tenth lap's tension, by those before it
-SHARP = 0.1  # of a kink, r |d slope|/value, from which the curve is drawn in two pieces
+LEAST_KEPT = 0.2  # minimum tension of the first layers, relative to the tenth layer
+SHARP = 0.1  # strength of a kink, r |d slope|/value, above which the curve is split there
 MOST_PIECES = 6  # in addition to that on the core
-LOOKED_AT = 200  # radii from which the radii of the curve are chosen
-STRAIGHT = 0.3  # of rtol, by which the curve may miss the line between two of them
-# lines between the core and the surface, times the root of rtol; more where they miss by more
+SAMPLING_RADII = 200  # radii from which the radii of the curve are chosen
+STRAIGHT = 0.3  # accepted error of linear interpolation, relative to rtol
+# number of intervals between core and surface times rtol^0.5, and factor of its increase
 LINES, FINER = 2.0, 1.25
-NOMINAL = 0.6  # share, to begin with
+NOMINAL = 0.6  # initial guess of the share
 
 
 class TensionCurve:
-    """The tension of a winding, between places at which shares y are given.
+    """Piecewise polynomial interpolation of the wound-on tension.
 
     Parameters
     ----------
     problem : WindingProblem
     rtol : float
-        By how much of it the tension may be off.
+        Accepted relative error of the tension.
 
     Attributes
     ----------
     pieces : list of Piece
-        From the tenth lap to the surface; their places are where nips are wanted.
+        From the tenth layer to the surface; nips are solved at their places.
     allowed : list of float
-        By how much of the tension each piece may be off.
+        Accepted error of each piece, relative to the tension.
     lines : int
-        How many there are, even in x, for the reported tension.
+        Number of intervals, uniform in x, of the reported tension.
     """
 
     def __init__(self, problem: WindingProblem, rtol: float) -> None:
@@ -78,15 +86,15 @@ class TensionCurve:
         if inner > DEEP_ENOUGH * self.least:
             start = float(np.log(self.least))
             self.pieces.insert(0, Piece(start, ends[0], FEWEST_NEAR_CORE))
-        self.on_core = len(self.pieces) >= len(ends)  # whether the first one is that on the core
-        # the rest is for the lines between the reported radii
+        self.on_core = len(self.pieces) >= len(ends)  # True if the first piece is on the core
+        # the rest of rtol is for linear interpolation between the reported radii
         self.allowed = [(1 - STRAIGHT) * rtol] * len(self.pieces)
         if self.on_core:
             self.allowed[0] *= LESS_EXACT
 
     @property
     def places(self) -> list[float]:
-        """Where nips are wanted."""
+        """Coordinates of all interpolation points: a nip is solved at each."""
         return list(dict.fromkeys(place for piece in self.pieces for place in piece.places))
 
     def radius(self, place: float) -> float:
@@ -94,12 +102,12 @@ class TensionCurve:
         core, R = self.problem.ends
         return R if place == self.pieces[-1].end else core + float(np.exp(place))
 
-    def shares(self, values: Mapping[float, float], r: Array, *, bent: bool = False) -> Array:
-        """Return y at radii, from values at the places.
+    def shares(self, values: Mapping[float, float], r: Array, *, curved: bool = False) -> Array:
+        """Interpolate y at radii, from values at the places.
 
-        On fewer laps than ten along the tangent, or ``bent`` as y is just behind; below a lap that
-        of one lap.  There the roll's layer vanishes, and with it what the nip adds to the winding
-        force: y does not go on beyond that.
+        Below ten layers y is extrapolated linearly in x, or with its curvature if ``curved``, and
+        is constant below one layer.  It is limited to the value of the winding force alone, because
+        the contribution of the roll deformation vanishes there.
         """
         x = np.log(np.maximum(r - self.problem.core.radius, self.problem.web.thickness))
         out = np.empty(x.shape)
@@ -110,7 +118,7 @@ class TensionCurve:
         below = x < first.start
         before = x[below] - first.start
         out[below] = values[first.start] + self._slope(values, 0.0) * before
-        if bent:
+        if curved:
             bend = (self._slope(values, JUST_BEHIND) - self._slope(values, 0.0)) / JUST_BEHIND
             out[below] += bend * before**2 / 2
         tenth = float(self._by_force(np.array(self.radius(first.start))))
@@ -119,34 +127,34 @@ class TensionCurve:
         return out
 
     def _by_force(self, r: Array) -> Array:
-        """Return y of a nip that adds the winding force alone."""
+        """Return y at radii for a nip-induced tension equal to the winding force."""
         at = self.problem.at
         return np.asarray(at("winding_force", r) / (self.problem.roll_friction * at("nip_load", r)))
 
     def _slope(self, values: Mapping[float, float], behind: float) -> float:
-        """Return dy/dx somewhat behind the first place."""
+        """Return dy/dx at a distance ``behind`` above the first place."""
         first = self.pieces[0]
         at = first.start + min(behind, first.end - first.start) + np.array([0.0, STEP])
         one, two = first.at(at, values)
         return float(two - one) / STEP
 
-    def tension(self, values: Mapping[float, float], r: Array, *, bent: bool = False) -> Array:
+    def tension(self, values: Mapping[float, float], r: Array, *, curved: bool = False) -> Array:
         """Return WOT at radii [N/m], from shares at the places; see :meth:`shares`.
 
-        No extrapolation leaves the first laps slack.
+        A lower limit keeps the extrapolated tension of the first layers positive.
         """
-        found, first = self.wound_on(self.shares(values, r, bent=bent), r), self.pieces[0].start
+        found, first = self.wound_on(self.shares(values, r, curved=curved), r), self.pieces[0].start
         at = np.array(self.radius(first))
         tenth = float(self.wound_on(np.array(values[first]), at))
         return np.where(r < at, np.maximum(found, min(tenth, LEAST_KEPT * tenth)), found)
 
     def wound_on(self, shares: Array, r: Array) -> Array:
-        """Return WOT of shares at radii [N/m]."""
+        """Convert shares at radii to WOT [N/m]."""
         at = self.problem.at
         return at("web_tension", r) + shares * self.problem.roll_friction * at("nip_load", r)
 
     def share(self, tension: float, r: float) -> float:
-        """Return y of a tension at a radius."""
+        """Convert the tension at a radius to y."""
         at = self.problem.at
         gained = tension - float(at("web_tension", r))
         return gained / (self.problem.roll_friction * float(at("nip_load", r)))
@@ -154,75 +162,83 @@ class TensionCurve:
     def knots(self) -> Array:
         """Return the radii at which the tension is reported, linear in between.
 
-        The places, what the schedules take, and more, even in x.  No tension takes part in their
-        choice, so that the roll does not depend on where the winding was begun.
+        They are the places, the radii that the schedules need, and more radii, uniform in x.  The
+        tension does not affect them, so that the roll does not depend on the initial guess.
         """
         core, R = self.problem.ends
-        r = looked_at(self.problem)
+        r = sampling_radii(self.problem)
         nominal = self.wound_on(np.full(r.size, NOMINAL), r)
         first = core + self.problem.web.thickness  # where the share begins to change
         places = [self.radius(place) for place in self.places]
-        own = told_radii(self.problem, r, nominal, self.rtol, [*places, first])
+        own = polyline_radii(self.problem, r, nominal, self.rtol, [*places, first])
         x = np.linspace(np.log(first - core), np.log(R - core), self.lines + 1)
         near = np.abs(x[:, None] - np.log(own[1:] - core)).min(axis=1) < (x[1] - x[0]) / 2
         return np.union1d(own, core + np.exp(x[~near]))
 
-    def drawn_finer(self, values: Mapping[float, float]) -> bool:
-        """Take more radii until straight lines between them do; tell whether any were needed."""
+    def refine_radii(self, values: Mapping[float, float]) -> bool:
+        """Add radii until linear interpolation is accurate; return True if any were added."""
         before = self.lines
         while True:
             r = self.knots()
-            off, on_core = self._straight(values, r, self.tension(values, r))
+            off, on_core = self._polyline_errors(values, r, self.tension(values, r))
             if max(off, on_core / LESS_EXACT) <= STRAIGHT * self.rtol:
                 return self.lines > before
             self.lines = ceil(FINER * self.lines)
 
-    def _straight(
+    def _polyline_errors(
         self, values: Mapping[float, float], r: Array, tension: Array
     ) -> tuple[float, float]:
-        """Return by how much of it straight lines miss the tension, and in the piece on the core.
+        """Return the relative errors of linear interpolation: off the core, and on the core.
 
-        Of fewer laps than ten nothing is known.
+        Radii below ten layers are excluded.
         """
-        fine = looked_at(self.problem)
+        fine = sampling_radii(self.problem)
         off = np.abs(np.interp(fine, r, tension) / self.tension(values, fine) - 1)
         first, rest = (self.radius(self.pieces[k].start) for k in (0, int(self.on_core)))
         on_core = off[(fine >= first) & (fine < rest)]
         return float(np.max(off[fine >= rest])), float(np.max(on_core, initial=0.0))
 
-    # ---- how far it may be off ------------------------------------------------------------------
+    # ---- error estimates ------------------------------------------------------------------------
 
     def errors(self, values: Mapping[float, float]) -> list[float]:
-        """Return of each piece by how much of the tension it may be off."""
+        """Return the estimated error of each piece, relative to the tension."""
         return [
-            max(self._relative(place, off, values[place]) for place, off in piece.misses(values))
+            max(
+                self._relative_error(place, off, values[place])
+                for place, off in piece.error_estimates(values)
+            )
             for piece in self.pieces
         ]
 
-    def _relative(self, place: float, off: float, value: float) -> float:
-        """Return by how much of the tension a share is off."""
+    def _relative_error(self, place: float, off: float, value: float) -> float:
+        """Convert the error of a share to a relative error of the tension."""
         r = np.array(self.radius(place))
         added = off * self.problem.roll_friction * self.problem.at("nip_load", r)
         return float(added / self.wound_on(np.array(value), r))
 
-    def off(self, values: Mapping[float, float], r: Array, tension: Array) -> float:
-        """Return by how much of it the tension reported at some radii may be off between nips."""
-        fine = looked_at(self.problem)
-        straight, _ = self._straight(values, r, tension)
-        unseen = self._unseen(fine, self.tension(values, fine))
+    def interpolation_error(self, values: Mapping[float, float], r: Array, tension: Array) -> float:
+        """Return the relative interpolation error of the reported tension between the nips."""
+        fine = sampling_radii(self.problem)
+        straight, _ = self._polyline_errors(values, r, tension)
+        unseen = self._schedule_error(fine, self.tension(values, fine))
         return max(self.errors(values)[self.on_core :]) + straight + unseen
 
-    def off_on_core(self, values: Mapping[float, float], r: Array, tension: Array) -> float:
-        """Return by how much of it the tension in the piece on the core may be off."""
+    def core_interpolation_error(
+        self, values: Mapping[float, float], r: Array, tension: Array
+    ) -> float:
+        """Return the relative interpolation error of the tension in the piece on the core."""
         return (
-            self.errors(values)[0] + self._straight(values, r, tension)[1] if self.on_core else 0.0
+            self.errors(values)[0] + self._polyline_errors(values, r, tension)[1]
+            if self.on_core
+            else 0.0
         )
 
-    def _unseen(self, r: Array, tension: Array) -> float:
-        """Return what schedules may do to the tension between nips, of it.
+    def _schedule_error(self, r: Array, tension: Array) -> float:
+        """Return the relative error of the tension from schedules that vary between the nips.
 
-        Where the nip load is off its own polynomial through the nips, so is the share; by less than
-        half as much, for NIT grows with a power of the load between 1/2 and 1.
+        It is estimated from the error of the nip load, interpolated by the same polynomials.  The
+        relative error of the share is at most half of it, because NIT varies as a power of the
+        load between 1/2 and 1.
         """
         at = self.problem.at
         loads = {place: float(at("nip_load", self.radius(place))) for place in self.places}
@@ -232,35 +248,35 @@ class TensionCurve:
 
 
 def sharp_kinks(problem: WindingProblem) -> dict[float, float]:
-    """Return the radii at which a schedule has a sharp kink [m], and how sharp it is."""
+    """Return the radii of sharp kinks of the schedules [m], with the strength of each kink."""
     return {r: bend for r, bend in problem.kinks.items() if bend > SHARP}
 
 
-def looked_at(problem: WindingProblem) -> Array:
-    """Return radii, dense near the core, among which are those of the reported tension [m]."""
+def sampling_radii(problem: WindingProblem) -> Array:
+    """Return a fine set of radii, dense near the core, for choosing the reported ones [m]."""
     core, R = problem.ends
-    lap = problem.web.thickness
-    deep = core + np.exp(np.linspace(np.log(lap), np.log(R - core), LOOKED_AT))
-    r = np.union1d(deep[:-1], problem.radii(LOOKED_AT))
+    layer = problem.web.thickness
+    deep = core + np.exp(np.linspace(np.log(layer), np.log(R - core), SAMPLING_RADII))
+    r = np.union1d(deep[:-1], problem.radii(SAMPLING_RADII))
     r = r[np.append(True, np.diff(r) > 1e-9 * R)]
     r[-1] = R
     return np.asarray(r)
 
 
-def told_radii(
+def polyline_radii(
     problem: WindingProblem, r: Array, tension: Array, rtol: float, own: Sequence[float] = ()
 ) -> Array:
-    """Return which radii the tension and the schedules take, drawn linear between, and own ones."""
+    """Return the radii for piecewise linear tension and schedules, including given ones [m]."""
     curves = [tension, *(problem.at(name, r) for name in LOADS)]
     within = STRAIGHT * rtol
     taken = np.any([_points_needed(r, y, within * np.max(np.abs(y))) for y in curves], axis=0)
     found, R = r[taken], problem.radius
-    apart = np.abs(found[:, None] - np.array([*own, -R])).min(axis=1) > 1e-9 * R
-    return np.union1d(found[apart], list(own))
+    is_new = np.abs(found[:, None] - np.array([*own, -R])).min(axis=1) > 1e-9 * R
+    return np.union1d(found[is_new], list(own))
 
 
 def _points_needed(r: Array, values: Array, within: float) -> Array:
-    """Return which points a line through them needs, to miss none by more (Douglas, Peucker)."""
+    """Select the points of a polyline with a maximum deviation (Douglas-Peucker algorithm)."""
     keep = np.zeros(r.size, dtype=bool)
     keep[[0, -1]] = True
     waiting = [(0, r.size - 1)]

@@ -1,16 +1,16 @@
-r"""Will the roll hold?  What a wound roll bears against what is asked of it.
+r"""Margins of a wound roll against known defects.
 
-    slip         M / (2 pi r^2 mu P)     torque through a cylinder of laps over what they can carry,
-                 M = T s + (pi/2) rho (s^4 - r^4) a/s    s surface, T the tension the core pulls
-    compression  max of -sigma_t         stars and buckles need the web to be pressed along itself
-    blocking     max of P                laps that stick to each other
-    core         P at the core           against E/(4 (1 - nu^2)) (t/r)^3, a thin tube's collapse
-    strength     max of WOT, h sigma_t   against what the web bears
-    slack        min of T_in, WOT        against what keeps it taut
+    slip         M / (2 pi r^2 mu P)     torque on a cylinder of layers / their friction capacity,
+                 M = T s + (pi/2) rho (s^4 - r^4) a/s    s surface, T core torque / s
+    compression  max of -sigma_t         starring and buckling need compression along the web
+    blocking     max of P                adhesion between layers
+    core         P at the core           against E/(4 (1 - nu^2)) (t/r)^3, collapse of a thin tube
+    strength     max of WOT, h sigma_t   against the strength of the web
+    slack        min of T_in, WOT        against a minimum tension
     gauge_band   max of WOT_b/(h E_t)    strain of the thickest lane, against the yield strain
 
-Each is looked for over the radius of the finished roll and, but for blocking, which takes time, of
-stages of its build-up.  Sources: docs/theory/margins.md.
+Each margin is evaluated over the radius of the finished roll and, except blocking, which takes
+time, of stages of the build-up.  Sources: docs/theory/margins.md.
 """
 
 from __future__ import annotations
@@ -33,27 +33,40 @@ from ..quantities import Quantity, length, line_load, strain, stress
 from ..results import Presented
 from ..roll.gauge_band import gauge_band_over, lane_strain
 from ..roll.result import RollResult
-from .criteria import collapse_pressure, sliding_laps_buckle, torque_carried, torque_share
+from .criteria import (
+    collapse_pressure,
+    sliding_layers_buckling_stress,
+    torque_carried,
+    torque_share,
+)
 
-__all__ = ["Margin", "Margins", "Pull", "WithMargins", "margins"]
+__all__ = ["Margin", "Margins", "WindingTorque", "WithMargins", "margins"]
 
 Array = np.ndarray
-STAGES = 16  # of the build-up that are looked at, the finished roll with them
-PLACES = 400  # radii of each
-# The outermost laps carry by tension what the formula asks of their friction, one lap after the
-# other: P = WOT/r a lap gives a share of 1/(2 pi mu n) to the n-th, below 2 % at the fiftieth
-TAIL_LAPS = 50
-# Names that winder operators use, and what to change if a margin is small.
+STAGES = 16  # stages of the build-up that are evaluated, including the finished roll
+PLACES = 400  # radii of each stage
+# The outermost layers carry the torque by their tension instead of friction.  With P = WOT/r per
+# layer the share of the n-th layer is 1/(2 pi mu n), below 2 % at the fiftieth.
+TAIL_LAYERS = 50
+# Names that winder operators use.
 TITLES = {
-    "slip": "interlayer slip and telescoping", "compression": "starring (hoop compression)",
-    "blocking": "blocking", "core": "core collapse", "strength": "web break",
-    "slack": "slack web", "gauge_band": "gauge band (baggy lane)",
-}  # fmt: skip
-SMALL = 0.25  # a reserve below which reports say what to change
+    "slip": "interlayer slip and telescoping",
+    "compression": "starring (hoop compression)",
+    "blocking": "blocking",
+    "core": "core collapse",
+    "strength": "web break",
+    "slack": "slack web",
+    "gauge_band": "gauge band (baggy lane)",
+}
+SMALL = 0.25  # reserve below which reports give advice
 FIELDS = {
-    "compression": "compression", "blocking": "blocking_pressure", "core": "core_pressure",
-    "strength": "web_strength", "slack": "slack_tension", "gauge_band": "yield_strain",
-}  # fmt: skip
+    "compression": "compression",
+    "blocking": "blocking_pressure",
+    "core": "core_pressure",
+    "strength": "web_strength",
+    "slack": "slack_tension",
+    "gauge_band": "yield_strain",
+}
 HINTS = {
     "slip": "let the drum carry more of the torque, accelerate more slowly, or wind tighter",
     "compression": "wind tighter at the core and taper less steeply, or use a stiffer core",
@@ -63,7 +76,7 @@ HINTS = {
     "slack": "increase the web tension",
     "gauge_band": "reduce the wound-on tension, even out the thickness, or oscillate the web",
 }
-ALIKE = 1e-3  # relative difference below which stages are alike: their default error
+ALIKE = 1e-3  # relative difference below which stages count as equal: their default error
 
 
 @dataclass(frozen=True)
@@ -75,21 +88,27 @@ class Margin:
     name : str
         "slip", "compression", "blocking", "core", "strength", "slack" or "gauge_band".
     value : float
-        What the roll has, where it is worst; SI, nan if it is unknown.
+        Worst value in the roll; SI, nan if it is unknown.
     limit : float
-        What it may have at most (of "slack": must at least); nan where no limit is given.
+        Maximum (for "slack": minimum) permitted value; nan if no limit is given.
     radius : float
-        Where it is worst [m].
+        Radius of the worst value [m].
     scale : float
-        What the reserve is a share of: the limit, or where that is 0 the wound-on stress.
+        Reference value of the reserve: the limit, or the wound-on stress if the limit is 0.
     quantity : Quantity
-        Of value and limit.
+        Unit and description of value and limit.
     left_out : str
-        What the criterion does not know of.
+        Effects that the criterion neglects.
     note : str
-        At which stage it is worst, where the limit comes from, or why there is none.
+        Stage of the worst value, source of the limit, or reason why there is none.
     over_radius, values : (K,) arrays
-        Radii [m], and the worst value at each over all stages that are looked at.
+        Radii [m], and the worst value at each over all evaluated stages.
+
+    >>> import woundon as wo
+    >>> problem = wo.WindingProblem.example().replace(radius=0.12, tension_law="friction")
+    >>> blocking = wo.margins(wo.solve(problem), wo.Limits(blocking_pressure="2 MPa"))["blocking"]
+    >>> blocking.verdict, blocking.limit
+    ('holds', 2000000.0)
     """
 
     name: str
@@ -105,12 +124,12 @@ class Margin:
 
     @property
     def checked(self) -> bool:
-        """Whether there are a value and a limit."""
+        """True if value and limit are known."""
         return self.value == self.value and self.limit == self.limit
 
     @property
     def reserve(self) -> float:
-        """How far the value is from its limit, as a share of it; < 0 if violated, nan unchecked."""
+        """Distance from the limit, relative to it; < 0 if violated, nan if not checked."""
         return float(self.reserve_of(self.value))
 
     @property
@@ -120,7 +139,7 @@ class Margin:
 
     @property
     def hint(self) -> str:
-        """What to change to enlarge the margin."""
+        """Advice to enlarge the margin."""
         return HINTS.get(self.name, "")
 
     @property
@@ -131,23 +150,23 @@ class Margin:
         return f"{100 * abs(self.reserve):.3g} %"
 
     def reserve_of(self, value: Any) -> Any:
-        """Return the reserve that other values would have."""
+        """Compute the reserve of other values."""
         room = value - self.limit if self.name == "slack" else self.limit - value
         return room / self.scale
 
     @property
     def ok(self) -> bool | None:
-        """Whether the limit is kept; None where it was not checked."""
+        """True if the limit is satisfied; None if it was not checked."""
         return self.reserve >= 0 if self.checked else None
 
     @property
     def verdict(self) -> str:
-        """A word: "holds", "VIOLATED", "not checked"."""
+        """State of the margin: "holds", "VIOLATED" or "not checked"."""
         return {True: "holds", False: "VIOLATED", None: "not checked"}[self.ok]
 
 
 class Margins(Presented, tuple[Margin, ...]):
-    """All margins of a roll, those without a limit too; by number or by name.
+    """All margins of a roll, including those without a limit; indexed by number or name.
 
     The attributes ``slip``, ``compression``, ``blocking``, ``core``, ``strength``, ``slack`` and
     ``gauge_band`` are the reserves, outputs of a winding: ``"margins.blocking"`` in studies.
@@ -164,7 +183,7 @@ class Margins(Presented, tuple[Margin, ...]):
 
     @property
     def verdict(self) -> str:
-        """Whether the roll holds, with the margin that has the smallest reserve, in a sentence."""
+        """Sentence on the state of the roll and the margin with the smallest reserve."""
         least, violated = self.least, self.violated
         if least is None:
             return "No margin of the roll is checked: give limits, or a grade."
@@ -180,7 +199,7 @@ class Margins(Presented, tuple[Margin, ...]):
 
     @property
     def advice(self) -> str:
-        """What to change if the smallest reserve is below 25 %, and what else is violated."""
+        """Advice if the smallest reserve is below 25 %, and other violated margins."""
         least = self.least
         if least is None or least.reserve >= SMALL:
             return ""
@@ -243,36 +262,36 @@ class Margins(Presented, tuple[Margin, ...]):
 
     @property
     def violated(self) -> tuple[str, ...]:
-        """Names of those whose limit is not kept."""
+        """Names of the margins whose limit is violated."""
         return tuple(margin.name for margin in self if margin.ok is False)
 
     @property
     def least(self) -> Margin | None:
-        """That with the smallest reserve; None where none was checked."""
+        """Margin with the smallest reserve; None if none was checked."""
         return min((m for m in self if m.checked), key=lambda m: m.reserve, default=None)
 
 
-# ---- what is known of a winding -----------------------------------------------------------------
+# ---- torque of a winding ------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
-class Pull:
-    """What of a winding is not in the roll that it has left.
+class WindingTorque:
+    """Quantities of a winding for the margins that the wound roll does not contain.
 
     Attributes
     ----------
     friction : float, optional
-        Between web and roll; None where it is not known.
+        Coefficient of friction between web and roll; None if unknown.
     radius : (K,) array
         [m].
     core : (K,) array
-        Tension that the core's torque pulls [N/m].
+        Tension from the core torque [N/m].
     web_tension : (K,) array
-        Before the nip [N/m]; empty where it is not known.
+        Web tension upstream of the nip [N/m]; empty if unknown.
     assumed : str
-        What had to be assumed.
-    left : callable
-        Which share of the friction air between laps leaves under a pressure P [1].
+        Description of the assumptions.
+    friction_ratio : callable
+        Friction at a pressure P with air between the layers, relative to that without air [1].
     """
 
     friction: float | None
@@ -280,31 +299,31 @@ class Pull:
     core: Array
     web_tension: Array
     assumed: str = ""
-    left: Callable[[Array], Array] = np.ones_like
+    friction_ratio: Callable[[Array], Array] = np.ones_like
 
     @classmethod
-    def of(cls, result: Any) -> Pull:
-        """Return that of a winding; of a roll alone as if the core pulled all its tension."""
+    def of(cls, result: Any) -> WindingTorque:
+        """Return the quantities of a winding; a roll alone is taken as centre-wound."""
         if not isinstance(result, RollResult):
-            # the drum takes F of what the web pulls: the roll's moment about its axis
+            # moment balance of the roll about its axis: core torque / r = T_in + F
             r, core = result.radius, result.web_tension + result.winding_force
             problem = result.problem
             if problem.air is None:
                 return cls(problem.roll_friction, r, core, result.web_tension)
-            left = partial(_left, result.air_film, air=problem.air)
-            return cls(problem.roll_friction, r, core, result.web_tension, left=left)
+            ratio = partial(_friction_ratio, result.air_film, air=problem.air)
+            return cls(problem.roll_friction, r, core, result.web_tension, friction_ratio=ratio)
         r, nothing = result.radius, np.zeros(0)
         tension = result.problem.web_thickness * result.problem.tension_curve.at(r)
         return cls(None, r, tension, nothing, "taken as centre-wound without a nip")
 
 
-def _left(film: float, P: Array, air: Air) -> Array:
+def _friction_ratio(film: float, P: Array, air: Air) -> Array:
     share: Array = friction_between(film, P, air)
     return share
 
 
 class _State(NamedTuple):
-    """A roll at a stage of its build-up."""
+    """Stresses in the roll at a stage of its build-up."""
 
     surface: float
     r: Array
@@ -315,7 +334,9 @@ class _State(NamedTuple):
 def _states(roll: RollResult) -> list[_State]:
     """Return stages of the build-up, the finished roll last."""
     core, radius = float(roll.radius[0]), float(roll.radius[-1])
-    least = core + 2 * TAIL_LAPS * roll.problem.web_thickness  # with laps below the tail's
+    least = (
+        core + 2 * TAIL_LAYERS * roll.problem.web_thickness
+    )  # with layers below the excluded outermost ones
     surfaces = np.linspace(core, radius, STAGES + 1)[1:-1]
     stages = [roll.at(s) for s in surfaces[surfaces >= least].tolist()]
     return [_state(stage) for stage in (*stages, roll)]
@@ -339,7 +360,7 @@ BAND = strain("eps_b", "largest strain of the thickest lane (gauge band)")
 RIDGE = length("dR", "height of the ridge over the thickest lane", "um")
 LEFT_OUT = {
     "slip": "air between layers, friction that falls once they slide, the slip under the nip, the "
-    f"outermost {TAIL_LAPS} layers, the drum's help at a start or stop, impacts",
+    f"outermost {TAIL_LAYERS} layers, the drum's help at a start or stop, impacts",
     "compression": "how far friction between layers keeps them from buckling: stars need "
     "compression, but supported layers bear some of it; impacts, moisture, uneven thickness",
     "blocking": "time, temperature, moisture and the chemistry of the surfaces; ridges across the "
@@ -356,20 +377,20 @@ NO_LIMIT = "no limit given"
 
 
 def margins(result: Any, limits: Limits | None = None) -> Margins:
-    """Return the margins of a roll: will it hold?
+    """Compute the margins of a roll against known defects.
 
     Parameters
     ----------
     result : WindingResult or RollResult
-        Of a roll alone neither friction nor torque are known: it is taken as wound by its core, and
-        the friction between laps is ``limits.layer_friction``.
+        A roll alone is taken as centre-wound, with the friction ``limits.layer_friction`` between
+        the layers.
     limits : Limits, optional
         By default those of the winding's problem.
 
     Returns
     -------
     Margins
-        Of every kind, also where no limit is given.
+        All margins, including those without a limit.
 
     Raises
     ------
@@ -388,19 +409,22 @@ def margins(result: Any, limits: Limits | None = None) -> Margins:
             f"{limits.acceleration:g} is given, but the web has no density, which its inertia needs"
         )
         raise InvalidProblem.at("limits.acceleration", text)
-    pull, states = Pull.of(result), _states(roll)
+    pull, states = WindingTorque.of(result), _states(roll)
     found = (
-        _slip(states, roll, limits, pull), _compression(states, roll, limits),
-        _blocking(states[-1], limits), _core(states, roll.problem.core, limits),
-        _strength(states[-1], roll, limits, pull), _slack(roll, limits, pull),
+        _slip(states, roll, limits, pull),
+        _compression(states, roll, limits),
+        _blocking(states[-1], limits),
+        _core(states, roll.problem.core, limits),
+        _strength(states[-1], roll, limits, pull),
+        _slack(roll, limits, pull),
         _gauge_band(roll, limits),
-    )  # fmt: skip
+    )
     named_grade = result.problem.named_grade
     return Margins(_with_source(margin, roll.problem, named_grade) for margin in found)
 
 
 def _with_source(margin: Margin, problem: Any, named_grade: Grade | None) -> Margin:
-    """Return a margin whose note says from which grade its limit comes, if it is of one."""
+    """Add the source grade of the limit to the note of a margin."""
     field = FIELDS.get(margin.name)
     if field is None or not margin.checked:
         return margin
@@ -411,8 +435,8 @@ def _with_source(margin: Margin, problem: Any, named_grade: Grade | None) -> Mar
     return replace(margin, note="; ".join(filter(None, (f"limit of the {source}", margin.note))))
 
 
-class _Found(NamedTuple):
-    """The worst value: where, of which stage if not of the finished roll; worst values over r."""
+class _WorstValue(NamedTuple):
+    """Worst value with its radius and stage, and the worst values over the radius."""
 
     value: float
     radius: float
@@ -422,18 +446,30 @@ class _Found(NamedTuple):
 
 
 def _margin(
-    name: str, found: _Found, limit: float | None, quantity: Quantity, note: str = "",
+    name: str,
+    found: _WorstValue,
+    limit: float | None,
+    quantity: Quantity,
+    note: str = "",
     scale: float = nan,
-) -> Margin:  # fmt: skip
+) -> Margin:
     bound = nan if limit is None else limit
     note = "; ".join(filter(None, (found.stage, note or NO_LIMIT * (limit is None))))
     return Margin(
-        name, found.value, bound, found.radius, bound or scale, quantity, LEFT_OUT[name], note,
-        found.r, found.values,
-    )  # fmt: skip
+        name,
+        found.value,
+        bound,
+        found.radius,
+        bound or scale,
+        quantity,
+        LEFT_OUT[name],
+        note,
+        found.r,
+        found.values,
+    )
 
 
-def _worst(states: list[_State], values: list[Array]) -> _Found:
+def _worst(states: list[_State], values: list[Array]) -> _WorstValue:
     """Return the largest value over all states."""
     state, own = max(zip(states, values, strict=True), key=lambda pair: pair[1].max())
     final, last = states[-1], values[-1]
@@ -445,25 +481,28 @@ def _worst(states: list[_State], values: list[Array]) -> _Found:
         np.interp(final.r[: last.size], state.r[: v.size], v, right=-np.inf)
         for state, v in zip(states, values, strict=True)
     ]
-    return _Found(
+    return _WorstValue(
         float(own[k]), float(state.r[k]), stage, final.r[: last.size], np.max(over, axis=0)
     )
 
 
-def _slip(states: list[_State], roll: RollResult, limits: Limits, pull: Pull) -> Margin:
+def _slip(states: list[_State], roll: RollResult, limits: Limits, pull: WindingTorque) -> Margin:
     friction = limits.layer_friction or pull.friction
     if friction is None:
-        nothing = _Found(nan, nan, "", np.zeros(0), np.zeros(0))
+        nothing = _WorstValue(nan, nan, "", np.zeros(0), np.zeros(0))
         return _margin("slip", nothing, nan, SHARE, "the friction between layers is not given")
-    # each stage below the surface of the one before: what is new on it holds by its own tension
-    tail, core = TAIL_LAPS * float(roll.problem.web_thickness), float(roll.radius[0])
+    # Each stage is evaluated below the surface of the preceding one, because the outermost layers
+    # are held by their own tension.
+    tail, core = TAIL_LAYERS * float(roll.problem.web_thickness), float(roll.radius[0])
     R = states[-1].surface
     reach = [core, *(state.surface for state in states[:-2]), R - min(tail, (R - core) / 2)]
     shares = []
     for (s, r, P, _), end in zip(states, reach[-len(states) :], strict=True):
         tension = float(np.interp(s, pull.radius, pull.core))
         torque = torque_carried(r, s, tension, roll.problem.density or 0, limits.acceleration)
-        shares.append(torque_share(r, P, friction * pull.left(np.maximum(P, 0)), torque)[r <= end])
+        shares.append(
+            torque_share(r, P, friction * pull.friction_ratio(np.maximum(P, 0)), torque)[r <= end]
+        )
     return _margin("slip", _worst(states, shares), limits.torque_share, SHARE, pull.assumed)
 
 
@@ -471,19 +510,21 @@ def _compression(states: list[_State], roll: RollResult, limits: Limits) -> Marg
     found = _worst(states, [-state.hoop for state in states])
     wound_on = float(np.max(roll.problem.tension_curve.at(roll.radius)))
     missing = NO_LIMIT * (limits.compression is None)
-    note = "; ".join(filter(None, (missing, _if_laps_slid(states[-1], roll))))
+    note = "; ".join(filter(None, (missing, _buckling_note(states[-1], roll))))
     return _margin("compression", found, limits.compression, COMPRESSION, note, scale=wound_on)
 
 
-def _if_laps_slid(final: _State, roll: RollResult) -> str:
-    """Say at which compression laps without friction would buckle, where any is compressed."""
+def _buckling_note(final: _State, roll: RollResult) -> str:
+    """Return a note with the buckling stress of frictionless layers, if any is compressed."""
     pressed, stack = final.hoop < 0, roll.problem.stack
     if pressed.sum() < 2:
         return ""
     r, E_r = final.r[pressed], stack.radial.modulus(np.maximum(final.P[pressed], 0))
     depth = float(r[-1] - r[0])
     mean = float(np.trapezoid(E_r, r)) / depth
-    limit = sliding_laps_buckle(mean, stack.tangential, float(roll.problem.web_thickness), depth)
+    limit = sliding_layers_buckling_stress(
+        mean, stack.tangential, float(roll.problem.web_thickness), depth
+    )
     return f"layers that slid freely would buckle at about {1e-3 * limit:.3g} kPa (estimate)"
 
 
@@ -501,14 +542,14 @@ def _core(states: list[_State], core: Core, limits: Limits) -> Margin:
     return _margin("core", found, limit, CORE, why)
 
 
-def _strength(final: _State, roll: RollResult, limits: Limits, pull: Pull) -> Margin:
-    # the hoop stress at the surface is the wound-on stress, but for the discretisation
+def _strength(final: _State, roll: RollResult, limits: Limits, pull: WindingTorque) -> Margin:
+    # at the surface the hoop stress equals the wound-on stress up to the discretisation error
     hoop = roll.problem.web_thickness * final.hoop[:-1]
     found = _extreme(np.argmax, *_tensions(roll, pull), (final.r[:-1], hoop))
     return _margin("strength", found, limits.web_strength, STRENGTH)
 
 
-def _slack(roll: RollResult, limits: Limits, pull: Pull) -> Margin:
+def _slack(roll: RollResult, limits: Limits, pull: WindingTorque) -> Margin:
     found = _extreme(np.argmin, *_tensions(roll, pull))
     return _margin("slack", found, limits.slack_tension, SLACK)
 
@@ -518,10 +559,10 @@ def _gauge_band(roll: RollResult, limits: Limits) -> Margin:
     try:
         strains = lane_strain(roll.problem, roll.radius)
     except InvalidProblem as fault:  # the law of the stack ends
-        nothing = _Found(nan, nan, "", np.zeros(0), np.zeros(0))
+        nothing = _WorstValue(nan, nan, "", np.zeros(0), np.zeros(0))
         return _margin("gauge_band", nothing, nan, BAND, str(fault))
     k = int(np.argmax(strains))
-    found = _Found(float(strains[k]), float(roll.radius[k]), "", roll.radius, strains)
+    found = _WorstValue(float(strains[k]), float(roll.radius[k]), "", roll.radius, strains)
     if d:
         ridge = RIDGE.shown(ridge_height(roll))
         note = f"the lane is {100 * d:.3g} % thicker, with a ridge of {ridge:.3g} um"
@@ -530,7 +571,7 @@ def _gauge_band(roll: RollResult, limits: Limits) -> Margin:
 
 
 def ridge_height(roll: RollResult) -> float:
-    """Return by how much the thickest lane stands out of the finished roll [m].
+    """Return the height of the ridge over the thickest lane of the finished roll [m].
 
     Raises
     ------
@@ -542,35 +583,35 @@ def ridge_height(roll: RollResult) -> float:
     return float((gauge_band_over(roll.problem, roll.radius[-1:]).lead * roll.radius[-1:])[0])
 
 
-def _tensions(roll: RollResult, pull: Pull) -> list[tuple[Array, Array]]:
-    """Return radii and tensions of the web: wound on, and before the nip where it is known."""
+def _tensions(roll: RollResult, pull: WindingTorque) -> list[tuple[Array, Array]]:
+    """Return radii and web tensions: wound-on, and upstream of the nip if it is known."""
     wound_on = roll.problem.web_thickness * roll.problem.tension_curve.at(roll.radius)
     before = [(pull.radius, pull.web_tension)] if pull.web_tension.size else []
     return [(roll.radius, wound_on), *before]
 
 
-def _extreme(where: Callable[..., Any], first: tuple[Array, Array], *more: Any) -> _Found:
-    """Return the largest or smallest of values over their radii."""
+def _extreme(where: Callable[..., Any], first: tuple[Array, Array], *more: Any) -> _WorstValue:
+    """Return the maximum or minimum of several functions of the radius."""
     r = first[0]
     values = np.array([first[1], *(np.interp(r, *other) for other in more)])
     row, k = np.unravel_index(where(values), values.shape)
     over = values[where(values, axis=0), np.arange(r.size)]
-    return _Found(float(values[row, k]), float(r[k]), "", r, over)
+    return _WorstValue(float(values[row, k]), float(r[k]), "", r, over)
 
 
 class WithMargins:
-    """The margins of a winding among its outputs; a base of its result."""
+    """Base class of a result that has the margins of a winding as outputs."""
 
     problem: Any
 
     @cached_property
     def margins(self) -> Margins:
-        """All margins, by the problem's limits; see :func:`margins`."""
+        """All margins, with the limits of the problem; see :func:`margins`."""
         return margins(self)
 
     @property
     def torque_share(self) -> Annotated[float, SHARE]:
-        """Largest share of what friction between laps carries that the torque takes [1]."""
+        """Largest ratio of the torque to the friction capacity between layers [1]."""
         return float(self.margins["slip"].value)
 
     @property
@@ -600,7 +641,7 @@ class WithMargins:
 
     @property
     def ridge_height(self) -> Annotated[float, RIDGE]:
-        """By how much the thickest lane stands out of the finished roll [m]; nan if unknown."""
+        """Height of the ridge over the thickest lane [m]; nan if unknown."""
         try:
             return ridge_height(self.roll)  # type: ignore[attr-defined]
         except InvalidProblem:

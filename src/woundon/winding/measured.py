@@ -8,10 +8,10 @@ smooth schedules L0 in the place of the measured ones, and
 
 the derivatives exact ones of the nips on that roll, drawn through the same radii as WOT0.  With
 this tension the roll is wound.  Nips under the measured loads, on the very roll, where these depart
-most, say by how much that is off: the second order, and what unevenly wound laps do to a nip.
+most, say by how much that is off: the second order, and what unevenly wound layers do to a nip.
 
     effective roll    dWOT = W_L dL + W_Pe dP_e,
-                      dP_e = (1 - steep)^-1 ((wound - 0.25 p_max) dln a + 0.25 p_max dln P)
+                      dP_e = (1 - feedback)^-1 ((wound - 0.25 p_max) dln a + 0.25 p_max dln P)
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ import numpy as np
 from ..problems.schedules import Profile
 from ..problems.winding import LOADS, WindingProblem
 from ..roll.result import RollResult
-from .bodies import SHARE, Felt, tension_on_roll
-from .curve import MOST_PIECES, TensionCurve, looked_at, sharp_kinks
+from .bodies import SHARE, NipSample, tension_on_roll
+from .curve import MOST_PIECES, TensionCurve, sampling_radii, sharp_kinks
 from .nips import Nips
 
-__all__ = ["Departure", "largest_miss", "smoothed"]
+__all__ = ["Departure", "largest_mismatch", "smoothed"]
 
 Array = np.ndarray
 
@@ -75,7 +75,7 @@ class Departure:
         self, problem: WindingProblem, smooth: WindingProblem, curve: TensionCurve, nips: Nips
     ) -> None:
         self.problem, self.smooth, self.curve = problem, smooth, curve
-        slopes = {place: _slopes(nips.felt[curve.radius(place)]) for place in curve.places}
+        slopes = {place: _slopes(nips.samples[curve.radius(place)]) for place in curve.places}
         self.slopes = [{place: own[k] for place, own in slopes.items()} for k in range(len(LOADS))]
 
     def parts(self, r: Array) -> Array:
@@ -95,9 +95,9 @@ class Departure:
         return np.asarray(self.parts(r).sum(axis=0))
 
 
-def _slopes(felt: Felt) -> Array:
+def _slopes(sample: NipSample) -> Array:
     """Return the derivatives of a nip's wound-on tension by its loads, what the roll feels too."""
-    result, P_e = felt.result, felt.pressure
+    result, P_e = sample.result, sample.pressure
     found = result.sensitivity(*LOADS, outputs=("roll_wound_on_tension", "half_width"))
     tension, width = found.derivatives
     if isnan(P_e):
@@ -105,12 +105,12 @@ def _slopes(felt: Felt) -> Array:
     pressed = SHARE * result.peak_pressure
     ln_a = width / result.half_width
     ln_P = np.array([1 / result.problem.nip_load if name == "nip_load" else 0.0 for name in LOADS])
-    felt_more = ((P_e - pressed) - pressed) * ln_a + pressed * ln_P
-    by_felt = felt.powers[0] * tension_on_roll(result) / P_e
-    return np.asarray(tension + by_felt * felt_more / (1 - felt.steep))
+    pressure_change = ((P_e - pressed) - pressed) * ln_a + pressed * ln_P
+    by_pressure = sample.exponents[0] * tension_on_roll(result) / P_e
+    return np.asarray(tension + by_pressure * pressure_change / (1 - sample.feedback))
 
 
-def largest_miss(
+def largest_mismatch(
     departure: Departure, nips: Nips, roll: RollResult, tension_at: Callable[[Array], Array]
 ) -> float:
     """Return by what of it nips under the measured loads miss the reported tension, at most.
@@ -126,7 +126,7 @@ def largest_miss(
         (radii) -> that tension [N/m].
     """
     curve = departure.curve
-    r = looked_at(departure.problem)
+    r = sampling_radii(departure.problem)
     r = r[r >= curve.radius(curve.pieces[0].start)]
     by, missed = np.abs(departure.parts(r)).sum(axis=0), 0.0
     for part in np.array_split(np.arange(r.size), CHECKED):

@@ -1,4 +1,4 @@
-"""The nips of a winding: solved on the roll wound so far, each from what was solved before."""
+"""The nips of a winding, solved on the growing roll with warm starts."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from ..problems.nip import NipProblem
 from ..problems.winding import WindingProblem
 from ..roll.result import RollResult
 from ..roll.stages import stage_at
-from .bodies import Felt, predicted_nip, solved_nip
+from .bodies import NipSample, predicted_nip, solved_nip
 
 __all__ = ["Nips", "warnings_of"]
 
 COARSE_NODES = 33
-# to what the pressure that a nip's roll feels is found in one turn
-FELT_COARSELY, FELT = 0.02, 3e-3
+# relative tolerances of the effective pressure in one nip-roll iteration
+COARSE_PRESSURE_TOLERANCE, PRESSURE_TOLERANCE = 0.02, 3e-3
 
 
 class Nips:
@@ -32,69 +32,81 @@ class Nips:
     ----------
     problem : WindingProblem
     nodes : int
-        Of each.
+        Number of nodes of each nip.
     agreed : float
-        To what friction and air are to agree.
+        Relative tolerance of the iteration between friction and entrained air.
     tell : callable
-        Is called with how many nips are solved.
-    before : iterable of Felt
-        Nips of a neighbouring winding, to start from.
+        Is called with the number of solved nips.
+    before : iterable of NipSample
+        Nips of a neighbouring winding, for warm starts.
     solved : int
-        How many were solved before.
+        Number of nips solved before.
 
     Attributes
     ----------
-    felt : dict of float to Felt
-        The last ones, by radius.
+    samples : dict of float to NipSample
+        The latest solution at each radius.
     solved : int
-        How many in all.
+        Total number of solved nips.
     coarse : bool
-        Whether they may be solved on few nodes.
+        True if the nips are solved on a coarse mesh.
     """
 
     def __init__(
-        self, problem: WindingProblem, nodes: int, agreed: float, tell: Callable[[int], None],
-        before: Iterable[Felt] = (), solved: int = 0,
-    ) -> None:  # fmt: skip
+        self,
+        problem: WindingProblem,
+        nodes: int,
+        agreed: float,
+        tell: Callable[[int], None],
+        before: Iterable[NipSample] = (),
+        solved: int = 0,
+    ) -> None:
         self.problem, self.nodes, self.agreed, self.tell = problem, nodes, agreed, tell
-        self.before = {felt.radius: felt for felt in before}
-        self.felt: dict[float, Felt] = {}
+        self.before = {sample.radius: sample for sample in before}
+        self.samples: dict[float, NipSample] = {}
         self.solved, self.coarse, self.rough = solved, False, False
-        self.films: dict[float, float] = {}  # of air, that the nips let through, by radius
-        self.frictions: dict[float, tuple[float, float]] = {}  # that they leave
+        self.films: dict[float, float] = {}  # entrained air at each radius
+        self.frictions: dict[
+            float, tuple[float, float]
+        ] = {}  # effective friction coefficients with this air
 
     @property
-    def alone(self) -> bool:
-        """Whether they answer the same on every roll."""
+    def is_roll_independent(self) -> bool:
+        """True if the wound-on tension of a nip does not depend on the wound roll."""
         return self.problem.roll_body == "linear" and self.problem.air is None
 
     def tension(self, radius: float, roll: RollResult | None) -> float:
         """Solve the nip at a radius on a roll; return its wound-on tension [N/m].
 
-        It takes no roll where nips are ``alone``.
+        ``roll`` may be None if :attr:`is_roll_independent`.
         """
-        own = self.felt.get(radius)
-        if self.alone and own is not None:
+        own = self.samples.get(radius)
+        if self.is_roll_independent and own is not None:
             return own.tension
-        with _at(radius):
+        with _radius_in_errors(radius):
             linear = self.problem.roll_body == "linear"
             stage = None if roll is None or linear else stage_at(roll, radius)
-            felt = solved_nip(
-                self._on(roll), radius, stage, own, self._near(radius), self._solve,
-                FELT_COARSELY if self.rough else FELT,
-            )  # fmt: skip
-        self.felt[radius] = felt
-        return felt.tension
+            sample = solved_nip(
+                self._with_stack_of(roll),
+                radius,
+                stage,
+                own,
+                self._nearest(radius),
+                self._solve,
+                COARSE_PRESSURE_TOLERANCE if self.rough else PRESSURE_TOLERANCE,
+            )
+        self.samples[radius] = sample
+        return sample.tension
 
     def predict(self, radius: float, roll: RollResult) -> float:
         """Return the tension of a nip predicted on another effective roll [N/m]."""
         stage = stage_at(roll, radius)
-        self.felt[radius] = predicted_nip(self._on(roll), stage, self.felt[radius])
-        return self.felt[radius].tension
+        self.samples[radius] = predicted_nip(self._with_stack_of(roll), stage, self.samples[radius])
+        return self.samples[radius].tension
 
-    def from_core_to_surface(self) -> list[Felt]:
+    def from_core_to_surface(self) -> list[NipSample]:
         """Return the latest solution of every nip, from the core to the surface."""
-        return [self.felt[radius] for radius in sorted(self.felt)]
+        return [self.samples[radius] for radius in sorted(self.samples)]
 
     def mean_film(self) -> float:
         """Return the mean of the nips' films over the length of web [m]."""
@@ -107,19 +119,19 @@ class Nips:
     def warnings(self) -> tuple[str, ...]:
         """Return the warnings of the nips, each kind once, with its radii."""
         return warnings_of(
-            [(felt.radius, felt.result.warnings) for felt in self.from_core_to_surface()]
+            [(sample.radius, sample.result.warnings) for sample in self.from_core_to_surface()]
         )
 
-    def _on(self, roll: RollResult | None) -> WindingProblem:
-        """Return the problem with the stack of a roll, air and all."""
+    def _with_stack_of(self, roll: RollResult | None) -> WindingProblem:
+        """Return the problem with the stack of a roll, including its air film."""
         own = self.problem.stack
         stack = own if roll is None else roll.problem.stack
         return self.problem if stack is own else self.problem.replace(stack=stack)
 
-    def _near(self, radius: float) -> Felt | None:
-        """Return the nip nearest to a radius by the roll's depth."""
+    def _nearest(self, radius: float) -> NipSample | None:
+        """Return the nip that is nearest in ln(r - r_c), for a warm start."""
         core = self.problem.core.radius
-        known = self.before or self.felt
+        known = self.before or self.samples
         found = min(known, key=lambda r: abs(np.log((r - core) / (radius - core))), default=None)
         return None if found is None else known[found]
 
@@ -127,26 +139,29 @@ class Nips:
         nodes = min(self.nodes, COARSE_NODES) if self.coarse else self.nodes
         nip = self.problem.nip(roll.radius, roll)
         try:
-            result = self._with_its_air(nip, nodes, start)
-        except NotConverged:  # as a start that is too far off may end
+            result = self._solve_with_air(nip, nodes, start)
+        except NotConverged:  # possibly because of a poor initial guess
             if start is None:
                 raise
-            result = self._with_its_air(nip, nodes, None)
+            result = self._solve_with_air(nip, nodes, None)
         self.solved += 1
         self.tell(self.solved)
         return result
 
-    def _with_its_air(self, nip: NipProblem, nodes: int, start: NipResult | None) -> NipResult:
-        """Solve a nip, with the friction that its air leaves; keep the film."""
+    def _solve_with_air(self, nip: NipProblem, nodes: int, start: NipResult | None) -> NipResult:
+        """Solve a nip with its entrained air and the reduced friction; store both."""
         radius = nip.roll.radius
         if nip.air is None:
             self.films[radius] = 0.0
             return solve_nip(nip, nodes=nodes, start=start)
         near = min(self.films, key=lambda other: abs(other - radius), default=None)
         result = solve_with_film(
-            nip, frictions=None if near is None else self.frictions[near], tolerance=self.agreed,
-            nodes=nodes, start=start,
-        )  # fmt: skip
+            nip,
+            frictions=None if near is None else self.frictions[near],
+            tolerance=self.agreed,
+            nodes=nodes,
+            start=start,
+        )
         assert result.air is not None
         self.films[radius] = result.air.film
         self.frictions[radius] = result.air.roll_friction, result.air.wrap_friction
@@ -154,18 +169,18 @@ class Nips:
 
 
 def warnings_of(nips: Iterable[tuple[float, tuple[str, ...]]]) -> tuple[str, ...]:
-    """Return warnings at radii, each sort once, with the radii at which it comes up."""
+    """Merge the warnings of all nips: each kind once, with its radii."""
     first: dict[str, str] = {}
     radii: dict[str, list[float]] = {}
     for radius, texts in nips:
         for text in texts:
-            sort = re.sub(r"[\d.e+-]+", "", text)
-            first.setdefault(sort, text)
-            radii.setdefault(sort, []).append(radius)
+            kind = re.sub(r"[\d.e+-]+", "", text)
+            first.setdefault(kind, text)
+            radii.setdefault(kind, []).append(radius)
     found = []
-    for sort, text in first.items():
+    for kind, text in first.items():
         mark = RESOLUTION if text.startswith(RESOLUTION) else ""
-        found.append(f"{mark}{_where(radii[sort])}: {text.removeprefix(RESOLUTION)}")
+        found.append(f"{mark}{_where(radii[kind])}: {text.removeprefix(RESOLUTION)}")
     return tuple(found)
 
 
@@ -177,8 +192,8 @@ def _where(radii: list[float]) -> str:
 
 
 @contextmanager
-def _at(radius: float) -> Iterator[None]:
-    """Name the radius at which a nip fails."""
+def _radius_in_errors(radius: float) -> Iterator[None]:
+    """Add the radius to the messages of errors."""
     where = f"at the radius {radius:.4g} m: "
     try:
         yield

@@ -13,7 +13,7 @@ from ..problems.winding import WindingProblem
 from ..quantities import Quantity, length, line_load, pure, strain, stress
 from ..results import Residuals, Result
 from ..roll.result import RollResult
-from .bodies import Felt
+from .bodies import NipSample
 from .certificate import certificate
 from .margins import WithMargins
 from .roll import wound_again
@@ -49,7 +49,7 @@ class WindingResult(WithMargins, Result):
     nip_air_film, nip_friction : (n,) arrays
         What the nips let through, at ambient pressure [m], and the friction that it leaves in them.
     air_film : float
-        Mean of the films over the web's length, which the roll's laps hold [m].
+        Mean of the films over the web's length, which the roll's layers hold [m].
     nip_error, nip_residual : (n,) arrays
         Their estimated discretisation error [N/m], and the largest violation of a law [1].
     interpolation_error, core_interpolation_error : float
@@ -60,29 +60,50 @@ class WindingResult(WithMargins, Result):
     roll_rtol, agreed : float
         The requested tolerances: of the roll's pressure, and of the wound-on tension on which roll
         and nips agree [1].
-    nips : tuple of Felt
+    nips : tuple of NipSample
         The nips themselves, for a neighbouring winding to start from; none after loading.
     """
 
     MAIN: ClassVar[tuple[str, ...]] = (
-        "mean_wound_on_tension", "core_pressure", "mid_pressure", "least_hoop_stress",
-    )  # fmt: skip
-    REPLACED: ClassVar[Mapping[str, str]] = MappingProxyType({
-        "pressure": "it is the roll's, result.roll.pressure; numbers are core_pressure, "
-        "mid_pressure and peak_pressure",
-        "hoop_stress": "it is the roll's: result.roll.hoop_stress",
-        "at": "a stage of the build-up is one of the roll: result.roll.at(radius)",
-        "wound": "the roll is result.roll",
-    })  # fmt: skip
+        "mean_wound_on_tension",
+        "core_pressure",
+        "mid_pressure",
+        "least_hoop_stress",
+    )
+    REPLACED: ClassVar[Mapping[str, str]] = MappingProxyType(
+        {
+            "pressure": "it is the roll's, result.roll.pressure; numbers are core_pressure, "
+            "mid_pressure and peak_pressure",
+            "hoop_stress": "it is the roll's: result.roll.hoop_stress",
+            "at": "a stage of the build-up is one of the roll: result.roll.at(radius)",
+            "wound": "the roll is result.roll",
+        }
+    )
     MAY_BE_NAN: ClassVar[frozenset[str]] = frozenset({"nip_felt_pressure", "nip_error"})
-    ALONG: ClassVar[Mapping[str, str]] = MappingProxyType(dict.fromkeys(
-        ("nip_wound_on_tension", "nip_half_width", "nip_peak_pressure", "nip_felt_pressure",
-         "nip_departure", "nip_error", "nip_residual"), "nip_radius",
-    ))  # fmt: skip
-    ESTIMATES: ClassVar[frozenset[str]] = frozenset({
-        "core_interpolation_error", "interpolation_error", "nip_error", "nips_solved", "nodes",
-        "roll_rtol",
-    })  # fmt: skip
+    ALONG: ClassVar[Mapping[str, str]] = MappingProxyType(
+        dict.fromkeys(
+            (
+                "nip_wound_on_tension",
+                "nip_half_width",
+                "nip_peak_pressure",
+                "nip_felt_pressure",
+                "nip_departure",
+                "nip_error",
+                "nip_residual",
+            ),
+            "nip_radius",
+        )
+    )
+    ESTIMATES: ClassVar[frozenset[str]] = frozenset(
+        {
+            "core_interpolation_error",
+            "interpolation_error",
+            "nip_error",
+            "nips_solved",
+            "nodes",
+            "roll_rtol",
+        }
+    )
 
     problem: WindingProblem
     radius: Annotated[Array, length("r", "radius")]
@@ -121,7 +142,7 @@ class WindingResult(WithMargins, Result):
         float, strain("e_ic", "relative interpolation error near the core")
     ] = 0.0
     wound: RollResult | None = field(default=None, compare=False, metadata={"saved": False})
-    nips: tuple[Felt, ...] = field(default=(), compare=False, metadata={"saved": False})
+    nips: tuple[NipSample, ...] = field(default=(), compare=False, metadata={"saved": False})
 
     @property
     def roll(self) -> RollResult:

@@ -16,13 +16,13 @@ from ..roll.solve import ThinLaps, solve_thin_laps
 __all__ = ["changed", "wind", "wound_again"]
 
 Array = np.ndarray
-STRAIGHT = 1e-13  # of a tension, by which a point on a line may miss it
+STRAIGHT = 1e-13  # relative distance from a straight line below which a point lies on it
 
 
 def wind(
     problem: WindingProblem, r: Array, tension: Array, rtol: float, film: float = 0.0
 ) -> ThinLaps:
-    """Return the roll wound with a tension that is linear between radii, in the limit of thin laps.
+    """Compute the roll of a piecewise linear wound-on tension, in the limit of thin layers.
 
     Parameters
     ----------
@@ -32,7 +32,7 @@ def wind(
     rtol : float
         Of the roll's pressure.
     film : float
-        Of air between the laps, at ambient pressure [m].
+        Of air between the layers, at ambient pressure [m].
 
     Raises
     ------
@@ -40,20 +40,20 @@ def wind(
         For a tension that is not positive everywhere.
     """
     roll = _roll_problem(problem, r, tension, film)
-    # Newton's method leaves up to 1e-4 of the pressure, and less in a roll that is wound again: the
-    # difference would keep nips and roll from agreeing
+    # The error of Newton's method is up to 1e-4 of the pressure, and less in a recomputed roll.
+    # This difference would prevent the convergence of the nip-roll iteration.
     return solve_thin_laps(roll, rtol).wound_with(roll)
 
 
 def changed(
     problem: WindingProblem, roll: ThinLaps, r: Array, tension: Array, film: float
 ) -> ThinLaps:
-    """Return a roll as it would be with another tension, in the same stages; see :func:`wind`."""
+    """Recompute a roll with another tension, in the same stages; see :func:`wind`."""
     return roll.wound_with(_roll_problem(problem, r, tension, film))
 
 
 def wound_again(result: Any) -> RollResult:
-    """Return the roll of a result that does not have it, for it comes from a file."""
+    """Recompute the roll of a result that was loaded from a file."""
     thin = wind(
         result.problem, result.radius, result.wound_on_tension, result.roll_rtol, result.air_film
     )
@@ -66,15 +66,15 @@ def _roll_problem(problem: WindingProblem, r: Array, tension: Array, film: float
         raise NoSteadyState.at(
             "web_tension",
             f"the wound-on tension falls to {tension[least]:.6g} [N/m] at the radius "
-            f"{r[least]:.6g} [m]; must be > 0, or no lap is wound on",
+            f"{r[least]:.6g} [m]; must be > 0, or no layer is wound on",
         )
     return problem.wound_roll(_schedule(r, tension), film)
 
 
 def _schedule(r: Array, tension: Array) -> float | Profile:
-    """Return a tension over the radius without the points that stand on a line between others.
+    """Return the tension over the radius without points on straight lines between others.
 
-    So a tension that is linear is wound as one, with no kink where there is none.
+    A linear tension then has no spurious kinks.
     """
     if np.ptp(tension) <= STRAIGHT * np.max(tension):
         return float(tension[0])

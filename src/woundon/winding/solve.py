@@ -1,6 +1,4 @@
-r"""Winding: from a problem to a certified result.
-
-The one loop of the program that goes from a result back to a problem:
+r"""Solver of a winding: fixed-point iteration between the nips and the roll.
 
     wound-on tension over the radius ----> the roll, all its stages         roll/
              ^                                      |  the pressure wound so far
@@ -8,15 +6,15 @@ The one loop of the program that goes from a result back to a problem:
              +------------------------------ nips at these radii            wrap/
                        curve                     nips, bodies
 
-What a nip adds depends on the radius, and on the stack just below the surface, which the last laps
-have wound: hardly on what is below.  So the loop closes in a few turns, each radius for itself:
+The nip-induced tension depends on the radius and on the pressure of the outermost layers, and
+hardly on the layers below.  The iteration therefore converges quickly, separately at each radius:
 
-    linear      no turn at all: the nips do not feel what they have wound
-    effective   the tension of a nip on a slightly different roll is predicted, so that two turns
-                with nips suffice, and rolls alone in between
-    direct      by a secant
+    linear      no iteration: the nips do not depend on the wound roll
+    effective   every second iteration recomputes only the roll and extrapolates the tensions of the
+                nips to it; two iterations with nips usually suffice
+    direct      secant method
 
-Radii are added where the polynomial without them is off by more than rtol.
+Radii are added until the error estimate of the interpolation is below rtol.
 """
 
 from __future__ import annotations
@@ -37,9 +35,9 @@ from ..roll.solve import ThinLaps
 from .assembly import assemble_result
 from .bodies import tension_on_roll
 from .certificate import MOST_AGREED, certificate
-from .curve import NOMINAL, TensionCurve, looked_at, told_radii
+from .curve import NOMINAL, TensionCurve, polyline_radii, sampling_radii
 from .interpolation import Piece
-from .measured import Departure, largest_miss, smoothed
+from .measured import Departure, largest_mismatch, smoothed
 from .nips import Nips
 from .result import WindingResult
 from .roll import changed, wind
@@ -52,17 +50,17 @@ Progress = Callable[[float], None]
 RTOL, NODES = 1e-3, 65
 AGREED = {"effective": 1e-6, "linear": 1e-6, "direct": 1e-5}
 MOST_NIPS = 40  # radii
-MOST_TURNS = 30
-PATIENT = 10  # turns, after which radii are added whatever the tension still changes by
-EXPECTED_TURNS = 4  # for the reported progress
-SETTLED = 0.03  # change of the tension from which on roll and nips are solved well
-# and from which on their answers tell whether more radii are needed, and which: not sooner, or that
-# would depend on where the winding was begun
-TOLD_BY = {"effective": 5e-3, "linear": 1.0, "direct": 1e-3}
-COARSE_RTOL = 0.05  # until then
-LEAST_SECANT = 1e-6  # of a share, a step that tells how steep answers are: less is noise
-POWER = 0.75  # of the nip load, to which a neighbour's nip-induced tension is proportional
-SPARE = 0.9  # of what nips and roll are to agree to, at which the turns end
+MOST_ITERATIONS = 30
+PATIENT = 10  # iterations after which radii are added even if the tension still changes
+EXPECTED_ITERATIONS = 4  # for the reported progress
+SETTLED = 0.03  # relative change of the tension below which the final accuracies are used
+# Relative change below which radii may be added.  With larger changes the choice of the radii would
+# depend on the initial guess.
+REFINEMENT_CHANGE = {"effective": 5e-3, "linear": 1.0, "direct": 1e-3}
+COARSE_RTOL = 0.05  # of the roll, while the change is larger than SETTLED
+LEAST_SECANT = 1e-6  # smallest step of a share for a secant; smaller ones are too noisy
+POWER = 0.75  # exponent of the nip load in the initial guess of the nip-induced tension
+SPARE = 0.9  # fraction of the tolerance ``agreed`` at which the iteration stops
 ROUNDING = 1e-13
 LEAST_RTOL, LEAST_AGREED, LEAST_NODES = 1e-6, 1e-8, 25
 RTOL_OPTION = Option(
@@ -90,7 +88,7 @@ def solve_winding(
     start: WindingResult | None = None,
     progress: Progress | None = None,
 ) -> WindingResult:
-    """Wind a roll: nips as it grows, and the stresses that they leave, until both agree.
+    """Solve a winding: the nips on the growing roll and the stresses in the roll.
 
     Parameters
     ----------
@@ -99,12 +97,13 @@ def solve_winding(
         Accepted error of the interpolation between the nips, relative to the wound-on tension, and
         of the roll's pressure; 1e-6 to 0.1.
     nodes : int
-        Of every nip, 25 to 1025: on fewer none tells its error.
+        Number of nodes of every nip, 25 to 1025; an error estimate needs at least 25.
     agreed : float, optional
-        To what of the wound-on tension nips and roll are to agree, 1e-8 to 1e-2; by default 1e-6,
-        and 1e-5 with a direct roll.
+        Tolerance of the nip-roll iteration, relative to the wound-on tension, 1e-8 to 1e-2; by
+        default 1e-6, and 1e-5 with a direct roll.
     start : WindingResult, optional
-        A neighbouring case, to start from its tension and nips.  The answer does not depend on it.
+        A neighbouring case whose tension and nips are the initial guess.  It does not change the
+        result beyond the tolerances.
     progress : callable, optional
         Is called with the estimated fraction of the work that is done.
 
@@ -128,11 +127,11 @@ def solve_winding(
     within = AGREED[problem.roll_body] if agreed is None else agreed
     with unwarned():  # reported once, with the radius
         if problem.tension_law != "nip":
-            result = _given(problem, rtol, nodes, within)
+            result = _solve_prescribed(problem, rtol, nodes, within)
         elif (smooth := smoothed(problem, rtol)) is not None:
-            result = _Winder(smooth, rtol, nodes, within, start, progress).measured(problem)
+            result = _Winder(smooth, rtol, nodes, within, start, progress).solve_measured(problem)
         else:
-            result = _Winder(problem, rtol, nodes, within, start, progress).wound()
+            result = _Winder(problem, rtol, nodes, within, start, progress).solve()
     return result.replace(residuals=certificate(result)).checked().warned()
 
 
@@ -153,123 +152,136 @@ def check_options(
 
 
 @dataclass
-class _Turn:
-    """One turn of the loop: the shares wound with, what the nips on that roll answer."""
+class _Iteration:
+    """One nip-roll iteration: the shares of the roll, and those of the nips on this roll."""
 
-    given: dict[float, float]  # by place
-    answers: dict[float, float]
+    shares: dict[float, float]  # by coordinate
+    nip_shares: dict[float, float]
     r: Array
     roll: ThinLaps
-    film: float  # of air, that the roll was wound with
-    change: float  # of the tension, the largest
+    film: float  # air film of the roll
+    change: float  # largest relative change of the tension
 
 
 class _Winder:
-    """Winds one roll with the tension of its nips."""
+    """Nip-roll iteration of one winding."""
 
     def __init__(
-        self, problem: WindingProblem, rtol: float, nodes: int, agreed: float,
-        start: WindingResult | None, progress: Progress | None,
-    ) -> None:  # fmt: skip
+        self,
+        problem: WindingProblem,
+        rtol: float,
+        nodes: int,
+        agreed: float,
+        start: WindingResult | None,
+        progress: Progress | None,
+    ) -> None:
         self.problem, self.rtol, self.nodes, self.agreed = problem, rtol, nodes, agreed
         self.start, self.progress = start, progress
         self.curve = TensionCurve(problem, rtol)
         self.nips = Nips(problem, nodes, agreed, self._tell, () if start is None else start.nips)
 
-    def wound(self) -> WindingResult:
-        """Wind the roll of the problem."""
-        return self._told(self._agreed())
+    def solve(self) -> WindingResult:
+        """Solve the winding."""
+        return self._assemble(self._converge())
 
-    def _agreed(self) -> _Turn:
-        """Wind until nips and roll agree."""
-        given, change = self._begun()
-        before: _Turn | None = None
-        steep: dict[float, float] = {}
+    def _converge(self) -> _Iteration:
+        """Iterate until the tensions of nips and roll agree."""
+        given, change = self._initial_shares()
+        before: _Iteration | None = None
+        slopes: dict[float, float] = {}
         solve, certain = True, False
-        # the nips of a neighbour give the tension
+        # warm starts from a neighbouring winding need no coarse mesh
         self.nips.coarse = change > SETTLED and not self.nips.before
-        for number in range(MOST_TURNS):
+        for number in range(MOST_ITERATIONS):
             if solve and self.nips.coarse and change <= SETTLED:
                 self.nips.coarse, before = False, None
             rough = change > SETTLED
-            turn = self._turned(given, rough, None if solve else before)
+            iteration = self._iterate(given, rough, None if solve else before)
             if solve:
-                known = turn.change <= TOLD_BY[self.problem.roll_body] or number >= PATIENT
+                known = (
+                    iteration.change <= REFINEMENT_CHANGE[self.problem.roll_body]
+                    or number >= PATIENT
+                )
                 certain = known and not self.nips.coarse
-            added = solve and certain and self._refined(turn)
-            change = turn.change
+            added = solve and certain and self._refine(iteration)
+            change = iteration.change
             settled = certain and not (added or rough)
             if settled and change <= SPARE * self.agreed:
-                return turn if solve else self._recompute_roll(turn)
+                return iteration if solve else self._recompute_roll(iteration)
             direct = self.problem.roll_body == "direct"
-            given = _corrected(turn, before, steep) if direct else turn.answers
-            before = turn
-            # every second turn of effective rolls takes no nips
+            given = _secant_update(iteration, before, slopes) if direct else iteration.nip_shares
+            before = iteration
+            # with effective rolls every second iteration solves no nips
             solve = not (solve and self.problem.roll_body == "effective")
         raise NotConverged(
-            f"nips and roll do not agree: after {MOST_TURNS} turns the wound-on tension still "
-            f"changes by {change:.2g} of it",
-            self._told(before) if before else None,
+            f"nips and roll do not agree: after {MOST_ITERATIONS} iterations the relative change "
+            f"of the wound-on tension is still {change:.2g}",
+            self._assemble(before) if before else None,
         )
 
-    def _begun(self) -> tuple[dict[float, float], float]:
-        """Return the first shares, and by what of it their tension may be off."""
-        given = {place: self._first(place) for place in self.curve.places}
+    def _initial_shares(self) -> tuple[dict[float, float], float]:
+        """Return the initial guess of the shares and the relative error of its tension."""
+        given = {place: self._initial_share(place) for place in self.curve.places}
         if self.problem.roll_body != "linear" or self.problem.air is not None:
             return given, 1.0
-        # the nips do not feel what they have wound
-        given = {place: self._answer(place, None) for place in given}
-        while piece := self._wanting(given):
-            given[piece.next] = self._answer(piece.next, None)
-            piece.places.append(piece.next)
-        self.curve.drawn_finer(given)
+        # the nips do not depend on the wound roll
+        given = {place: self._nip_share(place, None) for place in given}
+        while piece := self._worst_piece(given):
+            given[piece.next_place] = self._nip_share(piece.next_place, None)
+            piece.places.append(piece.next_place)
+        self.curve.refine_radii(given)
         return given, 0.0
 
-    def _turned(self, given: dict[float, float], rough: bool, before: _Turn | None) -> _Turn:
-        """Wind the roll with shares at places, solve the nips on it.
+    def _iterate(
+        self, given: dict[float, float], rough: bool, before: _Iteration | None
+    ) -> _Iteration:
+        """Compute the roll from the shares, and solve the nips on this roll.
 
-        Or, after another turn, predict their tension on it.  It is wound in the same stages
-        then: other stages might move it by more than nips and roll are to agree to.
+        With ``before``, the tensions of the nips are extrapolated to the new roll instead.  The
+        roll is then computed in the same stages as before, because a change of the stages could
+        exceed the tolerance of the iteration.
         """
         film, r = self.nips.mean_film(), self.curve.knots()
         self.nips.rough = rough
         tension = self.curve.tension(given, r)
         if before is None:
             roll = wind(self.problem, r, tension, max(self.rtol, COARSE_RTOL * rough), film)
-            answers = {place: self._answer(place, roll.result) for place in given}
+            nip_shares = {place: self._nip_share(place, roll.result) for place in given}
         else:
             roll = changed(self.problem, before.roll, r, tension, film)
-            answers = {place: self._predict(place, roll.result) for place in given}
-        change = max(self._off(place, share) for place, share in given.items())
-        # of a lap, what more of air it would hold
+            nip_shares = {place: self._predicted_share(place, roll.result) for place in given}
+        change = max(self._mismatch(place, share) for place, share in given.items())
+        # the change of the air film counts relative to the web thickness
         change = max(change, abs(self.nips.mean_film() - film) / self.problem.web.thickness)
-        return _Turn(given, answers, r, roll, film, change)
+        return _Iteration(given, nip_shares, r, roll, film, change)
 
-    def _recompute_roll(self, turn: _Turn) -> _Turn:
-        """Return a turn with the roll that its tension makes whatever was wound before."""
-        tension = self.curve.tension(turn.given, turn.r)
-        return replace(turn, roll=wind(self.problem, turn.r, tension, self.rtol, turn.film))
+    def _recompute_roll(self, iteration: _Iteration) -> _Iteration:
+        """Recompute the roll from its tension alone, independent of earlier iterations."""
+        tension = self.curve.tension(iteration.shares, iteration.r)
+        return replace(
+            iteration, roll=wind(self.problem, iteration.r, tension, self.rtol, iteration.film)
+        )
 
-    def _predict(self, place: float, roll: RollResult) -> float:
+    def _predicted_share(self, place: float, roll: RollResult) -> float:
         radius = self.curve.radius(place)
         return self.curve.share(self.nips.predict(radius, roll), radius)
 
-    def _answer(self, place: float, roll: RollResult | None) -> float:
+    def _nip_share(self, place: float, roll: RollResult | None) -> float:
         radius = self.curve.radius(place)
         return self.curve.share(self.nips.tension(radius, roll), radius)
 
     def _tension(self, place: float, share: float) -> float:
         return float(self.curve.wound_on(np.array(share), np.array(self.curve.radius(place))))
 
-    def _off(self, place: float, share: float) -> float:
-        """Return by what of it the tension wound with is off what a nip answers, at the most.
+    def _mismatch(self, place: float, share: float) -> float:
+        """Return the relative difference between the tension of the roll and that of a nip.
 
-        That is the tension of the nip solved, and that on the roll it asks for.
+        It is the larger of the differences to the solved nip and to its extrapolation.
         """
-        felt, given = self.nips.felt[self.curve.radius(place)], self._tension(place, share)
-        return max(abs(given / due - 1) for due in (tension_on_roll(felt.result), felt.tension))
+        sample, given = self.nips.samples[self.curve.radius(place)], self._tension(place, share)
+        return max(abs(given / due - 1) for due in (tension_on_roll(sample.result), sample.tension))
 
-    def _first(self, place: float) -> float:
+    def _initial_share(self, place: float) -> float:
         if self.start is None:
             return NOMINAL
         r = self.curve.radius(place)
@@ -278,101 +290,122 @@ class _Winder:
         friction = self.problem.roll_friction * self.problem.at("nip_load", r) ** (1 - POWER)
         return float(np.interp(r, self.start.radius, ratio) / friction)
 
-    def _refined(self, turn: _Turn) -> bool:
-        """Add radii until the interpolation is good enough; tell whether any were needed."""
-        added, answers = False, turn.answers
-        while piece := self._wanting(answers):
-            place = piece.next
-            turn.given[place] = float(piece.at(np.array(place), turn.given))
-            answers[place] = self._answer(place, turn.roll.result)
-            turn.change = max(turn.change, self._off(place, turn.given[place]))
+    def _refine(self, iteration: _Iteration) -> bool:
+        """Add radii until the interpolation error is accepted; return True if any were added."""
+        added, nip_shares = False, iteration.nip_shares
+        while piece := self._worst_piece(nip_shares):
+            place = piece.next_place
+            iteration.shares[place] = float(piece.at(np.array(place), iteration.shares))
+            nip_shares[place] = self._nip_share(place, iteration.roll.result)
+            iteration.change = max(iteration.change, self._mismatch(place, iteration.shares[place]))
             piece.places.append(place)
             added = True
-        return self.curve.drawn_finer(answers) or added
+        return self.curve.refine_radii(nip_shares) or added
 
-    def _wanting(self, answers: dict[float, float]) -> Piece | None:
-        """Return the piece that is the farthest off, None where all are good enough."""
+    def _worst_piece(self, nip_shares: dict[float, float]) -> Piece | None:
+        """Return the piece with the largest error, or None if all errors are accepted."""
         curve = self.curve
-        errors = np.divide(curve.errors(answers), curve.allowed)
+        errors = np.divide(curve.errors(nip_shares), curve.allowed)
         worst = int(np.argmax(errors))
         piece = curve.pieces[worst]
         if errors[worst] <= 1:
             return None
-        if len(answers) >= MOST_NIPS:
-            r = curve.radius(piece.misses(answers)[-1][0])
+        if len(nip_shares) >= MOST_NIPS:
+            r = curve.radius(piece.error_estimates(nip_shares)[-1][0])
             raise NotConverged(
                 f"rtol={self.rtol:g} is not reached with {MOST_NIPS} nips: at the radius "
-                f"{r:.4g} m their wound-on tension is {curve.errors(answers)[worst]:.2g} off "
-                "between them; smoother schedules, or a larger rtol"
+                f"{r:.4g} m the relative interpolation error of the wound-on tension is "
+                f"{curve.errors(nip_shares)[worst]:.2g}; use smoother schedules or a larger rtol"
             )
         return piece
 
     def _tell(self, solved: int) -> None:
         if self.progress is not None:
-            self.progress(min(solved / (EXPECTED_TURNS * len(self.curve.places)), 1.0))
+            self.progress(min(solved / (EXPECTED_ITERATIONS * len(self.curve.places)), 1.0))
 
-    def _told(self, turn: _Turn) -> WindingResult:
-        curve, r = self.curve, turn.r
-        tension = curve.tension(turn.given, r)
+    def _assemble(self, iteration: _Iteration) -> WindingResult:
+        curve, r = self.curve, iteration.r
+        tension = curve.tension(iteration.shares, r)
         return assemble_result(
-            self.problem, r, tension, turn.roll, self.nips,
+            self.problem,
+            r,
+            tension,
+            iteration.roll,
+            self.nips,
             interpolation=(
-                curve.off(turn.answers, r, tension), curve.off_on_core(turn.answers, r, tension)
+                curve.interpolation_error(iteration.nip_shares, r, tension),
+                curve.core_interpolation_error(iteration.nip_shares, r, tension),
             ),
-            rtol=self.rtol, agreed=self.agreed, film=turn.film,
-            bent=curve.tension(turn.given, r, bent=True),
-        )  # fmt: skip
+            rtol=self.rtol,
+            agreed=self.agreed,
+            film=iteration.film,
+            curved=curve.tension(iteration.shares, r, curved=True),
+        )
 
-    def measured(self, problem: WindingProblem) -> WindingResult:
-        """Wind the roll of a problem whose schedules wander about those that are wound here."""
-        turn, curve = self._agreed(), self.curve
+    def solve_measured(self, problem: WindingProblem) -> WindingResult:
+        """Solve a problem whose schedules fluctuate around the smooth ones of this winding."""
+        iteration, curve = self._converge(), self.curve
         departs = Departure(problem, self.problem, curve, self.nips)
 
-        def tension(at: Array, *, bent: bool = False) -> Array:
-            return curve.tension(turn.given, at, bent=bent) + departs(at)
+        def tension(at: Array, *, curved: bool = False) -> Array:
+            return curve.tension(iteration.shares, at, curved=curved) + departs(at)
 
-        fine = looked_at(problem)
+        fine = sampling_radii(problem)
         own = [curve.radius(place) for place in curve.places]
-        r = told_radii(problem, fine, tension(fine), self.rtol, own)
-        roll = wind(problem, r, tension(r), self.rtol, turn.film)
+        r = polyline_radii(problem, fine, tension(fine), self.rtol, own)
+        roll = wind(problem, r, tension(r), self.rtol, iteration.film)
         known = self.nips
         checks = Nips(
             problem, self.nodes, self.agreed, known.tell, known.from_core_to_surface(), known.solved
         )
-        missed = largest_miss(departs, checks, roll.result, tension)
+        mismatch = largest_mismatch(departs, checks, roll.result, tension)
         known.solved = checks.solved
-        drawn = np.interp(turn.r, r, tension(r) - departs(r))
-        smooth = curve.off(turn.answers, turn.r, drawn)
+        drawn = np.interp(iteration.r, r, tension(r) - departs(r))
+        smooth = curve.interpolation_error(iteration.nip_shares, iteration.r, drawn)
         return assemble_result(
-            problem, r, tension(r), roll, known,
-            interpolation=(smooth + missed, curve.off_on_core(turn.answers, turn.r, drawn)),
-            rtol=self.rtol, agreed=self.agreed, film=turn.film, bent=tension(r, bent=True),
+            problem,
+            r,
+            tension(r),
+            roll,
+            known,
+            interpolation=(
+                smooth + mismatch,
+                curve.core_interpolation_error(iteration.nip_shares, iteration.r, drawn),
+            ),
+            rtol=self.rtol,
+            agreed=self.agreed,
+            film=iteration.film,
+            curved=tension(r, curved=True),
             departure=departs(np.array(sorted(own))),
-        )  # fmt: skip
+        )
 
 
-def _corrected(turn: _Turn, before: _Turn | None, steep: dict[float, float]) -> dict[float, float]:
-    """Return the next shares: each by a secant of its own, for nips feel little of each other.
+def _secant_update(
+    iteration: _Iteration, before: _Iteration | None, slopes: dict[float, float]
+) -> dict[float, float]:
+    """Return the next shares by a secant step at each radius, neglecting their coupling.
 
-    How ``steep`` its answers are is kept by place: so much the same on another mesh, and, of a new
-    place, as the others are.
+    The secant slopes are kept in ``slopes`` by coordinate; a new coordinate starts from their
+    median.
     """
-    known = before or turn
-    for place, share in turn.given.items():
-        moved = share - known.given.get(place, share)
+    known = before or iteration
+    for place, share in iteration.shares.items():
+        moved = share - known.shares.get(place, share)
         if abs(moved) > LEAST_SECANT:
-            by = (turn.answers[place] - known.answers[place]) / moved
-            steep[place] = float(np.clip(by, -0.5, 0.3))
-    usual = float(np.median([*steep.values()])) if steep else 0.0
+            by = (iteration.nip_shares[place] - known.nip_shares[place]) / moved
+            slopes[place] = float(np.clip(by, -0.5, 0.3))
+    usual = float(np.median([*slopes.values()])) if slopes else 0.0
     return {
-        place: share + (turn.answers[place] - share) / (1 - steep.setdefault(place, usual))
-        for place, share in turn.given.items()
+        place: share + (iteration.nip_shares[place] - share) / (1 - slopes.setdefault(place, usual))
+        for place, share in iteration.shares.items()
     }
 
 
-def _given(problem: WindingProblem, rtol: float, nodes: int, agreed: float) -> WindingResult:
-    """Wind with a tension that takes no nip."""
-    law, at, r = problem.tension_law, problem.at, looked_at(problem)
+def _solve_prescribed(
+    problem: WindingProblem, rtol: float, nodes: int, agreed: float
+) -> WindingResult:
+    """Solve a winding whose wound-on tension needs no nips."""
+    law, at, r = problem.tension_law, problem.at, sampling_radii(problem)
     if isinstance(law, Profile):
         tension = problem.curve("tension_law").at(r)
     elif law == "fixed":
@@ -380,11 +413,17 @@ def _given(problem: WindingProblem, rtol: float, nodes: int, agreed: float) -> W
     else:
         tension = at("web_tension", r) + at("winding_force", r)
         tension = tension + problem.roll_friction * at("nip_load", r)
-    own = told_radii(problem, r, tension, rtol)
+    own = polyline_radii(problem, r, tension, rtol)
     drawn = np.interp(own, r, tension)
     off = float(np.max(np.abs(np.interp(r, own, drawn) - tension)) / np.max(np.abs(tension)))
     return assemble_result(
-        problem, own, drawn, wind(problem, own, drawn, rtol),
+        problem,
+        own,
+        drawn,
+        wind(problem, own, drawn, rtol),
         Nips(problem, nodes, agreed, lambda _: None),
-        interpolation=(off * (off > ROUNDING), 0.0), rtol=rtol, agreed=agreed, film=0.0,
-    )  # fmt: skip
+        interpolation=(off * (off > ROUNDING), 0.0),
+        rtol=rtol,
+        agreed=agreed,
+        film=0.0,
+    )
