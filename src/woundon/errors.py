@@ -117,6 +117,13 @@ class NoSolution(InvalidProblem):
         The points of the scan: values of the field, and outputs; nan where no solution exists.
     failures : tuple of (value, reason)
         The points that were not solved.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> error = wo.NoSolution("no value gives the target", reachable=(10.0, 20.0))
+    >>> print(error, error.reachable)
+    no value gives the target (10.0, 20.0)
     """
 
     def __init__(

@@ -209,7 +209,7 @@ def _as_chosen(path: str, quantity: Quantity | None) -> Quantity | None:
 
 
 class Place(NamedTuple):
-    """Where a quantity stands.
+    """The position of a quantity in a description or result.
 
     Attributes
     ----------

@@ -13,6 +13,13 @@ surfaces under the pressure p(x) and the traction q(x) on the upper body (-q(x) 
 where C = C1 + C2 = 2/E*, B = B1 + B2 and D = A1 - A2.  Each closed form below solves these two
 equations: Hertz with q = 0, Carter and Cattaneo with D = 0, Bentall and Johnson with D only.
 Material flows along +x, so x = -a is the leading edge.
+
+Examples
+--------
+>>> import woundon as wo
+>>> contact = wo.theories.hertz(wo.NipProblem.example())
+>>> contact.half_width > 0
+True
 """
 
 from __future__ import annotations

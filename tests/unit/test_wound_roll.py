@@ -130,7 +130,7 @@ def test_sensitivities_of_a_frozen_roll(name: str, value: float) -> None:
 
 def test_what_is_no_full_answer_says_so() -> None:
     result = wo.solve(EXAMPLE.replace(roll=roll()), nodes=33)
-    words = "too soft under the nip"
+    words = "without hardening in the nip: too soft"
     assert any(words in warning for warning in result.warnings)
     assert words in str(result)
 

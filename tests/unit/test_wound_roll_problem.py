@@ -219,7 +219,7 @@ def wound():
 
 def test_changes_too_large_to_settle_are_reported_by_what_they_do():
     """Not by an estimated error of 1e297 of the pressure."""
-    with pytest.raises(wo.NotConverged, match="the laps come apart at the radius"):
+    with pytest.raises(wo.NotConverged, match="the layers come apart at the radius"):
         wo.solve(ROLL.replace(temperature_change=1000.0, radial_expansion=-1e-2))
 
 

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from slow_cases import slow_case
 
 import woundon as wo
-from woundon.roll.build_up import Laps, _Roll, wind
+from woundon.roll.build_up import Layers, _Roll, wind
 from woundon.roll.finished import equations_of, layer_thickness
 from woundon.roll.theories import constant_moduli, lap_by_lap, plateau_pressure
 
@@ -148,7 +148,7 @@ def test_the_order_in_stages(case: dict, order: int):
     for count in (20, 40, 80):  # graded like nodes, dense at the core
         share = np.arange(1, count + 1) / count
         surfaces = core + layer * np.expm1(share * np.log1p(length / layer))
-        rolled = _Roll(Laps(equations, curve), 0.05, 300, layer, None)
+        rolled = _Roll(Layers(equations, curve), 0.05, 300, layer, None)
         for x in surfaces.tolist():
             rolled.keep(rolled.stage(x, 1e-12)[0])
         wound = rolled.wound()

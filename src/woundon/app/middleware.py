@@ -1,4 +1,4 @@
-"""What stands before every request: host, origin, token and size, and headers of every answer.
+"""Checks of every request (host, origin, token, size), and headers of every answer.
 
 Every page of the world that runs in a browser of this machine can send requests to a server of
 this machine.  Starlette rejects a Host that is not served (DNS rebinding), missing tokens and large

@@ -267,9 +267,9 @@ def _spectrum(layers: Layers, free: bool, factors: Factors | None = None) -> Spe
     else:
         Y = _interpolated(N, layers, free, factors)
     if len(layers) > 1:
-        if 20 / decay > N and _left(Y, tail, J)[-1] > CUT:
+        if 20 / decay > N and _remainder(Y, tail, J)[-1] > CUT:
             return _cut(Y, tail, decay)
-        left = _left(Y, tail, J)
+        left = _remainder(Y, tail, J)
         # what is below is felt as far as it differs: kappa by where a hundred thousandth is left
         decay = max(decay, 6.0 / (1 + np.max(np.nonzero(left > 1e-5)[0], initial=0)))
         N = max(32, 1 + int(np.max(np.nonzero(left > ROUNDING)[0], initial=0)))
@@ -319,8 +319,8 @@ def _interpolated(N: int, layers: Layers, free: bool, factors: Factors | None) -
     return Y
 
 
-def _left(Y: Array, tail: Array, J: int) -> Array:
-    """Return what the powers leave of n Y_n, n = 1 ... N, relative to their first."""
+def _remainder(Y: Array, tail: Array, J: int) -> Array:
+    """Return the remainder of n Y_n, n = 1 ... N, after the powers, relative to the first power."""
     n = np.arange(1.0, Y.shape[-1])
     rest = np.abs(n * Y[..., 1:] - _powers(tail[1 : J + 2], n.size))
     return np.array(rest.max(axis=(0, 1)) / np.abs(tail[1]).max())
@@ -355,7 +355,7 @@ def _inverse_powers(count: int, terms: int) -> Array:
 
 
 def _closed_powers(tail: Array) -> int:
-    """Return how many powers of 1/n to sum in closed form: fewer where their coefficients grow."""
+    """Return the number of powers of 1/n to sum in closed form, limited by their coefficients."""
     size = np.abs(tail).max(axis=(1, 2))
     for J in range(HIGHEST_POWER, 1, -1):
         if size[1 : J + 2].max() < 1e4 * size[1]:

@@ -1,4 +1,4 @@
-r"""What a rolling viscoelastic surface adds to the influence functions of an elastic one.
+r"""Influence functions of a rolling viscoelastic surface, relative to an elastic one.
 
 A compliance that creeps by 1 - e^{-t/theta} answers a load that rolls past with the past of the
 elastic answer k along the surface, weighted over the retardation length l = V theta,
@@ -114,7 +114,10 @@ class Lag:
 
     @property
     def shares(self) -> Array:
-        """What each kernel has of the ``parts``, (kernels, r); if as many, they are the kernels."""
+        """Coefficients of the kernels by ``parts``, (kernels, r).
+
+        If r is the number of kernels, the parts are the kernels.
+        """
         return self._table[1]
 
     def twice(self, before: Array, logarithm: Array) -> Array:

@@ -38,7 +38,7 @@ GAUSS = -0.5 / 3**0.5, 0.5 / 3**0.5
 
 @dataclass(frozen=True)
 class Fineness:
-    """How a ring is cut.
+    """The numbers of elements of a ring.
 
     Attributes
     ----------

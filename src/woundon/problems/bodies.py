@@ -88,6 +88,12 @@ class Body(Family):
         A warning for every result with this body; empty if there is none.
     viscoelastic : bool
         Whether the response depends on the rolling speed.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> isinstance(wo.Rigid(radius=0.25), wo.Body), wo.Rigid(radius=0.25).rigid
+    (True, True)
     """
 
     # Required, but type checkers must accept a diameter in its place.

@@ -92,6 +92,13 @@ class Grade(Description):
     ------
     InvalidProblem
         Naming every field, value and range at fault.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> newsprint = wo.grade("newsprint")
+    >>> isinstance(newsprint, wo.Grade), newsprint.thickness < 1e-4
+    (True, True)
     """
 
     name: str
@@ -510,7 +517,7 @@ def warn_of_contradictions(found: Grade, problem: Any) -> None:
 
 
 def _supplied(found: Grade, model: type[Any], given: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what a grade supplies of the fields of a problem, as tables."""
+    """Return the fields of a problem that a grade supplies, as tables."""
     limits = {
         name: value
         for name in Limits.model_fields

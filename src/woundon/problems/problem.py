@@ -23,6 +23,12 @@ class Problem(Description):
         Fields that a case file groups in a table, by the name of the table.
     graded : tuple of str
         Fields that ``grade = "newsprint"`` supplies.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> isinstance(wo.NipProblem.example(), wo.Problem)
+    True
     """
 
     tables: ClassVar[Mapping[str, tuple[str, ...]]] = {}

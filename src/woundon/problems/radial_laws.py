@@ -75,7 +75,7 @@ class RadialLaw(Family):
         return E, slope, -(1 - FLOOR) * E / slope if slope > 0 else -inf
 
     def _in_range(self, P: Array) -> bool:
-        """Return whether all pressures are within the range of the law."""
+        """Return True if all pressures are within the range of the law."""
         return P.size > 0 and bool(P.min() >= 0) and bool(P.max() <= self.max_pressure)
 
     def modulus(self, P: float | Array) -> Any:
@@ -323,6 +323,13 @@ class PowerLaw(SolidLaw):
         Increase of E_r at 100 kPa [Pa], > 0.
     m : float
         Exponent, 0.1 to 5.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> law = wo.PowerLaw(E0="1 MPa", k="20 MPa", m=0.8)
+    >>> float(law.modulus(100e3))
+    21000000.0
     """
 
     E0: Annotated[
@@ -399,6 +406,15 @@ class StackTest(SolidLaw):
         P [Pa], >= 0, rising; at least 4.
     strain : sequence of float
         Compressive strain [1], rising; the origin is arbitrary.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> test = wo.StackTest(
+    ...     pressure=[10e3, 50e3, 200e3, 500e3], strain=[0.017, 0.045, 0.076, 0.098]
+    ... )
+    >>> test.max_pressure
+    500000.0
     """
 
     pressure: Annotated[

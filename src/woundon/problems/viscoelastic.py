@@ -110,6 +110,18 @@ class DynamicTest(OneModulus):
     InvalidProblem
         For columns of different lengths, frequencies that do not rise, or moduli that are not
         causal.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> cover = wo.DynamicTest(
+    ...     frequency=[1.0, 10.0, 100.0],
+    ...     storage_modulus=[11e6, 15e6, 19e6],
+    ...     loss_modulus=[1.7e6, 3e6, 1.7e6],
+    ...     poissons_ratio=0.48,
+    ... )
+    >>> len(cover.frequency)
+    3
     """
 
     frequency: Annotated[

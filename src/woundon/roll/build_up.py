@@ -1,16 +1,16 @@
-"""The build-up of a roll: from the core to its surface, stage after stage.
+"""The build-up of a roll from the core to its surface, stage by stage.
 
-What a lap gets as its source depends on kappa alone (see :mod:`.equations`), a smooth function of
-where the surface is, but for kinks where the tension has one.  It is found like the solution of a
-differential equation by an implicit multistep method: from the stages behind, kappa is extrapolated
-to the next one; there pressure and kappa are solved for together.  By how far the extrapolation was
-off, the step is chosen.  The cost does not know how many laps there are.
+The source of a layer depends on kappa alone (see :mod:`.equations`).  Kappa is a smooth function of
+the surface radius, except for kinks where the tension has one.  It is integrated like a
+differential equation by an implicit multistep method: kappa is extrapolated from the previous
+stages to the next one, and there pressure and kappa are solved for together.  The difference from
+the extrapolation controls the step size.  The cost does not depend on the number of layers.
 
-Laps of a finite thickness h are laid one after the other: under each the roll below takes the
-pressure T h/s at once, and the lap itself begins with a pressure that falls from T h/s to zero
-through it.  To first order in h that is a stage, and a lap laid on it, at half of that pressure,
-p = T h/(2 s), where thin laps have zero (:class:`Laps`): P(s) = p where kappa is found, E_t F(p)
-less in C, and at the core (E_t/E_c + nu) p more in T_c.
+Layers of a finite thickness h are laid one after the other: the roll below each one takes the
+pressure T h/s at once, and in the layer itself the pressure falls from T h/s to zero.  To first
+order in h that is a stage, and a layer laid on it, at half of that pressure, p = T h/(2 s), where
+thin layers have zero (:class:`Layers`): P(s) = p where kappa is found, C is smaller by E_t F(p),
+and T_c at the core is larger by (E_t/E_c + nu) p.
 """
 
 from __future__ import annotations
@@ -22,28 +22,39 @@ from typing import Protocol
 
 import numpy as np
 
-from .equations import CellSource, Solved, StageEquations, pressure_between
+from .equations import CellSource, StageEquations, StageSolution, pressure_between
 from .growth import ORDER, Growth
 
 __all__ = [
-    "BuildUp", "Laps", "NotWoundError", "Tension", "cell_source", "in_cells", "kinks_of",
-    "missed_source", "nodes_between", "wind", "wind_again", "wind_laps",
-]  # fmt: skip
+    "BuildUp",
+    "Layers",
+    "NotWoundError",
+    "Tension",
+    "cell_source",
+    "in_cells",
+    "kinks_of",
+    "nodes_between",
+    "source_error",
+    "wind",
+    "wind_finite_layers",
+    "wind_with_stages",
+]
 
 Array = np.ndarray
 
-AGREED = 0.02  # of the tolerance: the last stage is solved again when the roll is finished
-ROUGHLY = 1.0
-WEAK = 0.05  # of the tolerance
-STRETCHED = 0.3  # of a step, lest the next one be tiny
-AGAIN = 0.75  # of a stretched step that was too long, below 1/(1 + STRETCHED)
-# Of a stage's cells, how many more stand on either side of a kink, where it is felt so much or more
-DENSE, FELT = 0.1, 0.1
-UNTOLD = 1e-5  # of the layer: a step so short is a kink's
-LEAST_STEP = 1e-12  # of ln r
-# Of the change that a stage's kappa makes to its extrapolation, what is counted as error, for an
-# implicit step errs several times less than an extrapolation
-COUNTED = 0.2
+STAGE_TOLERANCE = 0.02  # of the tolerance; the last stage is solved again with the finished roll
+ONE_NEWTON_STEP = 1.0  # accepted error of kappa that one Newton step mostly reaches
+WEAK_KINK = 0.05  # of the tolerance: kinks that change the source by less are ignored
+STEP_STRETCH = 0.3  # of a step, so that the next one is not tiny
+STRETCH_REDUCTION = 0.75  # of a stretched step that was too long, below 1/(1 + STEP_STRETCH)
+# Additional cells on either side of a kink that changes the source by STRONG_KINK or more, relative
+# to the number of cells of a stage
+KINK_CELLS, STRONG_KINK = 0.1, 0.1
+KINK_STEP = 1e-5  # of the layer; a shorter step indicates an unknown kink
+SMALLEST_STEP = 1e-12  # of ln r
+# Error of a stage's kappa relative to its difference from the extrapolation: the error of an
+# implicit step is several times smaller than that of an extrapolation
+IMPLICIT_ERROR = 0.2
 
 
 class NotWoundError(ArithmeticError):
@@ -51,17 +62,17 @@ class NotWoundError(ArithmeticError):
 
 
 class Tension(Protocol):
-    """The stress that laps are wound on with."""
+    """The wound-on stress of the layers over the radius."""
 
     kinks: Array  # radii between core and surface at which its slope jumps [m]
-    bends: Array  # by how much, r |dT'|/T
+    bends: Array  # jumps of the slope there, r |dT'|/T [1]
 
     def at(self, r: Array) -> Array:
         """T [Pa]."""
         ...
 
     def slope(self, r: Array, side: int | Array) -> Array:
-        """dT/dr [Pa/m], at a kink that of the side behind (-1) or before (1) it."""
+        """dT/dr [Pa/m]; at a kink, that of its inner (-1) or outer (1) side."""
         ...
 
 
@@ -72,17 +83,17 @@ class BuildUp:
     Attributes
     ----------
     growth : Growth
-        Kappa at this and all earlier stages.
+        Kappa at this stage and all earlier ones.
     x : (n + 1,) array
         ln r of the nodes.
-    solved : Solved
+    solved : StageSolution
     before : BuildUp, optional
-        The stage before.
+        The previous stage.
     """
 
     growth: Growth
     x: Array
-    solved: Solved
+    solved: StageSolution
     before: BuildUp | None = None
 
     def stages(self) -> list[BuildUp]:
@@ -96,21 +107,25 @@ class BuildUp:
 
 
 def nodes_between(
-    core: float, surface: float, cells: int, layer: float,
-    kinks: Array | None = None, felt: Array | None = None,
-) -> Array:  # fmt: skip
-    """Return ln r of nodes, dense at the core and at the surface, and at kinks that are felt.
+    core: float,
+    surface: float,
+    cells: int,
+    layer: float,
+    kinks: Array | None = None,
+    changes: Array | None = None,
+) -> Array:
+    """Return ln r of nodes, dense at the core, at the surface and at kinks.
 
     Parameters
     ----------
     core, surface : float
-        Both ends.
+        ln r of both ends.
     cells : int
-        How many, about; more where there are kinks.
+        Approximate number of cells without kinks.
     layer : float
-        How deep the layer below the surface is.
-    kinks, felt : (K,) arrays, optional
-        ln r of what are to be nodes, and how much the source changes there, relative.
+        Depth of the layer below the surface, in ln r.
+    kinks, changes : (K,) arrays, optional
+        ln r of kinks, which become nodes, and the relative changes of the source there.
     """
     length = surface - core
     layer = min(layer, length)
@@ -124,16 +139,18 @@ def nodes_between(
     found[0], found[-1] = core, surface
     if kinks is None:
         return found
-    own = (kinks > core + LEAST_STEP) & (kinks < surface - LEAST_STEP)
+    own = (kinks > core + SMALLEST_STEP) & (kinks < surface - SMALLEST_STEP)
     more = [kinks[own]]
-    if felt is not None:
+    if changes is not None:
         ends = np.concatenate([[core], kinks[own], [surface]])
-        more += _beside(ends, np.round(cells * DENSE * np.minimum(1.0, felt[own] / FELT)), layer)
+        more += _kink_nodes(
+            ends, np.round(cells * KINK_CELLS * np.minimum(1.0, changes[own] / STRONG_KINK)), layer
+        )
     return np.unique(np.concatenate([found, *more]))
 
 
-def _beside(ends: Array, many: Array, layer: float) -> list[Array]:
-    """Return nodes on either side of kinks, half-way to the next; ``ends`` are kinks and ends."""
+def _kink_nodes(ends: Array, many: Array, layer: float) -> list[Array]:
+    """Return nodes on either side of kinks, half-way to the next; ``ends``: kinks and both ends."""
     share = np.arange(1, int(many.max(initial=0)) + 1) / (many[:, None] + 1)
     inside, kinks = share < 1, ends[1:-1, None]
     nodes = []
@@ -145,10 +162,10 @@ def _beside(ends: Array, many: Array, layer: float) -> list[Array]:
 
 
 def kinks_of(tension: Tension, growth: Growth) -> tuple[Array, Array]:
-    """Return ln r of a tension's kinks, and how much they change the source there, relative.
+    """Return ln r of a tension's kinks, and the relative changes of the source there.
 
-    Beyond the last stage as if laid there.  Kinks on either side that are nearer than what a lap
-    feels of the tension, 1/(2 + kappa), make a curve: of them the less counts the nearer they are.
+    Beyond the last stage, kappa of the last stage is used.  Kinks that are closer together than
+    1/(2 + kappa) approximate a curve: they are weighted by their distance.
     """
     x = np.log(tension.kinks)
     if not x.size:
@@ -160,15 +177,15 @@ def kinks_of(tension: Tension, growth: Growth) -> tuple[Array, Array]:
 
 
 @dataclass(frozen=True)
-class Laps:
-    """Laps as they are laid: thin ones without pressure, others with half of their own.
+class Layers:
+    """Layers as they are laid: thin ones at zero pressure, others at half of their own pressure.
 
     Parameters
     ----------
     equations : StageEquations
     tension : Tension
     thickness : float
-        h [m]; 0 in the limit of thin laps.
+        h [m]; 0 in the limit of thin layers.
     """
 
     equations: StageEquations
@@ -176,19 +193,19 @@ class Laps:
     thickness: float = 0.0
 
     def pressure(self, x: Array) -> Array:
-        """P at which a lap is laid at ln r [Pa]."""
+        """Return P at which a layer is laid at ln r [Pa]."""
         r = np.exp(x)
         return np.asarray(self.tension.at(r) * self.thickness / (2 * r))
 
     def source(self, growth: Growth, nodes: Array) -> CellSource:
-        """C of every cell."""
+        """Return C of every cell."""
         thin = cell_source(self.tension, growth, nodes)
         if not self.thickness:
             return thin
         E_t, strain = self.equations.tangential, self.equations.strain
 
         def laid(x: Array, side: Array) -> Array:
-            # all of a lap has the tension of its inner radius
+            # a layer has the tension of its inner radius over its full thickness
             lag = self.thickness / 2 * self.tension.slope(np.exp(x), side)
             return np.asarray(lag - E_t * strain(self.pressure(x)))
 
@@ -196,7 +213,7 @@ class Laps:
         return CellSource(*(a + b for a, b in zip(thin, more, strict=True)))
 
     def at_core(self, start: float) -> float:
-        """T_c [Pa], the core at ln r = start."""
+        """Return T_c [Pa], with the core at ln r = start."""
         x = np.array([start])
         lag = self.thickness / 2 * self.tension.slope(np.exp(x), 1)
         laid = self.tension.at(np.exp(x)) + (self.equations.core + 1) * self.pressure(x) - lag
@@ -204,47 +221,56 @@ class Laps:
 
 
 class _Roll:
-    """A roll that is being wound: the stages so far, and what all of them need."""
+    """A roll during winding: the previous stages, and the data common to all stages."""
 
     def __init__(
-        self, laps: Laps, core: float, cells: int, layer: float,
+        self,
+        layers: Layers,
+        core: float,
+        cells: int,
+        layer: float,
         report: Callable[[float], None] | None,
-    ) -> None:  # fmt: skip
-        self.laps, self.equations, self.tension = laps, laps.equations, laps.tension
+    ) -> None:
+        self.layers, self.equations, self.tension = layers, layers.equations, layers.tension
         self.cells, self.layer, self.report, self.start = cells, layer, report, log(core)
-        self.T_c = laps.at_core(self.start)
+        self.T_c = layers.at_core(self.start)
         self.growth = Growth(self.start, self.equations.core)
         self.last: BuildUp | None = None
 
     def stage(
-        self, surface: float, agreed: float, known: BuildUp | None = None
+        self, surface: float, accepted_error: float, known: BuildUp | None = None
     ) -> tuple[BuildUp | None, float]:
-        """Return the next stage, None where that fails, and the kappa expected of it.
+        """Return the next stage, None if it cannot be solved, and the initial guess of its kappa.
 
-        Expected are what the stages behind say, or another solution of the same stage.
+        The guess is extrapolated from the previous stages, or taken from ``known``, another
+        solution of the same stage.
         """
         nodes = nodes_between(
             self.start, surface, self.cells, self.layer, *kinks_of(self.tension, self.growth)
         )
         behind = self.growth
         if known is None:
-            kappa, guess = behind.extrapolated(surface), _moved(self.last, nodes, self.T_c)
+            kappa, guess = behind.extrapolate(surface), _initial_guess(self.last, nodes, self.T_c)
         else:
             kappa = known.solved.growth
-            # under half a lap the layer below a surface is much like that of half a lap more
+            # P below half a layer resembles that of a surface half a layer farther out
             share = (nodes - nodes[0]) / (nodes[-1] - nodes[0])
-            inner = nodes - share * self.laps.thickness / (2 * np.exp(nodes[-1]))
+            inner = nodes - share * self.layers.thickness / (2 * np.exp(nodes[-1]))
             guess = pressure_between(known.x, known.solved.P, known.solved.Q, inner)
-        source = self.laps.source(behind.then(surface, kappa), nodes)
-        top = float(self.laps.pressure(nodes[-1:])[0])
-        more = in_cells(nodes, lambda x, _: -self.tension.at(np.exp(x)) * behind.share(surface, x))
-        solved = self.equations.lay(nodes, source, more, self.T_c, *guess, kappa, agreed, top)
+        source = self.layers.source(behind.with_stage(surface, kappa), nodes)
+        top = float(self.layers.pressure(nodes[-1:])[0])
+        more = in_cells(
+            nodes, lambda x, _: -self.tension.at(np.exp(x)) * behind.lagrange_basis(surface, x)
+        )
+        solved = self.equations.solve_with_growth(
+            nodes, source, more, self.T_c, *guess, kappa, accepted_error, top
+        )
         if solved is None:
             return None, kappa
-        return BuildUp(behind.then(surface, solved.growth), nodes, solved, self.last), kappa
+        return BuildUp(behind.with_stage(surface, solved.growth), nodes, solved, self.last), kappa
 
     def keep(self, found: BuildUp) -> None:
-        """Take a stage as wound."""
+        """Append a stage."""
         self.last, self.growth = found, found.growth
         if self.report is not None:
             self.report(exp(found.x[-1]))
@@ -256,54 +282,65 @@ class _Roll:
 
 
 def wind(
-    equations: StageEquations, tension: Tension, core: float, radius: float, *, tolerance: float,
-    cells: int, layer: float, report: Callable[[float], None] | None = None,
-) -> BuildUp:  # fmt: skip
-    """Wind a roll, its steps chosen on the way.
+    equations: StageEquations,
+    tension: Tension,
+    core: float,
+    radius: float,
+    *,
+    tolerance: float,
+    cells: int,
+    layer: float,
+    report: Callable[[float], None] | None = None,
+) -> BuildUp:
+    """Wind a roll with adaptive steps.
 
     Parameters
     ----------
     equations : StageEquations
     tension : Tension
     core, radius : float
-        From where to where [m].
+        Both radii [m].
     tolerance : float
-        Of kappa + 2, relative.
+        Tolerance of kappa, relative to kappa + 2.
     cells : int
-        Of each stage.
+        Cells of each stage.
     layer : float
-        Depth of the layer below the surface, of ln r.
+        Depth of the layer below the surface, in ln r.
     report : callable, optional
         Is called with each stage's radius [m].
 
     Raises
     ------
     NotWoundError
-        Where a stage cannot be solved.
+        If a stage cannot be solved.
     """
-    roll = _Roll(Laps(equations, tension), core, cells, layer, report)
+    roll = _Roll(Layers(equations, tension), core, cells, layer, report)
     x, end, step, kink = roll.start, log(radius), 0.1 * layer, -np.inf
     while x < end:
-        # a kink that changes the source by less than its tolerance is none
-        kinks, felt = kinks_of(tension, roll.growth)
-        stop = float(np.append(kinks[(kinks > x) & (felt > WEAK * tolerance)], end)[0])
+        # kinks that change the source by less than its tolerance are ignored
+        kinks, changes = kinks_of(tension, roll.growth)
+        stop = float(np.append(kinks[(kinks > x) & (changes > WEAK_KINK * tolerance)], end)[0])
         reach = min(step, stop - x)
-        surface = stop if stop - x - reach < STRETCHED * reach else x + reach
-        found, guess = roll.stage(surface, AGREED * tolerance)
-        off = COUNTED * abs(found.growth.kappa[-1] - guess) / (2 + abs(guess)) if found else np.inf
+        surface = stop if stop - x - reach < STEP_STRETCH * reach else x + reach
+        found, guess = roll.stage(surface, STAGE_TOLERANCE * tolerance)
+        off = (
+            IMPLICIT_ERROR * abs(found.growth.kappa[-1] - guess) / (2 + abs(guess))
+            if found
+            else np.inf
+        )
         if found is None or off > tolerance:
             step = (surface - x) * (0.3 if found is None else max(0.3, _factor(tolerance / off)))
-            if surface == stop:  # not stretched to there again
-                step = min(step, AGAIN * (stop - x))
-            if x == kink:  # felt
+            if surface == stop:  # prevents the same stretched step
+                step = min(step, STRETCH_REDUCTION * (stop - x))
+            if x == kink:  # the kink matters: start the polynomials there
                 roll.growth.restart()
                 step, kink = min(step, layer), -np.inf
-            if step < LEAST_STEP:
+            if step < SMALLEST_STEP:
                 raise NotWoundError(_no_stage_beyond(x))
-            if found is None or step > UNTOLD * layer:
+            if found is None or step > KINK_STEP * layer:
                 continue
-            roll.growth.restart()  # an unknown kink, or an error of the nodes
-            found, _ = roll.stage(surface, AGREED * tolerance)
+            roll.growth.restart()  # an unknown kink, or the discretisation error
+            found, _ = roll.stage(surface, STAGE_TOLERANCE * tolerance)
             if found is None:
                 continue
         roll.keep(found)
@@ -312,38 +349,51 @@ def wind(
     return roll.wound()
 
 
-def wind_again(
-    equations: StageEquations, tension: Tension, known: BuildUp, *, tolerance: float, cells: int,
-    layer: float, report: Callable[[float], None] | None = None,
-) -> BuildUp:  # fmt: skip
-    """Wind a roll with the stages of another build-up: parameters as of :func:`wind`."""
-    laps, every = Laps(equations, tension), range(1, known.growth.x.size)
-    return _with_stages(laps, known, every, AGREED * tolerance, cells, layer, report)
+def wind_with_stages(
+    equations: StageEquations,
+    tension: Tension,
+    known: BuildUp,
+    *,
+    tolerance: float,
+    cells: int,
+    layer: float,
+    report: Callable[[float], None] | None = None,
+) -> BuildUp:
+    """Wind a roll with the stages of another build-up: parameters as in :func:`wind`."""
+    layers, every = Layers(equations, tension), range(1, known.growth.x.size)
+    return _wind_selected_stages(
+        layers, known, every, STAGE_TOLERANCE * tolerance, cells, layer, report
+    )
 
 
-def wind_laps(laps: Laps, known: BuildUp, *, cells: int, layer: float) -> Array:
-    """Return kappa with laps of a finite thickness, at the stages of a build-up with thin ones.
+def wind_finite_layers(layers: Layers, known: BuildUp, *, cells: int, layer: float) -> Array:
+    """Return kappa with layers of finite thickness, at the stages of a build-up with thin ones.
 
-    What they change is little and smooth: every second stage will do, and kinks, and there mostly
-    one step of Newton's method.
+    The difference is small and smooth: every second stage and the kinks suffice, mostly with one
+    step of Newton's method.
     """
     thin = known.growth
     kinks = np.flatnonzero(thin.through == 2) - 1
     kept = np.union1d(np.arange(thin.x.size - 1, 0, -2), kinks[kinks > 0])
-    found = _with_stages(laps, known, kept, ROUGHLY, cells, layer, None).growth
+    found = _wind_selected_stages(layers, known, kept, ONE_NEWTON_STEP, cells, layer, None).growth
     return np.asarray(thin.kappa + np.interp(thin.x, found.x, found.kappa - thin(found.x)))
 
 
-def _with_stages(
-    laps: Laps, known: BuildUp, which: Iterable[int], agreed: float, cells: int, layer: float,
+def _wind_selected_stages(
+    layers: Layers,
+    known: BuildUp,
+    which: Iterable[int],
+    accepted_error: float,
+    cells: int,
+    layer: float,
     report: Callable[[float], None] | None,
-) -> BuildUp:  # fmt: skip
-    roll = _Roll(laps, exp(known.growth.x[0]), cells, layer, report)
+) -> BuildUp:
+    roll = _Roll(layers, exp(known.growth.x[0]), cells, layer, report)
     stages, last = known.stages(), 0
     for k in which:
         if (known.growth.through[last + 1 : k + 1] == 2).any():  # a kink at the last one
             roll.growth.restart()
-        found, _ = roll.stage(stages[k - 1].x[-1], agreed, stages[k - 1])
+        found, _ = roll.stage(stages[k - 1].x[-1], accepted_error, stages[k - 1])
         if found is None:
             raise NotWoundError(_no_stage_beyond(stages[k - 1].x[-1]))
         roll.keep(found)
@@ -362,8 +412,8 @@ def _factor(slack: float) -> float:
     return float(0.8 * slack ** (1 / (ORDER + 0.5)))
 
 
-def _moved(last: BuildUp | None, nodes: Array, T_c: float) -> tuple[Array, Array]:
-    """Return a first guess: the stage before, its surface moved to the new one."""
+def _initial_guess(last: BuildUp | None, nodes: Array, T_c: float) -> tuple[Array, Array]:
+    """Return the initial guess: the previous stage, its surface moved to the new one."""
     if last is None:
         return T_c * (nodes[-1] - nodes), np.full_like(nodes, -T_c)
     share = (nodes - nodes[0]) / (nodes[-1] - nodes[0])
@@ -381,14 +431,14 @@ def cell_source(tension: Tension, growth: Growth, nodes: Array) -> CellSource:
     return in_cells(nodes, source)
 
 
-def missed_source(tension: Tension, growth: Growth, nodes: Array) -> CellSource:
-    """Return what the source misses in every cell, by an estimate: see :meth:`Growth.missed`."""
-    return in_cells(nodes, lambda x, _: -tension.at(np.exp(x)) * growth.missed(x))
+def source_error(tension: Tension, growth: Growth, nodes: Array) -> CellSource:
+    """Return the estimated error of the source in every cell by the interpolation of kappa."""
+    return in_cells(nodes, lambda x, _: -tension.at(np.exp(x)) * growth.interpolation_error(x))
 
 
 def in_cells(nodes: Array, values: Callable[[Array, Array], Array]) -> CellSource:
     """Return values(x, side) at the left end, in the middle and at the right end of every cell."""
     x = np.concatenate([nodes[:-1], (nodes[1:] + nodes[:-1]) / 2, nodes[1:]])
     n = nodes.size - 1
-    C = values(x, np.repeat([1, 1, -1], n))  # side: behind or before a kink that is a node
+    C = values(x, np.repeat([1, 1, -1], n))  # side: inner or outer side of a kink that is a node
     return CellSource(C[:n], C[n : 2 * n], C[2 * n :])

@@ -1,4 +1,4 @@
-"""The certificate of a wound roll: every law measured on the arrays that its result reports."""
+"""The certificate of a wound roll: residuals of all equations on the reported arrays."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ __all__ = ["certificate"]
 
 
 def certificate(result: Any) -> Residuals:
-    """Measure every law of a result; stresses are counted in wound-on stresses at the core.
+    """Return the residuals of a result; stresses are relative to the wound-on stress at the core.
 
     equilibrium
         The collocated equations of :mod:`.equations` on the nodes.
     core_condition, free_surface
-        Both ends.
+        The boundary conditions.
     frozen_source
-        That laps have the source they were laid with, and what the finished roll's changes add.
+        The source equals that of the layers as wound plus the final changes.
     hoop_stress, displacement, lap_strain, radial_modulus
-        What follows of P and r P' by the law of the stack.
+        The values that follow from P and r P' by the law of the stack.
     """
     problem, stack = result.problem, result.problem.stack
     curve, E_t, nu = problem.tension_curve, stack.tangential, stack.poissons_ratio
@@ -31,14 +31,14 @@ def certificate(result: Any) -> Residuals:
     x, T = np.log(r), curve.at(r)
     unit, more = float(T[0]), final_changes(problem)
     source = shifted(cell_source(curve, result.kappa, x), more[0])
-    miss, _ = equations_of(problem).defects(x, source, unit + more[1], P, Q)
+    residual, _ = equations_of(problem).residual(x, source, unit + more[1], P, Q)
     hoop = -(P + Q)
     strain = (hoop + nu * P) / E_t + problem.tangential_expansion * problem.temperature_change
     expected = np.append(source.left, source.right[-1])
     return Residuals(
-        equilibrium=largest(np.abs(miss[1:-1])) / unit,
-        core_condition=abs(float(miss[0])) / unit,
-        free_surface=abs(float(miss[-1])) / unit,
+        equilibrium=largest(np.abs(residual[1:-1])) / unit,
+        core_condition=abs(float(residual[0])) / unit,
+        free_surface=abs(float(residual[-1])) / unit,
         frozen_source=largest(np.abs(result.source - expected)) / largest(np.abs(expected)),
         hoop_stress=largest(np.abs(result.hoop_stress - hoop)) / unit,
         lap_strain=largest(np.abs(result.lap_strain - strain)) * E_t / unit,

@@ -1,20 +1,19 @@
-r"""How dense a wound roll is, over its radius.
+r"""Density of a wound roll over its radius.
 
-A lap laid at s with the stress T presses the roll below by T h/s, which gives way by
-(1 + kappa) T h/E_t; so the surface grows by less than the lap's thickness,
+A layer laid at s with the stress T loads the roll below by T h/s.  The surface sinks by
+(1 + kappa) T h/E_t, so that the radius grows by less than the layer thickness,
 
     ds = h g dn,    g = 1 - (1 + kappa) T/E_t,
 
-and the mass of web laid there, drawn out by T/E_t, is dm = rho 2 pi s ds/(g (1 + T/E_t)).  Over the
-volume that the roll has grown by it is the density that is measured while a roll is wound, by its
-diameter and the length of web on it.  Over the volume which these laps have at last, between
-r + u, it is that of the finished roll.  There
+and the mass of web laid there, stretched by T/E_t, is dm = rho 2 pi s ds/(g (1 + T/E_t)).  Divided
+by the increase of the roll volume, it is the density that a density analyser measures during
+winding, from the diameter and the length of web on the roll.  Divided by the final volume of these
+layers, between r + u, it is the density of the finished roll.  There
 
     du/dr = (1 + kappa) T/E_t + eps_r,    eps_r = -F(P) - nu sigma_t/E_t + alpha_r dT
 
-follows of the equations (:mod:`.equations`), so that a lap of the finished roll is h (1 + eps_r)
-thick, to first order of the strains: the mass laid is the mass there, in whichever way it is
-counted.
+follows from the equations (:mod:`.equations`), so that a layer of the finished roll has the
+thickness h (1 + eps_r) to first order of the strains: mass is conserved.
 """
 
 from __future__ import annotations
@@ -24,29 +23,30 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["as_wound", "in_the_roll", "volume", "wound_mass"]
+__all__ = ["density_during_winding", "finished_density", "volume", "wound_mass"]
 
 Array = np.ndarray
 GAUSS = 4  # points of a cell
 
 
-def _drawn(result: Any, r: Array) -> tuple[Array, Array]:
+def _winding_strains(result: Any, r: Array) -> tuple[Array, Array]:
     """Return (1 + kappa) T/E_t and T/E_t at radii."""
     strain = result.problem.tension_curve.at(r) / result.problem.stack.tangential
     return (1 + result.kappa(np.log(r))) * strain, strain
 
 
-def as_wound(result: Any, r: Array) -> Array:
-    """Return the density by which the roll has grown [kg/m^3]; nan without that of the web.
+def density_during_winding(result: Any, r: Array) -> Array:
+    """Return the mass of web per increase of the roll volume [kg/m^3].
 
-    Also where the roll below gives way by more than a lap's thickness, which no small strain tells.
+    It is nan without the density of the web, and where the surface sinks by more than the layer
+    thickness, which is outside the range of small strains.
     """
-    sunk, strain = _drawn(result, r)
+    sunk, strain = _winding_strains(result, r)
     grown = np.where(sunk < 1, 1 - sunk, np.nan)
-    return np.asarray(_of_the_web(result) / (grown * (1 + strain)))
+    return np.asarray(_web_density(result) / (grown * (1 + strain)))
 
 
-def in_the_roll(result: Any) -> Array:
+def finished_density(result: Any) -> Array:
     """Return the density of the finished roll at the nodes [kg/m^3]."""
     problem, r = result.problem, result.radius
     stack, hoop = problem.stack, result.hoop_stress
@@ -54,17 +54,17 @@ def in_the_roll(result: Any) -> Array:
         stack.radial.strain_at(result.pressure) + stack.poissons_ratio / stack.tangential * hoop
     )
     thinner = thinner - problem.radial_expansion * problem.temperature_change
-    moved = 1 + _drawn(result, r)[0] - thinner
-    return np.asarray(as_wound(result, r) / ((1 + result.displacement / r) * moved))
+    moved = 1 + _winding_strains(result, r)[0] - thinner
+    return np.asarray(density_during_winding(result, r) / ((1 + result.displacement / r) * moved))
 
 
 def wound_mass(result: Any) -> float:
-    """Return the mass of all laps laid, per metre of width [kg/m]."""
+    """Return the mass of all layers, per metre of width [kg/m]."""
     points, weights = np.polynomial.legendre.leggauss(GAUSS)
     ends = np.union1d(result.radius, result.stage_radius)
     half = np.diff(ends)[:, None] / 2
     r = ends[:-1, None] + half * (1 + points)
-    laid = as_wound(result, r.ravel()).reshape(r.shape)
+    laid = density_during_winding(result, r.ravel()).reshape(r.shape)
     return float(np.sum(half * weights * 2 * pi * r * laid))
 
 
@@ -74,6 +74,6 @@ def volume(result: Any) -> float:
     return pi * float(outer**2 - inner**2)
 
 
-def _of_the_web(result: Any) -> float:
+def _web_density(result: Any) -> float:
     density = result.problem.density
     return float("nan") if density is None else float(density)

@@ -1,12 +1,14 @@
-"""The inverse: the wound-on tension that makes a wanted pressure.
+"""The inverse problem: the wound-on tension that gives a target pressure.
 
-A wanted P(r) has the source C = r^2 P'' + 3 r P' + P - E_t F(P), which every stage of the build-up
-shares.  So each stage is known without those before it: with its surface at s, the pressure solves
-the equations of :mod:`.equations` with this C and P(s) = 0, and its slope there is the tension,
-T(s) = -r P'.  At the core T = b P - r P' by the core's condition.  No optimiser is needed.
+A target P(r) has the source C = r^2 P'' + 3 r P' + P - E_t F(P), the same at every stage of the
+build-up.  Each stage is therefore independent of the previous ones: with the surface at s, the
+pressure solves the equations of :mod:`.equations` with this C and P(s) = 0, and its slope there is
+the tension, T(s) = -r P'.  At the core, T = b P - r P' by the core condition.  No optimiser is
+needed.
 
-A pressure cannot be wanted of the surface, where it is zero.  What is wanted there shows as far
-below it as the pressure takes to rise: the outer layer, whose depth and miss the result tells.
+The pressure at the surface is zero, whatever the target is.  In an outer layer, in which the
+pressure rises, the pressure differs from the target; the result has the depth of this layer and the
+largest difference.
 """
 
 from __future__ import annotations
@@ -27,7 +29,7 @@ from ..problems.schedules import Profile
 from ..problems.wound_roll import WoundRoll
 from ..quantities import find
 from .build_up import in_cells, nodes_between
-from .equations import Solved, pressure_between
+from .equations import StageSolution, pressure_between
 from .finished import equations_of
 
 if TYPE_CHECKING:
@@ -38,26 +40,33 @@ __all__ = ["TensionDesign", "design_tension"]
 Array = np.ndarray
 
 CELLS = 160  # of each stage
-FIRST = 40  # radii at which the tension is found, before it is refined
-MOST = 4000
+FIRST_RADII = 40  # radii of the tension before refinement
+MAX_RADII = 4000
 NUDGE = 1e-12  # of ln r
-ROOM = 0.5  # of rtol, for what the curve between two radii may miss
+INTERPOLATION_SHARE = 0.5  # of rtol: accepted interpolation error of the tension between radii
 
 
 @dataclass(frozen=True, eq=False)
 class TensionDesign:
-    """A tension found for a wanted pressure, and how near it comes.
+    """The wound-on tension for a target pressure, and the pressure reached.
 
     Attributes
     ----------
     problem : RollProblem
-        With the tension found as its ``wound_on_tension``.
+        The roll with this tension as its ``wound_on_tension``.
     radius : (M,) array
         [m].
     wanted, reached : (M,) arrays
-        Pressure wanted there, and of the finished roll, which misses it in the outer layer [Pa].
+        Target pressure, and pressure of the finished roll, lower in the outer layer [Pa].
     rtol : float
-        As asked for.
+        Tolerance of the design.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> design = wo.design_tension(wo.RollProblem.example(), "100 kPa")
+    >>> float(design.wanted[0]), bool(abs(design.reached[0] / 100e3 - 1) < design.rtol)
+    (100000.0, True)
     """
 
     problem: RollProblem
@@ -75,13 +84,13 @@ class TensionDesign:
 
     @property
     def outer_layer(self) -> float:
-        """Depth below the surface from which on the pressure is met to ``rtol`` [m]."""
+        """Depth of the outer layer in which the error of the pressure exceeds ``rtol`` [m]."""
         missed = np.abs(self.reached - self.wanted) > self.rtol * np.max(self.wanted)
         return float(self.radius[-1] - self.radius[missed].min()) if missed.any() else 0.0
 
     @property
     def surface_miss(self) -> float:
-        """The largest miss, in the outer layer [Pa]: the pressure wanted of the surface itself."""
+        """Largest difference from the target, in the outer layer: that at the surface [Pa]."""
         return float(np.max(np.abs(self.reached - self.wanted)))
 
 
@@ -89,18 +98,19 @@ class TensionDesign:
 def design_tension(
     problem: RollProblem, pressure: float | str | Profile, *, rtol: float = 1e-4
 ) -> TensionDesign:
-    """Find the wound-on tension over the radius that leaves a wanted pressure in the roll.
+    """Compute the wound-on tension over the radius that gives a target pressure in the roll.
 
     Parameters
     ----------
     problem : RollProblem
-        The roll; its own tension plays no part.
+        The roll; its tension is ignored.
     pressure : float, str or Profile
-        Wanted between the laps [Pa], or a text with a unit, "200 kPa", from the core to the
-        surface, > 0.  A pressure has no kinks: through the values of a profile goes a curve over
-        ln r, a cubic spline if it is ``smooth``, or else one that stays between the values.
+        Target pressure between the layers [Pa], or a text with a unit, "200 kPa", from the core to
+        the surface, > 0.  A pressure has no kinks: the values of a profile are interpolated over
+        ln r by a cubic spline if it is ``smooth``, otherwise by a monotone curve.
     rtol : float
-        Accepted miss of the pressure inside, relative to the largest; 1e-6 to 0.01.
+        Accepted error of the pressure below the outer layer, relative to the largest; 1e-6
+        to 0.01.
 
     Returns
     -------
@@ -111,21 +121,29 @@ def design_tension(
     ------
     InvalidProblem
         For a pressure that is out of range, that does not reach from core to surface, or that no
-        tension > 0 makes.
+        tension > 0 gives.
     NotConverged
-        Where a stage cannot be solved.
+        If a stage cannot be solved.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> design = wo.design_tension(wo.RollProblem.example(), "100 kPa")
+    >>> bool(min(design.tension.value) > 0)
+    True
     """
     check_type("problem", problem, RollProblem)
     tolerance("rtol", rtol, 1e-6, 1e-2)
     if problem.temperature_change or problem.core_shrinkage:
         raise InvalidProblem.at(
-            "problem", "changes after winding; must be a roll as wound: temperature_change and "
-            "core_shrinkage 0"
-        )  # fmt: skip
+            "problem",
+            "changes after winding; must be a roll as wound: temperature_change and "
+            "core_shrinkage 0",
+        )
     (place,) = find(WoundRoll, "pressure")
-    wanted = _Wanted(problem, _checked(problem, convert(pressure, place, Context())))
+    wanted = _TargetPressure(problem, _as_profile(problem, convert(pressure, place, Context())))
     found = _Stages(equations_of(problem), wanted)
-    x = _refined(found, rtol)
+    x = _refined_radii(found, rtol)
     WOT = np.array([found.tension(s) for s in x]) * problem.web_thickness
     r = np.exp(x)
     r[0], r[-1] = problem.core.radius, problem.radius
@@ -136,12 +154,15 @@ def design_tension(
         problem.replace(
             wound_on_tension=Profile(radius=r.tolist(), value=WOT.tolist(), between="smooth")
         ),
-        at, wanted.pressure(nodes), last.P, rtol,
-    )  # fmt: skip
+        at,
+        wanted.pressure(nodes),
+        last.P,
+        rtol,
+    )
 
 
-def _checked(problem: RollProblem, pressure: float | Profile) -> Profile:
-    """Return what is wanted as a profile from the core to the surface."""
+def _as_profile(problem: RollProblem, pressure: float | Profile) -> Profile:
+    """Return the target pressure as a profile from the core to the surface."""
     core, R, limit = problem.core.radius, problem.radius, problem.stack.limit
     if not isinstance(pressure, Profile):
         check_type("pressure", pressure, float, int, Profile)
@@ -167,64 +188,65 @@ def _checked(problem: RollProblem, pressure: float | Profile) -> Profile:
     return pressure
 
 
-class _Wanted:
-    """A wanted pressure as a smooth curve over x = ln r, and its source."""
+class _TargetPressure:
+    """A target pressure as a smooth curve over x = ln r, and its source."""
 
     def __init__(self, problem: RollProblem, pressure: Profile) -> None:
         from scipy.interpolate import BPoly, CubicSpline, PchipInterpolator
 
         x, P = np.log(pressure.radius), np.array(pressure.value)
         x[0], x[-1] = np.log([problem.core.radius, problem.radius])
-        # monotone cubics, their bends made one at each value: C does not jump, T has no kinks
+        # monotone cubics with a continuous second derivative: C does not jump, T has no kinks
         cubics = PchipInterpolator(x, P)
-        bend = cubics.derivative(2)
-        behind, before = bend(np.append(x[0], x[1:] - NUDGE)), bend(np.append(x[:-1], x[-1]))
-        less = np.where(np.abs(behind) < np.abs(before), behind, before)
-        one = np.where(behind * before > 0, less, 0.0)
-        ends = np.stack([P, cubics.derivative()(x), one], axis=1)
+        second = cubics.derivative(2)
+        inner, outer = second(np.append(x[0], x[1:] - NUDGE)), second(np.append(x[:-1], x[-1]))
+        smaller = np.where(np.abs(inner) < np.abs(outer), inner, outer)
+        common = np.where(inner * outer > 0, smaller, 0.0)
+        ends = np.stack([P, cubics.derivative()(x), common], axis=1)
         smooth = pressure.between == "smooth"
         self._curve = CubicSpline(x, P) if smooth else BPoly.from_derivatives(x, ends)
-        self._slope, self._bend = self._curve.derivative(), self._curve.derivative(2)
+        self._slope, self._curvature = self._curve.derivative(), self._curve.derivative(2)
         self.knots, self.problem, self.strain = x, problem, problem.stack.radial.strain_at
         dense = np.concatenate([np.linspace(a, b, 9)[:-1] for a, b in pairwise(x)])
         k = int(np.argmin(self.pressure(dense)))
         if self.pressure(dense)[k] <= 0:
             raise InvalidProblem.at(
-                "pressure", f"is < 0 at the radius {np.exp(dense[k]):.6g} m, between its values; "
-                "must be > 0: give more values there"
-            )  # fmt: skip
+                "pressure",
+                f"is < 0 at the radius {np.exp(dense[k]):.6g} m, between its values; "
+                "must be > 0: give more values there",
+            )
 
     def pressure(self, x: Array) -> Array:
-        """P [Pa]."""
+        """Return P [Pa]."""
         return np.asarray(self._curve(x))
 
     def slope(self, x: Array) -> Array:
-        """R P' [Pa]."""
+        """Return r P' [Pa]."""
         return np.asarray(self._slope(x))
 
     def source(self, x: Array, _: Array) -> Array:
-        """C = D^2 P + 2 D P + P - E_t F(P) [Pa]."""
+        """Return C = D^2 P + 2 D P + P - E_t F(P) [Pa]."""
         P, E_t = self.pressure(x), self.problem.stack.tangential
-        return np.asarray(self._bend(x) + 2 * self.slope(x) + P - E_t * self.strain(P))
+        return np.asarray(self._curvature(x) + 2 * self.slope(x) + P - E_t * self.strain(P))
 
 
 class _Stages:
-    """The stages of a roll that has a wanted source, solved where they are asked for."""
+    """The stages of a roll with a given source, solved on demand."""
 
-    def __init__(self, equations: StageEquations, wanted: _Wanted) -> None:
+    def __init__(self, equations: StageEquations, wanted: _TargetPressure) -> None:
         self.equations, self.wanted = equations, wanted
         core = wanted.knots[:1]
         self.T_c = float((equations.core * wanted.pressure(core) - wanted.slope(core))[0])
-        self.solved: dict[float, tuple[Array, Solved]] = {}
+        self.solved: dict[float, tuple[Array, StageSolution]] = {}
         law, E_t = wanted.problem.stack.radial, wanted.problem.stack.tangential
         E = float(law.modulus(0.0))
-        # as :func:`.finished.layer_thickness`, with a tension that makes such a pressure
+        # as in :func:`.finished.layer_thickness`, with a tension that gives such a pressure
         P = float(np.max(wanted.pressure(wanted.knots)))
         T = np.sqrt(2 * E_t * float(law.strain_at(P)) * P)
         self.layer = min(law.pressure_at_modulus(2 * E) / T, (E / E_t) ** 0.5, 0.3)
 
     def tension(self, x: float) -> float:
-        """Return T [Pa] with which the lap at ln r = x is laid."""
+        """Return the wound-on stress T of the layer at ln r = x [Pa]."""
         start = self.wanted.knots[0]
         T = self.T_c if x <= start else -float(self._stage(x).Q[-1])
         if T > 0:
@@ -236,7 +258,7 @@ class _Stages:
             "tension > 0 makes: more pressure there, or less below",
         )
 
-    def _stage(self, x: float) -> Solved:
+    def _stage(self, x: float) -> StageSolution:
         if x not in self.solved:
             knots = self.wanted.knots
             more = knots[1:-1] if knots.size < CELLS else None
@@ -250,7 +272,7 @@ class _Stages:
         return self.solved[x][1]
 
     def _guess(self, x: float, nodes: Array) -> tuple[Array, Array]:
-        """Return the nearest stage, its surface moved to x."""
+        """Return the initial guess: the nearest stage, its surface moved to x."""
         if not self.solved:
             T = self.T_c
             return T * (x - nodes), np.full_like(nodes, -T)
@@ -261,22 +283,22 @@ class _Stages:
         return pressure_between(behind, solved.P, solved.Q, moved)
 
 
-def _refined(stages: _Stages, rtol: float) -> Array:
-    """Return ln r at which the tension is given: so many that a smooth curve between is near it."""
+def _refined_radii(stages: _Stages, rtol: float) -> Array:
+    """Return ln r of the tension profile, refined until its interpolation error is accepted."""
     from scipy.interpolate import CubicSpline
 
     knots = stages.wanted.knots
     start, end = float(knots[0]), float(knots[-1])
-    x = np.union1d(nodes_between(start, end, FIRST, stages.layer), knots)
+    x = np.union1d(nodes_between(start, end, FIRST_RADII, stages.layer), knots)
     x = x[np.append(np.diff(x) > 1e-9, True)]
     x[0] = start
     T = np.array([stages.tension(s) for s in x.tolist()])
     bad = np.ones(x.size - 1, dtype=bool)
-    while bad.any() and x.size < MOST:
+    while bad.any() and x.size < MAX_RADII:
         curve, middle = CubicSpline(np.exp(x), T), (x[:-1][bad] + x[1:][bad]) / 2
         more = np.array([stages.tension(s) for s in middle.tolist()])
-        off = np.abs(curve(np.exp(middle)) - more) > ROOM * rtol * more
-        # both halves of a cell that was off are looked at again
+        off = np.abs(curve(np.exp(middle)) - more) > INTERPOLATION_SHARE * rtol * more
+        # both halves of a cell with too large an error are checked again
         x, order = np.unique(np.concatenate([x, middle]), return_index=True)
         T = np.concatenate([T, more])[order]
         again = middle[off]

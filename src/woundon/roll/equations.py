@@ -1,7 +1,7 @@
 r"""The pressure in a roll at one stage of its build-up: a boundary-value problem.
 
-A lap laid at r with the stress T moves by what is wound on it later; that its strain along the web
-and the one through the stack stay compatible is, with hoop stress -(P + r P') and the stack's law,
+The layers wound later displace a layer laid at r with the stress T.  Compatibility of its strains
+along the web and through the stack requires, with the hoop stress -(P + r P') and the stack's law,
 
     C(r) = r^2 P'' + 3 r P' + P - E_t F(P)            the same at every later stage,
 
@@ -10,16 +10,15 @@ because all increments of it are total derivatives.  In x = ln r, with Q = r P' 
     D P = Q
     D Q = C + E_t F(P) - P - 2 Q          on the interval from the core to the surface s
     Q = b P - T_c       at the core,  b = E_t/E_c - 1 + nu,  T_c = T(r_c)
-    P = P_s             at s: zero, but where laps are finite (see :func:`.build_up.with_laps`)
+    P = P_s             at s: zero, except for layers of finite thickness (:class:`.Layers`)
 
-What a thin lap more adds is p = dP/ds, of the same equations made linear, with p = 1 at s (any
-multiple will do) and no T_c; its growth kappa = D p at s says what C the next lap gets:
+A further thin layer adds p = dP/ds, the solution of the linearised equations with p = 1 at s (the
+scale is arbitrary) and T_c = 0.  Its growth kappa = D p at s determines C of the next layer:
 
     C(s) = -s T' - T (2 + kappa)
 
-Then -D P = T at s comes out, and tells how good the source is.  P and kappa of a stage are found
-together, by Newton's method: to put the kappa of one solution into the source of the next does not
-converge where steps are long.
+Then -D P = T at s follows; its residual measures the error of the source.  Newton's method solves
+for P and kappa of a stage together: a fixed-point iteration over kappa diverges for long steps.
 
 Discretised by the two-stage Lobatto rule (order four, as in scipy.integrate.solve_bvp) on given
 nodes.  Source values belong to a cell, left, middle and right, because C jumps where T has a kink.
@@ -40,13 +39,15 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.linalg import lapack
 
-__all__ = ["CellSource", "Solved", "StageEquations", "pressure_between"]
+__all__ = ["CellSource", "StageEquations", "StageSolution", "pressure_between"]
 
 Array = np.ndarray
-MOST_STEPS = 60
+MAX_ITERATIONS = 60
 BAND = 2  # diagonals on either side
-SETTLED = 1e-11  # change of P by a Newton step, relative
-SQUARED = 0.5  # of the root of an error, a step that leaves it: 1 to 1.2 were seen
+NEWTON_TOLERANCE = 1e-11  # relative change of P by the last Newton step
+LAST_STEP = (
+    0.5  # of the square root of the accepted error; measured: a step of 1 to 1.2 leaves that error
+)
 
 
 class CellSource(NamedTuple):
@@ -57,7 +58,7 @@ class CellSource(NamedTuple):
     right: Array
 
 
-class Solved(NamedTuple):
+class StageSolution(NamedTuple):
     """Pressure P and Q = r P' at the nodes, (n + 1,) each [Pa]; kappa = D p/p at the surface."""
 
     P: Array
@@ -84,16 +85,16 @@ class StageEquations:
     modulus_slope: Callable[[Array], Any]
     tangential: float
     core: float
-    steps: int = field(default=0, init=False)  # of Newton, so far
+    steps: int = field(default=0, init=False)  # number of Newton steps
 
     def _slope_of_Q(self, P: Array, Q: Array) -> Array:
-        """D Q less the source."""
+        """Return D Q without the source."""
         return np.asarray(self.tangential * self.strain(P) - P - 2 * Q)
 
-    def defects(
+    def residual(
         self, x: Array, source: CellSource, tension: float, P: Array, Q: Array, top: float = 0.0
     ) -> tuple[Array, Array]:
-        """Return what P and Q leave of all equations, (2 n + 2,) [Pa], and P in mid-cell, (n,)."""
+        """Return the residual of all equations, (2 n + 2,) [Pa], and P in mid-cell, (n,)."""
         h = x[1:] - x[:-1]
         own = self._slope_of_Q(P, Q)
         left, right = own[:-1] + source.left, own[1:] + source.right
@@ -107,10 +108,10 @@ class StageEquations:
         return out, middle_P
 
     def _matrix(self, x: Array, E: Array) -> Array:
-        """Return the derivative of the defects by P and Q, by diagonals as LAPACK wants them.
+        """Return the Jacobian of the residual with respect to P and Q in LAPACK's band storage.
 
-        With J = [[0, 1], [own, -2]] at an end of a cell and M = 1/2 -+ h/8 J what takes that end to
-        the middle, a cell's block is -+1 - h/6 (J + 4 J_mid M), written out.
+        With J = [[0, 1], [own, -2]] at an end of a cell and M = 1/2 -+ h/8 J, which maps that end
+        to the middle, the block of a cell is -+1 - h/6 (J + 4 J_mid M).
 
         Parameters
         ----------
@@ -122,7 +123,7 @@ class StageEquations:
         stiff = self.tangential / E - 1
         own, mid = stiff[: n + 1], stiff[n + 1 :]
         twelfth, third = h * h / 12, h / 3 * mid
-        turned = twelfth * mid
+        product = twelfth * mid
         band = np.zeros((3 * BAND + 1, 2 * (n + 1)), order="F")
         diagonal = 2 * BAND  # entry (i, j) stands in row diagonal + i - j
         for first, side, end in ((0, -1.0, own[:-1]), (2, 1.0, own[1:])):
@@ -131,38 +132,44 @@ class StageEquations:
                 (1, first, side + side * twelfth * end),
                 (1, first + 1, -h / 2 - side * 2 * twelfth),
                 (2, first, -h / 6 * (1 + side * h) * end - third),
-                (2, first + 1, side + h + side * (4 * twelfth + turned)),
+                (2, first + 1, side + h + side * (4 * twelfth + product)),
             ):
                 band[diagonal + i - j, j : j + 2 * n : 2] = value
         band[diagonal, 0], band[diagonal - 1, 1] = -self.core, 1.0
         band[diagonal + 1, -2] = 1.0
         return band
 
-    def _linear(
-        self, x: Array, source: CellSource, tension: float, P: Array, Q: Array, top: float,
+    def _solve_linearised(
+        self,
+        x: Array,
+        source: CellSource,
+        tension: float,
+        P: Array,
+        Q: Array,
+        top: float,
         *more: Array,
-    ) -> tuple[Array, Array] | None:  # fmt: skip
-        """Return what the equations made linear say, a column each, and E_r at the nodes.
+    ) -> tuple[Array, Array] | None:
+        """Solve the linearised equations; return the columns of solutions, and E_r at the nodes.
 
-        By what P and Q are too large, 2 n + 2 values by turns; a further lap's p and D p; and what
-        belongs to other right sides.
+        The columns, of 2 n + 2 values with P and Q alternating, are the negative Newton step, p and
+        D p of a further layer, and the solutions for the other right-hand sides ``more``.
         """
-        miss, middle_P = self.defects(x, source, tension, P, Q, top)
+        residual, middle_P = self.residual(x, source, tension, P, Q, top)
         E = self.modulus(np.concatenate([P, middle_P]))
         self.steps += 1
         factors, pivots, info = lapack.dgbtrf(self._matrix(x, E), BAND, BAND, overwrite_ab=1)
-        if info != 0 or not np.isfinite(miss).all():
+        if info != 0 or not np.isfinite(residual).all():
             return None
-        right = np.zeros((miss.size, 2 + len(more)), order="F")
-        right[:, 0], right[-1, 1] = miss, 1.0
+        right = np.zeros((residual.size, 2 + len(more)), order="F")
+        right[:, 0], right[-1, 1] = residual, 1.0
         for k, column in enumerate(more):
             right[:, 2 + k] = column
         return lapack.dgbtrs(factors, BAND, BAND, right, pivots, overwrite_b=1)[0], E[: x.size]
 
     def solve(
         self, x: Array, source: CellSource, tension: float, P: Array, Q: Array
-    ) -> Solved | None:
-        """Solve by Newton's method from a first guess; None where it does not settle.
+    ) -> StageSolution | None:
+        """Solve by Newton's method from an initial guess; None if it does not converge.
 
         Parameters
         ----------
@@ -170,77 +177,85 @@ class StageEquations:
             ln r of the nodes.
         source : CellSource
         tension : float
-            T_c, in the core's condition [Pa].
+            T_c of the core condition [Pa].
         P, Q : (n + 1,) arrays
-            First guess [Pa].
+            Initial guess [Pa].
         """
-        for _ in range(MOST_STEPS):
-            found = self._linear(x, source, tension, P, Q, 0.0)
+        for _ in range(MAX_ITERATIONS):
+            found = self._solve_linearised(x, source, tension, P, Q, 0.0)
             if found is None:
                 return None
             by, more = found[0].T
             P, Q = P - by[::2], Q - by[1::2]
-            if np.max(np.abs(by[::2])) <= SETTLED * np.max(np.abs(P)):
-                return Solved(P, Q, float(more[-1]))
+            if np.max(np.abs(by[::2])) <= NEWTON_TOLERANCE * np.max(np.abs(P)):
+                return StageSolution(P, Q, float(more[-1]))
         return None
 
-    def lay(
-        self, x: Array, source: CellSource, more: CellSource, tension: float, P: Array, Q: Array,
-        growth: float, agreed: float, top: float = 0.0,
-    ) -> Solved | None:  # fmt: skip
-        """Solve a stage together with the kappa that its own source needs; None where that fails.
+    def solve_with_growth(
+        self,
+        x: Array,
+        source: CellSource,
+        more: CellSource,
+        tension: float,
+        P: Array,
+        Q: Array,
+        growth: float,
+        accepted_error: float,
+        top: float = 0.0,
+    ) -> StageSolution | None:
+        """Solve for pressure and kappa of a stage together; None if that does not converge.
 
-        Newton's method for both.  With g = E_t/E_r - 1, D kappa + kappa^2 + 2 kappa = g, so that
-        kappa at s changes by the integral of exp(2 (x - s)) p^2 times what g does, if p = 1 at s.
+        With g = E_t/E_r - 1, D kappa + kappa^2 + 2 kappa = g.  Hence a change dg changes kappa at s
+        by the integral of exp(2 (x - s)) p^2 dg, for p = 1 at s.
 
         Parameters
         ----------
         x, tension, P, Q
-            As of :meth:`solve`.
+            As in :meth:`solve`.
         source, more : CellSource
-            For the guess of kappa, and what one more of kappa adds.
+            Source for the guess of kappa, and its derivative with respect to kappa.
         growth : float
-            The guess of kappa.
-        agreed : float
-            Error of kappa that may be left, relative to kappa + 2.  A step leaves about the square
-            of what it changes.
+            Initial guess of kappa.
+        accepted_error : float
+            Accepted error of kappa, relative to kappa + 2.  Newton's method converges
+            quadratically: the error after a step is about the square of the step.
         top : float
             P_s, the pressure at the surface [Pa].
         """
-        by_growth, own = _of_source(x, more), source
+        by_growth, own = _source_residual(x, more), source
         half = np.diff(x) / 2
         weight = np.exp(2 * (x - x[-1])) * (np.append(half, 0) + np.append(0, half))
-        for _ in range(MOST_STEPS):
-            found = self._linear(x, own, tension, P, Q, top, by_growth)
+        for _ in range(MAX_ITERATIONS):
+            found = self._solve_linearised(x, own, tension, P, Q, top, by_growth)
             if found is None:
                 return None
-            (by, lap, by_one), E = found[0].T, found[1]
-            # infinite without pressure by some laws, where it counts for nothing
+            (by, layer, by_one), E = found[0].T, found[1]
+            # some laws have an infinite slope at P = 0, where p has no effect
             slope = np.nan_to_num(self.modulus_slope(P), posinf=0.0)
-            felt = -weight * lap[::2] ** 2 * self.tangential * slope / E**2
-            change = (lap[-1] - growth - felt @ by[::2]) / (1 + felt @ by_one[::2])
+            weights = -weight * layer[::2] ** 2 * self.tangential * slope / E**2
+            change = (layer[-1] - growth - weights @ by[::2]) / (1 + weights @ by_one[::2])
             by += change * by_one
             P, Q, growth = P - by[::2], Q - by[1::2], growth + float(change)
             pressed = np.max(np.abs(by[::2])) / np.max(np.abs(P))
-            if max(pressed, abs(change) / (2 + abs(growth))) <= SQUARED * agreed**0.5:
-                return Solved(P, Q, growth)
+            if max(pressed, abs(change) / (2 + abs(growth))) <= LAST_STEP * accepted_error**0.5:
+                return StageSolution(P, Q, growth)
             own = CellSource(*(C + change * one for C, one in zip(own, more, strict=True)))
         return None
 
-    def moved(self, x: Array, P: Array, Q: Array, by: CellSource) -> tuple[Array, Array]:
-        """Return by how much a little more source moves a solution's P and Q."""
+    def linear_response(self, x: Array, P: Array, Q: Array, by: CellSource) -> tuple[Array, Array]:
+        """Return the linear response of P and Q to a small change of the source."""
         middle = (P[1:] + P[:-1]) / 2 - np.diff(x) / 8 * np.diff(Q)
         band = self._matrix(x, self.modulus(np.concatenate([P, middle])))
         factors, pivots, info = lapack.dgbtrf(band, BAND, BAND, overwrite_ab=1)
         self.steps += 1
         if info != 0:
             return np.full_like(P, np.inf), np.full_like(Q, np.inf)
-        moved, _ = lapack.dgbtrs(factors, BAND, BAND, -_of_source(x, by), pivots)
-        return moved[::2], moved[1::2]
+        change, _ = lapack.dgbtrs(factors, BAND, BAND, -_source_residual(x, by), pivots)
+        return change[::2], change[1::2]
 
 
-def _of_source(x: Array, source: CellSource) -> Array:
-    """Return what a source alone makes of the defects, (2 n + 2,)."""
+def _source_residual(x: Array, source: CellSource) -> Array:
+    """Return the contribution of a source to the residual, (2 n + 2,)."""
     h, (left, middle, right) = np.diff(x), source
     out = np.zeros(2 * x.size)
     out[1:-1:2] = h * h / 12 * (right - left)
@@ -249,7 +264,7 @@ def _of_source(x: Array, source: CellSource) -> Array:
 
 
 def pressure_between(x: Array, P: Array, Q: Array, at: Array) -> tuple[Array, Array]:
-    """Return P and Q at any ln r by the cubics through P and Q, which are of order four."""
+    """Interpolate P and Q at any ln r by cubic Hermite polynomials, of order four."""
     k = np.clip(np.searchsorted(x, at, side="right") - 1, 0, x.size - 2)
     h = x[k + 1] - x[k]
     t = (at - x[k]) / h

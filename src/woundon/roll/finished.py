@@ -8,7 +8,7 @@ import numpy as np
 
 from ..errors import NotConverged
 from .build_up import cell_source
-from .equations import CellSource, Solved, StageEquations
+from .equations import CellSource, StageEquations, StageSolution
 
 if TYPE_CHECKING:
     from ..problems.roll import RollProblem
@@ -56,7 +56,7 @@ def shifted(source: CellSource, by: float) -> CellSource:
 
 
 def finished_arrays(
-    problem: RollProblem, x: Array, growth: Growth, solved: Solved
+    problem: RollProblem, x: Array, growth: Growth, solved: StageSolution
 ) -> dict[str, Any]:
     """Return the arrays of a roll result after the changes of the finished roll.
 
@@ -66,7 +66,7 @@ def finished_arrays(
     x : (M,) array
         ln r of the nodes.
     growth : Growth
-    solved : Solved
+    solved : StageSolution
         As wound.
 
     Returns

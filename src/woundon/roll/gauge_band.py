@@ -102,8 +102,9 @@ def band_of(stack: Stack, thickness: float, tension: ArrayLike, excess: float) -
 def gauge_band_over(problem: RollProblem, radius: Array) -> GaugeBand:
     """Return the thick lane of a roll at radii [m]: that of the plateau of the tension there."""
     T = problem.tension_curve.at(radius)
-    return band_of(problem.stack, problem.web_thickness, T * problem.web_thickness,
-                   problem.gauge_excess)  # fmt: skip
+    return band_of(
+        problem.stack, problem.web_thickness, T * problem.web_thickness, problem.gauge_excess
+    )
 
 
 def lane_strain(problem: RollProblem, radius: Array) -> Array:

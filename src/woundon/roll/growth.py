@@ -1,4 +1,4 @@
-"""Kappa over the build-up of a roll: how a further lap's pressure grows below the surface."""
+"""Kappa over the build-up of a roll: the growth of a further layer's pressure below the surface."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ __all__ = ["ORDER", "Growth"]
 Array = np.ndarray
 
 ORDER = 3  # of the polynomial through the last stages
-NOISE = 0.5  # of a step: the least distance of a stage that tells its error
+SMALLEST_SPACING = 0.5  # of a step: closer stages give an error estimate dominated by noise
 
 
 class Growth:
@@ -18,25 +18,25 @@ class Growth:
     Parameters
     ----------
     x, kappa : float
-        Of the core, where a roll begins.
+        Values at the core.
 
     Attributes
     ----------
     x, kappa : (J,) arrays
         The stages.
     through : (J,) int array
-        How many stages the polynomial that ends at each goes through.
+        Number of stages that the polynomial ending at each stage interpolates.
     """
 
     def __init__(self, x: float, kappa: float) -> None:
         self.x, self.kappa = np.array([x]), np.array([kappa])
         self.through = np.array([1])
-        self.first = 0  # the stage behind which no polynomial reaches
+        self.first = 0  # first stage of the next polynomials
         self._pieces = np.zeros((ORDER + 1, 0))
 
     @classmethod
     def of(cls, x: Array, kappa: Array, through: Array) -> Growth:
-        """Return that of given stages; see the attributes."""
+        """Create the function from stages; see the attributes."""
         growth = cls(float(x[0]), float(kappa[0]))
         growth.x, growth.kappa, growth.through = x, kappa, through
         growth.first = x.size - int(through[-1])
@@ -48,36 +48,36 @@ class Growth:
         return growth
 
     def until(self, x: float) -> Growth:
-        """Return the same up to x, a last stage there."""
+        """Return the same function up to x, with a last stage there."""
         kept = int(np.searchsorted(self.x, x - 1e-12))
         part = Growth.__new__(Growth)
         part.x, part.kappa = self.x[:kept], self.kappa[:kept]
         part.through, part._pieces = self.through[:kept], self._pieces[:, : kept - 1]
         part.first = kept + 1 - int(self.through[kept])
-        return part.then(x, float(self(np.array([x]))[0]))
+        return part.with_stage(x, float(self(np.array([x]))[0]))
 
     def restart(self) -> None:
-        """Draw no polynomial across the last stage: there the tension has a kink."""
+        """Start the next polynomials at the last stage, where the tension has a kink."""
         self.first = self.x.size - 1
 
-    def _behind(self) -> slice:
+    def _last_stages(self) -> slice:
         return slice(max(self.first, self.x.size - ORDER), None)
 
-    def extrapolated(self, x: float) -> float:
-        """Return what the polynomial through the last stages says of the next one."""
-        own = self._behind()
+    def extrapolate(self, x: float) -> float:
+        """Extrapolate kappa to x by the polynomial through the last stages."""
+        own = self._last_stages()
         return _through(self.x[own] - x, self.kappa[own])[0]
 
-    def share(self, surface: float, x: Array) -> Array:
-        """Return how kappa at any x follows that of a further stage at ``surface``: 0 to 1."""
-        share = np.where(x > self.x[-1], 1.0, 0.0)
-        for stage in self.x[self._behind()]:
-            share *= (x - stage) / (surface - stage)
-        return share
+    def lagrange_basis(self, surface: float, x: Array) -> Array:
+        """Return the derivative of kappa at x by that of a further stage at ``surface``."""
+        basis = np.where(x > self.x[-1], 1.0, 0.0)
+        for stage in self.x[self._last_stages()]:
+            basis *= (x - stage) / (surface - stage)
+        return basis
 
-    def then(self, x: float, kappa: float) -> Growth:
-        """Return this with one more stage."""
-        more, own = Growth.__new__(Growth), self._behind()
+    def with_stage(self, x: float, kappa: float) -> Growth:
+        """Return a copy with one more stage."""
+        more, own = Growth.__new__(Growth), self._last_stages()
         more.x, more.kappa = np.append(self.x, x), np.append(self.kappa, kappa)
         more.first = self.first
         more.through = np.append(self.through, more.x.size - own.start)
@@ -87,12 +87,12 @@ class Growth:
         more._pieces = np.hstack([self._pieces, c])
         return more
 
-    def missed(self, x: Array) -> Array:
-        """Return by how much kappa misses the next higher polynomials, which tells its error.
+    def interpolation_error(self, x: Array) -> Array:
+        """Estimate the interpolation error of kappa by polynomials of one degree more.
 
-        They go through a stage that follows too, or one more behind where none does.
+        These interpolate a following stage in addition, or a previous one if none follows.
         """
-        missed, k = np.zeros(x.size), np.searchsorted(self.x, x, side="left")
+        errors, k = np.zeros(x.size), np.searchsorted(self.x, x, side="left")
         for j in range(1, self.x.size):
             at, start = k == j, j + 1 - int(self.through[j])
             more = self._stage_after(j) or start - 1
@@ -100,15 +100,15 @@ class Growth:
                 continue
             own = [*range(start, j + 1), more]
             highest = _through(self.x[own] - self.x[j], self.kappa[own])[-1]
-            missed[at] = highest * np.prod(x[at, None] - self.x[own[:-1]], axis=1)
-        return missed
+            errors[at] = highest * np.prod(x[at, None] - self.x[own[:-1]], axis=1)
+        return errors
 
     def _stage_after(self, j: int) -> int:
-        """Return a stage before the next kink, not so near j that it tells noise; 0 if none."""
+        """Return a later stage before the next kink, not too close to stage j; 0 if none."""
         for k in range(j + 1, self.x.size):
             if self.through[k] == 2:
                 return 0
-            if self.x[k] - self.x[j] > NOISE * (self.x[j] - self.x[j - 1]):
+            if self.x[k] - self.x[j] > SMALLEST_SPACING * (self.x[j] - self.x[j - 1]):
                 return k
         return 0
 

@@ -1,11 +1,12 @@
-"""The published scheme: laps one by one, increments of pressure added up (Hakiel 1987).
+"""The published layer-by-layer scheme: pressure increments added up (Hakiel 1987).
 
-The increments p by a lap of thickness h, laid at s with the stress T, satisfy on the laps below
+The increments p by a layer of thickness h, laid at s with the stress T, satisfy on the layers below
 
     r^2 p'' + 3 r p' + (1 - E_t/E_r(P)) p = 0,    p = T h/s at s,    r_c p' = b p at the core,
 
-by central differences on the laps, with the moduli before that lap.  Then P += p.  Of order one in
-h: with groups of laps for laps it is far off; with the real ones their thickness is part of it.
+by central differences on the layers, with the moduli before that layer.  Then P += p.  The scheme
+is of order one in h: with groups of layers its error is large; with single layers the effect of
+their thickness is included.
 """
 
 from __future__ import annotations
@@ -16,15 +17,15 @@ from typing import Any
 import numpy as np
 from scipy.linalg import lapack
 
-__all__ = ["wind_laps"]
+__all__ = ["wind_layers"]
 
 Array = np.ndarray
 
 
-def wind_laps(
+def wind_layers(
     modulus: Callable[[Array], Any], tangential: float, core: float, r: Array, T: Array
 ) -> Array:
-    """Return the pressure below every lap, (n + 1,) [Pa], zero at the surface.
+    """Return the pressure below every layer, (n + 1,) [Pa], zero at the surface.
 
     Parameters
     ----------
@@ -35,7 +36,7 @@ def wind_laps(
     core : float
         b = E_t/E_c - 1 + nu.
     r : (n + 1,) array
-        Inner radii of n laps, then the surface, even [m].
+        Inner radii of n layers, then the surface, equidistant [m].
     T : (n + 1,) array
         Wound-on stress there [Pa].
     """
@@ -51,7 +52,7 @@ def wind_laps(
             P[0] += more
             continue
         low, high = below[1 : last + 1].copy(), above[:last].copy()
-        # the core's condition by a node before it: p_1 - p_-1 = 2 h b p_0/r_c
+        # the core condition by a node inside the core: p_1 - p_-1 = 2 h b p_0/r_c
         diagonal[0] -= 2 * h * core / r[0] * below[0]
         high[0] += below[0]
         low[-1], diagonal[-1] = 0.0, 1.0

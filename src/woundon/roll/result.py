@@ -1,4 +1,4 @@
-"""A wound roll: the pressure and the stresses that winding has left in it."""
+"""The result of a wound roll: pressure and stresses over the radius."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ import numpy as np
 from ..quantities import Quantity, length, line_load, pure, strain, stress
 from ..results import Residuals, Result
 from .certificate import certificate
-from .density import as_wound, in_the_roll, volume, wound_mass
+from .density import density_during_winding, finished_density, volume, wound_mass
+from .finite_layers import finite_layer_stresses
 from .growth import Growth
-from .laps import finite_laps
 from .stages import stage_arrays, stresses_between
 
 __all__ = ["RollResult"]
@@ -33,38 +33,47 @@ class RollResult(Result):
     ----------
     problem : RollProblem
     radius : (M,) array
-        Where laps are laid, from the core to the surface [m].
+        Radii of the nodes, from the core to the surface [m].
     pressure : (M,) array
-        P between the laps [Pa].
+        P between the layers [Pa].
     hoop_stress : (M,) array
         sigma_t along the web, > 0 tension [Pa].
     displacement : (M,) array
-        How far a lap has moved outward since it was laid [m].
+        Outward displacement of a layer since it was laid [m].
     lap_strain : (M,) array
-        eps_t of the laps, that of a web without stress being 0 [1].
+        eps_t of the layers along the web, 0 without stress [1].
     radial_modulus : (M,) array
-        E_r(P), how hard the roll is [Pa].
+        E_r(P), the radial modulus of the stack [Pa].
     source : (M,) array
-        C = r^2 P'' + 3 r P' + P - E_t F(P), frozen since the lap at r was laid [Pa].
+        C = r^2 P'' + 3 r P' + P - E_t F(P), constant since the layer at r was laid [Pa].
     pressure_gradient : (M,) array
         r P' [Pa].
     stage_radius, growth : (J,) arrays
-        Stages of the build-up [m], and kappa there: how a further lap's pressure grows below the
-        surface [1].
+        Stages of the build-up [m], and kappa there: the growth of a further layer's pressure
+        below the surface [1].
     stage_order : (J,) int array
-        How many stages the polynomial of kappa goes through that ends at each.
+        Number of stages that the polynomial of kappa ending at each stage interpolates.
     lap_growth : (J,) array
-        Kappa with laps of the web's thickness, instead of thin ones.
+        Kappa with layers of the web's thickness instead of thin ones.
     surface_slope : float
-        -r P'/T - 1 at the surface, which is 0 but for the discretisation [1].
+        -r P'/T - 1 at the surface, 0 except for the discretisation error [1].
     steps : int
-        Linear systems solved.
+        Number of linear systems solved.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> result = wo.solve(wo.RollProblem.example())
+    >>> bool(result.peak_pressure == result.pressure.max())
+    True
     """
 
     MAIN: ClassVar[tuple[str, ...]] = ("core_pressure", "mid_pressure", "least_hoop_stress")
-    REPLACED: ClassVar[Mapping[str, str]] = MappingProxyType({
-        "wound_on_tension": "it is the problem's: result.problem.wound_on_tension",
-    })  # fmt: skip
+    REPLACED: ClassVar[Mapping[str, str]] = MappingProxyType(
+        {
+            "wound_on_tension": "it is the problem's: result.problem.wound_on_tension",
+        }
+    )
     MAY_BE_NAN: ClassVar[frozenset[str]] = frozenset()
     ALONG: ClassVar[Mapping[str, str]] = MappingProxyType(
         dict.fromkeys(("growth", "stage_order", "lap_growth"), "stage_radius")
@@ -124,8 +133,8 @@ class RollResult(Result):
     def finite_laps(
         self,
     ) -> Annotated[Array, stress("P_h", "pressure added by layers of finite thickness")]:
-        """What laps of the web's thickness add to P, which is that of thin ones [Pa]."""
-        return finite_laps(self)[0]
+        """Pressure added by layers of finite thickness to P of thin layers [Pa]."""
+        return finite_layer_stresses(self)[0]
 
     @property
     def lap_effect(
@@ -137,12 +146,12 @@ class RollResult(Result):
 
     @cached_property
     def kappa(self) -> Growth:
-        """Kappa over ln r, a function."""
+        """Kappa as a function of ln r."""
         return Growth.of(np.log(self.stage_radius), self.growth, self.stage_order)
 
     @cached_property
     def kappa_of_laps(self) -> Growth:
-        """The same with laps of the web's thickness."""
+        """Kappa as a function of ln r with layers of the web's thickness."""
         return Growth.of(np.log(self.stage_radius), self.lap_growth, self.stage_order)
 
     @property
@@ -153,14 +162,14 @@ class RollResult(Result):
 
     @property
     def laps(self) -> Annotated[float, pure("n", "layers on the roll")]:
-        """How many laps of the web's full thickness there is room for [1]."""
+        """Number of layers of the web's full thickness between core and surface [1]."""
         return float(self.radius[-1] - self.radius[0]) / float(self.problem.web_thickness)
 
     @property
     def mass(
         self,
     ) -> Annotated[float, Quantity("m", "kg/m", "mass of the web, per metre of width")]:
-        """Of the web alone, laps of full thickness [kg/m]; nan without its density."""
+        """Mass of the web with layers of full thickness [kg/m]; nan without its density."""
         density = self.problem.density
         if density is None:
             return float("nan")
@@ -177,8 +186,8 @@ class RollResult(Result):
     def density(
         self,
     ) -> Annotated[Array, Quantity("rho_r", "kg/m^3", "density of the wound layers")]:
-        """Of the finished roll, pressed and drawn laps, at the nodes [kg/m^3]; nan as ``mass``."""
-        return np.asarray(in_the_roll(self))
+        """Density of the finished roll at the nodes [kg/m^3]; nan as ``mass``."""
+        return np.asarray(finished_density(self))
 
     @property
     def density_as_wound(
@@ -189,21 +198,21 @@ class RollResult(Result):
             "rho_w", "kg/m^3", "density as wound: mass of the web per increase of the roll volume"
         ),
     ]:
-        """What a density analyser on the winder draws, at the nodes [kg/m^3]; nan as ``mass``."""
-        return np.asarray(as_wound(self, self.radius))
+        """Density by a density analyser on the winder, at the nodes [kg/m^3]; nan as ``mass``."""
+        return np.asarray(density_during_winding(self, self.radius))
 
     @property
     def wound_mass(
         self,
     ) -> Annotated[float, Quantity("m_w", "kg/m", "mass of the web with compressed layers")]:
-        """Of all laps as they are laid, each thinner as it is pressed [kg/m]; nan as ``mass``."""
+        """Mass of all layers, compressed by the pressure [kg/m]; nan as ``mass``."""
         return float(wound_mass(self))
 
     @property
     def mean_density(
         self,
     ) -> Annotated[float, Quantity("rho_m", "kg/m^3", "mean density of the wound layers")]:
-        """The wound mass over the volume that it fills [kg/m^3]; nan as ``mass``."""
+        """Wound mass divided by the volume of the roll [kg/m^3]; nan as ``mass``."""
         return self.wound_mass / float(volume(self))
 
     def at_radius(self, radius: Any) -> dict[str, Any]:

@@ -1,11 +1,11 @@
 r"""The stresses in a wound roll: from a problem to a certified result.
 
-    RollProblem --> stage after stage: source, pressure       build_up, equations
-                     --> the finished roll, its changes put in
-                     --> the same with more stages and nodes, until both agree
+    RollProblem --> stage by stage: source, pressure          build_up, equations
+                     --> the finished roll, with its final changes
+                     --> refinement of stages and nodes until the error estimate is met
                      --> RollResult with its certificate      certificate
 
-The published lap-by-lap scheme (Hakiel 1987) is available as ``theories.lap_by_lap``.
+The published layer-by-layer scheme (Hakiel 1987) is available as ``theories.lap_by_lap``.
 """
 
 from __future__ import annotations
@@ -24,15 +24,15 @@ from ..results import Residuals
 from .build_up import (
     BuildUp,
     NotWoundError,
-    missed_source,
+    source_error,
     wind,
-    wind_again,
-    wind_laps,
+    wind_finite_layers,
+    wind_with_stages,
 )
 from .certificate import certificate
 from .equations import pressure_between
 from .finished import equations_of, finished_arrays, layer_thickness
-from .laps import changed_by_laps, laps_of
+from .finite_layers import finite_layer_effects, layers_of
 from .result import RollResult
 
 __all__ = [
@@ -50,22 +50,22 @@ RTOL_OPTION = Option(
     "Relative error of the solver.",
     "1e-8 to 0.1, of the pressure relative to the largest; default 1e-3.",
 )
-# tolerance of the stages and cells of them, for the largest rtol and each one less by a factor of
-# four; then half the cells more, until nodes and stages both leave less than asked
-FIRST, CELLS = 0.008, 28
-FINER, MORE = 0.25, 1.42
-LEFT = 0.6  # of the change by more nodes, as error estimate: a third where it is of order four
-# Of the estimate for the stages: it leaves out that the stages themselves stand on earlier ones
-STAGES = 1.6
-MOST_BY_STAGES = 0.7  # of rtol
-MOST_LEVELS = 12
-COARSE = 1e-2  # what the second level is good for: for less, the first ones are left out
+# Tolerance and cells of the stages for the largest rtol, and their factors per factor of four in
+# rtol; then the cells are refined until the errors by nodes and by stages are below rtol.
+FIRST_TOLERANCE, FIRST_CELLS = 0.008, 28
+TOLERANCE_FACTOR, CELL_FACTOR = 0.25, 1.42
+NODE_ERROR_FACTOR = 0.6  # of the change by refined nodes; a third follows from order four
+# Safety factor of the stage error, which neglects that errors of earlier stages propagate.
+STAGE_ERROR_FACTOR = 1.6
+STAGE_ERROR_SHARE = 0.7  # of rtol
+MAX_LEVELS = 12
+COARSE = 1e-2  # rtol that the second level reaches; smaller values start at a finer level
 ROUNDING = 1e-9
-# tolerance of the stages of a roll that is wound again: the last step of Newton's method, which
-# leaves about the square of its change, is at most 5e-8
-EXACT = 5e-13
+# Tolerance of the stages of a neighbouring roll: the last Newton step, whose square is about the
+# remaining error, is at most 5e-8.
+NEIGHBOUR_TOLERANCE = 5e-13
 ESTIMATED = "peak_pressure", "core_pressure", "mid_pressure", "least_hoop_stress"
-NEAR = 0.15  # of the build-up
+NEIGHBOURHOOD = 0.15  # of the build-up
 
 
 @one_thread
@@ -75,10 +75,10 @@ def solve_wound_roll(
     rtol: Annotated[float, RTOL_OPTION] = DEFAULT_RTOL,
     progress: Callable[[float], None] | None = None,
 ) -> RollResult:
-    """Solve for the pressure and the stresses that winding leaves in a roll.
+    """Solve for the pressure and the stresses in a wound roll.
 
     Every stage of the build-up is one boundary-value problem; the cost does not depend on the
-    number of laps.
+    number of layers.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def solve_wound_roll(
     rtol : float
         Accepted error of the pressure, relative to the largest; 1e-8 to 0.1.
     progress : callable, optional
-        Is called with the fraction of the build-up that is computed, of each discretisation.
+        Called with the computed fraction of the build-up, for each discretisation.
 
     Returns
     -------
@@ -97,7 +97,8 @@ def solve_wound_roll(
     InvalidProblem
         For options out of range.
     NotConverged
-        If a stage has no solution, a pressure leaves the stack's law, or ``rtol`` is not reached.
+        If a stage has no solution, a pressure exceeds the range of the stack's law, or ``rtol`` is
+        not reached.
     """
     check_type("problem", problem, RollProblem)
     check_options(rtol=rtol)
@@ -111,7 +112,7 @@ def solve_wound_roll(
 
 
 class ThinLaps(NamedTuple):
-    """A roll wound of laps without thickness, and how it was built up.
+    """A roll in the limit of thin layers, and its build-up.
 
     Attributes
     ----------
@@ -119,7 +120,7 @@ class ThinLaps(NamedTuple):
         Without a certificate; its errors are those of the discretisation.
     known : BuildUp
     cells : int
-        Of its stages.
+        Cells of its stages.
     """
 
     result: RollResult
@@ -127,47 +128,50 @@ class ThinLaps(NamedTuple):
     cells: int
 
     def with_laps(self) -> RollResult:
-        """Return the result with laps of the web's thickness, certified."""
-        result = _with_laps(self.result, self.known, self.cells)
+        """Return the certified result with layers of the web's thickness."""
+        result = _with_layers(self.result, self.known, self.cells)
         return result.replace(residuals=certificate(result)).checked()
 
     def wound_with(self, problem: RollProblem) -> ThinLaps:
-        """Return the roll of a neighbouring tension, in the same stages and on as many cells.
+        """Return the roll of a neighbouring tension with the same stages and number of cells.
 
-        So the discretisation takes no part in what it differs by; the errors are those of this one.
+        The discretisation errors cancel in the difference; the error estimates are copied.
         """
-        known, result = _wound(problem, EXACT, self.cells, self.known, None)
+        known, result = _wind(problem, NEIGHBOUR_TOLERANCE, self.cells, self.known, None)
         return ThinLaps(result.replace(errors=self.result.errors), known, self.cells)
 
 
 def solve_thin_laps(problem: RollProblem, rtol: float, report: Report | None = None) -> ThinLaps:
-    """Return a roll in the limit of thin laps; see :func:`solve_wound_roll`."""
-    level = max(0, int(log(rtol / COARSE, FINER)))
-    tolerance, cells = FIRST * FINER**level, round(CELLS * MORE**level)
-    least = tolerance * FINER**3
+    """Solve for a roll in the limit of thin layers; see :func:`solve_wound_roll`."""
+    level = max(0, int(log(rtol / COARSE, TOLERANCE_FACTOR)))
+    tolerance, cells = (
+        FIRST_TOLERANCE * TOLERANCE_FACTOR**level,
+        round(FIRST_CELLS * CELL_FACTOR**level),
+    )
+    least = tolerance * TOLERANCE_FACTOR**3
     known: BuildUp | None = None
     before: RollResult | None = None
     steps, error = 0, inf
-    for _ in range(MOST_LEVELS):
-        known, result = _wound(problem, tolerance, cells, known, report)
+    for _ in range(MAX_LEVELS):
+        known, result = _wind(problem, tolerance, cells, known, report)
         steps += result.steps
-        _pressed(result, COARSE)
-        stages = _left_by_stages(result)
+        _check_layers_in_contact(result, COARSE)
+        stages = _stage_errors(result)
         rough = stages["peak_pressure"] / max(result.peak_pressure, 1e-300)
-        if rough > MOST_BY_STAGES * rtol and tolerance > least:
-            tolerance *= max(FINER**2, FINER**0.5 * MOST_BY_STAGES * rtol / rough)
+        if rough > STAGE_ERROR_SHARE * rtol and tolerance > least:
+            tolerance *= max(
+                TOLERANCE_FACTOR**2, TOLERANCE_FACTOR**0.5 * STAGE_ERROR_SHARE * rtol / rough
+            )
             known = before = None
             continue
         if before is not None:
-            errors = {
-                name: by + stages[name] for name, by in _left_by_nodes(before, result).items()
-            }
+            errors = {name: by + stages[name] for name, by in _node_errors(before, result).items()}
             error = errors["peak_pressure"] / max(result.peak_pressure, 1e-300)
             if error <= rtol:
-                result = _admissible(result.replace(steps=steps, errors=errors), known)
+                result = _check_stack_law(result.replace(steps=steps, errors=errors), known)
                 return ThinLaps(result, known, cells)
-        before, cells = result, round(cells * MORE)
-    _pressed(result, ROUNDING)
+        before, cells = result, round(cells * CELL_FACTOR)
+    _check_layers_in_contact(result, ROUNDING)
     raise NotConverged(
         f"rtol={rtol:g} is not reached: the estimated error of the pressure is {error:.2g}", result
     )
@@ -184,20 +188,29 @@ def check_options(*, rtol: Any = DEFAULT_RTOL) -> None:
     tolerance("rtol", rtol, 1e-8, 0.1)
 
 
-def _wound(
-    problem: RollProblem, tolerance: float, cells: int, known: BuildUp | None,
+def _wind(
+    problem: RollProblem,
+    tolerance: float,
+    cells: int,
+    known: BuildUp | None,
     report: Report | None,
-) -> tuple[BuildUp, RollResult]:  # fmt: skip
+) -> tuple[BuildUp, RollResult]:
     equations, curve = equations_of(problem), problem.tension_curve
     layer = layer_thickness(problem)
     try:
         if known is None:
             found = wind(
-                equations, curve, problem.core.radius, problem.radius, tolerance=tolerance,
-                cells=cells, layer=layer, report=report,
-            )  # fmt: skip
+                equations,
+                curve,
+                problem.core.radius,
+                problem.radius,
+                tolerance=tolerance,
+                cells=cells,
+                layer=layer,
+                report=report,
+            )
         else:
-            found = wind_again(
+            found = wind_with_stages(
                 equations,
                 curve,
                 known,
@@ -213,74 +226,87 @@ def _wound(
     return found, result.replace(steps=equations.steps + result.steps)
 
 
-def _with_laps(result: RollResult, known: BuildUp, cells: int) -> RollResult:
-    """Return a result with laps of the web's thickness, and what they change in its errors."""
-    laps = laps_of(result)
+def _with_layers(result: RollResult, known: BuildUp, cells: int) -> RollResult:
+    """Return a result with layers of the web's thickness, their effect added to the errors."""
+    layers = layers_of(result)
     try:
-        growth = wind_laps(laps, known, cells=cells, layer=layer_thickness(result.problem))
+        growth = wind_finite_layers(
+            layers, known, cells=cells, layer=layer_thickness(result.problem)
+        )
     except NotWoundError as stop:
-        raise NotConverged(f"with laps as thick as the web {stop}", result) from None
-    result = result.replace(lap_growth=growth, steps=result.steps + laps.equations.steps)
-    by = changed_by_laps(result)
+        raise NotConverged(f"with layers as thick as the web {stop}", result) from None
+    result = result.replace(lap_growth=growth, steps=result.steps + layers.equations.steps)
+    by = finite_layer_effects(result)
     return result.replace(errors={name: error + by[name] for name, error in result.errors.items()})
 
 
-def _left_by_nodes(before: RollResult, now: RollResult) -> dict[str, float]:
-    """Return what a change by more nodes leaves of errors [Pa]."""
-    x = _compared(now)
+def _node_errors(before: RollResult, now: RollResult) -> dict[str, float]:
+    """Estimate the errors due to the nodes from the change by refined nodes [Pa]."""
+    x = _error_points(now)
     (P0, Q0), (P1, Q1) = (
         pressure_between(np.log(r.radius), r.pressure, r.pressure_gradient, x)
         for r in (before, now)
     )
-    return _worst(now, LEFT * np.abs(P1 - P0), LEFT * np.abs(P1 + Q1 - P0 - Q0))
+    return _largest_errors(
+        now, NODE_ERROR_FACTOR * np.abs(P1 - P0), NODE_ERROR_FACTOR * np.abs(P1 + Q1 - P0 - Q0)
+    )
 
 
-def _left_by_stages(result: RollResult) -> dict[str, float]:
-    """Return the errors that come of the source between stages, where it is interpolated [Pa]."""
+def _stage_errors(result: RollResult) -> dict[str, float]:
+    """Estimate the errors due to the interpolation of the source between stages [Pa]."""
     problem, x = result.problem, np.log(result.radius)
-    missed = missed_source(problem.tension_curve, result.kappa, x)
-    by = equations_of(problem).moved(x, result.pressure, result.pressure_gradient, missed)
-    P, Q = (STAGES * np.interp(_compared(result), x, values) for values in by)
-    return _worst(result, np.abs(P), np.abs(P + Q))
+    source_errors = source_error(problem.tension_curve, result.kappa, x)
+    by = equations_of(problem).linear_response(
+        x, result.pressure, result.pressure_gradient, source_errors
+    )
+    P, Q = (STAGE_ERROR_FACTOR * np.interp(_error_points(result), x, values) for values in by)
+    return _largest_errors(result, np.abs(P), np.abs(P + Q))
 
 
-def _compared(result: RollResult) -> Array:
-    """Return ln r where errors are estimated: at the nodes, dense where it matters, and between."""
+def _error_points(result: RollResult) -> Array:
+    """Return ln r where errors are estimated: the nodes and the midpoints between them."""
     x = np.log(result.radius)
     return np.sort(np.append(x, (x[1:] + x[:-1]) / 2))
 
 
-def _worst(result: RollResult, pressure: Array, hoop: Array) -> dict[str, float]:
-    """Return the largest errors; for one place the largest ones near it, not to meet a zero."""
-    r, core, R = np.exp(_compared(result)), result.radius[0], result.radius[-1]
-    near_core, near_mid = (abs(r - place) <= NEAR * (R - core) for place in (core, (core + R) / 2))
+def _largest_errors(result: RollResult, pressure: Array, hoop: Array) -> dict[str, float]:
+    """Return the largest errors; for an output at one radius, the largest within a neighbourhood.
+
+    The estimated error may change sign at that radius.
+    """
+    r, core, R = np.exp(_error_points(result)), result.radius[0], result.radius[-1]
+    near_core, near_mid = (
+        abs(r - place) <= NEIGHBOURHOOD * (R - core) for place in (core, (core + R) / 2)
+    )
     worst = pressure, pressure[near_core], pressure[near_mid], hoop
     return {name: float(np.max(errors)) for name, errors in zip(ESTIMATED, worst, strict=True)}
 
 
-def _admissible(result: RollResult, known: BuildUp) -> RollResult:
-    """Return the result, if the laps press each other, within the stack's law.
+def _check_stack_law(result: RollResult, known: BuildUp) -> RollResult:
+    """Return the result if its layers are in contact and the stack's law covers the pressure.
 
     At every radius the pressure rises from stage to stage, so that the roll as wound has the
-    largest, whatever changes the finished roll.
+    largest pressure before the final changes.
     """
-    _pressed(result, ROUNDING)
+    _check_layers_in_contact(result, ROUNDING)
     limit, wound = result.problem.stack.limit, float(np.max(known.solved.P))
     if max(wound, result.peak_pressure) >= limit:
         when = " as wound" if wound > result.peak_pressure else ""
         raise NotConverged(
             f"the pressure reaches {max(wound, result.peak_pressure):.4g} Pa{when}, beyond the "
             f"stack's law, which holds below {limit:.4g} Pa; less tension, or a law that reaches "
-            "farther", result
-        )  # fmt: skip
+            "farther",
+            result,
+        )
     return result
 
 
-def _pressed(result: RollResult, slack: float) -> None:
-    """Refuse a roll whose laps come apart."""
+def _check_layers_in_contact(result: RollResult, slack: float) -> None:
+    """Raise NotConverged for a roll whose layers separate."""
     loosest = int(np.argmin(result.pressure))
     if result.pressure[loosest] < -slack * result.peak_pressure:
         raise NotConverged(
-            f"the laps come apart at the radius {result.radius[loosest]:.6g} m: nothing holds them "
-            "where the finished roll's changes take all pressure away", result
-        )  # fmt: skip
+            f"the layers come apart at the radius {result.radius[loosest]:.6g} m: nothing holds "
+            "them where the finished roll's changes take all pressure away",
+            result,
+        )

@@ -11,7 +11,7 @@ from ..problems.messages import quote
 from ..problems.roll import FEWEST_LAYERS, RollProblem
 from ..problems.schedules import Profile, Taper
 from .build_up import cell_source, kinks_of, nodes_between
-from .equations import Solved, pressure_between
+from .equations import StageSolution, pressure_between
 from .finished import equations_of, finished_arrays, layer_thickness
 from .growth import Growth
 
@@ -124,7 +124,7 @@ def _checked(result: Any, radius: Any) -> Array:
 
 def _solved_stage(
     result: Any, surface: float, cells: int
-) -> tuple[RollProblem, Array, Growth, Solved]:
+) -> tuple[RollProblem, Array, Growth, StageSolution]:
     """Return problem, nodes, growth and pressure of a stage."""
     problem, core, x = result.problem, result.problem.core.radius, float(np.log(surface))
     growth = result.kappa.until(x)

@@ -1,4 +1,4 @@
-"""Wound rolls by other ways: closed forms, the published lap-by-lap scheme, and the inverse."""
+"""Other theories of wound rolls: closed forms, and the published layer-by-layer scheme."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ..problems.roll import RollProblem
 from ..problems.stack import Stack
 from .build_up import nodes_between
 from .finished import equations_of, final_changes
-from .lap_by_lap import wind_laps
+from .lap_by_lap import wind_layers
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -34,14 +34,14 @@ class RollStresses(NamedTuple):
 
 
 def constant_moduli(problem: RollProblem, radius: ArrayLike) -> RollStresses:
-    """Return a roll whose moduli do not depend on pressure, in closed form.
+    """Return the stresses in a roll with constant moduli, in closed form.
 
-    With g^2 = E_t/E_r and F(r) = (r/rc)^(g-1) + A (r/rc)^(-g-1), A by the core's condition::
+    With g^2 = E_t/E_r and F(r) = (r/rc)^(g-1) + A (r/rc)^(-g-1), A by the core condition::
 
         P(r) = F(r) int_r^R T/(s F(s)) ds,    sigma_t = T - (F + r F') int_r^R T/(s F(s)) ds
 
-    what each lap adds to the roll below it, added up.  A temperature change, and a core that
-    shrinks, add the roots r^(+-g - 1) and a constant.
+    the sum of the increments by each layer.  A temperature change and a core that shrinks add terms
+    in r^(+-g - 1) and a constant.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def constant_moduli(problem: RollProblem, radius: ArrayLike) -> RollStresses:
     A = (g - 1 - b) / (g + 1 + b)
 
     def shape(x: Array) -> tuple[Array, Array]:
-        """F and r F' over x = ln(r/rc), scaled by exp((1 - g) x) so that neither overflows."""
+        """Return F and r F' over x = ln(r/rc), scaled by exp((1 - g) x) to prevent overflow."""
         small = A * np.exp(-2 * g * x)
         return 1 + small, (g - 1) - (g + 1) * small
 
@@ -83,12 +83,12 @@ def constant_moduli(problem: RollProblem, radius: ArrayLike) -> RollStresses:
         whole[k] = float(np.sum(half * weights * inner)) if ends.size > 1 else 0.0
     F, slope = shape(np.log(r / core))
     P = F * whole
-    more = _changed(problem, g, b, r)
+    more = _final_changes(problem, g, b, r)
     return RollStresses(r, P + more[0], curve.at(r) - (F + slope) * whole - more[0] - more[1])
 
 
-def _changed(problem: RollProblem, g: float, b: float, r: Array) -> tuple[Array, Array]:
-    """Return what changes of the finished roll add to P, and r times its slope."""
+def _final_changes(problem: RollProblem, g: float, b: float, r: Array) -> tuple[Array, Array]:
+    """Return the pressure added by the final changes, and r times its slope."""
     source, at_core = final_changes(problem)
     core, R = problem.core.radius, problem.radius
     # r^2 P'' + 3 r P' + (1 - g^2) P = source: a constant (a logarithm where g = 1), and two powers
@@ -100,10 +100,12 @@ def _changed(problem: RollProblem, g: float, b: float, r: Array) -> tuple[Array,
     own = source / 2 if even else 0.0
     grows, decays = g - 1, -g - 1
     shrunk = (core / R) ** grows  # the growing power is counted from the surface
-    matrix = np.array([
-        [(grows - b) * shrunk, decays - b],
-        [1.0, (R / core) ** decays],
-    ])  # fmt: skip
+    matrix = np.array(
+        [
+            [(grows - b) * shrunk, decays - b],
+            [1.0, (R / core) ** decays],
+        ]
+    )
     c = np.linalg.solve(matrix, [-at_core - own + b * special[0], -special[1]])
     up, down = c[0] * (r / R) ** grows, c[1] * (r / core) ** decays
     return whole + up + down, slope + grows * up + decays * down
@@ -112,13 +114,13 @@ def _changed(problem: RollProblem, g: float, b: float, r: Array) -> tuple[Array,
 def plateau_pressure(stack: Stack, tension: float) -> float:
     """Return the pressure far from core and surface of a roll wound at constant tension.
 
-    The first integral of the equations below a surface, many thin laps deep, of Pfeiffer's law::
+    The first integral of the equations below a surface, many thin layers deep, for Pfeiffer's law::
 
         T^2 K2/(2 E_t) = P - K1 ln(1 + P/K1)
 
-    and of others as :meth:`woundon.Stack.plateau_pressure`.  Low by 1.0 to 1.2 (E_r/E_t)^1/2 of
-    it, for it leaves out the curvature: 3 to 13 % for real rolls.  Where E_t/E_r is below 100,
-    there is hardly a plateau.  The hoop stress there is -P.
+    and for other laws as in :meth:`woundon.Stack.plateau_pressure`.  It neglects the curvature and
+    is therefore low by 1.0 to 1.2 (E_r/E_t)^1/2 of its value: 3 to 13 % for real rolls.
+    Where E_t/E_r is below 100, there is hardly a plateau.  The hoop stress there is -P.
 
     Parameters
     ----------
@@ -131,33 +133,33 @@ def plateau_pressure(stack: Stack, tension: float) -> float:
 
 
 def lap_by_lap(problem: RollProblem, groups: int | None = None) -> RollStresses:
-    """Return the roll by the published scheme, laps one by one (Hakiel 1987), of order one.
+    """Return the stresses by the published layer-by-layer scheme (Hakiel 1987), of order one.
 
     Parameters
     ----------
     problem : RollProblem
-        Its finished roll's changes take no part.
+        Its final changes are ignored.
     groups : int, optional
-        How many groups of laps are laid for laps, 10 to 20 000; by default the laps themselves.
+        Number of groups of layers, 10 to 20 000; by default single layers.
 
     Returns
     -------
     RollStresses
-        At the inner face of each lap, then at the surface.
+        At the inner face of each layer, then at the surface.
 
     Raises
     ------
     InvalidProblem
-        For more than 20 000 laps, or groups out of range.
+        For more than 20 000 layers, or groups out of range.
     """
     check_type("problem", problem, RollProblem)
     core, R = problem.core.radius, problem.radius
-    laps = round((R - core) / problem.web_thickness)
-    if groups is None and laps > 20_000:
-        raise InvalidProblem.at("groups", f"missing; must be given for {laps} laps, <= 20000")
-    count = max(laps, 2) if groups is None else whole_number("groups", groups, 10, 20_000)
+    layers = round((R - core) / problem.web_thickness)
+    if groups is None and layers > 20_000:
+        raise InvalidProblem.at("groups", f"missing; must be given for {layers} layers, <= 20000")
+    count = max(layers, 2) if groups is None else whole_number("groups", groups, 10, 20_000)
     r = core + (R - core) * np.arange(count + 1) / count
     T = problem.tension_curve.at(r)
     equations = equations_of(problem)
-    P = wind_laps(equations.modulus, equations.tangential, equations.core, r, T)
+    P = wind_layers(equations.modulus, equations.tangential, equations.core, r, T)
     return RollStresses(r, P, -(P + r * np.gradient(P, r, edge_order=2)))

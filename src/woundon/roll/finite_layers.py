@@ -1,0 +1,52 @@
+"""Effects of finite layer thickness on a wound roll, relative to the limit of thin layers."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..errors import NotConverged
+from .build_up import Layers
+from .finished import equations_of, final_changes, shifted
+
+__all__ = ["finite_layer_effects", "finite_layer_stresses", "layers_of"]
+
+Array = np.ndarray
+
+
+def layers_of(result: Any) -> Layers:
+    """Return layers with the web thickness of a result."""
+    problem = result.problem
+    return Layers(equations_of(problem), problem.tension_curve, float(problem.web_thickness))
+
+
+def finite_layer_stresses(result: Any) -> tuple[Array, Array]:
+    """Return the pressure and hoop stress added by finite layers [Pa]; nan for an unsolved roll."""
+    x = np.log(result.radius)
+    if np.isnan(result.lap_growth).any():
+        return np.full(x.size, np.nan), np.full(x.size, np.nan)
+    layers, (more, at_core) = layers_of(result), final_changes(result.problem)
+    source, T_c = (
+        shifted(layers.source(result.kappa_of_laps, x), more),
+        layers.at_core(x[0]) + at_core,
+    )
+    P, Q = result.pressure, result.pressure_gradient
+    solved = layers.equations.solve(x, source, T_c, P, Q)
+    if solved is None:
+        raise NotConverged("the roll with layers as thick as the web could not be solved", result)
+    return solved.P - P, (P + Q) - (solved.P + solved.Q)
+
+
+def finite_layer_effects(result: Any) -> dict[str, float]:
+    """Return the change by finite layers of each output that has an error estimate [Pa]."""
+    pressure, hoop = finite_layer_stresses(result)
+    middle = (result.radius[0] + result.radius[-1]) / 2
+    return {
+        "peak_pressure": float(np.max(np.abs(pressure))),
+        "core_pressure": abs(float(pressure[0])),
+        "mid_pressure": abs(float(np.interp(middle, result.radius, pressure))),
+        "least_hoop_stress": abs(
+            float(np.min(result.hoop_stress + hoop)) - result.least_hoop_stress
+        ),
+    }
