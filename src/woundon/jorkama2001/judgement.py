@@ -33,12 +33,12 @@ class Judged:
 
     @property
     def counts(self) -> tuple[int, ...]:
-        """How many statements hold, do not, cannot be tested."""
+        """Numbers of statements that hold, fail and cannot be tested."""
         return tuple(self.exhibit.count(outcome) for outcome in Outcome)
 
     @property
     def tally(self) -> str:
-        """The same in words."""
+        """Sentence with the counts."""
         words = [
             f"{n} {outcome.value if n == 1 else _PLURAL[outcome]}"
             for n, outcome in zip(self.counts, Outcome, strict=True)

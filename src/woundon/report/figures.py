@@ -91,7 +91,7 @@ def style() -> Iterator[None]:
 
 
 class _Settled(ConstrainedLayoutEngine):
-    """Panels stand where they stand: the last digits that the layout's solver leaves are chance."""
+    """Layout engine that rounds the panel positions, so that figures are reproducible."""
 
     def execute(self, fig: Figure) -> None:
         """Lay out the panels."""
@@ -103,7 +103,7 @@ class _Settled(ConstrainedLayoutEngine):
 
 
 class Picture(Figure):
-    """A figure that a notebook shows once, wherever it stands in a cell."""
+    """A figure that a notebook displays exactly once."""
 
     @classmethod
     def new(cls, size: tuple[float, float], registered: bool) -> Self:

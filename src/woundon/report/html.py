@@ -1,4 +1,4 @@
-"""Reports as HTML: tables that a notebook shows, in its own colours, light or dark.
+"""Reports as HTML tables for notebooks, in their light or dark colours.
 
 Every text is escaped.  Letters and grounds have no colour here, they take those of the page; only
 marks have one, of zones and of a limit that is not kept.

@@ -1,4 +1,4 @@
-"""A report to file: one HTML page that stands alone, prints well, and says where it comes from.
+"""The report file: a self-contained, printable HTML page with its provenance.
 
 Of one state or of several: the answer with warnings and certificate, figures, results with errors,
 inputs with units and sources, version and date, and room for remarks.  A state takes at most two

@@ -33,7 +33,7 @@ def margins_html(margins: Margins) -> str:
 
 
 def verdict_lines(margins: Margins) -> list[Line]:
-    """Return the verdict and what to change, as lines."""
+    """Return the verdict and the advice as lines."""
     tone = "" if margins.least is None else TONES[not margins.violated]
     lines = [Line(margins.verdict, tone), Line(margins.advice)]
     return [line for line in lines if line.text]
@@ -60,7 +60,7 @@ def _verdict(margin: Margin) -> Verdict:
 
 
 def _note(margin: Margin) -> str:
-    """Return the note of a margin, with what to change if it is violated or nearly so."""
+    """Return the note of a margin, with advice if its reserve is small or negative."""
     small = margin.checked and margin.reserve < SMALL
     return "; ".join(filter(None, (margin.note, f"to increase the margin: {margin.hint}" * small)))
 

@@ -1,4 +1,4 @@
-"""Figures made of panels: which are drawn, where each stands, and into what.
+"""Selection and layout of the panels of a figure.
 
 A kind's plot function returns its panels by name, as its report function returns parts; they say
 what is drawn, and know nothing of the figure around them.  A panel draws one case, or several in

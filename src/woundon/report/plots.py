@@ -1,4 +1,4 @@
-"""``wo.plot``: one result, or several in one picture; and the arrays of any kind.
+"""``wo.plot``: figures of one or several results, and of the arrays of any kind.
 
 A kind's panels are found through :mod:`woundon.kinds`; of woundon, only this room imports
 matplotlib.
@@ -74,18 +74,18 @@ def plot(
     Parameters
     ----------
     results : Result, or sequence of them
-        Of one kind, or of kinds that have panels in common, as a nip and a wrapped one.
+        Results of one kind, or of kinds with common panels such as a nip and a wrapped nip.
     path : path, optional
-        Where to save, ``.png``, ``.svg`` or ``.pdf``.  Without it, and without ``ax``, a notebook
-        shows the picture, and in a script ``plt.show()`` does.
+        Output file, ``.png``, ``.svg`` or ``.pdf``.  Without ``path`` and ``ax`` a notebook shows
+        the figure; a script needs ``plt.show()``.
     ax : matplotlib.axes.Axes, optional
-        Into which one panel is drawn, the first one if ``panels`` does not say which.
+        Axes for one panel; the first panel unless ``panels`` names another.
     panels : str or sequence of str, optional
-        Which to draw, in this order: of a nip "tractions", "slips", "zones", "pressure",
+        Panels in the order of drawing: of a nip "tractions", "slips", "zones", "pressure",
         "tension", of a wrapped one "wrap_tension" and "wrap_pressure" too, of rollers "tractions",
         "slip", "zones"; of every kind any array by its name.
     labels : sequence of str, optional
-        What several results are called; by default what their problems differ in.
+        Labels of several results; by default the fields in which their problems differ.
 
     Returns
     -------
@@ -94,8 +94,17 @@ def plot(
     Raises
     ------
     InvalidProblem
-        For a panel that there is not, for results that have none in common, for another ending of
-        the path.
+        For an unknown panel, results without common panels, or an unknown file format.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> import matplotlib.pyplot as plt
+    >>> result = wo.solve(wo.RollerProblem.example())
+    >>> figure, ax = plt.subplots()
+    >>> wo.plot(result, ax=ax, panels="tractions") is ax
+    True
+    >>> plt.close(figure)
     """
     given, cases = _cases(results, labels)
     return drawn(_common_panels(given), cases, path, ax, panels)

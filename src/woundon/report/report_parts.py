@@ -91,7 +91,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Section:
-    """Rows under a title, and what is to be said of them below, line by line."""
+    """Rows under a title, with remarks below."""
 
     title: str
     rows: tuple[Row, ...]

@@ -95,6 +95,19 @@ class NextExperiment(Presented, ReadOnly):
     warnings : tuple of str
     quantities : mapping of str to Quantity
     problem : object
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> half_width = wo.Measurement("half_width", {}, "1 %")
+    >>> plan = wo.next_experiment(
+    ...     wo.RollerProblem.example(), {"upper.radius": "5 %"}, [half_width], draws=0
+    ... )
+    >>> plan.best.quantity
+    'half_width'
+    >>> before, after = plan.standard_errors[:, 0]
+    >>> bool(after < before)
+    True
     """
 
     names: tuple[str, ...]
@@ -397,7 +410,7 @@ def _start_information(prior: Mapping[str, float], fitted: FitResult | None) -> 
 
 
 class _Study(NamedTuple):
-    """What does not depend on the linearisation point."""
+    """Data of a study that do not depend on the linearisation point."""
 
     candidates: list[Planned]
     completed: list[Planned]
@@ -515,7 +528,7 @@ def _others(
 def _warnings(
     first: Array, candidates: Sequence[Measurement], C: Array, names: Sequence[str], failures: int
 ) -> list[str]:
-    """Return how far the ranking depends on the linearisation point."""
+    """Return warnings about the dependence of the ranking on the linearisation point."""
     texts = []
     best = int(np.argmax(first[0]))
     other = [int(np.argmax(scores)) for scores in first[1:] if scores[best] < EQUAL * scores.max()]

@@ -45,6 +45,18 @@ class OperatingPoint(NamedTuple):
         Each reserve with median inputs and its standard deviation, as a share of the limit.
     contributions : mapping of str to float
         Share of the variance of the binding margin that each uncertain input causes, largest first.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> point = wo.OperatingPoint(
+    ...     values={"web_tension": 300.0, "nip_load": 2000.0}, probability=0.98,
+    ...     binding="blocking", margins={"blocking": (0.2, 0.1), "strength": (0.5, 0.1)},
+    ...     contributions={"stack.radial.K2": 0.7, "roll_friction": 0.3},
+    ... )
+    >>> reserve, deviation = point.margins[point.binding]
+    >>> reserve / deviation
+    2.0
     """
 
     values: Mapping[str, float]

@@ -1,4 +1,4 @@
-"""The result of a winding, assembled from tension, roll and nips."""
+"""Assembly of the result of a winding from tension, roll and nips."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def assemble_result(
     curved: Array | None = None,
     departure: Array | None = None,
 ) -> WindingResult:
-    """Return the result of a winding, without its certificate.
+    """Assemble the result of a winding, without its residuals.
 
     Parameters
     ----------
@@ -45,16 +45,16 @@ def assemble_result(
     r, tension : (M,) arrays
         Radii [m], wound-on tension there [N/m].
     roll : ThinLaps
-        Wound with it.
+        The roll of this tension.
     nips : Nips
     interpolation : (float, float)
-        By what of it the tension between the nips may be off, and that in the piece on the core.
+        Relative interpolation errors of the tension between the nips, and near the core.
     rtol, agreed, film : float
-        As of the result.
+        See :class:`WindingResult`.
     curved : (M,) array, optional
-        The tension, extrapolated to the core otherwise [N/m].
+        The tension, extrapolated to the core with its curvature [N/m].
     departure : (n,) array, optional
-        By how much the tension departs at the nips from theirs, which are of smooth schedules.
+        Tension minus that of the nips, which are solved with smoothed schedules [N/m].
     """
     loads: dict[str, Any] = {name: problem.at(name, r) for name in LOADS}
     samples = nips.from_core_to_surface()
@@ -98,9 +98,9 @@ def _uneven(interpolation: float, rtol: float, count: int) -> list[str]:
     if interpolation <= 2 * rtol:
         return []
     return [
-        f"{RESOLUTION}the schedules vary so much between the {count} nips that the wound-on "
-        f"tension there may be {100 * interpolation:.2g} % off; smooth them, or take them apart "
-        "where they change"
+        f"{RESOLUTION}the schedules vary so much between the {count} nips that the interpolation "
+        f"error of the wound-on tension is {100 * interpolation:.2g} %; smooth the schedules, or "
+        "split the winding where they change"
     ]
 
 
@@ -117,8 +117,8 @@ def _errors(result: WindingResult, first_laps: dict[str, float]) -> dict[str, fl
         found["mean_wound_on_tension"] = share * result.mean_wound_on_tension
     for name in OF_THE_ROLL:
         own, value = result.roll.errors.get(name, nan), getattr(result, name)
-        # a roll's pressure goes with about the square of its tension
+        # the pressure in a roll is about proportional to the square of its tension
         found[name] = own + 2 * share * abs(value) + first_laps.get(name, 0.0)
-    # the piece on the core matters there only
+    # the interpolation error near the core affects only the core pressure
     found["core_pressure"] += result.core_interpolation_error * result.core_pressure
     return found

@@ -106,7 +106,8 @@ class Margin:
 
     >>> import woundon as wo
     >>> problem = wo.WindingProblem.example().replace(radius=0.12, tension_law="friction")
-    >>> blocking = wo.margins(wo.solve(problem), wo.Limits(blocking_pressure="2 MPa"))["blocking"]
+    >>> winding = wo.solve(problem, rtol=0.01)
+    >>> blocking = wo.margins(winding, wo.Limits(blocking_pressure="2 MPa"))["blocking"]
     >>> blocking.verdict, blocking.limit
     ('holds', 2000000.0)
     """
@@ -173,7 +174,7 @@ class Margins(Presented, tuple[Margin, ...]):
 
     >>> import woundon as wo
     >>> problem = wo.WindingProblem.example().replace(radius=0.12, tension_law="friction")
-    >>> found = wo.margins(wo.solve(problem), wo.Limits(blocking_pressure=2e6))
+    >>> found = wo.margins(wo.solve(problem, rtol=0.01), wo.Limits(blocking_pressure=2e6))
     >>> found.blocking == found["blocking"].reserve
     True
     """
@@ -396,6 +397,14 @@ def margins(result: Any, limits: Limits | None = None) -> Margins:
     ------
     InvalidProblem
         For anything else than a roll, or an acceleration of a web without density.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> roll = wo.solve(wo.RollProblem.example(), rtol=0.01)
+    >>> found = wo.margins(roll, wo.Limits(blocking_pressure="1 kPa", layer_friction=0.3))
+    >>> found.violated
+    ('blocking',)
     """
     roll = result if isinstance(result, RollResult) else getattr(result, "roll", None)
     if not isinstance(roll, RollResult):

@@ -1,14 +1,14 @@
-r"""Windings by measured schedules, whose tables wander from radius to radius.
+r"""Windings with measured schedules, which fluctuate over the radius.
 
-A wound-on tension that wanders with them is drawn by no few nips.  But what a nip answers is a
-smooth function of the radius and of its loads L = (T_in, P, F).  So the winding is solved with
-smooth schedules L0 in the place of the measured ones, and
+A fluctuating wound-on tension cannot be interpolated from a few nips.  But the tension of a nip is
+a smooth function of the radius and of its loads L = (T_in, P, F).  The winding is therefore solved
+with smoothed schedules L0, and the tension is linearised about this solution:
 
-    WOT(r) = WOT0(r) + dWOT/dL(r) . (L(r) - L0(r)),
+    WOT(r) = WOT0(r) + dWOT/dL(r) . (L(r) - L0(r)).
 
-the derivatives exact ones of the nips on that roll, drawn through the same radii as WOT0.  With
-this tension the roll is wound.  Nips under the measured loads, on the very roll, where these depart
-most, say by how much that is off: the second order, and what unevenly wound layers do to a nip.
+The derivatives are exact for the nips on the smooth roll and are interpolated like WOT0.  The roll
+is computed from this tension.  The linearisation error is estimated from nips under the measured
+loads on this roll, at the radii of the largest departures.
 
     effective roll    dWOT = W_L dL + W_Pe dP_e,
                       dP_e = (1 - feedback)^-1 ((wound - 0.25 p_max) dln a + 0.25 p_max dln P)
@@ -32,19 +32,19 @@ __all__ = ["Departure", "largest_mismatch", "smoothed"]
 
 Array = np.ndarray
 
-WANDERING = ("web_tension", "nip_load", "winding_force", "torque_split")
-MANY = 12  # values of a smooth table from which it may wander
-DEGREE = 5  # of the polynomial in its place
-FITTED, DRAWN = 1025, 33  # radii that it is fitted at, and given by
-CHECKED = 4  # nips under measured loads, each in as large a part of the radii
+SCHEDULES = ("web_tension", "nip_load", "winding_force", "torque_split")
+MANY = 12  # number of values above which a smooth table may fluctuate
+DEGREE = 5  # of the polynomial that replaces it
+FITTED, DRAWN = 1025, 33  # numbers of radii for the fit and of the smoothed table
+CHECKED = 4  # nips under measured loads, one in each part of the radii
 
 
 def smoothed(problem: WindingProblem, rtol: float) -> WindingProblem | None:
-    """Return a winding with smooth schedules in place of those that wander; None if none does."""
+    """Replace fluctuating schedules of a winding by smooth ones; return None if there are none."""
     many = len(sharp_kinks(problem)) >= MOST_PIECES
     r = np.linspace(*problem.ends, FITTED)
     found = {}
-    for name in WANDERING:
+    for name in SCHEDULES:
         table = getattr(problem, name)
         if not isinstance(table, Profile):
             continue
@@ -59,16 +59,16 @@ def smoothed(problem: WindingProblem, rtol: float) -> WindingProblem | None:
 
 
 class Departure:
-    """By how much the wound-on tension departs from that of smooth schedules.
+    """Linearised change of the wound-on tension from smooth to measured schedules.
 
     Parameters
     ----------
     problem, smooth : WindingProblem
-        With the measured schedules, and with smooth ones.
+        The winding with the measured and with the smoothed schedules.
     curve : TensionCurve
-        Of the smooth one.
+        Tension of the smooth winding.
     nips : Nips
-        That are solved at its places.
+        Nips of the smooth winding, solved at the places of the curve.
     """
 
     def __init__(
@@ -79,9 +79,9 @@ class Departure:
         self.slopes = [{place: own[k] for place, own in slopes.items()} for k in range(len(LOADS))]
 
     def parts(self, r: Array) -> Array:
-        """Return it at radii, a row for each load [N/m].
+        """Return the changes at radii, one row for each load [N/m].
 
-        Load counts by its root, with which a contact gets wider: nips are less bent over it.
+        The nip load is linearised by its root, because the contact width varies as this root.
         """
         found = []
         for name, slope in zip(LOADS, self.slopes, strict=True):
@@ -91,21 +91,21 @@ class Departure:
         return np.array(found)
 
     def __call__(self, r: Array) -> Array:
-        """Return it at radii [N/m]."""
+        """Return the total change at radii [N/m]."""
         return np.asarray(self.parts(r).sum(axis=0))
 
 
 def _slopes(sample: NipSample) -> Array:
-    """Return the derivatives of a nip's wound-on tension by its loads, what the roll feels too."""
+    """Return the derivatives of WOT by the loads, including the change of the roll moduli."""
     result, P_e = sample.result, sample.pressure
     found = result.sensitivity(*LOADS, outputs=("roll_wound_on_tension", "half_width"))
     tension, width = found.derivatives
     if isnan(P_e):
         return np.asarray(tension)
-    pressed = SHARE * result.peak_pressure
+    contact_part = SHARE * result.peak_pressure
     ln_a = width / result.half_width
     ln_P = np.array([1 / result.problem.nip_load if name == "nip_load" else 0.0 for name in LOADS])
-    pressure_change = ((P_e - pressed) - pressed) * ln_a + pressed * ln_P
+    pressure_change = ((P_e - contact_part) - contact_part) * ln_a + contact_part * ln_P
     by_pressure = sample.exponents[0] * tension_on_roll(result) / P_e
     return np.asarray(tension + by_pressure * pressure_change / (1 - sample.feedback))
 
@@ -113,24 +113,24 @@ def _slopes(sample: NipSample) -> Array:
 def largest_mismatch(
     departure: Departure, nips: Nips, roll: RollResult, tension_at: Callable[[Array], Array]
 ) -> float:
-    """Return by what of it nips under the measured loads miss the reported tension, at most.
+    """Return the largest relative error of the reported tension at nips under measured loads.
 
     Parameters
     ----------
     departure : Departure
     nips : Nips
-        Of the measured winding.
+        Nips of the measured winding.
     roll : RollResult
-        Wound with the reported tension.
+        The roll of the reported tension.
     tension_at : callable
-        (radii) -> that tension [N/m].
+        (radii) -> reported tension [N/m].
     """
     curve = departure.curve
     r = sampling_radii(departure.problem)
     r = r[r >= curve.radius(curve.pieces[0].start)]
-    by, missed = np.abs(departure.parts(r)).sum(axis=0), 0.0
+    by, error = np.abs(departure.parts(r)).sum(axis=0), 0.0
     for part in np.array_split(np.arange(r.size), CHECKED):
         radius = float(r[part[np.argmax(by[part])]])
         tension = nips.tension(radius, roll)
-        missed = max(missed, abs(float(tension_at(np.array(radius))) / tension - 1))
-    return missed
+        error = max(error, abs(float(tension_at(np.array(radius))) / tension - 1))
+    return error

@@ -1,4 +1,4 @@
-"""A winding: the nips' tension over the radius, and the roll that it leaves."""
+"""Result of a winding: the wound-on tension over the radius and the wound roll."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ Array = np.ndarray
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class WindingResult(WithMargins, Result):
-    """What the winder did over the radius, what the nips added to it, and the roll wound.
+    """Loads and tensions of a winding over the radius, with its nips and the wound roll.
 
-    Arrays of length M are over the radius and linear between; those of length n are of the nips
-    that were solved, none where the tension's law takes none.
+    Arrays of length M are piecewise linear functions of the radius.  Arrays of length n belong to
+    the solved nips; n = 0 if the tension law needs no nips.
 
     Attributes
     ----------
@@ -40,28 +40,36 @@ class WindingResult(WithMargins, Result):
     nip_induced_tension, wound_on_tension : (M,) arrays
         NIT = WOT - T_in, and WOT [N/m].
     nip_radius, nip_wound_on_tension, nip_half_width, nip_peak_pressure : (n,) arrays
-        Of the nips that were solved [m], [N/m], [m], [Pa].
+        Solved nips [m], [N/m], [m], [Pa].
     nip_departure : (n,) array
-        By how much the wound-on tension departs there from that of the nips, which are of smooth
-        schedules where those of the problem wander; else 0 [N/m].
+        Wound-on tension minus that of the nips, which are solved with smoothed schedules if those
+        of the problem fluctuate; otherwise 0 [N/m].
     nip_felt_pressure : (n,) array
-        P_e at which an effective roll has its moduli [Pa]; nan of other rolls.
+        P_e at which the moduli of an effective roll are evaluated [Pa]; nan for other roll bodies.
     nip_air_film, nip_friction : (n,) arrays
-        What the nips let through, at ambient pressure [m], and the friction that it leaves in them.
+        Entrained air film at ambient pressure [m], and the effective friction with this air [1].
     air_film : float
-        Mean of the films over the web's length, which the roll's layers hold [m].
+        Air film between the layers: mean of the films over the length of web [m].
     nip_error, nip_residual : (n,) arrays
-        Their estimated discretisation error [N/m], and the largest violation of a law [1].
+        Estimated discretisation error [N/m], and largest contact residual [1].
     interpolation_error, core_interpolation_error : float
-        What the wound-on tension between them may be off, of it; and on the core, up to 5 % of its
-        radius [1].
+        Relative interpolation error of the wound-on tension, and that within 5 % of the core radius
+        from the core [1].
     nodes, nips_solved : int
-        Of each nip, and how many were solved in all turns.
+        Number of nodes of each nip; number of nips solved in all iterations.
     roll_rtol, agreed : float
-        The requested tolerances: of the roll's pressure, and of the wound-on tension on which roll
-        and nips agree [1].
+        Requested relative tolerances of the pressure in the roll, and of the nip-roll iteration
+        [1].
     nips : tuple of NipSample
-        The nips themselves, for a neighbouring winding to start from; none after loading.
+        The solved nips, for warm starts of neighbouring windings; empty after loading.
+
+    >>> import woundon as wo
+    >>> problem = wo.WindingProblem.example().replace(radius=0.12, tension_law="friction")
+    >>> result = wo.solve(problem)
+    >>> bool((result.wound_on_tension > result.web_tension).all())
+    True
+    >>> result.core_pressure == result.roll.core_pressure
+    True
     """
 
     MAIN: ClassVar[tuple[str, ...]] = (
@@ -146,9 +154,9 @@ class WindingResult(WithMargins, Result):
 
     @property
     def roll(self) -> RollResult:
-        """The finished roll, and by its ``at`` every stage of its build-up.
+        """The finished roll; its method ``at`` returns stages of the build-up.
 
-        A result that was loaded winds it again.
+        For a loaded result the roll is recomputed.
         """
         if self.wound is None:
             object.__setattr__(self, "wound", wound_again(self))
@@ -202,9 +210,9 @@ class WindingResult(WithMargins, Result):
     def mass(
         self,
     ) -> Annotated[float, Quantity("m", "kg/m", "mass of the web, per metre of width")]:
-        """Of the web alone [kg/m]; nan where its density is not given."""
+        """Mass of the web per metre of width [kg/m]; nan if its density is not given."""
         return self.roll.mass
 
     def certified(self) -> Residuals:
-        """Return the residuals, computed from problem and arrays."""
+        """Compute the residuals from problem and arrays."""
         return certificate(self)
