@@ -180,23 +180,23 @@ class TensionCurve:
         before = self.lines
         while True:
             r = self.knots()
-            off, on_core = self._polyline_errors(values, r, self.tension(values, r))
-            if max(off, on_core / LESS_EXACT) <= STRAIGHT * self.rtol:
+            error, on_core = self._polyline_errors(values, r, self.tension(values, r))
+            if max(error, on_core / LESS_EXACT) <= STRAIGHT * self.rtol:
                 return self.lines > before
             self.lines = ceil(FINER * self.lines)
 
     def _polyline_errors(
         self, values: Mapping[float, float], r: Array, tension: Array
     ) -> tuple[float, float]:
-        """Return the relative errors of linear interpolation: off the core, and on the core.
+        """Return the relative errors of linear interpolation above and in the piece on the core.
 
         Radii below ten layers are excluded.
         """
         fine = sampling_radii(self.problem)
-        off = np.abs(np.interp(fine, r, tension) / self.tension(values, fine) - 1)
+        error = np.abs(np.interp(fine, r, tension) / self.tension(values, fine) - 1)
         first, rest = (self.radius(self.pieces[k].start) for k in (0, int(self.on_core)))
-        on_core = off[(fine >= first) & (fine < rest)]
-        return float(np.max(off[fine >= rest])), float(np.max(on_core, initial=0.0))
+        on_core = error[(fine >= first) & (fine < rest)]
+        return float(np.max(error[fine >= rest])), float(np.max(on_core, initial=0.0))
 
     # ---- error estimates ------------------------------------------------------------------------
 
@@ -204,16 +204,16 @@ class TensionCurve:
         """Return the estimated error of each piece, relative to the tension."""
         return [
             max(
-                self._relative_error(place, off, values[place])
-                for place, off in piece.error_estimates(values)
+                self._relative_error(place, error, values[place])
+                for place, error in piece.error_estimates(values)
             )
             for piece in self.pieces
         ]
 
-    def _relative_error(self, place: float, off: float, value: float) -> float:
+    def _relative_error(self, place: float, error: float, value: float) -> float:
         """Convert the error of a share to a relative error of the tension."""
         r = np.array(self.radius(place))
-        added = off * self.problem.roll_friction * self.problem.at("nip_load", r)
+        added = error * self.problem.roll_friction * self.problem.at("nip_load", r)
         return float(added / self.wound_on(np.array(value), r))
 
     def interpolation_error(self, values: Mapping[float, float], r: Array, tension: Array) -> float:
@@ -242,9 +242,9 @@ class TensionCurve:
         """
         at = self.problem.at
         loads = {place: float(at("nip_load", self.radius(place))) for place in self.places}
-        off = np.abs(self.shares(loads, r) / at("nip_load", r) - 1) / 2
+        error = np.abs(self.shares(loads, r) / at("nip_load", r) - 1) / 2
         added = np.abs(tension - at("web_tension", r)) / tension
-        return float(np.max((off * added)[r >= self.radius(self.pieces[0].start)]))
+        return float(np.max((error * added)[r >= self.radius(self.pieces[0].start)]))
 
 
 def sharp_kinks(problem: WindingProblem) -> dict[float, float]:
@@ -283,9 +283,9 @@ def _points_needed(r: Array, values: Array, within: float) -> Array:
     while waiting:
         a, b = waiting.pop()
         line = values[a] + (values[b] - values[a]) * (r[a : b + 1] - r[a]) / (r[b] - r[a])
-        off = np.abs(values[a : b + 1] - line)
-        k = a + int(np.argmax(off))
-        if off[k - a] > within:
+        error = np.abs(values[a : b + 1] - line)
+        k = a + int(np.argmax(error))
+        if error[k - a] > within:
             keep[k] = True
             waiting += [(a, k), (k, b)]
     return keep

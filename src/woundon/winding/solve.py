@@ -186,7 +186,7 @@ class _Winder:
 
     def _converge(self) -> _Iteration:
         """Iterate until the tensions of nips and roll agree."""
-        given, change = self._initial_shares()
+        shares, change = self._initial_shares()
         before: _Iteration | None = None
         slopes: dict[float, float] = {}
         solve, certain = True, False
@@ -196,7 +196,7 @@ class _Winder:
             if solve and self.nips.coarse and change <= SETTLED:
                 self.nips.coarse, before = False, None
             rough = change > SETTLED
-            iteration = self._iterate(given, rough, None if solve else before)
+            iteration = self._iterate(shares, rough, None if solve else before)
             if solve:
                 known = (
                     iteration.change <= REFINEMENT_CHANGE[self.problem.roll_body]
@@ -209,7 +209,7 @@ class _Winder:
             if settled and change <= SPARE * self.agreed:
                 return iteration if solve else self._recompute_roll(iteration)
             direct = self.problem.roll_body == "direct"
-            given = _secant_update(iteration, before, slopes) if direct else iteration.nip_shares
+            shares = _secant_update(iteration, before, slopes) if direct else iteration.nip_shares
             before = iteration
             # with effective rolls every second iteration solves no nips
             solve = not (solve and self.problem.roll_body == "effective")
@@ -221,19 +221,19 @@ class _Winder:
 
     def _initial_shares(self) -> tuple[dict[float, float], float]:
         """Return the initial guess of the shares and the relative error of its tension."""
-        given = {place: self._initial_share(place) for place in self.curve.places}
+        shares = {place: self._initial_share(place) for place in self.curve.places}
         if self.problem.roll_body != "linear" or self.problem.air is not None:
-            return given, 1.0
+            return shares, 1.0
         # the nips do not depend on the wound roll
-        given = {place: self._nip_share(place, None) for place in given}
-        while piece := self._worst_piece(given):
-            given[piece.next_place] = self._nip_share(piece.next_place, None)
+        shares = {place: self._nip_share(place, None) for place in shares}
+        while piece := self._worst_piece(shares):
+            shares[piece.next_place] = self._nip_share(piece.next_place, None)
             piece.places.append(piece.next_place)
-        self.curve.refine_radii(given)
-        return given, 0.0
+        self.curve.refine_radii(shares)
+        return shares, 0.0
 
     def _iterate(
-        self, given: dict[float, float], rough: bool, before: _Iteration | None
+        self, shares: dict[float, float], rough: bool, before: _Iteration | None
     ) -> _Iteration:
         """Compute the roll from the shares, and solve the nips on this roll.
 
@@ -243,17 +243,17 @@ class _Winder:
         """
         film, r = self.nips.mean_film(), self.curve.knots()
         self.nips.rough = rough
-        tension = self.curve.tension(given, r)
+        tension = self.curve.tension(shares, r)
         if before is None:
             roll = wind(self.problem, r, tension, max(self.rtol, COARSE_RTOL * rough), film)
-            nip_shares = {place: self._nip_share(place, roll.result) for place in given}
+            nip_shares = {place: self._nip_share(place, roll.result) for place in shares}
         else:
             roll = changed(self.problem, before.roll, r, tension, film)
-            nip_shares = {place: self._predicted_share(place, roll.result) for place in given}
-        change = max(self._mismatch(place, share) for place, share in given.items())
+            nip_shares = {place: self._predicted_share(place, roll.result) for place in shares}
+        change = max(self._mismatch(place, share) for place, share in shares.items())
         # the change of the air film counts relative to the web thickness
         change = max(change, abs(self.nips.mean_film() - film) / self.problem.web.thickness)
-        return _Iteration(given, nip_shares, r, roll, film, change)
+        return _Iteration(shares, nip_shares, r, roll, film, change)
 
     def _recompute_roll(self, iteration: _Iteration) -> _Iteration:
         """Recompute the roll from its tension alone, independent of earlier iterations."""
@@ -278,8 +278,10 @@ class _Winder:
 
         It is the larger of the differences to the solved nip and to its extrapolation.
         """
-        sample, given = self.nips.samples[self.curve.radius(place)], self._tension(place, share)
-        return max(abs(given / due - 1) for due in (tension_on_roll(sample.result), sample.tension))
+        sample, tension = self.nips.samples[self.curve.radius(place)], self._tension(place, share)
+        return max(
+            abs(tension / other - 1) for other in (tension_on_roll(sample.result), sample.tension)
+        )
 
     def _initial_share(self, place: float) -> float:
         if self.start is None:
@@ -360,8 +362,8 @@ class _Winder:
         )
         mismatch = largest_mismatch(departs, checks, roll.result, tension)
         known.solved = checks.solved
-        drawn = np.interp(iteration.r, r, tension(r) - departs(r))
-        smooth = curve.interpolation_error(iteration.nip_shares, iteration.r, drawn)
+        reported = np.interp(iteration.r, r, tension(r) - departs(r))
+        smooth = curve.interpolation_error(iteration.nip_shares, iteration.r, reported)
         return assemble_result(
             problem,
             r,
@@ -370,7 +372,7 @@ class _Winder:
             known,
             interpolation=(
                 smooth + mismatch,
-                curve.core_interpolation_error(iteration.nip_shares, iteration.r, drawn),
+                curve.core_interpolation_error(iteration.nip_shares, iteration.r, reported),
             ),
             rtol=self.rtol,
             agreed=self.agreed,
@@ -414,15 +416,15 @@ def _solve_prescribed(
         tension = at("web_tension", r) + at("winding_force", r)
         tension = tension + problem.roll_friction * at("nip_load", r)
     own = polyline_radii(problem, r, tension, rtol)
-    drawn = np.interp(own, r, tension)
-    off = float(np.max(np.abs(np.interp(r, own, drawn) - tension)) / np.max(np.abs(tension)))
+    reported = np.interp(own, r, tension)
+    error = float(np.max(np.abs(np.interp(r, own, reported) - tension)) / np.max(np.abs(tension)))
     return assemble_result(
         problem,
         own,
-        drawn,
-        wind(problem, own, drawn, rtol),
+        reported,
+        wind(problem, own, reported, rtol),
         Nips(problem, nodes, agreed, lambda _: None),
-        interpolation=(off * (off > ROUNDING), 0.0),
+        interpolation=(error * (error > ROUNDING), 0.0),
         rtol=rtol,
         agreed=agreed,
         film=0.0,
