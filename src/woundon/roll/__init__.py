@@ -1,1 +1,1 @@
-"""The stresses that winding leaves in a roll."""
+"""Pressure and stresses in a wound roll."""

@@ -68,11 +68,11 @@ class Tension(Protocol):
     bends: Array  # jumps of the slope there, r |dT'|/T [1]
 
     def at(self, r: Array) -> Array:
-        """T [Pa]."""
+        """Return T [Pa]."""
         ...
 
     def slope(self, r: Array, side: int | Array) -> Array:
-        """dT/dr [Pa/m]; at a kink, that of its inner (-1) or outer (1) side."""
+        """Return dT/dr [Pa/m]; at a kink, that of its inner (-1) or outer (1) side."""
         ...
 
 
@@ -204,12 +204,12 @@ class Layers:
             return thin
         E_t, strain = self.equations.tangential, self.equations.strain
 
-        def laid(x: Array, side: Array) -> Array:
+        def finite_part(x: Array, side: Array) -> Array:
             # a layer has the tension of its inner radius over its full thickness
             lag = self.thickness / 2 * self.tension.slope(np.exp(x), side)
             return np.asarray(lag - E_t * strain(self.pressure(x)))
 
-        more = in_cells(nodes, laid)
+        more = in_cells(nodes, finite_part)
         return CellSource(*(a + b for a, b in zip(thin, more, strict=True)))
 
     def at_core(self, start: float) -> float:
@@ -248,26 +248,26 @@ class _Roll:
         nodes = nodes_between(
             self.start, surface, self.cells, self.layer, *kinks_of(self.tension, self.growth)
         )
-        behind = self.growth
+        previous = self.growth
         if known is None:
-            kappa, guess = behind.extrapolate(surface), _initial_guess(self.last, nodes, self.T_c)
+            kappa, guess = previous.extrapolate(surface), _initial_guess(self.last, nodes, self.T_c)
         else:
             kappa = known.solved.growth
             # P below half a layer resembles that of a surface half a layer farther out
             share = (nodes - nodes[0]) / (nodes[-1] - nodes[0])
             inner = nodes - share * self.layers.thickness / (2 * np.exp(nodes[-1]))
             guess = pressure_between(known.x, known.solved.P, known.solved.Q, inner)
-        source = self.layers.source(behind.with_stage(surface, kappa), nodes)
+        source = self.layers.source(previous.with_stage(surface, kappa), nodes)
         top = float(self.layers.pressure(nodes[-1:])[0])
         more = in_cells(
-            nodes, lambda x, _: -self.tension.at(np.exp(x)) * behind.lagrange_basis(surface, x)
+            nodes, lambda x, _: -self.tension.at(np.exp(x)) * previous.lagrange_basis(surface, x)
         )
         solved = self.equations.solve_with_growth(
             nodes, source, more, self.T_c, *guess, kappa, accepted_error, top
         )
         if solved is None:
             return None, kappa
-        return BuildUp(behind.with_stage(surface, solved.growth), nodes, solved, self.last), kappa
+        return BuildUp(previous.with_stage(surface, solved.growth), nodes, solved, self.last), kappa
 
     def keep(self, found: BuildUp) -> None:
         """Append a stage."""

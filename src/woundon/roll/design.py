@@ -85,8 +85,8 @@ class TensionDesign:
     @property
     def outer_layer(self) -> float:
         """Depth of the outer layer in which the error of the pressure exceeds ``rtol`` [m]."""
-        missed = np.abs(self.reached - self.wanted) > self.rtol * np.max(self.wanted)
-        return float(self.radius[-1] - self.radius[missed].min()) if missed.any() else 0.0
+        outer = np.abs(self.reached - self.wanted) > self.rtol * np.max(self.wanted)
+        return float(self.radius[-1] - self.radius[outer].min()) if outer.any() else 0.0
 
     @property
     def surface_miss(self) -> float:
@@ -277,10 +277,10 @@ class _Stages:
             T = self.T_c
             return T * (x - nodes), np.full_like(nodes, -T)
         near = min(self.solved, key=lambda at: abs(at - x))
-        behind, solved = self.solved[near]
+        known_nodes, solved = self.solved[near]
         share = (nodes - nodes[0]) / (x - nodes[0])
         moved = nodes - (x - near) * share
-        return pressure_between(behind, solved.P, solved.Q, moved)
+        return pressure_between(known_nodes, solved.P, solved.Q, moved)
 
 
 def _refined_radii(stages: _Stages, rtol: float) -> Array:

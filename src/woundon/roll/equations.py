@@ -45,9 +45,9 @@ Array = np.ndarray
 MAX_ITERATIONS = 60
 BAND = 2  # diagonals on either side
 NEWTON_TOLERANCE = 1e-11  # relative change of P by the last Newton step
-LAST_STEP = (
-    0.5  # of the square root of the accepted error; measured: a step of 1 to 1.2 leaves that error
-)
+# Accepted last step, relative to the square root of the accepted error;
+# measured: a step of 1 to 1.2 times that root leaves the accepted error.
+LAST_STEP = 0.5
 
 
 class CellSource(NamedTuple):

@@ -18,7 +18,7 @@ Of Pfeiffer's law W = (P - K1 ln(1 + P/K1))/K2 and F = ln(1 + P/K1)/K2, so that
 d > 0 gives T_b > T, P_b > P and a ridge.  A lane thinner by more than F(P) is slack: it has neither
 pressure nor tension.
 
-The plateau relation leaves out the curvature of the layers: complete rolls have pressures 4 to 15 %
+The plateau relation neglects the curvature of the layers: complete rolls have pressures 4 to 15 %
 higher, and tensions up to 2 % lower.  Shear between lanes, by which the neighbours take part of the
 load, is left out too, and so is the part of d that the larger radius takes, lead/d: up to a seventh
 in hard stacks.  Both make the tension, the pressure and the ridge too large.
