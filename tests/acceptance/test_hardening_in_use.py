@@ -119,7 +119,7 @@ def test_a_stack_pressed_beyond_its_law_is_rejected() -> None:
     test = wo.StackTest(pressure=P, strain=np.log1p(P / 10e3) / 127.0)
     stack = wo.Stack(radial=test, tangential=3.38e9, poissons_ratio=0.185, shear=10e6)
     body = wo.WoundRoll(radius=0.1, core_radius=0.0445, stack=stack, pressure=90e3)
-    with pytest.raises(wo.InvalidProblem, match=r"roll: the pressure in it reaches .* 4e\+05"):
+    with pytest.raises(wo.InvalidProblem, match=r"roll: the pressure in it reaches .* \(4e\+05 "):
         wo.solve(nip(body), nodes=17)
 
 
@@ -143,7 +143,7 @@ def test_a_modulus_that_turns_negative_is_rejected(where: str) -> None:
         "roll": (nip(body), "roll: the pressure in it"),
         "web": (web, "web.material: the press"),
     }[where]
-    with pytest.raises(wo.InvalidProblem, match=rf"{computed}.* law .*ends at 4.455e\+05"):
+    with pytest.raises(wo.InvalidProblem, match=rf"{computed}.*stack law \(4.455e\+05 "):
         wo.solve(problem, nodes=17)
     light = wo.solve(problem.replace(nip_load=300.0), nodes=17)
     assert light.residuals.largest <= 1e-8
@@ -162,7 +162,7 @@ def test_a_modulus_that_turns_negative_is_rejected(where: str) -> None:
         ({"stack.radial.K1": 0.0}, "K1: 0 is out of range; must be > 0"),
         (
             {"stack.radial": wo.PowerLaw(E0=1e6, k=1e7, m=0.7), "stack.shear_exponent": 0.5},
-            "stack.shear_exponent: 0.5 is out of range; must be 0 with a radial law that sets in",
+            "stack.shear_exponent: 0.5 is out of range; must be 0 for a radial law",
         ),
     ],
 )

@@ -107,6 +107,6 @@ def test_without_friction_there_is_no_tangential_load() -> None:
 
 @pytest.mark.parametrize("face", ["roll", "drum"])
 def test_a_web_needs_friction(face: str) -> None:
-    reason = f"without friction nothing fixes how fast the web runs against the {face}"
+    reason = f"without friction the web speed relative to the {face} is undetermined"
     with pytest.raises(wo.InvalidProblem, match=f"^{face}_friction: 0 is out of range; .*{reason}"):
         wo.NipProblem.example().replace(roll_wrap=0.0).replace(**{f"{face}_friction": 0.0})

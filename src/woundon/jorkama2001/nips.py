@@ -6,9 +6,9 @@ Every variable and coordinate of a dataset has its unit in ``attrs["units"]``.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from functools import reduce
+from functools import reduce, wraps
 from itertools import product
 from typing import Annotated, Any
 
@@ -84,13 +84,26 @@ def _dual(
     return zone_lengths(result).dual
 
 
+def _nan_if_undefined(estimate: Callable[..., float]) -> Callable[..., float]:
+    """Return an estimate as an output: nan for bodies for which (183) is not defined."""
+
+    @wraps(estimate)
+    def output(result: Nip) -> float:
+        try:
+            return estimate(result)
+        except wo.InvalidProblem:
+            return float("nan")
+
+    return output
+
+
 # the thesis's slip ratios, over the nip width, and its tensions by eq. (183), as outputs of studies
 _OUTPUTS = {
     "leading_roll_slip": _leading,
     "trailing_roll_slip": _trailing,
     "dual_slip": _dual,
-    "wound_on_tension_estimate": wound_on_tension_estimate,
-    "rig_tension": rig_tension,
+    "wound_on_tension_estimate": _nan_if_undefined(wound_on_tension_estimate),
+    "rig_tension": _nan_if_undefined(rig_tension),
 }
 for _kind in (wo.NipResult, ProcedureResult):
     for _name, _output in _OUTPUTS.items():
