@@ -139,7 +139,7 @@ def window_events(client, cases, uncertain):
         yield from map(json.loads, answer.iter_lines())
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_an_operating_window_is_that_of_python(client, cases):
     found = list(window_events(client, cases, SPREADS))
     assert found[-1] == {"event": "done"}

@@ -22,7 +22,6 @@ from woundon.jorkama2001.verdicts import Outcome
 # a second and more
 SLOW = (
     "fig16_18",
-    "fig19",
     "fig21_22",
     "fig23_24",
     "fig26",
@@ -31,11 +30,12 @@ SLOW = (
     "fig33",
     "table3",
 )
+LONG = {"fig19": pytest.mark.campaign} | dict.fromkeys(SLOW, pytest.mark.slow)
 
 
 @pytest.mark.parametrize(
     "module",
-    [pytest.param(m, marks=pytest.mark.slow) if m in SLOW else m for m in modules(NAMES)],
+    [pytest.param(m, marks=LONG[m]) if m in LONG else m for m in modules(NAMES)],
 )
 def test_as_many_statements_hold_as_are_known_to(module: str) -> None:
     known = known_counts()

@@ -34,7 +34,7 @@ from typing import Any
 import numpy as np
 
 import woundon as wo
-from woundon import cli
+from woundon.cli import commands as cli
 from woundon.quantities import Quantity, pure
 from woundon.studies.design import make_design
 from woundon.studies.engine import run_study

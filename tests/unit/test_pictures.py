@@ -65,7 +65,7 @@ def images(outputs: list[Any]) -> int:
     return sum("image/png" in output.get("data", {}) for output in outputs)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_a_notebook_shows_each_picture_once(tmp_path: Path) -> None:
     import nbclient
     import nbformat

@@ -146,7 +146,7 @@ def test_fits_take_them_with_what_is_tied() -> None:
     exact, solves = predictor.jacobian(u), predictor.solves
     assert solves == len(loads)  # nothing is solved for the derivatives
     # central differences over 2 parts in 1000, and a tangent that may be one in 10 000 old
-    assert exact == pytest.approx(predictor._differences(u), rel=1e-3)
+    assert exact == pytest.approx(predictor.differences(u), rel=1e-3)
 
 
 @pytest.mark.slow
