@@ -104,6 +104,8 @@ class Margin:
     over_radius, values : (K,) arrays
         Radii [m], and the worst value at each over all evaluated stages.
 
+    Examples
+    --------
     >>> import woundon as wo
     >>> problem = wo.WindingProblem.example().replace(radius=0.12, tension_law="friction")
     >>> winding = wo.solve(problem, rtol=0.01)

@@ -63,6 +63,8 @@ class WindingResult(WithMargins, Result):
     nips : tuple of NipSample
         The solved nips, for warm starts of neighbouring windings; empty after loading.
 
+    Examples
+    --------
     >>> import woundon as wo
     >>> problem = wo.WindingProblem.example().replace(radius=0.12, tension_law="friction")
     >>> result = wo.solve(problem)
