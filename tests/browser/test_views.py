@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import pytest
 
-SLOW = pytest.mark.slow
 VIEWS = [
-    (1280, 800, "light"), *(pytest.param(*view, marks=SLOW)
-    for view in [(390, 844, "dark"), (1280, 800, "dark"), (390, 844, "light")]),
-]  # fmt: skip
+    (1280, 800, "light"),
+    pytest.param(390, 844, "dark", marks=pytest.mark.slow),
+    pytest.param(1280, 800, "dark", marks=pytest.mark.campaign),
+    pytest.param(390, 844, "light", marks=pytest.mark.campaign),
+]
 
 
 def each_tab_fits(page, width, scheme):
