@@ -28,10 +28,12 @@ X = np.linspace(1.0, 4.0, 12)
 NOISE = np.random.default_rng(7).normal(0, 0.1, X.size)
 
 
-@pytest.fixture(autouse=True)
-def _rig_tension(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.fixture(autouse=True, scope="module")
+def _rig_tension():
     """Add the tension that the thesis fitted to the outputs of nips."""
-    monkeypatch.setattr(wo.NipResult, "rig_tension", property(rig_tension), raising=False)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(wo.NipResult, "rig_tension", property(rig_tension), raising=False)
+        yield
 
 
 def _fitted(model, y, parameters, *, deviation=None, starts=3, profiles=True, workers=1):
