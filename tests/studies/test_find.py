@@ -301,3 +301,9 @@ def test_the_command_as_json_and_its_exit_status(tmp_path, capsys):
     assert main([*common, "load=1", "--target", "nip_width=1 mm"]) == 2
     assert main([*common, "load", "--target", "nip_width"]) == 2
     assert main([*common, "load", "--target", "nip_width=1 mm", "--case", "x.txt"]) == 2
+
+
+@pytest.mark.parametrize("target", [float("nan"), float("inf")])
+def test_a_target_that_is_not_finite_is_rejected_before_solving(target: float) -> None:
+    with pytest.raises(wo.InvalidProblem, match=r"half_width: the target .* is not a finite"):
+        wo.find(wo.RollerProblem.example(), "load", half_width=target)

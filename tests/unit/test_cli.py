@@ -146,7 +146,7 @@ def test_materials_are_listed_as_a_case_file_takes_them(capsys: Capture):
             2,
             ["error: --agreed: not an option of the kind 'nip', which has --nodes and --rtol"],
         ),
-        (["new", "rolers"], 2, ["error: Invalid value for '[nip|rollers|roll|winding]': 'rolers'"]),
+        (["new", "rolers"], 2, ["error: Invalid value for 'KIND': 'rolers'"]),
         ([*QUICK, "--nodes", "many"], 2, ["error: Invalid value for '--nodes': 'many'"]),
         (["tabel"], 2, ["error: No such command 'tabel'; did you mean 'table'?"]),
         (["sove", EXAMPLE], 2, ["error: No such command 'sove'; did you mean 'solve'?"]),

@@ -23,11 +23,11 @@ LEAST_MEANING = 20  # characters of the last column
 
 
 @click.command(
-    help="Print the fields, outputs and solver options of a kind of problem: name, symbol, unit, "
-    "meaning, typical range and, in parentheses, the allowed range.",
+    help="Print the fields, outputs and solver options of a KIND of problem (nip, rollers, roll, "
+    "winding): name, symbol, unit, meaning, typical range and, in parentheses, allowed range.",
     short_help="List the fields, outputs and solver options of a kind of problem.",
 )
-@click.argument("kind", type=KindName(), default="nip")
+@click.argument("kind", type=KindName(), default="nip", metavar="KIND")
 def describe(kind: str) -> None:
     """Print the fields, outputs and solver options of a kind of problem."""
     from .. import kinds

@@ -10,10 +10,14 @@ __all__ = ["new"]
 
 
 @click.command(
-    help="Write a commented template case file with every field: woundon new > case.toml.",
+    help="""\
+    Write a commented template case file with every field: woundon new > case.toml.
+
+    KIND is nip (the default), rollers, roll, winding or the kind of a plug-in.
+    """,
     short_help="Write a commented template case file, or a study file.",
 )
-@click.argument("kind", type=KindName(), default="nip")
+@click.argument("kind", type=KindName(), default="nip", metavar="KIND")
 @click.option("--study", is_flag=True, help="Write a study file with such a case for 'sweep'.")
 def new(kind: str, study: bool) -> None:
     """Print a commented case or study file of a kind of problem."""

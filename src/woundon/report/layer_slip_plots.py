@@ -48,7 +48,7 @@ def draw_map(axes: Axes, cases: Cases) -> Handles:
             label = axis_label(r"$|\tau| - \mu(P_0 + p)$", quantity_of(result, "drum_pressure"))
             axes.figure.colorbar(filled, ax=axes, label=label)
         axes.contour(x, z, excess, [0.0], colors=[case.colour_or("#000000")], linewidths=1.2)
-        handles += axes.plot([], [], color=case.colour_or("#000000"), label="border of slip")[:1]
+        handles += axes.plot([], [], color=case.colour_or("#000000"), label="boundary of slip")[:1]
         a = quantity_of(result, "half_width").shown(case.result.half_width)
         for edge in (-a, a):
             axes.axvline(edge, color=case.colour_or("#888888"), linewidth=0.8, linestyle=":")

@@ -295,7 +295,7 @@ def _scaled(
     text = name.replace("_", " ")
     if quantity is None:
         return values, text
-    text = wrapped_text(quantity.meaning, 36) if words else text
+    text = wrapped_text(quantity.meaning.partition(",")[0], 36) if words else text
     return quantity.shown(values), axis_label(text, quantity)
 
 

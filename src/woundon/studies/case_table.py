@@ -428,15 +428,15 @@ def write_table(frame: pd.DataFrame, path: str | Path) -> None:
         If the file cannot be written.
     """
     path = check_table_path(path)
-    with replaced_file(path) as aside:
+    with replaced_file(path) as temporary:
         if path.suffix == ".csv":
-            frame.to_csv(aside, index=False, lineterminator="\n")
+            frame.to_csv(temporary, index=False, lineterminator="\n")
             return
         columns = [frame[name].tolist() for name in frame.columns]
         about = frame.attrs.get("about", {})
         texts = ((k, v if isinstance(v, str) else json.dumps(v)) for k, v in about.items())
         write_workbook(
-            aside,
+            temporary,
             {
                 "results": [list(frame.columns), *zip(*columns, strict=True)],
                 "about": [("what", "value"), *texts],

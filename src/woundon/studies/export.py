@@ -32,12 +32,12 @@ def export(table: Table, path: str | Path) -> None:
     """
     path = Path(path)
     write = check_export(path)
-    aside = path.with_name(f".{path.name}.{os.getpid()}.part{path.suffix}")
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.part{path.suffix}")
     try:
-        write(table, aside)
-        os.replace(aside, path)
+        write(table, temporary)
+        os.replace(temporary, path)
     finally:
-        aside.unlink(missing_ok=True)
+        temporary.unlink(missing_ok=True)
 
 
 def check_export(path: str | Path) -> Callable[[Table, Path], None]:

@@ -258,6 +258,8 @@ def find(
     if name not in quantities or not isinstance(base, float | None):
         raise InvalidProblem.at(name, f"{quote(base)} is not a number, so it cannot be found")
     aim = parse(value, quantities[output].unit, output)
+    if not isfinite(aim):
+        raise InvalidProblem.at(output, f"the target {quote(aim)} is not a finite number")
     count = whole_number("points", points, 3, 1000)
     interval = _interval(problem, name, base, quantities[name], between)
     with reported(progress, "finding") as report:
