@@ -396,6 +396,10 @@ def scalar_outputs(thing: Any) -> dict[str, Quantity]:
     }
 
 
+class on_request(cached_property[Any]):  # noqa: N801
+    """A part of a result that is computed when it is used: its outputs are not in every report."""
+
+
 def value_of(thing: Any, name: str) -> Any:
     """Return an output's value; a method without arguments is called.
 
@@ -412,10 +416,17 @@ def _walk_outputs(thing: Any, of: type, prefix: str, values: bool = True) -> Ite
     own = {} if thing is of else getattr(thing, "relabelled", {})
     for name, (quantity, hint) in _annotated(of, _version(of)).items():
         part = name.partition(".")[0]
-        if part != name and thing is not of and vars(thing).get(part, "") is None:
+        if part != name and thing is not of and _is_left_out(thing, part):
             continue
         value = value_of(thing, name) if values and thing is not of else None
         yield Place(f"{prefix}{name}", _as_chosen(name, own.get(name, quantity)), hint, of, value)
+
+
+def _is_left_out(thing: Any, part: str) -> bool:
+    """Return True of a part that the result does not have, or that is computed on request."""
+    return vars(thing).get(part, "") is None or isinstance(
+        getattr(type(thing), part, None), on_request
+    )
 
 
 def _version(of: type) -> tuple[tuple[str, int], ...]:
@@ -444,8 +455,9 @@ def _annotated(of: type, version: object) -> Mapping[str, tuple[Quantity, Any]]:
     for base in reversed(of.__mro__):
         for name, made in vars(base).items():
             hint = _returned(made)
-            if getattr(hint, "part_of_result", False):
-                inner = _annotated(hint, version)
+            parts = [h for h in (hint, *get_args(hint)) if getattr(h, "part_of_result", False)]
+            if parts:
+                inner = _annotated(parts[0], version)
                 found |= {f"{name}.{each}": part for each, (_, part) in inner.items()}
             elif hint is not None and not name.startswith("_"):
                 found[name] = hint

@@ -106,6 +106,29 @@ def test_a_roll_without_interior_stresses_has_no_index():
     assert "number of layers that would slip" not in str(nip)
 
 
+def test_the_index_is_an_output_of_studies():
+    # Consistency: a sweep has the values of the results, find inverts them; nan without an index
+    names = ("ratio", "layers", "depth", "width")
+    loads = [876.0, 3502.0]
+    data = wo.sweep(
+        newsprint_nip(), {"nip_load": loads}, [f"layer_slip.{name}" for name in names], nodes=33
+    )
+    slips = [wo.solve(newsprint_nip(nip_load=P), nodes=33).layer_slip for P in loads]
+    for name in names:
+        expected = [getattr(slip, name) for slip in slips]
+        # sweeps start from the neighbouring load: the tolerance of the solver
+        np.testing.assert_allclose(data[f"layer_slip.{name}"], expected, rtol=1e-6)
+    width = float(data["layer_slip.width"].mean())
+    target = {"layer_slip.width": width}
+    load = wo.find(newsprint_nip(), "nip_load", between=tuple(loads), nodes=33, **target).value
+    found = wo.solve(newsprint_nip(nip_load=load), nodes=33).layer_slip
+    assert found.width == pytest.approx(width, rel=1e-4)  # find ends at 1e-6 of the load
+    rigid = newsprint_nip(roll=wo.Rigid(radius=0.1), drum=wo.Cylinder(
+        radius=0.1, core_radius=0.08, material="newsprint"))  # fmt: skip
+    none = wo.sweep(rigid, {"nip_load": [3502.0]}, ["layer_slip.ratio"], nodes=33)
+    assert np.isnan(none["layer_slip.ratio"]).all()
+
+
 def stack(radial: object) -> wo.Stack:
     return wo.Stack(radial=radial, tangential=3.38e9, poissons_ratio=0.01, shear=10e6)
 

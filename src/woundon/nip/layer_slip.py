@@ -27,7 +27,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from math import ceil, isinf
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
@@ -84,6 +84,8 @@ class LayerSlip(ReadOnly):
         mu [1].
     """
 
+    part_of_result: ClassVar[bool] = True
+
     ratio: Annotated[float, pure("S_tau", "largest interlayer shear / friction limit")]
     layers: Annotated[int, pure("n_slip", "number of layers that would slip")]
     depth: Annotated[float, length("z_slip", "depth of the deepest slipping layer")]
@@ -118,7 +120,7 @@ def layer_slip(result: Any) -> LayerSlip | None:
 
     Parameters
     ----------
-    result : NipResult or NipResult
+    result : NipResult
 
     Returns
     -------
@@ -180,7 +182,7 @@ def interior_stress(result: Any, depths: Array) -> tuple[Section, ...] | None:
 
     Parameters
     ----------
-    result : NipResult or NipResult
+    result : NipResult
     depths : (m,) array
         z [m], > 0.
 

@@ -16,13 +16,13 @@ from ..problems.air import with_film
 from ..problems.messages import quote
 from ..problems.nip import NipProblem
 from ..problems.roll import RollProblem
-from ..quantities import Quantity, angle, length, line_load, pure, strain, stress
+from ..quantities import Quantity, angle, length, line_load, on_request, pure, strain, stress
 from ..results import Residuals, Result, Zone
 from .air_films import friction_between
 from .entrained_air import AirFilm
+from .layer_slip import LayerSlip, layer_slip
 
 if TYPE_CHECKING:
-    from .layer_slip import LayerSlip
     from .sensitivity import Sensitivity
 
 __all__ = ["Dissipation", "NipResult", "SlipRatios"]
@@ -244,15 +244,13 @@ class NipResult(Dissipation, Result):
         """Number of nodes in the nip."""
         return self.in_nip.stop - self.in_nip.start
 
-    @cached_property
+    @on_request
     def layer_slip(self) -> LayerSlip | None:
         """Index of slip between the layers of the roll, which the model takes as bonded.
 
         None of a roll whose interior stresses are not known (rigid, viscoelastic).  A ratio above
         1 issues a :class:`~woundon.errors.ValidityWarning`.
         """
-        from .layer_slip import layer_slip  # imported late: it is not part of every report
-
         found = layer_slip(self)
         warn([found.warning] if found and found.warning else ())
         return found

@@ -166,7 +166,7 @@ class KindModel:
         """Solve one case."""
         with unwarned():  # warnings are a column of the table
             result = self.solve(self.variant(inputs), start)
-        values = tuple(float(_value(result, name)) for name in self.outputs)
+            values = tuple(float(_value(result, name)) for name in self.outputs)
         return Answer(values, "; ".join(result.warnings), result)
 
     # ---- coarse mesh and derivatives ------------------------------------------------------------
