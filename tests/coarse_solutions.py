@@ -12,13 +12,13 @@ from woundon import kinds
 __all__ = ["coarse_options", "coarse_solution", "solve_coarsely"]
 
 # the loosest tolerances that the solver permits: a winding solves some 60 nips
-WINDING = {"rtol": 0.1, "agreed": 1e-2, "nodes": 25}
+WINDING = {"rtol": 0.1, "coupling_rtol": 1e-2, "nodes": 25}
 
 
 def coarse_options(kind: kinds.Kind, nodes: int) -> dict[str, Any]:
     """Return options of a kind's solver that make it quick."""
     options = signature(kind.solver).parameters
-    if "agreed" in options:
+    if "coupling_rtol" in options:
         return dict(WINDING)
     return {"nodes": nodes} if "nodes" in options else {}
 

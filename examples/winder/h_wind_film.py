@@ -45,7 +45,7 @@ film = wo.WindingProblem(
     density=1390.0,
 )
 splits = (0.0, 0.5, 1.0)
-coarse = {"nodes": 33, "rtol": 5e-3, "agreed": 1e-3}
+coarse = {"nodes": 33, "rtol": 5e-3, "coupling_rtol": 1e-3}
 runs = [wo.solve(film.replace(torque_split=split), **coarse) for split in splits]
 for split, run in zip(splits, runs, strict=True):
     print(

@@ -76,7 +76,7 @@ winding = wo.WindingProblem(
     air=problem.air,
     web_speed=2.0,
 )
-coarse = {"nodes": 33, "rtol": 0.05, "agreed": 1e-2}
+coarse = {"nodes": 33, "rtol": 0.05, "coupling_rtol": 1e-2}
 held, lost = (wo.solve(winding.replace(web_speed=V), **coarse) for V in (2.0, 2.25))
 for run in (held, lost):
     slip = run.margins["slip"]

@@ -300,7 +300,7 @@ def solve(
     *,
     rtol: float = ...,
     nodes: int = ...,
-    agreed: float | None = None,
+    coupling_rtol: float | None = None,
     start: WindingResult | None = None,
     progress: Progress | None = None,
 ) -> WindingResult: ...

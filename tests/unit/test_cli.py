@@ -142,9 +142,9 @@ def test_materials_are_listed_as_a_case_file_takes_them(capsys: Capture):
             ["error: web.thickness: 0", "error: nip_load: -1"],
         ),
         (
-            ["solve", EXAMPLE, *ALONE, "--agreed", "1e-3"],
+            ["solve", EXAMPLE, *ALONE, "--coupling-rtol", "1e-3"],
             2,
-            ["error: --agreed: not an option of the kind 'nip', which has --nodes and --rtol"],
+            ["error: --coupling-rtol: not an option of the kind 'nip', which has --nodes"],
         ),
         (["new", "rolers"], 2, ["error: Invalid value for 'KIND': 'rolers'"]),
         ([*QUICK, "--nodes", "many"], 2, ["error: Invalid value for '--nodes': 'many'"]),
@@ -256,7 +256,7 @@ def test_describe_lists_fields_outputs_and_options(kind, capsys: Capture):
     for place in wo.quantities.outputs(kind.result):
         assert (place.path, place.quantity.symbol.split()[0]) in rows
     for name in kind.solver_options():
-        assert f"--{name} " in text
+        assert f"--{name.replace('_', '-')} " in text
     # the friction's range: rollers may have none; of a roll that of its temperature change
     ranges = {"rollers": "(0 to 10)", "roll": "(-1000 to 1000)"}
     assert ranges.get(kind.name, "(1e-08 to 10)") in text
@@ -276,7 +276,7 @@ def test_options_are_those_of_the_solvers(capsys: Capture):
     assert cli.main(["solve", "--help"]) == 0
     said = " ".join(capsys.readouterr().out.split())
     assert "--nodes INTEGER Number of nodes on the last mesh." in said
-    assert "--agreed FLOAT Relative tolerance of the nip-roll iteration." in said
+    assert "--coupling-rtol FLOAT Relative tolerance of the nip-roll iteration." in said
     assert "Only for winding." in said
 
 

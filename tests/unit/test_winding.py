@@ -126,7 +126,7 @@ def test_each_nip_answers_what_the_roll_was_wound_with():
     roll = effective_cylinder(run.problem, r, float(run.nip_felt_pressure[k]))
     nip = wo.solve(run.problem.nip(r, roll), nodes=33)
     tension = np.interp(r, run.radius, run.wound_on_tension)
-    assert nip.roll_wound_on_tension == pytest.approx(tension, rel=2 * run.agreed)
+    assert nip.roll_wound_on_tension == pytest.approx(tension, rel=2 * run.coupling_rtol)
     assert run.roll.problem.tension_curve.at(r) * 66e-6 == pytest.approx(tension, rel=1e-12)
     # and the roll so far asks for the modulus that it has; what is left is a second-order change
     stage = stage_at(run.roll, r)
@@ -175,7 +175,7 @@ def test_a_roll_whose_stages_are_chosen_otherwise_keeps_nothing_from_agreeing():
         radius=0.6, nip_load=1300.0610347693473,
         web_tension=wo.Taper(start=350.0, taper=0.4418487287723576),
     )  # fmt: skip
-    assert wo.solve(problem, **COARSE).agreed == 1e-6
+    assert wo.solve(problem, **COARSE).coupling_rtol == 1e-6
 
 
 @pytest.mark.slow
@@ -184,7 +184,7 @@ def test_the_roll_does_not_depend_on_where_the_winding_was_begun():
     far = CASE.replace(web_tension=800.0, nip_load=500.0, roll_body="linear")
     start = wo.solve(far, nodes=25, rtol=5e-2)
     one, two = (
-        wo.solve(CASE.replace(radius=0.08), **COARSE, agreed=1e-7, start=begun)
+        wo.solve(CASE.replace(radius=0.08), **COARSE, coupling_rtol=1e-7, start=begun)
         for begun in (None, start)
     )
     np.testing.assert_array_equal(one.radius, two.radius)
@@ -317,7 +317,7 @@ def test_a_winding_stops_where_its_progress_raises():
         ({"rtol": 0.0}, "rtol: 0 is out of range"),
         ({"nodes": 5}, "nodes: 5 is out of range"),
         ({"nodes": 17}, "nodes: 17 is out of range: must be a whole number, 25"),
-        ({"agreed": 1.0}, "agreed: 1 is out of range"),
+        ({"coupling_rtol": 1.0}, "coupling_rtol: 1 is out of range"),
         ({"start": 3}, "start: 3 is out of place; must be a WindingResult"),
     ],
 )

@@ -45,7 +45,7 @@ CASES = {
 @pytest.mark.parametrize("name", CASES)
 def test_the_wound_on_tension_of_the_effective_roll_is_that_of_direct_nips(name: str) -> None:
     problem, bound = CASES[name]
-    run = wo.solve(problem, rtol=1e-2, agreed=1e-4)
+    run = wo.solve(problem, rtol=1e-2, coupling_rtol=1e-4)
     radii = run.nip_radius[run.nip_radius >= 1.0499 * problem.core.radius]
     for r in radii[[1, radii.size // 2, -1]].tolist():
         nip = wo.solve(problem.nip(r, hardening_roll(problem, run.roll.at(r))), nodes=65)

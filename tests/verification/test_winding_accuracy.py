@@ -39,20 +39,20 @@ def test_nips_and_roll_agree_to_the_requested_tolerance(
         web_tension=tension, nip_load=load, roll_friction=friction, drum_friction=0.4,
         radius=radius, **{"stack.shear": shear},
     )  # fmt: skip
-    run = wo.solve(problem, nodes=33, rtol=5e-3, agreed=1e-8)
+    run = wo.solve(problem, nodes=33, rtol=5e-3, coupling_rtol=1e-8)
     wound_on = np.interp(run.nip_radius, run.radius, run.wound_on_tension)
     assert np.max(np.abs(wound_on / run.nip_wound_on_tension - 1)) <= 1e-8
-    assert run.agreed == 1e-8
+    assert run.coupling_rtol == 1e-8
 
 
 def test_a_winding_that_agrees_less_well_is_not_certified() -> None:
     """The residual is relative to the requested tolerance, and no other can have been requested."""
-    run = wo.solve(CASE.replace(roll_body="linear"), nodes=25, rtol=5e-2, agreed=1e-7)
+    run = wo.solve(CASE.replace(roll_body="linear"), nodes=25, rtol=5e-2, coupling_rtol=1e-7)
     assert run.certified().largest <= 1e-8
     off = run.replace(nip_wound_on_tension=run.nip_wound_on_tension * (1 + 5e-7))
     assert off.certified().coupling == pytest.approx(5e-8, rel=1e-3)
     for tolerance in (0.02, float("inf"), -1e-3):
-        assert not off.replace(agreed=tolerance).certified().largest <= 1e-8
+        assert not off.replace(coupling_rtol=tolerance).certified().largest <= 1e-8
 
 
 # ---- error estimates -----------------------------------------------------------------------------

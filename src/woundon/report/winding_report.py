@@ -20,7 +20,7 @@ ROLL = ["core_pressure", "mid_pressure", "peak_pressure", "least_hoop_stress", "
 LEFT_OUT = frozenset(
     {
         "residual",
-        "agreed",
+        "coupling_rtol",
         "air_film",
         "nodes",
         "roll_rtol",

@@ -85,7 +85,8 @@ def operating_window(
     preview : callable, optional
         Is called with a coarse window of 3 x 3 points, after about half of the time.
     options : mapping
-        Options of the solver.  By default a reduced accuracy: rtol 0.01, 33 nodes, agreed 0.001.
+        Options of the solver.  By default a reduced accuracy: rtol 0.01, 33 nodes,
+        coupling_rtol 0.001.
 
     Returns
     -------

@@ -28,7 +28,7 @@ __all__ = ["FRICTION_SHARE", "WindowModel", "margin_names", "window_model", "wit
 
 Array = np.ndarray
 # Accuracy of the windings: changes of the margins by 0.01, a tenth of what the usual spreads cause
-ACCURACY: dict[str, Any] = {"rtol": 1e-2, "nodes": 33, "agreed": 1e-3}
+ACCURACY: dict[str, Any] = {"rtol": 1e-2, "nodes": 33, "coupling_rtol": 1e-3}
 FRICTION_SHARE = "friction_share"  # the column of the shares, one tuple for each case
 # depths at which the shares are known: even in the logarithm, for they change near the core, and
 # even in the radius

@@ -32,7 +32,7 @@ def assemble_result(
     *,
     interpolation: tuple[float, float],
     rtol: float,
-    agreed: float,
+    coupling_rtol: float,
     film: float,
     curved: Array | None = None,
     departure: Array | None = None,
@@ -49,7 +49,7 @@ def assemble_result(
     nips : Nips
     interpolation : (float, float)
         Relative interpolation errors of the tension between the nips, and near the core.
-    rtol, agreed, film : float
+    rtol, coupling_rtol, film : float
         See :class:`WindingResult`.
     curved : (M,) array, optional
         The tension, extrapolated to the core with its curvature [N/m].
@@ -80,7 +80,7 @@ def assemble_result(
         core_interpolation_error=interpolation[1],
         nodes=nips.nodes,
         roll_rtol=rtol,
-        agreed=agreed,
+        coupling_rtol=coupling_rtol,
         nips_solved=nips.solved,
         residuals=Residuals(),
         warnings=(*nips.warnings(), *_uneven(interpolation[0], rtol, len(samples))),
@@ -111,7 +111,7 @@ def _errors(result: WindingResult, first_laps: dict[str, float]) -> dict[str, fl
     extrapolated there with its curvature.
     """
     found = {}
-    share = result.interpolation_error + result.agreed
+    share = result.interpolation_error + result.coupling_rtol
     if result.nip_radius.size:
         share += float(np.max(result.nip_error / result.nip_wound_on_tension))
         found["mean_wound_on_tension"] = share * result.mean_wound_on_tension

@@ -107,7 +107,7 @@ def solved_nip(
     previous: NipSample | None,
     neighbour: NipSample | None,
     solve: Solve,
-    agreed: float,
+    coupling_rtol: float,
 ) -> NipSample:
     """Solve the nip on the roll at a stage of its build-up.
 
@@ -122,7 +122,7 @@ def solved_nip(
         Solutions of the same nip on a similar roll, and of a nearby nip, as initial guesses.
     solve : callable
         (roll, neighbouring result or None) -> result.
-    agreed : float
+    coupling_rtol : float
         Relative tolerance of P_e.
     """
     known = previous or neighbour
@@ -131,7 +131,7 @@ def solved_nip(
         return NipSample(solve(_linear_cylinder(problem, radius), start))
     if problem.roll_body == "direct":
         return NipSample(solve(hardening_roll(problem, stage), start))
-    return _effective(problem, stage, previous, neighbour, solve, agreed)
+    return _effective(problem, stage, previous, neighbour, solve, coupling_rtol)
 
 
 def _effective(
@@ -140,7 +140,7 @@ def _effective(
     previous: NipSample | None,
     neighbour: NipSample | None,
     solve: Solve,
-    agreed: float,
+    coupling_rtol: float,
 ) -> NipSample:
     known, radius = previous or neighbour, float(stage.radius[-1])
     if previous:
@@ -169,7 +169,7 @@ def _effective(
         if last is not None and abs(P - last.pressure) > SMALLEST_STEP * P:
             sample = sample._replace(exponents=_exponents(sample, last))
         sample = predicted_nip(problem, stage, sample)
-        if abs(sample.implied_pressure - P) <= agreed * P:
+        if abs(sample.implied_pressure - P) <= coupling_rtol * P:
             return sample
         last = known = sample
         P = sample.implied_pressure

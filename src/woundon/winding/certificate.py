@@ -9,9 +9,9 @@ import numpy as np
 from ..problems.schedules import Curve
 from ..results import ACCEPTED_RESIDUAL, Residuals, largest, positive
 
-__all__ = ["MOST_AGREED", "certificate"]
+__all__ = ["LARGEST_COUPLING_RTOL", "certificate"]
 
-MOST_AGREED = 1e-2  # largest tolerance that may be requested of nips and roll
+LARGEST_COUPLING_RTOL = 1e-2  # largest tolerance that may be requested of nips and roll
 
 
 def certificate(result: Any) -> Residuals:
@@ -27,10 +27,10 @@ def certificate(result: Any) -> Residuals:
         coefficients are positive.
     coupling
         Relative difference between the wound-on tension of each nip and the reported tension minus
-        its departure under fluctuating schedules; scaled so that the tolerance ``agreed`` is 1e-8.
+        its departure under fluctuating schedules; scaled so that ``coupling_rtol`` is 1e-8.
     air
         Difference between the air film of the layers and the mean film of the nips, relative to the
-        web thickness; scaled so that ``agreed`` is 1e-8.
+        web thickness; scaled so that ``coupling_rtol`` is 1e-8.
     tension_balance
         Residual of WOT = T_in + NIT, relative to the largest WOT.
     schedules
@@ -46,7 +46,8 @@ def certificate(result: Any) -> Residuals:
     unit = max(float(np.max(np.abs(WOT))), 1e-300)
     steps = np.diff(r)
     # no other tolerance can have been requested
-    scale = ACCEPTED_RESIDUAL / result.agreed if 0 < result.agreed <= MOST_AGREED else np.inf
+    rtol = result.coupling_rtol
+    scale = ACCEPTED_RESIDUAL / rtol if 0 < rtol <= LARGEST_COUPLING_RTOL else np.inf
     schedules = [
         largest(np.abs(getattr(result, name) - problem.at(name, r)))
         / max(float(np.max(np.abs(problem.at(name, r)))), 1e-300)

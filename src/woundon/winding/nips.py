@@ -33,7 +33,7 @@ class Nips:
     problem : WindingProblem
     nodes : int
         Number of nodes of each nip.
-    agreed : float
+    coupling_rtol : float
         Relative tolerance of the iteration between friction and entrained air.
     tell : callable
         Is called with the number of solved nips.
@@ -56,12 +56,17 @@ class Nips:
         self,
         problem: WindingProblem,
         nodes: int,
-        agreed: float,
+        coupling_rtol: float,
         tell: Callable[[int], None],
         before: Iterable[NipSample] = (),
         solved: int = 0,
     ) -> None:
-        self.problem, self.nodes, self.agreed, self.tell = problem, nodes, agreed, tell
+        self.problem, self.nodes, self.coupling_rtol, self.tell = (
+            problem,
+            nodes,
+            coupling_rtol,
+            tell,
+        )
         self.before = {sample.radius: sample for sample in before}
         self.samples: dict[float, NipSample] = {}
         self.solved, self.coarse, self.rough = solved, False, False
@@ -158,7 +163,7 @@ class Nips:
         result = solve_with_film(
             nip,
             frictions=None if near is None else self.frictions[near],
-            tolerance=self.agreed,
+            tolerance=self.coupling_rtol,
             nodes=nodes,
             start=start,
         )

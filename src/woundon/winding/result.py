@@ -57,7 +57,7 @@ class WindingResult(WithMargins, Result):
         from the core [1].
     nodes, nips_solved : int
         Number of nodes of each nip; number of nips solved in all iterations.
-    roll_rtol, agreed : float
+    roll_rtol, coupling_rtol : float
         Requested relative tolerances of the pressure in the roll, and of the nip-roll iteration
         [1].
     nips : tuple of NipSample
@@ -146,7 +146,7 @@ class WindingResult(WithMargins, Result):
     ]
     nodes: Annotated[int, pure("N", "number of nodes of each nip")]
     roll_rtol: Annotated[float, pure("rtol", "relative tolerance of the pressure in the roll")]
-    agreed: Annotated[float, pure("e_c", "relative tolerance of the nip-roll iteration")]
+    coupling_rtol: Annotated[float, pure("e_c", "relative tolerance of the nip-roll iteration")]
     nips_solved: Annotated[int, pure("n_nip", "number of solved nips")] = 0
     core_interpolation_error: Annotated[
         float, strain("e_ic", "relative interpolation error near the core")

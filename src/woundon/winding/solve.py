@@ -34,7 +34,7 @@ from ..roll.result import RollResult
 from ..roll.solve import ThinLaps
 from .assembly import assemble_result
 from .bodies import tension_on_roll
-from .certificate import MOST_AGREED, certificate
+from .certificate import LARGEST_COUPLING_RTOL, certificate
 from .curve import NOMINAL, TensionCurve, polyline_radii, sampling_radii
 from .interpolation import Piece
 from .measured import Departure, largest_mismatch, smoothed
@@ -48,7 +48,7 @@ Array = np.ndarray
 Progress = Callable[[float], None]
 
 RTOL, NODES = 1e-3, 65
-AGREED = {"effective": 1e-6, "linear": 1e-6, "direct": 1e-5}
+COUPLING_RTOL = {"effective": 1e-6, "linear": 1e-6, "direct": 1e-5}
 MOST_NIPS = 40  # radii
 MOST_ITERATIONS = 30
 PATIENT = 10  # iterations after which radii are added even if the tension still changes
@@ -60,9 +60,9 @@ REFINEMENT_CHANGE = {"effective": 5e-3, "linear": 1.0, "direct": 1e-3}
 COARSE_RTOL = 0.05  # of the roll, while the change is larger than SETTLED
 LEAST_SECANT = 1e-6  # smallest step of a share for a secant; smaller ones are too noisy
 POWER = 0.75  # exponent of the nip load in the initial guess of the nip-induced tension
-SPARE = 0.9  # fraction of the tolerance ``agreed`` at which the iteration stops
+SPARE = 0.9  # fraction of ``coupling_rtol`` at which the iteration stops
 ROUNDING = 1e-13
-LEAST_RTOL, LEAST_AGREED, LEAST_NODES = 1e-6, 1e-8, 25
+LEAST_RTOL, SMALLEST_COUPLING_RTOL, LEAST_NODES = 1e-6, 1e-8, 25
 RTOL_OPTION = Option(
     "Relative error of the solver.",
     "1e-6 to 0.1, of the wound-on tension interpolated between the nips, and of the pressure in "
@@ -72,7 +72,7 @@ NODES_OPTION = Option(
     "Number of nodes on the last mesh.",
     "25 to 1025, of every nip; default 65. With fewer there is no error estimate.",
 )
-AGREED_OPTION = Option(
+COUPLING_RTOL_OPTION = Option(
     "Relative tolerance of the nip-roll iteration.",
     "1e-8 to 1e-2, of the wound-on tension; default 1e-6, and 1e-5 with a direct roll.",
 )
@@ -84,7 +84,7 @@ def solve_winding(
     *,
     rtol: Annotated[float, RTOL_OPTION] = RTOL,
     nodes: Annotated[int, NODES_OPTION] = NODES,
-    agreed: Annotated[float | None, AGREED_OPTION] = None,
+    coupling_rtol: Annotated[float | None, COUPLING_RTOL_OPTION] = None,
     start: WindingResult | None = None,
     progress: Progress | None = None,
 ) -> WindingResult:
@@ -98,7 +98,7 @@ def solve_winding(
         of the roll's pressure; 1e-6 to 0.1.
     nodes : int
         Number of nodes of every nip, 25 to 1025; an error estimate needs at least 25.
-    agreed : float, optional
+    coupling_rtol : float, optional
         Tolerance of the nip-roll iteration, relative to the wound-on tension, 1e-8 to 1e-2; by
         default 1e-6, and 1e-5 with a direct roll.
     start : WindingResult, optional
@@ -121,10 +121,10 @@ def solve_winding(
         If a nip or the roll is not solved, or nips and roll do not agree.
     """
     check_type("problem", problem, WindingProblem)
-    check_options(rtol=rtol, nodes=nodes, agreed=agreed)
+    check_options(rtol=rtol, nodes=nodes, coupling_rtol=coupling_rtol)
     if start is not None:
         check_type("start", start, WindingResult)
-    within = AGREED[problem.roll_body] if agreed is None else agreed
+    within = COUPLING_RTOL[problem.roll_body] if coupling_rtol is None else coupling_rtol
     with unwarned():  # reported once, with the radius
         if problem.tension_law != "nip":
             result = _solve_prescribed(problem, rtol, nodes, within)
@@ -136,7 +136,7 @@ def solve_winding(
 
 
 def check_options(
-    *, rtol: Any = RTOL, nodes: Any = NODES, agreed: Any = None, start: Any = None
+    *, rtol: Any = RTOL, nodes: Any = NODES, coupling_rtol: Any = None, start: Any = None
 ) -> None:
     """Check the options of :func:`solve_winding`.
 
@@ -147,8 +147,8 @@ def check_options(
     """
     tolerance("rtol", rtol, LEAST_RTOL, 0.1)
     whole_number("nodes", nodes, LEAST_NODES, 1025)
-    if agreed is not None:
-        tolerance("agreed", agreed, LEAST_AGREED, MOST_AGREED)
+    if coupling_rtol is not None:
+        tolerance("coupling_rtol", coupling_rtol, SMALLEST_COUPLING_RTOL, LARGEST_COUPLING_RTOL)
 
 
 @dataclass
@@ -171,14 +171,21 @@ class _Winder:
         problem: WindingProblem,
         rtol: float,
         nodes: int,
-        agreed: float,
+        coupling_rtol: float,
         start: WindingResult | None,
         progress: Progress | None,
     ) -> None:
-        self.problem, self.rtol, self.nodes, self.agreed = problem, rtol, nodes, agreed
+        self.problem, self.rtol, self.nodes, self.coupling_rtol = (
+            problem,
+            rtol,
+            nodes,
+            coupling_rtol,
+        )
         self.start, self.progress = start, progress
         self.curve = TensionCurve(problem, rtol)
-        self.nips = Nips(problem, nodes, agreed, self._tell, () if start is None else start.nips)
+        self.nips = Nips(
+            problem, nodes, coupling_rtol, self._tell, () if start is None else start.nips
+        )
 
     def solve(self) -> WindingResult:
         """Solve the winding."""
@@ -206,7 +213,7 @@ class _Winder:
             added = solve and certain and self._refine(iteration)
             change = iteration.change
             settled = certain and not (added or rough)
-            if settled and change <= SPARE * self.agreed:
+            if settled and change <= SPARE * self.coupling_rtol:
                 return iteration if solve else self._recompute_roll(iteration)
             direct = self.problem.roll_body == "direct"
             shares = _secant_update(iteration, before, slopes) if direct else iteration.nip_shares
@@ -339,7 +346,7 @@ class _Winder:
                 curve.core_interpolation_error(iteration.nip_shares, r, tension),
             ),
             rtol=self.rtol,
-            agreed=self.agreed,
+            coupling_rtol=self.coupling_rtol,
             film=iteration.film,
             curved=curve.tension(iteration.shares, r, curved=True),
         )
@@ -358,7 +365,12 @@ class _Winder:
         roll = wind(problem, r, tension(r), self.rtol, iteration.film)
         known = self.nips
         checks = Nips(
-            problem, self.nodes, self.agreed, known.tell, known.from_core_to_surface(), known.solved
+            problem,
+            self.nodes,
+            self.coupling_rtol,
+            known.tell,
+            known.from_core_to_surface(),
+            known.solved,
         )
         mismatch = largest_mismatch(departs, checks, roll.result, tension)
         known.solved = checks.solved
@@ -375,7 +387,7 @@ class _Winder:
                 curve.core_interpolation_error(iteration.nip_shares, iteration.r, reported),
             ),
             rtol=self.rtol,
-            agreed=self.agreed,
+            coupling_rtol=self.coupling_rtol,
             film=iteration.film,
             curved=tension(r, curved=True),
             departure=departs(np.array(sorted(own))),
@@ -404,7 +416,7 @@ def _secant_update(
 
 
 def _solve_prescribed(
-    problem: WindingProblem, rtol: float, nodes: int, agreed: float
+    problem: WindingProblem, rtol: float, nodes: int, coupling_rtol: float
 ) -> WindingResult:
     """Solve a winding whose wound-on tension needs no nips."""
     law, at, r = problem.tension_law, problem.at, sampling_radii(problem)
@@ -423,9 +435,9 @@ def _solve_prescribed(
         own,
         reported,
         wind(problem, own, reported, rtol),
-        Nips(problem, nodes, agreed, lambda _: None),
+        Nips(problem, nodes, coupling_rtol, lambda _: None),
         interpolation=(error * (error > ROUNDING), 0.0),
         rtol=rtol,
-        agreed=agreed,
+        coupling_rtol=coupling_rtol,
         film=0.0,
     )
