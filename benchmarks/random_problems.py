@@ -192,7 +192,9 @@ def estimate_ratio(problem: wo.RollProblem) -> float:
     result, fine = wo.solve(problem), wo.solve(problem, rtol=1e-6)
     r = np.union1d(np.linspace(problem.core.radius, problem.radius, 400), result.radius)
     error = np.abs(result.at_radius(r)["pressure"] - fine.at_radius(r)["pressure"]).max()
-    return float(error / (result.errors["peak_pressure"] - np.abs(result.finite_laps).max()))
+    return float(
+        error / (result.errors["peak_pressure"] - np.abs(result.finite_layer_change).max())
+    )
 
 
 # ---- windings -----------------------------------------------------------------------------------

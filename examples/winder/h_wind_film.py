@@ -50,7 +50,7 @@ runs = [wo.solve(film.replace(torque_split=split), **coarse) for split in splits
 for split, run in zip(splits, runs, strict=True):
     print(
         f"torque split {split:.1f}: {run.mean_wound_on_tension:5.1f} N/m wound on, "
-        f"{run.mid_pressure / 1e3:5.0f} kPa halfway, {run.roll.laps:.0f} layers"
+        f"{run.mid_pressure / 1e3:5.0f} kPa halfway, {run.roll.layer_count:.0f} layers"
     )
 
 # %%

@@ -57,7 +57,7 @@ def test_a_piece_of_the_roll_has_the_density_of_its_strains(name: str):
         stack.poissons_ratio / stack.tangential * result.hoop_stress
     )
     through += problem.radial_expansion * problem.temperature_change
-    by_strains = problem.density / ((1 + through) * (1 + result.lap_strain))
+    by_strains = problem.density / ((1 + through) * (1 + result.layer_strain))
     # equal but for squares of the strains, of up to 9 %
     miss = np.abs(result.density / by_strains - 1)
     assert miss.max() < np.max(np.abs(through)) ** 2 + 1e-5

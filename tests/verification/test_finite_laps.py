@@ -140,10 +140,10 @@ def test_the_rings_of_constant_moduli_are_a_sum():
 def test_what_finite_layers_change_is_reported(problem: wo.RollProblem):
     """To 12 % of it: 10 % here, 7 % in 40 random rolls of 24 to 1500 laps, 0.2 to 34 %."""
     result, rings, change = of(problem)
-    found = np.interp(rings.r, result.radius, result.finite_laps)
+    found = np.interp(rings.r, result.radius, result.finite_layer_change)
     largest = np.max(np.abs(change))
     assert np.max(np.abs(found - change)) < 0.12 * largest
-    assert result.lap_effect == pytest.approx(
+    assert result.finite_layer_effect == pytest.approx(
         change[np.argmax(np.abs(change))] / result.peak_pressure, rel=0.12
     )
     for name, by in (("core_pressure", abs(change[0])), ("peak_pressure", largest)):
@@ -154,7 +154,7 @@ def test_what_finite_layers_change_is_reported(problem: wo.RollProblem):
 
 def test_the_effect_is_of_order_one_in_the_thickness():
     """Half as thick, half as much; the published scheme has half of it, by its own first order."""
-    effects = [wo.solve(thick(NEWSPRINT, times)).lap_effect for times in (1, 0.5, 0.25)]
+    effects = [wo.solve(thick(NEWSPRINT, times)).finite_layer_effect for times in (1, 0.5, 0.25)]
     assert effects[0] == pytest.approx(0.048, abs=0.001)  # rings: 4.81 to 5.00 % by 6 and 1 a lap
     orders = np.log2(np.array(effects[:-1]) / effects[1:])
     assert (np.abs(orders - 1) < 0.08).all()  # 0.94 and 0.95
@@ -174,10 +174,10 @@ def test_one_ring_a_lap_or_three_make_no_difference_of_first_order():
     assert apart[-1] < 0.05 * effect
 
 
-def test_a_stage_tells_of_its_own_laps():
+def test_a_stage_has_its_own_number_of_layers():
     stage = wo.solve(NEWSPRINT, rtol=1e-4).at(0.1)
     alone = wo.solve(stage.problem, rtol=1e-4)
     r = np.linspace(0.0446, 0.099, 50)
-    one, two = (np.interp(r, part.radius, part.finite_laps) for part in (stage, alone))
+    one, two = (np.interp(r, part.radius, part.finite_layer_change) for part in (stage, alone))
     # one step of Newton's method at different stages
-    np.testing.assert_allclose(one, two, atol=0.05 * np.max(alone.finite_laps))
+    np.testing.assert_allclose(one, two, atol=0.05 * np.max(alone.finite_layer_change))

@@ -16,7 +16,7 @@ from slow_cases import slow_case
 import woundon as wo
 from woundon.roll.build_up import Layers, _Roll, wind
 from woundon.roll.finished import equations_of, layer_thickness
-from woundon.roll.theories import constant_moduli, lap_by_lap, plateau_pressure
+from woundon.roll.theories import constant_moduli, layer_by_layer, plateau_pressure
 
 RADII = np.array([0.05, 0.06, 0.08, 0.10, 0.15, 0.19])
 TENSION = 200.0  # N/m on 100 um: 2 MPa
@@ -39,7 +39,7 @@ NEWSPRINT = wo.RollProblem.example()
 
 def left(result: wo.RollResult, name: str = "peak_pressure") -> float:
     """Return the error estimate without what finite laps change: that of the solution [Pa]."""
-    by = np.abs(result.finite_laps)
+    by = np.abs(result.finite_layer_change)
     return result.errors[name] - float(by[0] if name == "core_pressure" else by.max())
 
 
@@ -114,7 +114,7 @@ def test_the_published_scheme_tends_to_the_same_roll_with_order_one():
     thin = wo.solve(NEWSPRINT, rtol=1e-4)
     misses = []
     for groups in (1600, 3200):
-        laps = lap_by_lap(NEWSPRINT, groups)
+        laps = layer_by_layer(NEWSPRINT, groups)
         inside = slice(1, -1)
         exact = thin.at_radius(laps.radius[inside])["pressure"]
         misses.append(np.max(np.abs(laps.pressure[inside] - exact)) / thin.peak_pressure)
@@ -393,7 +393,7 @@ def test_length_layers_and_mass():
     result = coarse_solution(NEWSPRINT)
     area = np.pi * (0.15**2 - 0.0445**2)
     assert result.length == pytest.approx(area / 66e-6)
-    assert result.laps == pytest.approx((0.15 - 0.0445) / 66e-6)
+    assert result.layer_count == pytest.approx((0.15 - 0.0445) / 66e-6)
     assert result.mass == pytest.approx(680 * area)
 
 
@@ -406,7 +406,7 @@ def test_every_law_of_the_certificate_sees_its_fault():
         "free_surface": {"pressure": _bumped(result.pressure, -1, 1e-4 * result.peak_pressure)},
         "frozen_source": {"source": _bumped(result.source, 20)},
         "hoop_stress": {"hoop_stress": _bumped(result.hoop_stress, 20)},
-        "lap_strain": {"lap_strain": _bumped(result.lap_strain, 20)},
+        "layer_strain": {"layer_strain": _bumped(result.layer_strain, 20)},
         "displacement": {"displacement": _bumped(result.displacement, 20)},
         "radial_modulus": {"radial_modulus": _bumped(result.radial_modulus, 20)},
         "positive_pressure": {"pressure": _bumped(result.pressure, 20, -1e6)},

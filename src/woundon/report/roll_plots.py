@@ -27,13 +27,13 @@ ABOVE = 5  # times the depth of the compression
 def roll_panels(result: RollResult) -> dict[str, Panel]:
     """Return the panels of a wound roll, over the radius.
 
-    - pressure between the laps
+    - pressure between the layers
     - hoop_stress along the web, compression shaded; cut off above where there is any
     - hardness: the modulus through the stack
     - tension: the wound-on tension, on the stages of the build-up
     - density of the wound layers, and as a density analyser on the winder draws it, where the
       web's density is given
-    - residual_tension in the laps, displacement outward since a lap was laid (if asked for)
+    - residual_tension of the layers, outward displacement of each layer since it was wound (if asked for)
     - disc, hoop_disc: the roll from its side, coloured by pressure and hoop stress (if asked for)
     """
     return {
@@ -83,7 +83,7 @@ def _draw_hoop(axes: Axes, cases: Cases) -> Handles:
 
 
 def _draw_residual(axes: Axes, cases: Cases) -> Handles:
-    return _draw_over_radius(axes, cases, "residual_tension", "Tension left in the laps")
+    return _draw_over_radius(axes, cases, "residual_tension", "Residual tension of the layers")
 
 
 def _draw_over_radius(axes: Axes, cases: Cases, name: str, words: str) -> Handles:

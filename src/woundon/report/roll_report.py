@@ -26,12 +26,12 @@ NAMES = [
     "peak_pressure",
     "least_hoop_stress",
     "length",
-    "laps",
+    "layer_count",
     "mass",
     "wound_mass",
     "mean_density",
     "surface_slope",
-    "lap_effect",
+    "finite_layer_effect",
 ]
 OF_DENSITY = frozenset({"mass", "wound_mass", "mean_density"})
 # changes of the finished roll that are not zero
@@ -48,7 +48,7 @@ def roll_report(result: RollResult) -> list[Part]:
     notes = {
         "peak_pressure": _location(r, result.pressure, int(np.argmax(result.pressure))),
         "least_hoop_stress": _location(r, hoop, int(np.argmin(hoop))),
-        "lap_effect": ", included in the errors",
+        "finite_layer_effect": ", included in the errors",
     }
     return [
         Line(how, "quiet"),

@@ -22,7 +22,7 @@ def certificate(result: Any) -> Residuals:
         The boundary conditions.
     frozen_source
         The source equals that of the layers as wound plus the final changes.
-    hoop_stress, displacement, lap_strain, radial_modulus
+    hoop_stress, displacement, layer_strain, radial_modulus
         The values that follow from P and r P' by the law of the stack.
     """
     problem, stack = result.problem, result.problem.stack
@@ -41,7 +41,7 @@ def certificate(result: Any) -> Residuals:
         free_surface=abs(float(residual[-1])) / unit,
         frozen_source=largest(np.abs(result.source - expected)) / largest(np.abs(expected)),
         hoop_stress=largest(np.abs(result.hoop_stress - hoop)) / unit,
-        lap_strain=largest(np.abs(result.lap_strain - strain)) * E_t / unit,
+        layer_strain=largest(np.abs(result.layer_strain - strain)) * E_t / unit,
         displacement=largest(np.abs(result.displacement / r - (strain - T / E_t))) * E_t / unit,
         radial_modulus=largest(np.abs(result.radial_modulus / stack.radial.modulus(P) - 1)),
         positive_pressure=largest(-P) / max(float(np.max(np.abs(P))), 1e-300),

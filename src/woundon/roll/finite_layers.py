@@ -24,11 +24,11 @@ def layers_of(result: Any) -> Layers:
 def finite_layer_stresses(result: Any) -> tuple[Array, Array]:
     """Return the pressure and hoop stress added by finite layers [Pa]; nan for an unsolved roll."""
     x = np.log(result.radius)
-    if np.isnan(result.lap_growth).any():
+    if np.isnan(result.layer_growth).any():
         return np.full(x.size, np.nan), np.full(x.size, np.nan)
     layers, (more, at_core) = layers_of(result), final_changes(result.problem)
     source, T_c = (
-        shifted(layers.source(result.kappa_of_laps, x), more),
+        shifted(layers.source(result.layer_kappa, x), more),
         layers.at_core(x[0]) + at_core,
     )
     P, Q = result.pressure, result.pressure_gradient

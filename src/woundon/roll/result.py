@@ -40,7 +40,7 @@ class RollResult(Result):
         sigma_t along the web, > 0 tension [Pa].
     displacement : (M,) array
         Outward displacement of a layer since it was laid [m].
-    lap_strain : (M,) array
+    layer_strain : (M,) array
         eps_t of the layers along the web, 0 without stress [1].
     radial_modulus : (M,) array
         E_r(P), the radial modulus of the stack [Pa].
@@ -53,7 +53,7 @@ class RollResult(Result):
         below the surface [1].
     stage_order : (J,) int array
         Number of stages that the polynomial of kappa ending at each stage interpolates.
-    lap_growth : (J,) array
+    layer_growth : (J,) array
         Kappa with layers of the web's thickness instead of thin ones.
     surface_slope : float
         -r P'/T - 1 at the surface, 0 except for the discretisation error [1].
@@ -76,15 +76,15 @@ class RollResult(Result):
     )
     MAY_BE_NAN: ClassVar[frozenset[str]] = frozenset()
     ALONG: ClassVar[Mapping[str, str]] = MappingProxyType(
-        dict.fromkeys(("growth", "stage_order", "lap_growth"), "stage_radius")
+        dict.fromkeys(("growth", "stage_order", "layer_growth"), "stage_radius")
     )
-    ESTIMATES: ClassVar[frozenset[str]] = frozenset({"lap_growth", "steps", "surface_slope"})
+    ESTIMATES: ClassVar[frozenset[str]] = frozenset({"layer_growth", "steps", "surface_slope"})
 
     radius: Annotated[Array, length("r", "radius")]
     pressure: Annotated[Array, stress("P", "pressure between the layers")]
     hoop_stress: Annotated[Array, stress("sigma_t", "hoop (MD) stress, > 0: tension")]
     displacement: Annotated[Array, length("u", "outward displacement of a layer as wound", "um")]
-    lap_strain: Annotated[Array, strain("eps_t", "strain of the layers along the web")]
+    layer_strain: Annotated[Array, strain("eps_t", "strain of the layers along the web")]
     radial_modulus: Annotated[Array, stress("E_r", "radial modulus of the stack", "MPa")]
     source: Annotated[Array, stress("C", "source term of the layers as wound", "MPa")]
     pressure_gradient: Annotated[Array, stress("rP'", "radius times the pressure gradient")]
@@ -95,7 +95,7 @@ class RollResult(Result):
     stage_order: Annotated[
         Array, pure("n_k", "order of the interpolation of the growth factor"), int
     ]
-    lap_growth: Annotated[Array, pure("kappa_h", "the same for layers of finite thickness")]
+    layer_growth: Annotated[Array, pure("kappa_h", "the same for layers of finite thickness")]
     surface_slope: Annotated[float, strain("e_s", "relative error of the slope at the surface")]
     steps: Annotated[int, pure("n_it", "number of linear systems solved")] = 0
 
@@ -130,18 +130,21 @@ class RollResult(Result):
         return float(np.mean(self.at_radius(r)["hoop_stress"] < 0))
 
     @property
-    def finite_laps(
+    def finite_layer_change(
         self,
     ) -> Annotated[Array, stress("P_h", "pressure added by layers of finite thickness")]:
         """Pressure added by layers of finite thickness to P of thin layers [Pa]."""
         return finite_layer_stresses(self)[0]
 
     @property
-    def lap_effect(
+    def finite_layer_effect(
         self,
     ) -> Annotated[float, strain("e_h", "change of the pressure by layers of finite thickness")]:
-        """Largest of ``finite_laps`` over the largest pressure; part of the error estimates [1]."""
-        by = self.finite_laps
+        """``finite_layer_change`` of largest size over the peak pressure [1].
+
+        It is part of the error estimates.
+        """
+        by = self.finite_layer_change
         return float(by[np.argmax(np.abs(by))]) / self.peak_pressure
 
     @cached_property
@@ -150,9 +153,9 @@ class RollResult(Result):
         return Growth.of(np.log(self.stage_radius), self.growth, self.stage_order)
 
     @cached_property
-    def kappa_of_laps(self) -> Growth:
+    def layer_kappa(self) -> Growth:
         """Kappa as a function of ln r with layers of the web's thickness."""
-        return Growth.of(np.log(self.stage_radius), self.lap_growth, self.stage_order)
+        return Growth.of(np.log(self.stage_radius), self.layer_growth, self.stage_order)
 
     @property
     def length(self) -> Annotated[float, length("L", "length of web on the roll", "m")]:
@@ -161,7 +164,7 @@ class RollResult(Result):
         return pi * (R**2 - core**2) / float(self.problem.web_thickness)
 
     @property
-    def laps(self) -> Annotated[float, pure("n", "layers on the roll")]:
+    def layer_count(self) -> Annotated[float, pure("n", "layers on the roll")]:
         """Number of layers of the web's full thickness between core and surface [1]."""
         return float(self.radius[-1] - self.radius[0]) / float(self.problem.web_thickness)
 

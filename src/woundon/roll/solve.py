@@ -5,7 +5,7 @@ r"""The stresses in a wound roll: from a problem to a certified result.
                      --> refinement of stages and nodes until the error estimate is met
                      --> RollResult with its certificate      certificate
 
-The published layer-by-layer scheme (Hakiel 1987) is available as ``theories.lap_by_lap``.
+The published layer-by-layer scheme (Hakiel 1987) is available as ``theories.layer_by_layer``.
 """
 
 from __future__ import annotations
@@ -36,9 +36,9 @@ from .finite_layers import finite_layer_effects, layers_of
 from .result import RollResult
 
 __all__ = [
-    "ThinLaps",
+    "ThinLayerRoll",
     "check_options",
-    "solve_thin_laps",
+    "solve_thin_layers",
     "solve_wound_roll",
 ]
 
@@ -108,10 +108,10 @@ def solve_wound_roll(
         if progress is not None:
             progress(min(max((radius - core) / (R - core), 0.0), 1.0))
 
-    return solve_thin_laps(problem, rtol, reached).with_laps()
+    return solve_thin_layers(problem, rtol, reached).with_finite_layers()
 
 
-class ThinLaps(NamedTuple):
+class ThinLayerRoll(NamedTuple):
     """A roll in the limit of thin layers, and its build-up.
 
     Attributes
@@ -127,21 +127,23 @@ class ThinLaps(NamedTuple):
     known: BuildUp
     cells: int
 
-    def with_laps(self) -> RollResult:
+    def with_finite_layers(self) -> RollResult:
         """Return the certified result with layers of the web's thickness."""
         result = _with_layers(self.result, self.known, self.cells)
         return result.replace(residuals=certificate(result)).checked()
 
-    def wound_with(self, problem: RollProblem) -> ThinLaps:
+    def wound_with(self, problem: RollProblem) -> ThinLayerRoll:
         """Return the roll of a neighbouring tension with the same stages and number of cells.
 
         The discretisation errors cancel in the difference; the error estimates are copied.
         """
         known, result = _wind(problem, NEIGHBOUR_TOLERANCE, self.cells, self.known, None)
-        return ThinLaps(result.replace(errors=self.result.errors), known, self.cells)
+        return ThinLayerRoll(result.replace(errors=self.result.errors), known, self.cells)
 
 
-def solve_thin_laps(problem: RollProblem, rtol: float, report: Report | None = None) -> ThinLaps:
+def solve_thin_layers(
+    problem: RollProblem, rtol: float, report: Report | None = None
+) -> ThinLayerRoll:
     """Solve for a roll in the limit of thin layers; see :func:`solve_wound_roll`."""
     level = max(0, int(log(rtol / COARSE, TOLERANCE_FACTOR)))
     tolerance, cells = (
@@ -169,7 +171,7 @@ def solve_thin_laps(problem: RollProblem, rtol: float, report: Report | None = N
             error = errors["peak_pressure"] / max(result.peak_pressure, 1e-300)
             if error <= rtol:
                 result = _check_stack_law(result.replace(steps=steps, errors=errors), known)
-                return ThinLaps(result, known, cells)
+                return ThinLayerRoll(result, known, cells)
         before, cells = result, round(cells * CELL_FACTOR)
     _check_layers_in_contact(result, ROUNDING)
     raise NotConverged(
@@ -235,7 +237,7 @@ def _with_layers(result: RollResult, known: BuildUp, cells: int) -> RollResult:
         )
     except NotWoundError as stop:
         raise NotConverged(f"with layers as thick as the web {stop}", result) from None
-    result = result.replace(lap_growth=growth, steps=result.steps + layers.equations.steps)
+    result = result.replace(layer_growth=growth, steps=result.steps + layers.equations.steps)
     by = finite_layer_effects(result)
     return result.replace(errors={name: error + by[name] for name, error in result.errors.items()})
 

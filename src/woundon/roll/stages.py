@@ -74,8 +74,8 @@ def stage_arrays(result: Any, radius: float) -> dict[str, Any]:
         raise InvalidProblem.at("radius", f"{text}, {FEWEST_LAYERS} layers")
     stage, nodes, growth, solved = _solved_stage(result, surface, result.radius.size - 1)
     arrays = finished_arrays(stage, nodes, growth, solved)
-    lap_growth = result.kappa_of_laps.until(growth.x[-1]).kappa
-    return {**arrays, "problem": stage, "lap_growth": lap_growth}
+    layer_growth = result.layer_kappa.until(growth.x[-1]).kappa
+    return {**arrays, "problem": stage, "layer_growth": layer_growth}
 
 
 def stage_at(result: Any, radius: float) -> Stage:

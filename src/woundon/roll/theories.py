@@ -13,12 +13,12 @@ from ..problems.roll import RollProblem
 from ..problems.stack import Stack
 from .build_up import nodes_between
 from .finished import equations_of, final_changes
-from .lap_by_lap import wind_layers
+from .layer_by_layer import wind_layers
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-__all__ = ["RollStresses", "constant_moduli", "lap_by_lap", "plateau_pressure"]
+__all__ = ["RollStresses", "constant_moduli", "layer_by_layer", "plateau_pressure"]
 
 Array = np.ndarray
 
@@ -132,7 +132,7 @@ def plateau_pressure(stack: Stack, tension: float) -> float:
     return stack.plateau_pressure(tension)
 
 
-def lap_by_lap(problem: RollProblem, groups: int | None = None) -> RollStresses:
+def layer_by_layer(problem: RollProblem, groups: int | None = None) -> RollStresses:
     """Return the stresses by the published layer-by-layer scheme (Hakiel 1987), of order one.
 
     Parameters

@@ -10,7 +10,7 @@ import numpy as np
 from ..errors import RESOLUTION
 from ..problems.winding import LOADS, WindingProblem
 from ..results import Residuals
-from ..roll.solve import ThinLaps
+from ..roll.solve import ThinLayerRoll
 from .bodies import tension_on_roll
 from .nips import Nips
 from .result import WindingResult
@@ -27,7 +27,7 @@ def assemble_result(
     problem: WindingProblem,
     r: Array,
     tension: Array,
-    roll: ThinLaps,
+    roll: ThinLayerRoll,
     nips: Nips,
     *,
     interpolation: tuple[float, float],
@@ -44,7 +44,7 @@ def assemble_result(
     problem : WindingProblem
     r, tension : (M,) arrays
         Radii [m], wound-on tension there [N/m].
-    roll : ThinLaps
+    roll : ThinLayerRoll
         The roll of this tension.
     nips : Nips
     interpolation : (float, float)
@@ -84,7 +84,7 @@ def assemble_result(
         nips_solved=nips.solved,
         residuals=Residuals(),
         warnings=(*nips.warnings(), *_uneven(interpolation[0], rtol, len(samples))),
-        wound=roll.with_laps(),
+        wound=roll.with_finite_layers(),
         nips=tuple(samples),
     )
     if curved is None:
@@ -104,7 +104,7 @@ def _uneven(interpolation: float, rtol: float, count: int) -> list[str]:
     ]
 
 
-def _errors(result: WindingResult, first_laps: dict[str, float]) -> dict[str, float]:
+def _errors(result: WindingResult, first_layers: dict[str, float]) -> dict[str, float]:
     """Return the error estimates of the outputs, from nips, interpolation and roll.
 
     The effect of the layers below the first nip is the difference to a roll whose tension is
@@ -118,7 +118,7 @@ def _errors(result: WindingResult, first_laps: dict[str, float]) -> dict[str, fl
     for name in OF_THE_ROLL:
         own, value = result.roll.errors.get(name, nan), getattr(result, name)
         # the pressure in a roll is about proportional to the square of its tension
-        found[name] = own + 2 * share * abs(value) + first_laps.get(name, 0.0)
+        found[name] = own + 2 * share * abs(value) + first_layers.get(name, 0.0)
     # the interpolation error near the core affects only the core pressure
     found["core_pressure"] += result.core_interpolation_error * result.core_pressure
     return found

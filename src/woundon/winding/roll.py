@@ -11,7 +11,7 @@ from ..problems.roll import RollProblem
 from ..problems.schedules import Profile
 from ..problems.winding import WindingProblem
 from ..roll.result import RollResult
-from ..roll.solve import ThinLaps, solve_thin_laps
+from ..roll.solve import ThinLayerRoll, solve_thin_layers
 
 __all__ = ["changed", "wind", "wound_again"]
 
@@ -21,7 +21,7 @@ STRAIGHT = 1e-13  # relative distance from a straight line below which a point l
 
 def wind(
     problem: WindingProblem, r: Array, tension: Array, rtol: float, film: float = 0.0
-) -> ThinLaps:
+) -> ThinLayerRoll:
     """Compute the roll of a piecewise linear wound-on tension, in the limit of thin layers.
 
     Parameters
@@ -42,12 +42,12 @@ def wind(
     roll = _roll_problem(problem, r, tension, film)
     # The error of Newton's method is up to 1e-4 of the pressure, and less in a recomputed roll.
     # This difference would prevent the convergence of the nip-roll iteration.
-    return solve_thin_laps(roll, rtol).wound_with(roll)
+    return solve_thin_layers(roll, rtol).wound_with(roll)
 
 
 def changed(
-    problem: WindingProblem, roll: ThinLaps, r: Array, tension: Array, film: float
-) -> ThinLaps:
+    problem: WindingProblem, roll: ThinLayerRoll, r: Array, tension: Array, film: float
+) -> ThinLayerRoll:
     """Recompute a roll with another tension, in the same stages; see :func:`wind`."""
     return roll.wound_with(_roll_problem(problem, r, tension, film))
 
@@ -57,7 +57,7 @@ def wound_again(result: Any) -> RollResult:
     thin = wind(
         result.problem, result.radius, result.wound_on_tension, result.roll_rtol, result.air_film
     )
-    return thin.with_laps()
+    return thin.with_finite_layers()
 
 
 def _roll_problem(problem: WindingProblem, r: Array, tension: Array, film: float) -> RollProblem:

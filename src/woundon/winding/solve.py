@@ -31,7 +31,7 @@ from ..parallel import one_thread
 from ..problems.schedules import Profile
 from ..problems.winding import WindingProblem
 from ..roll.result import RollResult
-from ..roll.solve import ThinLaps
+from ..roll.solve import ThinLayerRoll
 from .assembly import assemble_result
 from .bodies import tension_on_roll
 from .certificate import LARGEST_COUPLING_RTOL, certificate
@@ -158,7 +158,7 @@ class _Iteration:
     shares: dict[float, float]  # by coordinate
     nip_shares: dict[float, float]
     r: Array
-    roll: ThinLaps
+    roll: ThinLayerRoll
     film: float  # air film of the roll
     change: float  # largest relative change of the tension
 
