@@ -24,7 +24,7 @@ wound = wo.solve(design.problem)
 constant = wo.solve(roll)
 
 tension, radius = np.array(design.tension.value), np.array(design.tension.radius)
-deviation = np.abs(wound.at_radius(design.radius)["pressure"] - design.wanted).max()
+deviation = np.abs(wound.at_radius(design.radius)["pressure"] - design.target_pressure).max()
 print(
     f"{tension[0]:.0f} N/m at the core, at most {tension.max():.0f} N/m at r = "
     f"{1e3 * radius[tension.argmax()]:.1f} mm, {tension[-1]:.0f} N/m at the surface"
@@ -36,7 +36,7 @@ figure, (left, right) = plt.subplots(1, 2, figsize=(8, 3.5), layout="constrained
 left.plot(1e3 * radius, tension, label="designed")
 left.axhline(350, color="0.6", label="constant")
 left.set(xlabel="radius [mm]", ylabel="wound-on tension [N/m]", ylim=(0, None))
-right.plot(1e3 * design.radius, design.wanted / 1e3, label="target")
+right.plot(1e3 * design.radius, design.target_pressure / 1e3, label="target")
 right.plot(1e3 * wound.radius, wound.pressure / 1e3, "--", label="wound with this tension")
 right.plot(1e3 * constant.radius, constant.pressure / 1e3, color="0.6", label="at 350 N/m")
 right.set(xlabel="radius [mm]", ylabel="pressure [kPa]", ylim=(0, None))

@@ -17,9 +17,9 @@ def test_a_design_is_that_of_python(client, cases):
         "radius": list(design.tension.radius), "value": list(design.tension.value),
         "between": "smooth",
     }  # fmt: skip
-    assert found["reached"] == design.reached.tolist()
-    assert found["wanted"] == design.wanted.tolist()
-    assert (found["outer_layer"], found["surface_miss"]) == (0.0, design.surface_miss)
+    assert found["pressure"] == design.pressure.tolist()
+    assert found["target_pressure"] == design.target_pressure.tolist()
+    assert (found["outer_layer"], found["surface_deviation"]) == (0.0, design.surface_deviation)
     # what it says is a schedule of a case
     wound = client.post("/api/solve", json=case | {"wound_on_tension": found["tension"]})
     core = wound.raise_for_status().json()["outputs"]["core_pressure"]["value"]

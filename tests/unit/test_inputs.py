@@ -275,9 +275,9 @@ def test_a_sweep_over_totals_and_diameters():
 
 def test_a_target_pressure_with_a_unit():
     design = wo.design_tension(ROLL, "20 psi")
-    assert design.wanted == pytest.approx(20 * 6894.757293168)
+    assert design.target_pressure == pytest.approx(20 * 6894.757293168)
     profile = wo.Profile(radius=[0.0445, 0.15], value=["200 kPa", "100 kPa"])
-    assert wo.design_tension(ROLL, profile).wanted[0] == pytest.approx(200e3)
+    assert wo.design_tension(ROLL, profile).target_pressure[0] == pytest.approx(200e3)
     with pytest.raises(wo.InvalidProblem, match="pressure: '20 N' has the wrong dimension"):
         wo.design_tension(ROLL, "20 N")
 

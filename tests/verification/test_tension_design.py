@@ -25,7 +25,7 @@ def test_inverse_then_forward_meets_a_pressure_that_falls_to_the_surface():
     falls = wo.Profile(radius=[CORE, 0.06, 0.12, R], value=[250e3, 200e3, 120e3, 0.0])
     design = wo.design_tension(ROLL, falls)
     assert design.outer_layer == 0.0
-    assert miss(design.problem, design.radius, design.wanted).max() < 1e-4
+    assert miss(design.problem, design.radius, design.target_pressure).max() < 1e-4
 
 
 @pytest.mark.parametrize(
@@ -34,12 +34,12 @@ def test_inverse_then_forward_meets_a_pressure_that_falls_to_the_surface():
 def test_what_is_wanted_of_the_surface_is_missed_in_a_layer_that_is_reported(wanted: Any):
     design = wo.design_tension(ROLL, wanted)
     assert 0.01 < design.outer_layer < 0.07
-    assert design.surface_miss == pytest.approx(design.wanted[-1])
+    assert design.surface_deviation == pytest.approx(design.target_pressure[-1])
     inside = design.radius < R - design.outer_layer
-    off = miss(design.problem, design.radius, design.wanted)
+    off = miss(design.problem, design.radius, design.target_pressure)
     assert off[inside].max() < 2e-4  # 1e-4 of the design and as much of the forward solution
     # and the miss in the layer is as estimated
-    caught = np.abs(design.reached - design.wanted) / design.wanted.max()
+    caught = np.abs(design.pressure - design.target_pressure) / design.target_pressure.max()
     assert np.max(np.abs(off - caught)) < 2e-4
 
 

@@ -293,10 +293,10 @@ def design(tables: Any, pressure: Any, rtol: float) -> bytes:
         {
             "tension": tables_of(found.tension),
             "radius": found.radius.tolist(),
-            "wanted": found.wanted.tolist(),
-            "reached": found.reached.tolist(),
+            "target_pressure": found.target_pressure.tolist(),
+            "pressure": found.pressure.tolist(),
             "outer_layer": found.outer_layer,
-            "surface_miss": found.surface_miss,
+            "surface_deviation": found.surface_deviation,
         }
     )
 

@@ -33,7 +33,8 @@ def roll_panels(result: RollResult) -> dict[str, Panel]:
     - tension: the wound-on tension, on the stages of the build-up
     - density of the wound layers, and as a density analyser on the winder draws it, where the
       web's density is given
-    - residual_tension of the layers, outward displacement of each layer since it was wound (if asked for)
+    - residual_tension of the layers, and their outward displacement since they were wound (if
+      asked for)
     - disc, hoop_disc: the roll from its side, coloured by pressure and hoop stress (if asked for)
     """
     return {

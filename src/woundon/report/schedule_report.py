@@ -32,8 +32,8 @@ def _tension_quantity() -> Quantity:
 def interior_deviation(found: TensionDesign, wound: RollResult) -> float:
     """Return the largest deviation from the target below the outer layer, relative."""
     inside = found.radius < found.radius[-1] - found.outer_layer
-    deviation = np.abs(wound.at_radius(found.radius)["pressure"] - found.wanted)[inside]
-    return float(deviation.max(initial=0.0) / found.wanted.max())
+    deviation = np.abs(wound.at_radius(found.radius)["pressure"] - found.target_pressure)[inside]
+    return float(deviation.max(initial=0.0) / found.target_pressure.max())
 
 
 def print_schedule(found: TensionDesign, wound: RollResult, console: Console) -> None:
@@ -55,7 +55,7 @@ def print_schedule(found: TensionDesign, wound: RollResult, console: Console) ->
     deviations = {
         INSIDE: interior_deviation(found, wound),
         LAYER: found.outer_layer,
-        SURFACE: found.surface_miss,
+        SURFACE: found.surface_deviation,
     }
     schedule = [
         Row(f"{WOT.meaning}, {place}", WOT.symbol, float(WOT.shown(value)), WOT.display)
@@ -79,7 +79,7 @@ def _print_table(found: TensionDesign, wound: RollResult, console: Console) -> N
     """Print tension, target and resulting pressure at evenly spaced radii."""
     even = np.linspace(found.radius[0], found.radius[-1], ROWS)
     nearest = np.unique([int(np.argmin(np.abs(found.radius - r))) for r in even])
-    r, target = found.radius[nearest], found.wanted[nearest]
+    r, target = found.radius[nearest], found.target_pressure[nearest]
     T, P = found.tension.at(r), wound.at_radius(r)["pressure"]
     titles = ("radius", "", "tension", "", "target", "", "result", "")
     rows = [
@@ -102,7 +102,7 @@ def plot_schedule(found: TensionDesign, wound: RollResult, path: str | Path) -> 
         figure = Picture.new((8.4, 3.2), registered=False)
         left, right = figure.subplots(1, 2)
         left.plot(x, P.shown(wound.at_radius(r)["pressure"]), color=COLOURS[0], label="result")
-        radius, target = r_of.shown(found.radius), P.shown(found.wanted)
+        radius, target = r_of.shown(found.radius), P.shown(found.target_pressure)
         left.plot(radius, target, "--", color=COLOURS[1], label="target")
         left.set_ylabel(axis_label("Pressure $P$", P))
         left.legend()

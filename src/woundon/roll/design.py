@@ -56,8 +56,8 @@ class TensionDesign:
         The roll with this tension as its ``wound_on_tension``.
     radius : (M,) array
         [m].
-    wanted, reached : (M,) arrays
-        Target pressure, and pressure of the finished roll, lower in the outer layer [Pa].
+    target_pressure, pressure : (M,) arrays
+        The target, and the pressure of the finished roll, lower in the outer layer [Pa].
     rtol : float
         Tolerance of the design.
 
@@ -65,14 +65,14 @@ class TensionDesign:
     --------
     >>> import woundon as wo
     >>> design = wo.design_tension(wo.RollProblem.example(), "100 kPa")
-    >>> float(design.wanted[0]), bool(abs(design.reached[0] / 100e3 - 1) < design.rtol)
+    >>> float(design.target_pressure[0]), bool(abs(design.pressure[0] / 100e3 - 1) < design.rtol)
     (100000.0, True)
     """
 
     problem: RollProblem
     radius: Array
-    wanted: Array
-    reached: Array
+    target_pressure: Array
+    pressure: Array
     rtol: float
 
     @property
@@ -85,13 +85,14 @@ class TensionDesign:
     @property
     def outer_layer(self) -> float:
         """Depth of the outer layer in which the error of the pressure exceeds ``rtol`` [m]."""
-        outer = np.abs(self.reached - self.wanted) > self.rtol * np.max(self.wanted)
+        deviation = np.abs(self.pressure - self.target_pressure)
+        outer = deviation > self.rtol * np.max(self.target_pressure)
         return float(self.radius[-1] - self.radius[outer].min()) if outer.any() else 0.0
 
     @property
-    def surface_miss(self) -> float:
-        """Largest difference from the target, in the outer layer: that at the surface [Pa]."""
-        return float(np.max(np.abs(self.reached - self.wanted)))
+    def surface_deviation(self) -> float:
+        """Largest deviation from the target, at the surface if there is an outer layer [Pa]."""
+        return float(np.max(np.abs(self.pressure - self.target_pressure)))
 
 
 @one_thread
@@ -141,24 +142,26 @@ def design_tension(
             "core_shrinkage 0",
         )
     (place,) = find(WoundRoll, "pressure")
-    wanted = _TargetPressure(problem, _as_profile(problem, convert(pressure, place, Context())))
-    found = _Stages(equations_of(problem), wanted)
-    x = _refined_radii(found, rtol)
-    WOT = np.array([found.tension(s) for s in x]) * problem.web_thickness
-    r = np.exp(x)
-    r[0], r[-1] = problem.core.radius, problem.radius
-    nodes, last = found.solved[x[-1]]
-    at = np.exp(nodes)
-    at[0], at[-1] = problem.core.radius, problem.radius
+    target = _TargetPressure(problem, _as_profile(problem, convert(pressure, place, Context())))
+    stages = _Stages(equations_of(problem), target)
+    x = _refined_radii(stages, rtol)
+    WOT = np.array([stages.tension(s) for s in x]) * problem.web_thickness
+    schedule = Profile(radius=_radii(problem, x).tolist(), value=WOT.tolist(), between="smooth")
+    nodes, finished = stages.solved[x[-1]]
     return TensionDesign(
-        problem.replace(
-            wound_on_tension=Profile(radius=r.tolist(), value=WOT.tolist(), between="smooth")
-        ),
-        at,
-        wanted.pressure(nodes),
-        last.P,
+        problem.replace(wound_on_tension=schedule),
+        _radii(problem, nodes),
+        target.pressure(nodes),
+        finished.P,
         rtol,
     )
+
+
+def _radii(problem: RollProblem, x: Array) -> Array:
+    """Return r of x = ln r from core to surface, without rounding at both ends [m]."""
+    r = np.exp(x)
+    r[0], r[-1] = problem.core.radius, problem.radius
+    return r
 
 
 def _as_profile(problem: RollProblem, pressure: float | Profile) -> Profile:
@@ -233,38 +236,38 @@ class _TargetPressure:
 class _Stages:
     """The stages of a roll with a given source, solved on demand."""
 
-    def __init__(self, equations: StageEquations, wanted: _TargetPressure) -> None:
-        self.equations, self.wanted = equations, wanted
-        core = wanted.knots[:1]
-        self.T_c = float((equations.core * wanted.pressure(core) - wanted.slope(core))[0])
+    def __init__(self, equations: StageEquations, target: _TargetPressure) -> None:
+        self.equations, self.target = equations, target
+        core = target.knots[:1]
+        self.T_c = float((equations.core * target.pressure(core) - target.slope(core))[0])
         self.solved: dict[float, tuple[Array, StageSolution]] = {}
-        law, E_t = wanted.problem.stack.radial, wanted.problem.stack.tangential
+        law, E_t = target.problem.stack.radial, target.problem.stack.tangential
         E = float(law.modulus(0.0))
         # as in :func:`.finished.layer_thickness`, with a tension that gives such a pressure
-        P = float(np.max(wanted.pressure(wanted.knots)))
+        P = float(np.max(target.pressure(target.knots)))
         T = np.sqrt(2 * E_t * float(law.strain_at(P)) * P)
         self.layer = min(law.pressure_at_modulus(2 * E) / T, (E / E_t) ** 0.5, 0.3)
 
     def tension(self, x: float) -> float:
         """Return the wound-on stress T of the layer at ln r = x [Pa]."""
-        start = self.wanted.knots[0]
+        start = self.target.knots[0]
         T = self.T_c if x <= start else -float(self._stage(x).Q[-1])
         if T > 0:
             return T
-        r, h = np.exp(x), self.wanted.problem.web_thickness
+        r, h = np.exp(x), self.target.problem.web_thickness
         raise InvalidProblem.at(
             "pressure",
-            f"needs a tension of {T * h:.4g} [N/m] at the radius {r:.6g} m; must be one that a "
-            "tension > 0 makes: more pressure there, or less below",
+            f"needs a tension of {T * h:.4g} [N/m] at the radius {r:.6g} m; must be > 0; "
+            "raise the pressure there, or lower it at smaller radii",
         )
 
     def _stage(self, x: float) -> StageSolution:
         if x not in self.solved:
-            knots = self.wanted.knots
+            knots = self.target.knots
             more = knots[1:-1] if knots.size < CELLS else None
             nodes = nodes_between(knots[0], x, CELLS, self.layer, more)
             guess = self._guess(x, nodes)
-            source = in_cells(nodes, self.wanted.source)
+            source = in_cells(nodes, self.target.source)
             solved = self.equations.solve(nodes, source, self.T_c, *guess)
             if solved is None:
                 raise NotConverged(f"no stage at the radius {np.exp(x):.6g} m has this pressure")
@@ -287,7 +290,7 @@ def _refined_radii(stages: _Stages, rtol: float) -> Array:
     """Return ln r of the tension profile, refined until its interpolation error is accepted."""
     from scipy.interpolate import CubicSpline
 
-    knots = stages.wanted.knots
+    knots = stages.target.knots
     start, end = float(knots[0]), float(knots[-1])
     x = np.union1d(nodes_between(start, end, FIRST_RADII, stages.layer), knots)
     x = x[np.append(np.diff(x) > 1e-9, True)]

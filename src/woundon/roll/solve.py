@@ -112,7 +112,7 @@ def solve_wound_roll(
 
 
 class ThinLayerRoll(NamedTuple):
-    """A roll in the limit of thin layers, and its build-up.
+    """The solution for a roll in the limit of thin layers, and its build-up.
 
     Attributes
     ----------

@@ -76,12 +76,12 @@ function Found({ store, found: { answer, fault }, own }) {
       curve(tension.symbol, T.design.found, "roll", "solid", answer.tension.radius, answer.tension.value),
       curve(tension.symbol, T.design.now, "web", "dashdot", now.map(([r]) => r), now.map(([, v]) => v))])],
     [T.design.pressure, panel("design_pressure", T.design.pressure, pressure, [
-      curve(pressure.symbol, T.design.reached, "roll", "solid", answer.radius, answer.reached),
-      curve(pressure.symbol, T.design.target, "drum", "dashed", answer.radius, answer.wanted),
+      curve(pressure.symbol, T.design.reached, "roll", "solid", answer.radius, answer.pressure),
+      curve(pressure.symbol, T.design.target, "drum", "dashed", answer.radius, answer.target_pressure),
       curve(pressure.symbol, T.design.now, "web", "dashdot", before.x, before.y)])],
   ];
   const size = (quantity, value) => `${digits(units.shown(quantity, value), 3)} ${units.text(quantity)}`;
   return html`<div class=${fault ? "stale" : ""}><p class="quiet">${answer.outer_layer > 0
-    ? T.design.layer(size(LENGTH, answer.outer_layer), size(pressure, answer.surface_miss)) : T.design.met}</p>
+    ? T.design.layer(size(LENGTH, answer.outer_layer), size(pressure, answer.surface_deviation)) : T.design.met}</p>
     <div class="panels">${shown.map(([title, cases]) => html`<div class="panel-cell" key=${title}><${OnePanel} store=${store} name=${cases[0].panel.name} title=${title} cases=${cases} /></div>`)}</div></div>`;
 }
