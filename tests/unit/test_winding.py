@@ -123,7 +123,7 @@ def test_each_nip_answers_what_the_roll_was_wound_with():
     run = wound("effective")
     k = run.nip_radius.size // 2
     r = float(run.nip_radius[k])
-    roll = effective_cylinder(run.problem, r, float(run.nip_felt_pressure[k]))
+    roll = effective_cylinder(run.problem, r, float(run.nip_effective_pressure[k]))
     nip = wo.solve(run.problem.nip(r, roll), nodes=33)
     tension = np.interp(r, run.radius, run.wound_on_tension)
     assert nip.roll_wound_on_tension == pytest.approx(tension, rel=2 * run.coupling_rtol)
@@ -131,7 +131,7 @@ def test_each_nip_answers_what_the_roll_was_wound_with():
     # and the roll so far asks for the modulus that it has; what is left is a second-order change
     stage = stage_at(run.roll, r)
     found = effective_pressure(stage, nip.roll_wound_on_tension, nip.half_width, nip.peak_pressure)
-    assert found == pytest.approx(float(run.nip_felt_pressure[k]), rel=1e-4)
+    assert found == pytest.approx(float(run.nip_effective_pressure[k]), rel=1e-4)
 
 
 def test_nips_are_solved_down_to_ten_layers_on_the_core():

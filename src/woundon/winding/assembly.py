@@ -70,7 +70,7 @@ def assemble_result(
         nip_departure=np.zeros(len(samples)) if departure is None else departure,
         nip_half_width=np.array([nip.half_width for nip in solved]),
         nip_peak_pressure=np.array([nip.peak_pressure for nip in solved]),
-        nip_felt_pressure=np.array([each.pressure for each in samples]),
+        nip_effective_pressure=np.array([each.pressure for each in samples]),
         nip_air_film=np.array([nips.films[each.radius] for each in samples]),
         nip_friction=np.array([nip.problem.roll_friction for nip in solved]),
         air_film=film,

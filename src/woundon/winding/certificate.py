@@ -72,7 +72,7 @@ def _positivity_residual(result: Any) -> float:
     """Return 0 if widths, pressures and friction of all nips are positive, else inf."""
     quantities = [result.nip_half_width, result.nip_peak_pressure, result.nip_friction]
     if result.problem.roll_body == "effective":
-        quantities.append(result.nip_felt_pressure)
+        quantities.append(result.nip_effective_pressure)
     return largest([positive(*quantities), 0.0 if (result.nip_residual >= 0).all() else np.inf])
 
 

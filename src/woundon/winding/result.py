@@ -16,7 +16,7 @@ from ..roll.result import RollResult
 from .bodies import NipSample
 from .certificate import certificate
 from .margins import WithMargins
-from .roll import wound_again
+from .roll import recompute_roll
 
 __all__ = ["WindingResult"]
 
@@ -44,7 +44,7 @@ class WindingResult(WithMargins, Result):
     nip_departure : (n,) array
         Wound-on tension minus that of the nips, which are solved with smoothed schedules if those
         of the problem fluctuate; otherwise 0 [N/m].
-    nip_felt_pressure : (n,) array
+    nip_effective_pressure : (n,) array
         P_e at which the moduli of an effective roll are evaluated [Pa]; nan for other roll bodies.
     nip_air_film, nip_friction : (n,) arrays
         Entrained air film at ambient pressure [m], and the effective friction with this air [1].
@@ -89,14 +89,14 @@ class WindingResult(WithMargins, Result):
             "wound": "the roll is result.roll",
         }
     )
-    MAY_BE_NAN: ClassVar[frozenset[str]] = frozenset({"nip_felt_pressure", "nip_error"})
+    MAY_BE_NAN: ClassVar[frozenset[str]] = frozenset({"nip_effective_pressure", "nip_error"})
     ALONG: ClassVar[Mapping[str, str]] = MappingProxyType(
         dict.fromkeys(
             (
                 "nip_wound_on_tension",
                 "nip_half_width",
                 "nip_peak_pressure",
-                "nip_felt_pressure",
+                "nip_effective_pressure",
                 "nip_departure",
                 "nip_error",
                 "nip_residual",
@@ -129,7 +129,7 @@ class WindingResult(WithMargins, Result):
     ]
     nip_half_width: Annotated[Array, length("a_k", "half-width of each nip")]
     nip_peak_pressure: Annotated[Array, stress("p_max,k", "peak pressure of each nip")]
-    nip_felt_pressure: Annotated[
+    nip_effective_pressure: Annotated[
         Array, stress("P_e,k", "pressure used to evaluate the effective radial modulus")
     ]
     nip_air_film: Annotated[Array, length("h_k", "entrained air film at each nip", "um")]
@@ -161,7 +161,7 @@ class WindingResult(WithMargins, Result):
         For a loaded result the roll is recomputed.
         """
         if self.wound is None:
-            object.__setattr__(self, "wound", wound_again(self))
+            object.__setattr__(self, "wound", recompute_roll(self))
         assert self.wound is not None
         return self.wound
 

@@ -13,7 +13,7 @@ from ..problems.winding import WindingProblem
 from ..roll.result import RollResult
 from ..roll.solve import ThinLayerRoll, solve_thin_layers
 
-__all__ = ["changed", "wind", "wound_again"]
+__all__ = ["changed", "recompute_roll", "wind"]
 
 Array = np.ndarray
 STRAIGHT = 1e-13  # relative distance from a straight line below which a point lies on it
@@ -52,7 +52,7 @@ def changed(
     return roll.wound_with(_roll_problem(problem, r, tension, film))
 
 
-def wound_again(result: Any) -> RollResult:
+def recompute_roll(result: Any) -> RollResult:
     """Recompute the roll of a result that was loaded from a file."""
     thin = wind(
         result.problem, result.radius, result.wound_on_tension, result.roll_rtol, result.air_film
