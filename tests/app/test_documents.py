@@ -36,23 +36,6 @@ def test_the_script_computes_the_very_same_problem(client, cases, name):
     assert names["problem"] == kinds.named(name).example()
 
 
-def test_a_script_of_layers_and_schedules_runs():
-    """Lists of descriptions, and those that are nested."""
-    from woundon.io.python_texts import to_python
-
-    drum = wo.Layered(radius=0.24, layers=[
-        wo.Layer(thickness=0.01, material=wo.Isotropic(youngs_modulus=1e7, poissons_ratio=0.4)),
-        wo.Layer(thickness=0.005, material=wo.material("steel")),
-    ])  # fmt: skip
-    roll = kinds.named("roll").example().replace(
-        wound_on_tension=wo.Taper(start=300.0, taper=0.2)
-    )  # fmt: skip
-    for problem in (wo.NipProblem.example().replace(drum=drum), roll):
-        names = {}
-        exec(to_python(problem).partition("result = ")[0], names)
-        assert names["problem"] == problem
-
-
 @pytest.mark.parametrize(
     "text",
     ["", "schema = 1", "nip_load = 3 kN/m", "a = " + "[" * 3000, "\0", "schema = 1\nnip_load = -1",
@@ -109,13 +92,6 @@ def test_a_picture_of_two_cases(client, cases, ending, head, panels):
     assert answer.content.startswith(head)
 
 
-def test_a_picture_of_no_such_panel_is_rejected(client, cases):
-    body = {"cases": [{"case": cases["nip"]}]}
-    answer = client.post("/api/figure", params={"panels": "tractoins"}, json=body)
-    assert answer.json()["errors"][0]["field"] == "panels"
-    assert client.post("/api/figure", params={"format": "exe"}, json=body).status_code == 422
-
-
 # ---- reports ----------------------------------------------------------------------------------
 
 
@@ -155,12 +131,6 @@ def test_a_report_of_nothing_is_rejected(client, body, field):
     answer = client.post("/api/report", json=body)
     assert answer.status_code == 422
     assert answer.json()["errors"][0]["field"].startswith(field)
-
-
-def test_units_that_are_none_are_rejected(client, cases):
-    for units in ({"nip_load": "kg"}, {"no_such": "m"}, {"nip_load": 3}, [1]):
-        body = {"cases": [{"case": cases["nip"]}], "units": units}
-        assert client.post("/api/report", json=body).status_code == 422
 
 
 # ---- woundon report ---------------------------------------------------------------------------
@@ -233,11 +203,6 @@ def _paths(catalogue, form, prefix=""):
             yield from _paths(catalogue, member["form"], below)
 
 
-def test_what_starts_from_lists_has_some_that_are_admissible(catalogue):
-    for name in ("Polynomial", "StackTest"):
-        assert getattr(wo, name)(**catalogue["forms"][name]["start"])
-
-
 def test_every_shown_unit_is_among_those_that_a_field_may_be_reported_in(catalogue):
     from woundon.problems.units import parse
 
@@ -251,13 +216,6 @@ def test_every_shown_unit_is_among_those_that_a_field_may_be_reported_in(catalog
         for name, factor in units.items() if field in fields else ():
             text = f"2 {name}" if name else "2"
             assert parse(text, field["unit"]) == pytest.approx(2 * factor, rel=1e-14)
-
-
-def test_the_mills_units_are_units_of_the_same_kind(catalogue):
-    known = {u["name"]: si for si, units in catalogue["units"].items() for u in units}
-    for shown, mill in catalogue["systems"]["mill"].items():
-        if shown in known:
-            assert known[shown] == known[mill]
 
 
 EXAMPLES = ("Cases", "DesignRequest", "FindRequest", "Study")

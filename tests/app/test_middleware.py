@@ -99,12 +99,6 @@ def test_every_answer_forbids_what_no_page_of_ours_needs(bare):
         assert not [name for name in headers if name.startswith("access-control")]
 
 
-def test_the_catalogue_is_sent_once(bare):
-    first = bare.get("/api/catalogue")
-    again = bare.get("/api/catalogue", headers={"if-none-match": first.headers["etag"]})
-    assert (again.status_code, again.content) == (304, b"")
-
-
 # ---- a token ----------------------------------------------------------------------------------
 
 

@@ -55,25 +55,6 @@ def test_what_a_state_says_of_its_problem_solves_the_same(client, cases):
     assert {**first, "seconds": 0} == {**again, "seconds": 0}
 
 
-def test_texts_with_units_and_names_of_materials_are_read(client, cases):
-    case = cases["nip"] | {
-        "nip_load": "20 pli", "web": {"thickness": "2.6 mil", "material": "newsprint"},
-    }  # fmt: skip
-    answer = client.post("/api/solve", json=case).json()
-    assert answer["problem"]["nip_load"] == 20 * 4.4482216152605 / 0.0254
-    assert answer["problem"]["web"]["thickness"] == pytest.approx(2.6 * 25.4e-6, rel=1e-15)
-
-
-def test_the_wraps_stand_bare_or_in_their_table(client, cases):
-    bare = cases["nip"] | {"roll_wrap": 2.0}
-    wraps = ("roll_wrap", "drum_wrap", "wrap_friction")
-    others = {name: value for name, value in cases["nip"].items() if name not in wraps}
-    table = others | {"wrap": {"roll_wrap": "2 rad"}}
-    answers = [client.post("/api/solve", json=case).json() for case in (bare, table)]
-    assert answers[0]["problem"]["roll_wrap"] == 2.0
-    assert answers[0]["outputs"] == answers[1]["outputs"]
-
-
 def test_options_of_the_solver_come_with_the_address(client, cases):
     answer = client.post("/api/solve?nodes=41", json=cases["nip"]).json()
     first, last = answer["nip"]
@@ -120,29 +101,6 @@ def test_a_report_is_of_the_state_that_its_session_has_seen(cases, monkeypatch):
     assert begun[1:] == [(few, True), (few, False), ({}, False)]
 
 
-def test_air_is_an_optional_part_of_a_nip(client, cases):
-    air = {"roughness": "0.3 um"}
-    answer = client.post("/api/solve", json=cases["nip"] | {"web_speed": 10.0, "air": air}).json()
-    problem = wo.NipProblem.example().replace(web_speed=10.0, air=wo.Air(roughness=0.3e-6))
-    with unwarned():
-        result = wo.solve(problem)
-    for name in ("wound_on_tension", "air.film", "air.friction_share"):
-        assert same(answer["outputs"][name]["value"], float(value_of(result, name)))
-    assert "air.film" not in client.post("/api/solve", json=cases["nip"]).json()["outputs"]
-
-
-def test_the_air_film_is_drawn_along_the_nip(client, cases):
-    case = cases["nip"] | {"web_speed": 10.0, "air": {"roughness": 0.3e-6}}
-    answer = client.post("/api/solve?drawn=true", json=case).json()
-    (panel,) = (one for one in answer["panels"] if one["name"] == "air_film")
-    (curve,) = panel["curves"]
-    assert len(curve["x"]) == len(curve["y"])
-    # the film is thinnest under the largest pressure
-    assert abs(curve["x"][int(np.argmin(curve["y"]))]) < 0.5 * answer["geometry"]["half_width"]
-    dry = client.post("/api/solve?drawn=true", json=cases["nip"]).json()
-    assert "air_film" not in [one["name"] for one in dry["panels"]]
-
-
 @pytest.mark.parametrize("name", ["nip", "without wraps", "rollers"])
 def test_zones_cover_the_contact_and_no_traction_exceeds_its_bound(client, cases, name):
     case = cases["nip"] | {"roll_wrap": 0.0} if name == "without wraps" else cases[name]
@@ -155,19 +113,6 @@ def test_zones_cover_the_contact_and_no_traction_exceeds_its_bound(client, cases
         traction = np.abs(answer["arrays"][bound["of"]])
         # 1e-8 of the largest: what the certificate admits
         assert np.all(traction <= np.array(bound["values"]) + 1e-8 * traction.max())
-
-
-def test_a_layered_drum_is_drawn_layer_by_layer(client, cases):
-    soft = {"kind": "isotropic", "youngs_modulus": "10 MPa", "poissons_ratio": 0.4}
-    drum = {
-        "kind": "layered", "radius": 0.24, "core": "rigid",
-        "layers": [{"thickness": "15 mm", "material": soft},
-                   {"thickness": "5 mm", "material": "steel"}],
-    }  # fmt: skip
-    answer = client.post("/api/solve", json=cases["nip"] | {"drum": drum}).json()
-    body = answer["geometry"]["bodies"][1]
-    assert [layer["thickness"] for layer in body["layers"]] == [0.015, 0.005]
-    assert body["core"] == "rigid"
 
 
 # ---- refusals ---------------------------------------------------------------------------------
@@ -191,14 +136,6 @@ def test_every_fault_is_reported_at_its_field_with_its_range(client, cases):
     assert faults["nip_load"]["range"] == {"ge": 1e-12, "le": 1e7}
     assert faults["nip_load"]["unit"] == "N/m"
     assert "wrong dimension" in faults["web.thickness"]["message"]
-
-
-def test_the_text_is_the_one_that_python_raises(client, cases):
-    answer = rejected(client, cases["nip"] | {"nip_load": -3.0})
-    with pytest.raises(wo.InvalidProblem) as raised:
-        wo.NipProblem.example().replace(nip_load=-3.0)
-    assert answer["detail"] == str(raised.value)
-    assert answer["type"] == "/problems/invalid"
 
 
 def test_no_steady_state_is_distinguished(client, cases):

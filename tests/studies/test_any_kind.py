@@ -14,12 +14,10 @@ from thesis_cases import measured_tensions, newsprint_nip, paper_nip
 
 import woundon as wo
 from woundon import kinds
-from woundon.studies.api import _on_one_grid
 from woundon.studies.kind_model import model_of
 from woundon.studies.measured import Measured
 from woundon.studies.predict import Parameter, Predictor
 
-SAME = 1e-12  # the same solves in another order: rounding alone
 STARTED = 1e-8  # cases start from their neighbours: to the tolerance of the load
 
 
@@ -61,50 +59,6 @@ def test_wraps_are_swept_as_any_field():
     assert data.attrs["kind"] == "nip"
 
 
-def test_by_default_a_study_gives_what_the_kind_is_about():
-    loads = {"nip_load": [1e3]}
-    for nip in (paper_nip(), paper_nip().replace(roll_wrap=pi)):
-        assert "wound_on_tension" in wo.sweep(nip, loads, nodes=17, workers=1)
-    with pytest.raises(wo.InvalidProblem, match=r"missing; known: .*creepage, shift, "):
-        wo.sweep(wo.RollerProblem.example(), {"load": [1e3]})
-
-
-def test_properties_methods_and_error_estimates_are_outputs():
-    outputs = ("nip_width", "peak_pressure", "errors.half_width")
-    single = wo.solve(paper_nip(nip_load=1e3), nodes=33)
-    data = wo.sweep(paper_nip(), {"nip_load": [1e3]}, outputs, nodes=33, workers=1)
-    expected = {
-        "nip_width": single.nip_width,
-        "peak_pressure": single.peak_pressure,
-        "errors.half_width": single.errors["half_width"],
-    }
-    for name, value in expected.items():
-        assert float(data[name][0]) == pytest.approx(value, rel=SAME)
-    assert data["errors.half_width"].attrs["units"] == "m"
-
-
-def test_without_a_roll_wrap_the_wound_on_tension_is_that_at_the_outlet():
-    outputs = ("wound_on_tension", "outlet_tension")
-    data = wo.sweep(paper_nip(), {"nip_load": [1e3], "roll_wrap": [0.0, pi]}, outputs, nodes=17)
-    plain, wrapped = (data.isel(nip_load=0).sel(roll_wrap=angle) for angle in (0.0, pi))
-    assert float(plain.wound_on_tension) == float(plain.outlet_tension)
-    assert float(wrapped.wound_on_tension) != float(wrapped.outlet_tension)
-
-
-def test_a_nip_without_wraps_is_fitted_to_wound_on_tensions():
-    loads = [1e3, 2e3]
-    tensions = [
-        wo.solve(paper_nip(nip_load=P, roll_friction=0.25), nodes=17).wound_on_tension
-        for P in loads
-    ]
-    data = {"nip_load": loads, "WOT": tensions}
-    fit = wo.fit(
-        paper_nip(), data, {"roll_friction": (0.1, 0.6)}, columns={"WOT": "wound_on_tension"},
-        nodes=17, starts=1, profiles=False,
-    )  # fmt: skip
-    assert fit.estimate("roll_friction") == pytest.approx(0.25, rel=1e-4)
-
-
 def test_a_wrapped_nip_is_fitted_to_measured_tensions():
     """Three of the thesis's points; what the fit predicts is what the solver says."""
     rows = [p for p in measured_tensions() if p["web_tension"] == 350 and p["nip_load"] > 1000]
@@ -131,37 +85,6 @@ def test_a_wrapped_nip_is_fitted_to_measured_tensions():
         assert np.sqrt(np.mean(miss**2)) > fit.rms
 
 
-def test_friction_downstream_of_the_nip_is_recovered_though_the_case_gives_none():
-    true = paper_nip().replace(roll_wrap=pi, wrap_friction=0.13)
-    loads = [1500.0, 3000.0]
-    data = {
-        "nip_load": loads,
-        "wound_on_tension": [
-            wo.solve(true.replace(nip_load=P), nodes=17).wound_on_tension for P in loads
-        ],
-    }
-    base = paper_nip().replace(roll_wrap=pi)
-    assert base.wrap_friction is None
-    fit = wo.fit(
-        base, data, {"wrap_friction": (0.05, 0.4)}, nodes=17, starts=1, profiles=False
-    )  # fmt: skip
-    # no noise: what is left is what warm and cold corrections differ by, 2e-7 of a tension, of
-    # which the friction behind the nip makes a thousandth
-    assert fit.estimate("wrap_friction") == pytest.approx(0.13, rel=2e-4)
-    with pytest.raises(wo.InvalidProblem, match="wrap_friction: is None: give bounds for it"):
-        wo.fit(base, data, ["wrap_friction"])
-
-
-def test_one_grid_for_fits_where_the_solver_would_choose_it():
-    """65 nodes for all contacts; nodes and tolerances that are given stay."""
-    for nip in (paper_nip(), paper_nip().replace(roll_wrap=pi), wo.RollerProblem.example()):
-        assert _on_one_grid(nip, {}) == {"nodes": 65}
-        assert _on_one_grid(nip, {"nodes": None}) == {"nodes": 65}
-        assert _on_one_grid(nip, {"nodes": 33}) == {"nodes": 33}
-        assert _on_one_grid(nip, {"rtol": 1e-4}) == {"rtol": 1e-4}
-    assert _on_one_grid(wo.RollProblem.example(), {}) == {}
-
-
 def test_rollers_are_fitted_to_a_curve_of_creepage():
     """The tangential load that the problem gives is an input, though results tell it too."""
     true = wo.RollerProblem.example()
@@ -171,22 +94,6 @@ def test_rollers_are_fitted_to_a_curve_of_creepage():
     base = true.replace(friction=0.3)
     fit = wo.fit(base, data, ["friction"], nodes=41, starts=1, profiles=False)
     assert fit.estimate("friction") == pytest.approx(0.5, rel=1e-5)
-
-
-def test_what_follows_a_varied_field_is_solved():
-    """Another field is tied to the web tension."""
-    tie = {"winding_force": "web_tension"}
-    data = wo.sweep(
-        paper_nip(), {"web_tension": [100.0, 300.0]},
-        ("outlet_tension", "nip_induced_tension"), tie=tie, nodes=17, workers=1,
-    )  # fmt: skip
-    single = wo.solve(paper_nip(web_tension=300.0, winding_force=300.0), nodes=17)
-    # warm and cold starts agree to the tolerance of the solver
-    assert float(data.nip_induced_tension[1]) == pytest.approx(
-        single.nip_induced_tension, rel=STARTED
-    )
-    behind = 300.0 + float(data.nip_induced_tension[1])
-    assert float(data.outlet_tension[1]) == pytest.approx(behind, rel=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -219,14 +126,6 @@ def test_a_field_may_come_with_a_body_that_is_varied():
     )  # warm and cold carry the load to 3e-9
 
 
-@pytest.mark.parametrize("thing", [None, 3.0, wo.NipProblem])
-def test_what_is_no_problem_is_rejected(thing):
-    with pytest.raises(wo.InvalidProblem, match="must be a "):
-        wo.sweep(thing, {"nip_load": [1e3]})
-    with pytest.raises(wo.InvalidProblem, match="must be a "):
-        wo.fit(thing, {"half_width": [1e-3]}, ["nip_load"])
-
-
 # ---- a kind from outside ------------------------------------------------------------------------
 
 
@@ -243,24 +142,11 @@ def test_items_of_a_list_are_varied_by_their_number(row):
     assert json.loads(data.attrs["problem"])["springs"][1]["stiffness"] == 300.0
 
 
-def test_items_of_a_list_follow_one_another(row):
-    tie = {"springs.1.stiffness": "springs.0.stiffness"}
-    data = wo.sweep(row, {"springs.0.stiffness": [60.0]}, tie=tie, workers=1)
-    assert float(data.extension[0]) == 2 * 3.0 / 60.0
-    colours = {"springs.0.colour": ["red", "blue"]}
-    assert wo.sweep(row, colours, workers=1)["springs.0.colour"].values.tolist() == ["red", "blue"]
-
-
 def test_workers_know_the_kind_from_its_module(row):
     over = {"springs.0.stiffness": np.linspace(50, 150, 12)}
     one = wo.sweep(row, over, workers=1, chunk=3)
     two = wo.sweep(row, over, workers=2, chunk=3)
     assert one.identical(two)
-
-
-def test_a_start_is_handed_to_the_next_case(row):
-    table = models.table_of(row, {"force": [1.0, 2.0, 3.0]}, ("solved",))
-    assert table.outputs["solved"].tolist() == [1, 2, 3]
 
 
 def test_items_of_a_list_are_fitted(row):
@@ -288,18 +174,6 @@ def test_derivatives_are_exact_where_the_result_has_them(row, outputs):
     rel = 1e-6 if outputs == ("end",) else 6e-4
     expected = np.full((2 * len(outputs), 1), -6.0 / 160.0)
     assert predictor.jacobian(u) == pytest.approx(expected, rel=rel)
-
-
-def test_a_rejected_derivative_takes_differences(row):
-    model = model_of(row, ("end",), None, {})
-    state = model.run({}, None).state
-    assert model.gradient(state, ("force",)) == pytest.approx(np.array([[row_slope(row)]]))
-    assert model.gradient(state, ("springs.0.colour",)) is None
-    assert model.gradient(object(), ("force",)) is None
-
-
-def row_slope(row) -> float:
-    return sum(1 / spring.stiffness for spring in row.springs)
 
 
 @pytest.mark.parametrize(

@@ -65,47 +65,6 @@ def test_a_table_that_a_study_writes_is_read_as_cases(tmp_path: Path, study, end
     assert np.nanmax(np.abs(difference) / (width / 2)) < SAME_ESTIMATE
 
 
-def test_an_excel_file_looks_like_a_table(tmp_path: Path, study):
-    openpyxl = pytest.importorskip("openpyxl")
-    with wo.units(nip_load="kN/m"):
-        table = sweep_table(paper_nip(), {"nip_load": [1e3]}, ["nip_width"], **QUICK)
-    export(table, tmp_path / "study.xlsx")
-    book = openpyxl.load_workbook(tmp_path / "study.xlsx")
-    assert book.sheetnames == ["study", "about"]
-    for sheet in book:
-        assert sheet.freeze_panes == "A2"
-        assert all(cell.font.bold for cell in sheet[1])
-        assert not any(cell.font.bold for cell in sheet[2])
-    sheet = book["study"]
-    header = [cell.value for cell in sheet[1]]
-    assert header[:3] == ["case", "nip_load [kN/m]", "nip_width [m]"]
-    assert sheet["B2"].value == 1.0
-    for cell in sheet[1]:
-        assert sheet.column_dimensions[cell.column_letter].width > len(cell.value)
-
-
-def test_a_failed_case_is_an_empty_cell_of_excel(tmp_path: Path, study):
-    openpyxl = pytest.importorskip("openpyxl")
-    export(study, tmp_path / "study.xlsx")
-    sheet = openpyxl.load_workbook(tmp_path / "study.xlsx")["study"]
-    header, *rows = sheet.iter_rows(values_only=True)
-    at = header.index("nip_width [m]")
-    empty = [number for number, row in enumerate(rows) if row[at] is None]
-    assert empty == study.failed.tolist()
-
-
-def test_units_of_choice_reach_tables_and_come_back(tmp_path: Path, study):
-    with wo.units({"nip_load": "kN/m", "nip_width": "um"}):
-        table = sweep_table(paper_nip(), {"nip_load": [1e3, 2345.0]}, ["nip_width"], **QUICK)
-    export(table, tmp_path / "study.csv")
-    frame = pandas.read_csv(tmp_path / "study.csv")
-    assert frame["nip_load [kN/m]"].tolist() == [1.0, 2.345]
-    widths = [1e6 * width for width in table.outputs["nip_width"]]
-    assert frame["nip_width [um]"].tolist() == pytest.approx(widths, rel=1e-15)
-    again = sweep_table(paper_nip(), tmp_path / "study.csv", ["nip_width"], **QUICK)
-    assert again.design.inputs(np.arange(2))["nip_load"].tolist() == [1e3, 2345.0]
-
-
 def test_a_table_of_ones_own_from_a_study_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     (tmp_path / "cases.csv").write_text(
         "Linienlast;Papier;Trommel;Nr;WOT N/m\n1,5;paper;\"{\"\"kind\"\": \"\"rigid\"\", "
@@ -131,14 +90,6 @@ def test_a_table_of_ones_own_from_a_study_file(tmp_path: Path, capsys: pytest.Ca
     )
     single = wo.solve(case, nodes=13).wound_on_tension
     assert float(rows[0]["wound_on_tension [N/m]"]) == pytest.approx(single, rel=SAME)
-
-
-def test_a_data_frame_is_a_table_of_cases():
-    frame = pandas.DataFrame({"Nip load kN/m": [1.0, 2.0], "web_tension": [300.0, 400.0]})
-    table = sweep_table(paper_nip(), frame, ["nip_width"], **QUICK)
-    inputs = table.design.inputs(np.arange(2))
-    assert inputs["nip_load"].tolist() == [1e3, 2e3]
-    assert inputs["web_tension"].tolist() == [300.0, 400.0]
 
 
 def test_what_is_field_and_output_is_an_input_unless_a_study_wrote_the_table(tmp_path: Path):

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-import sqlite3
-from contextlib import closing
 from importlib import resources
 from pathlib import Path
 
@@ -65,41 +63,6 @@ def test_sweep_writes_tables_and_figures_and_sums_up(
         )
 
 
-def test_sweep_again_needs_resume(study: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]):
-    command = ["sweep", str(study), "--out", str(tmp_path / "out"), "--workers", "1"]
-    assert cli.main(command) == 0
-    assert cli.main(command) == 2
-    assert "contains a study already; resume it, or use another folder" in capsys.readouterr().err
-    assert cli.main([*command, "--resume"]) == 0
-
-
-def test_what_is_found_in_a_folder_is_reported_in_a_line(
-    study: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-):
-    out = tmp_path / "out"
-    command = ["sweep", str(study), "--out", str(out), "--workers", "1"]
-    assert cli.main(command) == 0
-    first = (out / "study.csv").read_bytes()
-    with closing(sqlite3.connect(out / "study.sqlite")) as connection, connection:
-        connection.execute("UPDATE chunk SET outputs = zeroblob(48)")
-    capsys.readouterr()
-    assert cli.main([*command, "--resume"]) == 0
-    message = [line for line in capsys.readouterr().err.splitlines() if "solving" not in line]
-    (aside,) = out.glob("damaged-*")
-    assert message == [
-        f"warning: {out / 'study.sqlite'}: damaged, a copy is in {aside.name}; "
-        "0 of its chunks are intact, the other 1 are solved again",
-    ]
-    assert (out / "study.csv").read_bytes() == first
-
-
-def test_nodes_and_rtol_are_one_or_the_other(capsys: pytest.CaptureFixture[str]):
-    assert cli.main(["solve", str(CASE), "--nodes", "65", "--rtol", "1e-3"]) == 2
-    assert capsys.readouterr().err == (
-        "error: nodes: 65 is given together with rtol, which chooses the nodes; omit one\n"
-    )
-
-
 def test_sensitivity_tells_the_shares(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     path = tmp_path / "study.toml"
     path.write_text(
@@ -157,17 +120,6 @@ WRAP = """
 roll_wrap = "90 deg"
 drum_wrap = "180 deg"
 """
-ROLLERS = """
-schema = 1
-load = "89 kN/m"
-friction = 0.5
-[upper]
-radius = "250 mm"
-material = "steel"
-[lower]
-radius = "250 mm"
-material = "steel"
-"""
 
 
 @pytest.fixture
@@ -197,21 +149,6 @@ def test_wraps_are_swept_from_a_study_file(wrapped_case: Path, tmp_path: Path):
         # warm and cold starts agree to the tolerance of the solver
         found = float(data.wound_on_tension[1, 1])
         assert found == pytest.approx(single.wound_on_tension, rel=1e-8)
-
-
-def test_rollers_are_swept_from_a_study_file(tmp_path: Path):
-    (tmp_path / "rollers.toml").write_text(ROLLERS, encoding="utf-8")
-    study = tmp_path / "study.toml"
-    study.write_text(
-        'schema = 1\ncase = "rollers.toml"\noutputs = ["creepage", "slip_share"]\n[over]\n'
-        'tangential_load = ["1 kN/m", "8.4 kN/m"]\n[solver]\nnodes = 41\n',
-        encoding="utf-8",
-    )
-    out = tmp_path / "out"
-    assert cli.main(["sweep", str(study), "--out", str(out), "--workers", "1"]) == 0
-    with xarray.open_dataset(out / "study.nc", engine="scipy") as data:
-        pair = wo.load_case(tmp_path / "rollers.toml").replace(tangential_load=8.4e3)
-        assert float(data.creepage[1]) == pytest.approx(wo.solve(pair, nodes=41).creepage, rel=1e-8)
 
 
 POINTS = Path(str(resources.files("woundon"))) / "data" / "wound_on_tension_newsprint.csv"
@@ -339,12 +276,6 @@ def test_bad_study_files_are_rejected(
     assert says in capsys.readouterr().err
 
 
-def test_a_rejected_study_leaves_no_folder(study: Path):
-    study.write_text(study.read_text("utf-8").replace("nodes = 17", "node = 17"), "utf-8")
-    assert cli.main(["sweep", str(study), "--out", str(study.parent / "out")]) == 2
-    assert not (study.parent / "out").exists()
-
-
 def test_a_study_may_hold_its_case(tmp_path: Path):
     path = tmp_path / "study.toml"
     case = CASE.read_text("utf-8").replace("schema", "# schema", 1)
@@ -399,10 +330,3 @@ def test_bad_measured_data(
     data.write_text(rows, encoding="utf-8")
     assert cli.main(["fit", str(CASE), str(data), "--vary", "roll_friction"]) == 2
     assert says in capsys.readouterr().err
-
-
-def test_a_sweep_without_any_solution_is_distinguished(tmp_path: Path):
-    study = tmp_path / "study.toml"
-    text = f'schema = 1\ncase = "{CASE.as_posix()}"\n[over]\nwinding_force = ["5 kN/m", "6 kN/m"]\n'
-    study.write_text(text, encoding="utf-8")
-    assert cli.main(["sweep", str(study), "--out", str(tmp_path / "out"), "--workers", "1"]) == 3

@@ -84,13 +84,6 @@ def test_a_sum_of_compliances_leaves_their_difference_undetermined():
     assert "least determined change" in text
 
 
-def test_tied_fields_change_together():
-    plan = wo.next_experiment(row(*K), {K0: 0.2}, [pull(10.0)], tie={K1: K0}, draws=0)
-    # both springs follow k0: the derivative is -2 F/k0
-    expected = 1 / np.sqrt(1 / 0.2**2 + (20 / (K[0] * SIGMA)) ** 2)
-    assert plan.standard_errors[1, 0] == pytest.approx(expected, rel=1e-4)
-
-
 def test_a_series_is_the_sum_of_its_values_and_costs_are_compared():
     series = wo.Measurement("extension", {"force": [2.0, 5.0, 10.0]}, SIGMA, cost=3.0)
     singles = [pull(f) for f in (2.0, 5.0, 10.0)]

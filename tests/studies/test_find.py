@@ -7,7 +7,6 @@ import pickle
 import sys
 from importlib import import_module
 from math import pi
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,8 +16,6 @@ from woundon import kinds
 from woundon.cli.commands import main
 from woundon.io.case_files import load_case
 from woundon.io.case_texts import template
-
-HERE = Path(__file__).parent
 
 
 @pytest.fixture
@@ -179,11 +176,6 @@ def test_the_range_is_extended_while_the_output_approaches_the_target(curves):
         wo.find(problem, "scale", height=-1.0)
 
 
-def test_every_point_starts_from_a_neighbour(curves):
-    found = wo.find(curves.CurveProblem(), "position", height=1.23, between=(0, 2))
-    assert found.result.started == 1
-
-
 def test_no_solution_carries_the_scan_and_pickles(curves):
     with pytest.raises(wo.NoSolution) as caught:
         wo.find(curves.CurveProblem(), "position", height=5.0, between=(0, 2), points=3)
@@ -233,43 +225,7 @@ def test_invalid_requests_are_rejected(name, options, text):
     assert not isinstance(caught.value, wo.NoSolution)
 
 
-def test_values_may_have_units_and_progress_is_reported():
-    computed: list[tuple[int, int]] = []
-    found = wo.find(
-        steel_pair(), "load", between=("50 kN/m", "2e4 kN/m"),
-        nip_width="0.4 cm", progress=lambda done, size: computed.append((done, size)), points=5,
-    )  # fmt: skip
-    assert found.target == pytest.approx(4e-3)
-    assert computed[0] == (1, 5)
-    assert computed[-1][0] >= 5
-
-
-def test_a_tied_field_follows():
-    problem = wo.NipProblem.example()
-    one_paper = {"web.material": "roll.material"}
-    found = wo.find(
-        problem, "roll.material.shear", wound_on_tension=720.0, tie=one_paper, points=5, nodes=33
-    )
-    assert found.problem.web.material == found.problem.roll.material
-
-
 # ---- output -------------------------------------------------------------------------------------
-
-
-def test_tables_texts_and_figures(curves, tmp_path):
-    found = wo.find(curves.CurveProblem(shape="cubic"), "position", height=0.1, between=(-2, 2))
-    frame = found.to_dataframe()
-    assert list(frame.columns) == ["position", "uncertainty", "height", "errors.height", "slope"]
-    assert len(frame) == 3
-    table = json.loads(found.to_json())
-    assert [row["position"] for row in table["solutions"]] == frame.position.tolist()
-    assert repr(found).startswith("FindResult(position = -0.945")
-    assert "position" in found._repr_html_()
-    found.plot(tmp_path / "find.png")
-    assert (tmp_path / "find.png").stat().st_size > 10_000
-    with wo.units(position="mm"):
-        again = wo.find(curves.CurveProblem(), "position", height=0.5, between=(0, 2))
-        assert str(again).startswith("position = 500 mm")
 
 
 def test_the_command_prints_the_answer_first(tmp_path, capsys):

@@ -3,28 +3,12 @@
 from __future__ import annotations
 
 import re
-from types import SimpleNamespace
 
 import pytest
 
 import woundon as wo
-from woundon.studies.bars import _Rate, bar, fraction_bar
+from woundon.studies.bars import bar
 from woundon.studies.progress import reported
-
-
-@pytest.mark.parametrize(
-    ("unit", "elapsed", "says"),
-    [
-        ("cases/s", 90.0, "0.0667 cases/s"),
-        ("figures/min", 90.0, "4 figures/min"),
-        ("cases/s", 0.0, "- cases/s"),
-    ],
-)
-def test_the_rate_counts_from_where_the_work_went_on(unit: str, elapsed: float, says: str):
-    task = SimpleNamespace(
-        completed=10, elapsed=elapsed, finished_time=None, fields={"begun_with": 4, "unit": unit}
-    )
-    assert str(_Rate().render(task)) == says
 
 
 def test_a_bar_says_what_is_done(capsys: pytest.CaptureFixture[str]):
@@ -49,10 +33,3 @@ def test_a_fit_reports_progress_until_all_is_done():
     )
     # two starts, the refinement of their minima, two ends of one profile
     assert calls == [(k, 5) for k in range(1, 6)]
-
-
-def test_a_bar_of_a_solve_shows_the_fraction(monkeypatch: pytest.MonkeyPatch, capsys):
-    monkeypatch.setenv("FORCE_COLOR", "1")
-    with fraction_bar() as progress:
-        wo.solve(wo.NipProblem.example(), nodes=33, progress=progress)
-    assert "100%" in capsys.readouterr().err

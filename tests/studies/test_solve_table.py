@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import doctest
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +11,6 @@ import pytest
 import woundon as wo
 from woundon.cli.commands import main
 from woundon.io.case_texts import template, to_toml
-from woundon.studies import case_table
 from woundon.studies.case_table import write_table
 
 NIP = wo.NipProblem.example()
@@ -56,20 +54,6 @@ def test_a_faulty_row_is_explained_and_the_others_are_solved():
     assert not any("Error" in reason or "InvalidProblem" in reason for reason in reasons)
 
 
-def test_a_table_of_faulty_rows_alone_is_returned():
-    found = solved({"nip_load": ["abc", "1 mm"]})
-    assert found[WOT].isna().all()
-    assert "wrong dimension" in found.failure[1]
-
-
-def test_rows_after_very_many_faults_are_solved_too():
-    """The reader of columns stops after a thousand faulty cells."""
-    found = solved({"nip_load": ["abc"] * 1001 + [2500.0]})
-    expected = wo.solve(NIP.replace(nip_load=2500.0), nodes=33).wound_on_tension
-    assert found[WOT][1001] == pytest.approx(expected, rel=1e-8)
-    assert (found.failure[:1001] == "column 'nip_load': 'abc' is not a number").all()
-
-
 COMPLETE = {
     "web.thickness [um]": [66, 60, 66],
     "web.material": ["newsprint"] * 3,
@@ -96,31 +80,6 @@ def test_without_a_case_the_columns_describe_the_problem():
     assert wo.solve_table(COMPLETE, **HERE).attrs["about"]["kind"] == "nip"
 
 
-def test_layers_of_a_list_are_fields_too():
-    table = {f"drum.layers.0.{name}": [value] for name, value in
-             {"thickness": 5e-3, "material": "rubber"}.items()}  # fmt: skip
-    table |= {"drum.radius": [0.0762]}
-    core = {name: cells for name, cells in COMPLETE.items() if not name.startswith("drum.")}
-    core = {name: cells[:1] for name, cells in core.items()}
-    found = solved({**core, **table, "drum_friction": [0.2]}, None, kind="nip")
-    drum = wo.Layered(radius=0.0762, layers=[wo.Layer(thickness=5e-3, material="rubber")])
-    expected = wo.solve(NIP.replace(drum=drum), nodes=33).wound_on_tension
-    assert found[WOT][0] == pytest.approx(expected, rel=1e-8)
-
-
-def test_all_scalar_outputs_by_default():
-    found = wo.solve_table({"nip_load": [2000.0]}, NIP, **HERE)
-    result = wo.solve(NIP.replace(nip_load=2000.0), nodes=33)
-    assert list(found.columns[1:3]) == [WOT, "errors.wound_on_tension [N/m]"]
-    assert found["nip_width [m]"][0] == pytest.approx(result.nip_width, rel=1e-8)
-    assert found["drum_creepage"][0] == pytest.approx(result.drum_creepage, rel=1e-6)
-    assert "rolling_resistance [N/m]" not in found  # nan without a viscoelastic body
-    with wo.units(wound_on_tension="pli", nip_width="mm"):
-        shown = wo.solve_table({"nip_load": [2000.0]}, NIP, **HERE)
-    assert shown["nip_width [mm]"][0] == pytest.approx(1e3 * result.nip_width, rel=1e-8)
-    assert "wound_on_tension [pli]" in shown
-
-
 def test_other_columns_are_copied_and_measured_ones_are_kept():
     table = {"Nr": [7], "nip_load": [2000.0], WOT: [470.0]}
     found = solved(table, columns={"Nr": None})
@@ -140,14 +99,6 @@ def test_a_written_table_is_a_table_of_cases_again(tmp_path, ending):
     assert list(again.columns) == list(first.columns)
     assert again[WOT].tolist() == pytest.approx(first[WOT].tolist(), nan_ok=True)
     assert again.failure.tolist() == first.failure.tolist()
-
-
-def test_a_row_of_units_moves_into_the_header(tmp_path):
-    (tmp_path / "cases.csv").write_text("nip load;web tension\n[kN/m];[N/m]\n2,5;350\n")
-    found = solved(tmp_path / "cases.csv")
-    assert list(found.columns[:2]) == ["nip load [kN/m]", "web tension [N/m]"]
-    expected = wo.solve(NIP.replace(nip_load=2500.0), nodes=33).wound_on_tension
-    assert found[WOT][0] == pytest.approx(expected, rel=1e-8)
 
 
 @pytest.mark.parametrize("workers", [1, 2])
@@ -176,12 +127,6 @@ def test_the_numbers_do_not_depend_on_the_number_of_processes(workers):
 def test_a_table_that_is_no_table_of_cases_is_rejected(table, more, text):
     with pytest.raises(wo.InvalidProblem, match=text):
         solved(table, **more)
-
-
-def test_a_file_without_units_is_rejected_as_a_whole(tmp_path):
-    (tmp_path / "cases.csv").write_text("nip_load,web_tension\n2000,300\n")
-    with pytest.raises(wo.InvalidProblem, match=r"column 'nip_load': has no unit; write it into"):
-        solved(tmp_path / "cases.csv")
 
 
 # ---- the command --------------------------------------------------------------------------------
@@ -219,8 +164,3 @@ def test_exit_status_of_the_command(tmp_path: Path, capsys, monkeypatch):
         assert main(["table", "good.csv", "--case", "case.toml", *wrong]) == 2
     assert main(["table", "good.csv", "-o", "r.csv", "--set", "nip_load=1"]) == 2
     assert "--set: changes a field of --case" in capsys.readouterr().err
-
-
-def test_the_example_of_the_docstring_runs():
-    assert doctest.testmod(case_table).attempted == 5
-    assert doctest.testmod(case_table).failed == 0

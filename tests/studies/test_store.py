@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import json
 import os
 import sqlite3
 import subprocess
@@ -24,9 +23,9 @@ import woundon.studies.export
 from woundon.studies import store
 from woundon.studies.design import make_design
 from woundon.studies.engine import run_study
-from woundon.studies.export import check_export, export
+from woundon.studies.export import export
 from woundon.studies.runners import SerialRunner
-from woundon.studies.table import Table, failures
+from woundon.studies.table import Table
 
 DESIGN = make_design({"a": range(4), "b": [0.5, 1.5]})
 
@@ -210,34 +209,11 @@ def test_a_file_that_is_no_database_is_left_alone(tmp_path: Path, content: bytes
     assert path.read_bytes() == content
 
 
-def test_a_database_of_another_program_is_left_alone(tmp_path: Path):
-    change(tmp_path, "CREATE TABLE mine (x)", "INSERT INTO mine VALUES (1)")
-    before = (tmp_path / "study.sqlite").read_bytes()
-    for resume in (False, True):
-        with pytest.raises(wo.InvalidProblem, match=r"its study\.sqlite is damaged"):
-            run(tmp_path, resume=resume)
-    assert (tmp_path / "study.sqlite").read_bytes() == before
-
-
 @pytest.mark.parametrize("resume", [False, True])
 def test_an_empty_file_is_a_study_that_was_killed_at_once(tmp_path: Path, resume: bool):
     (tmp_path / "study.sqlite").touch()
     assert run(tmp_path, resume=resume).failed.size == 0
     assert len(chunks(tmp_path)) == 3
-
-
-@pytest.mark.skipif(os.name == "nt", reason="pipes and links of POSIX")
-@pytest.mark.parametrize("kind", ["folder", "pipe", "/dev/zero", "nowhere/at/all", "study.sqlite"])
-def test_what_is_no_file_is_rejected(tmp_path: Path, kind: str):
-    path = tmp_path / "study.sqlite"
-    if kind == "folder":
-        path.mkdir()
-    elif kind == "pipe":
-        os.mkfifo(path)
-    else:
-        path.symlink_to(kind)
-    with pytest.raises(wo.InvalidProblem, match="is not a regular file"):
-        run(tmp_path, resume=True)
 
 
 # ---- two processes ------------------------------------------------------------------------------
@@ -319,21 +295,6 @@ def test_an_incomplete_read_only_study_is_rejected(tmp_path: Path, monkeypatch: 
 # ---- whose study it is --------------------------------------------------------------------------
 
 
-def test_resume_without_a_folder_is_rejected():
-    with pytest.raises(wo.InvalidProblem, match="resume: needs out, the folder of the study"):
-        run_study(models.LinearModel(), DESIGN, SerialRunner(), resume=True)
-
-
-def test_failures_are_kept_over_a_resume(tmp_path: Path):
-    design = make_design({"a": range(5)})
-    run_study(models.FailingModel(), design, SerialRunner(), out=tmp_path / "out")
-    again = run_study(
-        models.FailingModel(), design, SerialRunner(), out=tmp_path / "out", resume=True
-    )
-    assert again.failure[3] == "ZeroDivisionError: a is 3"
-    assert np.isnan(again.outputs["y"][3])
-
-
 @pytest.mark.parametrize(
     ("over", "changes", "options", "differs"),
     [
@@ -391,20 +352,6 @@ def test_csv_has_units_in_its_header_and_every_digit(tmp_path: Path, table):
     assert rows[1]["failure"].startswith("NoSteadyState")
 
 
-def test_excel_has_the_rows_and_says_what_they_hang_on(tmp_path: Path, table):
-    openpyxl = pytest.importorskip("openpyxl")
-    export(table, tmp_path / "study.xlsx")
-    book = openpyxl.load_workbook(tmp_path / "study.xlsx")
-    rows = list(book["study"].iter_rows(values_only=True))
-    assert rows[0][1] == "nip_load [N/m]"
-    # Excel keeps 15 digits
-    assert rows[1][4] == pytest.approx(table.outputs["half_width"][0], rel=1e-14)
-    assert rows[2][4] is None  # a failed case
-    about = dict(book["about"].iter_rows(values_only=True))
-    assert about["version"] == wo.__version__
-    assert json.loads(about["options"]) == {"nodes": 17}
-
-
 def test_parquet_holds_the_same_bits(tmp_path: Path, table):
     parquet = pytest.importorskip("pyarrow.parquet")
     export(table, tmp_path / "study.parquet")
@@ -413,21 +360,3 @@ def test_parquet_holds_the_same_bits(tmp_path: Path, table):
     half_width = found["half_width"].to_numpy()
     assert half_width.tobytes() == table.outputs["half_width"].tobytes()
     assert found["failure"].to_pylist() == table.failure.tolist()
-
-
-def test_parquet_names_its_package_where_it_is_missing(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(woundon.studies.export, "find_spec", lambda name: None)
-    with pytest.raises(wo.InvalidProblem, match=r"needs pyarrow: pip install 'woundon\[parquet\]'"):
-        check_export("study.parquet")
-
-
-def test_other_endings_are_rejected(tmp_path: Path, table):
-    with pytest.raises(
-        wo.InvalidProblem, match=r"ending '\.txt' is not a known format; must be \.nc"
-    ):
-        export(table, tmp_path / "study.txt")
-
-
-def test_failures_are_ranked_without_their_numbers():
-    reasons = np.array(["", "F = 3 too large", "F = 4.5e3 too large", "odd"], dtype=object)
-    assert failures(reasons) == [("F = 3 too large", 2), ("odd", 1)]

@@ -100,36 +100,6 @@ def test_another_program_does_not_resume_a_study(
     assert by(copied, study, out, "--chunk", "1", "--resume").returncode == 0
 
 
-@pytest.mark.slow
-def test_a_new_file_is_another_program_and_a_cache_is_not(
-    study: Path, copied: Path, tmp_path: Path
-):
-    out = tmp_path / "out"
-    assert by(copied, study, out).returncode == 0
-    cache = copied / "woundon" / "__pycache__"
-    cache.mkdir()
-    (cache / "leftover.pyc").write_bytes(b"x")
-    assert by(copied, study, out, "--resume").returncode == 0
-    added = copied / "woundon" / "added.py"
-    added.write_text("", encoding="utf-8")
-    try:
-        assert by(copied, study, out, "--resume").returncode == 2
-    finally:
-        added.unlink()
-        shutil.rmtree(cache)
-
-
-def test_a_dataset_records_the_sources():
-    found = wo.sweep(
-        wo.NipProblem.example().replace(roll_wrap=0.0), {"nip_load": [1e3]}, nodes=17, workers=1
-    )
-    again = wo.sweep(
-        wo.NipProblem.example().replace(roll_wrap=0.0), {"nip_load": [2e3]}, nodes=17, workers=1
-    )
-    assert len(found.attrs["sources"]) >= 16
-    assert found.attrs["sources"] == again.attrs["sources"]
-
-
 # ---- read-only media ----------------------------------------------------------------------------
 
 
@@ -170,21 +140,6 @@ def test_a_complete_study_is_exported_to_another_folder(
         xarray.open_dataset(out / "study.nc", engine="scipy") as other,
     ):
         assert np.array_equal(one.half_width, other.half_width)
-
-
-def test_indices_of_a_complete_study_are_exported_to_another_folder(study: Path, tmp_path: Path):
-    ranges = STUDY.replace(
-        "[1000.0, 2000.0, 3000.0]",
-        '{ from = 1000.0, to = 3000.0 }\n"web.thickness" = { from = "50 um", to = "70 um" }',
-    )
-    study.write_text(f'case = "case.toml"\n{ranges}', encoding="utf-8")
-    out, exported = tmp_path / "out", tmp_path / "exported"
-    command = ["sobol", str(study), "--out", str(out), "--workers", "1", "--samples", "4"]
-    assert cli.main(command) == 0
-    before = state(out)
-    assert cli.main([*command, "--resume", "--export-to", str(exported)]) == 0
-    assert state(out) == before
-    assert (exported / "sobol.nc").exists()
 
 
 @pytest.mark.skipif(
@@ -229,12 +184,3 @@ def test_a_read_only_medium(study: Path, tmp_path: Path, capsys: Capture):
         assert "1 of 3 chunks are not in it" in capsys.readouterr().err
     finally:
         subprocess.run(["umount", "-l", str(disk)], check=True)
-
-
-def test_a_lost_chunk_is_solved_again(study: Path, tmp_path: Path):
-    out = tmp_path / "out"
-    assert sweep(study, out, "--chunk", "1") == 0
-    whole = (out / "study.csv").read_bytes()
-    lose(out, 1)
-    assert sweep(study, out, "--chunk", "1", "--resume") == 0
-    assert (out / "study.csv").read_bytes() == whole

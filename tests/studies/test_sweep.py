@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
-import json
-import re
-
 import numpy as np
 import pytest
 import study_models as models
@@ -46,19 +42,6 @@ def test_a_grid_gives_the_numbers_of_single_solves(grid):
                 assert float(case[name]) == pytest.approx(value, rel=SAME), name
             assert str(case.failure.values) == ""
             assert str(case.warnings.values) == "; ".join(single.warnings)
-
-
-def test_a_dataset_says_what_it_holds(grid):
-    assert grid.sizes == {"nip_load": 3, "roll.material.shear": 2}
-    assert grid.nip_load.attrs["units"] == "N/m"
-    assert grid["roll.material.shear"].attrs["units"] == "Pa"
-    assert grid.half_width.attrs["units"] == "m"
-    assert grid.half_width.attrs["long_name"] == "half-width of the nip"
-    assert "units" in grid.dual.attrs
-    assert grid.attrs["version"] == wo.__version__
-    assert json.loads(grid.attrs["options"]) == {"nodes": 25}
-    base = json.loads(grid.attrs["problem"])
-    assert wo.NipProblem(**base) == paper_nip()
 
 
 def test_default_nodes_agree_with_single_solves_within_the_stated_errors():
@@ -134,16 +117,6 @@ def test_a_tied_field_follows():
     assert float(data.nip_induced_tension[1]) == pytest.approx(single, rel=SAME)
 
 
-def test_rollers_can_be_swept():
-    steel = wo.Isotropic(youngs_modulus=2.1e11, poissons_ratio=0.3)
-    body = wo.HalfPlane(radius=0.25, material=steel)
-    pair = wo.RollerProblem(upper=body, lower=body, load=89e3, tangential_load=8.4e3, friction=0.5)
-    data = wo.sweep(pair, {"tangential_load": [1e3, 8.4e3]}, ("creepage",), nodes=40, workers=1)
-    single = wo.solve(pair, nodes=40).creepage
-    assert float(data.creepage[1]) == pytest.approx(single, rel=SAME)
-    assert data.tangential_load.attrs["units"] == "N/m"
-
-
 def test_drawn_designs_are_tables_of_cases():
     over = {"nip_load": (1e3, 3e3), "roll_friction": (0.1, 0.3)}
     data = wo.sweep(
@@ -153,15 +126,6 @@ def test_drawn_designs_are_tables_of_cases():
     P, mu = float(data.nip_load[3]), float(data.roll_friction[3])
     single = wo.solve(paper_nip(nip_load=P, roll_friction=mu), nodes=17).nip_induced_tension
     assert float(data.nip_induced_tension[3]) == pytest.approx(single, rel=SAME)
-
-
-def test_progress_is_reported():
-    computed = []
-    wo.sweep(
-        paper_nip(), {"nip_load": [1e3, 2e3, 3e3]}, nodes=17, workers=1, chunk=2,
-        progress=lambda done, size: computed.append((done, size)),
-    )  # fmt: skip
-    assert computed == [(2, 3), (3, 3)]
 
 
 @pytest.mark.parametrize(
@@ -225,16 +189,3 @@ def test_a_sweep_without_any_solution_raises_with_its_reasons(
     assert "\n" not in str(fault.value)
     if kind is wo.NotConverged:
         assert set(fault.value.best.failure.values.ravel()) != {""}
-
-
-@pytest.mark.parametrize("study", [wo.sweep, wo.fit, wo.global_sensitivity])
-def test_editors_see_every_keyword(study):
-    parameters = inspect.signature(study).parameters.values()
-    assert all(p.kind not in (p.VAR_KEYWORD, p.VAR_POSITIONAL) for p in parameters)
-    computed = study.__doc__.split("Returns")[0].split("Raises")[0]
-    assert {p.name for p in parameters} <= set(re.findall(r"\w+", computed))
-
-
-def test_a_study_of_no_problem_is_rejected():
-    with pytest.raises(wo.InvalidProblem, match=r"must be a NipProblem, .* or WindingProblem"):
-        wo.sweep({"nip_load": 1.0}, {"nip_load": [1.0]})

@@ -10,10 +10,7 @@ import pytest
 from thesis_cases import newsprint_nip
 
 import woundon as wo
-from woundon.cli import commands as cli
 from woundon.quantities import find, output
-
-EXAMPLE = str(Path(__file__).parents[2] / "examples" / "newsprint_table2.toml")
 
 
 @pytest.fixture(scope="module")
@@ -36,14 +33,6 @@ def test_reports_show_fields_and_outputs_with_their_errors(nip):
     assert str(nip) == before
 
 
-def test_figures_follow(nip):
-    with wo.units(x="um", tension="pli"):
-        axes = nip.plot().axes
-    texts = [a.get_xlabel() + a.get_ylabel() for a in axes]
-    assert any("[µm]" in text for text in texts)
-    assert any("[pli]" in text for text in texts)
-
-
 def test_choices_nest_and_are_taken_back():
     with wo.units(nip_load="kN/m"):
         with wo.units(half_width="um"):
@@ -58,21 +47,6 @@ def test_files_for_programs_stay_si(nip, tmp_path: Path):
         nip.save(tmp_path / "nip.json")
         assert nip.to_xarray().half_width.attrs["units"] == "m"
     assert wo.load_result(tmp_path / "nip.json") == nip
-
-
-@pytest.mark.parametrize(
-    ("chosen", "says"),
-    [
-        ({"nip_laod": "kN/m"}, "nip_laod: no field or output; did you mean 'nip_load'?"),
-        ({"nip_load": "mm"}, "nip_load: 'mm' has the wrong dimension; expected a value in N/m"),
-        ({"nip_load": "KN/m"}, "nip_load: 'KN/m' has the unknown unit 'KN'"),
-        ({"nip_load": "kN//m"}, "nip_load: 'kN//m' has the unreadable unit"),
-    ],
-)
-def test_bad_choices_are_rejected(chosen, says):
-    with pytest.raises(wo.InvalidProblem) as refusal, wo.units(chosen):
-        pass
-    assert says in str(refusal.value)
 
 
 # ---- CSV of one result --------------------------------------------------------------------------
@@ -92,18 +66,3 @@ def test_csv_holds_single_numbers_and_arrays(nip, tmp_path: Path):
     assert float(computed["nip_induced_tension [N/m]"]) == nip.nip_induced_tension
     assert float(computed["half_width_error [m]"]) == nip.errors["half_width"]
     assert len(lines) == len(computed)  # nothing is reported twice
-
-
-def test_the_command_line_chooses_units(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
-    args = ["solve", EXAMPLE, "--nodes", "17", "--save", str(tmp_path / "a.csv")]
-    assert cli.main([*args, "--unit", "nip_load=kN/m", "--unit", 'wound_on_tension="pli"']) == 2
-    assert "wound_on_tension: '\"pli\"' has the unreadable unit" in capsys.readouterr().err
-    assert cli.main([*args, "--unit", "nip_load=kN/m", "--unit", "wound_on_tension = pli"]) == 0
-    said = capsys.readouterr().out
-    # the sum of the answer is in one unit, that of the wound-on tension: 350 N/m are 2.00 pli
-    assert said.startswith("Wound-on tension 3.98 pli = web tension 2.00 pli + nip-induced ")
-    assert line(said, "nip load") == "nip load P 3.502 kN/m"
-    assert " pli ± " in line(said, " wound-on tension  ")
-    assert "# nip_load [kN/m],3.502\n" in (tmp_path / "a.csv").read_text("utf-8")
-    assert cli.main([*args, "--unit", "nip_load"]) == 2
-    assert "nip_load: must be written NAME=UNIT" in capsys.readouterr().err

@@ -31,26 +31,10 @@ Capture = pytest.CaptureFixture[str]
 
 
 @pytest.fixture
-def pair(tmp_path) -> str:
-    path = tmp_path / "pair.toml"
-    path.write_text(template("rollers"), encoding="utf-8")
-    return str(path)
-
-
-@pytest.fixture
 def plain(tmp_path) -> str:
     path = tmp_path / "plain.toml"
     path.write_text(to_toml(newsprint_nip()), encoding="utf-8")
     return str(path)
-
-
-def test_settings_and_options_reach_the_solver(capsys: Capture):
-    options = ["--set", "nip_load=17 pli", "--set", "web.thickness=57 um", "--nodes", "33"]
-    assert cli.main([*QUICK, *options, "--json"]) == 0
-    record = json.loads(capsys.readouterr().out)
-    assert round(record["problem"]["nip_load"]) == 2977
-    assert record["problem"]["web"]["thickness"] == 57e-6
-    assert len(record["fields"]["x"]) == 33
 
 
 def test_rolls_have_no_sensitivity(tmp_path, capsys: Capture):
@@ -59,11 +43,6 @@ def test_rolls_have_no_sensitivity(tmp_path, capsys: Capture):
     assert cli.main(["solve", str(case), "--sensitivity"]) == 2
     said = "error: --sensitivity: not available for the kind 'roll', but for "
     assert said in capsys.readouterr().err
-
-
-def test_rollers_have_sensitivities(pair, capsys: Capture):
-    assert cli.main(["solve", pair, "--sensitivity"]) == 0
-    assert "upper.material.youngs_modulus" in capsys.readouterr().out
 
 
 def test_sensitivity_is_in_the_json_too(tmp_path, capsys: Capture):
@@ -181,14 +160,6 @@ def test_ctrl_c_when_all_is_reported_is_no_fault(code, monkeypatch):
     assert cli.main([]) == code
 
 
-def test_ctrl_c_while_a_fault_is_reported_is_no_fault(monkeypatch):
-    def interrupted(args):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(cli, "_run", interrupted)
-    assert cli.main([]) == 130
-
-
 def test_not_converged_has_its_own_code(monkeypatch, capsys: Capture):
     def give_up(*_: object, **__: object) -> None:
         raise wo.NotConverged("the estimated error of NIT is 0.3 N/m")
@@ -198,20 +169,6 @@ def test_not_converged_has_its_own_code(monkeypatch, capsys: Capture):
     said = capsys.readouterr()
     assert said.err == "error: not converged: the estimated error of NIT is 0.3 N/m\n"
     assert said.out == ""
-
-
-def test_an_unwritable_file_is_one_line(tmp_path, capsys: Capture):
-    (tmp_path / "nip.nc").mkdir()
-    assert cli.main([*QUICK, "--save", str(tmp_path / "nip.nc")]) == 2
-    assert len(capsys.readouterr().err.splitlines()) == 1
-
-
-def test_without_a_command_the_help_is_shown(capsys: Capture):
-    assert cli.main([]) == 2
-    said = capsys.readouterr()
-    assert said.out == ""
-    assert said.err.startswith("Usage: woundon [OPTIONS] COMMAND")
-    assert "..." not in said.err.partition("Cases:")[2]  # no sentence is cut short
 
 
 # ---- wraps, fields and outputs of each kind -----------------------------------------------------
@@ -235,12 +192,6 @@ def test_wraps_are_set_by_options_and_settings(capsys: Capture, plain):
         assert wraps == (1.0, 1.5707963267948966)
 
 
-def test_without_its_table_a_nip_has_the_usual_wraps(capsys: Capture, plain):
-    assert solved_by(capsys, "solve", plain)["problem"] == newsprint_nip().model_dump(mode="json")
-    record = solved_by(capsys, "solve", plain, "--set", "wrap=none")
-    assert record["problem"] == wo.NipProblem.example().model_dump(mode="json")
-
-
 @pytest.mark.parametrize("kind", kinds.every(), ids=lambda kind: kind.name)
 def test_describe_lists_fields_outputs_and_options(kind, capsys: Capture):
     assert cli.main(["describe", kind.name]) == 0
@@ -260,24 +211,6 @@ def test_describe_lists_fields_outputs_and_options(kind, capsys: Capture):
     # the friction's range: rollers may have none; of a roll that of its temperature change
     ranges = {"rollers": "(0 to 10)", "roll": "(-1000 to 1000)"}
     assert ranges.get(kind.name, "(1e-08 to 10)") in text
-
-
-def test_describe_fits_the_terminal(capsys: Capture, monkeypatch):
-    monkeypatch.setenv("COLUMNS", "80")
-    assert cli.main(["describe", "winding"]) == 0
-    lines = capsys.readouterr().out.splitlines()
-    assert max(map(len, lines)) <= 80
-    assert len([line for line in lines if line.startswith("Fields of ")]) == len(
-        {line for line in lines if line.startswith("Fields of ")}
-    )
-
-
-def test_options_are_those_of_the_solvers(capsys: Capture):
-    assert cli.main(["solve", "--help"]) == 0
-    said = " ".join(capsys.readouterr().out.split())
-    assert "--nodes INTEGER Number of nodes on the last mesh." in said
-    assert "--coupling-rtol FLOAT Relative tolerance of the nip-roll iteration." in said
-    assert "Only for winding." in said
 
 
 # ---- from outside the package -------------------------------------------------------------------

@@ -95,20 +95,6 @@ def test_hats_by_second_integrals(odd: bool, h: float, middles: list[float]) -> 
         assert found == pytest.approx(expected, rel=1e-7 + rounding, abs=1e-8 * h * R)
 
 
-def test_smooth_keeps_shape_and_parity() -> None:
-    """Any shape goes, 0-d included; odd sums vanish at 0, even ones are continuous there."""
-    tail, rest = np.array([1.0, 1.0, 1.0, 1.0]), np.ones(4)
-    t = np.linspace(-1, 1, 12).reshape(3, 4)
-    for odd in (False, True):
-        f = HarmonicSum(odd, R, 1.0, 0.0, tail, rest)
-        assert f(t).shape == (3, 4)
-        assert f(np.array(0.3)).shape == ()
-        np.testing.assert_array_equal(f(-t), -f(t) if odd else f(t))
-    assert HarmonicSum(True, R, 1.0, 0.0, tail, rest)(np.array(0.0)) == 0
-    even = HarmonicSum(False, R, 1.0, 0.0, tail, rest)
-    assert even(np.array(0.0)) == pytest.approx(even(np.array(1e-12)), abs=1e-11)
-
-
 def test_regular_at_zero() -> None:
     """The smooth part of an odd sum starts as t ln t; nothing stronger is left in it."""
     f = HarmonicSum(True, R, 1.0, 0.0, np.array([1.0, 1.0, 1.0]), np.zeros(1))

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import woundon as wo
-from woundon.elasticity import ring_elements
 from woundon.elasticity.hardening import HardeningLaw
 from woundon.elasticity.ring_elements import Fineness, RingMesh
 from woundon.elasticity.ring_equilibrium import RingPair
@@ -147,11 +146,3 @@ def test_uniform_pressure_strains_by_the_law() -> None:
     P = law.stressed(strain, np.full(3, 90e3)).pressure
     assert list(P) == pytest.approx(list(100e3 * np.exp(-127.0 * e) - 10e3))
     assert PFEIFFER.strain_at(90e3) == pytest.approx(log1p(9.0) / 127.0)
-
-
-def test_topologies_number_every_unknown_once() -> None:
-    made = ring_elements.topology(10, 4)
-    numbers = made.numbers[1:].ravel()
-    assert np.array_equal(np.sort(numbers), np.arange(made.size))
-    assert np.all(made.numbers[0] == -1)
-    assert np.array_equal(np.sort(made.surface.ravel()), np.arange(made.size - 40, made.size))

@@ -189,17 +189,6 @@ def test_a_torn_stack_is_reported() -> None:
     assert "torn" in surface.outside(p, 0.2 * p)
 
 
-def test_a_negative_pressure_does_not_act_on_the_ring() -> None:
-    """An iterate may have one; the linear part of the response alone changes with it."""
-    face, body = FACES["nip"], roll()
-    p, q = loads(face)
-    p[8] = -1e5
-    without = p * (p > 0)
-    surface, wanted = body.surface(face, A), linear(body, 90e3).surface(face, A)
-    change = surface.deform(p, q).strain - surface.deform(without, q).strain
-    assert deviation(change, wanted.tangent(p, q).strain_p[:, 8] * p[8]) < 1e-8
-
-
 # ---- the rings ----------------------------------------------------------------------------------
 
 
@@ -240,31 +229,6 @@ def test_a_ring_without_equilibrium_is_reported(monkeypatch: pytest.MonkeyPatch)
 
 def solve(problem: Any, nodes: int) -> Refinement:
     return refine(lambda size: NipSystem(problem, size), nodes=nodes)
-
-
-@pytest.mark.parametrize("wraps", [None, {"roll_wrap": pi / 2}], ids=["plain", "wrapped"])
-def test_few_iterations_and_factorisations(wraps: Any) -> None:
-    """A wrong column of the Jacobian leaves the result correct and costs iterations."""
-    problem: Any = nip(roll())
-    problem = problem if wraps is None else problem.replace(**wraps)
-    ring_of.cache_clear()
-    found = solve(problem, 33)
-    counts = [mesh.solver.counts for mesh in found.meshes]
-    assert max(one.iterations for one in counts) <= 10
-    assert found.iterations <= 22
-    assert ring_of(problem.roll).factorisations <= 50
-
-
-@pytest.mark.slow
-def test_a_nip_does_not_depend_on_earlier_nips() -> None:
-    """The rings keep their last state, that of another load here."""
-    problem = nip(roll()).replace(roll_wrap=1.0)
-    ring_of.cache_clear()
-    first = solve(problem, 23).last.outputs
-    solve(problem.replace(nip_load=500.0), 23)
-    again = solve(problem, 23).last.outputs
-    for name, value in first.items():
-        assert again[name] == pytest.approx(value, rel=1e-8), name
 
 
 def test_a_nip_of_a_roll_that_does_not_harden_is_the_linear_nip() -> None:

@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import math
 import pickle
-import warnings
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 import woundon as wo
-from woundon.app.computations import problem_of
-from woundon.app.input_forms import catalogue
 from woundon.io.case_files import apply_settings, make_problem, to_toml
 from woundon.problems.inputs import FloatWithUnit
 
@@ -45,19 +41,6 @@ def test_loads_in_units_of_mills(text, value):
 def test_thicknesses_in_units_of_mills(text, value):
     web = wo.Web(thickness=text, material="newsprint")
     assert web.thickness == pytest.approx(value, rel=1e-15)
-
-
-def test_units_in_every_nested_description():
-    drum = wo.Layered(
-        diameter='20"',
-        layers=[{"thickness": "15 mm", "material": {"youngs_modulus": "500 psi",
-                                                    "poissons_ratio": "48 %"}}],
-    )  # fmt: skip
-    assert drum.radius == pytest.approx(0.254)
-    assert drum.layers[0].material.youngs_modulus == pytest.approx(500 * 6894.757293168)
-    assert drum.layers[0].material.poissons_ratio == 0.48
-    covered = NIP.replace(drum=drum, **{"drum.layers.0.thickness": "1 in"})
-    assert covered.drum.layers[0].thickness == pytest.approx(0.0254)
 
 
 # ---- totals -------------------------------------------------------------------------------------
@@ -161,16 +144,6 @@ def test_a_diameter_is_twice_the_radius(radius):
     assert NIP.replace(**{"drum.diameter": 2 * radius}).drum == wo.Rigid(radius=radius)
 
 
-def test_diameters_wherever_radii_are_accepted():
-    core = wo.Core(diameter="4 in", inner_diameter="3 in", material="steel")
-    assert (core.radius, core.inner_radius) == pytest.approx((0.0508, 0.0381))
-    profile = wo.Profile(diameter=["100 mm", "1.2 m"], value=[300, 200])
-    assert profile.radius == (0.05, 0.6)
-    assert ROLL.replace(diameter="40 in").radius == pytest.approx(0.508)
-    body = NIP.replace(roll={"diameter": 0.2, "core_diameter": 0.1, "material": "newsprint"}).roll
-    assert (body.radius, body.core_radius) == (0.1, 0.05)
-
-
 @pytest.mark.parametrize(
     ("make", "said"),
     [(lambda: wo.Rigid(diameter=1, radius=1), "diameter: is given together with radius"),
@@ -263,25 +236,6 @@ def test_a_case_file_with_totals_and_diameters():
     assert make_problem(changed, "nip").nip_load == 2000.0
 
 
-def test_a_sweep_over_totals_and_diameters():
-    problem = NIP.replace(width=2.0)
-    table = wo.sweep(problem, {"nip_load": ["4 kN", "6 kN"]}, ["half_width"], nodes=17)
-    assert table.nip_load.values.tolist() == [2000.0, 3000.0]
-    table = wo.sweep(problem, {"drum.diameter": ["6 in", 0.2]}, ["half_width"], nodes=17)
-    assert table["drum.diameter"].values == pytest.approx([0.1524, 0.2])
-    direct = wo.solve(problem.replace(**{"drum.radius": 0.1}), nodes=17).half_width
-    assert table.half_width.values[1] == pytest.approx(direct, rel=1e-9)
-
-
-def test_a_target_pressure_with_a_unit():
-    design = wo.design_tension(ROLL, "20 psi")
-    assert design.target_pressure == pytest.approx(20 * 6894.757293168)
-    profile = wo.Profile(radius=[0.0445, 0.15], value=["200 kPa", "100 kPa"])
-    assert wo.design_tension(ROLL, profile).target_pressure[0] == pytest.approx(200e3)
-    with pytest.raises(wo.InvalidProblem, match="pressure: '20 N' has the wrong dimension"):
-        wo.design_tension(ROLL, "20 N")
-
-
 # ---- inputs without effect ----------------------------------------------------------------------
 
 
@@ -332,32 +286,4 @@ def test_bad_units_of_outputs(chosen, by_name, said):
         result.in_units(*chosen, **by_name)
 
 
-def test_no_warning_without_a_cause():
-    with warnings.catch_warnings():
-        warnings.simplefilter("error", wo.InputWarning)
-        assert math.isfinite(wo.solve(NIP, nodes=17).half_width)
-
-
 # ---- the page -----------------------------------------------------------------------------------
-
-
-def test_tables_that_the_page_posts():
-    tables = {
-        "grade": "newsprint", "width": "2.5 m", "nip_load": "9 kN", "web_tension": "10 MPa",
-        "roll": {"diameter": "200 mm", "core_diameter": "89 mm"},
-        "drum": {"kind": "rigid", "diameter": "6 in"},
-    }  # fmt: skip
-    problem = problem_of(tables)
-    assert problem.nip_load == 3600.0
-    assert problem.web_tension == 10e6 * 66e-6
-    assert problem.drum.radius == pytest.approx(0.0762)
-    with pytest.raises(wo.InvalidProblem, match="grades: no such field"):  # no file is opened
-        problem_of({**tables, "grades": "/etc/passwd"})
-
-
-def test_the_page_knows_how_fields_may_be_entered():
-    fields = {field["name"]: field for field in catalogue()["forms"]["WindingProblem"]["fields"]}
-    assert fields["web_tension"]["other_form"] == "stress"
-    assert fields["density"]["other_form"] == "basis weight"
-    assert fields["nip_load"]["other_form"] == ""
-    assert fields["width"]["shown_unit"] == "m"

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
-from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import pytest
-from thesis_cases import newsprint_nip
 
 import woundon as wo
 from woundon import kinds, plugins
 from woundon.arguments import Option
 from woundon.problems.fields import Number
 from woundon.quantities import length, line_load
-from woundon.report.panels import Panel
 from woundon.report.plots import PANELS
 from woundon.report.result_report import REPORTS
 
@@ -82,17 +79,6 @@ def test_a_kind_is_its_problem_its_solver_and_its_result(name: str) -> None:
         kind.check(**{option: value})
 
 
-def test_the_order_is_that_of_definition(registry: Any) -> None:
-    assert [kind.name for kind in kinds.every()] == list(OWN)
-
-
-def test_solve_hands_its_options_on() -> None:
-    coarse, fine = (wo.solve(newsprint_nip(), nodes=nodes) for nodes in (25, 33))
-    assert (coarse.nodes, fine.nodes) == (25, 33)
-    with pytest.raises(TypeError, match="unexpected keyword argument 'colour'"):
-        wo.solve(newsprint_nip(), colour="red")
-
-
 @pytest.mark.parametrize(
     ("thing", "shown"),
     [("case.toml", "'case.toml'"), (3.0, "3"), (None, "None"), ({"nip_load": 1.0}, "{'nip_load'"),
@@ -105,13 +91,6 @@ def test_what_is_no_problem_is_rejected(thing: Any, shown: str, registry: Any) -
     assert text.startswith(f"problem: {shown}")
     known = "NipProblem, RollerProblem or RollProblem"
     assert f"must be a {known}" in text
-
-
-def test_a_misspelt_name_is_reported_the_nearest(registry: Any) -> None:
-    with pytest.raises(wo.InvalidProblem, match=r"kind: 'roler' is not a kind .* mean 'rollers'\?"):
-        kinds.named("roler")
-    with pytest.raises(wo.InvalidProblem, match="known: nip, roll, rollers"):
-        kinds.named("xyz")
 
 
 @pytest.mark.parametrize(
@@ -154,34 +133,6 @@ def test_a_kind_needs_three_things(registry: dict[str, kinds.Kind]) -> None:
     assert kind.check is None
     with pytest.raises(wo.InvalidProblem, match="RollProblem or HammockProblem"):
         wo.solve("hammock.toml")
-
-
-def test_what_is_given_is_taken(registry: dict[str, kinds.Kind], tmp_path: Path) -> None:
-    said: list[Any] = []
-    kinds.register(
-        HammockProblem, solve_hammock, HammockResult,
-        name="hanging_web", about="Sagging.", report=lambda result: ["sag"],
-        plot=lambda result: {"sag": Panel(lambda axes, cases: said.append(cases[0].result) or [])},
-        check=lambda **options: said.append(options),
-    )  # fmt: skip
-    kind = kinds.of(HAMMOCK)
-    assert (kind.name, kind.about) == ("hanging_web", "Sagging.")
-    assert kind.report(None) == ["sag"]
-    assert kind.check is not None
-    kind.check(terms=3)
-    result = wo.solve(HAMMOCK)
-    result.plot(tmp_path / "sag.png")
-    assert said == [{"terms": 3}, result]
-
-
-def test_registered_again_it_is_the_later_one(registry: dict[str, kinds.Kind]) -> None:
-    def other(problem: HammockProblem) -> HammockResult:
-        return solve_hammock(problem).replace(sag=1.0)
-
-    kinds.register(HammockProblem, solve_hammock, HammockResult)
-    kinds.register(HammockProblem, other, HammockResult)
-    assert wo.solve(HAMMOCK).sag == 1.0
-    assert len(kinds.every()) == len(OWN) + 1
 
 
 def test_a_class_below_a_kinds_is_no_kind_of_its_own(registry: dict[str, kinds.Kind]) -> None:

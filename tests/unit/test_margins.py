@@ -7,7 +7,6 @@ from math import pi
 import numpy as np
 import pytest
 from coarse_solutions import coarse_solution
-from rejections import assert_rejected
 from scipy.integrate import quad
 
 import woundon as wo
@@ -228,28 +227,3 @@ def test_the_collapse_of_a_thin_tube_is_a_limit_of_its_own(problem: wo.RollProbl
     assert margin.limit == collapse_pressure(thin)
     assert margin.ok is False
     assert "elastic collapse of a thin tube" in margin.note
-
-
-def test_margins_are_found_by_name_and_number(roll: wo.RollResult) -> None:
-    found = wo.margins(roll)
-    assert found["core"] is found[3]
-    with pytest.raises(KeyError, match="known: slip, compression"):
-        found["telescope"]
-
-
-def test_bad_input_is_rejected(roll: wo.RollResult, problem: wo.RollProblem) -> None:
-    assert_rejected(
-        lambda: wo.margins(problem),  # type: ignore[arg-type]
-        "result: RollProblem is out of place; must be a WindingResult or RollResult",
-    )
-    light = wo.solve(problem.replace(density=None))
-    assert_rejected(
-        lambda: wo.margins(light, wo.Limits(acceleration=1.0)),
-        "limits.acceleration: 1 is given, but the web has no density",
-    )
-    assert_rejected(
-        lambda: wo.Limits(torque_share=1.5), "torque_share: 1.5 is out of range; must be > 0"
-    )
-    assert_rejected(
-        lambda: wo.Limits(compression=-1), "compression: -1 is out of range; must be >= 0"
-    )

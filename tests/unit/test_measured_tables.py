@@ -65,27 +65,6 @@ def test_two_columns_of_one_quantity_are_rejected_in_memory_as_in_a_file(
     assert "two columns" in rejected(tmp_path / "rig.csv")[0][1]
 
 
-@pytest.mark.parametrize("column", ["half_width", "half_width +-", "operator", 1])
-def test_any_two_columns_of_the_same_header_are_rejected(column):
-    frame = pandas.DataFrame([[2000.0, 4e-3, 5e-3], [3000.0, 5e-3, 6e-3]])
-    frame.columns = pandas.Index(["nip_load", column, column])
-    (where, text), *_ = rejected(frame, columns={column: None} if column == "operator" else None)
-    assert where == "measured"
-    assert str(column) in text
-
-
-def test_names_that_differ_in_type_only_are_rejected():
-    text = rejected({**GOOD, 1: LOADS, "1": LOADS})[0][1]
-    assert "'1'" in text
-
-
-def test_cases_of_a_sweep_reject_two_columns_of_one_name():
-    frame = pandas.DataFrame([[2000.0, 3000.0]])
-    frame.columns = pandas.Index(["nip_load", "nip_load"])
-    with pytest.raises(wo.InvalidProblem, match="two columns"):
-        wo.sweep(NIP, frame, nodes=17, workers=1)
-
-
 # ---- wrong types --------------------------------------------------------------------------------
 
 
@@ -145,11 +124,6 @@ def test_wrong_types_of_renamed_columns_are_rejected(columns):
     assert rejected(GOOD, columns=columns)
 
 
-@pytest.mark.parametrize("vary", [None, 5, b"x", {"roll_friction": 5}, {5: (0.1, 0.3)}, [5], [[]]])
-def test_wrong_types_of_fitted_fields_are_rejected(vary):
-    assert rejected(GOOD, vary=vary)
-
-
 # ---- what is a table ----------------------------------------------------------------------------
 
 
@@ -168,10 +142,3 @@ def test_columns_of_any_sequence_are_read(cells):
     found = wo.fit(NIP, table, {"roll.material.shear": ("1 MPa", "100 MPa")}, nodes=17, starts=1,
                    profiles=False)  # fmt: skip
     assert found.measured.tolist() == WIDTHS
-
-
-def test_a_table_may_be_any_mapping_or_data_frame():
-    from types import MappingProxyType
-
-    for table in (MappingProxyType(GOOD), pandas.DataFrame(GOOD)):
-        assert fit(table, vary={"roll.material.shear": (1e6, 1e8)}).measured.tolist() == WIDTHS

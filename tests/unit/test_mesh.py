@@ -55,15 +55,6 @@ def test_wraps_have_their_length_and_their_largest_cell() -> None:
     assert 0.5 < behind[0] / mesh.cells[mesh.last - 1] < 2
 
 
-def test_a_mesh_like_another_keeps_its_numbers_of_cells() -> None:
-    mesh = MESHES["both wraps"]
-    longer = (Wrap(1.3 * w.length, 1.3 * w.radius, w.graded_end) for w in (DRUM, ROLL))
-    again = nip_mesh(33, *longer, like=mesh)
-    assert (again.first, again.last, again.nodes.size) == (mesh.first, mesh.last, mesh.nodes.size)
-    assert again.nodes[-1] - 1 == pytest.approx(1.3 * ROLL.length, rel=1e-12)
-    assert (again.cells > 0).all()
-
-
 @each_mesh
 def test_linear_functions_are_integrated_and_interpolated_exactly(mesh: Mesh) -> None:
     x, y = mesh.nodes, mesh.points

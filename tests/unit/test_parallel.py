@@ -113,11 +113,6 @@ def test_work_is_cancelled_at_its_next_progress_and_the_worker_goes_on():
         worker.kill()
 
 
-def test_a_cancelled_case_is_no_failed_case():
-    """No handler of exceptions in a solver or a study catches it."""
-    assert not issubclass(Cancelled, Exception)
-
-
 @pytest.mark.parametrize("problem", [wo.NipProblem, wo.RollerProblem, wo.RollProblem])
 def test_solvers_report_fractions_and_can_be_cancelled(problem: type):
     seen: list[float] = []
@@ -130,10 +125,6 @@ def test_solvers_report_fractions_and_can_be_cancelled(problem: type):
 
     with pytest.raises(Cancelled):
         wo.solve(problem.example(), progress=cancel)
-
-
-def test_progress_outside_of_workers_does_nothing():
-    parallel.progress(0.5)
 
 
 def test_a_worker_is_killed_while_it_works():

@@ -156,22 +156,6 @@ def test_one_panel_goes_into_the_users_axes(nips) -> None:
     np.testing.assert_allclose(again.get_lines()[0].get_ydata(), 1e-3 * nips[0].drum_pressure)
 
 
-def test_a_legend_within_axes_is_covered_by_no_curve(nips) -> None:
-    figure, axes = plt.subplots()
-    nips[0].plot(ax=axes, panels="slips")
-    (twin,) = [other for other in figure.axes if other is not axes]
-    assert axes.get_legend() is not None
-    assert axes.get_zorder() > twin.get_zorder()
-
-
-def test_axes_are_saved_with_their_figure(nips, tmp_path: Path) -> None:
-    axes = mpl.figure.Figure(figsize=(2, 1)).add_subplot()
-    nips[0].plot(tmp_path / "mine.png", ax=axes)
-    height, width = plt.imread(tmp_path / "mine.png").shape[:2]
-    assert (width, height) == (400, 200)  # the user's figure at 200 dpi
-    assert plt.get_fignums() == []
-
-
 def test_panels_are_chosen_by_name_in_the_order_asked_for(nips) -> None:
     above, below = nips[0].plot(panels=["slips", "tractions"]).axes[:2]
     assert above.get_ylabel().startswith("Relative slip speed")
@@ -240,12 +224,6 @@ def test_several_results_take_the_labels_given(nips) -> None:
         wo.plot(nips, labels="ab")
 
 
-def test_results_that_differ_in_much_are_numbered(nips) -> None:
-    many = nips[0].problem.replace(nip_load=3e3, web_tension=300.0, roll_friction=0.2)
-    figure = wo.plot([nips[0], wo.solve(many, nodes=NODES), nips[0]])
-    assert names(figure.legends[0]) == ["nip 1", "nip 2", "nip 3"]
-
-
 def test_results_share_the_panels_they_have_in_common(nips) -> None:
     wrapped = wo.solve(nips[0].problem.replace(roll_wrap=np.pi), nodes=NODES)
     figure = wo.plot([nips[0], wrapped])
@@ -260,13 +238,3 @@ def test_results_share_the_panels_they_have_in_common(nips) -> None:
     assert names(wo.plot([rollers, static], panels="tractions").legends[0]) == [
         "motion = rolling", "motion = static",
     ]  # fmt: skip
-
-
-def test_nothing_to_draw_is_reported() -> None:
-    with pytest.raises(wo.InvalidProblem, match="results: there is none to draw"):
-        wo.plot([])
-    for wrong in ("nip.nc", ["nip.nc"]):
-        with pytest.raises(
-            wo.InvalidProblem, match=r"results: 'nip\.nc' is out of place; must be a R"
-        ):
-            wo.plot(wrong)  # type: ignore[call-overload]

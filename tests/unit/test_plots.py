@@ -154,11 +154,6 @@ def test_a_wrapped_figure_shows_the_web_on_roll_and_drum(wrapped):
     assert needed[0] == pytest.approx(drawn["$p^{+}$"][0, 1])
 
 
-def test_without_any_wrap_the_nip_alone_is_drawn():
-    result = wo.solve(newsprint_nip(), nodes=NODES)
-    assert len(result.plot().axes) == 4  # three panels, one of them with two axes
-
-
 # ---- two rollers
 
 
@@ -195,12 +190,6 @@ def test_rollers_are_drawn_with_the_closed_form_that_applies(changes, theory, na
     assert sum(bar.get_width() for bar in zones.patches) == pytest.approx(2e3 * result.half_width)
 
 
-def test_rollers_without_a_closed_form_are_drawn_alone():
-    braked = wo.RollerProblem.example().replace(lower=wo.HalfPlane(radius=0.2, material=SOFT))
-    result = wo.solve(braked, nodes=NODES)
-    assert set(curves(result.plot().axes[0])) == {"$p$", "$q$ on upper roller"}
-
-
 # ---- any kind
 
 
@@ -232,12 +221,6 @@ def test_the_default_draws_every_array_once(results):
                 f"{due}[{unit}]".replace("> 0", ">\N{NO-BREAK SPACE}0") if unit else due.strip()
             )
         assert figure.axes[-1].get_xlabel().endswith("[mm]")
-
-
-def test_a_result_without_arrays_cannot_be_drawn(nip, monkeypatch):
-    monkeypatch.setattr("woundon.report.plots.quantities.walk", lambda result: iter(()))
-    with pytest.raises(wo.InvalidProblem, match="a NipResult has no arrays to draw"):
-        output_panels(nip)
 
 
 @pytest.mark.parametrize(
@@ -349,24 +332,12 @@ def test_the_same_result_gives_the_same_bytes(results, tmp_path, kind, ending, p
         assert date not in one.read_bytes()
 
 
-def test_every_kind_has_its_bytes_compared():
-    (parameters,) = test_the_same_result_gives_the_same_bytes.pytestmark
-    computed = {getattr(row, "values", row)[0] for row in parameters.args[1]}
-    assert computed == {kind.name for kind in kinds.every()}
-
-
 def test_global_style_is_left_alone(nip):
     import matplotlib as mpl
 
     before = dict(mpl.rcParams)
     nip.plot()
     assert dict(mpl.rcParams) == before
-
-
-def test_unknown_ending_is_rejected(results, tmp_path):
-    for result in results.values():
-        with pytest.raises(wo.InvalidProblem, match=r"'.gif' is not a known format"):
-            result.plot(tmp_path / "figure.gif")
 
 
 # ---- studies
@@ -425,14 +396,6 @@ def test_a_sweep_states_how_many_curves_and_panels_it_shows(shape, curves, panel
     assert [f"{n} of {count}" in title for n, count in stated] == [True] * len(stated)
     assert title.count(" of ") == len(stated)
     assert ("drum friction" in title) == (len(shape) > 3)
-
-
-def test_a_long_meaning_is_set_in_lines():
-    tension = quantities.output(wo.NipResult, "roll_wound_on_tension").quantity
-    (axes,) = plot_sweep(table("roll_wound_on_tension", tension), "roll_wound_on_tension").axes
-    said = axes.get_ylabel()
-    assert said.replace("\n", " ") == f"{tension.meaning} [N/m]"
-    assert max(map(len, said.splitlines())) <= 44
 
 
 def test_the_legend_of_a_fit_is_short():

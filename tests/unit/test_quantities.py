@@ -9,13 +9,10 @@ from typing import Annotated, Any
 import numpy as np
 import pytest
 from coarse_solutions import coarse_solution
-from pydantic import Field
 from thesis_cases import newsprint_nip, paper_nip
 
 import woundon as wo
 from woundon import kinds, quantities
-from woundon.problems.description import Description
-from woundon.problems.fields import Number
 from woundon.quantities import Quantity, angle, find, length, line_load, pure, strain, stress, walk
 
 # woundon's own, whatever other tests have registered
@@ -120,50 +117,6 @@ def test_every_number_of_every_problem_is_a_quantity(kind: kinds.Kind) -> None:
         assert place.name in place.owner.model_fields
 
 
-def test_the_walk_over_a_class_goes_through_every_member_of_a_family() -> None:
-    paths = [place.path for place in walk(wo.NipProblem)]
-    for path in ("roll.material.radial", "roll.material.youngs_modulus", "drum.core_radius"):
-        assert path in paths
-    owners = {place.owner.__name__ for place in walk(wo.NipProblem) if place.path == "drum.radius"}
-    assert {"Rigid", "HalfPlane", "Cylinder"} <= owners
-    assert all(place.value is None for place in walk(wo.NipProblem))
-    assert next(walk(wo.Web, "web.")).path == "web.thickness"
-
-
-class _Layer(Description):
-    thickness: Annotated[Number, length("h", "thickness"), Field(gt=0)]
-    name: str = "felt"
-
-
-class _Pile(Description):
-    radius: Annotated[Number, length("R", "radius")]
-    layers: tuple[_Layer, ...]
-    weights: Annotated[tuple[float, ...], line_load("w", "weights")] = (1.0, 2.0)
-    top: _Layer | None = None
-
-
-def test_lists_are_entered_by_number_and_by_a_star() -> None:
-    pile = _Pile(radius=0.1, layers=(_Layer(thickness=1e-3), _Layer(thickness=2e-3, name="wool")))
-    assert [(place.path, place.value) for place in walk(pile)] == [
-        ("radius", 0.1),
-        ("layers.0.thickness", 1e-3), ("layers.0.name", "felt"),
-        ("layers.1.thickness", 2e-3), ("layers.1.name", "wool"),
-        ("weights", (1.0, 2.0)), ("top", None),
-    ]  # fmt: skip
-    assert [place.path for place in walk(_Pile)] == [
-        "radius", "layers.*.thickness", "layers.*.name", "weights", "top.thickness", "top.name",
-    ]  # fmt: skip
-    whole = pile.replace(top=_Layer(thickness=3e-3))
-    assert [p.path for p in walk(whole)][-2:] == ["top.thickness", "top.name"]
-    for path in ("layers.0.thickness", "layers.17.thickness", "top.thickness"):
-        (place,) = find(pile, path)
-        assert (place.path, place.owner) == (path, _Layer)
-        assert place.quantity is not None
-        assert place.quantity.symbol == "h"
-    assert find(_Pile, "layers.thickness") != ()  # of any item
-    assert find(_Pile, "radius.0") == find(_Pile, "layers.0.colour") == ()
-
-
 def test_a_name_is_found_in_every_member_that_has_it() -> None:
     problem = paper_nip()  # its drum is rigid
     assert isinstance(problem.drum, wo.Rigid)
@@ -185,19 +138,6 @@ def test_a_name_is_found_in_every_member_that_has_it() -> None:
     )
     for path in ("", "nip", "nip_load.x", "roll.", "roll.material.sheer", ".roll", "roll..radius"):
         assert find(problem, path) == (), path
-
-
-def test_a_member_that_joins_is_walked_and_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(wo.Body, "_members", dict(wo.Body._members))
-    assert find(wo.NipProblem, "drum.pile_height") == ()
-
-    class Brush(wo.Body):
-        pile_height: Annotated[Number, length("b", "height of the pile"), Field(gt=0)]
-
-    (place,) = find(wo.NipProblem, "drum.pile_height")
-    assert place.owner is Brush
-    assert "drum.pile_height" in {p.path for p in walk(wo.NipProblem)}
-    assert "pile_height" in {p.name for p in walk(Brush(radius=0.1, pile_height=1e-3))}
 
 
 # ---- results ------------------------------------------------------------------------------------
@@ -257,44 +197,6 @@ def test_outputs_are_fields_properties_and_methods_that_need_nothing() -> None:
     assert [place.path for place in walk(_Base)] == [name for name in values if name != "count"]
     assert [place.path for place in quantities.outputs(_Finer)] == list(values)
     assert quantities.value_of(finer(), "times") == pytest.approx(6e-3)
-
-
-def test_scalar_outputs_are_single_numbers() -> None:
-    scalars = quantities.scalar_outputs(_Finer)
-    assert list(scalars) == ["depth", "count", "residual", "twice", "times"]
-    assert scalars["count"].symbol == "n"
-    # what a subclass says of an output counts
-    assert scalars["twice"].shown_unit == "um"
-    twice = quantities.output(_Finer, "twice")
-    assert twice is not None
-    assert twice.quantity is not None
-    assert (twice.quantity.meaning, twice.value) == ("the same, said again", None)
-    assert quantities.output(_Finer, "plain") is None
-
-
-def test_an_output_may_be_another_quantity_in_one_result() -> None:
-    usual, special = finer(), finer(count=10)
-    shown = [
-        {p.path: p.quantity.display for p in walk(result) if p.quantity}["depth"]
-        for result in (usual, special)
-    ]
-    assert shown == ["mm", "%"]
-    assert quantities.scalar_outputs(special)["depth"].display == "%"
-    assert quantities.scalar_outputs(_Finer)["depth"].display == "mm"
-
-
-def test_an_output_set_on_a_class_is_one_from_then_on() -> None:
-    assert "late" not in quantities.scalar_outputs(_Finer)
-
-    def late(result: _Finer) -> Annotated[float, length("l", "set afterwards")]:
-        return result.depth / 2
-
-    _Finer.late = property(late)  # type: ignore[attr-defined]
-    try:
-        assert {p.path: p.value for p in walk(finer())}["late"] == 1e-3
-    finally:
-        del _Finer.late  # type: ignore[attr-defined]
-    assert "late" not in quantities.scalar_outputs(_Finer)
 
 
 @each_kind

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from math import inf, isnan, sqrt
+from math import inf, isnan
 from typing import Any
 
 import numpy as np
@@ -16,9 +16,7 @@ from woundon.contact.newton import NewtonFailed
 from woundon.contact.refinement import (
     FIRST_SIZES,
     OTHER_SIZES,
-    SIZES,
     error_estimate,
-    predicted_size,
     refine,
     sizes_up_to,
 )  # fmt: skip
@@ -64,21 +62,6 @@ def test_a_sequence_ends_with_the_nodes_requested(nodes: int, first: tuple[int, 
     growth = [b / a for a, b in pairwise(sizes)]
     assert all(1.2 < g <= 2.05 for g in growth)  # sizes are rounded
     assert len(sizes) >= 3 or nodes < 30 or first is OTHER_SIZES
-
-
-def test_the_next_mesh_meets_the_tolerance_of_a_second_order_estimate() -> None:
-    for last in (41, 65, 129):
-        for ratio in (1.2, 2.0, 3.0):
-            size = predicted_size(last, ratio)
-            assert size in SIZES
-            assert size >= 0.97 * 1.3 * last
-            needed = last * sqrt(ratio / 0.6)
-            assert size >= 0.97 * min(max(needed, 1.3 * last), 2 * last)
-            # the next size of the list, and no other one in between
-            assert not any(0.97 * max(needed, 1.3 * last) <= s < size for s in SIZES)
-    for ratio in (1e9, inf):
-        assert predicted_size(41, ratio) == next(s for s in SIZES if s >= 0.97 * 82)
-    assert predicted_size(1025, 5.0) == SIZES[-1]
 
 
 class Toy:

@@ -18,7 +18,6 @@ from woundon import kinds, quantities
 from woundon.report.nip_report import nip_report
 from woundon.report.outputs_report import outputs_report
 from woundon.report.report_parts import Row, Section, certificate_line, zone_line
-from woundon.report.result_report import print_report, report_text
 from woundon.report.terminal import print_parts
 
 OF_ROLLS = (wo.RollResult, wo.WindingResult)
@@ -151,26 +150,6 @@ def test_every_output_is_in_the_report_unless_it_is_reported_otherwise(examples)
 # ---- the nip -------------------------------------------------------------------------------------
 
 
-def test_theories_are_left_out_where_they_do_not_apply():
-    """Of a body of no linear elastic material, of an approach without level, of no dual slip."""
-
-    class Unnamed(wo.HalfPlane, abstract=True):
-        @property
-        def surface_material(self) -> None:
-            return None
-
-    paper = wo.material("paper")
-    problem = newsprint_nip(drum=Unnamed(radius=0.1, material=paper), winding_force=-300.0)
-    result = wo.solve(problem, nodes=NODES)
-    assert result.dual == 0
-    limit = wo.theories.friction_limit(problem)
-    (only,) = sections(nip_report(result))["Other theories"]
-    assert only == f"friction limit mu+ P + F (upper bound) NIT {limit:.5g} N/m"
-    (approach,) = [line for line in lines(str(result)) if line.startswith("centre approach")]
-    assert f"{1e3 * result.approach:.5g} mm ± " in approach
-    assert approach.endswith(", up to a constant")
-
-
 # ---- the nip with its wraps ----------------------------------------------------------------------
 
 
@@ -251,19 +230,6 @@ def test_warnings_stand_before_the_certificate(nip):
 # ---- on a terminal -------------------------------------------------------------------------------
 
 
-def test_lines_are_neither_cut_nor_folded(wrapped, monkeypatch):
-    """A narrow terminal, or one that tells no width, gets what a file gets."""
-    whole = report_text(wrapped)
-    assert str(wrapped) == whole
-    assert all(line == line.rstrip() for line in whole.splitlines())
-    assert max(map(len, whole.splitlines())) <= 100
-    for width in (40, None):
-        monkeypatch.setenv("TERM", "dumb")
-        paper = StringIO()
-        print_report(wrapped, Console(file=paper, width=width, color_system=None))
-        assert paper.getvalue() == f"{whole}\n"
-
-
 def test_zones_are_drawn_in_proportion_and_short_ones_stay_in_sight(nip):
     x = np.linspace(-1.0, 1.0, 101)
     zones = np.zeros(101, dtype=np.int8)
@@ -276,10 +242,3 @@ def test_zones_are_drawn_in_proportion_and_short_ones_stay_in_sight(nip):
     assert abs(runs[2][1] - 30) <= 1
     (roll,) = [line for line in str(nip).splitlines() if line.startswith(" roll  ")]
     assert roll.split()[1].count("▶") == pytest.approx(60 * nip.trailing_roll, abs=2)
-
-
-def test_text_is_returned_in_a_notebook_too(nip, monkeypatch):
-    sensitivity = nip.sensitivity("nip_load")
-    texts = [str(nip), str(sensitivity)]
-    monkeypatch.setattr("rich.console._is_jupyter", lambda: True)
-    assert [str(nip), str(sensitivity)] == texts

@@ -17,7 +17,7 @@ from woundon import kinds
 from woundon.io import result_files, seals
 from woundon.problems.fields import Number
 from woundon.quantities import length, line_load, outputs, scalar_outputs, stress, value_of
-from woundon.results import Residuals, Zone
+from woundon.results import Residuals
 
 NIP = newsprint_nip()
 PAIR = wo.RollerProblem.example()
@@ -86,16 +86,6 @@ def test_a_loaded_result_is_as_good_as_a_solved_one(solved, tmp_path, name):
         np.testing.assert_allclose(again.elasticities, exact.elasticities, rtol=1e-7, atol=1e-8)
 
 
-def test_what_a_file_does_not_have_takes_its_default(solved, tmp_path):
-    record = json.loads(result_files.to_json(solved("nip")))
-    for name in ("iterations", "series_terms", "series_error"):
-        del record["fields"][name]
-    (tmp_path / "nip.json").write_text(sealed(record))
-    loaded = wo.load_result(tmp_path / "nip.json")
-    assert (loaded.iterations, loaded.series_terms, loaded.series_error) == (0, 0, 0.0)
-    np.testing.assert_array_equal(loaded.drum_pressure, solved("nip").drum_pressure)
-
-
 def test_what_is_not_known_is_reported_and_left_out(solved, tmp_path):
     record = json.loads(result_files.to_json(solved("nip")))
     record["fields"]["temperature"] = 300.0
@@ -144,12 +134,6 @@ def test_netcdf_is_labelled(solved, tmp_path, name):
         assert float(pressure.sel(x=0, method="nearest")) > 0.9 * result.peak_pressure
         unlabelled = {name for name, v in data.variables.items() if "units" not in v.attrs}
         assert unlabelled == {"condition"}
-
-
-@pytest.mark.parametrize(("name", "unit"), [("rolling", "1"), ("static", "m")])
-def test_static_rollers_slip_by_a_length(solved, name, unit):
-    assert solved(name).to_xarray().slip.attrs["units"] == unit
-    assert json.loads(result_files.to_json(solved(name)))["units"]["slip"] == unit
 
 
 @pytest.mark.parametrize("name", MAIN)
@@ -307,20 +291,12 @@ DAMAGE: list[tuple[str, Any, str]] = [
     ("fields.drum_pressure", [1.0] * 24, "pressure: has 24 values; must be 25, as x"),
     ("fields.drum_pressure", [None] * 25, "pressure: must be a list of finite numbers"),
     ("fields.drum_pressure", ["1"] * 25, "pressure: must be a list of finite numbers"),
-    ("fields.drum_pressure", [True] * 25, "pressure: must be a list of finite numbers"),
-    ("fields.drum_pressure", [[1.0] * 25] * 25, "pressure: has 2 dimensions; must be 1"),
     ("fields.drum_pressure", [[1.0], 2.0], "damaged"),
-    ("fields.drum_pressure.3", 10**400, "damaged"),
     ("fields.roll_zone.3", 7, "roll_zone: must be a list of zones, -1, 0 or 1"),
-    ("fields.roll_zone.3", 0.5, "roll_zone: must be a list of zones, -1, 0 or 1"),
-    ("fields.half_width", None, "half_width: None is not a finite number"),
     ("fields.half_width", "wide", "half_width: 'wide' is not a finite number"),
-    ("fields.half_width", True, "half_width: True is not a finite number"),
     ("fields.half_width", ..., "half_width: missing"),
     ("fields.iterations", 3.5, "iterations: 3.5 is out of place; must be a whole number"),
     ("fields", {}, "roll_wound_on_tension: missing"),
-    ("fields", [], "damaged"),
-    ("dimensions", ..., "damaged"),
     ("residuals.stick", None, "residuals.stick: None is not a finite number"),
     ("residuals.stick", 1.0, "residuals: contact conditions are not satisfied to 1e-8: stick 1"),
     (
@@ -328,11 +304,9 @@ DAMAGE: list[tuple[str, Any, str]] = [
         {},
         "residuals: contact conditions are not satisfied to 1e-8: no condition was evaluated",
     ),
-    ("residuals", 0, "damaged"),
     ("errors.half_width", "small", "errors.half_width: 'small' is not a finite number"),
     ("problem.nip_load", -1, "nip_load: -1 is out of range"),
     ("problem.web", None, "web: None is out of place"),
-    ("problem", [1], "damaged"),
     ("warnings", 3, "damaged"),
     ("kind", None, "'None' is not a kind of problem"),
 ]
@@ -383,7 +357,6 @@ def test_damage_is_rejected_by_name(solved, tmp_path, place, value, said):
         ("nip", "problem.web.thickness", 67e-6),
         ("nip", "fields.roll_traction.9", 0.0),
         ("nip", "fields.drum_creepage", 0.0),
-        ("nip", "fields.offset", 0.0),
         ("nip", "fields.half_width", 2.6e-3),
         ("wrapped", "fields.tension.20", 9999.0),
         ("wrapped", "fields.curvature.20", 0.0),
@@ -408,7 +381,6 @@ def test_verifying_finds_what_no_shape_tells(solved, tmp_path, name, place, valu
         ("nip", "outputs.peak_pressure", 9999.0, "peak_pressure: 9999.0, but the arrays give "),
         ("nip", "fields.approach", 9999.0, "approach: 9999.0, but the arrays give "),
         ("nip", "fields.leading_roll", 0.9, "leading_roll: 0.9, but the arrays give -0.1"),
-        ("nip", "fields.trailing_roll", 0.9, "trailing_roll: 0.9, but the arrays"),
         ("wrapped", "outputs.wound_on_tension", None, "wound_on_tension: nan, but the arrays"),
         ("wrapped", "fields.approach", 9999.0, "approach: 9999.0, but the arrays give "),
         ("wrapped", "fields.dual", 0.9, "dual: 0.9, but the arrays give "),
@@ -449,12 +421,9 @@ GONE = "sha256: missing; the file was not written by result.save, or has changed
     [
         ("fields.roll_wound_on_tension", 9999.0),
         ("problem.nip_load", 3503.0),
-        ("fields.roll_zone.3", 7),
         ("residuals.stick", 1.0),
-        ("residuals.stick", None),
         ("units.drum_pressure", "kPa"),
         ("outputs.peak_pressure", 1.0),
-        ("version", "0.3"),
         ("warnings", ["all is well"]),
         ("fields.iterations", ...),
         ("sha256", "0" * 64),
@@ -526,9 +495,7 @@ def test_a_file_that_lost_its_seal_is_rejected(solved, tmp_path):
         ),
         ("outputs.peak_pressure", 1.0, "peak_pressure: 1.0, but the arrays give "),
         ("units.drum_pressure", "kPa", "drum_pressure: is in 'kPa'; must be in 'Pa'"),
-        ("units.half_width", 3, "half_width: is in 3; must be in 'm'"),
         ("units", [], "is not a result saved by woundon, or is damaged"),
-        ("outputs", 3, "is not a result saved by woundon, or is damaged"),
         ("outputs.peak_pressure", "high", "peak_pressure: 'high' is not a finite number"),
     ],
 )
@@ -562,26 +529,8 @@ def test_a_table_and_another_programs_json_are_no_results(solved, tmp_path):
         wo.load_result(path)
 
 
-def test_zones_are_zones(solved):
-    assert set(solved("wrapped").roll_zone.tolist()) <= set(map(int, Zone))
-
-
 def test_unknown_ending_is_rejected(solved, tmp_path):
     with pytest.raises(
         wo.InvalidProblem, match=r"'.xls' is not a known format; must be .nc, .json, .csv"
     ):
         solved("nip").save(tmp_path / "nip.xls")
-
-
-def test_an_interrupted_write_keeps_the_old_file(solved, tmp_path, monkeypatch):
-    path = tmp_path / "nip.json"
-    path.write_text("old")
-
-    def full_disk(*_: object) -> None:
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr("woundon.io.files.os.fsync", full_disk)
-    with pytest.raises(OSError, match="No space left"):
-        solved("nip").save(path)
-    assert [file.name for file in tmp_path.iterdir()] == ["nip.json"]
-    assert path.read_text() == "old"

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import copy
-import pickle
 from dataclasses import fields
 from html.parser import HTMLParser
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
-import pandas as pd
 import pytest
-import xarray
 from coarse_solutions import coarse_options, coarse_solution
 from thesis_cases import newsprint_nip
 
@@ -19,11 +15,8 @@ import woundon as wo
 from woundon import kinds, quantities
 from woundon.cli import commands as cli
 from woundon.io.case_files import template
-from woundon.io.frames import to_frame
-from woundon.quantities import length
 from woundon.report.html import parts_html
 from woundon.report.report_parts import Line, Section, row_of
-from woundon.results import ReadOnly
 
 NODES = 25
 KINDS = [kind.name for kind in kinds.every()]
@@ -98,14 +91,6 @@ def test_print_says_what_the_command_says(kind: str, tmp_path, capsys) -> None:
 # ---- in one line
 
 
-@pytest.mark.parametrize("name", KINDS + STUDIES)
-def test_one_line_says_what_it_is(solutions, name: str) -> None:
-    said = repr(solutions[name])
-    assert "\n" not in said
-    assert len(said) < 200
-    assert said.startswith(f"{type(solutions[name]).__name__}(")
-
-
 # ---- as HTML
 
 
@@ -131,14 +116,6 @@ def test_every_text_is_escaped() -> None:
 # ---- as tables
 
 
-@pytest.mark.parametrize("name", KINDS + STUDIES)
-def test_everything_is_had_as_tables(solutions, name: str) -> None:
-    assert isinstance(solutions[name].to_xarray(), xarray.Dataset)
-    frame = solutions[name].to_dataframe()
-    assert isinstance(frame, pd.DataFrame)
-    assert len(frame)
-
-
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_frame_has_the_arrays_and_their_units(solutions, kind: str) -> None:
     result = solutions[kind]
@@ -154,18 +131,6 @@ def test_a_frame_has_the_arrays_and_their_units(solutions, kind: str) -> None:
         assert frame.attrs["units"][name] == known[name].unit
         assert frame.attrs["long_names"][name] == known[name].meaning
     frame[due[0]] += 1.0  # the user's own
-
-
-def test_a_result_without_arrays_is_a_row() -> None:
-    from dataclasses import dataclass
-
-    @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-    class Point(wo.Result):
-        depth: Annotated[float, length("d", "depth")]
-
-    frame = to_frame(Point(problem=None, residuals=wo.Residuals(law=0.0), depth=2.0))
-    assert frame.to_dict("records") == [{"depth": 2.0, "residual": 0.0}]
-    assert frame.attrs["units"] == {"depth": "m", "residual": "1"}
 
 
 def test_tables_of_studies_have_their_numbers(solutions) -> None:
@@ -194,19 +159,6 @@ def test_tables_of_studies_have_their_numbers(solutions) -> None:
 def arrays(thing: Any) -> list[np.ndarray]:
     values = [getattr(thing, part.name) for part in fields(thing)]
     return [value for value in values if isinstance(value, np.ndarray)]
-
-
-@pytest.mark.parametrize("name", KINDS + STUDIES)
-@pytest.mark.parametrize(
-    "made", [lambda r: r, copy.copy, copy.deepcopy, lambda r: pickle.loads(pickle.dumps(r))]
-)
-def test_no_array_can_be_written_to(solutions, name: str, made) -> None:
-    thing = made(solutions[name])
-    assert isinstance(thing, ReadOnly)
-    assert len(arrays(thing)) >= 3
-    for values in arrays(thing):
-        with pytest.raises(ValueError, match="read-only"):
-            values[...] = 0.0
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import copy
-import pickle
 from functools import cache
 
 import numpy as np
 import pytest
 from coarse_solutions import coarse_solution
-from matplotlib import pyplot as plt
 from slow_cases import slow_case
 
 import woundon as wo
@@ -79,40 +76,7 @@ def test_a_tighter_roll_is_denser_and_without_a_density_none_is_reported():
     assert "density" not in _panels(untold)
 
 
-def test_what_is_left_of_the_tension():
-    result = coarse_solution(NEWSPRINT)
-    np.testing.assert_allclose(result.residual_tension, 66e-6 * result.hoop_stress)
-    assert result.residual_tension[-1] == pytest.approx(350.0, rel=1e-3)
-
-
-def test_its_panels_are_drawn():
-    result = coarse_solution(NEWSPRINT)
-    assert "density" in _panels(result)
-    figure = result.plot(panels=["density", "residual_tension"])
-    density, tension = figure.axes
-    lines = [line.get_ydata() for line in density.lines]
-    np.testing.assert_allclose(lines[0], result.density)
-    np.testing.assert_allclose(lines[1], result.density_as_wound)
-    assert "N/m" in tension.get_ylabel()
-    plt.close(figure)
-
-
 def _panels(result: wo.RollResult) -> list[str]:
     from woundon.report.roll_plots import roll_panels
 
     return [name for name, panel in roll_panels(result).items() if panel.shown]
-
-
-def test_kappa_is_kept_and_copies_well():
-    """Stages ask for it each time: made once a result, again where its stages are others."""
-    result = coarse_solution(NEWSPRINT)
-    assert result.kappa is result.kappa
-    x = np.log(np.linspace(0.045, 0.149, 50))
-    for other in (copy.deepcopy(result), pickle.loads(pickle.dumps(result))):
-        np.testing.assert_array_equal(other.kappa(x), result.kappa(x))
-        assert other == result
-    changed = result.replace(growth=2 * result.growth)
-    np.testing.assert_allclose(changed.kappa(x), 2 * result.kappa(x))
-    assert result.at(0.1).core_pressure == pytest.approx(
-        wo.solve(result.at(0.1).problem).core_pressure, rel=1e-3
-    )

@@ -252,15 +252,3 @@ def test_noise_does_not_make_the_modulus_jump() -> None:
 )  # fmt: skip
 def test_rejected_with_one_line(make: Any, message: str) -> None:
     assert_rejected(make, message)
-
-
-def test_a_stack_from_tables() -> None:
-    made = Stack.coerce({
-        "radial": {"kind": "power_law", "E0": 1e6, "k": 2e7, "m": 0.7},
-        "tangential": 3e9, "poissons_ratio": 0.01, "shear": 1e7,
-    })  # fmt: skip
-    assert made.radial == LAWS["power"]
-    assert Stack.coerce(made.model_dump()) == made
-    assert made.replace(**{"radial.m": 0.5}).radial.m == 0.5
-    assert stack(radial={"K1": 10e3, "K2": 40}) == stack()
-    assert stack(radial=5e6).radial.modulus(3e5) == 5e6

@@ -8,7 +8,7 @@ import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
 import woundon.parallel
-from woundon.parallel import VARIABLES, environment, one_thread
+from woundon.parallel import VARIABLES, one_thread
 
 
 def _blas_threads() -> set[int]:
@@ -55,20 +55,3 @@ def test_another_that_ends_meanwhile_does_not_take_the_limit_away():
 
     assert outer() == {1}
     assert _blas_threads() == {3}
-
-
-@pytest.mark.usefixtures("three")
-def test_every_solver_asks_for_it():
-    import woundon as wo
-    from woundon.nip.sensitivity import contact_sensitivity
-
-    solvers = [wo.kinds.named(name).solver for name in ("nip", "rollers")]
-    for solve in (*solvers, contact_sensitivity):
-        assert solve.__code__.co_name == "limited", solve.__name__
-
-
-def test_processes_with_one_thread_need_no_limit(monkeypatch: pytest.MonkeyPatch):
-    for name, value in environment().items():
-        monkeypatch.setenv(name, value)
-    monkeypatch.setattr(woundon.parallel, "_LIMIT", None)
-    assert one_thread(_blas_threads)()

@@ -93,18 +93,6 @@ def on_the_rear_drum(problem: wo.WindingProblem, names: dict[str, Any], rider: A
     np.testing.assert_allclose(problem.at("nip_load", r), loads.rear, rtol=1e-12)
 
 
-def test_the_example_winds_on_the_rear_drum(monkeypatch: pytest.MonkeyPatch) -> None:
-    pytest.importorskip("matplotlib").use("Agg")
-    source = (ROOT / "examples/winder/n_two_drum_winder.py").read_text(encoding="utf-8")
-    names: dict[str, Any] = {}
-    monkeypatch.setattr("matplotlib.pyplot.show", lambda: None)
-    exec(compile(source, "n_two_drum_winder.py", "exec"), names)
-    riders = {"constant rider": 2500.0, "rider relieved": np.maximum(names["rider"], 0.0)}
-    assert set(names["wound"]) == set(riders)
-    for name, run in names["wound"].items():
-        on_the_rear_drum(run.problem, names, riders[name])
-
-
 def test_the_guide_winds_on_the_rear_drum() -> None:
     text = (ROOT / "docs/theory/winding.md").read_text(encoding="utf-8")
     blocks = re.findall(r"```python\n(.*?)```", text, re.S)

@@ -93,23 +93,6 @@ def test_rejected(make: Any, message: str) -> None:
     assert_rejected(make, message)
 
 
-def test_a_winding_hands_its_speed_to_its_nips() -> None:
-    winding = wo.WindingProblem.example().replace(drum=cover(rubber()), web_speed=7.0)
-    assert winding.nip(0.1, wo.Rigid(radius=0.1)).web_speed == 7.0
-
-
-def test_a_problem_may_use_the_speed_for_something_else() -> None:
-    """The refusal of a speed asks all that may depend on it, in subclasses too."""
-
-    class Airy(wo.NipProblem):
-        def uses_of_speed(self) -> Any:
-            yield from super().uses_of_speed()
-            yield "roll_friction", "air comes in"
-
-    fields = {name: getattr(newsprint_nip(), name) for name in wo.NipProblem.model_fields}
-    assert Airy(**fields | {"web_speed": 10.0}).rolling_speed == 10.0
-
-
 # ---- materials ----------------------------------------------------------------------------------
 
 
@@ -168,23 +151,6 @@ def test_case_files(material: wo.Material, comments: bool) -> None:
     assert '"5 m/s"' in text
 
 
-def test_a_measured_table_next_to_the_case(tmp_path: Any) -> None:
-    rows = [f"{f},{s},{loss}" for f, s, loss in zip(HZ, STORAGE, LOSS, strict=True)]
-    head = "frequency [Hz],storage_modulus [Pa],loss_modulus [Pa]"
-    (tmp_path / "rubber.csv").write_text("\n".join([head, *rows]), encoding="utf-8")
-    before, *_ = to_toml(nip(), comments=False).partition("[drum.material]")
-    material = 'kind = "dynamic_test"\npoissons_ratio = 0.48\ncsv = "rubber.csv"\n'
-    (tmp_path / "case.toml").write_text(f"{before}[drum.material]\n{material}", encoding="utf-8")
-    found = wo.load_case(tmp_path / "case.toml").drum.material
-    assert found == dynamic_test()
-
-
-def test_variants_with_units() -> None:
-    problem = nip().replace(**{"web_speed": "1200 m/min", "drum.material.prony.1.time": "2 ms"})
-    assert problem.web_speed == 20.0
-    assert problem.drum.material.prony[1].time == 2e-3  # type: ignore[attr-defined]
-
-
 def test_a_sweep_over_speed() -> None:
     table = wo.sweep(
         nip(), over={"web_speed": [1.0, 30.0]},
@@ -195,29 +161,6 @@ def test_a_sweep_over_speed() -> None:
         table["dissipated_power"], table["rolling_resistance"] * [1.0, 30.0], rtol=1e-12
     )
     assert (table["pressure_shift"] < 0).all()
-
-
-@pytest.mark.parametrize("wrapped", [False, True])
-def test_files_and_reports(wrapped: bool, tmp_path: Any) -> None:
-    problem = nip().replace(roll_wrap=pi) if wrapped else nip()
-    result = wo.solve(problem, nodes=17)
-    for name in ("r.json", "r.nc"):
-        result.save(tmp_path / name)
-        assert wo.load_result(tmp_path / name) == result
-    said = str(result)
-    for text in ("rolling resistance", "dissipated", "resultant", "300  m/min", "relaxed"):
-        assert text in said
-    assert result.certified().largest < 1e-8
-
-
-def test_elastic_results_say_nothing_of_it() -> None:
-    result = wo.solve(newsprint_nip(), nodes=17)
-    assert np.isnan(
-        [result.rolling_resistance, result.dissipated_power, result.pressure_shift]
-    ).all()
-    assert "rolling resistance" not in str(result)
-    assert "power_balance" not in dict(result.residuals.items())
-    assert "rolling_resistance" not in result.errors
 
 
 @pytest.mark.parametrize("kind", ["nip", "rollers", "wrapped"])
@@ -248,12 +191,6 @@ def test_the_balance_of_power_converges_with_the_mesh(kind: str) -> None:
     # meshes four times as fine: of first order or better, with room for moving zone boundaries
     assert left[1] < 0.4 * left[0]
     assert left[1] < 1e-3
-
-
-def test_the_reported_resistance_of_a_wrapped_nip_is_that_of_its_arrays() -> None:
-    result = wo.solve(nip().replace(roll_wrap=pi), nodes=33)
-    computed, slack = result.recomputed()["rolling_resistance"]
-    assert abs(computed - result.rolling_resistance) <= slack
 
 
 @pytest.mark.parametrize(

@@ -17,9 +17,8 @@ from woundon.parallel import Cancelled
 from woundon.results import ACCEPTED_RESIDUAL
 from woundon.roll.stages import stage_at
 from woundon.winding.bodies import effective_cylinder, effective_pressure
-from woundon.winding.interpolation import Piece, leja
+from woundon.winding.interpolation import Piece
 from woundon.winding.measured import smoothed
-from woundon.winding.nips import Nips
 from woundon.winding.roll import wind
 
 CASE = wo.WindingProblem.example().replace(radius=0.12)
@@ -38,13 +37,6 @@ def braked() -> wo.WindingResult:
 
 
 # ---- interpolation ------------------------------------------------------------------------------
-
-
-def test_leja_points_are_ends_and_then_as_far_from_others_as_can_be():
-    assert leja(3) == (0.0, 1.0, 0.5)
-    # x (1 - x)|x - 1/2| is largest at 1/2 -+ 1/sqrt(12); the search has 4000 steps
-    assert min(abs(leja(4)[3] - 0.5 - s / np.sqrt(12)) for s in (-1, 1)) < 3e-4
-    assert leja(9)[:4] == leja(4)
 
 
 def test_a_piece_meets_polynomials_exactly_and_estimates_its_error():
@@ -162,12 +154,6 @@ def test_what_the_first_layers_may_do_is_in_the_error_of_the_core_pressure():
     assert run.errors["core_pressure"] > run.roll.errors["core_pressure"] + own
 
 
-def test_what_nips_answer_on_a_roll_a_little_other_is_predicted():
-    """Twice as many nips are solved where each turn takes all of them, 72 of ten radii."""
-    run = wound("effective")
-    assert run.nips_solved <= 4.5 * run.nip_radius.size
-
-
 @pytest.mark.slow
 def test_a_roll_whose_stages_are_chosen_otherwise_keeps_nothing_from_agreeing():
     """Two choices of them, each asked for by the tension of the other, once went on for ever."""
@@ -192,17 +178,6 @@ def test_the_roll_does_not_depend_on_where_the_winding_was_begun():
     np.testing.assert_allclose(one.wound_on_tension, two.wound_on_tension, rtol=1e-6)
     P, Q = (run.roll.at_radius(one.radius)["pressure"] for run in (one, two))
     np.testing.assert_allclose(P, Q, atol=1e-6 * P.max())
-
-
-def test_what_is_to_be_said_of_air_is_handed_on_with_the_radii_it_holds_for():
-    problem = CASE.replace(roll_body="linear", web_speed=30.0, air=wo.Air(roughness=1e-7))
-    roll = wind(problem, np.array([0.05, 0.12]), np.array([400.0, 400.0]), 0.05).result
-    nips = Nips(problem, 33, 1e-3, lambda _: None)
-    for r in (0.06, 0.08, 0.11):
-        nips.tension(r, roll)
-    said = [text for text in nips.warnings() if "web and roll do not touch" in text]
-    assert len(said) == 1
-    assert said[0].startswith("nip at the radius 0.06 m and 2 more up to 0.11 m: the air film")
 
 
 def test_what_the_winder_sets_is_reported_over_the_radius():
@@ -385,11 +360,3 @@ def test_a_file_gives_the_winding_back_with_its_roll(tmp_path: Path, ending: str
     assert again == run
     np.testing.assert_array_equal(again.roll.pressure, run.roll.pressure)
     assert again.certified() == run.certified()
-
-
-def test_a_sweep_winds_many():
-    laws = CASE.replace(tension_law="friction", web_tension=300.0)
-    table = wo.sweep(laws, {"nip_load": [500.0, 1500.0]}, outputs=["mean_wound_on_tension"])
-    np.testing.assert_allclose(
-        table["mean_wound_on_tension"], 300 + 0.19 * np.array([500, 1500]), rtol=1e-12
-    )

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import pytest
-from rejections import assert_rejected
 
 import woundon as wo
-from woundon.io.case_texts import to_toml
-from woundon.report.winding_plots import winding_panels
 
 LIMITS = wo.Limits(compression=100e3, blocking_pressure=2e6, web_strength=2e3, slack_tension=50.0)
 OUTPUTS = {
@@ -74,51 +70,6 @@ def test_margins_are_outputs_that_studies_vary(wound: wo.WindingResult) -> None:
     found = wo.sweep(winding(), {"web_tension": [200.0, 300.0]}, [*OUTPUTS, "least_reserve"])
     assert found.largest_compression.values[1] == wound.largest_compression
     assert found.least_reserve.values[0] > found.least_reserve.values[1]
-
-
-def test_they_are_measured_again_from_a_file(wound: wo.WindingResult, tmp_path: Path) -> None:
-    wound.save(tmp_path / "wound.nc")
-    again = wo.load_result(tmp_path / "wound.nc")
-    assert again.problem.limits == LIMITS
-    for old, new in zip(wound.margins, again.margins, strict=True):
-        assert new.value == pytest.approx(old.value, rel=1e-12)
-
-
-def test_limits_stand_in_a_case_file(tmp_path: Path) -> None:
-    text = to_toml(winding())
-    assert "[limits]" in text
-    (tmp_path / "case.toml").write_text(text)
-    assert wo.load_case(tmp_path / "case.toml") == winding()
-
-
-def test_the_report_ends_with_the_margins(wound: wo.WindingResult) -> None:
-    message = str(wound)
-    assert message.splitlines()[0] == wound.margins.verdict
-    for margin in wound.margins:
-        assert f"\n {margin.title}: " in message
-    assert "VIOLATED by" in message
-    assert "not checked" in message  # the core, of which only the stiffness is known
-    assert "#B00020" in wound._repr_html_()
-
-
-def test_an_acceleration_needs_a_density() -> None:
-    assert_rejected(
-        lambda: winding(density=None, limits=wo.Limits(acceleration=1.0)),
-        "limits.acceleration: 1 is given without the web's density",
-    )
-
-
-@pytest.mark.slow
-def test_every_panel_is_drawn(wound: wo.WindingResult) -> None:
-    names = list(winding_panels(wound))
-    figure = wound.plot(panels=names)
-    assert len(figure.axes) >= len(names)
-    figure.set_dpi(50)
-    figure.set_layout_engine("none")  # which takes longer than all the panels
-    figure.canvas.draw()
-    assert all(axes.has_data() for axes in figure.axes)
-    two = wo.plot([wound, wo.solve(winding(torque_split=0.5))])
-    assert len(two.axes) == 4
 
 
 @pytest.mark.slow

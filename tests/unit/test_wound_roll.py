@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import tomllib
-import warnings
 from pathlib import Path
 from typing import Any
 
@@ -101,15 +100,6 @@ def test_a_soft_surface_makes_a_wide_nip() -> None:
     soft, hard = (outputs(EXAMPLE.replace(roll=roll(pressure=P)))[1] for P in (20e3, 200e3))
     between = outputs(EXAMPLE.replace(roll=roll(pressure=GRADED)))[1]
     assert hard < between < soft
-
-
-@pytest.mark.slow
-def test_it_rolls_in_wrapped_nips_and_against_rollers() -> None:
-    problem = EXAMPLE.replace(roll=roll(pressure=GRADED))
-    assert wo.solve(problem.replace(roll_wrap=np.pi), nodes=33).residuals.largest <= 1e-8
-    pair = wo.RollerProblem(upper=roll(pressure=GRADED), lower=wo.Rigid(radius=0.2), load=2e3,
-                            friction=0.2, tangential_load=100.0)  # fmt: skip
-    assert wo.solve(pair, nodes=49).residuals.largest <= 1e-8
 
 
 @pytest.mark.parametrize(
@@ -220,15 +210,6 @@ def test_case_files_come_back(pressure: Any, comments: bool, tmp_path: Path) -> 
         assert '"200 kPa"' in text
 
 
-def test_a_profile_has_the_unit_of_its_field(tmp_path: Path) -> None:
-    table = '\n[roll.pressure]\nradius = ["50 mm", 0.1]\nvalue = ["2 bar", 1e5]\n'
-    problem = case(CASE.replace('pressure = "200 kPa"\n', "") + table, tmp_path)
-    assert problem.roll.pressure == wo.Profile(radius=[0.05, 0.1], value=[2e5, 1e5])
-    bad = table.replace("2 bar", "2 mm")
-    with pytest.raises(wo.InvalidProblem, match=r"roll\.pressure\.value\.0: '2 mm' has the wrong"):
-        case(CASE.replace('pressure = "200 kPa"\n', "") + bad, tmp_path)
-
-
 def test_columns_from_a_csv_file(tmp_path: Path) -> None:
     P = np.linspace(0, 800, 9)
     e = 100 * np.log1p(P / 20) / 30
@@ -248,42 +229,9 @@ def test_columns_from_a_csv_file(tmp_path: Path) -> None:
     assert case(text, tmp_path) == problem
 
 
-@pytest.mark.parametrize(
-    ("content", "message"),
-    [
-        ("pressure [kPa], strain\n", "test.csv: has no header with rows below it"),
-        ("pressure [kPa], strain\n1, 2\n3\n", "test.csv: row 3 has 1 cells, the header 2"),
-        ("strain, strain\n1, 2\n", "test.csv: row 1: two columns have the same header 'strain'"),
-        ("pressure [kPa], kind\n1, 2\n", "test.csv: has a column 'kind', which the case contains"),
-        ("pressure [mm], strain\n" + "1, 2\n" * 4, "radial.pressure.0: '1 mm' has the wrong dim"),
-        ("pressure [kPa], strain\n1, x\n2, 3\n3, 4\n4, 5", "radial.strain.0: 'x' is"),
-        ("pressure [kPa], stress\n" + "1, 2\n" * 4, "stress: no such field"),
-        (None, "test.csv: cannot be read"),
-    ],
-)
-def test_columns_that_cannot_be_read(content: str | None, message: str, tmp_path: Path) -> None:
-    if content is not None:
-        (tmp_path / "test.csv").write_text(content)
-    text = CASE.replace('radial = {K1 = "10 kPa", K2 = 127}',
-                        'radial = {kind = "stack_test", csv = "test.csv"}')  # fmt: skip
-    with pytest.raises(wo.InvalidProblem) as report:
-        case(text, tmp_path)
-    assert message in str(report.value)
-
-
 def test_a_poor_fit_of_a_test_is_reported() -> None:
     P = np.linspace(0, 8e5, 6)
     e = np.log1p(P / 2e4) / 30 + np.array([0, 0.01, -0.01, 0.01, -0.01, 0.01])
     law = wo.StackTest(pressure=P, strain=np.sort(e) + 1e-4 * np.arange(6))
     assert law.misfit > 0.01
     assert "its stack test is fitted to" in roll(stack=PAPER.replace(radial=law)).validity_warning
-
-
-def test_saved_and_loaded(tmp_path: Path) -> None:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        result = wo.solve(EXAMPLE.replace(roll=roll(pressure=GRADED)), nodes=33)
-    result.save(tmp_path / "nip.nc")
-    again = wo.load_result(tmp_path / "nip.nc")
-    assert again.problem == result.problem
-    assert again.certified().largest <= 1e-8

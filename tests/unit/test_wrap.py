@@ -43,26 +43,6 @@ def test_bad_wraps_are_named(options, said):
     assert said in str(fault.value)
 
 
-def test_wraps_are_fields_of_the_problem():
-    options = {"roll_wrap": 2.0, "drum_wrap": 0.5, "wrap_friction": 0.3, "winding_force": 50.0}
-    wrapped = PAPER.replace(**options)
-    assert {name: getattr(wrapped, name) for name in options} == options
-    without = {"roll_wrap": 0.0, "drum_wrap": 0.0, "wrap_friction": None}
-    assert wrapped.replace(**without) == PAPER.replace(winding_force=50.0)
-    # the drum wrap carries a force that the nip alone cannot carry
-    carried = wrapped.replace(winding_force=790.0)
-    with pytest.raises(wo.NoSteadyState, match="winding_force: 790 is out of range"):
-        carried.replace(**without)
-
-
-def test_the_usual_nip_is_wrapped_half_a_turn_on_the_roll():
-    fields = {name: getattr(PAPER, name) for name in ("web", "roll", "drum", "roll_friction",
-              "drum_friction", "nip_load", "winding_force", "web_tension")}  # fmt: skip
-    usual = wo.NipProblem(**fields)
-    assert (usual.roll_wrap, usual.drum_wrap, usual.wrap_friction) == (pi, 0.0, None)
-    assert usual.friction_on_wrap == usual.roll_friction
-
-
 def test_a_slack_web_is_rejected():
     slack = PAPER.replace(web_tension=0.0)
     with pytest.raises(wo.InvalidProblem, match=r"web_tension: 0 is .*must be taut"):
@@ -107,11 +87,3 @@ def test_tension_and_estimate_without_wrap_bracket_the_wound_on_tension():
     wrapped = wo.solve(PAPER.replace(roll_wrap=pi), **QUICK)
     low, high = sorted([held.outlet_tension, wound_on_tension_estimate(held)])
     assert low < wrapped.wound_on_tension < high
-
-
-def test_without_wraps_the_outputs_of_wraps_are_zero_or_empty():
-    held = wo.solve(PAPER, **QUICK)
-    assert held.wound_on_tension == held.outlet_tension
-    assert held.slip_angle == held.roll_wrap_traction == held.drum_wrap_traction == 0
-    assert held.curvature.size == held.hoop_pressure.size == 0
-    assert held.in_nip == slice(0, held.x.size)
