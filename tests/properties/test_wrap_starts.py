@@ -105,6 +105,22 @@ def test_a_neighbour_saves_iterations_and_leaves_the_error_estimates() -> None:
     assert ratio == pytest.approx(1, rel=0.05)
 
 
+@pytest.mark.parametrize("far", ["", *FAR])
+def test_the_last_mesh_alone_has_the_same_solution(far: str) -> None:
+    """If the iteration fails from a start that is far away, all meshes are solved."""
+    fields = FAR[far] if far else {"nip_load": 1.02 * HARD.nip_load}
+    problem = BASES["both wraps"].replace(**fields)
+    options: dict[str, Any] = {**MESH, "start": solved("both wraps")}
+    alone = wo.solve(problem, **options, errors=False)
+    assert_same(wo.solve(problem, **options), alone)
+    assert far or np.isnan(alone.error("wound_on_tension"))
+
+
+def test_error_estimates_are_omitted_only_with_a_start_on_as_many_nodes() -> None:
+    for options in ({}, {"start": wo.solve(HARD, nodes=25)}):
+        assert wo.solve(HARD, **MESH, **options, errors=False).error("wound_on_tension") > 0
+
+
 def test_the_page_and_studies_start_from_the_case_before() -> None:
     from woundon.studies.kind_model import KindModel
 

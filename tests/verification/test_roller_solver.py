@@ -249,6 +249,9 @@ def test_a_warm_start_does_not_change_the_result(motion: str) -> None:
         assert np.array_equal(warm.zone, cold.zone)
         assert warm.half_width == pytest.approx(cold.half_width, rel=1e-7)
         assert warm.errors["half_width"] == pytest.approx(cold.errors["half_width"], rel=0.1)
+    alone = wo.solve(problem, start=wo.solve(neighbour.problem, nodes=65), nodes=65, errors=False)
+    assert alone.half_width == pytest.approx(wo.solve(problem, nodes=65).half_width, rel=1e-7)
+    assert np.isnan(alone.errors["half_width"])
 
 
 def test_any_result_may_be_the_start() -> None:

@@ -149,6 +149,7 @@ def refine(
     criterion: Callable[[Mapping[str, float], Mapping[str, float]], float] = lambda *_: 0.0,
     most_nodes: int = 257,
     start: Refinement | None = None,
+    errors: bool = True,
     check: Callable[[MeshSolution], None] = lambda _: None,
     progress: Callable[[float], None] | None = None,
 ) -> Refinement:
@@ -167,6 +168,9 @@ def refine(
         Largest mesh; there the refinement ends even if the criterion is not met.
     start : Refinement, optional
         Solutions of a neighbouring problem, which replace the initial guess on every mesh.
+    errors : bool
+        False omits the coarse meshes, which only the error estimates need, if ``start`` ends on a
+        mesh of as many nodes.
     check : callable
         Called with the solution on each mesh; it may raise.
     progress : callable, optional
@@ -177,10 +181,15 @@ def refine(
     NewtonFailed
         If no first mesh leads to a solution.
     """
-    attempts: list[tuple[tuple[int, ...], Refinement | None]] = []
+    sequence, other = (
+        sizes_up_to(nodes, first) if nodes else [n for n in first if n <= most_nodes]
+        for first in (FIRST_SIZES, OTHER_SIZES)
+    )
+    attempts: list[tuple[list[int], Refinement | None]] = [(sequence, None), (other, None)]
     if start is not None:
-        attempts.append((FIRST_SIZES, start))
-    attempts += [(FIRST_SIZES, None), (OTHER_SIZES, None)]
+        attempts.insert(0, (sequence, start))
+        if nodes == start.last.size and not errors:
+            attempts.insert(0, ([nodes], start))
     for sizes, guess in attempts:
         try:
             return _refine(system_of, sizes, nodes, criterion, most_nodes, guess, check, progress)
@@ -191,7 +200,7 @@ def refine(
 
 def _refine(
     system_of: Callable[[int], Any],
-    first: tuple[int, ...],
+    sizes: list[int],
     nodes: int | None,
     criterion: Callable[[Mapping[str, float], Mapping[str, float]], float],
     most_nodes: int,
@@ -200,7 +209,6 @@ def _refine(
     progress: Callable[[float], None] | None,
 ) -> Refinement:
     found = Refinement()
-    sizes = sizes_up_to(nodes, first) if nodes else [n for n in first if n <= most_nodes]
     while True:
         for size in sizes:
             found.meshes.append(_solve(system_of(size), size, found, start))
@@ -209,7 +217,7 @@ def _refine(
                 progress(min(size / (nodes or most_nodes), 1.0))
         ratio = criterion(found.last.main_outputs, found.deciding_errors())
         # the first meshes are too coarse for an estimate that decides
-        is_last = len(found.meshes) > len(first) and not ratio > 1
+        is_last = len(found.meshes) > len(FIRST_SIZES) and not ratio > 1
         if nodes or is_last or found.last.size >= most_nodes:
             found.meshes[-1] = _polished(found.last)
             return found

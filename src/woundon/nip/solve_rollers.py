@@ -54,6 +54,7 @@ def solve_rollers(
     nodes: Annotated[int | None, NODES_OPTION] = None,
     rtol: Annotated[float | None, RTOL_OPTION] = None,
     start: RollerResult | None = None,
+    errors: bool = True,
     progress: Callable[[float], None] | None = None,
 ) -> RollerResult:
     """Solve two rollers in contact: pressure, traction, stick and slip.
@@ -73,6 +74,9 @@ def solve_rollers(
         The solution of a neighbouring problem, which supplies the initial guess on every mesh.  It
         does not change the result beyond the solver tolerance.  A result restored from a file does
         not hold the solutions on its meshes and is not used.
+    errors : bool
+        False omits the error estimates if ``start`` has ``nodes`` too: only the last mesh is
+        solved.
     progress : callable, optional
         Called with the estimated fraction of the work that is done.
 
@@ -95,7 +99,7 @@ def solve_rollers(
     0.354
     """
     check_type("problem", problem, RollerProblem)
-    check_options(nodes=nodes, rtol=rtol, start=start)
+    check_options(nodes=nodes, rtol=rtol, start=start, errors=errors)
     check_load(problem, "load")
     criterion = Criterion(problem, DEFAULT_RTOL if rtol is None else float(rtol))
     try:
@@ -105,6 +109,7 @@ def solve_rollers(
             criterion=criterion,
             most_nodes=DEFAULT_NODES if rtol is None else MOST_NODES,
             start=None if start is None else start.refinement,
+            errors=errors,
             progress=progress,
         )
     except NewtonFailed as failed:
@@ -121,7 +126,7 @@ def solve_rollers(
 
 
 def check_options(
-    *, nodes: Any = None, rtol: Any = None, start: Any = None, progress: Any = None
+    *, nodes: Any = None, rtol: Any = None, start: Any = None, errors: Any = True
 ) -> None:
     """Check the options of :func:`solve_rollers`.
 
@@ -135,6 +140,7 @@ def check_options(
     if rtol is not None:
         tolerance("rtol", rtol, LEAST_RTOL, MOST_RTOL)
     nodes_or_rtol(nodes, rtol)
+    check_type("errors", errors, bool)
     if start is not None:
         check_type("start", start, RollerResult)
 

@@ -366,7 +366,7 @@ def fit(
     """
     outputs = measurable(problem)
     data = read_measured(measured, columns_of(problem), outputs, columns, replaced(problem))
-    given = _on_one_grid(problem, solver_options(nodes, rtol, options))
+    given = _on_one_mesh(problem, solver_options(nodes, rtol, options))
     model = model_of(problem, tuple(data.outputs), tie, given)
     bounds = in_si(problem, _bounds(vary))
     parameters = tuple(_parameter(problem, name, ends) for name, ends in bounds.items())
@@ -391,12 +391,13 @@ def fit(
     return replace(found, problem=model.variant(estimates))
 
 
-def _on_one_grid(problem: Problem, options: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the options with a fixed number of nodes if the solver would choose the mesh."""
-    chosen = options_of(problem).get("nodes", ...) is None
-    if not chosen or any(options.get(name) is not None for name in ("nodes", "rtol")):
-        return dict(options)
-    return {**options, "nodes": FIT_NODES}
+def _on_one_mesh(problem: Problem, options: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the options with a fixed number of nodes and without error estimates."""
+    known = options_of(problem)
+    found: dict[str, Any] = {"errors": False} if "errors" in known else {}
+    if known.get("nodes", ...) is None and not options.keys() & {"nodes", "rtol"}:
+        found["nodes"] = FIT_NODES
+    return found | dict(options)
 
 
 def _bounds(vary: Any) -> dict[str, Any]:
