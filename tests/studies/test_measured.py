@@ -44,7 +44,7 @@ def test_a_formula_that_failed_is_no_gap(tmp_path: Path):
     book.active["B2"].data_type = "e"
     book.save(tmp_path / "rig.xlsx")
     with pytest.raises(
-        InvalidProblem, match=r"row 2, column 'half_width \[mm\]': '#DIV/0!' is not a"
+        InvalidProblem, match=r"row 2, column 'half_width \[mm\]': '#ERROR' is not a"
     ):
         _read(tmp_path / "rig.xlsx")
 

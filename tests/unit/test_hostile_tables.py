@@ -1,6 +1,6 @@
 """Tables that are made to keep a reader busy: each is rejected by row and column, within seconds.
 
-Evidence: measured time. Without the limits most of these files take from 15 s to hours.
+Evidence: measured processor time. Without the limits most of these files take from 15 s to hours.
 """
 
 from __future__ import annotations
@@ -17,16 +17,16 @@ import woundon as wo
 from woundon.io.case_files import template
 
 NIP = newsprint_nip()
-SECONDS = 6.0  # on a machine that is busy with other tests; alone each takes less than 2
+SECONDS = 6.0  # of processor time, with every reserve: each takes less than 2
 HEAD, ROW = "nip_load [N/m],half_width [mm]\n", "2000,4\n"
 
 
 def rejected(path: Path) -> str:
     """Return why a table of measured data is rejected, in time."""
-    start = time.perf_counter()
+    start = time.process_time()
     with pytest.raises(wo.InvalidProblem) as fault:
         wo.fit(NIP, path, ["roll_friction"], nodes=17)
-    assert time.perf_counter() - start < SECONDS
+    assert time.process_time() - start < SECONDS
     assert max(map(len, str(fault.value).splitlines())) < 1100
     return str(fault.value)
 
@@ -95,10 +95,10 @@ def test_a_hostile_body_in_a_cell_is_rejected_in_time(cell: str, tmp_path: Path)
     path = tmp_path / "cases.csv"
     quoted = cell.replace('"', '""')
     path.write_text(f'drum\n"{quoted}"\n', encoding="utf-8")
-    start = time.perf_counter()
+    start = time.process_time()
     with pytest.raises(wo.InvalidProblem, match="row 2, column"):
         wo.sweep(NIP, path, nodes=17, workers=1)
-    assert time.perf_counter() - start < SECONDS
+    assert time.process_time() - start < SECONDS
 
 
 CURVES = {
@@ -117,10 +117,10 @@ def test_a_hostile_curve_of_a_case_is_rejected_in_time(name: str, tmp_path: Path
     (tmp_path / "curve.csv").write_text(CURVES[name], encoding="utf-8")
     case = template("roll") + '\n[stack.curve]\ncsv = "curve.csv"\n'
     (tmp_path / "case.toml").write_text(case, encoding="utf-8")
-    start = time.perf_counter()
+    start = time.process_time()
     with pytest.raises(wo.InvalidProblem) as fault:
         wo.load_case(tmp_path / "case.toml")
-    assert time.perf_counter() - start < SECONDS
+    assert time.process_time() - start < SECONDS
     assert "curve.csv" in str(fault.value)
 
 
@@ -161,8 +161,8 @@ MERGED = '<mergeCells count="1"><mergeCell ref="A3:A4" /></mergeCells>'
         (["$A$5:$B$900000"], "row 5, column 1"),
         (["A3:A4"] * 200_000, "merged cells"),
         ([f"A{k}:B{k + 900_000}" for k in range(2, 900)], "row 2, column 1"),
-        (["A5:B99999999999"], "merged cells"),
-        (["nonsense"], "merged cells"),
+        (["A5:B99999999999"], "is not an Excel file"),
+        (["nonsense"], "is not an Excel file"),
     ],
     ids=["A5:B900000", "all rows", "all", "absolute", "many", "many long", "beyond", "nonsense"],
 )
@@ -261,4 +261,4 @@ def test_formulas_without_values_are_rejected_wherever_they_are(tmp_path: Path):
     def formulas(sheet):
         sheet["A6"], sheet["B6"] = "=A5+1000", "=B5+1"
 
-    assert "row 6, column 'nip_load [N/m]'" in rejected(book(tmp_path, formulas))
+    assert "row 6, column 1: the formula has no value" in rejected(book(tmp_path, formulas))

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import csv
+import io
+import random
+import re
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +13,7 @@ import pytest
 
 import woundon as wo
 from woundon.errors import InvalidProblem
+from woundon.io import sheets
 from woundon.studies.kind_model import columns_of, measurable
 from woundon.studies.measured import Measured, read_measured
 
@@ -227,10 +232,28 @@ def test_merged_cells_titles_and_blank_rows_of_excel(tmp_path: Path):
 
 
 def test_cells_of_excel_that_hold_no_number(tmp_path: Path):
-    rows = [["nip_load [N/m]", "WOT [N/m]"], [True, 1], ["=A1*2", 2], [3, "=B1"]]
+    rows = [["nip_load [N/m]", "WOT [N/m]"], [True, 1]]
     message = faults(book(tmp_path, rows))
-    assert message[0] == "row 2, column 'nip_load [N/m]': True is not a number"
-    assert message[1].startswith(
-        "row 3, column 'nip_load [N/m]': '=A1*2' is not a number; open and"
-    )
-    assert message[2].startswith("row 4, column 'WOT [N/m]': '=B1' is not a number; open and save")
+    assert message == ["row 2, column 'nip_load [N/m]': True is not a number"]
+    message = faults(book(tmp_path, [*rows, ["=A1*2", 2]]))
+    assert message[0].startswith("row 3, column 1: the formula has no value; open and save")
+
+
+# ---- against the csv module ---------------------------------------------------------------------
+
+CELLS = ["a", "1,5", "x;y", 'say "hi"', 'q"q', "two\nlines", "", " led", "t\tt", "#no", "2"]
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_random_texts_are_split_into_cells_as_the_csv_module_splits_them(seed: int):
+    dice = random.Random(seed)
+    separator, ending = dice.choice(";\t,"), dice.choice(["\n", "\r\n"])
+    style = dice.choice([csv.QUOTE_MINIMAL, csv.QUOTE_ALL])
+    for _ in range(20):
+        rows = [dice.choices(CELLS, k=dice.choice([1, 2, 3])) for _ in range(4)] + [["end"]]
+        text = io.StringIO()
+        csv.writer(text, delimiter=separator, lineterminator=ending, quoting=style).writerows(rows)
+        lines = re.sub("^#.*", "", text.getvalue().replace("\r\n", "\n"), flags=re.MULTILINE)
+        expected = list(csv.reader(io.StringIO(lines), delimiter=separator, skipinitialspace=True))
+        found, _ = sheets._text_rows(f"sep={separator}\n{text.getvalue()}", "rig.csv")
+        assert found == [[""], *(row or [""] for row in expected)]

@@ -1,52 +1,45 @@
-"""Read tables: CSV of any locale, Excel files, columns in memory; and write Excel files.
+"""Read tables through pandas: CSV of any locale, Excel files, columns in memory; write Excel files.
 
 A sheet has a header and rows, which keep the row numbers of the spreadsheet.  Titles above the
 header, blank rows, columns without a header and lines that start with # are ignored; the value of a
 merged cell is repeated in all cells of the block.  :mod:`.tables` interprets headers and cells.
+
+pandas fills short rows, skips the rest of merged blocks, reads formulas without a value as empty
+cells and creates all cells up to a distant one.  Text and XML are checked for this before.
 """
 
 from __future__ import annotations
 
-import csv
 import io
-import itertools
+import json
 import os
 import re
 import zipfile
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import closing, contextmanager
+from collections.abc import Iterable, Mapping, Sequence
 from importlib.util import find_spec
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, NamedTuple
-from xml.parsers import expat
+from typing import TYPE_CHECKING, Any, NamedTuple
+from xml.etree.ElementTree import iterparse
 
 from ..errors import InvalidProblem
 from ..problems.messages import quote
 from ..problems.units import is_unit
 from .files import read_whole
 
-__all__ = [
-    "Sheet",
-    "check_cells",
-    "check_header",
-    "check_lines",
-    "need_openpyxl",
-    "read_sheet",
-    "split_rows",
-    "write_workbook",
-]
+if TYPE_CHECKING:
+    import pandas as pd
+
+__all__ = ["Sheet", "need_openpyxl", "read_sheet", "record_table", "write_workbook"]
 
 MAX_BYTES = 50_000_000  # bytes of a file, and of the unpacked parts of an Excel file
-MAX_CELLS = 2_000_000
-MAX_SPANNED_CELLS = 5 * MAX_CELLS  # of an Excel sheet, empty cells included
+MAX_CELLS = 2_000_000  # of a table, empty cells included
 MAX_COLUMNS = 500
 MAX_ROWS = 1_048_576  # the limit of Excel
-MAX_BLANK_ROWS = 1000  # between rows of a table; a cell farther down is not part of it
-MAX_MERGED_BLOCKS = 1000  # blocks of merged cells
 MAX_HEADER = 200  # characters; the time to search names is proportional to the square of it
 MAX_CELL = 32_767  # characters, the limit of Excel
-MAX_LINE = 100_000  # characters of a text file; the limit of the csv module is 131 072 in a cell
+MAX_BLANK_ROWS = 1000  # between rows of an Excel table
+MAX_MERGED = 1000  # blocks of merged cells
 MAX_WIDTH = 60  # characters
 EXCEL = (".xlsx", ".xlsm")
 _BINARY = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0")  # zip archives, Excel before 2007
@@ -125,7 +118,7 @@ def _in_memory(data: Any, name: str) -> Sheet:
     columns: dict[str, list[Any]] = {}
     for label, cells in data.items():  # a DataFrame may have two columns of one name
         header = str(label)
-        check_header(header, len(columns) + 1, name)
+        _check_header(header, len(columns) + 1, name)
         if header in columns:
             raise InvalidProblem.at(name, f"two columns have the same header {header!r}")
         columns[header] = _listed(cells, f"{name}: column {header!r}")
@@ -150,19 +143,24 @@ def _listed(cells: Any, where: str) -> list[Any]:
 
 
 def _sheet(where: str, rows: Rows) -> Sheet:
-    filled = [(number, cells) for number, cells in enumerate(rows, 1) if _filled(cells)]
-    wide = any(len(_filled(cells)) > 1 for _, cells in filled)
-    while wide and len(_filled(filled[0][1])) == 1:  # a title
-        del filled[0]
+    filled = [(k, cells, texts) for k, cells in enumerate(rows, 1) if (texts := _filled(cells))]
+    for number, cells, texts in filled:
+        if max(map(len, texts)) > MAX_CELL:
+            column, cell = max(enumerate(cells, 1), key=lambda place: len(str(place[1])))
+            text = f"the cell has {len(cell)} characters; must be at most {MAX_CELL}"
+            raise InvalidProblem.at(where, f"row {number}, column {column}: {text}")
+    if any(len(texts) > 1 for _, _, texts in filled):
+        while len(filled[0][2]) == 1:  # a title
+            del filled[0]
     if len(filled) < 2:
         raise InvalidProblem.at(where, "has no header with rows below it")
-    (number, header), *below = filled
+    (number, header), *below = ((number, cells) for number, cells, _ in filled)
     names = [" ".join(str(cell).split()) for cell in header]
     while not names[-1]:
         names.pop()
     found: set[str] = set()
     for k, name in enumerate(names, 1):
-        check_header(name, k, where, number)
+        _check_header(name, k, where, number)
         if name and name in found:
             text = f"row {number}: two columns have the same header {name!r}"
             raise InvalidProblem.at(where, text)
@@ -180,7 +178,7 @@ def _sheet(where: str, rows: Rows) -> Sheet:
     return Sheet(where, columns, [number for number, _ in below], units)
 
 
-def check_header(header: str, column: int, where: str, row: int = 0) -> None:
+def _check_header(header: str, column: int, where: str, row: int = 0) -> None:
     """Reject a header that is too long, or a column beyond the maximum number."""
     place = f"row {row}, column {column}" if row else f"column {column}"
     if column > MAX_COLUMNS:
@@ -189,22 +187,6 @@ def check_header(header: str, column: int, where: str, row: int = 0) -> None:
     if len(header) > MAX_HEADER:
         text = f"the header has {len(header)} characters; must be at most {MAX_HEADER}"
         raise InvalidProblem.at(where, f"{place}: {text}")
-
-
-def check_cells(cells: Sequence[Any], row: int, where: str) -> None:
-    """Reject a row that has too many cells, or a cell that is too long."""
-    if len(cells) > MAX_COLUMNS and (filled := _last_filled(cells)) > MAX_COLUMNS:
-        text = f"the row has too many cells; must be at most {MAX_COLUMNS}"
-        raise InvalidProblem.at(where, f"row {row}, column {filled}: {text}")
-    for column, cell in enumerate(cells, 1):
-        if isinstance(cell, str) and len(cell) > MAX_CELL:
-            text = f"the cell has {len(cell)} characters; must be at most {MAX_CELL}"
-            raise InvalidProblem.at(where, f"row {row}, column {column}: {text}")
-
-
-def _last_filled(cells: Sequence[Any]) -> int:
-    """Return the number of the last cell of a row that is not empty; 0 if all are empty."""
-    return next((k for k in range(len(cells), 0, -1) if cells[k - 1] not in (None, "")), 0)
 
 
 def _filled(cells: Iterable[Any]) -> list[str]:
@@ -233,226 +215,145 @@ def _decoded(content: bytes, where: str) -> str:
 
 
 def _text_rows(text: str, where: str) -> tuple[Rows, str]:
-    """Return the cells of the lines, and their separator.
+    """Return the cells of the lines of a text, and their separator."""
+    import pandas as pd
 
-    The csv module is used, because pandas.read_csv fills short rows and takes the first column for
-    an index if a row is longer than the header.
-    """
-    if max(map(text.count, "\r\n")) > MAX_ROWS:
+    text = text.replace("\r\n", "\n").replace("\r", "\n")
+    if text.count("\n") >= MAX_ROWS:
         raise InvalidProblem.at(where, f"has too many rows; must be at most {MAX_ROWS}")
     # comments become blank lines, so that the rows keep their numbers
-    lines = ["\n" if line.startswith("#") else line for line in text.splitlines(keepends=True)]
-    declared = re.fullmatch(r"sep=(.)\s*", lines[0]) if lines and len(lines[0]) < 20 else None
-    if declared:  # a line that Excel understands
-        lines[0] = "\n"
-
-    def consistency(separator: str) -> int:
-        """Return the number of the first rows that have the most frequent number of cells."""
-        sizes = [len(row) for row in split_rows(lines[:100], separator, where) if len(row) > 1]
-        return max(map(sizes.count, sizes), default=0)
-
-    check_lines(lines, where)
+    text = re.sub("^#.*", "", text, flags=re.MULTILINE).rstrip("\n")
+    declared = re.match("sep=(.) *$", text, flags=re.MULTILINE)  # a line that Excel understands
+    if declared:
+        text = text[declared.end() :]
+    first = text.split("\n", 100)[:100]
     # the first one of equals: "1,5;2,5" could be three cells too
-    separator = declared[1] if declared else max(";\t,", key=consistency)
-    rows, size = [], 0
-    for number, row in enumerate(split_rows(lines, separator, where), 1):
-        check_cells(row, number, where)
-        rows.append(row)
-        size += len(row)
-        if size > MAX_CELLS:
-            raise InvalidProblem.at(where, f"row {number}: has more than {MAX_CELLS} cells so far")
-    return rows, separator
+    separator = (
+        declared[1]
+        if declared
+        else max(";\t,", key=lambda sign: sum(sign in line for line in first))
+    )
+    sizes = _sizes_of_rows(text, separator, where)
+    if not text or len(sizes) * max(sizes) > MAX_CELLS:
+        reason = f"has more than {MAX_CELLS} cells" if text else "has no header with rows below it"
+        raise InvalidProblem.at(where, reason)
+    frame = pd.read_csv(
+        io.StringIO(text),
+        sep=separator,
+        header=None,
+        names=range(max(sizes)),
+        index_col=False,
+        dtype=str,
+        na_filter=False,
+        skipinitialspace=True,
+        skip_blank_lines=False,
+    )
+    cells = frame.to_numpy().tolist()
+    return [row[:size] for row, size in zip(cells, sizes, strict=True)], separator
 
 
-def check_lines(lines: Sequence[str], where: str) -> None:
-    """Reject lines, and cells between any of the separators, that are too long."""
-    for number, line in enumerate(lines, 1):
-        if len(line) <= MAX_CELL:
-            continue
-        end = 0
-        for cell in re.split("[;\t,]", line[:MAX_LINE]):
-            end += len(cell) + 1
-            if len(cell) > MAX_CELL:
-                text = f"the cell has too many characters; must be at most {MAX_CELL}"
-                break
-        else:
-            text = f"the line has {len(line)} characters; must be at most {MAX_LINE}"
-            if len(line) <= MAX_LINE:
-                continue
-        column = 1 + max(line.count(sign, 0, end - 1) for sign in ";\t,")
-        raise InvalidProblem.at(where, f"row {number}, column {column}: {text}")
-
-
-def split_rows(lines: Sequence[str], separator: str, where: str) -> Iterator[list[str]]:
-    """Yield the cells of each row of a text."""
-    reader = csv.reader(lines, delimiter=separator, skipinitialspace=True)
-    try:
-        yield from reader
-    except csv.Error as fault:
-        raise InvalidProblem.at(where, f"row {reader.line_num}: is not a table: {fault}") from None
+def _sizes_of_rows(text: str, separator: str, where: str) -> list[int]:
+    """Return the number of cells of each row, before pandas fills the short ones."""
+    sign, blank = re.escape(separator), " " if separator == "\t" else "[ \t]"
+    opening = rf'(^|{sign}){blank}*"'
+    # separators and ends of lines in quotes do not count; a quote in quotes is doubled
+    bare = re.sub(rf'{opening}(?:[^"]++|"")*+"', r"\1x", text, flags=re.MULTILINE)
+    if unclosed := re.search(opening, bare, flags=re.MULTILINE):
+        row = 1 + bare.count("\n", 0, unclosed.end())
+        raise InvalidProblem.at(where, f"row {row}: is not a table: a quote has no end")
+    sizes = [1 + line.count(separator) for line in bare.split("\n")]
+    if max(sizes) > MAX_COLUMNS:
+        _check_header("", max(sizes), where, 1 + sizes.index(max(sizes)))
+    return sizes
 
 
 # ---- Excel --------------------------------------------------------------------------------------
 
 
 def _excel_rows(content: bytes, where: str) -> Rows:
-    """Return the rows of the first sheet of an Excel file, merged cells repeated.
+    """Return the rows of the first sheet of an Excel file, merged cells repeated."""
+    import pandas as pd
 
-    The sheet is read as a stream, because openpyxl would otherwise create all cells that a merged
-    block or a single distant cell spans.
-    """
     try:
-        _check_unpacked(content, where)
-        with _first_sheet(content, formulas=False) as sheet:
-            # the number of blocks is checked before openpyxl reads them
-            blocks, calculated = _merged_and_calculated(content, sheet._worksheet_path, where)
-            rows = _streamed(sheet, where)
-        if calculated:
-            with _first_sheet(content, formulas=True) as sheet:
-                rows = _with_uncalculated_formulas(rows, _streamed(sheet, where))
-        rows = _even(rows, where)
-        _repeat_merged(rows, blocks, where)
+        with zipfile.ZipFile(io.BytesIO(content)) as archive:
+            size = sum(part.file_size for part in archive.infolist())
+            if size > MAX_BYTES:
+                limit = f"must be at most {MAX_BYTES / 1e6:g} MB"
+                text = f"has {size / 1e6:.0f} MB when it is unpacked; {limit}"
+                raise InvalidProblem.at(where, text)
+            with pd.ExcelFile(io.BytesIO(content), engine="openpyxl") as book:
+                part = archive.read(book.book.worksheets[0]._worksheet_path)
+                blocks = _checked_layout(part, where)
+                frame = pd.read_excel(book, header=None, dtype=object, na_filter=False)
+        cells = frame.mask(frame.isna(), "#ERROR").to_numpy()  # pandas reads #DIV/0! as nan
+        _repeat_merged(cells, blocks, where)
     except InvalidProblem:
         raise
     except Exception as fault:  # zip and XML readers raise many types
         raise InvalidProblem.at(where, f"is not an Excel file: {fault}") from None
+    rows: Rows = cells.tolist()
     return rows
 
 
-def _check_unpacked(content: bytes, where: str) -> None:
-    """Reject an archive whose parts are too large when they are unpacked."""
-    with zipfile.ZipFile(io.BytesIO(content)) as archive:
-        size = sum(part.file_size for part in archive.infolist())
-    if size > MAX_BYTES:
-        text = (
-            f"has {size / 1e6:.0f} MB when it is unpacked; must be at most {MAX_BYTES / 1e6:g} MB"
-        )
-        raise InvalidProblem.at(where, text)
+def _checked_layout(part: bytes, where: str) -> list[tuple[int, int, int, int]]:
+    """Return the merged blocks of a sheet: first column and row, last column and row.
+
+    Rejects formulas without a value, and cells so far out that the table would be too large.
+    """
+    from openpyxl.utils.cell import coordinate_to_tuple, range_boundaries
+
+    blocks = []
+    row = column = last = widest = spanned = 0
+    for event, element in iterparse(io.BytesIO(part), ("start", "end")):
+        kind = event, element.tag.rpartition("}")[2]
+        if kind == ("start", "row"):
+            row, column = int(element.get("r", row + 1)), 0
+        elif kind == ("end", "c"):
+            place = element.get("r")
+            column = coordinate_to_tuple(place)[1] if place else column + 1
+            contents = {child.tag.rpartition("}")[2]: child.text for child in element}
+            text = ""
+            if "f" in contents and not contents.get("v") and element.get("t") != "str":
+                text = "the formula has no value; open and save the file in a spreadsheet"
+            if contents:
+                if row > last + MAX_BLANK_ROWS:
+                    text = f"the rows above are blank; must be at most {MAX_BLANK_ROWS} of them"
+                last, widest = row, max(widest, column)
+            if widest > MAX_COLUMNS:
+                text = f"the table has too many columns; must be at most {MAX_COLUMNS}"
+            # pandas makes all rows as wide as the widest one, openpyxl as their last cell
+            if max(row * widest, spanned + column) > MAX_CELLS:
+                text = f"the table has more than {MAX_CELLS} cells so far, empty ones included"
+            if text:
+                raise InvalidProblem.at(where, f"row {row}, column {column}: {text}")
+            element.clear()
+        elif kind == ("end", "row"):
+            spanned += column
+            element.clear()
+        elif kind == ("end", "mergeCell"):
+            blocks.append(range_boundaries(element.get("ref")))
+            if len(blocks) > MAX_MERGED:
+                text = f"has too many blocks of merged cells; must be at most {MAX_MERGED}"
+                raise InvalidProblem.at(where, text)
+    return blocks
 
 
-@contextmanager
-def _first_sheet(content: bytes, *, formulas: bool) -> Iterator[Any]:
-    """Provide the first sheet of an Excel file as a stream of formulas or of values."""
-    import openpyxl
-
-    book = openpyxl.load_workbook(
-        io.BytesIO(content), read_only=True, data_only=not formulas, keep_links=False
-    )
-    with closing(book):
-        sheet: Any = book.worksheets[0]
-        sheet.reset_dimensions()  # those stated in the file may be wrong
-        yield sheet
-
-
-def _streamed(sheet: Any, where: str) -> Rows:
-    """Return the rows of a sheet, each up to its last cell that is not empty."""
-    rows: Rows = []
-    blank = size = spanned = 0
-    for number, cells in enumerate(sheet.iter_rows(values_only=True), 1):
-        spanned += len(cells)
-        if spanned > MAX_SPANNED_CELLS:
-            text = f"more than {MAX_SPANNED_CELLS} cells are spanned so far, empty ones included"
-            raise InvalidProblem.at(where, f"row {number}, column {len(cells)}: {text}")
-        filled = _last_filled(cells)
-        if number > MAX_ROWS or (filled and blank > MAX_BLANK_ROWS and rows):
-            text = f"{blank} rows above it are blank; must be at most {MAX_BLANK_ROWS}"
-            raise InvalidProblem.at(where, f"row {number}, column {max(filled, 1)}: {text}")
-        if not filled:
-            blank += 1
-            continue
-        row = ["" if cell is None else cell for cell in cells[:filled]]
-        check_cells(row, number, where)
-        rows += [[] for _ in range(number - 1 - len(rows))]
-        rows.append(row)
-        blank, size = 0, size + len(row)
-        if size > MAX_CELLS:
-            text = f"row {number}: has more than {MAX_CELLS} cells so far"
-            raise InvalidProblem.at(where, text)
-    return rows
-
-
-class Block(NamedTuple):
-    """First and last row and column of a block of merged cells, counted from 1."""
-
-    top: int
-    first: int
-    bottom: int
-    last: int
-
-
-_BLOCK = re.compile(r"\$?([A-Z]{1,3})\$?(\d{1,7})(?::\$?([A-Z]{1,3})\$?(\d{1,7}))?")
-
-
-def _even(rows: Rows, where: str) -> Rows:
-    """Return rows of equal length."""
-    width = max(map(len, rows), default=0)
-    if width * len(rows) > MAX_CELLS:
-        raise InvalidProblem.at(where, f"has more than {MAX_CELLS} cells")
-    return [row + [""] * (width - len(row)) for row in rows]
-
-
-def _merged_and_calculated(content: bytes, part: str, where: str) -> tuple[list[Block], bool]:
-    """Return the merged blocks of a sheet and, as a bool, if the sheet has formulas."""
-    from openpyxl.utils import column_index_from_string as column
-
-    blocks: list[Block] = []
-    formulas: list[str] = []
-
-    def start(name: str, attributes: dict[str, str]) -> None:
-        local = name.rpartition(" ")[2]
-        if local == "f" and not formulas:
-            formulas.append(local)
-        if local != "mergeCell":
-            return
-        ends = _BLOCK.fullmatch(attributes.get("ref", ""))
-        if ends is None or len(blocks) == MAX_MERGED_BLOCKS:
-            text = f"merged cells: must be at most {MAX_MERGED_BLOCKS} blocks, each as A1:B2"
-            raise InvalidProblem.at(where, text)
-        first, top, last, bottom = ends.groups()
-        block = Block(int(top), column(first), int(bottom or top), column(last or first))
-        blocks.append(block)
-
-    parser = expat.ParserCreate(namespace_separator=" ")
-    parser.StartElementHandler = start
-    with zipfile.ZipFile(io.BytesIO(content)) as archive:
-        parser.Parse(archive.read(part), True)
-    return blocks, bool(formulas)
-
-
-def _repeat_merged(rows: Rows, blocks: Iterable[Block], where: str) -> None:
+def _repeat_merged(cells: Any, blocks: Iterable[tuple[int, int, int, int]], where: str) -> None:
     """Repeat the value of each merged block in all its cells, except in titles."""
     repeated = 0
-    for top, first, bottom, last in blocks:
-        block = rows[top - 1 : bottom]
-        width = len(block[0][first - 1 : last]) if block else 0
-        repeated += sum(map(len, block))
-        if bottom > len(rows) + MAX_BLANK_ROWS or repeated > MAX_CELLS:
+    for first, top, last, bottom in blocks:
+        rows = cells[top - 1 : bottom]
+        repeated += rows.size
+        if bottom > len(cells) + MAX_BLANK_ROWS or repeated > MAX_CELLS:
             text = f"merged cells reach down to row {bottom}, far below the table"
             raise InvalidProblem.at(where, f"row {top}, column {first}: {text}")
-        if not width:  # outside the table
+        if not rows[:, first - 1 : last].size:  # outside the table
             continue
-        value = block[0][first - 1]
-        for row in block:  # Excel shows the first cell only
-            row[first - 1 : last] = [""] * width
-        block[0][first - 1] = value
-        for row in block:
-            if len(_filled(row)) > (row[first - 1] != ""):  # otherwise it is a title
-                row[first - 1 : last] = [value] * width
-
-
-def _with_uncalculated_formulas(rows: Rows, formulas: Rows) -> Rows:
-    """Return the rows with the text of each formula whose value is not in the file."""
-    marked: Rows = []
-    empty: list[Any] = []
-    for row, texts in itertools.zip_longest(rows, formulas, fillvalue=empty):
-        pairs = itertools.zip_longest(row, texts, fillvalue="")
-        marked.append(
-            [
-                formula if cell == "" and str(formula).startswith("=") else cell
-                for cell, formula in pairs
-            ]
-        )
-    return marked
+        value = rows[0, first - 1]
+        rows[:, first - 1 : last] = ""  # Excel shows the first cell only
+        beside = (rows != "").any(axis=1)  # otherwise the block is a title
+        rows[0, first - 1] = value
+        rows[beside, first - 1 : last] = value
 
 
 def need_openpyxl() -> None:
@@ -462,31 +363,27 @@ def need_openpyxl() -> None:
         raise InvalidProblem.at("xlsx", text)
 
 
-def write_workbook(path: Path, sheets: dict[str, Iterable[Sequence[Any]]]) -> None:
-    """Write rows to the sheets of an Excel file, with a bold and frozen first row.
+def record_table(record: Mapping[str, Any]) -> pd.DataFrame:
+    """Return the entries of a record as a table; values that are not texts are JSON."""
+    import pandas as pd
 
-    Parameters
-    ----------
-    path : path
-    sheets : mapping of str to iterable of rows
-        nan and None become empty cells.
-    """
-    from openpyxl import Workbook
+    values = [value if isinstance(value, str) else json.dumps(value) for value in record.values()]
+    return pd.DataFrame({"entry": list(record), "value": values})
+
+
+def write_workbook(path: Path, sheets: Mapping[str, pd.DataFrame]) -> None:
+    """Write tables to the sheets of an Excel file, with a bold and frozen header; nan is empty."""
+    import pandas as pd
     from openpyxl.styles import Font
     from openpyxl.utils import get_column_letter
 
-    book = Workbook()
-    book.remove(book.worksheets[0])
-    for title, rows in sheets.items():
-        sheet = book.create_sheet(title)
-        for cells in rows:
-            sheet.append([None if cell != cell else cell for cell in cells])
-        sheet.freeze_panes = "A2"
-        for k, column in enumerate(sheet.iter_cols(), 1):
-            column[0].font = Font(bold=True)
-            # numbers are rounded to the width, texts are not
-            longest = max(len(str(c.value)) for c in column if isinstance(c.value, str))
-            sheet.column_dimensions[get_column_letter(k)].width = min(
-                max(longest, 8) + 3, MAX_WIDTH
-            )
-    book.save(path)
+    with pd.ExcelWriter(path, engine="openpyxl") as book:
+        for title, frame in sheets.items():
+            frame.to_excel(book, sheet_name=title, index=False, freeze_panes=(1, 0))
+            for cell in book.sheets[title][1]:
+                cell.font = Font(bold=True)
+            columns = book.sheets[title].column_dimensions
+            for k, (header, cells) in enumerate(frame.items(), 1):
+                # numbers are rounded to the width, texts are not
+                texts = (len(cell) for cell in (header, *cells) if isinstance(cell, str))
+                columns[get_column_letter(k)].width = min(max(8, *texts) + 3, MAX_WIDTH)

@@ -331,9 +331,7 @@ def _number(cell: Any, scale: Fraction | None, unit: str, sign: str) -> float:
     except OverflowError:
         text = "inf"
     finite = " finite" if text in ("inf", "-inf") else ""
-    formula = "; open and save the file in a spreadsheet, which calculates its formulas"
-    hint = formula if text.startswith("=") else ""
-    raise InvalidProblem(f"{quote(cell)} is not a{finite} number{hint}")
+    raise InvalidProblem(f"{quote(cell)} is not a{finite} number")
 
 
 def _with_point(text: str, sign: str) -> str:

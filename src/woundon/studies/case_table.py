@@ -21,7 +21,7 @@ from .. import __version__, kinds
 from ..errors import InvalidProblem, one_of
 from ..io.case_files import SCHEMA, load_case, make_problem
 from ..io.files import replaced_file
-from ..io.sheets import Sheet, need_openpyxl, read_sheet, write_workbook
+from ..io.sheets import Sheet, need_openpyxl, read_sheet, record_table, write_workbook
 from ..io.tables import Column, Names, decimal_sign, match_columns, numbers
 from ..problems.problem import Problem
 from ..quantities import Quantity, pattern, scalar_outputs
@@ -432,13 +432,5 @@ def write_table(frame: pd.DataFrame, path: str | Path) -> None:
         if path.suffix == ".csv":
             frame.to_csv(temporary, index=False, lineterminator="\n")
             return
-        columns = [frame[name].tolist() for name in frame.columns]
-        about = frame.attrs.get("about", {})
-        texts = ((k, v if isinstance(v, str) else json.dumps(v)) for k, v in about.items())
-        write_workbook(
-            temporary,
-            {
-                "results": [list(frame.columns), *zip(*columns, strict=True)],
-                "about": [("what", "value"), *texts],
-            },
-        )
+        about = record_table(frame.attrs.get("about", {}))
+        write_workbook(temporary, {"results": frame, "about": about})

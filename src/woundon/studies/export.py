@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import InvalidProblem
-from ..io.sheets import need_openpyxl, write_workbook
+from ..io.sheets import need_openpyxl, record_table, write_workbook
 from .table import Table
 
 __all__ = ["check_export", "export"]
@@ -97,20 +97,14 @@ def _csv(table: Table, path: Path) -> None:
 
 
 def _excel(table: Table, path: Path) -> None:
+    import pandas
+
     if table.design.size + 1 > EXCEL_ROWS:
         raise InvalidProblem(
             [(str(path), f"{table.design.size} cases are more than an Excel sheet's rows")]
         )
-    columns = {header: np.asarray(values).tolist() for header, values in _columns(table).items()}
-    record = {"design": table.design.kind, **table.record}
-    about = ((k, v if isinstance(v, str) else json.dumps(v)) for k, v in record.items())
-    write_workbook(
-        path,
-        {
-            "study": [list(columns), *zip(*columns.values(), strict=True)],
-            "about": [("entry", "value"), *about],
-        },
-    )
+    about = record_table({"design": table.design.kind, **table.record})
+    write_workbook(path, {"study": pandas.DataFrame(_columns(table)), "about": about})
 
 
 def _parquet(table: Table, path: Path) -> None:
