@@ -12,4 +12,6 @@ LIMITS = {
     "document_seconds": 180,
     "study_seconds": 600,
     "compare": 4,
+    "fit_rows": 100,
+    "fit_unknowns": 2,
 }

@@ -15,6 +15,7 @@ __all__ = [
     "Cases",
     "DesignRequest",
     "FindRequest",
+    "FitRequest",
     "GradeRequest",
     "LabelledCase",
     "Study",
@@ -51,6 +52,7 @@ ROLL = {
     "wound_on_tension": 350,
 }
 PRESSURE = {"radius": ["44.5 mm", "90 mm", "150 mm"], "value": ["250 kPa", "180 kPa", 0]}
+MEASURED = "nip_load [kN/m], wound_on_tension [N/m]\n2, 520\n3, 620\n4, 705\n"
 LOADS = {"nip_load": {"from": "1 kN/m", "to": "5 kN/m", "count": 5}}
 TOML = 'schema = 1\nload = "89 kN/m"\nfriction = 0.5\n[upper]\nradius = "0.25 m"\n'
 
@@ -103,6 +105,22 @@ class FindRequest(_Request):
         description="a number in SI or a text with its unit", examples=["600 N/m"]
     )
     between: tuple[Number, Number] | None = None
+
+
+class FitRequest(_Request):
+    """A case, a table of measured values, and the fields to fit with their bounds."""
+
+    case: Tables = Field(examples=[NIP])
+    table: str = Field(
+        description="text with commas, semicolons or tabs; units in the header", examples=[MEASURED]
+    )
+    is_workbook: bool = Field(False, description="the table is an .xlsx file in base64")
+    vary: dict[str, tuple[Number, Number] | None] = Field(
+        description="null: a tenth to ten times the value",
+        min_length=1,
+        max_length=LIMITS["fit_unknowns"],
+        examples=[{"roll_friction": [0.05, 0.6]}],
+    )
 
 
 class WindowRequest(_Request):

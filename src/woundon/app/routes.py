@@ -28,7 +28,7 @@ from starlette.requests import ClientDisconnect
 
 from .. import __version__
 from ..parallel import usable_cores
-from . import computations, documents, study_stream, window_stream
+from . import computations, documents, fit_stream, study_stream, window_stream
 from .input_forms import catalogue
 from .limits import LIMITS
 from .middleware import COOKIE, middleware
@@ -39,6 +39,7 @@ from .request_models import (
     CaseText,
     DesignRequest,
     FindRequest,
+    FitRequest,
     GradeRequest,
     Study,
     WindowRequest,
@@ -316,29 +317,36 @@ def _add_variations(app: FastAPI, workers: Workers) -> None:
 
 
 def _add_studies(app: FastAPI, workers: Workers) -> None:
-    @app.post("/api/sweep", tags=["studies"])
-    async def sweep(request: Request, study: Study) -> Response:
-        """Solve a study; its events follow each other, one line of JSON each."""
-        session, studies = _session_of(request), workers.studies
+    def streamed(request: Request, events: Callable[..., AsyncIterator[bytes]], asked: Any) -> Any:
+        """Return the events of a study; it ends the one that its session has in progress."""
+        session, studies, stopped = _session_of(request), workers.studies, asyncio.Event()
         if session in studies:
             studies[session].set()
-        tables = study.model_dump(exclude_unset=True)
-        started = await _computed(workers.cases, request, study_stream.start_study, tables)
-        stopped = asyncio.Event()
         if session:
             studies[session] = stopped
 
-        args = (workers.cases, started, session, request.is_disconnected, stopped)
-
         async def lines() -> AsyncIterator[bytes]:
             try:
-                async for line in study_stream.events(*args):
+                args = (workers.cases, asked, session, request.is_disconnected, stopped)
+                async for line in events(*args):
                     yield line
             finally:
                 if studies.get(session) is stopped:
                     del studies[session]
 
         return StreamingResponse(lines(), media_type="application/x-ndjson")
+
+    @app.post("/api/sweep", tags=["studies"])
+    async def sweep(request: Request, study: Study) -> Response:
+        """Solve a study; its events follow each other, one line of JSON each."""
+        tables = study.model_dump(exclude_unset=True)
+        started = await _computed(workers.cases, request, study_stream.start_study, tables)
+        return streamed(request, study_stream.events, started)
+
+    @app.post("/api/fit", tags=["studies"])
+    async def fit(request: Request, asked: FitRequest) -> Response:
+        """Fit one or two fields to a table of measured values; events as those of a study."""
+        return streamed(request, fit_stream.events, asked.model_dump())
 
     @app.post("/api/window", tags=["studies"])
     async def window(request: Request, asked: WindowRequest) -> Response:

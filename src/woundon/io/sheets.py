@@ -30,7 +30,7 @@ from .files import read_whole
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["Sheet", "need_openpyxl", "read_sheet", "record_table", "write_workbook"]
+__all__ = ["Sheet", "need_openpyxl", "read_sheet", "record_table", "sheet_of_content", "write_workbook"]
 
 MAX_BYTES = 50_000_000  # bytes of a file, and of the unpacked parts of an Excel file
 MAX_CELLS = 2_000_000  # of a table, empty cells included
@@ -79,8 +79,9 @@ def read_sheet(data: Any, name: str) -> Sheet:
 
     Parameters
     ----------
-    data : path, mapping or pandas.DataFrame
+    data : path, mapping, pandas.DataFrame or Sheet
         ``.xlsx`` file (its first sheet), text file with commas, semicolons or tabs; or columns.
+        A sheet is returned as it is.
     name : str
         Name of columns in memory in error messages.
 
@@ -95,6 +96,8 @@ def read_sheet(data: Any, name: str) -> Sheet:
     >>> sheet.columns
     {'nip_load [N/m]': [1000.0, 2000.0]}
     """
+    if isinstance(data, Sheet):
+        return data
     if isinstance(data, Mapping) or (hasattr(data, "iloc") and not isinstance(data, type)):
         return _in_memory(data, name)
     if not isinstance(data, (str, os.PathLike)):
@@ -102,10 +105,20 @@ def read_sheet(data: Any, name: str) -> Sheet:
         raise InvalidProblem.at(name, f"{quote(data)} {text}")
     excel = Path(data).suffix.lower() in EXCEL
     if excel:
-        need_openpyxl()
+        need_openpyxl()  # before a file that may be missing is read
     where = os.fspath(data)
-    content = read_whole(where, MAX_BYTES)
+    return sheet_of_content(read_whole(where, MAX_BYTES), where, excel=excel)
+
+
+def sheet_of_content(content: bytes, where: str, *, excel: bool) -> Sheet:
+    r"""Return the table of the bytes of a file; ``where`` names it in error messages.
+
+    >>> content = b"nip_load [kN/m];nip_width [mm]\n3,5;4,9"
+    >>> sheet_of_content(content, "the table", excel=False).columns
+    {'nip_load [kN/m]': ['3,5'], 'nip_width [mm]': ['4,9']}
+    """
     if excel:
+        need_openpyxl()
         return _sheet(where, _excel_rows(content, where))
     if content[:4] in _BINARY:
         raise InvalidProblem.at(where, "is not a text file; save it as .xlsx or .csv")

@@ -66,6 +66,7 @@ async function stream(path, body, handle, signal) {
 }
 
 export const sweep = (study, handle, signal) => stream("/api/sweep", study, handle, signal);
+export const fit = (body, handle, signal) => stream("/api/fit", body, handle, signal);
 export const operatingWindow = (body, handle, signal) => stream("/api/window", body, handle, signal);
 
 /** Runs the newest request alone: while one is under way only the last that came waits. */

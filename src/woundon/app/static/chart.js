@@ -5,6 +5,7 @@ import { Symbol } from "./symbols.js";
 import { digits, niceTicks } from "./units.js";
 
 const DASHES = { solid: [], dashed: [7, 4], dashdot: [8, 3, 2, 3], dotted: [2, 3] };
+const DOTS = { dash: [], paths: () => null, points: { show: true, size: 8 } }; // points without a line
 const LEFT = 58;
 const RIGHT = 54;
 
@@ -194,7 +195,7 @@ class Chart {
       ],
       series: [{}, ...(rows ? [{ show: true, stroke: "transparent", points: { show: false } }] : this.lines.map(({ one, curve }) => ({
         scale: curve.side === "right" ? "right" : "y", stroke: one.colour ?? colours()[curve.role] ?? ink,
-        width: one.label && one.pinned ? 1.5 : 2, dash: DASHES[curve.dash], spanGaps: true, points: { show: false },
+        width: one.label && one.pinned ? 1.5 : 2, spanGaps: true, ...(curve.dash === "dots" ? DOTS : { dash: DASHES[curve.dash], points: { show: false } }),
       })))],
       hooks: {
         drawClear: [(plot) => (rows ? null : this.areas(plot))],
@@ -422,7 +423,7 @@ function padded(min, max) {
   return [min - room, max + room];
 }
 
-const SWATCH = { solid: "", dashed: "7 3", dashdot: "8 2 2 2", dotted: "2 3" };
+const SWATCH = { solid: "", dashed: "7 3", dashdot: "8 2 2 2", dotted: "2 3", dots: "3 6" };
 
 export function Swatch({ dash, colour, role }) {
   return html`<svg class="swatch" width="26" height="8" aria-hidden="true"><line x1="1" x2="25" y1="4" y2="4"

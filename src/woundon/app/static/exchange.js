@@ -41,7 +41,7 @@ export async function restore(store) {
     const pins = (Array.isArray(state.pins) ? state.pins : []).slice(0, 4)
       .filter((pin) => store.kindOf(pin?.kind) && plain(pin.case) && /^[A-D]$/.test(pin.label));
     if (store.catalogue.systems[state.system]) store.set({ system: state.system });
-    if (["case", "study", "winding", "window", "thesis"].includes(state.tab)) store.set({ tab: state.tab });
+    if (["case", "study", "fit", "winding", "window", "thesis"].includes(state.tab)) store.set({ tab: state.tab });
     const solved = []; // one after the other: of several at once the newest wins
     for (const pin of pins) {
       const result = await api.solve(pin.case, {}).catch(() => null);

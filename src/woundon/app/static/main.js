@@ -4,6 +4,7 @@ import { forgetColours } from "./chart.js";
 import { Patterns } from "./drawing.js";
 import { Menu, restore } from "./exchange.js";
 import { Find } from "./find.js";
+import { Fit } from "./fit.js";
 import { Form } from "./form.js";
 import { html, render, useEffect, useLayoutEffect, useMemo } from "./html.js";
 import { Differences, Numbers, Panels, Pending, Pins, Sections, Verdict } from "./results.js";
@@ -14,7 +15,7 @@ import { Thesis } from "./thesis.js";
 import { Winding } from "./winding.js";
 import { Window } from "./window.js";
 
-const TABS = ["case", "study", "winding", "window", "thesis"];
+const TABS = ["case", "study", "fit", "winding", "window", "thesis"];
 const tabsOf = ({ catalogue }) => TABS.filter((name) => name !== "thesis" || catalogue.exhibits?.length);
 const ROLLS = ["roll", "winding"]; // shown in a tab of their own, the quick one first
 
@@ -39,7 +40,7 @@ function Page({ store }) {
     dark.addEventListener("change", repaint);
     return () => { removeEventListener("keydown", keys); dark.removeEventListener("change", repaint); };
   }, [store]);
-  const views = { case: Case, study: Study, winding: Winding, window: Window, thesis: Thesis };
+  const views = { case: Case, study: Study, fit: Fit, winding: Winding, window: Window, thesis: Thesis };
   // while a slider moves, the form does not wait for the answer, nor the answer for the form
   const form = useMemo(() => html`<${Form} store=${store} />`, [state.kind, state.case, state.grade, state.faults, state.misread, state.system]);
   return html`<a class="skip" href="#results" onClick=${(event) => { event.preventDefault(); document.getElementById("results").focus(); }}>${T.skip}</a>

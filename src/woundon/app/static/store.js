@@ -20,7 +20,7 @@ export class Store {
       kind: first.name, case: first.example, system: kept("system", "SI"), theme: kept("theme", ""),
       tab: "case", past: [], future: [], faults: NO_FAULTS, misread: NO_FAULTS, problem: "",
       result: null, solved: null, extras: {}, busy: false, rough: false, pins: [], tables: false,
-      others: {}, study: null, window: null, message: "", grade: null,
+      others: {}, study: null, fit: null, window: null, message: "", grade: null,
     };
     this.units = new Units(catalogue, this.state.system);
   }

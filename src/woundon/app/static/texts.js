@@ -30,7 +30,7 @@ export const T = {
     kind: "Kind of case", units: "Units", theme: "Theme", light: "light", dark: "dark", auto: "as the system",
     undo: "Undo", redo: "Redo", menu: "File", tables: "Show tables", hideTables: "Hide tables",
   },
-  tabs: { name: "Views", case: "Case", study: "Study", winding: "Winding", window: "Window", thesis: "Thesis" },
+  tabs: { name: "Views", case: "Case", study: "Study", fit: "Fit", winding: "Winding", window: "Window", thesis: "Thesis" },
   form: {
     name: "The case", grade: "Grade", chooseGrade: "fill in a grade …", reset: "Reset", none: "none", oneNumber: "one number", named: "named materials", finite: "a finite number",
     add: (title) => `Add a ${title.toLowerCase()}`, numbers: "one number a line", pairs: "two numbers a line",
@@ -91,6 +91,18 @@ export const T = {
     title: "Find the value of a field for which an output reaches a target",
     field: "Find", output: "such that", target: "equals", mark: "target", run: "Find", busy: "searching", take: "Use this value",
     several: (n) => `${n} values give the target.`, failed: (n) => `${n} points of the search have no solution.`,
+  },
+  fit: {
+    title: "Fit to measured values", about: "Estimates unknown inputs of the case from your measured values, such as a friction coefficient from wound-on tensions.",
+    table: (most) => `Table: a header with names and units, then one measurement a row (at most ${most}); paste it from a spreadsheet`,
+    example: "nip_load [kN/m]\twound_on_tension [N/m]\n2\t520\n3\t620\n4\t705", file: "or a CSV or Excel file", drop: "Remove", columns: "Insert an example to overwrite",
+    unknown: (k) => (k === 1 ? "Unknown input" : "Second unknown input"), low: "between", high: "and", run: "Fit",
+    progress: (done, of) => (of ? `${done} of ${of} steps` : "solving"), tooBig: (size) => `The file has ${size} MB, which is too large for the page; use 'woundon fit'`,
+    measured: "measured", fitted: "fitted", row: "row", rows: "rows of the table", equal: "fitted = measured", difference: "difference", take: "Use these values",
+    interval: (low, high) => `95 % interval ${low} to ${high}`, open: "open", deviations: "standard deviations",
+    rms: (size, n) => `RMS difference between fitted and measured values ${size}, ${n} values.`,
+    notIdentified: (name) => `${name} is not identified by the data: its standard error is above 100 %. Measure at other loads, or fit it alone.`,
+    atBound: (name) => `${name} is at its bound: widen the bounds, or the data do not determine it.`,
   },
   window: {
     title: "Operating window", about: "The probability that the roll keeps all its limits, over the set points at the core. Schedules become constant values when a point is used.",

@@ -1,0 +1,141 @@
+// Fit of one or two fields to a table of measured values, with progress and cancel.
+import * as api from "./api.js";
+import { at, changed } from "./cases.js";
+import { html, useState } from "./html.js";
+import { OnePanel } from "./results.js";
+import { End } from "./study.js";
+import { T } from "./texts.js";
+import { digits } from "./units.js";
+import { labelOf, variables } from "./variables.js";
+
+const FACTOR = 4; // bounds from the value over this to the value times this
+const PREFERRED = ["roll_friction", "friction"]; // what is usually unknown
+
+/** Bounds around the value of a field, within its permitted range. */
+function boundsOf({ field: { limits = {} }, value }) {
+  const [low, high] = [limits.gt ?? limits.ge ?? -Infinity, limits.lt ?? limits.le ?? Infinity];
+  const ends = value > 0 ? [value / FACTOR, value * FACTOR] : [low, high];
+  return [Math.max(ends[0], low), Math.min(ends[1], high)].map((end) => Number(end.toPrecision(3)));
+}
+
+/** A table to start from: the load, and the main output of the present case, in the shown units. */
+function exampleTable(store) {
+  const { units, state, kind } = store;
+  const load = store.loadOf(kind);
+  const output = store.output(kind.main[0]);
+  const names = [...(load ? [units.label(load, store.fieldAt(load))] : []), units.label(output.name, output)];
+  const rows = (load ? [0.75, 1, 1.25] : [1]).map((factor) => [
+    ...(load ? [digits(units.shown(store.fieldAt(load), factor * at(state.case, load)), 4)] : []),
+    factor === 1 ? digits(units.shown(output, state.result.outputs[output.name].value), 4) : "",
+  ].join("\t"));
+  return [names.join("\t"), ...rows].join("\n");
+}
+
+const base64 = async (file) => btoa(Array.from(new Uint8Array(await file.arrayBuffer()), (byte) => String.fromCharCode(byte)).join(""));
+
+export function Fit({ store }) {
+  const { state, catalogue } = store;
+  const { limits } = catalogue;
+  const [table, setTable] = useState({ text: "", name: "" }); // a workbook has a name, a text has none
+  const [picked, pick] = useState([]);
+  const [ends, setEnds] = useState({});
+  const fields = variables(store);
+  const usual = PREFERRED.map((path) => fields.find((one) => one.path === path)).find(Boolean) ?? fields[0];
+  const first = fields.find((one) => one.path === picked[0]) ?? usual;
+  const second = fields.find((one) => one.path === picked[1] && one !== first);
+  const unknown = [first, second].filter(Boolean);
+  const endsOf = (one) => ends[one.path] ?? boundsOf(one);
+  const fit = state.fit?.kind === state.kind ? state.fit : null;
+  const ready = table.text.trim() && unknown.every((one) => { const [low, high] = endsOf(one); return low < high; });
+  const load = async (file) => {
+    if (!file) return;
+    const excel = /\.xls[xm]$/i.test(file.name);
+    // base64 has four characters for three bytes
+    if (file.size * (excel ? 4 / 3 : 1) > 0.9 * limits.body_bytes) return setTable({ text: "", name: "", fault: T.fit.tooBig(digits(file.size / 1e6, 3)) });
+    setTable(excel ? { text: await base64(file), name: file.name } : { text: await file.text(), name: "" });
+  };
+  const run = async () => {
+    const abort = new AbortController();
+    const outcome = { kind: state.kind, done: 0, of: 0, running: true, abort };
+    const put = (patch) => { Object.assign(outcome, patch); store.set({ fit: { ...outcome } }); };
+    put({});
+    try {
+      const body = { case: state.case, table: table.text, is_workbook: !!table.name, vary: Object.fromEntries(unknown.map((one) => [one.path, endsOf(one)])) };
+      await api.fit(body, (event) => {
+        if (event.event === "progress") put({ done: event.done, of: event.of });
+        else if (event.event === "fitted") put({ found: event, done: outcome.of });
+        else if (event.event === "failed") put({ fault: event.problem.detail });
+        else if (event.event === "cancelled") put({ text: T.study.cancelled });
+      }, abort.signal);
+      put({ running: false });
+    } catch (fault) {
+      put({ running: false, ...(fault.name === "AbortError" ? { text: T.study.cancelled } : { fault: store.textOf(fault) }) });
+    }
+  };
+  const unknownRow = (k, one) => html`<div class="axis-row" key=${k}>
+    <label class="stacked">${T.fit.unknown(k + 1)}<select id=${`fit-field-${k}`} value=${one?.path ?? ""} onChange=${(event) => pick(k ? [first.path, event.target.value] : [event.target.value, second?.path])}>
+      ${k > 0 && html`<option value="" selected=${!one}>${T.study.none}</option>`}
+      ${fields.filter((other) => !k || other !== first).map((other) => html`<option value=${other.path} selected=${other === one}>${labelOf(other)}</option>`)}</select></label>
+    ${[T.fit.low, T.fit.high].map((words, n) => html`<${End} key=${n} ...${{ units: store.units, id: `fit-${k}-${n}`, words, field: one?.field, value: one && endsOf(one)[n],
+      put: (value) => setEnds({ ...ends, [one.path]: endsOf(one).map((end, m) => (m === n ? value : end)) }) }} />`)}</div>`;
+  return html`<section class="tab-card fit"><h2>${T.fit.title}</h2><p class="quiet">${T.fit.about}</p>
+    <label class="stacked">${T.fit.table(limits.fit_rows)}<textarea id="fit-table" rows="6" spellcheck="false" placeholder=${T.fit.example}
+      value=${table.name ? "" : table.text} disabled=${!!table.name} onInput=${(event) => setTable({ text: event.target.value, name: "" })}></textarea></label>
+    <div class="bar-row"><label class="file">${T.fit.file} <input type="file" id="fit-file" accept=".csv,.txt,.tsv,.xlsx,.xlsm" onChange=${(event) => load(event.target.files[0])} /></label>
+      ${table.name ? html`<span>${table.name} <button type="button" onClick=${() => setTable({ text: "", name: "" })}>${T.fit.drop}</button></span>`
+    : state.result?.kind === state.kind && html`<button type="button" id="fit-example" onClick=${() => setTable({ text: exampleTable(store), name: "" })}>${T.fit.columns}</button>`}</div>
+    ${table.fault && html`<p class="fault" role="alert">${table.fault}</p>`}
+    <div class="study-form">${[first, second].map((one, k) => unknownRow(k, one))}
+      <div class="study-run"><button type="button" class="primary" id="fit-run" disabled=${!ready || fit?.running} onClick=${run}>${T.fit.run}</button>
+        <button type="button" id="fit-cancel" disabled=${!fit?.running} onClick=${() => fit.abort.abort()}>${T.study.cancel}</button></div></div>
+    ${fit && html`<div class="study-state" role="status">${fit.running && html`<progress max=${fit.of || 1} value=${fit.done} aria-label=${T.fit.title}></progress>
+      <span>${T.fit.progress(fit.done, fit.of)}</span>`} <b>${fit.text ?? ""}</b>
+      ${fit.fault && html`<span class="fault" role="alert">${fit.fault}</span>`}</div>`}
+  </section>
+  ${fit?.found && html`<${Found} store=${store} found=${fit.found} />`}`;
+}
+
+function Found({ store, found: { parameters, rows, remarks, rms, is_weighted: weighted } }) {
+  const { units, state } = store;
+  const outputs = [...new Set(rows.map((row) => row.output))];
+  const text = (quantity, value, count = 4) => (value == null ? T.fit.open : digits(units.shown(quantity, value), count));
+  const take = () => store.take(state.kind, parameters.reduce((tables, { name, estimate }) => changed(tables, name, Number(estimate.toPrecision(5))), state.case));
+  const first = store.output(outputs[0]);
+  const warnings = [
+    ...parameters.filter((one) => !one.is_identified).map(({ name }) => T.fit.notIdentified(name)),
+    ...parameters.filter((one) => one.is_at_bound).map(({ name }) => T.fit.atBound(name)), ...remarks,
+  ];
+  return html`<section class="tab-card" id="fit-found">
+    ${parameters.map(({ name, estimate, standard_error: error, interval }) => {
+    const field = store.fieldAt(name);
+    return html`<p class="answer" key=${name} data-parameter=${name} data-si=${estimate}>${field.label} = ${text(field, estimate)}${error == null ? "" : ` ± ${text(field, error, 2)}`} ${units.text(field)}
+      ${interval && html`<span class="quiet"> ${T.fit.interval(text(field, interval[0]), text(field, interval[1]))}</span>`}</p>`;
+  })}
+    <p>${T.fit.rms(weighted ? `${digits(rms, 2)} ${T.fit.deviations}` : `${text(first, rms, 2)} ${units.text(first)}`, rows.length)} <button type="button" id="fit-take" onClick=${take}>${T.fit.take}</button></p>
+    ${warnings.length > 0 && html`<ul class="remarks">${warnings.map((line) => html`<li key=${line}>${line}</li>`)}</ul>`}
+  </section>
+  <div class="panels">${outputs.map((name) => html`<${Agreement} key=${name} store=${store} output=${store.output(name)} rows=${rows.filter((row) => row.output === name)} />`)}</div>`;
+}
+
+/** Fitted against measured values, and their table. */
+function Agreement({ store, output, rows }) {
+  const { units } = store;
+  const values = rows.flatMap(({ measured, fitted }) => [measured, fitted]);
+  const ends = [Math.min(...values), Math.max(...values)];
+  const margin = 0.05 * (ends[1] - ends[0] || Math.abs(ends[0]) || 1);
+  const range = [ends[0] - margin, ends[1] + margin];
+  const ordered = [...rows].sort((a, b) => a.measured - b.measured);
+  const curve = (name, label, more) => ({ name, symbol: "", label, side: "left", ...more });
+  const panel = {
+    name: "fit", column: `fit-${output.name}`, x: { label: T.fit.measured, quantity: output, range }, y: { label: T.fit.fitted, quantity: output }, areas: [], marks: [],
+    curves: [
+      curve("fitted", T.fit.rows, { role: "roll", dash: "dots", x: ordered.map((row) => row.measured), y: ordered.map((row) => row.fitted) }),
+      curve("equal", T.fit.equal, { role: "web", dash: "dashed", x: range, y: range }),
+    ],
+  };
+  return html`<div class="panel-cell"><${OnePanel} store=${store} name="fit" title=${output.label} height=${280} cases=${[{ label: "", colour: null, panel }]} />
+    <details><summary>${T.panels.table}</summary><div class="table-scroll" tabindex="0"><table><caption>${units.label(output.label, output)}</caption>
+      <thead><tr>${[T.fit.row, T.fit.measured, T.fit.fitted, T.fit.difference].map((words) => html`<th scope="col">${words}</th>`)}</tr></thead>
+      <tbody>${rows.map(({ row, measured, fitted }) => html`<tr key=${row}><th scope="row">${row}</th>${[measured, fitted].map((value) => html`<td>${digits(units.shown(output, value), 4)}</td>`)}
+        <td>${digits(units.shown(output, fitted - measured), 2)}</td></tr>`)}</tbody></table></div></details></div>`;
+}
