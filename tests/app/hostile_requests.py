@@ -33,7 +33,7 @@ JSON = {"content-type": "application/json"}
 
 PATHS = (
     "solve", "solve", "curve", "sensitivities", "sweep", "report", "figure", "file", "python",
-    "case/write", "case/read", "design", "find",
+    "case/write", "case/read", "design", "find", "fit",
 )  # fmt: skip
 VALUES: tuple[Callable[[random.Random], Any], ...] = (
     lambda r: float("nan"), lambda r: 1e308, lambda r: -1e308, lambda r: 10**400, lambda r: 5e-324,
@@ -70,6 +70,11 @@ def damaged(random_: random.Random, kinds: list[Any]) -> tuple[str, dict[str, An
         "figure": {"cases": [{"label": "A", "case": case}]},
         "case/read": {"toml": json.dumps(case)},
         "find": {"case": case, "field": "nip_load", "output": "wound_on_tension", "target": 5e2},
+        "fit": {
+            "case": case,
+            "table": "nip_load [kN/m]\n1;2",
+            "vary": {"roll_friction": [0.1, 0.3]},
+        },
         "design": {"case": case, "pressure": {"radius": [0.0445, 0.15], "value": [2e5, 1e5]}},
     }.get(path, case)
     for _ in range(random_.randint(1, 4)):

@@ -1,5 +1,6 @@
 """Studies over HTTP: the numbers of wo.sweep, progress as it comes, cancel, and a stated size."""
 
+import base64
 import json
 import threading
 import time
@@ -123,6 +124,75 @@ def test_a_long_study_of_another_leaves_states_their_worker(client, server, case
         stop.set()
         httpx.post(f"{server}/api/cancel", headers={"X-Session": "long-study"})
         thread.join(60)
+
+
+# ---- fits -------------------------------------------------------------------------------------
+
+RADII = {"upper.radius": [0.1, "1 m"]}
+WIDTHS = "load [kN/m]\thalf_width [um]\n50\t265\n89\t354\n120\t411\n"
+
+
+def fit_events(client, case, table, vary=RADII, **more):
+    body = {"case": case, "table": table, "vary": vary} | more
+    with client.stream("POST", "/api/fit", json=body) as answer:
+        yield from map(json.loads, answer.iter_lines())
+
+
+def workbook(path, header, *rows):
+    openpyxl = pytest.importorskip("openpyxl")
+    book = openpyxl.Workbook()
+    for row in (header, *rows):
+        book.active.append(row)
+    book.save(path)
+    return base64.b64encode(path.read_bytes()).decode()
+
+
+def test_a_fit_has_the_numbers_of_python_for_a_text_and_a_workbook(client, cases, tmp_path):
+    data = {"load [kN/m]": [50, 89, 120], "half_width [um]": [265, 354, 411]}
+    same = wo.fit(wo.RollerProblem.example(), data, {"upper.radius": (0.1, 1.0)})
+    table = workbook(tmp_path / "widths.xlsx", list(data), *zip(*data.values(), strict=True))
+    for asked in ({"table": WIDTHS}, {"table": table, "is_workbook": True}):
+        first, *progress, found = fit_events(client, cases["rollers"], **asked)
+        assert first == {"event": "started"}
+        assert [one["event"] for one in progress] == ["progress"] * len(progress)
+        (radius,) = found["parameters"]
+        # the same computation, on the same nodes
+        assert radius["estimate"] == pytest.approx(same.estimates[0], rel=1e-9)
+        assert radius["standard_error"] == pytest.approx(same.standard_errors[0], rel=1e-6)
+        assert radius["interval"] == pytest.approx([same.profiles[0].low, same.profiles[0].high])
+        assert radius["is_identified"]
+        assert not radius["is_at_bound"]
+        fitted = [row["fitted"] for row in found["rows"]]
+        assert fitted == pytest.approx(same.fitted.tolist(), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("change", "status", "words"),
+    [({"table": "no_such [m]\n1\n2"}, 422, "no_such"), ({"table": "/etc/passwd"}, 422, "no header"),
+     ({"table": "AAAA", "is_workbook": True}, 422, "table"),
+     ({"table": "?", "is_workbook": True}, 422, "base64"),
+     ({"table": WIDTHS + "1\t1\n" * 100}, 413, "100"), ({"vary": {"nope": None}}, 422, "nope"),
+     ({"vary": {"upper.radius": [0.5, -1]}}, 422, "upper.radius")],
+)  # fmt: skip
+def test_a_fit_of_invalid_data_fails_with_the_reason(client, cases, change, status, words):
+    *_, last = fit_events(client, cases["rollers"], **{"table": WIDTHS} | change)
+    assert last["event"] == "failed"
+    assert last["problem"]["status"] == status
+    assert words in last["problem"]["detail"]
+
+
+def test_a_fit_of_more_inputs_than_stated_is_rejected(client, cases, catalogue):
+    names = [f"roll.{k}" for k in range(catalogue["limits"]["fit_unknowns"] + 1)]
+    body = {"case": cases["nip"], "table": WIDTHS, "vary": dict.fromkeys(names)}
+    assert client.post("/api/fit", json=body).status_code == 422
+
+
+def test_a_fit_is_cancelled_by_its_session(client, cases):
+    table = "nip_load [kN/m], wound_on_tension [N/m]\n" + "3, 620\n4, 705\n" * 50
+    stream = fit_events(client, cases["nip"], table, {"roll_friction": [0.05, 0.6]})
+    assert next(stream) == {"event": "started"}
+    assert client.post("/api/cancel").json() == {"cancelled": True}
+    assert [event["event"] for event in stream][-1] == "cancelled"
 
 
 # ---- operating windows ------------------------------------------------------------------------

@@ -84,6 +84,48 @@ def test_a_limit_is_entered_next_to_its_margin_on_a_phone(look):
     assert ("holds" if blocking.ok else "fails") in row.inner_text()
 
 
+TABLE = "load [kN/m]\thalf_width [um]\n50\t265\n89\t354\n120\t411\n"
+
+
+def test_a_pasted_table_is_fitted_and_the_estimate_taken_over(look):
+    seen = look(width=1366, height=768)
+    page = seen.page
+    page.select_option(".kind", "rollers")
+    seen.rest()
+    page.click("#tab-fit")
+    page.click("#fit-example")
+    assert page.input_value("#fit-table").startswith("load [")
+    page.fill("#fit-table", TABLE)
+    page.select_option("#fit-field-0", "upper.radius")
+    page.fill("#fit-0-1", "1000")  # [mm]
+    page.locator("#fit-0-1").blur()
+    page.click("#fit-run")
+    page.wait_for_selector("#fit-found", timeout=120_000)
+    radius = float(page.get_attribute("[data-parameter='upper.radius']", "data-si"))
+    data = {"load [kN/m]": [50, 89, 120], "half_width [um]": [265, 354, 411]}
+    found = wo.fit(wo.RollerProblem.example(), data, {"upper.radius": (0.0625, 1.0)})
+    assert radius == pytest.approx(found.estimates[0], rel=1e-6)  # bounds are another
+    assert page.locator("[data-panel=fit] canvas, .cell-fit canvas").count() == 1
+    page.click("#fit-take")
+    seen.rest()
+    assert float(seen.box("upper.radius")) == pytest.approx(1e3 * radius, rel=1e-4)
+
+
+def test_a_fit_is_cancelled_and_its_errors_are_shown_on_a_phone(look):
+    seen = look(width=390, height=844)
+    page = seen.page
+    page.click("#tab-fit")
+    assert page.evaluate("() => document.scrollingElement.scrollWidth") <= 390
+    page.fill("#fit-table", "no_such [m]\n1\n2")
+    page.click("#fit-run")
+    page.wait_for_selector(".fit .fault >> text=no_such", timeout=60_000)
+    page.fill("#fit-table", "nip_load [kN/m], wound_on_tension [N/m]\n" + "3, 620\n4, 705\n" * 50)
+    page.click("#fit-run")
+    page.wait_for_selector("#fit-cancel:enabled")
+    page.click("#fit-cancel")
+    page.wait_for_selector(".study-state >> text=Cancelled")
+
+
 def test_an_operating_window_reports_its_progress_and_is_cancelled(look):
     seen = look()
     page = seen.page

@@ -5,21 +5,20 @@ import { html, useEffect, useRef, useState } from "./html.js";
 import { OnePanel } from "./results.js";
 import { T } from "./texts.js";
 import { digits } from "./units.js";
-import { defaultVariable, labelOf, variables } from "./variables.js";
+import { defaultVariable, labelOf, outputsOf, variables } from "./variables.js";
 
 const WIDE = 20; // ratio of the ends of a range from which its axis is logarithmic
 
 export function Find({ store }) {
-  const { units, kind, state } = store;
+  const { units, state } = store;
   const fields = variables(store);
-  const outputs = kind.outputs.filter((output) => !output.array && !output.whole && state.result.outputs[output.name]?.value != null);
+  const outputs = outputsOf(store);
   const [chosen, choose] = useState({ field: "", output: "", target: "" });
   const [answer, setAnswer] = useState({});
   const abort = useRef(null);
   useEffect(() => () => abort.current?.abort(), []);
   const field = fields.find((one) => one.path === chosen.field) ?? defaultVariable(store, fields);
-  const usual = [...kind.main, ...outputs.map((one) => one.name)];
-  const output = outputs.find((one) => one.name === chosen.output) ?? outputs.find((one) => one.name === usual.find((name) => outputs.some((other) => other.name === name)));
+  const output = outputs.find((one) => one.name === chosen.output) ?? outputs[0];
   if (!field || !output) return null;
   const { value, fault } = chosen.target.trim() ? units.read(output, chosen.target, T.form.finite) : {};
   const rest = JSON.stringify(changed(state.case, field.path, null)); // the answer is that of this case

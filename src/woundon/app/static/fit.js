@@ -6,7 +6,7 @@ import { OnePanel } from "./results.js";
 import { End } from "./study.js";
 import { T } from "./texts.js";
 import { digits } from "./units.js";
-import { labelOf, variables } from "./variables.js";
+import { labelOf, outputsOf, variables } from "./variables.js";
 
 const FACTOR = 4; // bounds from the value over this to the value times this
 const PREFERRED = ["roll_friction", "friction"]; // what is usually unknown
@@ -22,7 +22,7 @@ function boundsOf({ field: { limits = {} }, value }) {
 function exampleTable(store) {
   const { units, state, kind } = store;
   const load = store.loadOf(kind);
-  const output = store.output(kind.main[0]);
+  const [output] = outputsOf(store);
   const names = [...(load ? [units.label(load, store.fieldAt(load))] : []), units.label(output.name, output)];
   const rows = (load ? [0.75, 1, 1.25] : [1]).map((factor) => [
     ...(load ? [digits(units.shown(store.fieldAt(load), factor * at(state.case, load)), 4)] : []),

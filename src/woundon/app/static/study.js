@@ -6,7 +6,7 @@ import { html, useEffect, useLayoutEffect, useRef, useState } from "./html.js";
 import { symbolText } from "./symbols.js";
 import { T } from "./texts.js";
 import { digits } from "./units.js";
-import { defaultVariable, labelOf, variables } from "./variables.js";
+import { defaultVariable, labelOf, outputsOf, variables } from "./variables.js";
 
 /** Where a field's study begins and ends unless somebody says otherwise: around its value. */
 function around({ field, value }) {
@@ -23,9 +23,7 @@ export function Study({ store }) {
   const abort = useRef(null);
   useEffect(() => () => abort.current?.abort(), []);
   const study = state.study?.kind === kind.name ? state.study : null;
-  const here = state.result?.kind === kind.name ? state.result.outputs : {}; // what there is, as losses of elastic bodies are not
-  const main = kind.main[0] ?? (outputs.find((one) => here[one.name]?.value != null) ?? outputs[0])?.name;
-  const output = outputs.some((one) => one.name === plan.output) ? plan.output : main;
+  const output = outputs.some((one) => one.name === plan.output) ? plan.output : (outputsOf(store)[0] ?? outputs[0])?.name;
   const field = (path) => fields.find((one) => one.path === path);
   const first = field(plan.first) ?? defaultVariable(store, fields);
   const second = fields.find((one) => one.path === plan.second && one.path !== first.path);

@@ -23,6 +23,13 @@ export function defaultVariable(store, known) {
   return named(store.changedPath) ?? named(store.loadOf(store.kind)) ?? known[0];
 }
 
+/** The scalar outputs that the present result has, the main one of the kind first. */
+export function outputsOf({ kind, state: { result } }) {
+  const known = result?.kind === kind.name ? result.outputs : {}; // as losses of elastic bodies are not
+  const scalars = kind.outputs.filter((output) => !output.array && !output.whole && known[output.name]?.value != null);
+  return [...scalars.filter((one) => kind.main.includes(one.name)), ...scalars.filter((one) => !kind.main.includes(one.name))];
+}
+
 /** Options of a selection of variables: labels, with the table for labels that occur twice. */
 export function labelOf({ path, field }) {
   const tables = path.split(".").slice(0, -1).join(" ");
