@@ -30,7 +30,14 @@ from .files import read_whole
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["Sheet", "need_openpyxl", "read_sheet", "record_table", "sheet_of_content", "write_workbook"]
+__all__ = [
+    "Sheet",
+    "need_openpyxl",
+    "read_sheet",
+    "record_table",
+    "sheet_of_content",
+    "write_workbook",
+]
 
 MAX_BYTES = 50_000_000  # bytes of a file, and of the unpacked parts of an Excel file
 MAX_CELLS = 2_000_000  # of a table, empty cells included
