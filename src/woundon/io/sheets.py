@@ -371,9 +371,9 @@ def _repeat_merged(cells: Any, blocks: Iterable[tuple[int, int, int, int]], wher
             continue
         value = rows[0, first - 1]
         rows[:, first - 1 : last] = ""  # Excel shows the first cell only
-        beside = (rows != "").any(axis=1)  # otherwise the block is a title
+        in_table = (rows != "").any(axis=1)  # otherwise the block is a title
         rows[0, first - 1] = value
-        rows[beside, first - 1 : last] = value
+        rows[in_table, first - 1 : last] = value
 
 
 def need_openpyxl() -> None:
