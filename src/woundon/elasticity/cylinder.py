@@ -216,6 +216,7 @@ def _kernels(R: float, layers: Layers, free: bool) -> SurfaceKernels:
         strain_q=strain_q,
         together=gradients,
         normal_together=normal,
+        uniform_strain=-2 * float(mean[0, 0]),
         length=R * min(1.0, 2 * decay),
         truncation_error=error,
         terms=n.size,

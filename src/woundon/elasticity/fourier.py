@@ -31,7 +31,6 @@ __all__ = [
     "HarmonicSums",
     "polylogarithm",
     "quintics",
-    "uniform_response",
 ]
 
 Array = np.ndarray
@@ -226,23 +225,6 @@ class HarmonicSum:
             c[0] += self.mean + self.tail[1] * log(self.radius)  # ln(theta) = ln(t) - ln(R)
         c *= self.scale
         return np.asarray(c if self.power is None else c + self.power)
-
-
-def uniform_response(kernel: Kernel) -> float:
-    """Return the response to a uniform load of 1 Pa on the whole circumference.
-
-    The harmonics n > 0 of a cylinder integrate to zero.  On a half-plane the odd parts cancel, and
-    the local part remains.
-
-    Parameters
-    ----------
-    kernel : Kernel
-        An even influence function of an elastic surface, as strain under pressure [1 per N/m].
-    """
-    if isinstance(kernel.smooth, HarmonicSum):
-        series = kernel.smooth
-        return 2 * pi * series.radius * series.scale * series.mean
-    return kernel.delta
 
 
 @dataclass(frozen=True, eq=False)

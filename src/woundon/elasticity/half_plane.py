@@ -69,4 +69,5 @@ def surface_kernels(
         slope_q=Kernel(delta=-A),
         strain_p=Kernel(delta=-A),
         strain_q=Kernel(inverse=-B / pi),
+        uniform_strain=-A,
     )

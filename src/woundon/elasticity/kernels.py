@@ -64,6 +64,8 @@ class SurfaceKernels:
         dv/dx [1 per N/m].
     strain_p, strain_q : Kernel
         Tangential surface strain; v/R + du/dx on a cylinder, du/dx on a half-plane [1 per N/m].
+    uniform_strain : float
+        Strain under a uniform pressure of 1 Pa on the whole circumference or half-plane [1/Pa].
     length : float
         Length on which the smooth parts vary [m]: they behave as functions with poles at
         t = +- i length.  Polynomials interpolating them in x and s on [-a, a] need a degree of
@@ -90,6 +92,7 @@ class SurfaceKernels:
     slope_q: Kernel = field(default_factory=Kernel)
     strain_p: Kernel = field(default_factory=Kernel)
     strain_q: Kernel = field(default_factory=Kernel)
+    uniform_strain: float = 0.0
     length: float = np.inf
     truncation_error: float = 0.0
     terms: int = 0

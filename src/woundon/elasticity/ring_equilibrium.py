@@ -12,6 +12,10 @@ method): under other forces, and for other half widths, because K of a deep ring
 its mesh is scaled.  The linear ring has the moduli of the wound surface; its displacements follow
 by conjugate gradients with an earlier factorisation as preconditioner.  The earlier states affect
 the results by the remaining residuals only.
+
+Under a uniform pressure p the ring needs no elements: with e_t = v/r and s_t = E_t e_t + nu s_r,
+
+    dv/dr = e_r(s_r, s_t),   ds_r/dr = (s_t - s_r)/r,   v(R0) = 0,   s_r(R) = -p.
 """
 
 from __future__ import annotations
@@ -21,12 +25,13 @@ from dataclasses import dataclass, replace
 from math import log
 
 import numpy as np
+from scipy.integrate import solve_bvp
 from scipy.sparse.linalg import LinearOperator, cg
 
 from .hardening import HardeningLaw, Stressed
 from .ring_elements import Factors, Fineness, RingMesh
 
-__all__ = ["NoEquilibrium", "RingPair", "RingState"]
+__all__ = ["NoEquilibrium", "RingPair", "RingState", "uniform_strain"]
 
 Array = np.ndarray
 
@@ -44,6 +49,9 @@ ACCURATE = 1e-2
 # Change of ln a up to which the compliance of the linear ring serves in a tangent.
 NEAR = 0.02
 CONJUGATE_GRADIENTS = 100
+# Initial nodes and relative tolerance of the ring under a uniform pressure, whose strain is a small
+# part of that of the web.
+UNIFORM_NODES, UNIFORM_TOLERANCE = 41, 1e-5
 
 
 class NoEquilibrium(ArithmeticError):
@@ -265,3 +273,30 @@ class RingPair:
                 self._latest = replace(state, factors=factors, accurate=True)
         _, linear = self._linear_factors(state.mesh, NEAR)
         return factors.compliance - linear.compliance
+
+
+def uniform_strain(ring: RingPair, pressure: float) -> float:
+    """Return the surface strain v(R)/R of the hardening ring under a uniform pressure [Pa].
+
+    Raises
+    ------
+    NoEquilibrium
+    """
+    law, R, R0 = ring.law, ring.radius, ring.core_radius
+
+    def rates(r: Array, y: Array) -> Array:
+        v, s_r = y
+        wound = ring.wound(r)
+        s_t = law.tangential * v / r + law.poissons_ratio * s_r
+        e_r = law.radial.strain_at(wound) - law.radial.strain_at(wound - s_r)
+        return np.array([e_r - law.poissons_ratio / law.tangential * s_t, (s_t - s_r) / r])
+
+    def boundary(core: Array, surface: Array) -> Array:
+        return np.array([core[0] / R, surface[1] / pressure + 1])
+
+    r = R - (R - R0) * np.linspace(1, 0, UNIFORM_NODES) ** 3  # the pressure decays from the surface
+    start = np.stack([np.zeros(r.size), np.full(r.size, -pressure)])
+    found = solve_bvp(rates, boundary, r, start, tol=UNIFORM_TOLERANCE, max_nodes=20_000)
+    if not found.success:
+        raise NoEquilibrium(f"the ring under a uniform pressure: {found.message}")
+    return float(found.y[0, -1] / R)

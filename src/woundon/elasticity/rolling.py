@@ -72,6 +72,7 @@ def half_plane_kernels(
         slope_q=step(lag=slopes.one(1)),
         strain_p=step(lag=slopes.one(2)),
         strain_q=Kernel(inverse=-B * j_0 / pi, lag=slopes.one(3)),
+        uniform_strain=-A,
         lag=slopes,
     )
 
@@ -132,6 +133,7 @@ def _kernels(
         slope_q,
         strain_p,
         strain_q,
+        uniform_strain=-2 * float(mean[0, 0]),
         length=R * min(1.0, 2 * decay),
         truncation_error=error,
         terms=n.size,

@@ -19,7 +19,6 @@ import numpy as np
 from pydantic import BeforeValidator, Field, SerializeAsAny, model_validator
 
 from ..elasticity import cylinder, half_plane, rolling
-from ..elasticity.fourier import uniform_response
 from ..elasticity.influence import InfluenceSurface
 from ..elasticity.interior_stress import Section, cylinder_sections, half_plane_sections
 from ..elasticity.kernels import SurfaceKernels
@@ -254,7 +253,7 @@ class KernelBody(Body, abstract=True):
 
         A viscoelastic body is fully relaxed, because the load on a material point is constant.
         """
-        return pressure * uniform_response(self.kernels().strain_p)
+        return pressure * self.kernels().uniform_strain
 
     @property
     def max_half_width(self) -> float:

@@ -11,7 +11,6 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from ..elasticity import cylinder
-from ..elasticity.fourier import uniform_response
 from ..elasticity.half_plane import coefficients
 from ..elasticity.hardening import HardeningLaw
 from ..elasticity.influence import InfluenceSurface
@@ -121,8 +120,12 @@ class WoundRoll(Body):
         return at_radius(self.pressure, r)
 
     def uniform_strain(self, pressure: float) -> float:
-        """Return the surface strain under a uniform pressure, linearised at the wound pressure."""
-        return pressure * uniform_response(self._kernels.strain_p)
+        """Return the surface strain under a uniform pressure, which hardens the roll."""
+        if self.hardening == "frozen":
+            return pressure * self._kernels.uniform_strain
+        from ..elasticity.ring_equilibrium import uniform_strain
+
+        return uniform_strain(ring_of(self), pressure)
 
     def surface(self, face: Face, half_width: float, speed: float | None = None) -> SurfaceResponse:
         """Return the response of the surface on a face scaled by the half width."""
