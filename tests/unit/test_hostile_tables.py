@@ -36,30 +36,20 @@ def rejected(path: Path) -> str:
 TEXTS = {
     "header of separators": (HEAD[:-1] + "," * 100_000 + "x\n" + ROW, "row 1, column"),
     "header of names": (",".join(f"c{k}" for k in range(20_000)) + "\n" + ROW, "row 1, column"),
-    "header of semicolons": ("a;" * 50_000 + "a\n" + ROW, "row 1, column"),
-    "header of tabs": ("a\t" * 50_000 + "a\n" + ROW, "row 1, column"),
-    "header of spaces": (f'"{"a " * 50_000}",half_width [mm]\n{ROW}', "row 1, column 1"),
-    "header of slashes": (f"x,{'/ ' * 50_000}\n{ROW}", "row 1, column 2"),
     "header of brackets": (f"half_width [mm],{'[' * 100_000}\n{ROW}", "row 1, column 2"),
-    "header of quoted commas": (f'"{"a," * 50_000}",half_width [mm]\n{ROW}', "row 1, column"),
     "header of units": (f"nip_load [{'N*' * 50_000}N],half_width [mm]\n{ROW}", "row 1, column 1"),
     "header of a few hundred strange columns": (
         ",".join(f"strange column {k} of {'x' * 150}" for k in range(400)) + "\n" + "1," * 400,
         "column 'strange column 0",
     ),
     "number of 100 000 digits": (f"{HEAD}{'1' * 100_000},4\n", "row 2, column 1"),
-    "number of 20 000 digits": (f"{HEAD}{'1' * 20_000}x,4\n", "row 2, column 'nip_load [N/m]'"),
-    "fraction": (f"{HEAD}2000,0.{'1' * 30_000}\n", "row 2, column 'half_width [mm]'"),
     "digits and commas": (
         f'{HEAD}"{"1," * 15_000}x1",4\n', "row 2, column 'nip_load [N/m]'",
     ),
-    "cell of points": (f"{HEAD}2000,{'.' * 100_000}\n", "row 2, column 2"),
     "cell of spaces": (f'{HEAD}2000,"4{" " * 100_000}x"\n', "row 2, column 2"),
     "quoted cell of lines": (HEAD + '2000,"' + "4 mm\n" * 20_000 + '"\n', "row 2"),
     "quote without an end": (HEAD + '2000,"' + ROW * 30_000, "row"),
-    "row of cells": (f"{HEAD}{'1,' * 90_000}1\n", "row 2, column"),
     "line of megabytes": (f"{HEAD}{'1,' * 5_000_000}1\n", "row 2, column"),
-    "units of 30 000 characters": (f"{HEAD}{'m*' * 15_000}m,mm\n{ROW}", "row 2, column"),
     "lines without end": (HEAD + "\n" * 3_000_000, "rows"),
     "faulty cells": (HEAD + "x,y\n" * 200_000, "row 2, column 'nip_load [N/m]'"),
 }  # fmt: skip
@@ -103,9 +93,6 @@ def test_a_hostile_body_in_a_cell_is_rejected_in_time(cell: str, tmp_path: Path)
 
 CURVES = {
     "header of separators": "pressure [kPa]," * 50_000 + "strain [%]\n10,0.9\n",
-    "header of spaces": f"pressure{' ' * 100_000}x,strain [%]\n10,0.9\n25,1.6\n",
-    "header of brackets": f"{'[' * 100_000},strain [%]\n10,0.9\n25,1.6\n",
-    "number of 100 000 digits": f"pressure [kPa],strain [%]\n{'1' * 100_000},0.9\n25,1.6\n",
     "number of 1 000 000 digits": f"pressure [kPa],strain [%]\n{'1' * 1_000_000},0.9\n25,1.6\n",
     "quote without an end": 'pressure [kPa],strain [%]\n10,"' + "0.9\n25,1.6\n" * 40_000,
     "millions of rows": "pressure [kPa],strain [%]\n" + "1,1\n" * 2_000_000,
@@ -175,10 +162,12 @@ def test_merged_cells_that_reach_too_far_are_rejected_in_time(blocks, place, tmp
 
 @pytest.mark.parametrize(
     ("cell", "place"),
-    [("A1048576", "row 1048576, column 1"), ("XFD1048576", "row 1048576, column 16384"),
-     ("B900000", "row 900000, column 2"), ("XFD3", "row 3, column 16384"),
-     ("ZZ1", "row 1, column 702")],
-)  # fmt: skip
+    [
+        ("XFD3", "row 3, column 16384"),
+        pytest.param("B900000", "row 900000, column 2", marks=pytest.mark.slow),
+        pytest.param("XFD1048576", "row 1048576, column 16384", marks=pytest.mark.slow),
+    ],
+)
 def test_a_stray_cell_is_rejected_by_row_and_column_in_time(cell: str, place: str, tmp_path: Path):
     def stray(sheet):
         sheet[cell] = 1
@@ -192,23 +181,15 @@ DATA_END = "</sheetData>"
 @pytest.mark.parametrize(
     "rows",
     [
-        '<row r="99999999"><c r="A99999999"><v>1</v></c></row>',
-        '<row r="2000000000"><c r="A2000000000"><v>1</v></c></row>',
+        pytest.param(
+            '<row r="2000000000"><c r="A2000000000"><v>1</v></c></row>', marks=pytest.mark.slow
+        ),
         "".join(f'<row r="{k}"><c r="XFD{k}"><v>1</v></c></row>' for k in range(6, 20_000)),
         "".join(f'<row r="{k}"><c r="XFD{k}"/></row>' for k in range(6, 20_000)),
         f'<row r="6"><c r="A6" t="inlineStr"><is><t>{"1" * 100_000}</t></is></c></row>',
-        f'<row r="6"><c r="A6" t="inlineStr"><is><t>{"1" * 20_000}x</t></is></c></row>',
         f'<row r="6"><c r="A6"><v>{"1" * 100_000}</v></c></row>',
     ],
-    ids=[
-        "row 1e8",
-        "row 2e9",
-        "wide rows",
-        "wide empty rows",
-        "text of digits",
-        "digits",
-        "number",
-    ],
+    ids=["row 2e9", "wide rows", "wide empty rows", "text of digits", "number"],
 )
 def test_rows_of_a_hostile_sheet_are_rejected_in_time(rows: str, tmp_path: Path):
     path = book(tmp_path, lambda sheet: None)
