@@ -3,24 +3,19 @@
 from __future__ import annotations
 
 import os
-import pty
 import signal
 import subprocess
 import sys
 import time
 import tomllib
-from collections.abc import Iterator
 from pathlib import Path
-from threading import Thread
 
 import pytest
-from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from woundon import plugins
 from woundon.cli import commands as cli
 from woundon.jorkama2001 import catalogue, plugin, publication
 from woundon.jorkama2001.command import thesis
-from woundon.jorkama2001.publication import _write_module
 
 PROJECT = Path(__file__).parents[2] / "pyproject.toml"
 # a process of its own that has the command, whether or not the package has been installed
@@ -62,28 +57,6 @@ def test_a_figure_is_drawn_and_judged(tmp_path, capsys: Capture):
     assert (
         "- **holds**: before C it falls a little: **-4.77 N/m**" in (out / "fig15.md").read_text()
     )
-
-
-def test_the_procedure_of_the_thesis_on_request(tmp_path, capsys: Capture):
-    assert cli.main(["thesis", "fig15", "--solver", "thesis", "--out", str(tmp_path)]) == 0
-    assert "The thesis's procedure." in capsys.readouterr().out
-    assert len((tmp_path / "fig15.csv").read_text().splitlines()) == 201  # M = 200 and the header
-
-
-@pytest.mark.slow
-def test_a_figure_is_laid_out_once_for_all_its_files(tmp_path, monkeypatch):
-    """Half of the time that drawing takes is the layout."""
-    laid_out: list[object] = []
-    execute = ConstrainedLayoutEngine.execute
-
-    def counted(self: ConstrainedLayoutEngine, figure: object) -> object:
-        laid_out.append(figure)
-        return execute(self, figure)
-
-    monkeypatch.setattr(ConstrainedLayoutEngine, "execute", counted)
-    (one,) = _write_module("fig5", names=("fig5",), folder=tmp_path, solver="accurate", dpi=40)
-    assert {path.suffix for path in one.files} == {".csv", ".md", ".png", ".svg"}
-    assert len(laid_out) == 1
 
 
 @pytest.mark.slow
@@ -189,37 +162,3 @@ def _used(*found: int | list[int]) -> float:
             continue
         ticks += int(fields[11]) + int(fields[12])
     return ticks / os.sysconf("SC_CLK_TCK")
-
-
-def _read(terminal: int) -> Iterator[bytes]:
-    """Yield what is written to a terminal until nobody can write to it any more."""
-    while True:
-        try:
-            block = os.read(terminal, 4096)
-        except OSError:  # Linux says so where others end
-            return
-        if not block:
-            return
-        yield block
-
-
-@pytest.mark.slow
-@posix
-def test_a_bar_shows_on_a_terminal_and_leaves_the_output_alone(tmp_path):
-    (parent, child), seen = pty.openpty(), list[bytes]()
-    command = [sys.executable, "-c", WOUNDON, "thesis", "table4", "--out", str(tmp_path)]
-    with subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=child, text=True,
-        env=os.environ | {"TERM": "xterm", "COLUMNS": "100"},
-    ) as process:  # fmt: skip
-        os.close(child)
-        reader = Thread(target=lambda: seen.extend(_read(parent)))
-        reader.start()  # a terminal takes a few kilobytes, then the program waits for its reader
-        out = process.communicate(timeout=60)[0]
-        reader.join(timeout=60)
-    os.close(parent)
-    shown = b"".join(seen).decode()
-    assert "figures and tables" in shown
-    assert "1/1" in shown
-    assert out.startswith("Table 4: The winding theorem on measured tensions of newsprint\n")
-    assert "\x1b" not in out

@@ -9,7 +9,7 @@ import xarray as xr
 from woundon import InvalidProblem
 from woundon.jorkama2001 import catalogue, judgement
 from woundon.jorkama2001.exhibits import Exhibit
-from woundon.jorkama2001.judgement import Judged, judged
+from woundon.jorkama2001.judgement import judged
 from woundon.jorkama2001.nips import dataset, joined
 from woundon.jorkama2001.verdicts import Outcome, Verdict, falls, grows, verdict, whether
 
@@ -35,19 +35,6 @@ def test_a_fact_without_a_number():
     wrong = whether("x", False)
     assert (wrong.outcome, wrong.measured, wrong.expected) == (Outcome.FAILS, "no", "yes")
     assert verdict("x", None, note="no load given").outcome is Outcome.UNTESTED
-
-
-@pytest.mark.parametrize(
-    ("made", "measured", "expected"),
-    [
-        (Verdict("", 1.234567, high=3.0, unit="%"), "1.23 %", "at most 3 %"),
-        (Verdict("", 206.04, 195.7, 216.3, "N/m"), "206.0 N/m", "195.7 to 216.3 N/m"),
-        (Verdict("", -0.5, 0.0), "-0.5", "at least 0"),
-        (Verdict("", 3.0, 3, 3), "3", "3"),
-    ],
-)
-def test_numbers_with_their_ranges(made, measured, expected):
-    assert (made.measured, made.expected) == (measured, expected)
 
 
 def test_a_rise_and_a_fall_in_every_step():
@@ -96,25 +83,6 @@ def test_where_a_statement_fails_both_solvers_are_shown(monkeypatch):
     assert text.startswith("# Fig. 99: Two\n")
     assert "![Fig. 99](fig99.png)" in text
     assert one.report().count("\n- ") == 3
-
-
-def test_where_all_hold_one_solver_is_enough(monkeypatch):
-    asked: list[str] = []
-
-    def made_by(_: str, solver: str) -> tuple[Exhibit, ...]:
-        asked.append(solver)
-        return two(solver)
-
-    monkeypatch.setattr(judgement, "made_by", made_by)
-    (one,) = judged("fig99", ("fig99",), "thesis")
-    assert asked == ["thesis"]
-    assert one.others == ()
-    assert judged("fig99", (), "thesis") == []
-
-
-def test_verdicts_of_both_solvers_must_be_the_same_statements():
-    with pytest.raises(ValueError, match="shorter"):
-        Judged(two("accurate")[0], "accurate", two("thesis")[0].verdicts[:1]).lines()
 
 
 def test_the_exhibits_knows_its_figures():

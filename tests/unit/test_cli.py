@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import re
 import subprocess
 import sys
 import tomllib
@@ -275,35 +274,6 @@ def outside(tmp_path) -> Path:
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: spring-plugin\nVersion: 1\n")
     (info / "entry_points.txt").write_text(ENTRY_POINTS)
     return tmp_path
-
-
-@pytest.mark.slow
-def test_kinds_and_commands_of_plug_ins_are_there(outside):
-    path = {"PYTHONPATH": os.pathsep.join([str(outside), *sys.path])}
-    listed = run_apart("-m", "woundon", "--help", **path)
-    assert re.search(r"\n  greet +Greet\.", listed.stdout.decode())
-    assert listed.stderr.decode() == (
-        "warning: the plug-in broken cannot be loaded: No module named 'no_such_module'\n"
-    )
-    assert run_apart("-m", "woundon", "greet", **path).stdout == b"good day\n"
-    computed = run_apart("-m", "woundon", "describe", "spring", **path).stdout.decode().splitlines()
-    assert computed[0] == "A spring under a load."
-    assert " load  P  N/m  load on the spring, 1 to 9" in computed
-    assert [
-        line
-        for line in computed
-        if line.split() == ["give", "g", "m", "give", "of", "the", "spring"]
-    ]
-    assert " --softness    float  Compliance." in computed
-    assert not [line for line in computed if "--start" in line]
-    case, study = outside / "spring.toml", outside / "study.toml"
-    case.write_bytes(run_apart("-m", "woundon", "new", "spring", **path).stdout)
-    study.write_bytes(run_apart("-m", "woundon", "new", "spring", "--study", **path).stdout)
-    args = ["-m", "woundon", "sweep", str(study), "--out", str(outside / "out"), "--workers", "1"]
-    assert run_apart(*args, **path).stdout.startswith(b"5 cases in ")
-    args = ["-m", "woundon", "solve", str(case), "--set", "load=3", "--softness", "2", "--json"]
-    record = json.loads(run_apart(*args, **path).stdout)
-    assert (record["kind"], record["fields"]["give"]) == ("spring", 6.0)
 
 
 def run_apart(*args: str, **environment: str) -> subprocess.CompletedProcess[bytes]:

@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hardening_cases import E_T, NEWSPRINT, NU, constant_rings, law_of, linear, nip, roll
-from thesis_cases import newsprint_nip
+from hardening_cases import constant_rings, law_of, linear, nip, roll
 
 import woundon as wo
 from woundon.contact.newton import SemismoothNewton
@@ -229,53 +228,3 @@ def test_a_ring_without_equilibrium_is_reported(monkeypatch: pytest.MonkeyPatch)
 
 def solve(problem: Any, nodes: int) -> Refinement:
     return refine(lambda size: NipSystem(problem, size), nodes=nodes)
-
-
-def test_a_nip_of_a_roll_that_does_not_harden_is_the_linear_nip() -> None:
-    hard = roll()
-    body = hard.replace(stack=hard.stack.replace(radial=27e6))
-    found, wanted = (solve(nip(one), 23).last.outputs for one in (body, linear(body, 0.0)))
-    for name, value in wanted.items():
-        assert found[name] == pytest.approx(value, rel=1e-7), name
-
-
-def test_a_constant_law_of_the_web_is_the_orthotropic_web() -> None:
-    """The compression F(p) of the web is c22 p; its other compliances do not depend on p."""
-    problem = newsprint_nip()
-    E_r = NEWSPRINT.radial - NEWSPRINT.cross**2 / NEWSPRINT.tangential
-    stack = wo.Stack(radial=E_r, tangential=E_T, poissons_ratio=NU, shear=10e6)
-    other = problem.replace(**{"web.material": stack})
-    found, wanted = (solve(one.replace(roll_wrap=pi), 23).last.outputs for one in (other, problem))
-    for name, value in wanted.items():
-        assert found[name] == pytest.approx(value, rel=1e-9), name
-
-
-@pytest.mark.parametrize("wraps", [None, {"roll_wrap": pi / 2}], ids=["plain", "wrapped"])
-def test_a_web_that_hardens_lengthens_the_nip(wraps: Any) -> None:
-    """It is soft at the contact edges; the solver needs no more iterations."""
-    problem: Any = nip(roll())
-    problem = problem if wraps is None else problem.replace(**wraps)
-    hardening = solve(problem.replace(**{"web.material": roll().stack}), 23)
-    wanted = solve(problem, 23).last.outputs
-    assert 1.01 < hardening.last.outputs["half_width"] / wanted["half_width"] < 1.2
-    assert hardening.iterations <= 24
-
-
-def test_a_web_that_hardens_between_hard_bodies_is_compressed_point_by_point() -> None:
-    """Closed form: 2h F(p) = (a^2 - x^2)/(2 R*), p = K1 (exp(K2 (a^2 - x^2)/(4h R*)) - 1)."""
-    K1, K2, h2 = 20e3, 30.0, 2e-3
-    soft = wo.Stack(radial=wo.Pfeiffer(K1=K1, K2=K2), tangential=3e9, poissons_ratio=0, shear=1e7)
-    hard = wo.Isotropic(youngs_modulus=1e13, poissons_ratio=0.0)
-    problem = newsprint_nip(
-        web=wo.Web(thickness=h2, material=soft), roll=wo.HalfPlane(radius=0.1, material=hard),
-        web_tension=0.0,
-    )  # fmt: skip
-    bed, errors = 2 * h2 * problem.contact_radius, []
-    for nodes in (33, 65):
-        state = solve(problem, nodes).last.state
-        mesh, a = state.fields.geometry.mesh, state.fields.geometry.a
-        exact = K1 * np.expm1(K2 * a**2 * (1 - mesh.nodes**2) / bed)
-        assert exact.max() > 10 * K1
-        errors.append(deviation(state.fields.p_drum, exact))
-    assert errors[1] < 1.5e-3
-    assert errors[0] > 3 * errors[1]  # order 2

@@ -6,12 +6,10 @@ of the cells, at the edge like the cells; the constants are measured and rounded
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from slow_cases import slow_case
 
 import woundon as wo
 from woundon import theories
@@ -75,20 +73,6 @@ def test_a_layer_without_friction_is_the_limit_of_little() -> None:
     # other nodes: those of little friction are fitted to its zones
     assert none.half_width == pytest.approx(little.half_width, rel=1e-4)
     assert none.peak_pressure == pytest.approx(little.peak_pressure, rel=1e-3)
-
-
-@pytest.mark.parametrize(
-    "way", ["rolling", "static", slow_case("no load along"), slow_case("creepage")]
-)
-def test_it_is_reported_drawn_kept_and_certified_again(way: str, tmp_path: Path) -> None:
-    result = wo.solve(pair(SOFTER, **WAYS[way]))
-    text = str(result)
-    assert "Hertz" in text
-    assert "all 1" in text
-    assert result.certified().largest <= 1e-8
-    result.save(tmp_path / "pair.nc")
-    assert wo.load_result(tmp_path / "pair.nc") == result
-    result.plot(tmp_path / "pair.png")
 
 
 def test_without_friction_there_is_no_tangential_load() -> None:

@@ -113,26 +113,6 @@ def test_complete_rolls_that_grow_alike(K2):
         assert tension == pytest.approx(closed, rel=0.02)
 
 
-@pytest.mark.parametrize(
-    ("changes", "field"),
-    [
-        ({"excess": 0.2}, "excess"), ({"tension": -1.0}, "tension"),
-        ({"thickness": 0}, "thickness"), ({"K2": None}, "K2"),
-        ({"stack": wo.RollProblem.example().stack}, "K1"),
-    ],
-)  # fmt: skip
-def test_values_out_of_range_are_rejected(changes, field):
-    with pytest.raises(wo.InvalidProblem, match=f"^{field}: "):
-        gauge_band(**PET | {"excess": 0.01} | changes)
-
-
-def test_a_law_that_ends_is_rejected():
-    test = wo.StackTest(strain=(0.0, 0.01, 0.02, 0.03), pressure=(0.0, 20e3, 60e3, 150e3))
-    stack = wo.Stack(radial=test, tangential=3.38e9, poissons_ratio=0.01, shear=10e6)
-    with pytest.raises(wo.InvalidProblem, match="the law ends at"):
-        gauge_band(stack=stack, thickness=66e-6, tension=800.0, excess=0.01)
-
-
 # ---- rolls and windings --------------------------------------------------------------------------
 
 

@@ -7,7 +7,6 @@ potential, whose derivatives tests/unit/test_stack.py takes.
 from __future__ import annotations
 
 from math import pi
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,8 +16,6 @@ from hardening_cases import E_T, NEWSPRINT, NU, nip, roll
 from slow_cases import slow_case
 
 import woundon as wo
-
-Array = np.ndarray
 
 LINEAR = wo.NipProblem.example().replace(roll_wrap=0.0)
 # 1/c22 of newsprint
@@ -167,65 +164,6 @@ def test_sensitivities_are_the_derivatives() -> None:
         for output in ("nip_induced_tension", "half_width", "drum_creepage"):
             difference = (getattr(more, output) - getattr(less, output)) / (2e-3 * names[name])
             assert derivatives.derivative(output, name) == pytest.approx(difference, rel=1e-3)
-
-
-CASE = """
-schema = 1
-nip_load = "3.5 kN/m"
-web_tension = "350 N/m"
-roll_friction = 0.19
-drum_friction = 0.2
-roll_wrap = 0
-
-[web]
-thickness = "66 um"
-
-[web.material]
-radial = { K1 = "10 kPa", K2 = 127.0 }
-tangential = "3.38 GPa"
-poissons_ratio = 0.185
-shear = "10 MPa"
-
-[roll]
-radius = "100 mm"
-core_radius = "44.5 mm"
-material = "newsprint"
-
-[drum]
-radius = "76.2 mm"
-"""
-
-
-def test_case_file_result_file_and_sweep(tmp_path: Path) -> None:
-    path = tmp_path / "case.toml"
-    path.write_text(CASE, "utf-8")
-    problem: Any = wo.load_case(path)
-    assert problem.web.material.radial == wo.Pfeiffer(K1=10e3, K2=127.0)
-    result = wo.solve(problem, nodes=17)
-    result.save(tmp_path / "nip.nc")
-    again: Any = wo.load_result(tmp_path / "nip.nc")
-    assert again.problem == problem
-    assert again.certified().largest <= 1e-8
-    table = wo.sweep(
-        problem, over={"web.material.radial.K1": [10e3, 30e3, 100e3]},
-        outputs=["nip_induced_tension"], nodes=17,
-    )  # fmt: skip
-    assert np.all(np.diff(np.asarray(table["nip_induced_tension"])) < 0)
-    warm = wo.solve(problem.replace(**{"web.material.radial.K2": 130.0}), nodes=17, start=result)
-    assert warm.residuals.largest <= 1e-8
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("wrapped", [False, slow_case(True)])
-def test_the_report_says_whether_it_hardens(wrapped: bool) -> None:
-    def computed(problem: Any) -> str:
-        around = problem.replace(**WRAPS["wrapped" if wrapped else "plain"])
-        return str(coarse_solution(around, 17))
-
-    assert "the roll does not harden, the web hardens" in computed(hardened(LINEAR))
-    assert "the roll hardens, the web does not harden" in computed(nip(roll()))
-    assert "the roll hardens, the web hardens" in computed(hardened(nip(roll())))
-    assert "harden" not in computed(LINEAR)
 
 
 # ---- refusals -----------------------------------------------------------------------------------

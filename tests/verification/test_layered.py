@@ -17,7 +17,6 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.polynomial import legendre
-from rejections import assert_rejected
 from scipy.linalg import lu_factor, lu_solve
 
 import woundon as wo
@@ -320,21 +319,6 @@ def test_sensitivities_reach_into_every_layer() -> None:
         assert found == pytest.approx(by_differences, rel=1e-4, abs=left), name
 
 
-def test_a_layer_is_swept_and_fitted() -> None:
-    name = "drum.layers.0.thickness"
-    table = wo.sweep(THREE, over={name: [0.01, 0.015]}, outputs=["half_width"], nodes=33)
-    widths = np.asarray(table["half_width"])
-    assert widths[1] > widths[0]
-    measured = {"nip_load": [3000.0, 3502.0], "half_width": [0.0, widths[1]]}
-    measured["half_width"][0] = wo.solve(
-        THREE.replace(nip_load=3000.0, **{name: 0.015}), nodes=33
-    ).half_width
-    fitted = wo.fit(
-        THREE, measured, {name: (5e-3, 30e-3)}, starts=1, profiles=False, nodes=33
-    )  # fmt: skip
-    assert fitted.estimates[0] == pytest.approx(0.015, rel=1e-4)
-
-
 def test_five_hundred_different_layers() -> None:
     felt = wo.Orthotropic(radial=5e6, tangential=50e6, cross=1e6, shear=3e6)
     plies = [(4e-5 * (1 + k % 3), (RUBBER, felt)[k % 2]) for k in range(499)]
@@ -399,33 +383,3 @@ def test_a_load_that_flattens_a_tube_is_rejected() -> None:
     pair = wo.RollerProblem(upper=wo.Rigid(radius=0.1), lower=tube, load=5 * borne, friction=0.2)
     with pytest.raises(wo.InvalidProblem, match=r"load: .* the lower is a tube"):
         wo.solve(pair)
-
-
-@pytest.mark.parametrize(
-    ("make", "message"),
-    [
-        (
-            lambda: drum((0.2, RUBBER), (0.05, RUBBER)),
-            "layers: a total thickness of 0.25 is out of range; must be >= radius / 2000 = 0.00012"
-            " and < radius = 0.24 [m]",
-        ),
-        (lambda: drum((1e-6, RUBBER)), "layers: a total thickness of 1e-06 is out of range; must"),
-        (lambda: drum(), "layers: 0 values; must be at least 1"),
-        (lambda: drum((0.01, RUBBER), core="open"), "core: 'open' is unknown; must be 'rigid' or"),
-        (
-            lambda: THREE.replace(**{"drum.layers.1.thickness": -1e-3}),
-            "drum.layers.1.thickness: -0.001 is out of range; must be >= 1e-09 and <= 50 [m]",
-        ),
-        (
-            lambda: THREE.replace(**{"drum.layers.3.thickness": 1e-3}),
-            "drum.layers.3.thickness: layers has no item '3'; known: 0 to 2",
-        ),
-        (
-            lambda: wo.Layered(radius=0.2, layers=[{"thickness": 0.01, "material": "steal"}]),
-            "layers.0.material: 'steal' is not a named material; did you mean 'steel'?",
-        ),
-        (lambda: wo.Layered(radius=0.2, layers="thick"), "layers: 'thick' is not a list"),
-    ],
-)  # fmt: skip
-def test_rejected_with_one_line(make: Any, message: str) -> None:
-    assert_rejected(make, message)

@@ -18,7 +18,6 @@ from viscoelastic_cases import cover as covered_drum
 from viscoelastic_cases import rubber
 
 import woundon as wo
-from woundon.nip.equations import NipEquations
 from woundon.nip.rollers import RollerEquations
 
 Array = np.ndarray
@@ -38,7 +37,6 @@ NIPS: dict[str, Any] = {
     "hardening": hardening_nip(hardening_roll()),
     "hardening, wrapped": hardening_nip(hardening_roll()).replace(roll_wrap=pi / 2),
 }
-STEEL = wo.material("steel")
 ROLLERS: dict[str, Any] = {
     "rolling, load": {"tangential_load": 500.0},
     "rolling, creepage": {"creepage": 5e-4},
@@ -143,14 +141,6 @@ def test_few_iterations_are_needed(name: str) -> None:
     assert max(others) <= 10
 
 
-def test_the_readme_nip_needs_few_iterations() -> None:
-    first, *others = iterations(solve(README))
-    assert first <= 12
-    # the last mesh is iterated to the final tolerance
-    assert max(others[:-1]) <= 6
-    assert others[-1] <= 8
-
-
 def test_random_nips_need_few_iterations() -> None:
     counts = [iterations(solve(random_nip(seed), nodes=65)) for seed in range(200, 220)]
     first, others = [c[0] for c in counts], [n for c in counts for n in c[1:]]
@@ -182,13 +172,6 @@ def test_cold_start_and_warm_start_agree_on_the_same_mesh(name: str) -> None:
     np.testing.assert_array_equal(warm.drum_zone, cold.drum_zone)
     # the error estimate of the last meshes belongs to the problem, not to the start
     assert warm.errors["half_width"] == pytest.approx(cold.errors["half_width"], rel=0.05)
-
-
-def test_a_sweep_returns_the_values_of_single_solutions() -> None:
-    loads = [2000.0, 2500.0, 3000.0, 3500.0]
-    table = wo.sweep(README, over={"nip_load": loads}, outputs=["wound_on_tension"], nodes=41)
-    single = [solve(README.replace(nip_load=P), nodes=41).wound_on_tension for P in loads]
-    np.testing.assert_allclose(np.asarray(table["wound_on_tension"]), single, rtol=1e-7)
 
 
 # ---- order and error estimates ------------------------------------------------------------------
@@ -259,15 +242,6 @@ def test_error_estimates_of_coarse_meshes_hold(nodes: int) -> None:
     for name in ("nip_induced_tension", "half_width"):
         miss = abs(getattr(result, name) - getattr(fine, name))
         assert miss <= 1.5 * result.errors[name]
-
-
-def test_equations_of_a_loaded_result_are_satisfied(tmp_path: Any) -> None:
-    result = solve(README, nodes=33)
-    result.save(tmp_path / "nip.nc")
-    again: Any = wo.load_result(tmp_path / "nip.nc")
-    assert again.certified().largest <= 1e-8
-    equations = NipEquations(again.problem, again.nodes)
-    assert equations.layout.end + 1 == again.x.size
 
 
 def test_a_soft_cover_on_a_rigid_roll() -> None:

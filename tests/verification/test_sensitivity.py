@@ -12,11 +12,6 @@ from thesis_cases import newsprint_nip, paper_nip
 
 import woundon as wo
 
-MAIN = (
-    "wound_on_tension", "nip_induced_tension", "outlet_tension", "half_width", "nip_width",
-    "drum_creepage",
-)  # fmt: skip
-
 
 def differences(problem: Any, nodes: int, step: float, names: tuple[str, ...]) -> tuple[Any, ...]:
     """Return sensitivities, central differences, and which fields keep all zones.
@@ -69,54 +64,12 @@ def test_derivatives_are_those_of_the_solved_equations(seed: int, wrapped: bool)
     assert miss[:, kept].max() < 1e-3
 
 
-def test_derivatives_are_the_same_of_a_file(tmp_path: Any) -> None:
-    result = wo.solve(newsprint_nip(), nodes=65)
-    result.save(tmp_path / "nip.nc")
-    again = wo.load_result(tmp_path / "nip.nc").sensitivity("nip_load")
-    assert again.derivatives == pytest.approx(result.sensitivity("nip_load").derivatives, rel=1e-7)
-
-
 def test_error_estimates_of_derivatives_hold() -> None:
     problem = newsprint_nip(winding_force=-100.0)
     names = ("nip_load", "roll_friction", "web.thickness", "roll.material.shear")
     coarse, fine = (wo.solve(problem, nodes=n).sensitivity(*names) for n in (65, 513))
     miss = np.abs(coarse.derivatives - fine.derivatives)
     assert np.all(miss <= 4 * (coarse.errors + fine.errors) + 1e-9 * np.abs(fine.derivatives))
-
-
-def test_only_the_named_fields_are_answered_in_their_order() -> None:
-    result = wo.solve(newsprint_nip(), nodes=33)
-    some = result.sensitivity("nip_load", "roll.material.shear")
-    every = result.sensitivity()
-    assert some.parameters == ("nip_load", "roll.material.shear")
-    for name in some.parameters:
-        for output in some.outputs:
-            known = every.derivative(output, name)  # but for rounding
-            assert some.derivative(output, name) == pytest.approx(known, rel=1e-10, abs=0)
-    with pytest.raises(wo.InvalidProblem, match=r"did you mean 'roll\.material\.shear'"):
-        result.sensitivity("roll.material.sheer")
-
-
-def test_only_the_named_outputs_are_answered_in_their_order() -> None:
-    result = wo.solve(newsprint_nip(), nodes=33)
-    every, outputs = result.sensitivity("nip_load", "roll.radius"), ("peak_pressure", "half_width")
-    some = result.sensitivity("nip_load", "roll.radius", outputs=outputs)
-    assert some.outputs == outputs
-    assert some.values.tolist() == [result.peak_pressure, result.half_width]
-    at = every.outputs.index("half_width")
-    np.testing.assert_allclose(some.derivatives[1], every.derivatives[at], rtol=1e-10)
-    one = result.sensitivity("nip_load", "roll.radius", outputs="peak_pressure")
-    np.testing.assert_allclose(one.derivatives[0], some.derivatives[0], rtol=1e-10)
-
-
-@pytest.mark.parametrize("wrapped", [False, True])
-def test_an_output_without_derivative_is_rejected_by_name(wrapped: bool) -> None:
-    problem = newsprint_nip().replace(roll_wrap=np.pi) if wrapped else newsprint_nip()
-    result = wo.solve(problem, nodes=33)
-    with pytest.raises(wo.InvalidProblem, match=r"'half_widht'.*did you mean 'half_width'\?"):
-        result.sensitivity(outputs=("half_widht",))
-    # of the names of the default, those that the problem has
-    assert set(result.sensitivity("nip_load").outputs) <= set(MAIN)
 
 
 @pytest.mark.parametrize("problem", [newsprint_nip(winding_force=-100.0), random_nip(0)])

@@ -56,32 +56,6 @@ def test_forward_then_inverse_finds_the_tension_again(schedule: Any):
     assert design.outer_layer == 0.0
 
 
-def stiff_core() -> wo.RollProblem:
-    return ROLL.replace(**{"core.stiffness": 1e11})
-
-
-@pytest.mark.parametrize(
-    ("make", "message"),
-    [
-        (lambda: wo.design_tension(ROLL, -5.0), "pressure: -5 is out of range; must be > 0"),
-        (lambda: wo.design_tension(ROLL, float("nan")), "pressure: nan is out of range; must"),
-        (lambda: wo.design_tension(ROLL, "hard"), "pressure: 'hard' is not a number with a unit"),
-        (lambda: wo.design_tension(ROLL, wo.Profile(radius=[0.05, R], value=[2e5, 2e5])),
-         "pressure.radius.0: 0.05 is out of range; must be core.radius = 0.0445 [m]"),
-        (lambda: wo.design_tension(ROLL, wo.Profile(radius=[CORE, 0.2], value=[2e5, 2e5])),
-         "pressure.radius.1: 0.2 is out of range; must be radius = 0.15 [m]"),
-        # more than the laps outside can hold: the pressure would have to rise outward
-        (lambda: wo.design_tension(stiff_core(), wo.Profile(radius=[CORE, R], value=[1e3, 4e5])),
-         "pressure: needs a tension of -"),
-        (lambda: wo.design_tension(ROLL, 2e5, rtol=1.0), "rtol: 1 is out of range"),
-        (lambda: wo.design_tension(ROLL.replace(core_shrinkage=1e-4), 2e5),
-         "problem: changes after winding"),
-    ],
-)  # fmt: skip
-def test_rejected_with_one_line(make: Any, message: str):
-    assert_rejected(make, message)
-
-
 def test_a_smooth_schedule_is_wound_like_the_curve_it_stands_for():
     """Of eight values of a taper, a spline makes that taper; the two rolls are one."""
     taper = ROLL.replace(wound_on_tension=wo.Taper(start=350.0, taper=0.3))

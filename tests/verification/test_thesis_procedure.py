@@ -14,7 +14,6 @@ import woundon as wo
 from woundon.jorkama2001 import procedure
 from woundon.jorkama2001.estimate import rig_tension, wound_on_tension_estimate
 from woundon.jorkama2001.influence import coefficients, half_plane_constants, surface_strain
-from woundon.jorkama2001.procedure import ProcedureResult
 
 PAPER = wo.material("paper")
 PROBLEM = paper_nip(roll=wo.HalfPlane(radius=0.3, material=PAPER))
@@ -286,17 +285,3 @@ def test_tension_far_downstream(problem: wo.NipProblem) -> None:
 def test_invalid_input_is_rejected(changes: dict, options: dict, names: str) -> None:
     with pytest.raises(wo.InvalidProblem, match=names):
         procedure.solve(paper_nip(**changes), **options)
-
-
-def test_wrapped_nip_is_rejected() -> None:
-    with pytest.raises(wo.InvalidProblem, match=r"roll_wrap: 3\.14159 is not possible"):
-        procedure.solve(PROBLEM.replace(roll_wrap=np.pi))
-
-
-def test_result_is_immutable() -> None:
-    result = procedure.solve(PROBLEM, 30)
-    assert isinstance(result, ProcedureResult)
-    with pytest.raises(AttributeError):
-        result.half_width = 1.0
-    with pytest.raises(ValueError, match="read-only"):
-        result.drum_pressure[0] = 1.0

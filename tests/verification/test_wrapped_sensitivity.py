@@ -12,9 +12,6 @@ from random_nips import random_nip
 from slow_cases import slow_case
 
 import woundon as wo
-from woundon.studies.kind_model import model_of
-from woundon.studies.measured import Measured
-from woundon.studies.predict import Parameter, Predictor
 
 COVER = wo.Cylinder(radius=0.0762, core_radius=0.06, material=wo.material("soft-cover"))
 PAPER: Any = wo.NipProblem.example().replace(roll_wrap=0.0)
@@ -125,37 +122,3 @@ def test_a_wrap_that_is_not_there_has_no_derivative() -> None:
 
 
 # ---- fits ---------------------------------------------------------------------------------------
-
-
-LOADS = [1000.0, 4000.0]
-HARDENING: Any = nip(roll()).replace(roll_wrap=pi / 2)
-
-
-@pytest.mark.slow
-def test_fits_take_them_with_what_is_tied() -> None:
-    loads = np.array(LOADS[:1])
-    measured = Measured({"nip_load": loads}, {"wound_on_tension": np.zeros(1)}, {})
-    tie = {"roll.pressure": "roll.stack.radial.K1"}
-    model = model_of(HARDENING, ("wound_on_tension",), tie, {"nodes": 17})
-    parameters = (
-        Parameter("roll.stack.radial.K1", 1e3, 1e6, 5e4),
-        Parameter("roll.stack.radial.K2", 10.0, 1000.0, 127.0),
-    )
-    predictor = Predictor(model, measured, parameters)
-    u = np.log([4e4, 120.0])
-    exact, solves = predictor.jacobian(u), predictor.solves
-    assert solves == len(loads)  # nothing is solved for the derivatives
-    # central differences over 2 parts in 1000, and a tangent that may be one in 10 000 old
-    assert exact == pytest.approx(predictor.differences(u), rel=1e-3)
-
-
-@pytest.mark.slow
-def test_a_known_parameter_of_a_hardening_roll_is_recovered() -> None:
-    name, value = "roll.stack.radial.K2", 110.0
-    true = HARDENING.replace(**{name: value})
-    computed = [wo.solve(true.replace(nip_load=P), nodes=17).wound_on_tension for P in LOADS]
-    data = {"nip_load": LOADS, "wound_on_tension": computed}
-    found = wo.fit(HARDENING, data, {name: (20.0, 500.0)}, nodes=17, starts=1, profiles=False)
-    # the outputs are met to the solver's tolerance, 1e-8
-    assert found.rms < 1e-4
-    assert found.estimate(name) == pytest.approx(value, rel=1e-6)
