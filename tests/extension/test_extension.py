@@ -233,7 +233,7 @@ result.save("nip.json")
 
 
 def test_a_kind_has_all_that_woundons_have(case: Path, run) -> None:
-    assert "\nwrap = " in run_python("-m", "woundon", "new", "capstan", cwd=case)
+    assert "\nwrap  " in run_python("-m", "woundon", "new", "capstan", cwd=case)
     help_text = run("describe", "capstan")
     for word in ("web_tension", "angle of wrap", "tension_behind_bar", "--nodes"):
         assert word in help_text
