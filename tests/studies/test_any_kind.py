@@ -96,26 +96,6 @@ def test_rollers_are_fitted_to_a_curve_of_creepage():
     assert fit.estimate("friction") == pytest.approx(0.5, rel=1e-5)
 
 
-@pytest.mark.parametrize(
-    ("over", "outputs", "options", "says"),
-    [
-        ({"drum.material.shear": [1e6]}, None, {}, "no such field in Rigid, but in HalfPlane and"),
-        ({"web.thickness.x": [1e-5]}, None, {}, "no such field; nothing is below 6.6e-05"),
-        ({"nip_load": [1e3]}, None, {"roll_wrap": 1.0}, r"use problem.replace\(roll_wrap=...\)"),
-        ({"nip_load": [1e3]}, None, {"start": 1}, "start: no such option; known: nodes, "),
-        ({"nip_load": [1e3]}, None, {"pivots": 5}, "pivots: no such option"),
-        ({"nip_load": [1e3]}, "pressure", {}, "pressure: not a scalar output; did you mean"),
-        ({"nip_load": [1e3]}, "errors.with", {}, "errors.with: not a scalar output"),
-        ({"P": [1e3]}, None, {}, "P: no such field; did you mean 'nip_load'"),
-        ({"wrap.roll_wrap": [1.0]}, None, {}, "did you mean 'roll_wrap'"),
-    ],
-)  # fmt: skip
-def test_bad_studies_of_a_wrapped_nip_are_rejected(over, outputs, options, says):
-    wrapped = paper_nip().replace(roll_wrap=pi)
-    with pytest.raises(wo.InvalidProblem, match=says):
-        wo.sweep(wrapped, over, outputs, options=options)
-
-
 def test_a_field_may_come_with_a_body_that_is_varied():
     drums = [wo.HalfPlane(radius=0.5, material=name) for name in ("rubber", "steel")]
     over = {"drum": drums, "drum.radius": [0.4], "drum.material": ["rubber"]}

@@ -129,23 +129,6 @@ def test_a_pull_tab_is_calibrated_by_a_line_or_by_friction_and_area():
     assert wo.PullTab(friction=0.25, area=1e-3, faces=1).pressure(50.0) == strip.pressure(100.0)
 
 
-@pytest.mark.parametrize(
-    ("given", "text"),
-    [
-        ({}, "nothing given; must be slope, or friction and area"),
-        ({"slope": 1.0, "area": 1.0}, "slope, area given"),
-        ({"friction": 0.2}, "must be slope, or friction and area"),
-        ({"slope": -1.0}, "tab.slope: -1 is out of range; must be > 0"),
-        ({"slope": "1 m"}, "wrong dimension"),
-        ({"slope": 1.0, "deviation": 1.5}, "must be >= 0 and < 1"),
-        ({"slope": 1.0, "faces": 3}, "tab.faces: 3 is out of range"),
-    ],
-)
-def test_a_tab_without_a_calibration_is_rejected(given, text):
-    with pytest.raises(wo.InvalidProblem, match=text):
-        wo.PullTab(**given)
-
-
 def test_pressures_of_pull_tabs_are_compared_at_their_radii(roll):
     radius = np.array([0.06, 0.08, 0.1, 0.12, 0.14])
     true = np.asarray(roll.at_radius(radius)["pressure"])
@@ -244,32 +227,6 @@ def test_a_constant_ratio_of_pressures_points_to_the_calibration(roll):
 
 
 # ---- input and output ---------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("problem", "table", "more", "text"),
-    [
-        (NIP, {"nip_load": [1.0]}, {}, "has no column that is an output"),
-        (NIP, {"nip_lode": [1.0], "nip_width": [1.0]}, {}, "did you mean 'nip_load'"),
-        (NIP, {"nip_width": [None]}, {}, "has no measured value"),
-        (NIP, {"nip_width": [1.0], "measured_radius": [1.0]}, {}, "no field or output"),
-        (NIP, {"nip_width": [1.0]}, {"spread": {"drum": 1.0}}, "spread: drum: .* is not a number"),
-        (NIP, {"nip_width": [1.0]}, {"spread": {"nip_load": 0.0}}, "must be a standard deviation"),
-        (
-            NIP,
-            {"nip_width": [1.0], "nip_load": [1.0]},
-            {"spread": {"nip_load": 1.0}},
-            "measured in",
-        ),
-        (ROLL, {"pressure": [1.0]}, {}, "row 1: pressure needs a column measured_radius or"),
-        (ROLL, {"diameter": [0.2]}, {}, "has no measured value"),
-        (ROLL, {"diameter": [0.2], "measured_radius": [0.1], "pressure": [1.0]}, {}, "one of them"),
-        (ROLL, {"diameter": [0.2], "pull_tab_force": [1.0]}, {}, "needs the calibration"),
-    ],
-)
-def test_invalid_tables_are_rejected(problem, table, more, text):
-    with pytest.raises(wo.InvalidProblem, match=text):
-        wo.compare(problem, table, **more)
 
 
 def test_the_command(tmp_path: Path, capsys, monkeypatch):

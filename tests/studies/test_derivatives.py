@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from rejections import assert_rejected
 from thesis_cases import film_nip
 
 import woundon as wo
@@ -76,38 +75,3 @@ def test_exact_ones_are_the_results_own() -> None:
     fine = -0.5282
     slopes = [d.derivative("nip_induced_tension", "web_speed") for d in (exact, near)]
     assert slopes == [pytest.approx(fine, rel=0.12)] * 2
-
-
-@pytest.mark.parametrize(
-    ("names", "said"),
-    [
-        ((), "parameters: missing; must be names of fields"),
-        (("drum.material.elasticity",), "drum.material.elasticity: is not a continuous field"),
-        (("web.material",), "web.material: is not a continuous field"),
-    ],
-)
-def test_what_is_rejected(names: tuple[str, ...], said: str) -> None:
-    """By differences, which options of the solver ask for."""
-    result = wo.solve(film_nip(), nodes=17)
-    assert_rejected(lambda: wo.derivatives(result, *names, nodes=17), said)
-
-
-@pytest.mark.parametrize("given", [3, None, "result.nc"])
-def test_what_is_no_result_is_rejected(given: object) -> None:
-    with pytest.raises(wo.InvalidProblem, match=r"^result: .* is out of place; must be a Result"):
-        wo.derivatives(given, "nip_load")
-
-
-def test_derivatives_of_any_kind_are_reported_by_the_symbols_of_their_outputs(
-    rollers: wo.RollerResult,
-) -> None:
-    slopes = wo.derivatives(rollers, "speed")
-    head, row = (line.split() for line in str(slopes).splitlines()[1:3])
-    assert head[:2] == ["value", "[SI]"]
-    assert {"Q", "xi", "F_R"} <= set(head)
-    assert row[0] == "speed"
-    shown = [k for k, name in enumerate(slopes.outputs) if name != "half_width"]
-    # four decimals
-    assert [float(x) for x in row[2:]] == pytest.approx(slopes.elasticities[shown, 0], abs=6e-5)
-    air = wo.derivatives(wo.solve(film_nip(), nodes=17), "nip_load")
-    assert str(air).splitlines()[1].split()[:4] == ["value", "[SI]", "WOT", "NIT"]

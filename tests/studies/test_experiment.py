@@ -300,37 +300,3 @@ def test_the_command_prints_draws_and_saves(tmp_path: Path, capsys: pytest.Captu
     path.write_text(study.replace("quantity", "quantitty", 1), encoding="utf-8")
     assert cli.main(["plan", str(path)]) == 2
     assert "candidate.0.quantitty: no such field; did you mean" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
-    ("make", "says"),
-    [
-        (lambda: pull(10.0, cost=0.0), "cost: 0.* must be > 0"),
-        (lambda: wo.Measurement("end", {}), "standard_deviation: missing"),
-        (lambda: wo.Measurement("end", {"force": [1.0], "origin": [1.0, 2.0]}, 1.0), "same number"),
-        (lambda: plan_of({"force": 0.1}, pull(1.0)), "cannot be part of a state"),
-        (lambda: plan_of({}, pull(1.0)), "unknown: missing"),
-        (lambda: plan_of({K0: 0.0}, pull(1.0)), "prior|standard deviation > 0"),
-        (lambda: plan_of({"origin": 0.1}, pull(1.0)), "not a number > 0"),
-        (lambda: plan_of({K0: 0.1}, wo.Measurement("extent", {}, 1.0)), "did you mean 'extension'"),
-        (lambda: plan_of({K0: 0.1}, pull(1.0), criterion="B"), "criterion: 'B' is unknown"),
-        (lambda: plan_of({K0: 0.1}), "candidates: missing"),
-        (lambda: wo.next_experiment(row(*K), {K0: 0.1}, pull(1.0)), "must be a list or tuple"),
-        (
-            lambda: plan_of({K0: 0.1}, wo.Measurement("end", {}, 1.0, fields={K0: K0})),
-            "needs problem",
-        ),
-        (
-            lambda: plan_of({K0: 0.1}, wo.Measurement("end", {}, 1.0, problem=row(1.0),
-                                                      fields={K0: K1})),
-            "is not unknown",
-        ),
-    ],
-)  # fmt: skip
-def test_bad_plans_are_rejected(make, says):
-    with pytest.raises(wo.InvalidProblem, match=says):
-        make()
-
-
-def plan_of(unknown, *candidates, **more):
-    return wo.next_experiment(row(*K), unknown, candidates, **more)

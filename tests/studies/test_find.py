@@ -202,29 +202,6 @@ def test_a_scan_without_any_solution_says_why(curves):
 # ---- input --------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("name", "options", "text"),
-    [
-        ("nip_lode", {"wound_on_tension": 1.0}, "did you mean 'nip_load'"),
-        ("drum", {"wound_on_tension": 1.0}, "is not a number, so it cannot be found"),
-        ("nip_load", {"wound_on_tenson": 1.0}, "did you mean 'wound_on_tension'"),
-        ("nip_load", {}, "none given; must be one output"),
-        ("nip_load", {"wound_on_tension": 1.0, "half_width": 1.0}, "must be one output"),
-        ("nip_load", {"wound_on_tension": "3 mm"}, "wrong dimension"),
-        ("nip_load", {"wound_on_tension": 1.0, "between": (5, 1)}, "must be low < high"),
-        ("nip_load", {"wound_on_tension": 1.0, "between": 5}, r"write \(low, high\)"),
-        ("nip_load", {"wound_on_tension": 1.0, "between": (-5, 1)}, "nip_load: -5 is out of range"),
-        ("nip_load", {"wound_on_tension": 1.0, "points": 2}, "points: 2 is out of range"),
-        ("nip_load", {"wound_on_tension": 1.0, "nodes": 3}, "nodes: 3 is out of range"),
-        ("wrap_friction", {"wound_on_tension": 1.0, "between": ("1 m", 2)}, "wrong dimension"),
-    ],
-)
-def test_invalid_requests_are_rejected(name, options, text):
-    with pytest.raises(wo.InvalidProblem, match=text) as caught:
-        wo.find(wo.NipProblem.example(), name, **options)
-    assert not isinstance(caught.value, wo.NoSolution)
-
-
 # ---- output -------------------------------------------------------------------------------------
 
 
@@ -257,9 +234,3 @@ def test_the_command_as_json_and_its_exit_status(tmp_path, capsys):
     assert main([*common, "load=1", "--target", "nip_width=1 mm"]) == 2
     assert main([*common, "load", "--target", "nip_width"]) == 2
     assert main([*common, "load", "--target", "nip_width=1 mm", "--case", "x.txt"]) == 2
-
-
-@pytest.mark.parametrize("target", [float("nan"), float("inf")])
-def test_a_target_that_is_not_finite_is_rejected_before_solving(target: float) -> None:
-    with pytest.raises(wo.InvalidProblem, match=r"half_width: the target .* is not a finite"):
-        wo.find(wo.RollerProblem.example(), "load", half_width=target)

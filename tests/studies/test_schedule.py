@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
-from rejections import assert_rejected
 
 import woundon as wo
 
@@ -140,29 +138,3 @@ def test_a_schedule_is_drawn_before_and_after(best: wo.OptimisedSchedule, tmp_pa
     assert [label.get_text() for label in bars.get_yticklabels()] == [
         margin.name for margin in best.margins_after if margin.checked
     ]
-
-
-@pytest.mark.parametrize(
-    ("given", "message"),
-    [
-        ({"over": {}}, "over: nothing to vary"),
-        ({"over": None}, "over: nothing to vary"),  # what is usual belongs to a winding
-        ({"over": {TAPER: (0.5, 0.1)}}, f"{TAPER}: (0.5, 0.1) is out of range; must be low < high"),
-        ({"over": {TAPER: 0.5}}, f"{TAPER}: 0.5 is out of place; must be (low, high)"),
-        ({"over": {"wound_on_tension.tapper": (0, 1)}}, "wound_on_tension.tapper: no such field"),
-        ({"over": {"core": (0, 1)}}, "core: "),
-        ({"limits": wo.Limits()}, "limits: none is given"),
-        ({"evaluations": 2}, "evaluations: 2 is out of range; must be >= 5"),
-        (
-            {"minimise": "mid_pressure", "maximise": "core_pressure"},
-            "maximise: is given together with",
-        ),
-        ({"minimise": "mid_presure"}, "mid_presure: not a scalar output; did you mean"),
-        ({"options": {"rtoll": 1}}, "rtoll: no such option"),
-    ],
-)
-def test_bad_input_is_rejected(
-    problem: wo.RollProblem, given: dict[str, Any], message: str
-) -> None:
-    options = {"over": OVER, "limits": LIMITS, **given}
-    assert_rejected(lambda: wo.optimise_schedule(problem, **options), message)

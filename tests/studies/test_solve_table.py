@@ -111,24 +111,6 @@ def test_the_numbers_do_not_depend_on_the_number_of_processes(workers):
     assert found[WOT][:6].tolist() == pytest.approx(single, rel=1e-8)
 
 
-@pytest.mark.parametrize(
-    ("table", "more", "text"),
-    [
-        ({"nip_lode": [1.0]}, {}, "did you mean 'nip_load'"),
-        ({"wound_on_tension": [1.0]}, {}, "has no column that is an input"),
-        ({"nip_load": [1.0]}, {"outputs": ["wot"]}, "not a scalar output"),
-        ({"nip_load": [1.0]}, {"kind": "nip"}, "kind: is given together with a case"),
-        ({"nip_load": [1.0]}, {"nodes": 3}, "nodes: 3 is out of range"),
-        ({"nip_load": [1.0], "Nr": [1]}, {"case": None}, "must be fields of one kind of problem"),
-        ({"nip_load": [1.0]}, {"case": None, "kind": "nap"}, "did you mean 'nip'"),
-        ("none.csv", {}, "cannot be read"),
-    ],
-)
-def test_a_table_that_is_no_table_of_cases_is_rejected(table, more, text):
-    with pytest.raises(wo.InvalidProblem, match=text):
-        solved(table, **more)
-
-
 # ---- the command --------------------------------------------------------------------------------
 
 

@@ -128,32 +128,6 @@ def test_drawn_designs_are_tables_of_cases():
     assert float(data.nip_induced_tension[3]) == pytest.approx(single, rel=SAME)
 
 
-@pytest.mark.parametrize(
-    ("over", "outputs", "options", "says"),
-    [
-        ({"nip_lode": [1.0]}, "half_width", {}, "nip_lode: no such field; did you mean 'nip_load'"),
-        ({"roll.material.sheer": [1.0]}, "half_width", {}, "did you mean 'shear'"),
-        ({"nip_load": [1e3]}, "half_with", {}, "half_with: not a scalar output; did you mean"),
-        ({"nip_load": [1e3]}, (), {}, "outputs: missing"),
-        ({"nip_load": [1e3]}, "half_width", {"options": {"node": 17}}, "node: no such option; d"),
-        ({"nip_load": [1e3]}, "half_width", {"nodes": 17, "options": {"nodes": 13}}, "given twice"),
-        ({"nip_load": [1e3]}, "half_width", {"nodes": 17, "rtol": 1e-3}, "together with rtol"),
-        ({"nip_load": ["1 kN"]}, "half_width", {}, "nip_load: '1 kN' is a force"),
-        ({"nip_load": ["1"]}, "half_width", {}, "nip_load: '1' has no unit; expected a value in"),
-        ({"nip_load": [1e3]}, "half_width", {"workers": 0}, "workers: 0 is out of range"),
-        (
-            {"nip_load": [1e3]}, "half_width", {"workers": 2, "scheduler": "tcp://127.0.0.1:1"},
-            "workers: cannot be combined with a scheduler",
-        ),
-        ({"nip_load": [1e3]}, "half_width", {"tie": {"web.materiel": "roll.material"}}, "materiel"),
-    ],
-)  # fmt: skip
-def test_bad_sweeps_are_rejected(over, outputs, options, says):
-    with pytest.raises(wo.InvalidProblem) as fault:
-        wo.sweep(paper_nip(), over, outputs, **options)
-    assert says in str(fault.value)
-
-
 def test_values_may_be_texts_with_units():
     over = {"nip_load": ["1 kN/m", 2000.0, "12 pli"], "web.thickness": ("60 um", "7e-5 m")}
     _, cases = study_of(paper_nip(), over)

@@ -6,19 +6,16 @@ import json
 import os
 import subprocess
 import sys
-import tomllib
 from pathlib import Path
 
 import pytest
 from slow_cases import slow_case
-from thesis_cases import newsprint_nip
 
 import woundon as wo
 from woundon import kinds
 from woundon.cli import commands as cli
-from woundon.io.case_files import apply_settings, make_problem, read_case, template
+from woundon.io.case_files import template
 from woundon.io.case_texts import to_toml
-from woundon.problems.materials import MATERIALS
 from woundon.studies.studyfile import load_study
 
 EXAMPLE = str(Path(__file__).parents[2] / "examples" / "newsprint_table2.toml")
@@ -27,13 +24,6 @@ QUICK = ["solve", EXAMPLE, *ALONE, "--nodes", "33"]
 WRAPPED = ["solve", EXAMPLE, "--nodes", "33"]
 
 Capture = pytest.CaptureFixture[str]
-
-
-@pytest.fixture
-def plain(tmp_path) -> str:
-    path = tmp_path / "plain.toml"
-    path.write_text(to_toml(newsprint_nip()), encoding="utf-8")
-    return str(path)
 
 
 def test_rolls_have_no_sensitivity(tmp_path, capsys: Capture):
@@ -98,18 +88,6 @@ def test_every_kind_has_a_study_that_runs_as_it_is(kind, tmp_path, capsys: Captu
     assert all((out / f"{output}.png").exists() for output in loaded.outputs)
 
 
-def test_materials_are_listed_as_a_case_file_takes_them(capsys: Capture):
-    assert cli.main(["materials"]) == 0
-    said = capsys.readouterr().out
-    for name, (_, source, _) in MATERIALS.items():
-        assert name in said
-        assert source in said
-    values = next(line.strip() for line in said.splitlines() if "3.38 GPa" in line)
-    case = apply_settings(read_case(EXAMPLE), [])
-    case["web"]["material"] = tomllib.loads(f"material = {values}")["material"]
-    assert make_problem(case).web.material == wo.material("newsprint")
-
-
 @pytest.mark.parametrize(
     ("args", "code", "said"),
     [
@@ -171,24 +149,6 @@ def test_not_converged_has_its_own_code(monkeypatch, capsys: Capture):
 
 
 # ---- wraps, fields and outputs of each kind -----------------------------------------------------
-
-
-def solved_by(capsys: Capture, *args: str) -> dict[str, object]:
-    assert cli.main([*args, "--nodes", "17", "--json"]) == 0
-    return dict(json.loads(capsys.readouterr().out))
-
-
-def test_wraps_are_set_by_options_and_settings(capsys: Capture, plain):
-    for args in (
-        ["solve", plain, "--roll-wrap", "1", "--drum-wrap", "90 deg"],
-        ["solve", plain, "--set", "roll_wrap=1", "--set", "drum_wrap=90 deg"],
-        ["solve", plain, "--set", "wrap.roll_wrap=1", "--drum-wrap", "90 deg"],
-        ["solve", EXAMPLE, "--roll-wrap", "1", "--drum-wrap", "90 deg"],
-    ):
-        record = solved_by(capsys, *args)
-        assert record["kind"] == "nip"
-        wraps = record["problem"]["roll_wrap"], record["problem"]["drum_wrap"]  # type: ignore[index]
-        assert wraps == (1.0, 1.5707963267948966)
 
 
 @pytest.mark.parametrize("kind", kinds.every(), ids=lambda kind: kind.name)
@@ -283,12 +243,6 @@ def run_apart(*args: str, **environment: str) -> subprocess.CompletedProcess[byt
         check=True,
         env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), **environment},
     )
-
-
-def test_plain_ascii_where_the_terminal_knows_no_more():
-    said = run_apart("-m", "woundon", *QUICK, PYTHONIOENCODING="ascii").stdout.decode("ascii")
-    assert " roll  <<<<<" in said
-    assert "+-" in said
 
 
 @pytest.mark.parametrize("args", [["--version"], ["--help"]])

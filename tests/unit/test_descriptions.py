@@ -150,23 +150,6 @@ def test_replace_leaves_the_original_and_shares_what_stays() -> None:
     assert back == problem
 
 
-def test_replace_gives_a_whole_body_a_table_or_a_name() -> None:
-    cover = wo.Cylinder(radius=0.0762, core_radius=0.0562, material="soft-cover")
-    problem = nip(drum=cover)
-    assert problem.drum == cover
-    assert nip(drum=cover.model_dump()) == problem
-    assert nip(**{"roll.material": "steel"}).roll.material == wo.material("steel")
-    # first the body, then its field, in whatever order they are written
-    assert nip(**{"drum.radius": 0.08, "drum": cover}) == nip(drum=cover.replace(radius=0.08))
-
-
-def test_replace_reads_texts_with_units() -> None:
-    changes = {"web.thickness": "57 um", "roll.material.shear": "10 MPa", "roll_friction": "19 %"}
-    variant = nip().replace(nip_load="5 kN/m", **changes)
-    assert (variant.nip_load, variant.web.thickness, variant.roll_friction) == (5e3, 57e-6, 0.19)
-    assert variant.roll.material.stiffness.shear == 1e7
-
-
 def test_replace_checks_what_belongs_together() -> None:
     problem = nip(winding_force=600.0)
     with pytest.raises(wo.NoSteadyState):

@@ -165,22 +165,6 @@ def test_one_paper_with_two_moduli_is_warned_of():
     assert winding.replace(**{"stack.tangential": "5 GPa"}).input_warnings
 
 
-@pytest.mark.parametrize(
-    ("make", "said"),
-    [(lambda: wo.grade("newsprnt"), "did you mean 'newsprint'"),
-     (lambda: wo.grade(3), "is not a known grade"),
-     (lambda: wo.RollProblem(grade="nwsprint", core=CORE, radius=0.5, wound_on_tension=400),
-      "grade: 'nwsprint' is not a known grade; did you mean 'newsprint'"),
-     (lambda: wo.RollerProblem(grade="newsprint", upper=wo.Rigid(radius=0.1),
-                               lower=wo.HalfPlane(radius=0.1, material="steel"), load=1.0,
-                               friction=0.1), "a RollerProblem has no web")],
-)  # fmt: skip
-def test_wrong_grades(make, said):
-    with pytest.raises(wo.InvalidProblem, match=said) as report:
-        make()
-    assert len(report.value.faults) == 1
-
-
 # ---- grades of users ----------------------------------------------------------------------------
 
 
@@ -210,27 +194,6 @@ def test_grades_of_users(tmp_path):
         'wound_on_tension = 400\n[core]\nradius = 0.05\nstiffness = "1 GPa"\n'
     )
     assert load_case(case).web_thickness == 64e-6
-
-
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [('[grades.a]\nlike = "newsprnt"', "grades.a.like: 'newsprnt' is not a known grade"),
-     ('[grades.a]\nlike = "sc"\nthickness = "66 kg"', "grades.a.thickness: '66 kg' has the wrong"),
-     ('[grades.a]\nlike = "sc"\nthicknes = "66 um"', "grades.a.thicknes: no such field"),
-     ('[grades.a]\nlike = "sc"\nK2 = { value = 3, spred = 1 }', "grades.a.K2.spred: no such"),
-     ('[grades.a]\nlike = "sc"\nK2 = { value = 3, spread = "a" }', "grades.a.K2.spread: 'a'"),
-     ('[grades.a]\nthickness = "66 um"', "grades.a.density: missing"),
-     ("[grades]\na = 3", "has no grades"), ("a = ", "cannot be read as a TOML file"),
-     ("", "has no grades"), ("\x00", "cannot be read")],
-)  # fmt: skip
-def test_faults_in_files_of_grades(tmp_path, text, said):
-    file = tmp_path / "mill.toml"
-    file.write_text(text)
-    with pytest.raises(wo.InvalidProblem) as report:
-        wo.grades(file)
-    assert said in str(report.value)
-    with pytest.raises(wo.InvalidProblem, match="cannot be read"):
-        wo.grades(tmp_path / "none.toml")
 
 
 # ---- covers -------------------------------------------------------------------------------------

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from coarse_solutions import coarse_solution
 from pydantic import BaseModel
 
 import woundon as wo
@@ -135,23 +134,6 @@ def test_only_public_names_are_offered(cls: type[Any]) -> None:
     assert {"replace"} <= known
     assert not known & PYDANTICS
     assert not [name for name in known if name.startswith(("_", "model_"))]
-
-
-@pytest.mark.parametrize("kind", [kind.name for kind in kinds.every()])
-def test_an_instance_offers_its_fields_and_no_more_than_works(kind: str) -> None:
-    problem = kinds.named(kind).problem.example()
-    assert set(type(problem).model_fields) <= set(dir(problem))
-    result = coarse_solution(problem)
-    offered = dir(result)
-    # an output of a part, as margins.blocking, is offered by the part
-    assert {place.path.partition(".")[0] for place in quantities.outputs(result)} <= set(offered)
-    assert {"plot", "save", "to_dataframe", "to_xarray", "problem", "residuals"} <= set(offered)
-    for thing in (problem, result):
-        for name in dir(thing):
-            assert not name.startswith("_")
-            getattr(thing, name)
-    assert "mesh" not in offered
-    assert "MAIN" not in offered
 
 
 # ---- help

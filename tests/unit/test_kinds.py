@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import pytest
 
 import woundon as wo
 from woundon import kinds, plugins
-from woundon.arguments import Option
 from woundon.problems.fields import Number
 from woundon.quantities import length, line_load
 from woundon.report.plots import PANELS
@@ -133,37 +132,6 @@ def test_a_kind_needs_three_things(registry: dict[str, kinds.Kind]) -> None:
     assert kind.check is None
     with pytest.raises(wo.InvalidProblem, match="RollProblem or HammockProblem"):
         wo.solve("hammock.toml")
-
-
-def test_a_class_below_a_kinds_is_no_kind_of_its_own(registry: dict[str, kinds.Kind]) -> None:
-    """A problem that is more than its parent is not solved as its parent behind one's back."""
-
-    class LoadedNip(wo.NipProblem):
-        pass
-
-    with pytest.raises(wo.InvalidProblem, match=r"LoadedNip.* is out of place"):
-        wo.solve(LoadedNip.example())
-
-
-def solve_hammock_by(
-    problem: HammockProblem,
-    *,
-    terms: Annotated[int | None, Option("Number of terms.", "1 to 9.")] = None,
-    method: Literal["series", "shooting"] = "series",
-    tolerance: float = 1e-3,
-    start: HammockResult | None = None,
-    span: float = 1.0,  # a field of the problem
-) -> HammockResult:
-    return solve_hammock(problem)
-
-
-def test_the_options_of_a_solver_are_read_from_its_signature(registry: Any) -> None:
-    kinds.register(HammockProblem, solve_hammock_by, HammockResult)
-    assert kinds.named("hammock").solver_options() == {
-        "terms": (int, (), "Number of terms.", "1 to 9."),
-        "method": (str, ("series", "shooting"), "", ""),
-        "tolerance": (float, (), "", ""),
-    }
 
 
 @pytest.mark.parametrize("kind", kinds.every(), ids=lambda kind: kind.name)

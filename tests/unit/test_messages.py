@@ -18,7 +18,10 @@ from golden_text import assert_golden, read_golden
 import woundon as wo
 from woundon.cli.commands import main
 from woundon.io.case_files import to_toml
+from woundon.problems.two_drums import drum_loads, rider_load_for, roll_weight
+from woundon.problems.units import parse
 
+EXAMPLE = Path(__file__).parents[2] / "examples" / "newsprint_table2.toml"
 INDENT = "    "
 NIP = wo.NipProblem.example()
 PAIR = wo.RollerProblem.example()
@@ -46,10 +49,32 @@ def solve(problem: Any, **options: Any) -> Any:
     return wo.solve(problem, **options)
 
 
+ROLL, WINDING = wo.RollProblem.example(), wo.WindingProblem.example()
+RUBBER = wo.Isotropic(youngs_modulus=5e6, poissons_ratio=0.45, prony=[(3e6, 1e-3)])
+WOUND = wo.WoundRoll(radius=0.1, core_radius=0.0445, stack=ROLL.stack, pressure=2e5)
+
+
+def plan(unknown: Any, *candidates: Any, **options: Any) -> Any:
+    return wo.next_experiment(NIP, unknown, candidates, draws=0, **options)
+
+
+def fit(measured: Any, **options: Any) -> Any:
+    return wo.fit(NIP, measured, ["roll_friction"], **options)
+
+
+def case(setting: str) -> Any:
+    """Load the example of a case file with a setting."""
+    return wo.load_case(EXAMPLE, [setting])
+
+
 NAMES = {
     "wo": wo, "np": np, "nan": float("nan"), "inf": float("inf"), "Decimal": Decimal, "nip": nip,
     "rollers": rollers, "variant": variant, "solve": solve, "NIP": NIP, "PAIR": PAIR,
-    "ORTHOTROPIC": ORTHOTROPIC, "CYLINDER": CYLINDER,
+    "ORTHOTROPIC": ORTHOTROPIC, "CYLINDER": CYLINDER, "ROLL": ROLL, "WINDING": WINDING,
+    "STACK": ROLL.stack, "WOUND": WOUND, "RUBBER": RUBBER, "drum_loads": drum_loads,
+    "COVER": wo.Cylinder(radius=0.25, core_radius=0.235, material=RUBBER),
+    "roll_weight": roll_weight, "rider_load_for": rider_load_for, "plan": plan,
+    "fit": fit, "case": case, "parse": parse,
 }  # fmt: skip
 
 

@@ -11,7 +11,6 @@ import sys
 from pathlib import Path
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
 import pytest
 from matplotlib import pyplot as plt
@@ -185,12 +184,6 @@ def test_what_cannot_be_drawn_is_reported_with_the_choice(nips, asked, message: 
     assert plt.get_fignums() == []
 
 
-def test_one_ax_takes_one_panel(nips) -> None:
-    axes = mpl.figure.Figure().add_subplot()
-    with pytest.raises(wo.InvalidProblem, match="2 panels are selected for one ax"):
-        nips[0].plot(ax=axes, panels=["slips", "zones"])
-
-
 # ---- several results
 
 
@@ -212,16 +205,6 @@ def test_several_results_are_distinguished_by_what_differs(nips) -> None:
     assert names(tractions.get_legend()) == ["$q^{+}$ on roll", "$q^{-}$ on drum"]
     assert [text.get_text() for text in zones.get_yticklabels()] == ["roll", "drum"] * 2
     assert zones.get_xlim()[1] == pytest.approx(1.03e3 * nips[1].half_width)
-
-
-def test_several_results_take_the_labels_given(nips) -> None:
-    axes = mpl.figure.Figure().add_subplot()
-    wo.plot(nips, ax=axes, panels="pressure", labels=["light", "heavy"])
-    assert names(axes.get_legend()) == ["light", "heavy"]
-    with pytest.raises(wo.InvalidProblem, match=r"labels: .* must be 2, one a result"):
-        wo.plot(nips, labels=["light"])
-    with pytest.raises(wo.InvalidProblem, match="labels: 'ab' must be 2, one a result"):
-        wo.plot(nips, labels="ab")
 
 
 def test_results_share_the_panels_they_have_in_common(nips) -> None:

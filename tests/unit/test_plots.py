@@ -17,10 +17,9 @@ from thesis_cases import film_nip, newsprint_nip
 import woundon as wo
 from woundon import kinds, quantities
 from woundon.quantities import line_load, stress
-from woundon.report.figures import symbol_text
 from woundon.report.panels import Case, drawn
 from woundon.report.plots import output_panels
-from woundon.report.study_plots import plot_fit, plot_indices, plot_sweep
+from woundon.report.study_plots import plot_sweep
 
 NODES = 25
 SOFT = wo.Isotropic(youngs_modulus=5e6, poissons_ratio=0.47)
@@ -223,23 +222,6 @@ def test_the_default_draws_every_array_once(results):
         assert figure.axes[-1].get_xlabel().endswith("[mm]")
 
 
-@pytest.mark.parametrize(
-    ("symbol", "text"),
-    [
-        ("q+", "$q^{+}$"),
-        ("s_l+", r"$s_{\mathrm{l}}^{+}$"),
-        ("2a", "$2a$"),
-        ("NIT", r"$\mathrm{NIT}$"),
-        ("xi-", r"$\xi^{-}$"),
-        ("eps1", r"$\varepsilon_{1}$"),
-        ("T_out", r"$T_{\mathrm{out}}$"),
-        ("WOT est.", "WOT est."),
-    ],
-)
-def test_symbols_are_set_as_formulas(symbol, text):
-    assert symbol_text(symbol) == text
-
-
 # ---- every figure
 
 
@@ -396,57 +378,3 @@ def test_a_sweep_states_how_many_curves_and_panels_it_shows(shape, curves, panel
     assert [f"{n} of {count}" in title for n, count in stated] == [True] * len(stated)
     assert title.count(" of ") == len(stated)
     assert ("drum friction" in title) == (len(shape) > 3)
-
-
-def test_the_legend_of_a_fit_is_short():
-    names = {name: quantities.output(cls, name).quantity for cls, name in (
-        (wo.NipResult, "outlet_tension"), (wo.NipResult, "wound_on_tension"),
-    )}  # fmt: skip
-    profile = SimpleNamespace(name="web.thickness", values=np.array([1e-5, 5e-5, 9e-5]),
-                              rms=np.array([3.0, 1.0, 4.0]), rms_limit=2.0)  # fmt: skip
-    thickness = quantities.find(wo.NipProblem, "web.thickness")[0].quantity
-    fit = SimpleNamespace(
-        row_outputs=("outlet_tension", "wound_on_tension"), weighted=False, profiles=(profile,),
-        names=("web.thickness",),
-        measured=np.array([600.0, 700.0]), fitted=np.array([610.0, 690.0]),
-        quantities={**names, "web.thickness": thickness},
-    )  # fmt: skip
-    agreement, along = plot_fit(fit).axes
-    labels = [text.get_text() for text in agreement.get_legend().get_texts()]
-    assert labels == ["outlet tension", "wound-on tension"]
-    assert agreement.get_xlabel() == "measured [N/m]"
-    assert agreement.get_legend().get_window_extent().width < agreement.bbox.width
-    one = plt.figure().add_subplot()
-    assert plot_fit(fit, ax=one, panels="web.thickness") is one
-    assert one.get_xlabel() == along.get_xlabel() == "web.thickness [µm]"
-    with pytest.raises(
-        wo.InvalidProblem, match=r"must be agreement or web\.thickness; did you mean"
-    ):
-        plot_fit(fit, panels="thickness")
-    assert along.get_ylabel() == "RMS of the fit [N/m]"
-    np.testing.assert_allclose(along.get_lines()[0].get_xdata(), [10, 50, 90])
-
-
-def test_shares_of_variance_are_sorted_for_each_output():
-    names = ("nip_load", "roll_friction", "web_tension")
-    total = np.array([[0.2, 0.7, 0.1], [0.5, 0.1, 0.4]])
-    first = total - 0.05
-    indices = SimpleNamespace(
-        inputs=names, outputs=("nip_width", "peak_pressure"), first_order=first, total_order=total,
-        first_interval=np.array([first - 0.02, first + 0.03]),
-        total_interval=np.array([total - 0.02, total + 0.03]),
-    )  # fmt: skip
-    figure = plot_indices(indices)
-    assert [text.get_text() for text in figure.legends[0].get_texts()] == [
-        "alone (first order)", "with interactions (total)",
-    ]  # fmt: skip
-    for axes, shares, alone in zip(figure.axes, total, first, strict=True):
-        order = np.argsort(-shares)
-        said = [text.get_text() for text in axes.get_yticklabels()]
-        assert said == [names[j].replace("_", " ") for j in order]
-        assert axes.yaxis_inverted()  # the first stands on top
-        widths = [[bar.get_width() for bar in bars] for bars in axes.containers if len(bars) == 3
-                  and hasattr(bars[0], "get_width")]  # fmt: skip
-        np.testing.assert_allclose(widths, [alone[order], shares[order]])
-    (one,) = plot_indices(indices, panels="peak_pressure").axes
-    assert one.get_title(loc="left") == "peak pressure"

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import pi
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 import pytest
 from coarse_solutions import coarse_solution
-from thesis_cases import newsprint_nip, paper_nip
+from thesis_cases import newsprint_nip
 
-import woundon as wo
 from woundon import kinds, quantities
-from woundon.quantities import Quantity, angle, find, length, line_load, pure, strain, stress, walk
+from woundon.quantities import Quantity, angle, length, line_load, pure, strain, stress, walk
 
 # woundon's own, whatever other tests have registered
 OWN = [kind for kind in kinds.every() if kind.problem.__module__.startswith("woundon.")]
@@ -117,86 +115,7 @@ def test_every_number_of_every_problem_is_a_quantity(kind: kinds.Kind) -> None:
         assert place.name in place.owner.model_fields
 
 
-def test_a_name_is_found_in_every_member_that_has_it() -> None:
-    problem = paper_nip()  # its drum is rigid
-    assert isinstance(problem.drum, wo.Rigid)
-    (place,) = find(problem, "nip_load")
-    assert (place.path, place.owner) == ("nip_load", wo.NipProblem)
-    cores = find(problem, "drum.core_radius")
-    assert {core.owner for core in cores} == {wo.Cylinder, wo.WoundRoll}
-    for core in cores:
-        assert core.path == "drum.core_radius"
-        assert core.quantity is not None
-        assert core.quantity.unit == "m"
-    owners = {place.owner for place in find(problem, "drum.radius")}
-    assert {wo.Rigid, wo.HalfPlane, wo.Cylinder} <= owners
-    moduli = find(wo.RollerProblem, "upper.material.youngs_modulus")
-    assert {place.owner for place in moduli} == {wo.Isotropic, wo.LossAngle}
-    # a path that ends at a description gives the places of its field
-    assert [place.path for place in find(problem, "roll.material")] == ["roll.material"] * len(
-        {m for m in wo.Body.members().values() if "material" in m.model_fields}
-    )
-    for path in ("", "nip", "nip_load.x", "roll.", "roll.material.sheer", ".roll", "roll..radius"):
-        assert find(problem, path) == (), path
-
-
 # ---- results ------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class _Base(wo.Result):
-    depth: Annotated[float, length("d", "depth")]
-    profile: Annotated[np.ndarray, stress("p", "profile")]
-    word: str = "none"
-
-    @property
-    def twice(self) -> Annotated[float, length("2d", "twice the depth")]:
-        return 2 * self.depth
-
-    def times(self, factor: float = 3.0) -> Annotated[float, length("nd", "times the depth")]:
-        return factor * self.depth
-
-    def scaled(self, factor: float) -> Annotated[float, length("fd", "asks for an argument")]:
-        return factor * self.depth
-
-    def _hidden(self) -> Annotated[float, length("x", "not an output")]:
-        return 0.0
-
-    @property
-    def plain(self) -> float:
-        return 1.0
-
-
-@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class _Finer(_Base):
-    count: Annotated[int, pure("n", "how many")] = 4
-
-    @property
-    def twice(self) -> Annotated[float, length("2d", "the same, said again", "um")]:
-        return 2 * self.depth
-
-    @property
-    def relabelled(self) -> dict[str, Quantity]:
-        return {"depth": strain("d", "of this very one a share")} if self.count > 9 else {}
-
-
-def finer(**changes: Any) -> _Finer:
-    profile = np.array([1.0, 2.0])
-    return _Finer(problem=None, residuals=wo.Residuals(law=0.0), depth=2e-3, profile=profile,
-                  **changes)  # fmt: skip
-
-
-def test_outputs_are_fields_properties_and_methods_that_need_nothing() -> None:
-    values = {place.path: place.value for place in walk(finer())}
-    assert list(values) == ["depth", "profile", "count", "residual", "twice", "times"]
-    assert values["depth"] == 2e-3
-    assert values["twice"] == 4e-3
-    assert values["times"] == pytest.approx(6e-3)
-    np.testing.assert_array_equal(values["profile"], [1.0, 2.0])
-    assert {place.path: place.value for place in walk(_Finer)} == dict.fromkeys(values)
-    assert [place.path for place in walk(_Base)] == [name for name in values if name != "count"]
-    assert [place.path for place in quantities.outputs(_Finer)] == list(values)
-    assert quantities.value_of(finer(), "times") == pytest.approx(6e-3)
 
 
 @each_kind

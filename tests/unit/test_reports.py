@@ -16,7 +16,6 @@ from thesis_cases import newsprint_nip
 import woundon as wo
 from woundon import kinds, quantities
 from woundon.report.nip_report import nip_report
-from woundon.report.outputs_report import outputs_report
 from woundon.report.report_parts import Row, Section, certificate_line, zone_line
 from woundon.report.terminal import print_parts
 
@@ -165,24 +164,6 @@ def test_a_nip_that_is_none_without_its_wraps_says_why():
 # ---- any kind ------------------------------------------------------------------------------------
 
 
-def test_the_default_report_has_every_field_and_output(examples):
-    for result in examples:
-        problem, outputs = sections(outputs_report(result)).values()
-        for place in quantities.walk(result.problem):
-            if place.value is None:
-                continue
-            top = "." not in place.path and place.quantity is not None
-            known = place.quantity.meaning if top else place.path
-            (line,) = [x for x in problem if x.startswith(f"{known} ")]
-            if place.quantity is not None:
-                shown = f"{place.quantity.shown(place.value):.5g} {place.quantity.display}"
-                assert line.endswith(f" {shown}".rstrip())
-        for name, quantity in quantities.scalar_outputs(result).items():
-            if name != "residual" and name.removesuffix("_error") not in result.errors:
-                start = f"{quantity.meaning} {quantity.symbol} "
-                assert any(line.startswith(start) for line in outputs), name
-
-
 # ---- what every report ends with -----------------------------------------------------------------
 
 
@@ -220,11 +201,6 @@ def test_the_certificate_names_its_largest_residual(examples):
 def test_a_broken_law_is_never_hidden(laws, said, tone):
     line = certificate_line(wo.Residuals(**laws))
     assert (line.text, line.tone) == (f"Certificate: {said}", tone)
-
-
-def test_warnings_stand_before_the_certificate(nip):
-    warned = nip.replace(warnings=("the web is slack", "x" * 150))
-    assert lines(str(warned))[-3:-1] == ["warning: the web is slack", f"warning: {'x' * 150}"]
 
 
 # ---- on a terminal -------------------------------------------------------------------------------

@@ -8,13 +8,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from coarse_solutions import coarse_options, coarse_solution
+from coarse_solutions import coarse_solution
 from thesis_cases import newsprint_nip
 
 import woundon as wo
 from woundon import kinds, quantities
-from woundon.cli import commands as cli
-from woundon.io.case_files import template
 from woundon.report.html import parts_html
 from woundon.report.report_parts import Line, Section, row_of
 
@@ -73,19 +71,6 @@ class Page(HTMLParser):
 
 
 # ---- printed
-
-
-@pytest.mark.parametrize(
-    "kind", [pytest.param(k, marks=pytest.mark.slow) if k == "winding" else k for k in KINDS]
-)
-def test_print_says_what_the_command_says(kind: str, tmp_path, capsys) -> None:
-    case = tmp_path / "case.toml"
-    case.write_text(template(kind.replace("_", "-")), encoding="utf-8")
-    problem = wo.load_case(case)
-    options = coarse_options(kinds.of(problem), NODES)
-    flags = [f"--{name}={value}" for name, value in options.items()]
-    assert cli.main(["solve", str(case), *flags]) == 0
-    assert capsys.readouterr().out == f"{coarse_solution(problem, NODES)}\n"
 
 
 # ---- in one line
@@ -159,16 +144,3 @@ def test_tables_of_studies_have_their_numbers(solutions) -> None:
 def arrays(thing: Any) -> list[np.ndarray]:
     values = [getattr(thing, part.name) for part in fields(thing)]
     return [value for value in values if isinstance(value, np.ndarray)]
-
-
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("ending", ["nc", "json"])
-def test_no_array_of_a_loaded_result_can_be_written_to(
-    solutions, kind: str, ending, tmp_path
-) -> None:
-    solutions[kind].save(tmp_path / f"result.{ending}")
-    loaded = wo.load_result(tmp_path / f"result.{ending}")
-    assert len(arrays(loaded)) == len(arrays(solutions[kind]))
-    for values in arrays(loaded):
-        with pytest.raises(ValueError, match="read-only"):
-            values[0] = values[1]

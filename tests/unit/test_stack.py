@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from rejections import assert_rejected
 
 import woundon as wo
 from woundon.problems.radial_laws import RadialLaw
@@ -205,50 +204,3 @@ def test_noise_does_not_make_the_modulus_jump() -> None:
 
 
 # ---- what is refused ----------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("make", "message"),
-    [
-        (lambda: wo.Pfeiffer(K1=0, K2=40), "K1: 0 is out of range; must be > 0"),
-        (lambda: wo.Pfeiffer(K1=-1e3, K2=40), "K1: -1000 is out of range; must be > 0"),
-        (lambda: wo.Pfeiffer(K1=1e3, K2="ten"), "K2: 'ten' is not a number with a unit"),
-        (lambda: wo.Polynomial(coefficients=[0, 40]), "coefficients.0: 0 is out of range; must"),
-        (lambda: wo.PowerLaw(E0=0, k=1e6, m=1), "E0: 0 is out of range; must be > 0 [Pa] if m"),
-        (lambda: wo.PowerLaw(E0=1, k=1e6, m=0), "m: 0 is out of range; must be >= 0.1 and <= 5"),
-        (
-            lambda: wo.StackTest(pressure=[0, 1e5, 9e4, 2e5], strain=[0, 0.1, 0.2, 0.3]),
-            "pressure.2: 90000 is out of range; must be > 100000 [Pa], the value before it",
-        ),
-        (
-            lambda: wo.StackTest(pressure=[0, 1e5, 2e5, 3e5], strain=[0, 0.1, 0.1, 0.3]),
-            "strain.2: 0.1 is out of range; must be > 0.1, the value before it",
-        ),
-        (
-            lambda: wo.StackTest(pressure=[-1, 1e5, 2e5, 3e5], strain=[0, 0.1, 0.2, 0.3]),
-            "pressure.0: -1 is out of range; must be >= 0 [Pa]",
-        ),
-        (
-            lambda: wo.StackTest(pressure=[0, 1e5, 2e5, 3e5], strain=[0, 0.1, 0.2]),
-            "strain: 3 values; must be at least 4",
-        ),
-        (
-            lambda: wo.StackTest(pressure=[0, 1e5, 2e5, 3e5], strain=[0, 0.1, 0.2, 0.3, 0.4]),
-            "strain: 5 values; must be as many as of pressure, 4",
-        ),
-        (lambda: stack(radial=-5e6), "radial: -5000000 is out of range; must be"),
-        (
-            lambda: stack(radial=90e6, poissons_ratio=10),
-            "radial: a modulus of 90000000 without pressure is out of range; must be < "
-            "tangential/poissons_ratio^2 = 33800000 [Pa]",
-        ),
-        (lambda: stack(radial="soft"), "radial: 'soft' is not a number"),
-        (lambda: stack(radial={"K1": 1e4}), "radial.K2: missing; must be > 0"),
-        (
-            lambda: wo.HalfPlane(radius=0.1, material=stack()),
-            "material: ",
-        ),
-    ],
-)  # fmt: skip
-def test_rejected_with_one_line(make: Any, message: str) -> None:
-    assert_rejected(make, message)

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from rejections import assert_rejected
 
 import woundon as wo
 from woundon.problems.two_drums import GRAVITY, drum_loads, rider_load_for, roll_weight
@@ -60,25 +59,6 @@ def test_the_rider_makes_the_wanted_nip_load():
     # the heaviest roll loads the nip more than wanted by itself
     assert (more[:2] > 0).all()
     assert more[2] < 0
-
-
-@pytest.mark.parametrize(
-    ("make", "message"),
-    [
-        (lambda: drum_loads(0.01, 1.0, 0.25, 0.02), "radius: 0.01 is out of range; must be > gap/2"
-         " = 0.01 [m], or the roll falls between the drums"),
-        (lambda: drum_loads(9.0, 1.0, (0.3, 0.25), 0.02), "radius: 9 is out of range; must be < "
-         "2.974 [m], or the roll rolls off the smaller drum"),
-        (lambda: drum_loads("big", 1.0, 0.25, 0.02), "radius: 'big' is not a number; must be >= 0"),
-        (lambda: drum_loads(0.1, -1.0, 0.25, 0.02), "weight: -1 is out of range; must be >= 0"),
-        (lambda: drum_loads(0.1, 1.0, 0.0, 0.02), "drum_radius: 0 is out of range; must be one or"),
-        (lambda: drum_loads(0.1, 1.0, 0.2, float("nan")), "gap: nan is out of range; must be >= 0"),
-        (lambda: roll_weight(0.04, 0.05, 680.0), "radius: 0.04 is out of range; must be >= core_"),
-        (lambda: rider_load_for(1.0, 0.1, 1.0, 0.2, 0.0, "middle"), "drum: 'middle' is unknown; m"),
-    ],
-)  # fmt: skip
-def test_rejected_with_one_line(make: Any, message: str):
-    assert_rejected(make, message)
 
 
 # ---- use: the nip of a winding is on the drum on which the web arrives ---------------------------

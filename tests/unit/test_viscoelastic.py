@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from rejections import assert_rejected
 from thesis_cases import newsprint_nip
 
 import woundon as wo
@@ -42,55 +41,6 @@ def dynamic_test(**known: Any) -> wo.DynamicTest:
 
 
 # ---- what is refused ----------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("make", "message"),
-    [
-        (lambda: rubber([(-3e6, 1e-3)]), "prony.0.modulus: -3000000 is out of range; must be > 0"),
-        (lambda: rubber([(1e6, 1.0), (3e6, 0)]), "prony.1.time: 0 is out of range; must be > 0"),
-        (lambda: rubber([(3e6, -1e-3)]), "prony.0.time: -0.001 is out of range; must be > 0"),
-        (lambda: rubber([]), "prony: 0 values; must be at least 1"),
-        (lambda: rubber([(3e6,)]), "prony.0: (3000000.0,) is out of place"),
-        (lambda: rubber([("3 m", 1.0)]), "prony.0.modulus: '3 m' has the wrong dimension"),
-        (lambda: nip().replace(web_speed=None), "web_speed: missing; must be > 0 [m/s], as drum"),
-        (lambda: nip().replace(web_speed=0.0), "web_speed: 0 is out of range; must be > 0"),
-        (lambda: nip(**{"web.material": rubber()}), "web.material: viscoelastic; must be elastic"),
-        (
-            lambda: wo.RollerProblem(
-                upper=wo.Rigid(radius=0.2), lower=cover(rubber()), load=1e3, friction=0.3,
-                motion="static", speed=1.0,
-            ),
-            "motion: 'static' is out of place; must be 'rolling'",
-        ),
-        (
-            lambda: wo.WindingProblem.example().replace(drum=cover(rubber())),
-            "web_speed: missing; must be > 0 [m/s], as drum is of a viscoelastic material",
-        ),
-        (
-            lambda: wo.LossAngle(
-                youngs_modulus=5e6, poissons_ratio=0.45, loss_angle=1.6, frequency=10.0
-            ),
-            "loss_angle: 1.6 is out of range",
-        ),
-        (
-            lambda: dynamic_test(loss_modulus=[2 * value for value in LOSS]),
-            "loss_modulus: disagrees with the storage moduli",
-        ),
-        (
-            lambda: dynamic_test(storage_modulus=STORAGE[::-1]),  # a modulus that falls with f
-            "loss_modulus: disagrees with the storage moduli",
-        ),
-        (lambda: dynamic_test(frequency=HZ[::-1]), "frequency.1: 968 is out of range; must be >"),
-        (lambda: dynamic_test(loss_modulus=LOSS[:4]), "loss_modulus: 4 values; must be as many as"),
-        (
-            lambda: dynamic_test(loss_modulus=[0.0, *LOSS[1:]]),
-            "loss_modulus.0: 0 is out of range; must be >= 0.001",
-        ),
-    ],
-)  # fmt: skip
-def test_rejected(make: Any, message: str) -> None:
-    assert_rejected(make, message)
 
 
 # ---- materials ----------------------------------------------------------------------------------

@@ -286,21 +286,6 @@ def test_a_winding_stops_where_its_progress_raises():
         wo.solve(CASE, **COARSE, progress=cancel)
 
 
-@pytest.mark.parametrize(
-    ("options", "text"),
-    [
-        ({"rtol": 0.0}, "rtol: 0 is out of range"),
-        ({"nodes": 5}, "nodes: 5 is out of range"),
-        ({"nodes": 17}, "nodes: 17 is out of range: must be a whole number, 25"),
-        ({"coupling_rtol": 1.0}, "coupling_rtol: 1 is out of range"),
-        ({"start": 3}, "start: 3 is out of place; must be a WindingResult"),
-    ],
-)
-def test_options_are_checked(options: dict[str, Any], text: str):
-    with pytest.raises(wo.InvalidProblem, match=text):
-        wo.solve(CASE, **options)
-
-
 # ---- the certificate ----------------------------------------------------------------------------
 
 Corrupt = Callable[[Any], dict[str, Any]]

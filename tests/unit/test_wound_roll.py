@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from rejections import assert_rejected
 from slow_cases import slow_case
 from thesis_cases import newsprint_nip
 
@@ -126,46 +125,6 @@ def test_what_is_no_full_answer_says_so() -> None:
 
 
 # ---- refused ------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("make", "message"),
-    [
-        (lambda: roll(pressure=-1.0), "pressure: -1 is out of range; must be >= 0 and < "),
-        (lambda: roll(pressure="much"), "pressure: 'much' is not a number with a unit"),
-        (
-            lambda: roll(pressure=wo.Profile(radius=[0.05, 0.1], value=[2e5, -3.0])),
-            "pressure.value.1: -3 is out of range; must be >= 0 and < ",
-        ),
-        (
-            lambda: roll(pressure={"radius": [0.1, 0.05], "value": [2e5, 2e5]}),
-            "pressure.radius.1: 0.05 is out of range; must be > 0.1 [m], the radius before it",
-        ),
-        (
-            lambda: roll(pressure={"radius": [0.05, 0.1], "value": [2e5]}),
-            "pressure.value: 1 values; must be at least 2",
-        ),
-        (
-            lambda: roll(pressure={"radius": [0.05, 0.1, 0.2], "value": [2e5, 2e5]}),
-            "pressure.value: 2 values; must be as many as of radius, 3",
-        ),
-        (
-            lambda: roll(stack=PAPER.replace(poissons_ratio=8.0, tangential=1e9)),
-            "pressure: 200000 is out of range; must be >= 0 and < 113031 [Pa], where the stack",
-        ),
-        (
-            lambda: roll(stack=PAPER.replace(radial=wo.Polynomial(coefficients=[1e6, -8.0]))),
-            "pressure: 200000 is out of range; must be >= 0 and < ",
-            ),
-        (lambda: roll(core_radius=0.2), "core_radius: 0.2 is out of range; must be >= 1e-09 *"),
-        (
-            lambda: roll(hardening="linear"),
-            "hardening: 'linear' is unknown; must be 'direct' or 'frozen'",
-        ),
-    ],
-)  # fmt: skip
-def test_rejected_with_one_line(make: Any, message: str) -> None:
-    assert_rejected(make, message)
 
 
 # ---- case files ---------------------------------------------------------------------------------
