@@ -41,6 +41,7 @@ from .problems.problem import Problem
 from .problems.roll import RollProblem
 from .problems.rollers import RollerProblem
 from .problems.winding import WindingProblem
+from .quantities import on_request
 from .results import Result
 from .roll.result import RollResult
 from .roll.solve import check_options as check_roll_options
@@ -219,8 +220,11 @@ def register(
 
 
 def every() -> tuple[Kind[Any, Any], ...]:
-    """Return all kinds, those of woundon first."""
-    plugins.load()
+    """Return all kinds, those of woundon first, with the outputs that plug-ins add."""
+    for kind, name, output in plugins.take_outputs():
+        if isinstance(output, on_request):
+            output.__set_name__(_KINDS[kind].result, name)
+        setattr(_KINDS[kind].result, name, output)
     return tuple(_KINDS.values())
 
 

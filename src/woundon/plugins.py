@@ -1,4 +1,4 @@
-"""Plug-ins: modules of other packages that add kinds, bodies, commands and figures.
+"""Plug-ins: modules of other packages that add kinds, bodies, outputs, commands and figures.
 
 An installed package names a module in the entry-point group ``woundon.plugins``:
 
@@ -9,6 +9,7 @@ The module is imported once, before the first case is read, in worker processes 
 
     a kind of problem    wo.kinds.register(MyProblem, my_solver, MyResult)
     a body, a material   class MyBody(wo.Body): ...
+    an output            wo.plugins.register_output("nip", my_output)
     a command            wo.plugins.register_command(my_command)
     figures of the page  wo.plugins.register_figures(list_figures, draw_figure)
 """
@@ -16,10 +17,12 @@ The module is imported once, before the first case is read, in worker processes 
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache
 from importlib import metadata
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from . import quantities
 
 if TYPE_CHECKING:
     import click
@@ -32,12 +35,15 @@ __all__ = [
     "load",
     "register_command",
     "register_figures",
+    "register_output",
+    "take_outputs",
 ]
 
 GROUP = "woundon.plugins"
 
 _COMMANDS: dict[str, click.Command] = {}
 _FIGURES: dict[Callable[[str], bytes], Figures] = {}
+_OUTPUTS: list[tuple[str, str, property | quantities.on_request]] = []
 
 
 class Figures(NamedTuple):
@@ -62,6 +68,30 @@ def load() -> None:
         except ImportError as fault:
             text = f"the plug-in {entry.name} cannot be loaded: {fault}"
             warnings.warn(text, RuntimeWarning, stacklevel=2)
+
+
+def register_output(kind: str, output: Callable[[Any], Any], *, on_request: bool = False) -> None:
+    """Add an output to the results of a kind of problem.
+
+    Parameters
+    ----------
+    kind : str
+        Name of the kind.  Its classes are not imported by this call.
+    output : callable
+        (result) -> value, with the :class:`~woundon.quantities.Quantity` of the value in the
+        annotation of what it returns.  The output has the name of the function.
+    on_request : bool
+        Whether the output is computed only where it is named, and is not part of reports and files.
+    """
+    made = quantities.on_request(output) if on_request else property(output)
+    _OUTPUTS.append((kind, output.__name__, made))
+
+
+def take_outputs() -> Iterator[tuple[str, str, property | quantities.on_request]]:
+    """Yield kind, name and property of the outputs that the results do not have yet."""
+    load()
+    while _OUTPUTS:
+        yield _OUTPUTS.pop(0)
 
 
 def register_command(command: click.Command) -> None:

@@ -397,7 +397,7 @@ def scalar_outputs(thing: Any) -> dict[str, Quantity]:
 
 
 class on_request(cached_property[Any]):  # noqa: N801
-    """A part of a result that is computed when it is used: its outputs are not in every report."""
+    """An output, or a part with outputs, that is computed when it is used: not in every report."""
 
 
 def value_of(thing: Any, name: str) -> Any:
@@ -416,17 +416,16 @@ def _walk_outputs(thing: Any, of: type, prefix: str, values: bool = True) -> Ite
     own = {} if thing is of else getattr(thing, "relabelled", {})
     for name, (quantity, hint) in _annotated(of, _version(of)).items():
         part = name.partition(".")[0]
-        if part != name and thing is not of and _is_left_out(thing, part):
+        missing = part != name and thing is not of and vars(thing).get(part, "") is None
+        if missing or (thing is not of and is_on_request(of, part)):
             continue
         value = value_of(thing, name) if values and thing is not of else None
         yield Place(f"{prefix}{name}", _as_chosen(name, own.get(name, quantity)), hint, of, value)
 
 
-def _is_left_out(thing: Any, part: str) -> bool:
-    """Return True of a part that the result does not have, or that is computed on request."""
-    return vars(thing).get(part, "") is None or isinstance(
-        getattr(type(thing), part, None), on_request
-    )
+def is_on_request(of: type, name: str) -> bool:
+    """Return True if an output of a class, or the part that has it, is computed on request."""
+    return isinstance(getattr(of, name.partition(".")[0], None), on_request)
 
 
 def _version(of: type) -> tuple[tuple[str, int], ...]:

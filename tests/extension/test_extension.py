@@ -219,11 +219,15 @@ print(result.mean_pressure == problem.nip_load / result.nip_width)
 print("mean pressure" in str(result))
 swept = wo.sweep(problem, {"nip_load": [2e3]}, ["mean_pressure"], nodes=33)
 print(float(swept.mean_pressure[0]) > 0)
+both = wo.sweep(problem.replace(roll_wrap=0.0), {"nip_load": [2e3, 3e3]},
+                ["mean_pressure", "rig_tension"], nodes=33, workers=2, chunk=1)
+print(bool((both.mean_pressure > 0).all()), bool((both.rig_tension > 350).all()))
 result.save("nip.json")
 """
     )
-    assert said.split() == ["True"] * 3
+    assert said.split() == ["True"] * 5
     record = json.loads((tmp_path / "nip.json").read_text("utf-8"))
+    assert "rig_tension" not in record["outputs"]  # only on request
     assert record["outputs"]["mean_pressure"] > 0
     assert record["units"]["mean_pressure"] == "Pa"
     assert "mean pressure" in run("describe", "nip")

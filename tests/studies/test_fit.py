@@ -16,7 +16,6 @@ from thesis_cases import newsprint_nip, paper_nip
 
 import woundon as wo
 import woundon.studies.fit
-from woundon.jorkama2001.estimate import rig_tension
 from woundon.studies.fit import fit_parameters
 from woundon.studies.kind_model import columns_of, measurable, model_of, replaced
 from woundon.studies.measured import Measured, read_measured
@@ -26,14 +25,6 @@ from woundon.studies.profiles import threshold
 
 X = np.linspace(1.0, 4.0, 12)
 NOISE = np.random.default_rng(7).normal(0, 0.1, X.size)
-
-
-@pytest.fixture(autouse=True, scope="module")
-def _rig_tension():
-    """Add the tension that the thesis fitted to the outputs of nips."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(wo.NipResult, "rig_tension", property(rig_tension), raising=False)
-        yield
 
 
 def _fitted(model, y, parameters, *, deviation=None, starts=3, profiles=True, workers=1):
@@ -380,8 +371,7 @@ def test_the_measured_tensions_are_fitted(output):
     problem = wo.NipProblem.example().replace(roll_wrap=0.0)
     if output == "wound_on_tension":
         problem = problem.replace(roll_wrap=pi)
-    # one process: only this one has imported the output rig_tension
-    fit = wo.fit(problem, POINTS, vary, columns=RIG | {"measured": output}, workers=1)
+    fit = wo.fit(problem, POINTS, vary, columns=RIG | {"measured": output})
     assert fit.reached == fit.starts == 6
     assert np.all(np.abs(fit.estimates - estimates) < moves * np.array(errors))
     assert fit.standard_errors == pytest.approx(errors, rel=0.05)

@@ -11,7 +11,7 @@ With T_out it brackets the wound-on tension of the same nip with a roll wrap.
 from __future__ import annotations
 
 from math import nan, pi
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 
@@ -25,11 +25,7 @@ __all__ = ["RIG_ANGLE", "rig_tension", "wound_on_tension_estimate"]
 RIG_ANGLE = pi / 2
 
 
-def wound_on_tension_estimate(
-    result: Any, angle: float = pi
-) -> Annotated[
-    float, wo.Quantity("WOT est.", "N/m", "wound-on tension estimated by eq. (183), no roll wrap")
-]:
+def wound_on_tension_estimate(result: Any, angle: float = pi) -> float:
     """Return the tension of a web that sticks to the roll up to an angle (thesis eq. 183) [N/m].
 
     Parameters
@@ -74,10 +70,6 @@ def wound_on_tension_estimate(
     return float(result.outlet_tension + problem.web.thickness / c11 * (far - near))
 
 
-def rig_tension(
-    result: Any,
-) -> Annotated[
-    float, wo.Quantity("T_rig", "N/m", "tension at a load cell to which the web is led, eq. (183)")
-]:
+def rig_tension(result: Any) -> float:
     """Return the estimate (183) a quarter turn downstream, at the laboratory's load cell [N/m]."""
     return wound_on_tension_estimate(result, RIG_ANGLE)

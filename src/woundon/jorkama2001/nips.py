@@ -6,11 +6,11 @@ Every variable and coordinate of a dataset has its unit in ``attrs["units"]``.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from functools import reduce, wraps
+from functools import reduce
 from itertools import product
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -19,9 +19,8 @@ import woundon as wo
 
 from . import procedure
 from .cases import ONE_PAPER
-from .estimate import rig_tension, wound_on_tension_estimate
+from .outputs import OUTPUTS as ADDED
 from .procedure import ProcedureResult
-from .zones import zone_lengths
 
 __all__ = [
     "FINE",
@@ -65,49 +64,6 @@ _UNITS = {
     "Pa": ("youngs_modulus", "radial", "tangential", "cross", "shear"),
 }
 
-
-def _leading(
-    result: Nip,
-) -> Annotated[float, wo.Quantity("s_r1", "1", "slip length at the roll's leading edge, to A")]:
-    return zone_lengths(result).leading_roll
-
-
-def _trailing(
-    result: Nip,
-) -> Annotated[float, wo.Quantity("s_r2", "1", "slip length at the roll's trailing edge, from B")]:
-    return zone_lengths(result).trailing_roll
-
-
-def _dual(
-    result: Nip,
-) -> Annotated[float, wo.Quantity("s_d", "1", "length of slip at roll and drum, from C")]:
-    return zone_lengths(result).dual
-
-
-def _nan_if_undefined(estimate: Callable[..., float]) -> Callable[..., float]:
-    """Return an estimate as an output: nan for bodies for which (183) is not defined."""
-
-    @wraps(estimate)
-    def output(result: Nip) -> float:
-        try:
-            return estimate(result)
-        except wo.InvalidProblem:
-            return float("nan")
-
-    return output
-
-
-# the thesis's slip ratios, over the nip width, and its tensions by eq. (183), as outputs of studies
-_OUTPUTS = {
-    "leading_roll_slip": _leading,
-    "trailing_roll_slip": _trailing,
-    "dual_slip": _dual,
-    "wound_on_tension_estimate": _nan_if_undefined(wound_on_tension_estimate),
-    "rig_tension": _nan_if_undefined(rig_tension),
-}
-for _kind in (wo.NipResult, ProcedureResult):
-    for _name, _output in _OUTPUTS.items():
-        setattr(_kind, _name, property(_output))
 
 OUTPUTS = (
     "nip_induced_tension",
@@ -186,12 +142,13 @@ def _swept_by_procedure(
     assert isinstance(problem, wo.NipProblem)
     grid = {name: np.asarray(values, dtype=float) for name, values in over.items()}
     shape, found = tuple(map(len, grid.values())), []
+    own = {output.__name__: output for output in ADDED}
     for values in product(*(values.tolist() for values in grid.values())):
         changes = zip((_FIELDS.get(name, name) for name in grid), values, strict=True)
         one = problem.replace(**dict(changes))
         one = one.replace(**{own: _nested(one, other) for own, other in ONE_PAPER.items()})
         nip = procedure.solve(one, THESIS_NODES)
-        found.append([getattr(nip, name) for name in outputs])
+        found.append([own[name](nip) if name in own else getattr(nip, name) for name in outputs])
     columns = np.reshape(found, (*shape, len(outputs)))
     return xr.Dataset(
         {

@@ -24,7 +24,7 @@ from ..io.files import replaced_file
 from ..io.sheets import Sheet, need_openpyxl, read_sheet, record_table, write_workbook
 from ..io.tables import Column, Names, decimal_sign, match_columns, numbers
 from ..problems.problem import Problem
-from ..quantities import Quantity, pattern, scalar_outputs
+from ..quantities import Quantity, is_on_request, pattern, scalar_outputs
 from . import design as designs
 from .engine import run_study
 from .kind_model import KindModel, build, columns_of, get_field, kind_of, model_of
@@ -354,14 +354,14 @@ def _readable(reason: str) -> str:
 
 
 def _default_outputs(problem: Problem) -> tuple[str, ...]:
-    """Return the main outputs with their errors, then all other scalars that are no fields."""
+    """Return the main outputs with their errors, then all other scalars of every result."""
     result = kind_of(problem).result
     errors = [f"errors.{name}" for name in result.MAIN]
     left_out = {*result.ESTIMATES, *type(problem).model_fields, "residual"}
     others = [
         name
         for name in scalar_outputs(result)
-        if name not in left_out and not name.endswith("_error")
+        if not (name in left_out or name.endswith("_error") or is_on_request(result, name))
     ]
     return tuple(dict.fromkeys((*result.MAIN, *errors, *others)))
 

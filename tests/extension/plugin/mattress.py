@@ -127,7 +127,7 @@ def mean_pressure(result: wo.NipResult) -> Annotated[float, stress("p_m", "mean 
     return float(result.problem.nip_load / result.nip_width)
 
 
-wo.NipResult.mean_pressure = property(mean_pressure)  # type: ignore[attr-defined]
+wo.plugins.register_output("nip", mean_pressure)
 # [output end]
 
 
