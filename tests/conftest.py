@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import os
+import sys
 from collections.abc import Iterator
 from typing import Any
 
@@ -41,3 +42,14 @@ def process() -> Iterator[Any]:
 
     with serving() as started:
         yield started
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _memory(request: pytest.FixtureRequest) -> Iterator[None]:
+    """Release the cached solutions and influence matrices when a module of tests ends."""
+    yield
+    elastic = [module for name, module in sys.modules.items() if "woundon.elasticity" in name]
+    for module in (request.module, *elastic):
+        for cached in list(vars(module).values()):
+            if hasattr(cached, "cache_clear"):
+                cached.cache_clear()

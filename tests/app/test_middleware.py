@@ -285,6 +285,7 @@ print("ended")
 """
 
 
+@pytest.mark.slow
 def test_ctrl_c_while_the_server_is_made_is_not_lost():
     """It comes where no exception can be raised: in a finaliser."""
     command = [sys.executable, "-c", INTERRUPTED]

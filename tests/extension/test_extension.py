@@ -279,6 +279,7 @@ def test_a_command_stands_next_to_woundons(run, tmp_path: Path) -> None:
     )
 
 
+@pytest.mark.slow
 def test_a_figure_is_on_the_page(run) -> None:
     said = run(
         code="""

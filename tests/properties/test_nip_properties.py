@@ -111,7 +111,7 @@ def assert_same_state(one: wo.NipResult, other: wo.NipResult) -> None:
 # ---- laws ---------------------------------------------------------------------------------------
 
 
-@settings(max_examples=60)
+@settings(max_examples=30)
 @given(admissible_nips())
 def test_every_solution_keeps_every_law(problem: wo.NipProblem) -> None:
     """Checked on the returned curves, next to the certificate."""
@@ -152,7 +152,7 @@ def test_equilibrium_and_the_bounds_of_the_added_tension(problem: wo.NipProblem)
 # ---- the winding theorem ------------------------------------------------------------------------
 
 
-@settings(max_examples=25)
+@settings(max_examples=12)
 @given(admissible_nips(), st.floats(0.0, 5000.0))
 def test_the_winding_theorem(problem: wo.NipProblem, T_in: float) -> None:
     """T_in changes only the drum's creep and the approach, these exactly by eq. (171)."""
@@ -207,7 +207,7 @@ def scaled(problem: wo.NipProblem, length: float, stress: float) -> wo.NipProble
     )
 
 
-@settings(max_examples=25)
+@settings(max_examples=12)
 @given(admissible_nips(), st.floats(0.3, 3.0), st.floats(0.1, 10.0))
 def test_scaling(problem: wo.NipProblem, length: float, stress: float) -> None:
     """All lengths and loads by one factor, all moduli and loads by another: the same state."""
@@ -229,7 +229,7 @@ def test_scaling(problem: wo.NipProblem, length: float, stress: float) -> None:
 # ---- the mirror of the normal problem -----------------------------------------------------------
 
 
-@settings(max_examples=40)
+@settings(max_examples=20)
 @given(admissible_nips())
 def test_the_normal_problem_mirrors(problem: wo.NipProblem) -> None:
     """x -> -x leaves the pressure without friction as it is, and so does exchanging the bodies."""

@@ -75,7 +75,7 @@ def solve(problem: wo.RollerProblem) -> wo.RollerResult:
 # ---- Betti's theorem ----------------------------------------------------------------------------
 
 
-@settings(max_examples=20)
+@settings(max_examples=12)
 @given(deformable(), st.integers(0, 10**6), st.floats(0.002, 0.2))
 def test_bettis_theorem_on_the_assembled_response(
     body: wo.HalfPlane | wo.Cylinder, seed: int, share: float
@@ -147,7 +147,7 @@ def assert_mirrored(
     assert two.offset * (-1 if turned else 1) == pytest.approx(one.offset, abs=rtol * a)
 
 
-@settings(max_examples=20)
+@settings(max_examples=12)
 @given(pairs())
 def test_the_pair_upside_down(problem: wo.RollerProblem) -> None:
     Q = problem.tangential_load
@@ -159,7 +159,7 @@ def test_the_pair_upside_down(problem: wo.RollerProblem) -> None:
         assert -two.creepage == pytest.approx(one.creepage, rel=1e-8, abs=1e-12)
 
 
-@settings(max_examples=20)
+@settings(max_examples=12)
 @given(pairs("static"))
 def test_the_static_contact_turned_round(problem: wo.RollerProblem) -> None:
     """x -> -x turns tangential loads and tractions round."""
@@ -187,7 +187,7 @@ def test_rolling_has_no_such_mirror() -> None:
 # ---- laws and scaling ---------------------------------------------------------------------------
 
 
-@settings(max_examples=20)
+@settings(max_examples=12)
 @given(pairs())
 def test_every_solution_keeps_every_law(problem: wo.RollerProblem) -> None:
     result = solve(problem)

@@ -59,6 +59,7 @@ def test_wraps_are_swept_as_any_field():
     assert data.attrs["kind"] == "nip"
 
 
+@pytest.mark.slow
 def test_a_wrapped_nip_is_fitted_to_measured_tensions():
     """Three of the thesis's points; what the fit predicts is what the solver says."""
     rows = [p for p in measured_tensions() if p["web_tension"] == 350 and p["nip_load"] > 1000]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pickle
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import woundon as wo
@@ -108,6 +108,7 @@ def faulty_fields(make):
     return set()
 
 
+@settings(max_examples=40)
 @given(st.text(max_size=80))
 def test_any_text_is_a_load_or_is_rejected_by_name(text):
     fields = faulty_fields(lambda: NIP.replace(nip_load=text))

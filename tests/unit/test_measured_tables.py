@@ -105,10 +105,8 @@ def test_a_cell_that_is_no_number_is_rejected_by_row_and_column(cells):
 @pytest.mark.parametrize(
     "cells",
     [
-        tuple(LOADS), np.array(LOADS), np.array(LOADS, dtype=object), pandas.Series(LOADS),
-        range(2000, 3001, 1000), [Decimal(2000), 3000], ["2 kN/m", "3 kN/m"], ["2000", 3e3],
+        np.array(LOADS, dtype=object), pandas.Series(LOADS), [Decimal(2000), "3 kN/m"],
         np.array([2000, 3000], dtype="int16"), iter(LOADS),
-        dict.fromkeys(LOADS).keys(),
     ],
     ids=lambda cells: type(cells).__name__,
 )  # fmt: skip

@@ -147,6 +147,7 @@ def test_a_start_that_fails_is_replaced_by_the_initial_guess() -> None:
     assert found.last.outputs["Q"] == pytest.approx(start.last.outputs["Q"], rel=1e-14)
 
 
+@pytest.mark.slow
 def test_estimated_errors_bound_true_errors() -> None:
     """Random nips against meshes of four times the nodes: convergence.
 

@@ -127,6 +127,7 @@ def bisected(differs: Callable[[float], bool], low: float, high: float) -> tuple
     return low, high
 
 
+@pytest.mark.slow
 @some_nips("foam cover")
 def test_ratios_are_continuous_where_a_node_changes(name: str) -> None:
     """To the last digit of the load, on either side of a change between stick and slip."""

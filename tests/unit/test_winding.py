@@ -84,6 +84,7 @@ def test_schedules_that_wander_take_as_few_nips_as_smooth_ones():
     assert np.count_nonzero(bends) > 40
 
 
+@pytest.mark.slow
 def test_nips_under_measured_loads_are_within_the_error_reported():
     run = wandering()
     for r in (0.0573, 0.0811, 0.1024):
@@ -95,6 +96,7 @@ def test_nips_under_measured_loads_are_within_the_error_reported():
     assert run.interpolation_error < 0.015
 
 
+@pytest.mark.slow
 def test_smooth_tables_and_few_kinks_do_not_wander():
     r = np.linspace(0.05, 0.12, 80)
     smooth = wo.Profile(radius=r, value=350 - 900 * (r - 0.05))

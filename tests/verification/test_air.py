@@ -332,6 +332,7 @@ def test_more_speed_takes_more_of_it(winding, windings):
     assert faster.margins["slip"].value > 1
 
 
+@pytest.mark.slow
 def test_the_roll_holds_the_air_that_its_nips_let_through(windings):
     fast = windings[2.0]
     assert fast.residual < 1e-8

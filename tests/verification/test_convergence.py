@@ -121,6 +121,7 @@ def test_the_order_is_two(name: str) -> None:
     assert -np.polyfit(np.log(sizes), np.log(rms), 1)[0] >= 1.5
 
 
+@pytest.mark.slow
 def test_the_order_is_two_for_the_whole_set() -> None:
     """RMS over all nips; measured 2.2 over 17 to 129 nodes."""
     sizes = np.array([17, 33, 65, 129])

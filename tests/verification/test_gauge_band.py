@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq
+from slow_cases import slow_case
 
 import woundon as wo
 from woundon.theories import gauge_band
@@ -100,7 +101,7 @@ def growth(tension: float, K2: float) -> float:
     return 1 - (1 + float(result.growth[-1])) * tension / 66e-6 / 3.38e9
 
 
-@pytest.mark.parametrize("K2", [40.0, 127.0])
+@pytest.mark.parametrize("K2", [40.0, slow_case(127.0)])
 def test_complete_rolls_that_grow_alike(K2):
     # Independent method: the tension at which a complete roll of a thicker web grows as fast
     for excess in (0.001, 0.01):

@@ -137,6 +137,7 @@ def test_every_roll_takes_it(name: str, wraps: Any) -> None:
         assert found.nip_induced_tension > linear.nip_induced_tension
 
 
+@pytest.mark.slow
 def test_what_it_does_to_table_2() -> None:
     """Confined NIT some 12 % more at heavy load, the wrapped tension between -5 and 1 % other."""
     problem = nip(roll())

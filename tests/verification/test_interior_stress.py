@@ -214,6 +214,7 @@ def test_finite_elements_of_a_linear_cylinder():
             assert elements == pytest.approx(exact, abs=0.01 * p.max())
 
 
+@pytest.mark.slow
 def test_a_hardening_roll_without_hardening_is_a_cylinder():
     # Limit: a constant modulus through the stack
     stack = wo.Stack(radial=38e6, tangential=3.38e9, poissons_ratio=0.01, shear=10e6)
