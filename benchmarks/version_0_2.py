@@ -87,6 +87,10 @@ def create(tree: Path = TREE, *, offline: bool = False) -> None:
         command = [str(python(tree)), "-c", "import sysconfig as s; print(s.get_path('purelib'))"]
         own = subprocess.run(command, check=True, capture_output=True, text=True).stdout.strip()
         Path(own, "shared_packages.pth").write_text(packages + "\n", encoding="utf-8")
+        # hides the plug-ins of a woundon that is installed among the shared packages
+        metadata = Path(own, "woundon-0.2.0.dist-info", "METADATA")
+        metadata.parent.mkdir()
+        metadata.write_text("Metadata-Version: 2.1\nName: woundon\nVersion: 0.2.0\n", "utf-8")
     else:
         pip = [str(python(tree)), "-m", "pip", "install", "-qq"]
         constraints = ["--constraint", str(tree / "constraints.txt")]
