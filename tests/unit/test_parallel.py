@@ -17,7 +17,7 @@ from slow_cases import slow_case
 
 import woundon as wo
 from woundon import parallel
-from woundon.parallel import WORKER_SETTINGS, Cancelled, Worker, WorkerDied, in_processes
+from woundon.parallel import Cancelled, Worker, WorkerDied, environment, in_processes
 
 SQUARES = [(x, x * x) for x in range(8)]
 posix = pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
@@ -45,7 +45,7 @@ def test_workers_have_one_blas_thread_and_this_process_what_it_had(monkeypatch):
     monkeypatch.setenv("OMP_NUM_THREADS", "7")
     monkeypatch.delenv("MKL_NUM_THREADS", raising=False)
     before = dict(os.environ)
-    assert dict(in_processes(process_tasks.setting, list(WORKER_SETTINGS), 1)) == WORKER_SETTINGS
+    assert dict(in_processes(process_tasks.setting, list(environment()), 1)) == environment()
     # loky sets this for the OpenMP of its workers
     changed = {k: v for k, v in os.environ.items() if k != "KMP_INIT_AT_FORK"}
     assert changed == {k: v for k, v in before.items() if k != "KMP_INIT_AT_FORK"}

@@ -226,17 +226,28 @@ def _refine(
 
 def _solve(system: Any, size: int, found: Refinement, start: Refinement | None) -> MeshSolution:
     """Return the solution on a mesh, from a neighbouring problem's or that of the mesh before."""
-    near = None if start is None else min(start.meshes, key=lambda mesh: abs(mesh.size - size))
-    if near is not None and (not found.meshes or near.size >= size):
-        u, active = system.prolong(near.state, near.active, near.system)
-    elif found.meshes:
-        last = found.last
-        u, active = system.prolong(last.state, last.active, last.system)
-    else:
+    if start is None and not found.meshes:
         u, active = system.initial_guess()
+    elif start is None:
+        u, active = _prolonged(found.last, system)
+    else:
+        near = _nearest(start, size)
+        u, active = _prolonged(near, system)
+        if found.meshes:
+            u += _prolonged(found.last, system)[0]
+            u -= _prolonged(_nearest(start, found.last.size), system)[0]
     solver = SemismoothNewton(system)
     state, active = solver.solve(system.evaluate(u), active, COARSE)
     return MeshSolution(size, system, state, active, solver)
+
+
+def _nearest(start: Refinement, size: int) -> MeshSolution:
+    return min(start.meshes, key=lambda mesh: abs(mesh.size - size))
+
+
+def _prolonged(mesh: MeshSolution, system: Any) -> tuple[Array, Array]:
+    found: tuple[Array, Array] = system.prolong(mesh.state, mesh.active, mesh.system)
+    return found
 
 
 def _polished(mesh: MeshSolution) -> MeshSolution:
