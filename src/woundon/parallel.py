@@ -161,6 +161,7 @@ def _end_with(parent: Any) -> None:
 
 # ---- workers ------------------------------------------------------------------------------------
 
+
 class WorkerDied(RuntimeError):
     """Two processes died over an item."""
 

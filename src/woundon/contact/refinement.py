@@ -225,27 +225,35 @@ def _refine(
 
 
 def _solve(system: Any, size: int, found: Refinement, start: Refinement | None) -> MeshSolution:
-    """Return the solution on a mesh, from a neighbouring problem's or that of the mesh before."""
-    if start is None and not found.meshes:
-        u, active = system.initial_guess()
-    elif start is None:
+    """Return the solution on a mesh.
+
+    The initial guess is the solution u on the mesh before, and with that of a neighbouring problem
+    u' the sum u_n = u'_n + (u_(n-1) - u'_(n-1)): the difference of two neighbouring solutions
+    hardly depends on the mesh.
+    """
+    if found.meshes:
         u, active = _prolonged(found.last, system)
+    elif start is not None:
+        u, active = _prolonged(_nearest(start, size), system)
     else:
-        near = _nearest(start, size)
-        u, active = _prolonged(near, system)
-        if found.meshes:
-            u += _prolonged(found.last, system)[0]
-            u -= _prolonged(_nearest(start, found.last.size), system)[0]
+        u, active = system.initial_guess()
+    if found.meshes and start is not None:
+        near, before = _nearest(start, size), _nearest(start, found.last.size)
+        neighbour, zones = _prolonged(near, system)
+        u = u + neighbour - _prolonged(before, system)[0]
+        active = zones if near.size >= size else active
     solver = SemismoothNewton(system)
     state, active = solver.solve(system.evaluate(u), active, COARSE)
     return MeshSolution(size, system, state, active, solver)
 
 
 def _nearest(start: Refinement, size: int) -> MeshSolution:
+    """Return the solution on the mesh of about so many nodes."""
     return min(start.meshes, key=lambda mesh: abs(mesh.size - size))
 
 
 def _prolonged(mesh: MeshSolution, system: Any) -> tuple[Array, Array]:
+    """Return the unknowns and the active set of another mesh's solution."""
     found: tuple[Array, Array] = system.prolong(mesh.state, mesh.active, mesh.system)
     return found
 
