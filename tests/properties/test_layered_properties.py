@@ -8,7 +8,7 @@ from random_nips import random_layered
 from slow_cases import slow_case
 
 import woundon as wo
-from woundon.elasticity.influence import DIGITS
+from woundon.elasticity.influence import RANK_FACTOR
 from woundon.elasticity.mesh import Wrap, nip_mesh
 from woundon.nip import load_limit
 from woundon.nip.load_limit import frictionless_half_width, largest_load
@@ -58,7 +58,7 @@ def test_the_response_of_a_thin_coating_is_continuous() -> None:
     kernels = problem.drum.kernels()
     face = nip_mesh(45, Wrap(), Wrap()).drum_face
     for degree in (99.5, 199.5):
-        a = kernels.length / np.sinh(DIGITS / degree)
+        a = kernels.length / np.sinh(RANK_FACTOR / degree)
         narrow, wide = (problem.drum.surface(face, a * (1 + d)) for d in (-1e-9, 1e-9))
         assert wide._rank == narrow._rank + 1
         q = 1 - face.nodes**2

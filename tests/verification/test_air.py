@@ -115,7 +115,7 @@ def test_a_film_on_a_viscoelastic_drum(film_nip, tau, speed):
     def gives(x):
         at = (x[1:] + x[:-1]) / 2
         sides = [(at[:, None] - side).ravel() for side in (x[:-1], x[1:])]
-        lags = [kernel.lag.exactly(t, 1)[0] for t in sides]
+        lags = [kernel.lag.evaluate(t, 1)[0] for t in sides]
         return kernel.log * np.pi / 2 * sinks(x) - (lags[0] - lags[1]).reshape(at.size, -1)
 
     whole = passing_film(

@@ -14,7 +14,7 @@ from wrapped_nips import solve_wrapped
 import woundon as wo
 from woundon.elasticity import cylinder, rolling
 from woundon.elasticity.influence import InfluenceSurface
-from woundon.elasticity.lag import Lag, around
+from woundon.elasticity.lag import Lag, periodic_series
 from woundon.elasticity.mesh import Face, Wrap, nip_mesh
 from woundon.elasticity.relaxation import creep, factor
 
@@ -147,10 +147,10 @@ def test_creep_is_the_inverse_of_relaxation() -> None:
 @pytest.mark.parametrize("eps", [3.0, 0.5, 0.2, 0.15, 0.05])
 def test_the_harmonics_sum_in_closed_form(eps: float) -> None:
     P = np.polynomial.polynomial.polyval
-    n, powers = np.arange(1, 40_001), around(np.array([eps]))[0]
+    n, powers = np.arange(1, 40_001), periodic_series(np.array([eps]))[0]
     lag = Lag(np.array([eps]), np.array([[1j], [1.0]]), 4.0)  # Re i Phi, Re Phi = Im i Phi
     for theta in (0.01, 1.0, -0.3, -2.0):
-        found = lag.exactly(np.array([theta]), 2)[:, 0] @ [1, 1j] + P(theta, powers)
+        found = lag.evaluate(np.array([theta]), 2)[:, 0] @ [1, 1j] + P(theta, powers)
         # n^-1 and n^-2 taken out and summed by their own closed forms; n^-3 is left, 1e-9 of it
         x = 1 / (1j * n * eps)
         rest = (1 / (1 + 1j * n * eps) - x + x**2) @ np.exp(1j * n * theta)
@@ -164,13 +164,13 @@ def test_integrals_of_the_lag(u: float) -> None:
     lag = Lag(np.array([1.0]), np.array([[1.0], [1j]]), 1e3)
     for t in (u, -u):
         around_t = t * (1 + np.array([-1e-4, 0.0, 1e-4]))
-        K = [lag.exactly(around_t, order) for order in range(3)]
+        K = [lag.evaluate(around_t, order) for order in range(3)]
         step = 1e-4 * t
         for order in (0, 1):  # each is the derivative of the one before
             slope = (K[order][:, 2] - K[order][:, 0]) / (2 * step)
             scale = np.abs(K[order + 1]).max() + 1e-12
             np.testing.assert_allclose(slope, K[order + 1][:, 1], atol=1e-6 * scale)
-        table = lag.twice(np.full(400, t < 0), np.full(400, np.log(abs(t))))[:, 0]
+        table = lag.second_integral(np.full(400, t < 0), np.full(400, np.log(abs(t))))[:, 0]
         np.testing.assert_allclose(table, K[0][:, 1], rtol=1e-8, atol=1e-10 * abs(t))
 
 

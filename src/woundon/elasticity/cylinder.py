@@ -1,13 +1,15 @@
-"""The linear elastic, orthotropic cylinder of layers on a core (thesis sec. 2.2): its kernels.
+"""Influence functions of a linear elastic, orthotropic cylinder of layers on a core (sec. 2.2).
 
-The surface compliance Y_n, w = Y_n t at r = R (:mod:`.layers`), holds the thesis's characteristic
-sequences (57) of a cylinder on a rigid core:
+The n-th harmonics of displacements w and tractions t of the surface are related by its compliance,
+w = Y_n t at r = R (:mod:`.layers`).  On a rigid core it contains the characteristic sequences of
+the thesis (57),
 
     R Y_n = [[ gamma_1, -gamma_2],
              [-chi_1,    chi_2  ]],        symmetric by Betti's theorem.
 
-For large n nothing below the outermost layer is felt, and Y_n solves the algebraic Riccati equation
-F Y + Y F' + N - Y K Y = 0, whose solution in powers of 1/n gives the closed form parts of the sums.
+The influence functions are Fourier sums over n.  Short waves decay within the outermost layer: for
+large n its Y_n solves the algebraic Riccati equation F Y + Y F' + N - Y K Y = 0, and the terms of
+its solution in powers of 1/n are summed in closed form (:mod:`.fourier`).
 """
 
 from __future__ import annotations
@@ -38,13 +40,13 @@ Array = np.ndarray
 Stiffness = tuple[float, float, float, float, float | None]  # A_rr, A_tt, A_rt, G, D
 
 MAX_TERMS = 1 << 18
-MAX_LAYERED_TERMS = 1 << 16  # waves down to a ten-thousandth of the radius
+MAX_LAYERED_TERMS = 1 << 16  # shortest wave: a ten-thousandth of the radius
 TOLERANCE = 1e-12  # of the sums, relative to their leading term
 HIGHEST_POWER = 6  # of 1/n, summed in closed form
-DIRECT = 2048  # so many harmonics are each computed
-LOWEST = 64  # from here on they are interpolated where there are more
-ROUNDING = 1e-13  # of n Y_n, what interpolation leaves
-CUT = 1e-9  # left of n Y_n at the last harmonic: a layer too thin for the series
+# More than MAX_DIRECT harmonics are interpolated from FIRST_SAMPLED on.
+MAX_DIRECT, FIRST_SAMPLED = 2048, 64
+ROUNDING = 1e-13  # error of n Y_n by the interpolation
+MAX_REMAINDER = 1e-9  # of n Y_n at the last harmonic; else the outer layer is too thin for a series
 
 
 class Sequences(NamedTuple):
@@ -71,7 +73,7 @@ def sequences(
     Parameters
     ----------
     n : array_like of int
-        Harmonics, >= 0; n = 0 gives gamma_0 and chi_0 in place of gamma_1 and chi_2, zeros else.
+        Harmonics, >= 0; for n = 0 gamma_1 is gamma_0, chi_2 is chi_0, and the others are zero.
     radius, core_radius : float
         R and R0 [m], 0 < R0 < R.
     A_rr, A_tt, A_rt, G : float
@@ -88,7 +90,7 @@ def sequences(
 
 
 def depth(radius: float, core_radius: float) -> float:
-    """Return ln(R/R0), accurate for thin layers too."""
+    """Return ln(R/R0), without cancellation for thin layers."""
     if 2 * core_radius > radius:
         return -log1p(-(radius - core_radius) / radius)
     return log(radius / core_radius)
@@ -123,7 +125,7 @@ def asymptotic_compliance(
     z[0] = Y[1, :, 1]
     shift = np.array([-a, 1.0])
     for j in range(2, orders + 1):
-        # all that is known at this order; the unknown enters through F_1 and z_(j-1)
+        # the terms of lower order; Y_j enters through F_1 and z_(j-1)
         z[j - 1] = Y[j - 1, :, 0]
         known = shift[:, None] * Y[j - 1] + Y[j - 1] * shift
         known -= D * (z[:j].T @ z[j - 1 :: -1])
@@ -154,14 +156,15 @@ def surface_kernels(
     A_rr, A_tt, A_rt, G : float
         Plane-strain stiffness [Pa].
     D : float, optional
-        :func:`.strip.stiffness_along`, where it is known better than by the others.
+        As of :func:`.strip.stiffness_along`, if it is known more accurately.
     """
     stiffness = map(float, (A_rr, A_tt, A_rt, G))
     return layered_kernels(radius, ((depth(radius, core_radius), *stiffness, D),))
 
 
+@lru_cache(maxsize=16)
 def layered_kernels(radius: float, layers: Layers, free: bool = False) -> SurfaceKernels:
-    """Return the influence functions of a cylinder of layers, which hold on the whole circle.
+    """Return the influence functions of a cylinder of layers, defined on the complete circle.
 
     Parameters
     ----------
@@ -169,39 +172,35 @@ def layered_kernels(radius: float, layers: Layers, free: bool = False) -> Surfac
         R [m].
     layers : sequence of (depth, A_rr, A_tt, A_rt, G, D)
         Outermost first: ln of the ratio of their radii, and plane-strain stiffness [Pa]; D may be
-        left out, or None.
+        omitted, or None.
     free : bool
-        Whether the core is an open bore; else it is rigid.
+        True for an open bore, False for a rigid core.
     """
-    return _kernels(float(radius), layers, free)
-
-
-@lru_cache(maxsize=16)
-def _kernels(R: float, layers: Layers, free: bool) -> SurfaceKernels:
+    R = float(radius)
     Y, tail, J, decay, error = _elastic_spectrum(layers, free)
     n = np.arange(1.0, Y.shape[-1])
     mean, Y = Y[..., 0] / 2, Y[..., 1:]
-    # sums of Y, of n Y, and of the strain's (1, n) Y: first their powers of 1/n, then the terms
-    still, moved = tail[: J + 1], tail[1 : J + 2]
-    stretch, sums = still[:, 0] + moved[:, 1], Y[0] + n * Y[1]
+    # coefficients of 1/n^j of the displacements Y_n, the slopes n Y_n and the strains (1, n) Y_n
+    displacement, slope = tail[: J + 1], tail[1 : J + 2]
+    strain, strain_terms = displacement[:, 0] + slope[:, 1], Y[0] + n * Y[1]
 
     def harmonics(odd: bool, scale: float, a: Array, c: Array, mean: float = 0.0) -> HarmonicSum:
         return HarmonicSum(odd, R, scale, mean, a, c - _powers(a, n.size))
 
     normal = HarmonicSums(
         (
-            harmonics(False, -1 / pi, still[:, 0, 0], Y[0, 0], mean[0, 0]),
-            harmonics(True, -1 / pi, still[:, 0, 1], Y[0, 1]),
+            harmonics(False, -1 / pi, displacement[:, 0, 0], Y[0, 0], mean[0, 0]),
+            harmonics(True, -1 / pi, displacement[:, 0, 1], Y[0, 1]),
         )
     )
     normal_p, coupling = normal.kernels()
-    slope = 1 / (pi * R)
+    scale = 1 / (pi * R)
     gradients = HarmonicSums(
         (
-            harmonics(True, slope, moved[:, 0, 0], n * Y[0, 0]),
-            harmonics(False, -slope, moved[:, 0, 1], n * Y[0, 1]),
-            harmonics(False, -slope, stretch[:, 0], sums[0], mean[0, 0]),
-            harmonics(True, -slope, stretch[:, 1], sums[1]),
+            harmonics(True, scale, slope[:, 0, 0], n * Y[0, 0]),
+            harmonics(False, -scale, slope[:, 0, 1], n * Y[0, 1]),
+            harmonics(False, -scale, strain[:, 0], strain_terms[0], mean[0, 0]),
+            harmonics(True, -scale, strain[:, 1], strain_terms[1]),
         )
     )
     slope_p, slope_q, strain_p, strain_q = gradients.kernels()
@@ -209,7 +208,7 @@ def _kernels(R: float, layers: Layers, free: bool) -> SurfaceKernels:
         normal_p=normal_p,
         normal_q=coupling,
         tangent_p=coupling,
-        tangent_q=harmonics(False, 1 / pi, still[:, 1, 1], Y[1, 1], mean[1, 1]).kernel(),
+        tangent_q=harmonics(False, 1 / pi, displacement[:, 1, 1], Y[1, 1], mean[1, 1]).kernel(),
         slope_p=slope_p,
         slope_q=slope_q,
         strain_p=strain_p,
@@ -220,22 +219,23 @@ def _kernels(R: float, layers: Layers, free: bool) -> SurfaceKernels:
         length=R * min(1.0, 2 * decay),
         truncation_error=error,
         terms=n.size,
-        reach=gradients.reach,
+        max_distance=gradients.max_distance,
     )
 
 
 class Spectrum(NamedTuple):
-    """The surface compliance of all harmonics that are summed.
+    """The surface compliance Y_n = sum_j Y_j/n^j + remainder of the harmonics that are summed.
 
     Attributes
     ----------
     Y : (2, 2, N + 1) array
         Y_n [1/Pa].
     tail : (K, 2, 2) array
-        Its powers of 1/n, of which J + 1 are summed in closed form.
+        The coefficients Y_j.
     J : int
+        Highest power of 1/n that is summed in closed form.
     decay : float
-        kappa: what the powers leave dies as exp(-2 kappa n).
+        kappa: the remainder decays as exp(-2 kappa n).
     error : float
         Estimated error of the sums of n Y_n, relative.
     """
@@ -249,12 +249,15 @@ class Spectrum(NamedTuple):
 
 @lru_cache(maxsize=2)
 def _elastic_spectrum(layers: Layers, free: bool) -> Spectrum:
-    """Return that of elastic layers; a single one that relaxes has it too, for it scales alike."""
+    """Return the spectrum of elastic layers.
+
+    It is also that of a single viscoelastic layer, relative to its creep compliance.
+    """
     return _spectrum(layers, free)
 
 
 def _spectrum(layers: Layers, free: bool, factors: Factors | None = None) -> Spectrum:
-    """Return all harmonics that matter; of viscoelastic layers in proportion to the outermost."""
+    """Return the spectrum of layers; with ``factors``, relative to the outermost compliance."""
     depth = float(layers[0][0] or 0.0)
     stiffness: Stiffness = layers[0][1:]  # type: ignore[assignment]
     tail = asymptotic_compliance(HIGHEST_POWER + 2, *stiffness)
@@ -263,74 +266,74 @@ def _spectrum(layers: Layers, free: bool, factors: Factors | None = None) -> Spe
     if len(layers) > 1:
         N = min(N, MAX_LAYERED_TERMS)
     n = np.arange(N + 1.0)
-    if len(layers) == 1 or N <= DIRECT:
+    if len(layers) == 1 or N <= MAX_DIRECT:
         Y = _compliance(n, layers, free, factors)
     else:
         Y = _interpolated(N, layers, free, factors)
     if len(layers) > 1:
-        if 20 / decay > N and _remainder(Y, tail, J)[-1] > CUT:
-            return _cut(Y, tail, decay)
-        left = _remainder(Y, tail, J)
-        # what is below is felt as far as it differs: kappa by where a hundred thousandth is left
-        decay = max(decay, 6.0 / (1 + np.max(np.nonzero(left > 1e-5)[0], initial=0)))
-        N = max(32, 1 + int(np.max(np.nonzero(left > ROUNDING)[0], initial=0)))
+        remainder = _remainder(Y, tail, J)
+        if 20 / decay > N and remainder[-1] > MAX_REMAINDER:
+            return _truncated_spectrum(Y, tail, decay)
+        # similar layers below have a weaker effect: kappa from the n with a remainder of 1e-5
+        decay = max(decay, 6.0 / (1 + np.max(np.nonzero(remainder > 1e-5)[0], initial=0)))
+        N = max(32, 1 + int(np.max(np.nonzero(remainder > ROUNDING)[0], initial=0)))
         Y = Y[..., : min(N, n.size - 1) + 1]
     n = np.arange(1.0, Y.shape[-1])
-    rest = n * Y[..., 1:] - _powers(tail[1 : J + 2], n.size)
-    return Spectrum(Y, tail, J, decay, _truncation_error(rest, tail, depth, stiffness, J))
+    terms = n * Y[..., 1:] - _powers(tail[1 : J + 2], n.size)
+    return Spectrum(Y, tail, J, decay, _truncation_error(terms, tail, depth, stiffness, J))
 
 
 def _compliance(n: Array, layers: Layers, free: bool, factors: Factors | None) -> Array:
-    """Return Y_n times the factor of the outermost layer's moduli."""
+    """Return Y_n, with ``factors`` times the factor of the moduli of the outermost layer."""
     Y = stacked_compliance(n, layers, free, factors)
     return Y if factors is None else Y * factors(n)[0]
 
 
 def _interpolated(N: int, layers: Layers, free: bool, factors: Factors | None) -> Array:
-    """Return Y_n, n = 0 ... N: n Y_n by Chebyshev polynomials of ln n where that is cheaper.
+    """Return Y_n, n = 0 ... N, with n Y_n interpolated by Chebyshev polynomials of ln n.
 
-    Points are doubled until the polynomial of a smooth function has no more to tell.
+    The number of points is doubled until the last quarter of the coefficients is negligible.
     """
     from scipy.fft import dct  # problems are read and written without SciPy
 
     n = np.arange(N + 1.0)
-    first = _compliance(n[:LOWEST], layers, free, factors)
+    first = _compliance(n[:FIRST_SAMPLED], layers, free, factors)
     Y = np.empty((2, 2, N + 1), dtype=first.dtype)
-    Y[..., :LOWEST] = first
-    low, high, size = log(LOWEST), log(N), 32
-    known = np.zeros((2, 2, 0))
+    Y[..., :FIRST_SAMPLED] = first
+    low, high, size = log(FIRST_SAMPLED), log(N), 32
+    coarse = np.zeros((2, 2, 0))  # values at the points of the previous polynomial
     while size < N // 4:
         angle = np.pi * np.arange(size + 1) / size
-        new = slice(None) if not known.size else slice(1, None, 2)
-        at = np.exp(low + (high - low) * (1 + np.cos(angle[new])) / 2)
+        new = slice(1, None, 2) if coarse.size else slice(None)
+        sampled = np.exp(low + (high - low) * (1 + np.cos(angle[new])) / 2)
         values = np.empty((2, 2, size + 1), dtype=Y.dtype)
-        values[..., ::2] = known if known.size else 0.0
-        values[..., new] = at * _compliance(at, layers, free, factors)
+        values[..., ::2] = coarse if coarse.size else 0.0
+        values[..., new] = sampled * _compliance(sampled, layers, free, factors)
         c = dct(values, type=1, axis=-1) / size
         c[..., [0, -1]] /= 2
         if np.abs(c[..., -size // 4 :]).max() < 1e-15 * np.abs(values).max():
-            x = (np.log(n[LOWEST:]) - low) / (high - low) * 2 - 1
-            kept = np.moveaxis(c, -1, 0)
-            for part in np.array_split(np.arange(x.size), max(1, x.size // 4096)):
-                found = np.polynomial.chebyshev.chebval(x[part], kept)
-                Y[..., LOWEST + part] = found / n[LOWEST + part]
+            x = (np.log(n[FIRST_SAMPLED:]) - low) / (high - low) * 2 - 1
+            c = np.moveaxis(c, -1, 0)
+            for block in np.array_split(np.arange(x.size), max(1, x.size // 4096)):
+                k = FIRST_SAMPLED + block
+                Y[..., k] = np.polynomial.chebyshev.chebval(x[block], c) / n[k]
             return Y
-        known, size = values, 2 * size
-    Y[..., LOWEST:] = _compliance(n[LOWEST:], layers, free, factors)
+        coarse, size = values, 2 * size
+    Y[..., FIRST_SAMPLED:] = _compliance(n[FIRST_SAMPLED:], layers, free, factors)
     return Y
 
 
 def _remainder(Y: Array, tail: Array, J: int) -> Array:
-    """Return the remainder of n Y_n, n = 1 ... N, after the powers, relative to the first power."""
+    """Return |n Y_n - sum_j Y_(j+1)/n^j|, n = 1 ... N, relative to |Y_1|."""
     n = np.arange(1.0, Y.shape[-1])
-    rest = np.abs(n * Y[..., 1:] - _powers(tail[1 : J + 2], n.size))
-    return np.array(rest.max(axis=(0, 1)) / np.abs(tail[1]).max())
+    remainder = np.abs(n * Y[..., 1:] - _powers(tail[1 : J + 2], n.size))
+    return np.array(remainder.max(axis=(0, 1)) / np.abs(tail[1]).max())
 
 
-def _cut(Y: Array, tail: Array, decay: float) -> Spectrum:
-    """Return a spectrum that ends before the outermost layer alone is felt.
+def _truncated_spectrum(Y: Array, tail: Array, decay: float) -> Spectrum:
+    """Return the spectrum of a layer so thin that Y_n does not reach its asymptotic series.
 
-    Waves shorter than the last are given its n Y_n: they are much shorter than any contact.
+    Shorter waves, which are much shorter than any contact, are given the n Y_n of the last one.
     """
     N = Y.shape[-1] - 1
     end = np.zeros((3, 2, 2), dtype=Y.dtype)
@@ -350,9 +353,9 @@ def _powers(a: Array, terms: int) -> Array:
 @lru_cache(maxsize=2)
 def _inverse_powers(count: int, terms: int) -> Array:
     """Return 1, 1/n, 1/n^2, ... of n = 1 ... terms, (count, terms)."""
-    found = np.ones((count, terms))
-    found[1:] = 1 / np.arange(1.0, terms + 1)
-    return np.cumprod(found, axis=0)
+    powers = np.ones((count, terms))
+    powers[1:] = 1 / np.arange(1.0, terms + 1)
+    return np.cumprod(powers, axis=0)
 
 
 def _closed_powers(tail: Array) -> int:
@@ -365,34 +368,39 @@ def _closed_powers(tail: Array) -> int:
 
 
 def _decay(depth: float, stiffness: Stiffness) -> float:
-    """Return kappa: the echo from below a layer dies as exp(-2 kappa n)."""
-    return _slowest(stiffness) * depth
+    """Return kappa: the effect of the lower side of a layer decays as exp(-2 kappa n)."""
+    return _decay_rate(stiffness) * depth
 
 
 @lru_cache(maxsize=64)
-def _slowest(stiffness: Stiffness) -> float:
-    """Return the smaller growing root of a layer over n, for large n."""
-    total, product = (v.item() for v in Systems.of((1.0, *stiffness)).roots(np.array([1e8])))
-    spread = total * total / 4 - product
-    return (product / (total / 2 + sqrt(spread)) if spread > 0 else total / 2) / 1e8
+def _decay_rate(stiffness: Stiffness) -> float:
+    """Return lambda/n for large n, lambda the smaller real part of the two decaying waves."""
+    n = 1e8
+    total, product = (v.item() for v in Systems.of((1.0, *stiffness)).roots(np.array([n])))
+    discriminant = total * total / 4 - product
+    slow = product / (total / 2 + sqrt(discriminant)) if discriminant > 0 else total / 2
+    return slow / n
 
 
 def _terms(depth: float, tail: Array, J: int, stiffness: Stiffness) -> int:
-    """Return the number of harmonics to sum: until the echo and the first power left out die."""
-    echo = 20 / _decay(depth, stiffness)
+    """Return the number of harmonics at which the remainder is negligible.
+
+    The remainder consists of the effect of the core, exp(-2 kappa n), and the next power of 1/n.
+    """
+    core = 20 / _decay(depth, stiffness)
     size = np.abs(tail).max(axis=(1, 2))
     power = (size[J + 2] / (J * TOLERANCE * size[1])) ** (1 / J)
-    return int(min(max(echo, power, 32), MAX_TERMS))
+    return int(min(max(core, power, 32), MAX_TERMS))
 
 
 def _truncation_error(
-    rest: Array, tail: Array, depth: float, stiffness: Stiffness, J: int
+    terms: Array, tail: Array, depth: float, stiffness: Stiffness, J: int
 ) -> float:
-    """Estimate the missing part of the derivatives' sums from their last terms.
+    """Estimate the truncation error of the sums of slopes and strains from their last terms.
 
-    It is measured by the derivatives' size at the distance of the layer's thickness (or radius).
+    It is relative to their values at a distance of the thickness of the layer (or the radius).
     """
-    N = rest.shape[-1]
-    last = rest[..., -max(4, N // 16) :]
-    beyond = max(N / J, 0.5 / _decay(depth, stiffness))
-    return float(np.abs(last).max() / np.abs(tail[1]).max() * beyond * min(depth, 1.0))
+    N = terms.shape[-1]
+    last = terms[..., -max(4, N // 16) :]
+    neglected = max(N / J, 0.5 / _decay(depth, stiffness))  # equivalent number of such terms
+    return float(np.abs(last).max() / np.abs(tail[1]).max() * neglected * min(depth, 1.0))

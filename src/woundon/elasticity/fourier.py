@@ -4,15 +4,16 @@ The influence functions of a cylinder are sums over the harmonics n of the angle
 
     f(theta) = c_0 + sum_{n>=1} c_n trig(n theta),        trig = cos (even) or sin (odd),
 
-with coefficients that approach an inverse power series, c_n = a_0 + a_1/n + ... + a_J/n^J + rest_n.
-The powers are summed in closed form: trig sums of n^-j are the parts of the polylogarithm
+with coefficients c_n = a_0 + a_1/n + ... + a_J/n^J + r_n whose remainder r_n decays rapidly.
+The powers are summed in closed form: the sums of n^-j cos(n theta) and n^-j sin(n theta) are the
+real and the imaginary part of the polylogarithm
 
     Li_j(e^{i theta}) = (i theta)^(j-1)/(j-1)! [1 + 1/2 + ... + 1/(j-1) - ln(-i theta)]
                         + sum_{k != j-1} zeta(j-k) (i theta)^k / k!,     0 < theta < 2 pi,
 
-(DLMF 25.12.12), which isolates what is singular at theta = 0: the pole or Dirac pulse of a_0, the
-logarithm or step of a_1, and weaker theta^(j-1) ln(theta) terms.  What remains is tabulated with
-its first two derivatives, by fast Fourier transform, and interpolated.
+(DLMF 25.12.12).  This isolates the singularities at theta = 0: the pole or Dirac pulse of a_0, the
+logarithm or step of a_1, and the weaker terms theta^(j-1) ln(theta).  The regular part and its
+first two derivatives are tabulated by fast Fourier transform and interpolated by quintics.
 """
 
 from __future__ import annotations
@@ -35,11 +36,12 @@ __all__ = [
 
 Array = np.ndarray
 
-KEPT = 1024  # so many angles at a time share their powers
-NEAR = 16  # steps of a table that are made first; of coarse tables contacts see no more
-MOST_WAVES = 4096  # steps around the circle, of which waves near 0 are kept: half a megabyte
-POWERS = 60  # (1/2)^60 < 1e-18: the power series below, at the angle pi
-BEYOND = 1 / 16  # of pi: so much farther tables go, for who asks a little beyond; 0.53^60 < 1e-16
+BLOCK = 1024  # angles per block in the evaluation of power series
+# Steps of a coarse table that are computed first: a contact seldom extends farther.  Up to the
+# given number of steps around the circle this is cheaper than a Fourier transform.
+NEAR_STEPS, MAX_NEAR_SIZE = 16, 4096
+POWERS = 60  # terms of the power series, of radius 2 pi: at the angle pi (1/2)^60 < 1e-18
+MARGIN = 1 / 16  # tables extend to (1 + MARGIN) pi; 0.53^60 < 1e-16 there
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,51 +66,54 @@ def polylogarithm(j: int) -> Polylogarithm:
 
 @lru_cache(maxsize=16)
 def _power_series(odd: bool, orders: int) -> Array:
-    """Return the power series of theta in the polylogarithms 0, 1, ..., (orders, POWERS)."""
+    """Return the real or imaginary power[k] of Li_0, Li_1, ..., (orders, POWERS)."""
     powers = np.array([polylogarithm(j).power for j in range(orders)])
     return powers.imag if odd else powers.real
 
 
 @lru_cache(maxsize=8)
 def _powers_of_angles(size: int) -> Array:
-    """Return the powers of theta = 2 pi k/size and their two derivatives.
+    """Return theta^k and its first two derivatives at the first angles 2 pi i/size of a table.
 
-    From k = 0 on, KEPT of them or as many as tables have, (3, POWERS, k).
+    At most BLOCK angles, (3, POWERS, i).
     """
-    theta = 2 * pi / size * np.arange(min(KEPT, int(size / 2 * (1 + BEYOND)) + 1))
-    k, found = np.arange(1.0, POWERS)[:, None], np.zeros((3, POWERS, theta.size))
-    powers, slopes, bends = found
+    theta = 2 * pi / size * np.arange(min(BLOCK, int(size / 2 * (1 + MARGIN)) + 1))
+    k, out = np.arange(1.0, POWERS)[:, None], np.zeros((3, POWERS, theta.size))
+    powers, first, second = out
     powers[0], powers[1:] = 1.0, theta
     np.cumprod(powers, axis=0, out=powers)
-    slopes[1:] = k * powers[:-1]
-    bends[1:] = k * slopes[:-1]
-    return found
+    first[1:] = k * powers[:-1]
+    second[1:] = k * first[:-1]
+    return out
 
 
-def _moved(series: Array, to: float) -> Array:
-    """Return power series of theta as such of theta - to, (..., POWERS)."""
-    binomials, less = _binomials()
-    return series @ (binomials * (to ** np.arange(POWERS))[less])
+def _shift_series(series: Array, shift: float) -> Array:
+    """Re-expand power series of theta in powers of theta - shift, (..., POWERS)."""
+    binomials, exponents = _binomials()
+    return series @ (binomials * (shift ** np.arange(POWERS))[exponents])
 
 
 @lru_cache(maxsize=8)
-def _waves(size: int, terms: int) -> Array:
-    """Return 2 cos and -2 sin of n theta at the first angles 2 pi k/size, (2 terms, NEAR + 1)."""
-    angles = 2 * pi / size * (np.outer(np.arange(1, terms + 1), np.arange(NEAR + 1)) % size)
+def _near_harmonics(size: int, terms: int) -> Array:
+    """Return 2 cos and -2 sin of n theta at the angles 2 pi k/size, k = 0 ... NEAR_STEPS.
+
+    Shape (2 terms, NEAR_STEPS + 1).
+    """
+    angles = 2 * pi / size * (np.outer(np.arange(1, terms + 1), np.arange(NEAR_STEPS + 1)) % size)
     return np.concatenate([2 * np.cos(angles), -2 * np.sin(angles)])
 
 
 @lru_cache(maxsize=1)
 def _binomials() -> tuple[Array, Array]:
-    """Return k over i, and k - i where that is not 0, (k, i)."""
+    """Return the binomial coefficients (k over i) and the exponents max(k - i, 0), (k, i)."""
     k = np.arange(POWERS)
-    found = np.array([[comb(n, i) for i in k.tolist()] for n in k.tolist()], dtype=float)
-    return found, np.maximum(k[:, None] - k, 0)
+    binomials = np.array([[comb(n, i) for i in k.tolist()] for n in k.tolist()], dtype=float)
+    return binomials, np.maximum(k[:, None] - k, 0)
 
 
 @lru_cache(maxsize=128)
 def _zeta(s: int) -> float:
-    """Return Riemann's zeta(s) of an integer s != 1, by its sum and reflection."""
+    """Return Riemann's zeta(s) for an integer s != 1, for s < 0 by the reflection formula."""
     if s == 0:
         return -0.5
     if s < 0:
@@ -116,7 +121,7 @@ def _zeta(s: int) -> float:
             return 0.0
         m = 1 - s
         return 2 * (2 * pi) ** -m * (-1.0) ** (m // 2) * factorial(m - 1) * _zeta(m)
-    # Euler-Maclaurin after N terms; the first term left out is below 1e-17 for s >= 2
+    # Euler-Maclaurin after N terms; the first neglected term is below 1e-17 for s >= 2
     N = 20
     head = sum(float(k) ** -s for k in range(N - 1, 0, -1))
     tail = float(N) ** (1 - s) / (s - 1) + 0.5 * float(N) ** -s
@@ -129,7 +134,7 @@ def _zeta(s: int) -> float:
 
 @dataclass(frozen=True, eq=False)
 class HarmonicSum:
-    """scale * [mean + sum_n (a_0 + a_1/n + ... + rest_n) trig(n t/radius)].
+    """The function scale * [mean + sum_n (a_0 + a_1/n + ... + r_n) trig(n t/radius)] of t [m].
 
     Parameters
     ----------
@@ -143,11 +148,11 @@ class HarmonicSum:
         Coefficient of n = 0; cosines only.
     tail : ndarray, shape (J+1,), J >= 1
         a_0 ... a_J.
-    rest : ndarray, shape (N,)
-        c_n less the powers, n = 1 ... N; taken as zero beyond.
-    power : ndarray, shape (POWERS,), optional
-        Of theta, even ones of cosines or odd ones of sines: a smooth part added as it is, which
-        ``twice`` leaves out.
+    remainder : ndarray, shape (N,)
+        r_n, n = 1 ... N; zero for larger n.
+    regular : ndarray, shape (POWERS,), optional
+        Power series of theta that is added; even powers of cosines, odd powers of sines.
+        ``second_integral`` does not include it.
     """
 
     odd: bool
@@ -155,11 +160,11 @@ class HarmonicSum:
     scale: float
     mean: float
     tail: Array
-    rest: Array
-    power: Array | None = None
+    remainder: Array
+    regular: Array | None = None
 
     def kernel(self) -> Kernel:
-        """Return the sum taken apart by singularity; the smooth part is tabulated when first used.
+        """Return the singular coefficients and the smooth part, which is tabulated on first use.
 
         The smooth part holds for |t| <= pi R.  It is bounded, and smooth on either side of t = 0;
         at t = 0 it may have a kink (even sums) or behave as t ln|t| (odd sums).
@@ -168,132 +173,142 @@ class HarmonicSum:
         a = self.tail
         if self.odd:
             inverse, sign = scale * a[0] * R, scale * a[1] * pi / 2
-            return Kernel(inverse=inverse, sign=sign, smooth=self, twice=self.twice)
+            return Kernel(
+                inverse=inverse, sign=sign, smooth=self, second_integral=self.second_integral
+            )
         delta, log_ = scale * a[0] * pi * R, -scale * a[1]
-        return Kernel(delta=delta, log=log_, smooth=self, twice=self.twice)
+        return Kernel(delta=delta, log=log_, smooth=self, second_integral=self.second_integral)
 
-    def twice(self, t: Array) -> Array:
-        """Return a second integral of the whole sum at the arc lengths t [m], of any size."""
-        around, whole = 2 * pi * self.radius, self._integrated
-        turned = around * np.rint(t / around)
-        found = whole(t - turned) + self.scale * self.mean / 2 * t * t
-        if self.odd and whole.power is not None:
-            found += whole.power[1] / self.radius * turned  # the line that it lacks goes on
-        return found
+    def second_integral(self, t: Array) -> Array:
+        """Return a second integral K, K'' = f, of the sum with its singularities at any t [m]."""
+        period, periodic = 2 * pi * self.radius, self._integrated_twice
+        turns = period * np.rint(t / period)
+        K = periodic(t - turns) + self.scale * self.mean / 2 * t * t
+        if self.odd and periodic.regular is not None:
+            # the linear term that _integrated_twice subtracts on each turn is continued
+            K += periodic.regular[1] / self.radius * turns
+        return K
 
     @cached_property
-    def _integrated(self) -> HarmonicSum:
-        n = np.arange(1, self.rest.size + 1)
+    def _integrated_twice(self) -> HarmonicSum:
+        """The sum of -R^2 c_n/n^2 trig(n theta), without its constant and linear terms at 0."""
+        n = np.arange(1, self.remainder.size + 1)
         tail = np.concatenate([[0.0, 0.0], self.tail])
-        scale, rest = -self.scale * self.radius**2, self.rest / (n * n)
-        whole = HarmonicSum(self.odd, self.radius, scale, 0.0, tail, rest)
-        # constant and line are free; kept, they would drown the differences of short cells
-        less = np.zeros(POWERS)
-        first = scale * float(rest @ n if self.odd else rest.sum())
-        less[int(self.odd)] = -float(whole.series[int(self.odd)]) - first
-        return replace(whole, power=less)
+        scale, remainder = -self.scale * self.radius**2, self.remainder / (n * n)
+        total = HarmonicSum(self.odd, self.radius, scale, 0.0, tail, remainder)
+        # Constant and slope are arbitrary.  Large ones would cause cancellation in the second
+        # differences over short cells.
+        order = int(self.odd)
+        regular = np.zeros(POWERS)
+        at_zero = scale * float(remainder @ n if self.odd else remainder.sum())
+        regular[order] = -float(total.series[order]) - at_zero
+        return replace(total, regular=regular)
 
     def __call__(self, t: Array) -> Array:
         """Return the smooth part at the arc lengths t [m], any shape, |t| <= pi R."""
-        return self._alone(t)[0]
+        return self._table(t)[0]
 
     @cached_property
-    def _alone(self) -> HarmonicSums:
+    def _table(self) -> HarmonicSums:
         return HarmonicSums((self,))
 
     def logs(self) -> Array:
         """Return the coefficients of theta^(j-1) ln(theta); j = 2, 4, ... if odd, else 3, 5, ..."""
         orders = range(2 if self.odd else 3, self.tail.size, 2)
         weights = np.array([polylogarithm(j).log for j in orders])
-        return np.array(self.scale * self.tail[orders.start :: 2] * self._part(weights))
-
-    def _part(self, z: Array) -> Array:
-        return z.imag if self.odd else z.real
+        weights = weights.imag if self.odd else weights.real
+        return np.array(self.scale * self.tail[orders.start :: 2] * weights)
 
     @property
     def spectrum(self) -> Array:
-        """Coefficients of exp(i n theta) of the rest, n = 1 ... N."""
-        return (-0.5j if self.odd else 0.5) * self.scale * self.rest
+        """Coefficients of exp(i n theta) of the remainder, n = 1 ... N."""
+        return (-0.5j if self.odd else 0.5) * self.scale * self.remainder
 
     @property
     def series(self) -> Array:
-        """Coefficients of the regular parts of the powers n^-j, by powers of theta."""
+        """Power series of theta of the regular part of the sums of a_j/n^j, (POWERS,)."""
         c = self.tail @ _power_series(self.odd, self.tail.size)
         if self.odd:
-            c[0] = 0.0  # the step of a_1, which the kernel carries as its sign
+            c[0] = 0.0  # the step of a_1 is Kernel.sign
         else:
             c[0] += self.mean + self.tail[1] * log(self.radius)  # ln(theta) = ln(t) - ln(R)
         c *= self.scale
-        return np.asarray(c if self.power is None else c + self.power)
+        return np.asarray(c if self.regular is None else c + self.regular)
 
 
 @dataclass(frozen=True, eq=False)
 class HarmonicSums:
-    """The smooth parts of several sums on one circle, with equally many terms, at once.
+    """The smooth parts of several sums with the same radius and number of terms, in one table.
 
-    Where they are needed together, this costs hardly more than one of them.
+    The evaluation of all sums costs hardly more than that of one.
+
+    Attributes
+    ----------
+    sums : tuple of HarmonicSum
+    parent : (HarmonicSums, slice), optional
+        A larger set whose table contains the sums, and their position in it.
     """
 
     sums: tuple[HarmonicSum, ...]
-    some_of: tuple[HarmonicSums, slice] | None = None  # whose table has theirs
+    parent: tuple[HarmonicSums, slice] | None = None
 
-    def some(self, which: slice) -> HarmonicSums:
-        """Return some of them, by the table of all."""
+    def select(self, which: slice) -> HarmonicSums:
+        """Return some of the sums, which share the table of all."""
         return HarmonicSums(self.sums[which], (self, which))
 
     def kernels(self) -> tuple[Kernel, ...]:
-        """Return each of them taken apart by singularity, all by one table when first used."""
+        """Return the sums as influence functions that share one table of smooth parts."""
         return tuple(
-            replace(one.kernel(), smooth=self.some(slice(k, k + 1)).first)
+            replace(one.kernel(), smooth=self.select(slice(k, k + 1)).first)
             for k, one in enumerate(self.sums)
         )
 
     def first(self, t: Array) -> Array:
-        """Return the first of them, shape t.shape."""
+        """Return the smooth part of the first sum at t [m], shape t.shape."""
         return np.asarray(self(t)[0])
 
     @property
-    def reach(self) -> float:
-        """Largest |t| that they hold for [m]: the expansions do for all angles below 2 pi."""
-        return (1 + BEYOND) * pi * self.sums[0].radius
+    def max_distance(self) -> float:
+        """Largest |t| in the table [m]; the expansions converge for all angles below 2 pi."""
+        return (1 + MARGIN) * pi * self.sums[0].radius
 
     def __call__(self, t: Array) -> Array:
-        """Return them at the arc lengths t [m], shape (sums, *t.shape), |t| <= reach."""
+        """Return the smooth parts at arc lengths |t| <= max_distance [m], (sums, *t.shape)."""
         t = np.asarray(t, dtype=float)
         flat = t.ravel()
         theta = np.abs(flat) * (1 / self.sums[0].radius)
         x = theta * (self._size / (2 * pi))
-        near = x.max(initial=0.0) < NEAR and self._size <= MOST_WAVES
-        coefficients = self._near if near else self._whole
+        near = x.max(initial=0.0) < NEAR_STEPS and self._size <= MAX_NEAR_SIZE
+        coefficients = self._near_quintics if near else self._quintics
         i = x.astype(np.intp)
         np.minimum(i, coefficients.shape[-1] - 1, out=i)
         x -= i
         y = coefficients[5].take(i, axis=-1, mode="clip")
-        here = np.empty_like(y)
+        buffer = np.empty_like(y)
         for c in coefficients[4::-1]:
             y *= x
-            y += c.take(i, axis=-1, mode="clip", out=here)
-        y += self._weak(theta)
+            y += c.take(i, axis=-1, mode="clip", out=buffer)
+        y += self._log_terms(theta)
         sign = np.sign(flat)
         for row, odd in zip(y, self._odd, strict=True):
             if odd:
                 row *= sign
         return y.reshape(-1, *t.shape)
 
-    def _weak(self, theta: Array) -> Array:
-        """Return the terms theta^(j-1) ln(theta), (sums, theta)."""
+    def _log_terms(self, theta: Array) -> Array:
+        """Return the terms theta^(j-1) ln(theta) at theta >= 0, (sums, theta)."""
         square = theta * theta
         powers = np.empty((self._logs.shape[1], theta.size))
         powers[0] = square
         for k in range(1, len(powers)):
             np.multiply(powers[k - 1], square, out=powers[k])
-        least = np.maximum(theta, 1e-150)
-        logarithm = np.log(least)
-        weak: Array = self._logs @ powers
-        over_angle = logarithm / least
-        for row, odd in zip(weak, self._odd, strict=True):
-            row *= over_angle if odd else logarithm
-        return weak
+        positive = np.maximum(theta, 1e-150)
+        logarithm = np.log(positive)
+        terms: Array = self._logs @ powers
+        over_theta = logarithm / positive
+        for row, odd in zip(terms, self._odd, strict=True):
+            row *= over_theta if odd else logarithm
+        return terms
 
     @cached_property
     def _odd(self) -> tuple[bool, ...]:
@@ -301,77 +316,87 @@ class HarmonicSums:
 
     @cached_property
     def _size(self) -> int:
-        """Steps around the circle: 4 a shortest wave, where coefficients have died out already."""
-        return max(256, 1 << (4 * self.sums[0].rest.size - 1).bit_length())
+        """Steps around the circle: 4 for the shortest wave, whose amplitude is negligible."""
+        return max(256, 1 << (4 * self.sums[0].remainder.size - 1).bit_length())
 
     @cached_property
-    def _near(self) -> Array:
-        """Quintics on the first steps, all that a contact sees mostly, (6, sums, NEAR)."""
-        if self.some_of is not None:
-            return np.ascontiguousarray(self.some_of[0]._near[:, self.some_of[1]])
-        return self._quintics(NEAR + 1)
+    def _near_quintics(self) -> Array:
+        """Coefficients of the quintics on the first steps, (6, sums, NEAR_STEPS)."""
+        if self.parent is not None:
+            return np.ascontiguousarray(self.parent[0]._near_quintics[:, self.parent[1]])
+        return self._tabulate(NEAR_STEPS + 1)
 
     @cached_property
-    def _whole(self) -> Array:
-        """Quintics on equal steps up to the reach, (6, sums, steps)."""
-        if self.some_of is not None:
-            return np.ascontiguousarray(self.some_of[0]._whole[:, self.some_of[1]])
-        return self._quintics(int(self._size / 2 * (1 + BEYOND)) + 1)
+    def _quintics(self) -> Array:
+        """Coefficients of the quintics on all steps up to ``max_distance``, (6, sums, steps)."""
+        if self.parent is not None:
+            return np.ascontiguousarray(self.parent[0]._quintics[:, self.parent[1]])
+        return self._tabulate(int(self._size / 2 * (1 + MARGIN)) + 1)
 
-    def _quintics(self, angles: int) -> Array:
+    def _tabulate(self, angles: int) -> Array:
+        """Return the coefficients of the quintics between the first angles 2 pi k/size."""
         step = 2 * pi / self._size
-        values = self._rest_on_circle(angles) + self._powers(angles)
+        values = self._remainders(angles) + self._regular_parts(angles)
         values *= np.array([1.0, step, step * step])[:, None, None]
         return np.ascontiguousarray(np.moveaxis(quintics(values), -1, 0))
 
-    def _rest_on_circle(self, angles: int) -> Array:
-        """Sum the rests and their two derivatives at the first of the angles, (3, sums, angles)."""
-        once = np.array([sum_.spectrum for sum_ in self.sums])
-        n = 1j * np.arange(1, once.shape[-1] + 1)
-        if angles == NEAR + 1:
-            waves = np.array([once, once * n, once * (n * n)])
-            parts = np.concatenate([waves.real, waves.imag], axis=-1)
-            return np.asarray(parts @ _waves(self._size, n.size))
-        spectrum = np.zeros((3, len(once), self._size // 2 + 1), dtype=complex)
-        inner = spectrum[..., 1 : n.size + 1]
-        inner[0] = once * self._size
+    def _remainders(self, angles: int) -> Array:
+        """Sum r_n trig(n theta) and its first two derivatives, (3, sums, angles)."""
+        spectrum = np.array([sum_.spectrum for sum_ in self.sums])
+        n = 1j * np.arange(1, spectrum.shape[-1] + 1)
+        if angles == NEAR_STEPS + 1:
+            derivatives = np.array([spectrum, spectrum * n, spectrum * (n * n)])
+            parts = np.concatenate([derivatives.real, derivatives.imag], axis=-1)
+            return np.asarray(parts @ _near_harmonics(self._size, n.size))
+        padded = np.zeros((3, len(spectrum), self._size // 2 + 1), dtype=complex)
+        inner = padded[..., 1 : n.size + 1]
+        inner[0] = spectrum * self._size
         np.multiply(inner[0], n, out=inner[1])
         np.multiply(inner[1], n, out=inner[2])
-        return np.fft.irfft(spectrum, self._size)[..., :angles]
+        return np.fft.irfft(padded, self._size)[..., :angles]
 
-    def _powers(self, angles: int) -> Array:
-        """Sum the regular parts of the powers n^-j and their two derivatives where they are kept.
+    def _regular_parts(self, angles: int) -> Array:
+        """Evaluate the power series of theta and their first two derivatives, (3, sums, angles).
 
-        At the first of the angles, (3, sums, angles).
+        All blocks of angles use the powers of the first block: the series are re-expanded there.
         """
         c = np.array([sum_.series for sum_ in self.sums])
-        near = _powers_of_angles(self._size)
-        parts = [c @ near[..., :angles]]
-        for first in range(KEPT, angles, KEPT):
-            parts.append(_moved(c, 2 * pi / self._size * first) @ near[..., : angles - first])
+        powers = _powers_of_angles(self._size)
+        parts = [c @ powers[..., :angles]]
+        for first in range(BLOCK, angles, BLOCK):
+            shifted = _shift_series(c, 2 * pi / self._size * first)
+            parts.append(shifted @ powers[..., : angles - first])
         return np.concatenate(parts, axis=-1)
 
     @cached_property
     def _logs(self) -> Array:
-        """Coefficients of the weak terms, (sums, orders); at least one, for the sake of shape."""
-        found = [sum_.logs() for sum_ in self.sums]
-        logs = np.zeros((len(found), max(f.size for f in (*found, np.zeros(1)))))
-        for row, of_one in zip(logs, found, strict=True):
-            row[: of_one.size] = of_one
-        return logs
+        """Coefficients of the terms theta^(j-1) ln(theta), (sums, orders); at least one order."""
+        logs = [sum_.logs() for sum_ in self.sums]
+        padded = np.zeros((len(logs), max(1, *(row.size for row in logs))))
+        for row, values in zip(padded, logs, strict=True):
+            row[: values.size] = values
+        return padded
 
 
 def quintics(values: Array) -> Array:
-    """Return coefficients (..., K, 6) of the quintics with given f, f', f'' at unit steps.
+    """Return the coefficients of the quintic Hermite interpolants with unit steps.
 
-    Values are (3, ..., K+1).
+    Parameters
+    ----------
+    values : (3, ..., K+1) array
+        f, f' and f'' at the K+1 points.
+
+    Returns
+    -------
+    (..., K, 6) array
+        Ascending coefficients in each step.
     """
     f, d, s = values[..., :-1]
     F, D, S = values[..., 1:]
-    half, Half = s / 2, S / 2
+    half = s / 2
     rise = F - f - d - half
     turn = D - d - s
-    bend = Half - half
+    bend = S / 2 - half
     return np.stack(
         (
             f,

@@ -39,7 +39,7 @@ def coefficients(
     A_rr, A_tt, A_rt, G : float
         Plane-strain stiffness [Pa].
     D : float, optional
-        :func:`.strip.stiffness_along`, where it is known better than by the others.
+        As of :func:`.strip.stiffness_along`, if it is known more accurately.
 
     Notes
     -----
@@ -48,7 +48,7 @@ def coefficients(
     root^2 = (s - A_rt)(s + A_rt + 2G) and det = A_rr A_tt - A_rt^2 = A_rr D.
     """
     s = sqrt(A_rr * A_tt)
-    # s - A_rt = A_rr D/(s + A_rt): all that is left stays bounded up to incompressibility
+    # with s - A_rt = A_rr D/(s + A_rt) no term becomes infinite for incompressible materials
     D = D or stiffness_along(A_rr, A_tt, A_rt)
     B = sqrt((1 + 2 * G / (s + A_rt)) / (G * D))
     return Coefficients(1 / (s + A_rt), B, sqrt(A_tt / A_rr) * B)
@@ -58,7 +58,7 @@ def coefficients(
 def surface_kernels(
     A_rr: float, A_tt: float, A_rt: float, G: float, D: float | None = None
 ) -> SurfaceKernels:
-    """Return the half-plane's influence functions (thesis eq. 32); lengths in metres in ln."""
+    """Return the influence functions of the half-plane (thesis eq. 32), with t in metres."""
     A, B, C = coefficients(A_rr, A_tt, A_rt, G, D)
     return SurfaceKernels(
         normal_p=Kernel(log=C / pi),

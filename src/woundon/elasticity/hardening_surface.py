@@ -1,16 +1,17 @@
 r"""Surface response of a hardening roll: the linear cylinder plus a difference by finite elements.
 
-Under pressures and tractions f = (p, q) the surface moves by
+The surface displacements w = (v, u) under the tractions f = (p, q) are
 
-    w(f) = w_0(f) + [w_h(f) - w_0h(f)],        w = (v, u),
+    w(f) = w_0(f) + [w_h(f) - w_0h(f)],
 
-w_0 that of the linear cylinder with the moduli of the wound surface, by its influence functions
-(:mod:`.influence`), w_h and w_0h those of the hardening and of the linear ring on the same finite
-elements (:mod:`.ring_equilibrium`).  At the contact edges the tractions fall to zero like a square
-root, so that both rings are equally stiff and have the same singularities: the elements resolve the
-rest, whose strains vary as the distance times its logarithm.
+where w_0 is the response of the linear cylinder with the moduli of the wound surface by its
+influence functions (:mod:`.influence`), and w_h and w_0h are the responses of the hardening and of
+the linear ring on the same finite elements (:mod:`.ring_equilibrium`).  The tractions vanish at the
+contact edges as a square root, so that both rings have the same moduli and the same singularities
+there.  The difference is smoother, and resolved by the elements: its strains vary as the distance
+from the edge times its logarithm.
 
-The columns of elements follow the half width, so that the response is a smooth function of p, q and
+The elements are scaled with the half width, so that the response is a smooth function of p, q and
 ln a.  A cubic spline through the displacements of the surface nodes gives slopes and strains.
 """
 
@@ -33,14 +34,14 @@ __all__ = ["HardeningSurface", "hardening_sections", "ring_fineness"]
 
 Array = np.ndarray
 
-FEWEST_COLUMNS = 8  # of elements under the contact
-# The error of the elements falls with the third power of their size, that of the contact with the
-# second: from so many cells of the nip on, the number of columns grows more slowly.
+MIN_COLUMNS = 8  # of elements under the contact
+# The error of the elements varies as the third power of their size, that of the contact as the
+# second.  Above this number of cells in the nip the number of columns therefore grows more slowly.
 MANY_CELLS = 64
 
 
-class Solved(NamedTuple):
-    """The ring under given pressures and tractions."""
+class Solution(NamedTuple):
+    """The ring under the pressures p and the tractions q."""
 
     p: Array
     q: Array
@@ -49,7 +50,7 @@ class Solved(NamedTuple):
 
 
 class HardeningSurface:
-    """The surface of a hardening roll on a face.
+    """The :class:`.surface.SurfaceResponse` of a hardening roll.
 
     Parameters
     ----------
@@ -68,33 +69,24 @@ class HardeningSurface:
     def __init__(
         self, ring: RingPair, linear: InfluenceSurface, face: Face, half_width: float, limit: float
     ) -> None:
-        self.ring, self.linear, self.face, self.a, self.limit = (
-            ring,
-            linear,
-            face,
-            half_width,
-            limit,
-        )
-        self._solved: Solved | None = None
+        self.ring, self.linear, self.face = ring, linear, face
+        self.a, self.limit = half_width, limit
+        self._latest: Solution | None = None
 
     def deform(self, p: Array, q: Array) -> Deformation:
         """Return the deformation under nodal pressures and tractions."""
         slope, strain = self.linear.deform(p, q)
-        more_slope, more_strain = self._gradients(self._solve(p, q).difference)
-        return Deformation(slope + more_slope, strain + more_strain)
+        slope_difference, strain_difference = self._gradients(self._solve(p, q).difference)
+        return Deformation(slope + slope_difference, strain + strain_difference)
 
     def tangent(self, p: Array, q: Array) -> SurfaceTangent:
         """Return the derivatives of ``deform``."""
         by_p, by_q = self._tangent(p, q)
         slope_p, slope_q, strain_p, strain_q = self.linear.tangent(p, q)
-        (more_slope_p, more_strain_p), (more_slope_q, more_strain_q) = map(
-            self._gradients, (by_p, by_q)
-        )
+        d_slope_p, d_strain_p = self._gradients(by_p)
+        d_slope_q, d_strain_q = self._gradients(by_q)
         return SurfaceTangent(
-            slope_p + more_slope_p,
-            slope_q + more_slope_q,
-            strain_p + more_strain_p,
-            strain_q + more_strain_q,
+            slope_p + d_slope_p, slope_q + d_slope_q, strain_p + d_strain_p, strain_q + d_strain_q
         )
 
     def end_displacement(self, p: Array, q: Array) -> float:
@@ -123,11 +115,11 @@ class HardeningSurface:
     # ---- state of the ring ---------------------------------------------------------------------
 
     def residual(self, p: Array, q: Array) -> float:
-        """Return the largest nodal force of the ring that is not balanced, relative to the load."""
+        """Return the largest residual of the nodal forces of the ring, relative to the load."""
         return self._solve(p, q).state.residual
 
     def outside(self, p: Array, q: Array) -> str:
-        """Return a message if a pressure in the roll lies outside the law, else ''."""
+        """Return a message if a pressure in the roll is outside the range of the law, else ''."""
         state, law = self._solve(p, q).state, self.ring.law
         if state.max_pressure > self.limit:
             return (
@@ -144,15 +136,15 @@ class HardeningSurface:
 
     # ---- finite elements -----------------------------------------------------------------------
 
-    def _solve(self, p: Array, q: Array) -> Solved:
-        """Return the ring under p and q; a negative pressure of an iterate does not act on it."""
-        last = self._solved
-        if last is None or not (np.array_equal(p, last.p) and np.array_equal(q, last.q)):
+    def _solve(self, p: Array, q: Array) -> Solution:
+        """Return the ring under p and q; negative pressures of an iterate are replaced by zero."""
+        latest = self._latest
+        if latest is None or not (np.array_equal(p, latest.p) and np.array_equal(q, latest.q)):
             forces = np.stack([-self._hats @ np.maximum(p, 0.0), self._hats @ q])
             state = self.ring.equilibrium(self._mesh, forces)
-            last = Solved(p.copy(), q.copy(), state, self.ring.difference(state, forces))
-            self._solved = last
-        return last
+            latest = Solution(p.copy(), q.copy(), state, self.ring.difference(state, forces))
+            self._latest = latest
+        return latest
 
     def _tangent(self, p: Array, q: Array) -> tuple[Array, Array]:
         """Return v and u of the surface nodes by p and by q, (2, k, n) [m/Pa]."""
@@ -161,7 +153,7 @@ class HardeningSurface:
         return -compliance[:, :, 0] @ (hats * (p >= 0)), compliance[:, :, 1] @ hats
 
     def _gradients(self, w: Array) -> tuple[Array, Array]:
-        """Return slope and strain at the points of the face, of v and u of the surface nodes."""
+        """Return slope and strain at the points of the face from v and u of the surface nodes."""
         value, slope = self._splines
         return slope @ w[0], slope @ w[1] + value @ w[0] / self.ring.radius
 
@@ -171,35 +163,35 @@ class HardeningSurface:
 
     @cached_property
     def _hats(self) -> Array:
-        """Nodal forces of unit pressures, (k, n) [m]."""
+        """Nodal forces of unit nodal pressures, (k, n) [m]."""
         return self._mesh.hats(self.a * self.face.nodes)
 
     @cached_property
     def _splines(self) -> tuple[Array, Array]:
-        """Values and slopes at the points of the face, (n+1, k)."""
+        """Values and slopes at the points of the face of unit nodal displacements, (n+1, k)."""
         return self._mesh.splines(self.a * self.face.points)
 
     @cached_property
     def _end(self) -> Array:
-        """Value at the trailing edge of the nip, (k,)."""
+        """Values at the trailing edge of the nip of unit nodal displacements, (k,)."""
         return self._mesh.splines(self.a * self.face.points[-2:-1])[0][0]
 
 
 def ring_fineness(cells: int) -> Fineness:
     """Return the numbers of elements for the number of cells of a nip."""
     many = MANY_CELLS / 2 * (cells / MANY_CELLS) ** 0.6
-    inside = max(FEWEST_COLUMNS, cells // 2 if cells <= MANY_CELLS else round(many))
+    inside = max(MIN_COLUMNS, cells // 2 if cells <= MANY_CELLS else round(many))
     return Fineness(inside, 8 + inside // 4, 4 + 3 * inside // 8)
 
 
 def hardening_sections(
     ring: RingPair, x: Array, p: Array, q: Array, depths: Array, half_width: float
 ) -> tuple[Section, ...]:
-    """Return the stresses that surface tractions add to those of a wound, hardening roll.
+    """Return the stresses added by surface tractions to those of a wound, hardening roll.
 
-    Those of the linear cylinder with the moduli of the wound surface, by harmonics, plus the
-    difference between the hardening and the linear ring.  The difference vanishes at the surface
-    and is interpolated linearly between the quadrature points of the elements.
+    They are the stresses in the linear cylinder with the moduli of the wound surface
+    (:mod:`.interior_stress`) plus the difference between the hardening and the linear ring.  The
+    difference is zero at the surface and interpolated linearly between the quadrature points.
 
     Parameters
     ----------
@@ -222,19 +214,19 @@ def hardening_sections(
         np.vstack([mesh.on_quadrature_grid(stress[..., k]), np.zeros(grid_x.size)]) for k in (0, 2)
     )
 
-    def at_depth(values: Array, z: float, around: Array) -> Array:
+    def interpolated(values: Array, z: float, x: Array) -> Array:
+        """Interpolate values on the quadrature grid at the depth z and the positions x."""
         k = int(np.clip(np.searchsorted(grid_r, ring.radius - z), 1, grid_r.size - 1))
         t = (ring.radius - z - grid_r[k - 1]) / np.diff(grid_r)[k - 1]
-        along = values[k - 1] * (1 - t) + values[k] * t
-        return np.interp(around, grid_x, along, period=mesh.period)
+        return np.interp(x, grid_x, values[k - 1] * (1 - t) + values[k] * t, period=mesh.period)
 
     layers = ((depth(ring.radius, ring.core_radius), *ring.stiffness),)
     return tuple(
         Section(
-            s.depth,
-            s.x,
-            s.normal + at_depth(normal, s.depth, s.x),
-            s.shear + at_depth(shear, s.depth, s.x),
+            linear.depth,
+            linear.x,
+            linear.normal + interpolated(normal, linear.depth, linear.x),
+            linear.shear + interpolated(shear, linear.depth, linear.x),
         )
-        for s in cylinder_sections(x, p, q, depths, ring.radius, layers)
+        for linear in cylinder_sections(x, p, q, depths, ring.radius, layers)
     )

@@ -19,10 +19,10 @@ __all__ = ["by_second_integral", "gauss_points", "singular_integrals"]
 
 Array = np.ndarray
 
-# A cell over its distance from a point, below which the difference of two logarithms would cancel.
+# Ratio of a cell to its distance below which the difference of two logarithms is taken as log1p.
 FAR = 0.2
-# Gauss points of a cell: enough for three a length on which the function varies, at most so many.
-MOST_POINTS = 150
+# A cell has three Gauss points for each length on which the function varies, at most MAX_POINTS.
+MAX_POINTS = 150
 
 
 def singular_integrals(points: Array, nodes: Array) -> Array:
@@ -49,7 +49,7 @@ def singular_integrals(points: Array, nodes: Array) -> Array:
                                                 int (s - s_m) ln|t| ds   = [d (d L - h) - h^2 L/4]/2
 
     and a hat is 1/2 +- (s - s_m)/h in its two cells.  The integrals of Dirac(t) are the values of
-    the hats at y, and those of sgn(t) are their integrals on the left of y less those on the right.
+    the hats at y, and those of sgn(t) are their integrals left of y minus those right of y.
     """
     t, h = points[:, None] - nodes, np.diff(nodes)
     out = np.empty((4, *t.shape))
@@ -59,34 +59,44 @@ def singular_integrals(points: Array, nodes: Array) -> Array:
     with np.errstate(divide="ignore"):
         ratio = h / t[:, 1:]
     np.log1p(ratio, out=L, where=np.abs(ratio) < FAR)
-    slope = d * L - h
-    _add_cells(out[0], L / 2, slope / h)
-    mean = logs[:, :-1] + logs[:, 1:]
-    mean *= h / 2
-    mean += slope
-    slope *= d
+    first = d * L - h
+    _hats_from_moments(out[0], L / 2, first / h)
+    # in-place operations: these matrices take most of the time of a new mesh
+    zeroth = logs[:, :-1] + logs[:, 1:]
+    zeroth *= h / 2
+    zeroth += first
+    first *= d
     L *= h**2 / 4
-    slope -= L
-    mean /= 2
-    slope /= 2 * h
-    _add_cells(out[2], mean, slope)
-    np.multiply(np.sign(t), hat_weights(h), out=out[3])
-    out[1] = 0.0
-    k = np.nonzero((points >= nodes[0]) & (points <= nodes[-1]))[0]
-    cell = np.clip(np.searchsorted(nodes, points[k]) - 1, 0, h.size - 1)
-    part, padded = (points[k] - nodes[cell]) / h[cell], np.concatenate([[0.0], h, [0.0]])
-    out[1, k, cell], out[1, k, cell + 1] = 1 - part, part
-    out[3, k, cell] = padded[cell] / 2 + h[cell] * (2 * part - part**2 - 0.5)
-    out[3, k, cell + 1] = h[cell] * (part**2 - 0.5) - padded[cell + 2] / 2
+    first -= L
+    zeroth /= 2
+    first /= 2 * h
+    _hats_from_moments(out[2], zeroth, first)
+    _integrate_dirac_and_sign(out[1], out[3], t, points, nodes)
     return out
 
 
-def _add_cells(out: Array, half: Array, slope: Array) -> None:
-    """Write the integrals against hats from half the zeroth moments and the first over h."""
-    np.subtract(half, slope, out=out[:, :-1])
+def _hats_from_moments(out: Array, zeroth: Array, first: Array) -> None:
+    """Write integrals against the hats, from moments of the cells: zeroth / 2, first / h."""
+    np.subtract(zeroth, first, out=out[:, :-1])
     out[:, -1] = 0.0
-    half += slope
-    out[:, 1:] += half
+    zeroth += first
+    out[:, 1:] += zeroth
+
+
+def _integrate_dirac_and_sign(
+    dirac: Array, sign: Array, t: Array, points: Array, nodes: Array
+) -> None:
+    """Write the integrals of Dirac(t) and sgn(t) against the hats."""
+    h = np.diff(nodes)
+    dirac[:] = 0.0
+    np.multiply(np.sign(t), hat_weights(h), out=sign)
+    # the two hats of the cell that contains y
+    k = np.nonzero((points >= nodes[0]) & (points <= nodes[-1]))[0]
+    cell = np.clip(np.searchsorted(nodes, points[k]) - 1, 0, h.size - 1)
+    fraction, padded = (points[k] - nodes[cell]) / h[cell], np.concatenate([[0.0], h, [0.0]])
+    dirac[k, cell], dirac[k, cell + 1] = 1 - fraction, fraction
+    sign[k, cell] = padded[cell] / 2 + h[cell] * (2 * fraction - fraction**2 - 0.5)
+    sign[k, cell + 1] = h[cell] * (fraction**2 - 0.5) - padded[cell + 2] / 2
 
 
 def by_second_integral(
@@ -95,14 +105,14 @@ def by_second_integral(
     points: Array,
     nodes: Array,
 ) -> Array:
-    """Integrate influence functions k = K'' against hats by second differences of K, exactly.
+    """Integrate influence functions k = K'' against hats by second differences of K (exact).
 
     Parameters
     ----------
     second : callable
         t -> K(t), (..., k, n) for t (k, n).
     first : callable or None
-        t -> K'(t), (..., k) for t (k,); without it the columns of the end nodes stay zero.
+        t -> K'(t), (..., k) for t (k,); if None, the columns of the end nodes are zero.
     points, nodes : arrays
         [m].
 
@@ -111,17 +121,17 @@ def by_second_integral(
     (..., k, n) array
     """
     t = points[:, None] - nodes
-    rise = np.diff(second(t), axis=-1) / np.diff(nodes)
+    slopes = np.diff(second(t), axis=-1) / np.diff(nodes)
     if first is None:
-        out = np.zeros((*rise.shape[:-1], nodes.size))
-        out[..., 1:-1] = np.diff(rise, axis=-1)
+        out = np.zeros((*slopes.shape[:-1], nodes.size))
+        out[..., 1:-1] = np.diff(slopes, axis=-1)
         return out
-    ends = [-np.asarray(first(points - node))[..., None] for node in nodes[[0, -1]]]
-    return np.diff(np.concatenate([ends[0], rise, ends[1]], axis=-1), axis=-1)
+    start, end = (-np.asarray(first(points - node))[..., None] for node in nodes[[0, -1]])
+    return np.diff(np.concatenate([start, slopes, end], axis=-1), axis=-1)
 
 
 def gauss_points(nodes: Array, a: float, length: float) -> tuple[Array, Array]:
-    """Return Gauss points along neighbouring cells, and the values of all hats times weights.
+    """Return Gauss points of all cells, and the values of the hats there times weights.
 
     Parameters
     ----------
@@ -136,13 +146,13 @@ def gauss_points(nodes: Array, a: float, length: float) -> tuple[Array, Array]:
         Points in units of a, and hats times weights [m].
     """
     cells = np.diff(nodes)
-    share = a * cells / length
-    orders = np.where(share < 0.01, 1, 2 + np.minimum(3 * share, MOST_POINTS).astype(int))
-    cell, part, weight = _points_in_cells(orders.tobytes())
+    ratio = a * cells / length
+    orders = np.where(ratio < 0.01, 1, 2 + np.minimum(3 * ratio, MAX_POINTS).astype(int))
+    cell, fraction, weight = _points_in_cells(orders.tobytes())
     weight = weight * (cells[cell] * a)
-    hats, k = np.zeros((part.size, nodes.size)), np.arange(part.size)
-    hats[k, cell], hats[k, cell + 1] = weight * (1 - part), weight * part
-    return nodes[cell] + cells[cell] * part, hats
+    hats, k = np.zeros((fraction.size, nodes.size)), np.arange(fraction.size)
+    hats[k, cell], hats[k, cell + 1] = weight * (1 - fraction), weight * fraction
+    return nodes[cell] + cells[cell] * fraction, hats
 
 
 @lru_cache(maxsize=64)
@@ -156,6 +166,6 @@ def _points_in_cells(orders: bytes) -> tuple[Array, Array, Array]:
 
 @lru_cache
 def _gauss_rule(points: int) -> tuple[Array, Array]:
-    """Return points and weights on [-1, 1]."""
-    at, weights = np.polynomial.legendre.leggauss(points)
-    return at, weights
+    """Return points and weights of Gauss's rule on [-1, 1]."""
+    nodes, weights = np.polynomial.legendre.leggauss(points)
+    return nodes, weights

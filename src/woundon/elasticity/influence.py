@@ -4,15 +4,18 @@ Each of the influence functions of slope and strain (:class:`.kernels.SurfaceKer
 
     k(t) = inverse/t + delta Dirac(t) + log ln|t| + sign sgn(t) + lag(t) + smooth(t),   t = x - s.
 
-The singular parts are integrated in closed form; in units of the half width a they depend on the
-mesh only.  The lag of a viscoelastic surface is integrated by second differences of its second
-integral.  The smooth part of a curved body varies on the length l of its layer.  Inside the nip it
-is interpolated by polynomials in x and s at the Chebyshev points t_i,
+Slope and strain at x are the integrals of k(x - s) times the pressure and traction, which are sums
+of nodal hat functions.  The singular parts are integrated in closed form; in units of the half
+width a they depend on the mesh only.  The lag of a viscoelastic surface is integrated by second
+differences of its second integral.  The smooth part of a curved body varies on a length l, such as
+the thickness of its outermost layer.  Inside the nip it is interpolated by polynomials in x and s
+at the Chebyshev points t_i,
 
     int smooth(a (y-s)) hat_m(s) a ds = sum_ij L_i(y) smooth(a (t_i-t_j)) int L_j(s) hat_m(s) a ds
 
-and on a wrap it is integrated by Gauss's rule.  Where l is so short that the polynomials would have
-more degrees of freedom than the mesh resolves, the second integral of the whole kernel serves.
+and on a wrap it is integrated by Gauss's rule.  If l is so short that the polynomials would have
+more degrees of freedom than the mesh resolves, second differences of the second integral of the
+complete influence function are used instead.
 """
 
 from __future__ import annotations
@@ -36,21 +39,21 @@ Array = np.ndarray
 Smooth = Callable[[Array], Array]
 
 # A function with poles at +-i l is interpolated on [-a, a] with an error of about
-# exp(-rank asinh(l/a)); rank = 20/asinh(l/a) leaves 2e-9 of its largest value.
-DIGITS, LEAST_RANK, HIGHEST_RANK = 20.0, 24, 600
+# exp(-rank asinh(l/a)), which is 2e-9 for rank = 20/asinh(l/a).
+RANK_FACTOR, MIN_RANK, MAX_RANK = 20.0, 24, 600
 
 
 class SmoothParts(NamedTuple):
-    """Points and sources between which smooth parts are evaluated.
+    """Low-rank integration of the smooth parts: to_points @ smooth(targets, sources) @ moments.
 
     Attributes
     ----------
     targets, sources : (k,), (m,) arrays
         In units of a.
     to_points : (n+1, k) array
-        Interpolates values at the targets at the points of the face.
+        Interpolation matrix from the targets to the points of the face.
     moments : (m, n) array
-        Integrates values at the sources against the hats [m].
+        Integrals against the hat functions of a function given at the sources [m].
     """
 
     targets: Array
@@ -60,7 +63,7 @@ class SmoothParts(NamedTuple):
 
 
 class InfluenceSurface:
-    """The surface of a linear body on a face.
+    """The :class:`.surface.SurfaceResponse` of a linear body with known influence functions.
 
     Parameters
     ----------
@@ -68,7 +71,7 @@ class InfluenceSurface:
     radius : float
         R [m].
     curved : bool
-        Whether the influence functions are periodic around the circumference.
+        True if the influence functions are periodic around the circumference.
     face : Face
     half_width : float
         a [m].
@@ -81,12 +84,12 @@ class InfluenceSurface:
     ) -> None:
         self.kernels, self.face, self.a = kernels, face, half_width
         self.period = 2 * pi * radius if curved else inf
-        self.reach = kernels.reach or self.period / 2
+        self.max_distance = kernels.max_distance or self.period / 2
 
     # ---- values and derivatives ----------------------------------------------------------------
 
     def deform(self, p: Array, q: Array) -> Deformation:
-        """Return the deformation, without assembling the matrices where they are not needed."""
+        """Return the deformation; matrix-free unless the influence matrices exist already."""
         if "_matrices" in vars(self) or self.kernels.lag is not None or self._is_short:
             values = self._matrices @ np.array([p, q])[:, :, None]
             slope, strain = values[..., 0].sum(axis=1)
@@ -116,18 +119,18 @@ class InfluenceSurface:
     def end_tangential_displacement(self, p: Array, q: Array) -> float:
         """Return u at the last node [m]."""
         kernels = self.kernels
-        both = kernels.tangent_p, kernels.tangent_q
-        by_p, by_q = self._displacement(both, smooth_parts(both), -1)
+        tangent = kernels.tangent_p, kernels.tangent_q
+        by_p, by_q = self._displacement(tangent, smooth_parts(tangent), -1)
         return float(by_p @ p + by_q @ q)
 
     def strain_outside(self, p: Array, q: Array, s: Array) -> Array:
         """Return the strain at positions s (k,) [m] along the surface, outside of the face."""
         nodes = self.a * self.face.nodes
-        return surface_strain(self.kernels, self.period, self.reach, nodes, p, q, s)
+        return surface_strain(self.kernels, self.period, self.max_distance, nodes, p, q, s)
 
     @cached_property
     def _matrices(self) -> Array:
-        """Slope and strain by p and by q, (2, 2, n+1, n)."""
+        """Influence matrices: (slope or strain, by p or q, n+1, n) [1/Pa]."""
         n, a, face, kernels = self.face.nodes.size, self.a, self.face, self.kernels
         out: Array = (self._factors.reshape(4, 4) @ self._singular.reshape(4, -1)).reshape(
             2, 2, n + 1, n
@@ -138,12 +141,14 @@ class InfluenceSurface:
             out += parts.to_points @ (self._smooth_values @ parts.moments)
         if self._is_short:
             for part, kernel in zip(out.reshape(4, n + 1, n), kernels.gradients, strict=True):
-                if kernel.twice is None:
+                if kernel.second_integral is None:
                     continue
-                exact = by_second_integral(kernel.twice, None, a * face.points, a * face.nodes)
-                part[:, 1:-1] = exact[:, 1:-1]
+                K = kernel.second_integral
+                part[:, 1:-1] = by_second_integral(K, None, a * face.points, a * face.nodes)[
+                    :, 1:-1
+                ]
         if kernels.lag is not None:
-            out += self._lag_integrals(kernels.lag, face.points).reshape(out.shape)
+            out += _lag_integrals(kernels.lag, a * face.points, a * face.nodes).reshape(out.shape)
         return out
 
     @cached_property
@@ -152,29 +157,30 @@ class InfluenceSurface:
         kernels = self.kernels
         return self._displacement((kernels.normal_p, kernels.normal_q), kernels.normal_smooth, -2)
 
-    def _displacement(self, both: tuple[Kernel, Kernel], smooth: Smooth | None, k: int) -> Array:
-        """Integrals of the influence functions of a displacement at point k of the face, (2, n)."""
+    def _displacement(self, kernels: tuple[Kernel, Kernel], smooth: Smooth | None, k: int) -> Array:
+        """Return a displacement at point k of the face by nodal p and by q, (2, n) [m/Pa]."""
         face, point = self.face, self.face.points[k, None]
-        out = _factors(both, self.a) @ self._singular[:, k]
-        out += _log_factors(both, self.a)[:, None] * face.weights
+        out = _factors(kernels, self.a) @ self._singular[:, k]
+        out += _log_factors(kernels, self.a)[:, None] * face.weights
         if smooth is not None:
             parts = self._smooth_parts
-            out += self._smooth_between(both, smooth, point, parts.sources)[:, 0] @ parts.moments
-        for part, kernel in zip(out, both, strict=True):
+            values = self._smooth_between(kernels, smooth, point, parts.sources)
+            out += values[:, 0] @ parts.moments
+        for part, kernel in zip(out, kernels, strict=True):
             if kernel.lag is not None:
-                part += self._lag_integrals(kernel.lag, point)[0, 0]
+                part += _lag_integrals(kernel.lag, self.a * point, self.a * face.nodes)[0, 0]
         return out
 
     # ---- parts of the influence functions ------------------------------------------------------
 
     @cached_property
     def _factors(self) -> Array:
-        """Factors of the singular parts: (slope or strain, by p or q, part)."""
+        """Coefficients of the singular parts: (slope or strain, by p or q, part)."""
         return _factors(self.kernels.gradients, self.a).reshape(2, 2, 4)
 
     @cached_property
     def _log_factors(self) -> Array:
-        """Factors of ln a in ln|a t| = ln|t| + ln a, (slope or strain, by p or q)."""
+        """Coefficients of ln a in ln|a t| = ln|t| + ln a, (slope or strain, by p or q)."""
         return _log_factors(self.kernels.gradients, self.a).reshape(2, 2)
 
     @cached_property
@@ -185,22 +191,17 @@ class InfluenceSurface:
             return _nip_integrals(face.size)
         return singular_integrals(face.points, face.nodes)
 
-    def _lag_integrals(self, lag: Lag, points: Array) -> Array:
-        """Integrals of the lags, (kernels, points, nodes)."""
-        second, first = partial(_lag_second, lag), partial(lag.exactly, order=1)
-        return by_second_integral(second, first, self.a * points, self.a * self.face.nodes)
-
     # ---- smooth parts --------------------------------------------------------------------------
 
     @cached_property
     def _rank(self) -> int:
-        """Interpolation points that resolve the smooth parts over the nip."""
-        return max(LEAST_RANK, round(DIGITS / asinh(self.kernels.length / self.a)))
+        """Number of Chebyshev points that resolve the smooth parts over the nip."""
+        return max(MIN_RANK, round(RANK_FACTOR / asinh(self.kernels.length / self.a)))
 
     @cached_property
     def _is_short(self) -> bool:
         """True if the smooth parts vary too rapidly for polynomials."""
-        return self._rank > min(HIGHEST_RANK, 8 * (self.face.size - 1))
+        return self._rank > min(MAX_RANK, 8 * (self.face.size - 1))
 
     @cached_property
     def _smooth_values(self) -> Array | None:
@@ -214,45 +215,45 @@ class InfluenceSurface:
 
     @cached_property
     def _smooth_parts(self) -> SmoothParts:
+        """Chebyshev points in the nip; on the wraps the points of the face and Gauss points."""
         face, a, length = self.face, self.a, self.kernels.length
         points, nodes, cells = face.points, face.nodes, face.nip_cells
         if self._is_short:
-            sources, moments = gauss_points(nodes, a, length)
-            return SmoothParts(points, sources, np.eye(points.size), moments)
+            gauss, hats = gauss_points(nodes, a, length)
+            return SmoothParts(points, gauss, np.eye(points.size), hats)
         rank = self._rank
         at_points, nip_moments = _nip_interpolation(face.size, rank)
         if face.is_nip:
             chebyshev = _chebyshev_points(rank)
             return SmoothParts(chebyshev, chebyshev, at_points, a * nip_moments)
-        others = np.r_[0 : cells.start, cells.stop : points.size]
-        to_points = np.zeros((points.size, rank + others.size))
+        on_wraps = np.r_[0 : cells.start, cells.stop : points.size]
+        to_points = np.zeros((points.size, rank + on_wraps.size))
         to_points[cells, :rank] = at_points[:-2]
-        to_points[others, rank + np.arange(others.size)] = 1.0
-        parts, weights = [_chebyshev_points(rank)], [np.zeros((rank, nodes.size))]
-        weights[0][:, face.first : face.last + 1] = a * nip_moments
+        to_points[on_wraps, rank + np.arange(on_wraps.size)] = 1.0
+        sources, moments = [_chebyshev_points(rank)], [np.zeros((rank, nodes.size))]
+        moments[0][:, face.first : face.last + 1] = a * nip_moments
         for wrap in (slice(0, face.first + 1), slice(face.last, None)):
             if nodes[wrap].size > 1:
-                at, hats = gauss_points(nodes[wrap], a, length)
-                parts.append(at)
-                weights.append(np.zeros((at.size, nodes.size)))
-                weights[-1][:, wrap] = hats
-        targets = np.append(_chebyshev_points(rank), points[others])
-        return SmoothParts(targets, np.concatenate(parts), to_points, np.concatenate(weights))
+                gauss, hats = gauss_points(nodes[wrap], a, length)
+                sources.append(gauss)
+                moments.append(np.zeros((gauss.size, nodes.size)))
+                moments[-1][:, wrap] = hats
+        targets = np.append(_chebyshev_points(rank), points[on_wraps])
+        return SmoothParts(targets, np.concatenate(sources), to_points, np.concatenate(moments))
 
     def _smooth_between(
         self, kernels: tuple[Kernel, ...], smooth: Smooth, points: Array, sources: Array
     ) -> Array:
         """Return smooth parts between points and sources, (kernels, points, sources).
 
-        Beyond half the circumference the shorter way round counts.  The singular parts are
-        integrated along the longer way there, so their difference belongs to the smooth part.
+        At distances above half the circumference the smooth part is that of the shorter arc.  The
+        singular parts are integrated over the longer arc; their difference is added here.
         """
         t = self.a * (points[:, None] - sources)
-        if self.a * max(points[-1] - sources[0], sources[-1] - points[0]) <= self.reach and (
-            self.face.is_nip
-        ):
+        longest = self.a * max(points[-1] - sources[0], sources[-1] - points[0])
+        if self.face.is_nip and longest <= self.max_distance:
             return smooth(t)
-        far = np.abs(t) > self.reach
+        far = np.abs(t) > self.max_distance
         long = t[far]
         t[far] = short = long - np.sign(long) * self.period
         values = smooth(t)
@@ -264,7 +265,7 @@ class InfluenceSurface:
 def surface_strain(
     kernels: SurfaceKernels,
     period: float,
-    reach: float,
+    max_distance: float,
     nodes: Array,
     p: Array,
     q: Array,
@@ -275,8 +276,8 @@ def surface_strain(
     Parameters
     ----------
     kernels : SurfaceKernels
-    period, reach : float
-        Circumference, and the distance beyond which the shorter way round counts [m].
+    period, max_distance : float
+        Circumference, and the distance above which the shorter arc is used [m].
     nodes, p, q : (n,) arrays
         Nodes [m], pressures and tractions [Pa].
     at : (k,) array
@@ -286,48 +287,44 @@ def surface_strain(
     -------
     (k,) array
     """
-    both, out = (kernels.strain_p, kernels.strain_q), np.zeros(at.size)
-    singular_parts = singular_integrals(at, nodes)
+    out, singular_parts = np.zeros(at.size), singular_integrals(at, nodes)
     sources, hats = gauss_points(nodes, 1.0, kernels.length)
     t = at[:, None] - sources
-    far = np.abs(t) > reach
+    far = np.abs(t) > max_distance
     short = np.where(far, t - np.sign(t) * period, t)
-    for kernel, load in zip(both, (p, q), strict=True):
-        out += (_factors((kernel,), 1.0)[0] @ singular_parts.reshape(4, -1)).reshape(
-            at.size, -1
-        ) @ load
+    for kernel, load in ((kernels.strain_p, p), (kernels.strain_q, q)):
+        out += np.tensordot(_factors((kernel,), 1.0)[0], singular_parts, axes=1) @ load
         if kernel.smooth is not None:
             values = kernel.smooth(short)
             values[far] += singular((kernel,), short[far])[0] - singular((kernel,), t[far])[0]
             out += values @ (hats @ load)
-        lag = kernel.lag
-        if lag is not None:
-            out += (
-                by_second_integral(
-                    partial(_lag_second, lag), partial(lag.exactly, order=1), at, nodes
-                )[0]
-                @ load
-            )
+        if kernel.lag is not None:
+            out += _lag_integrals(kernel.lag, at, nodes)[0] @ load
     return out
 
 
-def _lag_second(lag: Lag, t: Array) -> Array:
-    """Return the second integrals of lags at t."""
-    return lag.twice(t < 0, np.log(np.maximum(np.abs(t), 1e-300)))
+def _lag_integrals(lag: Lag, points: Array, nodes: Array) -> Array:
+    """Return the integrals of lags against the hat functions, (kernels, points, nodes)."""
+
+    def second_integral(t: Array) -> Array:
+        return lag.second_integral(t < 0, np.log(np.maximum(np.abs(t), 1e-300)))
+
+    return by_second_integral(second_integral, partial(lag.evaluate, order=1), points, nodes)
 
 
 def _factors(kernels: tuple[Kernel, ...], a: float) -> Array:
-    """Return the factors of the integrals of 1/t, Dirac, ln|t| and sgn in units of a."""
+    """Return the coefficients of the integrals of 1/t, Dirac, ln|t| and sgn in units of a."""
     return np.array([[k.inverse, k.delta, k.log * a, k.sign * a] for k in kernels])
 
 
 def _log_factors(kernels: tuple[Kernel, ...], a: float) -> Array:
+    """Return the coefficients of ln a in ln|a t| = ln|t| + ln a, in units of a."""
     return np.array([k.log for k in kernels]) * (a * log(a))
 
 
 @lru_cache(maxsize=32)
 def _nip_integrals(size: int) -> Array:
-    """Integrals of the singular parts inside a nip without wraps, by its size only."""
+    """Return the integrals of the singular parts in a nip without wraps, (4, size, size)."""
     x = cosine_nodes(size)
     out = singular_integrals(np.append(x[1::2], [1.0, 1.0]), x[0::2])
     out.setflags(write=False)
@@ -342,12 +339,12 @@ def _chebyshev_points(rank: int) -> Array:
 
 @lru_cache(maxsize=64)
 def _nip_interpolation(size: int, rank: int) -> tuple[Array, Array]:
-    """Lagrange polynomials of the Chebyshev points in a nip, by its size.
+    """Return values and moments of the Lagrange polynomials of the Chebyshev points in a nip.
 
     Returns
     -------
     (size+1, rank), (rank, size) arrays
-        At the points of the face, and integrated against the hats in units of a.
+        Values at the points of the face, and integrals against the hat functions in units of a.
     """
     chebyshev = np.polynomial.chebyshev.chebvander
     nodes = _chebyshev_points(rank)

@@ -58,21 +58,21 @@ from .strip import compliance
 __all__ = ["Section", "cylinder_sections", "half_plane_sections", "traction_harmonics"]
 
 Array = np.ndarray
-Stiffness = tuple[float | None, ...]  # A_rr, A_tt, A_rt, G, and D where it is known better
+Stiffness = tuple[float | None, ...]  # A_rr, A_tt, A_rt, G, and optionally D
 
 # The last harmonic is damped by exp(-DAMPING) at the depth of a section: 5e-5 of a line load, much
-# less of tractions wider than the depth.  Close to the surface of thin webs on large rolls the most
-# harmonics limit the sums; those of tractions that vanish like a square root fall as n^(-3/2).
+# less of tractions wider than the depth.  Close to the surface of thin webs on large rolls the sums
+# end at MAX_HARMONICS; harmonics of tractions that vanish as a square root decrease as n^(-3/2).
 DAMPING = 10.0
-FEWEST_HARMONICS, MOST_HARMONICS = 64, 1 << 17
+MIN_HARMONICS, MAX_HARMONICS = 64, 1 << 17
 # Points per wavelength of the last harmonic, and on the whole period: the largest stress on the
 # grid is then within 0.1 % of that between the points.
-POINTS, FEWEST_POINTS = 2, 4096
-# Harmonics at which a cylinder is evaluated: all up to the first number, then each larger by the
-# given share.  Its difference from the half-plane is a smooth function of ln n.
-EVERY, SKIPPED = 32, 0.06
-# Difference of the roots, over their mean, below which the limit of equal roots is taken: the
-# error is the square, and the difference quotient would lose as many digits.
+POINTS, MIN_POINTS = 2, 4096
+# Harmonics at which a cylinder is evaluated: all up to ALL, then with spacings of SPACING n.  The
+# difference between the cylinder and the half-plane is a smooth function of ln n.
+ALL, SPACING = 32, 0.06
+# Relative difference of the roots below which they are taken as equal: the error is its square, and
+# the difference quotient would lose as many digits.
 EQUAL_ROOTS = 1e-5
 
 
@@ -87,7 +87,8 @@ class Section:
     x : (n,) array
         Equidistant positions R theta around the roll, from -pi R [m].
     normal, shear : (n,) arrays
-        sigma_r (< 0: pressed) and tau, of the material outside on that inside along +x [Pa].
+        sigma_r (compression < 0), and tau, exerted by the outer on the inner material along +x
+        [Pa].
     """
 
     depth: float
@@ -109,17 +110,17 @@ def traction_harmonics(x: Array, f: Array, length: float, count: int) -> Array:
 
     Notes
     -----
-    Integration by parts leaves the jumps of the function at both ends and of its slope at all
-    nodes.  exp(-i n t) is a product of two factors with n = m j + l, so that all sums are a product
-    of two small matrices.
+    Integration by parts gives sums over the jumps of f at both ends and of its slope at the nodes.
+    With n = m j + l, exp(-i n t) is a product of two factors, so that all sums are a product of two
+    small matrices.
     """
     slope = np.diff(f) / np.diff(x)
-    bends = np.diff(slope, prepend=0.0, append=0.0)
+    slope_jumps = np.diff(slope, prepend=0.0, append=0.0)
     block = 1 << ceil(log(count + 1, 2) / 2)
     t = -2j * pi * x / length
     fine = np.exp(np.arange(block) * t[:, None])
     coarse = np.exp(block * np.arange(-(-(count + 1) // block))[:, None] * t)
-    sums = ((coarse * bends) @ fine).ravel()[: count + 1]
+    sums = ((coarse * slope_jumps) @ fine).ravel()[: count + 1]
     ends = ((coarse[:, [0, -1]] * f[[0, -1]] * [1, -1]) @ fine[[0, -1]]).ravel()[: count + 1]
     k = 2 * pi * np.arange(1, count + 1) / length
     out = np.empty(count + 1, dtype=complex)
@@ -145,13 +146,13 @@ def half_plane_sections(
         Plane-strain stiffness [Pa]; D as of :func:`.strip.stiffness_along`.
     """
     roots, loads = _Roots.of(stiffness), _Loads(x, p, q, 2 * pi * radius)
-    Q, found = float(np.trapezoid(q, x)), []
+    Q, sections = float(np.trapezoid(q, x)), []
     for z in depths.tolist():
         n = np.arange(loads.count(roots.slowest * z) + 1)
         section = loads.section(z, roots.transfer(n * (z / radius)))
         images = 2 * roots.mean * z * Q * pi / (3 * loads.period**2)
-        found.append(replace(section, shear=section.shear - images))
-    return tuple(found)
+        sections.append(replace(section, shear=section.shear - images))
+    return tuple(sections)
 
 
 def cylinder_sections(
@@ -170,46 +171,46 @@ def cylinder_sections(
     layers : sequence of (depth, A_rr, A_tt, A_rt, G, D)
         As of :func:`.layers.stacked_compliance`.
     free : bool
-        Whether the core is an open bore; else it is rigid.
+        True for an open bore, False for a rigid core.
     """
     from scipy.interpolate import CubicSpline  # problems are read and written without SciPy
 
     roots, loads = _Roots.of(layers[0][1:]), _Loads(x, p, q, 2 * pi * radius)
-    found = []
+    sections = []
     for z in depths.tolist():
         y = -log1p(-z / radius)
         n = np.arange(loads.count(roots.slowest * radius * y) + 1)
-        B, at = roots.transfer(n * y), _sampled(n.size - 1)
-        difference = traction_transfer(at, *_cut(layers, y), free) - B[:, :, at]
+        B, k = roots.transfer(n * y), _sampled(n.size - 1)
+        difference = traction_transfer(k, *_split_layers(layers, y), free) - B[:, :, k]
         B[:, :, 0] += difference[:, :, 0]
-        B[:, :, 1:] += CubicSpline(np.log(at[1:]), difference[:, :, 1:], axis=2)(np.log(n[1:]))
-        found.append(loads.section(z, B * (radius / (radius - z))))
-    return tuple(found)
+        B[:, :, 1:] += CubicSpline(np.log(k[1:]), difference[:, :, 1:], axis=2)(np.log(n[1:]))
+        sections.append(loads.section(z, B * (radius / (radius - z))))
+    return tuple(sections)
 
 
 def _sampled(last: int) -> Array:
     """Return the harmonics from 0 to the last at which a cylinder is evaluated, (k,) int."""
-    skipping = EVERY * np.exp(np.arange(0.0, log(max(last / EVERY, 1.0)), log1p(SKIPPED)))
-    return np.unique([*range(EVERY + 1), *np.rint(skipping).astype(int).tolist(), last])
+    spaced = ALL * np.exp(np.arange(0.0, log(max(last / ALL, 1.0)), log1p(SPACING)))
+    return np.unique([*range(ALL + 1), *np.rint(spaced).astype(int).tolist(), last])
 
 
-def _cut(layers: Layers, depth: float) -> tuple[Layers, Layers]:
-    """Cut layers at a logarithmic depth below the surface."""
-    upper, rest = [], list(layers)
-    while depth > 0 and rest:
-        first = rest.pop(0)
+def _split_layers(layers: Layers, depth: float) -> tuple[Layers, Layers]:
+    """Return the layers above and below the depth ln(R/r)."""
+    upper, lower = [], list(layers)
+    while depth > 0 and lower:
+        first = lower.pop(0)
         thickness = float(first[0] or 0.0)
         if thickness > depth:
-            rest.insert(0, (thickness - depth, *first[1:]))
+            lower.insert(0, (thickness - depth, *first[1:]))
             thickness = depth
         upper.append((thickness, *first[1:]))
         depth -= thickness
-    return tuple(upper), tuple(rest)
+    return tuple(upper), tuple(lower)
 
 
 @dataclass(frozen=True)
 class _Roots:
-    """The roots lambda of the half-plane: mean m, product Pi, and d with d^2 = m^2 - Pi."""
+    """The roots lambda_1,2 = m +- d of the half-plane: m, their product Pi, and d."""
 
     mean: float
     product: float
@@ -217,6 +218,7 @@ class _Roots:
 
     @classmethod
     def of(cls, stiffness: Stiffness) -> _Roots:
+        """Compute the roots from the plane-strain stiffness."""
         A_rr, A_tt, A_rt, G = (float(value or 0.0) for value in stiffness[:4])
         c11, c12, c22 = compliance(A_rr, A_tt, A_rt, *stiffness[4:])
         product = sqrt(c22 / c11)
@@ -226,44 +228,44 @@ class _Roots:
     @property
     def slowest(self) -> float:
         """Smaller real part of the two roots: harmonics decay as exp(-slowest k z)."""
-        # the product over the larger root: their difference would cancel
+        # Pi over the larger root, because m - d would cancel
         larger = self.mean + self.half_difference.real
         return self.mean if self.half_difference.real == 0 else self.product / larger
 
     def transfer(self, xi: Array) -> Array:
-        """Return B at n z/R, (2, 2, n)."""
+        """Return B at xi = n z/R, (2, 2, n)."""
         m, d, product = self.mean, self.half_difference, self.product
         if abs(d) < EQUAL_ROOTS * m:
             c = np.exp(-m * xi)
             s = xi * c
         else:
-            small = product / (m + d)  # m - d
-            fast, slow = np.exp(-(m + d) * xi), np.exp(-small * xi)
+            smaller = product / (m + d)  # m - d
+            fast, slow = np.exp(-(m + d) * xi), np.exp(-smaller * xi)
             c, s = (fast + slow).real / 2, ((slow - fast) / (2 * d)).real
         return np.array([[c + m * s, s], [-product * s, c - m * s]])
 
 
 class _Loads:
-    """The harmonics of the tractions on a period."""
+    """The Fourier coefficients of the tractions on a period."""
 
     def __init__(self, x: Array, p: Array, q: Array, period: float) -> None:
         self.x, self.tractions, self.period = x, (p, q), period
-        self._known = np.zeros((2, 0), dtype=complex)
+        self._harmonics = np.zeros((2, 0), dtype=complex)
 
     def count(self, damping: float) -> int:
         """Return the number of harmonics, from their decay exp(-2 pi n damping/period)."""
         needed = ceil(DAMPING * self.period / (2 * pi * damping))
-        return min(max(needed, FEWEST_HARMONICS), MOST_HARMONICS)
+        return min(max(needed, MIN_HARMONICS), MAX_HARMONICS)
 
     def section(self, depth: float, B: Array) -> Section:
         """Return the stresses on one surface from the transfer B, (2, 2, n), of all harmonics."""
         count = B.shape[-1] - 1
-        if count >= self._known.shape[1]:
-            self._known = np.array(
+        if count >= self._harmonics.shape[1]:
+            self._harmonics = np.array(
                 [traction_harmonics(self.x, f, self.period, count) for f in self.tractions]
             )
-        p, q = self._known[:, : count + 1]
-        size = max(POINTS << ceil(log(count, 2)), FEWEST_POINTS)
+        p, q = self._harmonics[:, : count + 1]
+        size = max(POINTS << ceil(log(count, 2)), MIN_POINTS)
         x = self.period * (np.arange(size) / size - 0.5)
         normal, shear = (
             np.roll(np.fft.irfft(harmonics, size) * (size / self.period), size // 2)

@@ -1,4 +1,4 @@
-"""The surface response of a body to line loads, taken apart by singularity.
+"""Influence functions: the surface response of a body to line loads, split by singularity.
 
 A body's surface is loaded at s by a line load of unit pressure (``p``) or unit tangential traction
 along +x (``q``), each 1 N/m.  At the distance t = x - s along the surface it moves by v (outward)
@@ -7,10 +7,10 @@ functions is a sum
 
     k(t) = inverse / t  +  delta * Dirac(t)  +  log * ln|t|  +  sign * sgn(t)  +  lag  +  smooth(t)
 
-whose first parts are integrated in closed form against the traction elements and whose smooth rest
-is integrated by interpolation.  The lag is that of a viscoelastic surface, zero for an elastic one.
-The half-plane has no smooth rest.  A curved body's rest is smooth on either side of t = 0 and
-bounded; at t = 0 it has a kink |t|, t ln|t| or weaker.
+The singular parts are integrated in closed form against the traction elements, the smooth part by
+interpolation.  The lag is the delayed response of a viscoelastic surface, zero for an elastic one.
+The half-plane has no smooth part.  That of a curved body is bounded, and smooth on either side of
+t = 0; at t = 0 it has a kink |t|, t ln|t| or weaker.
 """
 
 from __future__ import annotations
@@ -28,11 +28,19 @@ Array = np.ndarray
 
 @dataclass(frozen=True, slots=True)
 class Kernel:
-    """One influence function; the coefficients' units follow from the quantity (per N/m).
+    """One influence function k(t), per N/m; see the sum above.
 
-    ``twice`` is a second integral of it, K with K'' = k, whatever its constant and line; singular
-    parts are included but for the lag, where one is known.  ``lag`` is what the past of a
-    viscoelastic surface adds.
+    Attributes
+    ----------
+    inverse, delta, log, sign : float
+        Coefficients of the singular parts.
+    smooth : callable, optional
+        t -> smooth part.
+    second_integral : callable, optional
+        t -> K(t), K'' = k, of the singular and smooth parts without the lag; the constant and the
+        linear term of K are arbitrary.
+    lag : Lag, optional
+        Delayed response of a viscoelastic surface.
     """
 
     inverse: float = 0.0
@@ -40,7 +48,7 @@ class Kernel:
     log: float = 0.0
     sign: float = 0.0
     smooth: Callable[[Array], Array] | None = None
-    twice: Callable[[Array], Array] | None = None
+    second_integral: Callable[[Array], Array] | None = None
     lag: Any = None  # a Lag
 
     def singular(self, t: Array) -> Array:
@@ -52,7 +60,7 @@ class Kernel:
 class SurfaceKernels:
     """The eight influence functions of a surface, ``<quantity>_<load>``.
 
-    A curved body's hold up to their reach; beyond half the circumference the way round is shorter.
+    Those of a curved body are periodic in t with its circumference.
 
     Attributes
     ----------
@@ -67,21 +75,21 @@ class SurfaceKernels:
     uniform_strain : float
         Strain under a uniform pressure of 1 Pa on the whole circumference or half-plane [1/Pa].
     length : float
-        Length on which the smooth parts vary [m]: they behave as functions with poles at
-        t = +- i length.  Polynomials interpolating them in x and s on [-a, a] need a degree of
-        about 20/asinh(length/a) to leave 1e-5 of the leading part.
+        Length scale of the smooth parts [m]: they behave as functions with poles at
+        t = +- i length.  Their polynomial interpolation in x and s on [-a, a] needs a degree of
+        about 20/asinh(length/a) for an error of 1e-5 of the leading part.
     truncation_error : float
         Estimated error of the summed series relative to the half-plane coefficients.
     terms : int
         Number of Fourier terms summed; 0 where there is no series.
     together : callable, optional
-        t -> the smooth parts of ``gradients``, (4, *t.shape), where quicker than one by one.
+        t -> the smooth parts of ``gradients``, (4, *t.shape), from a common table.
     normal_together : callable, optional
-        t -> those of ``normal_p`` and ``normal_q``, (2, *t.shape), alike.
+        t -> the smooth parts of ``normal_p`` and ``normal_q``, (2, *t.shape).
     lag : Lag, optional
-        The lags of ``gradients`` together.
-    reach : float, optional
-        Largest |t| for which the smooth parts hold [m]; half the circumference without.
+        The lags of ``gradients``.
+    max_distance : float, optional
+        Largest |t| at which the smooth parts are defined [m]; by default half the circumference.
     """
 
     normal_p: Kernel = field(default_factory=Kernel)
@@ -99,38 +107,38 @@ class SurfaceKernels:
     together: Callable[[Array], Array] | None = None
     lag: Any = None  # a Lag
     normal_together: Callable[[Array], Array] | None = None
-    reach: float | None = None
+    max_distance: float | None = None
 
     @property
     def gradients(self) -> tuple[Kernel, Kernel, Kernel, Kernel]:
-        """The kernels of slope and strain, which the nip's equations are made of."""
+        """The influence functions of slope and strain."""
         return self.slope_p, self.slope_q, self.strain_p, self.strain_q
 
     @property
     def smooth(self) -> Callable[[Array], Array] | None:
-        """The smooth parts of ``gradients``, t -> (4, *t.shape); None where there are none."""
+        """The smooth parts of ``gradients``, t -> (4, *t.shape); None for a half-plane."""
         if self.together is not None:
             return self.together
         return smooth_parts(self.gradients)
 
     @property
     def normal_smooth(self) -> Callable[[Array], Array] | None:
-        """Those of ``normal_p`` and ``normal_q``, t -> (2, *t.shape)."""
+        """The smooth parts of ``normal_p`` and ``normal_q``, t -> (2, *t.shape), or None."""
         return self.normal_together or smooth_parts((self.normal_p, self.normal_q))
 
 
 def singular(kernels: Sequence[Kernel], t: Array) -> Array:
-    """Return the singular parts and the lags of some kernels at t (k,), t != 0, (kernels, k)."""
+    """Return the singular parts and the lags of kernels at t (k,), t != 0, (kernels, k)."""
     factors = np.array([[kernel.inverse, kernel.log, kernel.sign] for kernel in kernels])
     values: Array = factors @ np.array([1 / t, np.log(np.abs(t)), np.sign(t)])
     for value, kernel in zip(values, kernels, strict=True):
         if kernel.lag is not None:
-            value += kernel.lag.exactly(t, 2)[0]
+            value += kernel.lag.evaluate(t, 2)[0]
     return values
 
 
 def smooth_parts(kernels: Sequence[Kernel]) -> Callable[[Array], Array] | None:
-    """Return the smooth parts of some kernels as one function; None where there are none."""
+    """Return the smooth parts of kernels as one function; None if no kernel has one."""
     parts = [kernel.smooth for kernel in kernels]
     if not any(parts):
         return None

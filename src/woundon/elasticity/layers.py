@@ -1,27 +1,28 @@
-"""Layers of linear elastic, orthotropic materials on a core (thesis sec. 2.2), one on the other.
+"""Surface compliance of linear elastic, orthotropic layers on a core (thesis sec. 2.2).
 
-A surface load cos(n theta), sin(n theta) deforms every circle r in the same pattern, so that the
-displacements (U, V) and the stresses times radius (S, T) of the n-th harmonic,
+Under a surface load cos(n theta), sin(n theta) the displacements (U, V) and the stresses times the
+radius (S, T) of the n-th harmonic,
 
     u_r = U cos(n theta),  u_theta = V sin(n theta),  r sigma_r = S cos(..),  r tau = T sin(..),
 
-obey, in y = ln(r/R), a linear system, its coefficients constant in a layer (thesis eqs. 34, 35):
+satisfy, in y = ln(r/R), a linear system with constant coefficients in each layer (thesis eqs. 34,
+35):
 
     d/dy [w]   [F   N  ] [w]        w = (U, V),  t = (S, T),  a = A_rt/A_rr,  k = (1, n)
          [t] = [K  -F' ] [t],       F = [[-a, -a n], [n, 1]],  N = diag(1/A_rr, 1/G),
                                     K = D k k',  D = A_tt - A_rt^2/A_rr.
 
-N and K are positive semidefinite and stay finite for incompressible materials; w and t pass from
-layer to layer.  What is wanted is the surface compliance Y_n, w = Y_n t at r = R.
+N and K are positive semidefinite and finite for incompressible materials; w and t are continuous
+between layers.  The result is the surface compliance Y_n, w = Y_n t at r = R.
 
-The thesis builds Y_n from the roots of (43) and powers of r; these overflow, coincide, and cancel
-in thin or nearly incompressible layers.  Here every layer is described by three matrices, from its
-inner side 0 to its outer side 1,
+The thesis computes Y_n from the roots of (43) and powers of r; these overflow, coincide, and cancel
+in thin or nearly incompressible layers.  Here each layer is described by three matrices between its
+inner side 0 and its outer side 1,
 
     w1 = A w0 + Q t1,     t0 = A' t1 - H w0,     A = I + E,
 
-those of a very thin one by a short series.  Two layers, one on the other, are one (the star product
-of Redheffer):
+which a short series gives for a very thin layer.  Layer b on layer a is one layer with the matrices
+(Redheffer star product)
 
         w2 t2            S = (I + Q_a H_b)^-1
        ---------         A = A_b S A_a
@@ -31,16 +32,16 @@ of Redheffer):
        ---------
         w0 t0
 
-Thin layers are doubled until they are as thick as theirs, then all are stacked.  Only positive
-semidefinite matrices are added, no root is ever computed, n = 0 and n = 1 are no exceptions, and
-nothing overflows.  On a rigid core w0 = 0 and Y = Q.
+Thin sublayers are doubled until they have the thickness of the layer, then all layers are stacked.
+Only positive semidefinite matrices are added and no roots are needed, so that nothing overflows,
+also for n = 0 and n = 1.  On a rigid core w0 = 0 and Y = Q.
 
-An open bore is free of traction, t0 = 0, but for what holds the cylinder: a resultant force (n = 1)
-and a torque (n = 0) are met by a uniform traction on the bore, along the force or around, and the
-bore does not move on average, that is, neither shifts nor turns as a whole.  With e the pattern of
-that motion, (1, -1) or (0, 1), and f the one across, e.w0 = 0 and f.t0 = 0, so w0 is along f and
+An open bore is free of traction, t0 = 0 and Y = Q + A H^-1 A', for n >= 2.  For n = 0 and n = 1 a
+uniform traction on the bore balances the torque and the resultant force, and the mean rotation and
+translation of the bore are zero.  With e = (0, 1) or (1, -1) the pattern of this rigid motion and
+f orthogonal to it, e.w0 = 0 and f.t0 = 0, so that w0 is parallel to f and
 
-    Y = Q + (A f)(A f)'/(f' H f);        Y = Q + A H^-1 A' for n >= 2.
+    Y = Q + (A f)(A f)'/(f' H f).
 """
 
 from __future__ import annotations
@@ -57,7 +58,7 @@ from .strip import stiffness_along
 __all__ = ["Factors", "Layer", "Layers", "stacked_compliance", "traction_transfer"]
 
 Array = np.ndarray
-# ln(outer/inner radius), A_rr, A_tt, A_rt, G, and D where it is known better than by the three
+# ln(outer/inner radius), A_rr, A_tt, A_rt, G, and optionally D if it is known more accurately
 Layer = tuple[float | None, ...]
 Layers = tuple[Layer, ...]  # outermost first
 Matrices = tuple[Array, Array, Array]  # E, Q, H
@@ -72,38 +73,40 @@ def stacked_compliance(
     Parameters
     ----------
     n : array_like
-        Harmonics, >= 0, whole or, from 2 on, anything between.
+        Harmonics, >= 0; above 2 they need not be integers.
     layers : sequence of (depth, A_rr, A_tt, A_rt, G, D)
         Outermost first: ln of the ratio of their radii, and plane-strain stiffness [Pa]; D may be
-        left out, or None.
+        omitted, or None.
     free : bool
-        Whether the core is an open bore; else it is rigid.
+        True for an open bore, False for a rigid core.
     factors : callable, optional
-        n -> by what the moduli of the layers are multiplied, (L, n) complex: viscoelastic ones.
-        The ratios of a layer's moduli do not change with n.
+        n -> factors of the moduli of viscoelastic layers, (L, n) complex.
     """
     n = np.asarray(n, dtype=float)
     system = Systems.of(*layers)
-    # each block stays in the cache
-    blocks = np.array_split(n.ravel(), max(1, n.size * len(layers) // 4096))
-    made = (system.stacked(block, factors and factors(block)) for block in blocks)
-    Y = np.concatenate(
-        [_on_core(stack, block, free) for stack, block in zip(made, blocks, strict=True)], axis=-1
-    )
-    return Y.reshape((2, 2, *n.shape))
+    parts = [
+        _on_core(system.stacked(block, factors and factors(block)), block, free)
+        for block in _blocks(n.ravel(), layers)
+    ]
+    return np.concatenate(parts, axis=-1).reshape((2, 2, *n.shape))
+
+
+def _blocks(n: Array, layers: Layers) -> list[Array]:
+    """Split the harmonics into blocks whose matrices fit into the cache of the processor."""
+    return np.array_split(n, max(1, n.size * len(layers) // 4096))
 
 
 def traction_transfer(n: Array, upper: Layers, lower: Layers, free: bool = False) -> Array:
-    """Return B with t = B t1 between upper and lower layers, t1 at the outer surface, (2, 2, n).
+    """Return B, t = B t1, from the outer surface to a boundary between layers, (2, 2, n).
 
     Parameters
     ----------
     n : (n,) array of int
         Harmonics, >= 0.
     upper, lower : sequence of (depth, A_rr, A_tt, A_rt, G, D)
-        Outermost first, as of :func:`stacked_compliance`.
+        Layers above and below the boundary, as of :func:`stacked_compliance`.
     free : bool
-        Whether the core is an open bore; else it is rigid.
+        True for an open bore, False for a rigid core.
 
     Notes
     -----
@@ -112,32 +115,32 @@ def traction_transfer(n: Array, upper: Layers, lower: Layers, free: bool = False
     """
     n = np.asarray(n, dtype=float)
     Y, system = stacked_compliance(n, lower, free), Systems.of(*upper)
-    blocks = np.array_split(n, max(1, n.size * len(upper) // 4096))  # each stays in the cache
-    E, _, H = (
-        np.concatenate(parts, axis=-1)
-        for parts in zip(*(system.stacked(block) for block in blocks), strict=True)
-    )
+    stacks = (system.stacked(block) for block in _blocks(n, upper))
+    E, _, H = (np.concatenate(parts, axis=-1) for parts in zip(*stacks, strict=True))
     return _mul(_inverse_of_one_plus(_mul(H, Y)), _one_plus(E).swapaxes(0, 1))
 
 
 def _on_core(stack: Matrices, n: Array, free: bool) -> Array:
+    """Return Y_n of a stack on a rigid core, Y = Q, or with an open bore, Y = Q + A X A'.
+
+    X = H^-1 for n >= 2, and f f'/(f' H f) for n = 0, f = (1, 0), and n = 1, f = (1, 1)/sqrt(2).
+    """
     E, Q, H = stack
     if not free:
         return Q
     A = _one_plus(E)
     (a, b), (c, d) = H
-    low, one = n < 2, n == 1
-    f = np.array([np.where(one, np.sqrt(0.5), 1.0), np.where(one, np.sqrt(0.5), 0.0)])
-    along = f[0] * (a * f[0] + b * f[1]) + f[1] * (c * f[0] + d * f[1])
-    det = np.where(low, 1.0, a * d - b * c)
-    inverse = np.array([[d, -b], [-c, a]]) / det
-    held = f[:, None] * f[None] / np.where(low, along, 1.0)
-    return Q + _mul(_mul(A, np.where(low, held, inverse)), A.swapaxes(0, 1))
+    is_low, is_one = n < 2, n == 1
+    f = np.array([np.where(is_one, np.sqrt(0.5), 1.0), np.where(is_one, np.sqrt(0.5), 0.0)])
+    fHf = f[0] * (a * f[0] + b * f[1]) + f[1] * (c * f[0] + d * f[1])
+    inverse = np.array([[d, -b], [-c, a]]) / np.where(is_low, 1.0, a * d - b * c)
+    projected = f[:, None] * f[None] / np.where(is_low, fHf, 1.0)
+    return Q + _mul(_mul(A, np.where(is_low, projected, inverse)), A.swapaxes(0, 1))
 
 
 @dataclass(frozen=True)
 class Systems:
-    """The coefficients of the system above, of all layers.
+    """The coefficients of the linear system above for all layers.
 
     Parameters
     ----------
@@ -150,11 +153,11 @@ class Systems:
     @classmethod
     def of(cls, *layers: Layer) -> Systems:
         """Return the coefficients of layers, outermost first."""
-        known = [
+        values = [
             (*layer[:5], (layer[5] if len(layer) > 5 else None) or stiffness_along(*layer[1:4]))  # type: ignore[arg-type]
             for layer in layers
         ]
-        return cls(np.array(known).T[..., None])
+        return cls(np.array(values).T[..., None])
 
     @property
     def depth(self) -> Array:
@@ -168,59 +171,60 @@ class Systems:
 
     @cached_property
     def unit(self) -> Array:
-        """A stress [Pa] that makes N and K of one size."""
+        """A stress that scales N and K to the same magnitude [Pa]."""
         return np.sqrt(self.D * np.minimum(self.values[1], self.values[4]))
 
     def roots(self, n: Array) -> tuple[Array, Array]:
-        """Return lambda_1 + lambda_3 and lambda_1 lambda_3, growing roots of thesis eq. (43).
+        """Return lambda_1 + lambda_3 and lambda_1 lambda_3, the positive roots of thesis eq. (43).
 
-        For n = 0 their difference and minus their product: the even functions below stay right.
+        For n = 0 their difference and minus their product; :meth:`thin` uses even functions of
+        them only, which are the same.
         """
         _, A_rr, A_tt, A_rt, G, D = self.values
         s = np.sqrt(A_rr * A_tt)
         product = s / A_rr * (n * n - 1)
         # mu_n + sqrt(kappa_n) of (45), written as a sum of positive terms
-        steep = n * n * D * (1 / G + 2 / (s + A_rt)) + (1 - np.sqrt(A_tt / A_rr)) ** 2
-        return np.sqrt(steep), product
+        square = n * n * D * (1 / G + 2 / (s + A_rt)) + (1 - np.sqrt(A_tt / A_rr)) ** 2
+        return np.sqrt(square), product
 
-    def reach(self, n: Array) -> Array:
-        """Return the depth to which the n-th harmonic needs to be followed, at most the layer's."""
+    def penetration_depth(self, n: Array) -> Array:
+        """Return the depth at which the n-th harmonic has decayed to exp(-20), or the layer's."""
         total, product = self.roots(n)
-        slowest = np.minimum(total / 2, product / np.maximum(total, 1e-300))
-        slowest[:, n < 2] = 0.0  # torsion and translation reach the core at any depth
-        return np.minimum(self.depth, 20 / np.maximum(slowest, 1e-300))
+        rate = np.minimum(total / 2, product / np.maximum(total, 1e-300))
+        rate[:, n < 2] = 0.0  # rotation and translation do not decay
+        return np.minimum(self.depth, 20 / np.maximum(rate, 1e-300))
 
     def stacked(self, n: Array, factors: Array | None = None) -> Matrices:
-        """Return E, Q [1/Pa], H [Pa] of all layers together, (2, 2, n)."""
+        """Return E, Q [1/Pa], H [Pa] of the stack of all layers, (2, 2, n)."""
         E, Q, H = self.each(n)
-        if factors is not None:  # E has no dimension, nor have a layer's roots
+        if factors is not None:  # E depends on the ratios of a layer's moduli only
             Q, H = Q / factors, H * factors
-        while E.shape[2] > 1:  # neighbours in pairs; one that is left over waits for the next round
-            pairs = slice(0, E.shape[2] // 2 * 2)
-            both = ([X[:, :, pairs][:, :, k::2] for X in (E, Q, H)] for k in (0, 1))
-            upper, lower = (tuple(part) for part in both)
-            made = star(lower, upper)  # type: ignore[arg-type]
+        while E.shape[2] > 1:  # stack neighbours in pairs; an odd one waits for the next pass
+            paired = E.shape[2] // 2 * 2
+            upper, lower = (tuple(X[:, :, k:paired:2] for X in (E, Q, H)) for k in (0, 1))
+            pairs = star(lower, upper)  # type: ignore[arg-type]
             E, Q, H = (
-                np.concatenate([new, X[:, :, pairs.stop :]], axis=2)
-                for new, X in zip(made, (E, Q, H), strict=True)
+                np.concatenate([pair, X[:, :, paired:]], axis=2)
+                for pair, X in zip(pairs, (E, Q, H), strict=True)
             )
         return E[:, :, 0], Q[:, :, 0], H[:, :, 0]
 
     def each(self, n: Array) -> Matrices:
-        """Return E, Q [1/Pa], H [Pa] of every layer, (2, 2, L, n)."""
+        """Return E, Q [1/Pa], H [Pa] of every layer by doubling a thin one, (2, 2, L, n)."""
         _, A_rr, _, A_rt, G, _ = self.values
-        steps = self.reach(n)
+        depth = self.penetration_depth(n)
         m = np.maximum(n, 1.0)
+        # a thin layer has |M| <= 1/8, so that the series of e^M converges rapidly
         size = np.maximum(np.maximum(A_rt / A_rr, 1.0), np.sqrt(self.D / np.minimum(A_rr, G)))
-        doublings = max(0, ceil(log2(8 * (size * m * steps).max())))
-        one = self.thin(n, steps / 2**doublings)
+        doublings = max(0, ceil(log2(8 * (size * m * depth).max())))
+        layer = self.thin(n, depth / 2**doublings)
         for _ in range(doublings):
-            one = star(one, one)
-        E, Q, H = one
+            layer = star(layer, layer)
+        E, Q, H = layer
         return E, Q / (m * self.unit), H * (m * self.unit)
 
     def matrix(self, n: Array, h: Array) -> Array:
-        """Return h times the system's matrix, stresses in n * unit, shape (L, n, 4, 4)."""
+        """Return M, h times the matrix of the system, stresses in n * unit, (L, n, 4, 4)."""
         _, A_rr, _, A_rt, G, _ = self.values
         a, D, m = A_rt / A_rr, self.D, np.maximum(n, 1.0) * self.unit
         M = np.zeros((*h.shape, 4, 4))
@@ -233,7 +237,7 @@ class Systems:
         return M * h[..., None, None]
 
     def thin(self, n: Array, h: Array) -> Matrices:
-        """Return E, Q, H of thin layers, stresses in n * unit."""
+        """Return E, Q, H of layers of depth h from e^M - I, stresses in n * unit."""
         M = self.matrix(n, h)
         total, product = self.roots(n)
         c = (product * h * h) ** 2
@@ -252,7 +256,7 @@ class Systems:
         square = M @ M
         f0, f1, f2, f3 = (f[..., None, None] for f in (f0, f1, f2, f3))
         change = M + f1 * M + f2 * square + f3 * (square @ M) + f0 * np.eye(4)  # e^M - I
-        # in the order of what follows, which would keep any other: a third of all doublings' time
+        # contiguous in the order of the following operations, which is a third faster
         change = np.ascontiguousarray(np.moveaxis(change, (-2, -1), (0, 1)))
         upper, lower, last = change[:2, 2:], change[2:, :2], change[2:, 2:]
         inverse = _inverse_of_one_plus(last)
@@ -261,14 +265,14 @@ class Systems:
 
 
 def star(lower: Matrices, upper: Matrices) -> Matrices:
-    """Return E, Q, H of one layer on another."""
+    """Return E, Q, H of one layer on another (Redheffer star product)."""
     E_a, Q_a, H_a = lower
     E_b, Q_b, H_b = upper
     A_a = _one_plus(E_a)
     A_b = A_a if upper is lower else _one_plus(E_b)
     S = _inverse_of_one_plus(_mul(Q_a, H_b))
     AQ, HSA = _mul(A_b, Q_a), _mul(H_b, _mul(S, A_a))
-    # A S A - I with I - S = Q H S: small changes stay accurate; S Q = Q S' by symmetry
+    # E = A S A - I without cancellation, by I - S = Q H S; S Q = Q S' by symmetry
     E = E_a + E_b + _mul(E_b, E_a) - _mul(AQ, HSA)
     Q = Q_b + _mul(AQ, _mul(A_b, S).swapaxes(0, 1))
     return E, Q, H_a + _mul(A_a.swapaxes(0, 1), HSA)
@@ -282,6 +286,7 @@ def _mul(X: Array, Y: Array) -> Array:
 
 
 def _one_plus(E: Array) -> Array:
+    """Return I + E of 2 x 2 matrices, shape (2, 2, ...)."""
     A = E.copy()
     A[0, 0] += 1
     A[1, 1] += 1

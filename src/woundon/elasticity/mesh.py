@@ -93,16 +93,17 @@ class Mesh:
         """Integral of a nodal function from the first node to each node, (N+1, N+1)."""
         out = np.tril(np.broadcast_to(self.weights, (self.nodes.size,) * 2), -1)
         k = np.arange(1, self.nodes.size)
-        out[k, k] = self.cells / 2  # the half of the node's own hat that lies upstream of it
+        out[k, k] = self.cells / 2  # the upstream half of the hat of the node
         return out
 
     @cached_property
     def integral_to_points(self) -> Array:
         """Integral from the first node to each point, (N, N+1), with lumped hats.
 
-        A hat counts entirely upstream of the next point and not at all before.  Then the slip of
-        each node grows with its own traction, on which the uniqueness of the stick-slip problem
-        rests (P-matrix); exact integrals lead to oscillating tractions against a rigid drum.
+        The integral of a hat function is attributed to its node: it is included completely from
+        the next point on.  Then the slip of each node increases with its own traction, which makes
+        the stick-slip problem unique (P-matrix).  Exact integrals lead to oscillating tractions
+        against a rigid drum.
         """
         return np.tril(np.broadcast_to(self.weights, (self.nodes.size,) * 2))[:-1]
 
@@ -194,32 +195,33 @@ class Face:
     def displacement_at_nodes(self, slope: Array, end: Array | float, a: float) -> Array:
         """Return v at the nodes from slopes at the points (n+1, ...) and v at the trailing edge.
 
-        The hoop pressure of a wrap ends abruptly at the far end, where the slope is infinite:
-        slopes are summed from the other end.
+        Slopes are summed from the trailing edge, because they are infinite at the far end of a
+        wrap, where the hoop pressure ends abruptly.
         """
         steps = a * self.cells.reshape(-1, *(1,) * (slope.ndim - 1)) * slope[:-2]
         upstream, downstream = steps[: self.last][::-1], steps[self.last :]
-        before = -np.cumsum(upstream, axis=0)[::-1]
-        after = np.cumsum(downstream, axis=0)
-        return np.asarray(end + np.concatenate([before, np.zeros_like(steps[:1]), after]))
+        v_upstream = -np.cumsum(upstream, axis=0)[::-1]
+        v_downstream = np.cumsum(downstream, axis=0)
+        edge = np.zeros_like(steps[:1])
+        return np.asarray(end + np.concatenate([v_upstream, edge, v_downstream]))
 
     def curvature_change(self, slope: Array, a: float) -> Array:
         """Return -v'' at the nodes from slopes at the points (n+1, ...), (n, ...).
 
-        The difference of slopes at neighbouring points over their distance makes the web's normal
-        equilibrium exact for every stretch of web.  The curvature at the trailing edge is the one
-        downstream of it: the web follows the drum upstream of the edge, and the roll downstream.
+        The difference quotient of the slopes at neighbouring points satisfies the normal
+        equilibrium of every piece of web exactly.  The curvature at the trailing edge is that of
+        its downstream side: the web follows the drum upstream of the edge, and the roll downstream.
         """
         y, inner = self.points[:-2], slope[:-2]
         out = np.zeros((self.nodes.size, *slope.shape[1:]))
         distance = (a * np.diff(y)).reshape(-1, *(1,) * (slope.ndim - 1))
         out[1:-1] = -np.diff(inner, axis=0) / distance
         if self.extends_downstream:
-            # the mean between the edge and the first point is known; the curvature is linear there
+            # extrapolate linearly from the mean between the edge and the first point downstream
             e, half = self.last, (y[self.last] - self.nodes[self.last]) / 2
             mean = (inner[e] - slope[-2]) / (-2 * a * half)
-            part = half / self.cells[e]
-            out[e] = (mean - part * out[e + 1]) / (1 - part)
+            fraction = half / self.cells[e]
+            out[e] = (mean - fraction * out[e + 1]) / (1 - fraction)
         out[0], out[-1] = out[1], out[-2]
         return out
 
@@ -240,7 +242,7 @@ class Wrap:
     radius : float
         Of the body, in units of the half width; it limits the length of the cells.
     graded_end : bool
-        Whether cells are graded to the far end too, as where the web arrives on the drum.
+        True if cells are graded to the far end too, as where the web meets the drum.
     """
 
     length: float = 0.0
@@ -257,16 +259,16 @@ def nip_mesh(size: int, drum_wrap: Wrap, roll_wrap: Wrap, like: Mesh | None = No
         Nodes of the nip, edges included.
     drum_wrap, roll_wrap : Wrap
     like : Mesh, optional
-        A mesh whose numbers of cells are kept, for another half width of the same problem.
+        A mesh with the same numbers of cells, of another half width of the same problem.
     """
     x = cosine_nodes(size)
     step = pi / (size - 1) / sqrt(2 * GRADED_LENGTH)  # continues the growth of the nip's cells
     cells = (0, 0) if like is None else (like.first, like.nodes.size - 1 - like.last)
     upstream = _wrap_points(drum_wrap, step, cells[0])
     downstream = _wrap_points(roll_wrap, step, cells[1])
-    both = np.concatenate([-1 - upstream[:0:-1], x, 1 + downstream[1:]])
+    nodes_and_points = np.concatenate([-1 - upstream[:0:-1], x, 1 + downstream[1:]])
     first = upstream.size // 2
-    return Mesh(both[0::2], both[1::2], first, first + size - 1)
+    return Mesh(nodes_and_points[0::2], nodes_and_points[1::2], first, first + size - 1)
 
 
 @lru_cache(maxsize=64)
@@ -279,7 +281,10 @@ def cosine_nodes(size: int) -> Array:
 
 
 def _wrap_points(wrap: Wrap, step: float, cells: int) -> Array:
-    """Return distances of nodes and points from the nip along a wrap."""
+    """Return the distances of nodes and points from the nip along a wrap.
+
+    ``cells`` is their number; 0 for that of the grading.
+    """
     if not wrap.length:
         return np.zeros(1)
     largest = LARGEST_CELL * wrap.radius
@@ -302,16 +307,17 @@ class _Grading:
 
     def __init__(self, length: float, step: float, largest: float) -> None:
         c = GRADED_LENGTH
-        self.turn = asinh(largest / (c * step)) / 2  # c sinh(2 t) step = largest
-        self.reached, self.slope = c * sinh(self.turn) ** 2, c * sinh(2 * self.turn)
-        if length <= self.reached:
+        self.t_linear = asinh(largest / (c * step)) / 2  # c sinh(2 t) step = largest
+        self.d_linear, self.slope = c * sinh(self.t_linear) ** 2, c * sinh(2 * self.t_linear)
+        if length <= self.d_linear:
             self.end = asinh(sqrt(length / c))
         else:
-            self.end = self.turn + (length - self.reached) / self.slope
+            self.end = self.t_linear + (length - self.d_linear) / self.slope
         self.cells = max(2, ceil(self.end / step))
 
     def points(self, cells: int) -> Array:
         """Return nodes (even entries) and points (odd entries) of a number of cells."""
         t = np.linspace(0.0, self.end, 2 * cells + 1)
-        graded = GRADED_LENGTH * np.sinh(np.minimum(t, self.turn)) ** 2
-        return np.where(t <= self.turn, graded, self.reached + self.slope * (t - self.turn))
+        graded = GRADED_LENGTH * np.sinh(np.minimum(t, self.t_linear)) ** 2
+        linear = self.d_linear + self.slope * (t - self.t_linear)
+        return np.where(t <= self.t_linear, graded, linear)

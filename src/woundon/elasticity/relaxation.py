@@ -4,13 +4,15 @@ Young's modulus of a Prony series, with e^{ikx} of a surface that rolls along +x
 
     E(ik) = E_inf [1 + sum_k g_k ik c_k/(1 + ik c_k)],      g_k = E_k/E_inf,  c_k = V tau_k,
 
-sees the frequency kV only in lengths: those that the surface moves in its relaxation times.  All
-moduli are in proportion to it.  Its inverse, the creep compliance, is a sum of as many terms,
+depends on the speed V only through the lengths c_k that the surface moves within the relaxation
+times tau_k.  All moduli are proportional to it.  Its inverse, the creep compliance, is a sum of as
+many terms,
 
     E_inf/E(ik) = j_0 + sum_m j_m/(1 + ik l_m),      j_0 = E_inf/E_0,   j_0 + sum_m j_m = 1,
 
-whose retardation lengths l_m are the zeros of E, one between each two neighbouring c_k and one
-beyond the longest: the secular equation of a diagonal matrix and one of rank one.
+and E(ik) = 0 at ik = -1/l_m.  One retardation length l_m lies between each two neighbouring c_k,
+and one above the largest (a secular equation); they are found by repeated subdivision of these
+intervals.
 """
 
 from __future__ import annotations
@@ -23,13 +25,14 @@ import numpy as np
 __all__ = ["Creep", "Relaxation", "creep", "factor"]
 
 Array = np.ndarray
-Relaxation = tuple[tuple[float, float], ...]  # (g_k, c_k), empty where elastic
-SIXTEENTHS = 16  # of ln l, each of the one before: lengths a factor 1e30 apart to rounding
+Relaxation = tuple[tuple[float, float], ...]  # (g_k, c_k), empty for an elastic material
+# An interval of ln l is divided into 16 parts, 16 times: rounding, also of intervals of 1e30.
+SUBDIVISIONS = 16
 PARTS = np.arange(17) / 16
 
 
 class Creep(NamedTuple):
-    """The creep compliance over 1/E_inf: j_0, and arrays j_m and l_m [m], (K,) each."""
+    """The creep compliance times E_inf: j_0, and j_m and l_m [m], (K,) arrays."""
 
     at_once: float
     share: Array
@@ -49,25 +52,25 @@ def factor(relaxation: Relaxation, k: Array) -> Array:
 def creep(relaxation: Relaxation) -> Creep:
     """Return the creep compliance of a Prony series."""
     series: dict[float, float] = {}
-    for share, relaxed in relaxation:
-        if share > 0 and relaxed > 0:
-            series[relaxed] = series.get(relaxed, 0.0) + share
+    for g_k, c_k in relaxation:
+        if g_k > 0 and c_k > 0:
+            series[c_k] = series.get(c_k, 0.0) + g_k
     c = np.array(sorted(series))
-    g = np.array([series[known] for known in sorted(series)])
+    g = np.array([series[c_k] for c_k in sorted(series)])
     at_once = float(1 / (1 + g.sum()))
     if not c.size:
         return Creep(at_once, c, c)
-    # E(ik) at ik = -1/l: 1 - sum g/(l/c - 1) rises from one c to the next, and beyond the last,
-    # where it is positive at l = c (1 + sum g)
+    # E(ik) at ik = -1/l is 1 - sum g/(l/c - 1).  It increases with l between two neighbouring c,
+    # and above the largest, where it is positive at l = c (1 + sum g).
     low, high = c.copy(), np.append(c[1:], c[-1] * (1 + g.sum()))
-    amounts, each = g * c, np.arange(c.size)
+    rows = np.arange(c.size)
     with np.errstate(divide="ignore"):
-        for _ in range(SIXTEENTHS):
-            between = low[:, None] * (high / low)[:, None] ** PARTS
-            between[:, -1] = high
-            short = 1 - (1 / (between[:, 1:-1, None] - c)) @ amounts < 0
-            last = short.sum(axis=1)
-            low, high = between[each, last], between[each, last + 1]
+        for _ in range(SUBDIVISIONS):
+            trial = low[:, None] * (high / low)[:, None] ** PARTS
+            trial[:, -1] = high
+            is_below = 1 - (1 / (trial[:, 1:-1, None] - c)) @ (g * c) < 0
+            k = is_below.sum(axis=1)
+            low, high = trial[rows, k], trial[rows, k + 1]
         length = np.sqrt(low * high)
-        steep = (g * c * length[:, None] / (length[:, None] - c) ** 2).sum(axis=1)
-    return Creep(at_once, 1 / steep, length)
+        derivative = (g * c * length[:, None] / (length[:, None] - c) ** 2).sum(axis=1)
+    return Creep(at_once, 1 / derivative, length)

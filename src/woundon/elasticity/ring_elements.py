@@ -6,14 +6,14 @@ displacements v (along r) and u (along x) are
 
     e_r = dv/dr,   e_t = (R/r) du/dx + v/r,   gamma = (R/r) dv/dx + du/dr - u/r.
 
-The surface's unknowns are eliminated last: what the factors of the stiffness matrix K = L U have
-there is the Schur complement, whose inverse is the surface's compliance,
+The unknowns of the surface are eliminated last.  The last block of the factors of the stiffness
+matrix K = L U is then the Schur complement, and its inverse the compliance of the surface,
 
     K = [ K_ii  K_is ]      L = [ L_ii       ]   U = [ U_ii  U_is ]
         [ K_si  K_ss ]          [ L_si  L_ss ]       [       U_ss ],    dw/df = (L_ss U_ss)^-1.
 
-Through the surface's displacements a periodic cubic spline is drawn: it has one slope at every
-point, at the nodes too, where the elements have one on either side.
+A periodic cubic spline through the nodal displacements of the surface gives continuous slopes, also
+at the nodes, where the slopes of the elements jump.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ class Fineness:
 
 @dataclass(frozen=True, eq=False)
 class Topology:
-    """Elements and unknowns of a ring of columns x rows elements, e in all; geometry comes later.
+    """Shape functions and numbering of a ring of e = columns x rows elements, without geometry.
 
     Attributes
     ----------
@@ -102,47 +102,47 @@ class Topology:
 
     @cached_property
     def _entries(self) -> tuple[Array, Array, Array, Array]:
-        """Which element entries are kept, their places in the matrix, and its pattern."""
+        """Entries of the element matrices that are assembled, their slots, and the CSC pattern."""
         n, ids = self.size, self.unknowns
         i = np.broadcast_to(ids[:, :, None], (*ids.shape, 18)).ravel()
         j = np.broadcast_to(ids[:, None, :], (*ids.shape, 18)).ravel()
-        kept = np.nonzero((i >= 0) & (j >= 0))[0]
-        flat, slot = np.unique(j[kept] * n + i[kept], return_inverse=True)
-        return kept, slot, flat % n, np.searchsorted(flat, np.arange(n + 1) * n)
+        free = np.nonzero((i >= 0) & (j >= 0))[0]
+        flat, slot = np.unique(j[free] * n + i[free], return_inverse=True)
+        return free, slot, flat % n, np.searchsorted(flat, np.arange(n + 1) * n)
 
     def matrix(self, elements: Array) -> sparse.csc_matrix:
-        """Add element matrices (e, 18, 18) up."""
-        kept, slot, indices, pointers = self._entries
-        data = np.bincount(slot, elements.ravel()[kept], indices.size)
+        """Assemble element matrices (e, 18, 18)."""
+        free, slot, indices, pointers = self._entries
+        data = np.bincount(slot, elements.ravel()[free], indices.size)
         return sparse.csc_matrix((data, indices, pointers), shape=(self.size,) * 2)
 
     def vector(self, elements: Array) -> Array:
-        """Add element vectors (e, 18) up."""
+        """Assemble element vectors (e, 18)."""
         return np.bincount(self.unknowns.ravel() + 1, elements.ravel(), self.size + 1)[1:]
 
     def of_elements(self, u: Array) -> Array:
-        """Return each element's part of the unknowns, (e, 18)."""
+        """Return the unknowns of each element, zero at the core, (e, 18)."""
         return np.asarray(np.append(u, 0.0)[self.unknowns])
 
     def on_nodes(self, u: Array) -> Array:
-        """Return the unknowns where the nodes are, (2 rows + 1, 2 columns, 2)."""
+        """Return v and u of the nodes, (2 rows + 1, 2 columns, 2)."""
         return np.asarray(np.append(u, 0.0)[self.numbers])
 
 
 @lru_cache(maxsize=16)
 def topology(columns: int, rows: int) -> Topology:
-    """Return elements and unknowns of a ring, numbered for elimination."""
-    from skfem import Basis, ElementQuad2, MeshQuad  # imported late: most never ask for it
+    """Return shape functions and numbering of a ring."""
+    from skfem import Basis, ElementQuad2, MeshQuad  # only hardening rolls need it
 
     mesh = MeshQuad.init_tensor(np.arange(columns + 1.0), np.arange(rows + 1.0))
     basis = Basis(mesh, ElementQuad2(), intorder=5)
     at, weights = basis.quadrature
     shapes = [basis.elem.lbasis(at, k) for k in range(9)]
     corner = mesh.p[:, mesh.t].min(axis=1)
-    # every element is a unit square, turned alike
+    # all elements are unit squares with the same orientation
     local = basis.mapping.F(at)[:, 0] - corner[:, :1]
-    turn = np.linalg.inv(basis.mapping.DF(at)[:, :, 0, 0])
-    by_x, by_r = np.einsum("ji,kjq->ikq", turn, np.array([slopes for _, slopes in shapes]))
+    inverse = np.linalg.inv(basis.mapping.DF(at)[:, :, 0, 0])
+    by_x, by_r = np.einsum("ji,kjq->ikq", inverse, np.array([slopes for _, slopes in shapes]))
     column, row = corner.astype(int)
     x, r = np.rint(2 * basis.doflocs).astype(int)
     # the ring is closed: the last column of nodes is the first
@@ -160,23 +160,30 @@ def topology(columns: int, rows: int) -> Topology:
     )
 
 
-def _numbers(nodes: Array, around: int, high: int) -> Array:
-    """Number v and u of every node: core -1, inside by least fill, surface last."""
-    inside = around * (high - 1)
-    ids = np.where(nodes < around * high, nodes - around, -1)
+def _numbers(nodes: Array, columns: int, rows: int) -> Array:
+    """Number v and u of every node: core -1, interior by minimum degree, surface last.
+
+    Parameters
+    ----------
+    nodes : (e, 9) int array
+    columns, rows : int
+        Nodes along a circle, and intervals between the circles of nodes.
+    """
+    interior = columns * (rows - 1)
+    ids = np.where(nodes < columns * rows, nodes - columns, -1)
     i, j = np.broadcast_arrays(ids[:, :, None], ids[:, None, :])
-    kept = (i >= 0) & (j >= 0)
-    entries = np.where(i == j, 100.0, 1.0)[kept]  # regular, whatever it is
-    graph = sparse.csc_matrix((entries, (i[kept], j[kept])), shape=(inside, inside))
-    place = np.full(around * (high + 1), -1)
-    place[around : around * high] = _symmetric(graph, "MMD_AT_PLUS_A").perm_c
-    place[around * high :] = inside + np.arange(around)
-    numbers = np.where(place[:, None] < 0, -1, 2 * place[:, None] + np.arange(2))
-    return np.asarray(numbers.reshape(high + 1, around, 2))
+    used = (i >= 0) & (j >= 0)
+    entries = np.where(i == j, 100.0, 1.0)[used]  # any regular matrix with this pattern
+    graph = sparse.csc_matrix((entries, (i[used], j[used])), shape=(interior, interior))
+    order = np.full(columns * (rows + 1), -1)
+    order[columns : columns * rows] = _factorise(graph, "MMD_AT_PLUS_A").perm_c
+    order[columns * rows :] = interior + np.arange(columns)
+    numbers = np.where(order[:, None] < 0, -1, 2 * order[:, None] + np.arange(2))
+    return np.asarray(numbers.reshape(rows + 1, columns, 2))
 
 
-def _symmetric(matrix: sparse.csc_matrix, order: Literal["NATURAL", "MMD_AT_PLUS_A"]) -> SuperLU:
-    """Factor a symmetric positive definite matrix."""
+def _factorise(matrix: sparse.csc_matrix, order: Literal["NATURAL", "MMD_AT_PLUS_A"]) -> SuperLU:
+    """Factorise a symmetric positive definite matrix."""
     return splu(
         matrix.astype(np.float64),
         permc_spec=order,
@@ -189,21 +196,21 @@ class Factors:
     """A factored stiffness matrix."""
 
     def __init__(self, topology: Topology, matrix: sparse.csc_matrix) -> None:
-        self._lu = _symmetric(matrix, "NATURAL")
+        self._lu = _factorise(matrix, "NATURAL")
         self._surface = topology.surface
 
     def solve(self, f: Array) -> Array:
-        """Return the displacements of forces."""
+        """Return the displacements under the forces f."""
         return np.asarray(self._lu.solve(f))
 
     @cached_property
     def compliance(self) -> Array:
-        """Displacements of the surface by its forces, (2, k, 2, k)."""
+        """Displacements of the surface by the forces on it, (2, k, 2, k)."""
         shape = self._surface.shape
         first = self._lu.shape[0] - self._surface.size
         L, U = (part[first:, first:].toarray() for part in (self._lu.L, self._lu.U))
-        own = (self._surface - first).ravel()
-        return np.linalg.inv(L @ U)[np.ix_(own, own)].reshape(shape + shape)
+        k = (self._surface - first).ravel()
+        return np.linalg.inv(L @ U)[np.ix_(k, k)].reshape(shape + shape)
 
 
 class RingMesh:
@@ -249,19 +256,23 @@ class RingMesh:
 
     @cached_property
     def _spline(self) -> CubicSpline:
-        """The splines that are one at one of the surface's nodes."""
+        """The cubic splines that are one at one node of the surface and zero at the others."""
         one = np.eye(self.nodes.size)
         return CubicSpline(
             np.append(self.nodes, self.x[-1]), np.vstack([one, one[:1]]), bc_type="periodic"
         )
 
     def splines(self, at: Array) -> tuple[Array, Array]:
-        """Return values and slopes at given x of splines through unit nodal values, (n, k)."""
+        """Return values and slopes at x of the splines through unit nodal values, (n, k) each."""
         at = (at - self.x[0]) % self.period + self.x[0]
         return self._spline(at), self._spline(at, 1)
 
     def hats(self, nodes: Array) -> Array:
-        """Return the nodal forces (k, n) of tractions that are one at one of n places x only."""
+        """Return the nodal forces (k, n) of tractions that are hat functions on n nodes x.
+
+        The products of hat and shape functions are integrated by Gauss's rule between the nodes of
+        both.
+        """
         corners, columns = self.x[:-1], self.x.size - 1
         around = np.concatenate([corners - self.period, corners, self.x + self.period])
         cuts = np.union1d(nodes, around[(around > nodes[0]) & (around < nodes[-1])])
@@ -296,46 +307,41 @@ class RingMesh:
         return out
 
     @cached_property
-    def _heights(self) -> Array:
-        """r at the points of each element, (e, 9) [m]."""
+    def heights(self) -> Array:
+        """r at the quadrature points of each element, (e, 9) [m]."""
         top = self.topology
         return np.asarray(self.r[top.row, None] + np.diff(self.r)[top.row, None] * top.at[1])
 
     @cached_property
     def weights(self) -> Array:
-        """Integrate over the ring, by the surface's length, (e, 9) [m2]."""
+        """Quadrature weights of the area r dr dtheta = (r/R) dr dx, (e, 9) [m2]."""
         top = self.topology
         area = np.diff(self.x)[top.column] * np.diff(self.r)[top.row]
-        return np.asarray(top.weights * area[:, None] * self._heights / self.radius)
-
-    @property
-    def heights(self) -> Array:
-        """r at the points of each element, (e, 9) [m]."""
-        return self._heights
+        return np.asarray(top.weights * area[:, None] * self.heights / self.radius)
 
     @cached_property
     def _strains(self) -> Array:
-        """e_r, e_t, gamma at an element's points by its unknowns, (e, 27, 18)."""
-        top, r = self.topology, self._heights
-        wide, high = np.diff(self.x)[top.column, None], np.diff(self.r)[top.row]
-        around = (self.radius / (r * wide))[..., None] * top.by_x.T
-        through = top.by_r.T / high[:, None, None]
-        part = top.value.T / r[..., None]
+        """B: e_r, e_t, gamma at the quadrature points by the unknowns of an element, (e, 27, 18)."""
+        top, r = self.topology, self.heights
+        width, height = np.diff(self.x)[top.column, None], np.diff(self.r)[top.row]
+        N_x = (self.radius / (r * width))[..., None] * top.by_x.T  # (R/r) dN/dx
+        N_r = top.by_r.T / height[:, None, None]
+        N = top.value.T / r[..., None]  # N/r
         B = np.zeros((*r.shape, 3, 18))
-        B[:, :, 0, 0::2] = through
-        B[:, :, 1, 0::2], B[:, :, 1, 1::2] = part, around
-        B[:, :, 2, 0::2], B[:, :, 2, 1::2] = around, through - part
+        B[:, :, 0, 0::2] = N_r
+        B[:, :, 1, 0::2], B[:, :, 1, 1::2] = N, N_x
+        B[:, :, 2, 0::2], B[:, :, 2, 1::2] = N_x, N_r - N
         return B.reshape(r.shape[0], 27, 18)
 
     def strain(self, u: Array) -> Array:
-        """Return e_r, e_t, gamma of unknowns, (e, 9, 3)."""
+        """Return e_r, e_t, gamma of the displacements u at the quadrature points, (e, 9, 3)."""
         strain = self._strains @ self.topology.of_elements(u)[:, :, None]
         return strain.reshape(-1, 9, 3)
 
     def forces(self, stress: Array) -> Array:
-        """Return the forces that stresses (e, 9, 3) take."""
-        pull = (stress * self.weights[..., None]).reshape(-1, 1, 27) @ self._strains
-        return self.topology.vector(pull)
+        """Return the nodal forces in equilibrium with stresses (e, 9, 3)."""
+        elements = (stress * self.weights[..., None]).reshape(-1, 1, 27) @ self._strains
+        return self.topology.vector(elements)
 
     def stiffness(self, tangent: Array) -> Factors:
         """Return the factored stiffness matrix of moduli (e, 9, 3, 3)."""
@@ -345,7 +351,7 @@ class RingMesh:
         return Factors(self.topology, self.topology.matrix(elements))
 
     def interpolate(self, u: Array, other: RingMesh) -> Array:
-        """Return the unknowns of another mesh on this one, by linear interpolation."""
+        """Interpolate displacements u of another mesh linearly on this one."""
         field = other.topology.on_nodes(u)
         x = np.append(other.nodes, other.x[-1])
         closed = np.concatenate([field, field[:, :1]], axis=1)
@@ -357,15 +363,18 @@ class RingMesh:
         t = ((self.circles - r[k]) / (r[k + 1] - r[k]))[:, None, None]
         field = field[k] * (1 - t) + field[k + 1] * t
         out = np.zeros(self.topology.size + 1)
-        out[self.topology.numbers] = field  # those of the core go to the entry that is cut off
+        out[self.topology.numbers] = field  # the core nodes, numbered -1, go to the last entry
         return out[:-1]
 
 
 def _graded(n: int, first: float, last: float) -> Array:
-    """Return n+1 places from 0 to ``last``, c (e^kt - 1)^2, the first cell about ``first``."""
+    """Return n+1 graded positions from 0 to ``last``, c (e^kt - 1)^2 with even steps of t.
+
+    k is found by bisection so that the length of the first cell is ``first``.
+    """
     low, high = 1e-9, 60.0
     for _ in range(80):
         k = (low + high) / 2
-        longer = last * (np.expm1(k / n) / np.expm1(k)) ** 2 > first
-        low, high = (k, high) if longer else (low, k)
+        is_longer = last * (np.expm1(k / n) / np.expm1(k)) ** 2 > first
+        low, high = (k, high) if is_longer else (low, k)
     return np.asarray(last * (np.expm1(k * np.arange(n + 1) / n) / np.expm1(k)) ** 2)

@@ -35,18 +35,18 @@ __all__ = ["NoEquilibrium", "RingPair", "RingState", "uniform_strain"]
 
 Array = np.ndarray
 
-# Largest nodal force that remains, relative to the sum of all: less than the last step of the
-# contact's Newton method.  Very thin rows of elements may leave the larger one by rounding.
+# Largest residual of the nodal forces, relative to the sum of the loads: below the last step of the
+# Newton method of the contact.  With very thin rows of elements rounding may prevent the first one.
 TOLERANCE, ROUNDING = 1e-12, 5e-9
 MAX_ITERATIONS = 200
 # Largest change of ln E_r in a step.
 LARGEST_CHANGE = 1.0
-# A step reduces the residual to this share, or K is factorised again, which costs as much as about
-# ten steps; shares of 0.05 to 0.5 take the same time.
+# K is factorised again if a step reduces the residual by less than this factor.  A factorisation
+# costs about ten steps; factors of 0.05 to 0.5 take the same time.
 SLOW = 0.3
-# A factorisation that reduced the residual to this share is the tangent to the same accuracy.
+# A factorisation that reduces the residual by this factor is an accurate tangent.
 ACCURATE = 1e-2
-# Change of ln a up to which the compliance of the linear ring serves in a tangent.
+# Change of ln a up to which the compliance of the linear ring is reused in a tangent.
 NEAR = 0.02
 CONJUGATE_GRADIENTS = 100
 # Initial nodes and relative tolerance of the ring under a uniform pressure, whose strain is a small
@@ -70,11 +70,11 @@ class RingState:
     stressed : Stressed
         Stresses, moduli and pressure at the quadrature points.
     residual : float
-        Largest nodal force that is not balanced, relative to the sum of the given forces.
+        Largest residual of the nodal forces, relative to the sum of the given forces.
     factors : Factors
         A factorisation of K at this state or a neighbouring one.
     accurate : bool
-        Whether the factorisation serves as the tangent of this state.
+        True if the factorisation is the tangent of this state.
     """
 
     mesh: RingMesh
@@ -86,7 +86,7 @@ class RingState:
 
     @property
     def lowest(self) -> float:
-        """Least pressure in the ring [Pa]."""
+        """Smallest pressure in the ring [Pa]."""
         return float(self.stressed.pressure.min())
 
     @property
@@ -131,7 +131,7 @@ class RingPair:
     # ---- hardening ring ------------------------------------------------------------------------
 
     def equilibrium(self, mesh: RingMesh, forces: Array) -> RingState:
-        """Return the hardening ring in equilibrium.
+        """Return the hardening ring in equilibrium, from the latest state as initial guess.
 
         Parameters
         ----------
@@ -164,31 +164,40 @@ class RingPair:
     def _newton(
         self, mesh: RingMesh, f: Array, u: Array, near: RingState | None = None
     ) -> RingState:
-        """Solve F(u) = f by the modified Newton method, with the factors of a state near by."""
+        """Solve F(u) = f by the modified Newton method.
+
+        Parameters
+        ----------
+        mesh : RingMesh
+        f, u : arrays
+            Forces, and the initial guess of the displacements.
+        near : RingState, optional
+            A neighbouring state, whose pressures and factorisation are used.
+        """
         wound, unit = self.wound(mesh.heights), float(np.sum(np.abs(f))) or 1.0
         pressure, factors, accurate = None, None, False
         if near is not None:
             pressure, factors, accurate = near.stressed.pressure, near.factors, near.accurate
         stressed = self.law.stressed(mesh.strain(u), wound, pressure)
-        # rate: worst reduction by a step with these factors; fresh: they are of this solution
-        before, rate, fresh = np.inf, 0.0, False
+        # rate: slowest reduction of the residual by a step with these factors
+        previous, rate, is_own = np.inf, 0.0, False
         for _ in range(MAX_ITERATIONS):
-            rest = f - mesh.forces(stressed.stress)
-            residual = float(np.max(np.abs(rest))) / unit
-            if fresh and residual <= ROUNDING and residual > before / 2:
+            imbalance = f - mesh.forces(stressed.stress)
+            residual = float(np.max(np.abs(imbalance))) / unit
+            if is_own and residual <= ROUNDING and residual > previous / 2:
                 break
-            if before < np.inf:
-                rate = max(rate, residual / before)
+            if previous < np.inf:
+                rate = max(rate, residual / previous)
                 accurate = rate <= ACCURATE
             if residual <= TOLERANCE:
                 break
-            before = residual
+            previous = residual
             if factors is None or rate > SLOW:
-                factors, rate, fresh = self._factorise(mesh, stressed.tangent), 0.0, True
+                factors, rate, is_own = self._factorise(mesh, stressed.tangent), 0.0, True
                 accurate = True
-            u, stressed = self._advance(mesh, wound, u, factors.solve(rest), stressed, f)
+            u, stressed = self._advance(mesh, wound, u, factors.solve(imbalance), stressed, f)
         else:
-            raise NoEquilibrium(f"the roll finds no equilibrium: residual {residual:.2g}")
+            raise NoEquilibrium(f"the roll has no equilibrium: residual {residual:.2g}")
         if factors is None:
             factors, accurate = self._factorise(mesh, stressed.tangent), True
         return RingState(mesh, u, stressed, residual, factors, accurate)
@@ -196,19 +205,20 @@ class RingPair:
     def _advance(
         self, mesh: RingMesh, wound: Array, u: Array, step: Array, stressed: Stressed, f: Array
     ) -> tuple[Array, Stressed]:
-        """Take a step, reduced where moduli would change by much or the energy would increase."""
-        steep = self.law.radial.modulus_slope(stressed.pressure)
-        change = float(np.max(np.abs(steep * mesh.strain(step)[..., 0])))
-        share = min(1.0, LARGEST_CHANGE / change) if change > 0 else 1.0
+        """Take a damped step: ln E_r changes by at most 1, and the energy does not increase."""
+        E_slope = self.law.radial.modulus_slope(stressed.pressure)
+        change = float(np.max(np.abs(E_slope * mesh.strain(step)[..., 0])))
+        damping = min(1.0, LARGEST_CHANGE / change) if change > 0 else 1.0
         descent = (f - mesh.forces(stressed.stress)) @ step
         for _ in range(30):
-            new = self.law.stressed(mesh.strain(u + share * step), wound, stressed.pressure)
+            new = self.law.stressed(mesh.strain(u + damping * step), wound, stressed.pressure)
             if (mesh.forces(new.stress) - f) @ step <= descent / 2:
                 break
-            share /= 2
-        return u + share * step, new
+            damping /= 2
+        return u + damping * step, new
 
     def _factorise(self, mesh: RingMesh, moduli: Array) -> Factors:
+        """Factorise the stiffness matrix of moduli (e, 9, 3, 3)."""
         self.factorisations += 1
         return mesh.stiffness(moduli)
 
@@ -223,9 +233,9 @@ class RingPair:
         size, surface = mesh.topology.size, mesh.topology.surface
         f = np.zeros(size)
         f[surface] = forces
-        at, factors = self._linear_factors(mesh, np.inf)
+        factorised, factors = self._linear_factors(mesh, np.inf)
         u = factors.solve(f)
-        if at is mesh:
+        if factorised is mesh:
             return u
         moduli, unit = self._moduli, float(np.linalg.norm(f))
         K = LinearOperator((size, size), lambda v: mesh.forces(mesh.strain(v.ravel()) @ moduli))
@@ -237,19 +247,23 @@ class RingPair:
         return u
 
     def _linear_factors(self, mesh: RingMesh, near: float) -> tuple[RingMesh, Factors]:
-        """Return the factors of the linear ring on a mesh of a half width at most so far away."""
-        last = self._reference
+        """Return a factorisation of the linear ring and its mesh.
+
+        It is reused if the half width of its mesh differs by less than ``near`` in ln a.
+        """
+        known = self._reference
         if (
-            last is None
-            or last[0].fineness != mesh.fineness
-            or (last[0] is not mesh and abs(log(last[0].half_width / mesh.half_width)) >= near)
+            known is None
+            or known[0].fineness != mesh.fineness
+            or (known[0] is not mesh and abs(log(known[0].half_width / mesh.half_width)) >= near)
         ):
             moduli = np.broadcast_to(self._moduli, (*mesh.weights.shape, 3, 3))
-            last = self._reference = mesh, self._factorise(mesh, moduli)
-        return last
+            known = self._reference = mesh, self._factorise(mesh, moduli)
+        return known
 
     @property
     def _moduli(self) -> Array:
+        """Matrix of the moduli of the linear ring, (3, 3) [Pa]."""
         A_rr, A_tt, A_rt, G = self.stiffness
         return np.array([[A_rr, A_rt, 0], [A_rt, A_tt, 0], [0, 0, G]])
 

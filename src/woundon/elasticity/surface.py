@@ -1,8 +1,8 @@
 r"""Surface response of a body: slope and strain of its surface under pressure and traction.
 
 A body touches the web on a :class:`~woundon.elasticity.mesh.Face` of a mesh that is scaled by the
-half width a.  Under nodal pressures p and tractions q its surface moves by v (outward) and u (along
-+x).  The equations of a contact need, at the points of the face,
+half width a.  The nodal pressures p and tractions q displace its surface by v (outward) and u
+(along +x).  The contact equations need, at the points of the face,
 
     slope  dv/dx          strain  du/dx + v/R   (du/dx on a half-plane)
 
@@ -63,9 +63,9 @@ class SurfaceResponse(Protocol):
         ...
 
     def end_tangential_displacement(self, p: Array, q: Array) -> float:
-        """Return u at the last node [m]; nan where it is not known.
+        """Return u at the last node [m]; nan if it is not known.
 
-        Only the rigid displacement of static rollers depends on it.
+        It is needed for the rigid displacement of static rollers only.
         """
         ...
 
