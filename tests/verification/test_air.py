@@ -16,7 +16,7 @@ from thesis_cases import film_nip as make_film_nip
 
 import woundon as wo
 from woundon.nip.air_films import FOIL, escaped_film, foil_film, friction_share, nip_film
-from woundon.nip.air_inlet import inlet, passed
+from woundon.nip.air_inlet import film_factor, solve_inlet
 from woundon.nip.entrained_air import _compliance, films_of, inlet_gradient
 
 MU, AMBIENT = 1.81e-5, 101325.0
@@ -126,15 +126,15 @@ def test_a_film_on_a_viscoelastic_drum(film_nip, tau, speed):
 
 def test_the_inlets_mesh_and_domain():
     # cells of both: second order in the cells, and next to nothing in where the mesh ends
-    coarse, fine, finest = (inlet(cells=n).passed for n in (100, 200, 400))
+    coarse, fine, finest = (solve_inlet(cells=n).film for n in (100, 200, 400))
     assert abs(fine - finest) < abs(coarse - fine) / 2.5
-    assert inlet(cells=400, far=4000.0).passed == pytest.approx(finest, rel=1e-4)
-    assert passed(1e4) == pytest.approx(finest, rel=3e-4)  # its 1/beta and the table's mesh
+    assert solve_inlet(cells=400, extent=4000.0).film == pytest.approx(finest, rel=1e-4)
+    assert film_factor(1e4) == pytest.approx(finest, rel=3e-4)  # its 1/beta and the table's mesh
 
 
 def test_a_film_that_hardly_compresses_goes_like_one_over_beta():
-    limit = inlet().passed
-    more = [passed(beta) / limit - 1 for beta in (100.0, 200.0)]
+    limit = solve_inlet().film
+    more = [film_factor(beta) / limit - 1 for beta in (100.0, 200.0)]
     assert more[0] / more[1] == pytest.approx(2, rel=0.02)  # 1/beta^2 is a hundredth
 
 

@@ -321,7 +321,7 @@ class RingMesh:
 
     @cached_property
     def _strains(self) -> Array:
-        """B: e_r, e_t, gamma at the quadrature points by the unknowns of an element, (e, 27, 18)."""
+        """B: e_r, e_t, gamma at the quadrature points by the unknowns of elements, (e, 27, 18)."""
         top, r = self.topology, self.heights
         width, height = np.diff(self.x)[top.column, None], np.diff(self.r)[top.row]
         N_x = (self.radius / (r * width))[..., None] * top.by_x.T  # (R/r) dN/dx

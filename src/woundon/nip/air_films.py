@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from .air_inlet import passed
+from .air_inlet import film_factor
 
 if TYPE_CHECKING:
     from ..problems.air import Air
@@ -28,14 +28,13 @@ FOIL = 0.64304
 def foil_film(radius: Any, speed: Any, tension: Any, viscosity: float) -> Any:
     """Return the film under a web that runs onto a roll without a nip [m].
 
-    h = 0.643 R (6 mu (V_web + V_roll)/T)^(2/3), both at the same speed: a wide, impermeable,
-    perfectly flexible web (foil bearing; Knox and Sweeney 1971 brought it to webs, known here from
-    Ducotey and Good 1999).
+    h = 0.643 R (6 mu (V_web + V_roll)/T)^(2/3) with V_web = V_roll, for a wide, impermeable and
+    perfectly flexible web (foil bearing; Knox and Sweeney 1971, cited by Ducotey and Good 1999).
 
     Parameters
     ----------
     radius, speed, tension : array_like
-        R [m], V [m/s], T [N/m]; without tension nothing limits the film: inf.
+        R [m], V [m/s], T [N/m]; the film is inf for T = 0.
     viscosity : float
         mu [Pa s].
     """
@@ -48,22 +47,23 @@ def foil_film(radius: Any, speed: Any, tension: Any, viscosity: float) -> Any:
 class NipFilm(NamedTuple):
     """Air film that passes a nip."""
 
-    film: float  # at ambient pressure [m]
-    length: float  # l, of the inlet in which the film is made [m]
-    beta: float  # ambient pressure over that of the inlet [1]
+    film: float  # thickness at ambient pressure [m]
+    length: float  # l, length of the inlet in which the film forms [m]
+    beta: float  # ambient pressure relative to the pressure K sqrt(l) of the inlet [1]
 
 
 def nip_film(
     edge: float, compliance: float, speed: float, viscosity: float, ambient: float
 ) -> NipFilm:
-    """Return the film of air that a nip lets through, counted at ambient pressure.
+    """Return the air film that passes a nip (:mod:`.air_inlet`), at ambient pressure.
 
     Parameters
     ----------
     edge : float
-        K [Pa/sqrt(m)]: the dry pressure is K sqrt(s) behind the inlet edge.
+        K [Pa/sqrt(m)]: without air the pressure is K sqrt(s) at the distance s from the inlet
+        edge.
     compliance : float
-        C [1/Pa], half the sum of both surfaces' half-plane compliances; > 0.
+        C [1/Pa], half the sum of the half-plane compliances of both surfaces; > 0.
     speed : float
         V of both surfaces [m/s].
     viscosity, ambient : float
@@ -78,15 +78,15 @@ def nip_film(
         return NipFilm(0.0, 0.0, float("inf"))
     length = (12 * viscosity * speed / (compliance**2 * edge**3)) ** 0.4
     beta = ambient / (edge * length**0.5)
-    return NipFilm(passed(beta) * compliance * edge * length**1.5, length, beta)
+    return NipFilm(film_factor(beta) * compliance * edge * length**1.5, length, beta)
 
 
 def escaped_film(film: Any, permeance: float, tension: Any, speed: Any) -> Any:
     """Return the thickness of a film after one revolution of the roll [m].
 
-    Under the pressure T/R of a layer the air flows through the web at the speed k T/R, for the time
-    2 pi R/V of a revolution: 2 pi k T/V.  Flow through the layers above at later times, and at the
-    edges of the web, is neglected.
+    Under the pressure T/R of a layer the air flows through the web at the speed k T/R.  During one
+    revolution, 2 pi R/V, the film decreases by 2 pi k T/V.  Later flow through the layers above,
+    and flow at the edges of the web, are neglected.
 
     Parameters
     ----------
@@ -101,8 +101,10 @@ def escaped_film(film: Any, permeance: float, tension: Any, speed: Any) -> Any:
     return np.where(film > 0, np.maximum(film - np.where(speed > 0, lost, 0.0), 0.0), 0.0)[()]
 
 
-def friction_share(film: Any, roughness: float, kept: float, lost: float) -> Any:
-    """Return the fraction of the dry friction retained under a film, linear in its thickness [1].
+def friction_share(film: Any, roughness: float, full: float, none: float) -> Any:
+    """Return the fraction of the friction without air that remains with a film [1].
+
+    It decreases linearly with the thickness of the film.
 
     Parameters
     ----------
@@ -110,18 +112,18 @@ def friction_share(film: Any, roughness: float, kept: float, lost: float) -> Any
         h [m].
     roughness : float
         Root mean square of both surfaces together [m].
-    kept, lost : float
-        Thickness up to which friction is that without air, and from which there is none, in
-        roughnesses.
+    full, none : float
+        Thickness up to which friction is not reduced, and from which there is none, relative to
+        the roughness.
     """
-    thick = np.asarray(film, dtype=float) / roughness
-    return np.clip((lost - thick) / (lost - kept), 0.0, 1.0)[()]
+    relative = np.asarray(film, dtype=float) / roughness
+    return np.clip((none - relative) / (none - full), 0.0, 1.0)[()]
 
 
 def friction_between(film: float, pressure: Any, air: Air) -> Any:
-    """Return the share of their friction that layers retain under a pressure [1].
+    """Return the fraction of the friction between layers that remains under a pressure [1].
 
-    The film between them is compressed; no air escapes.
+    The film between the layers is compressed isothermally; no air escapes.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-r"""The air film that a web entrains through a nip, and the friction that it leaves.
+r"""The air film that a web entrains through a nip, and the reduced friction.
 
 Near the inlet edge the pressure of the nip without air is K sqrt(s), s the distance downstream of
 the edge.  K, the compliance C of the surfaces and the speed give the film that passes
@@ -55,19 +55,19 @@ LONG = 0.3  # of the half width: up to there the film is accurate to 2 % (tests/
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class AirFilm(ReadOnly):
-    """The air film of a nip, and the friction coefficients that it leaves.
+    """The air film of a nip, and the friction coefficients reduced by it.
 
     Attributes
     ----------
     thickness : (M,) array
         Film between web and roll at the nodes of the nip [m].
     foil_film : float
-        Film that the web would carry in without a nip [m].
+        Film that the web would entrain without a nip [m].
     nip_film : float
-        Film that the nip lets through, under the pressure T_in/R of the layer wound on [m].
+        Film that passes the nip, under the pressure T_in/R of the outermost layer [m].
     film : float
-        Film between the layers when the next layer is wound: the smaller one of the two, less the
-        air that has passed through the web [m].
+        Film between the layers when the next layer is wound: the smaller one of the two, minus the
+        air that has flowed through the web [m].
     film_in_nip : float
         Film under the mean pressure of the nip [m].
     roll_friction, wrap_friction : float
@@ -107,9 +107,9 @@ class AirFilm(ReadOnly):
 
 
 def _compliance(problem: NipProblem, length: float) -> float:
-    """Return C, half the sum of the surfaces' compliances for the wave number 1/length [1/Pa].
+    """Return C, half the sum of the compliances of the surfaces for the wave number 1/length [1/Pa].
 
-    A length of 0 stands for a web at rest.
+    The length is 0 if the web does not move.
     """
     roll, drum = (_body_compliance(body, problem.web_speed, length) for body in problem.bodies)
     if problem.drum_wrap > 0 and length > 0:
@@ -118,6 +118,7 @@ def _compliance(problem: NipProblem, length: float) -> float:
 
 
 def _body_compliance(body: Body, speed: float | None, length: float) -> float:
+    """Return the compliance of a body; of a viscoelastic one that at the frequency V/length."""
     material = body.surface_material
     if material is None or not material.relaxes or speed is None:
         return body.compliance
@@ -126,7 +127,7 @@ def _body_compliance(body: Body, speed: float | None, length: float) -> float:
 
 
 def _inlet_length(problem: NipProblem, gradient: Callable[[float], float]) -> float:
-    """Return the length l of the inlet, with K the gradient at that length [m]; 0 at rest."""
+    """Return the length l of the inlet, at which K is evaluated [m]; 0 without speed."""
     V, air = problem.web_speed, problem.air
     assert air is not None
     if not V:
@@ -145,10 +146,10 @@ def _inlet_length(problem: NipProblem, gradient: Callable[[float], float]) -> fl
 
 
 def inlet_gradient(problem: NipProblem, x: Array, pressure: Array, half_width: float) -> float:
-    """Return K [Pa/sqrt(m)] of a nip, at the length of the inlet from the edge.
+    """Return K = p/sqrt(s) [Pa/sqrt(m)] of a nip at the distance s = l from the edge.
 
-    Closer to the edge the pressure may rise differently, as with a viscoelastic drum or a web that
-    is wrapped on the drum, but there the film does not follow it.
+    Closer to the edge the pressure may vary differently, as with a viscoelastic drum or a web that
+    is wrapped on the drum, but such short variations have no effect on the film.
 
     Parameters
     ----------
@@ -169,7 +170,7 @@ def inlet_gradient(problem: NipProblem, x: Array, pressure: Array, half_width: f
 
 
 def films_of(problem: NipProblem, gradient: float, half_width: float) -> dict[str, float]:
-    """Return films and friction coefficients by their names in :class:`AirFilm`.
+    """Return films and friction coefficients as a dict of fields of :class:`AirFilm`.
 
     Parameters
     ----------
@@ -183,7 +184,7 @@ def films_of(problem: NipProblem, gradient: float, half_width: float) -> dict[st
     Raises
     ------
     InvalidProblem
-        If the pressure of the inlet exceeds 100 times the ambient one.
+        If the pressure of the inlet exceeds 100 times the ambient pressure.
     """
     air, V, R, T = problem.air, problem.web_speed, problem.roll.radius, problem.web_tension
     assert air is not None
@@ -198,7 +199,7 @@ def films_of(problem: NipProblem, gradient: float, half_width: float) -> dict[st
     downstream = passing.film * p_a / (p_a + T / R)
     # without web tension only the nip limits the film
     foil = float(foil_film(R, V, T, air.viscosity)) if T > 0 else downstream
-    wound = min(downstream, foil)
+    wound_in = min(downstream, foil)
     in_nip = passing.film * p_a / (p_a + mean)
 
     def reduced(friction: float, film: float) -> float:
@@ -211,9 +212,9 @@ def films_of(problem: NipProblem, gradient: float, half_width: float) -> dict[st
         "nip_film": downstream,
         "film_in_nip": in_nip,
         "inlet_length": passing.length,
-        "film": float(escaped_film(wound, air.permeance, T, V)),
+        "film": float(escaped_film(wound_in, air.permeance, T, V)),
         "roll_friction": friction,
-        "wrap_friction": reduced(problem.friction_on_wrap, wound),
+        "wrap_friction": reduced(problem.friction_on_wrap, wound_in),
         "friction_share": friction / problem.roll_friction,
     }
 
@@ -227,7 +228,7 @@ def air_film(problem: NipProblem, x: Array, pressure: Array, half_width: float) 
 
 
 def film_of_state(problem: NipProblem, equations: NipEquations, state: NipState) -> AirFilm:
-    """Return the film of a state of the equations of the nip without air."""
+    """Return the film for an iterate of the equations of the nip without air."""
     nip, f = state.fields.geometry.mesh.nip_nodes, state.fields
     a = f.geometry.a
     return air_film(problem, a * f.geometry.mesh.nodes[nip], f.p_roll[nip], a)
@@ -242,10 +243,10 @@ def _thickness(problem: NipProblem, pressure: Array, half_width: float, in_nip: 
 
 
 def air_conditions(result: Any) -> dict[str, float]:
-    """Return the violations of the equations of the film, relative.
+    """Return the relative residuals of the equations of the film.
 
-    ``air_inlet``: the gradient K by the pressure of the result.  ``air_film``: films and friction
-    coefficients by K and the half width.  ``air_film_profile``: the film at every node.
+    ``air_inlet``: K, recomputed from the pressure.  ``air_film``: films and friction coefficients,
+    recomputed from K and the half width.  ``air_film_profile``: the film at every node.
     """
     air, nip = result.air, result.in_nip
     assert air is not None

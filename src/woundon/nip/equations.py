@@ -48,13 +48,14 @@ __all__ = ["Fields", "Geometry", "NipEquations", "NipState"]
 
 Array = np.ndarray
 
-# Step of ln a for the difference quotient (error 1e-5 by its size, 1e-10 by rounding), and the
-# distance of half widths between which the surfaces of a neighbouring half width serve again.
-DIFFERENCE, NEAREST, FARTHEST = 1e-5, 1e-7, 1e-2
+# Step of ln a for the difference quotient (truncation error 1e-5, rounding 1e-10).
+DIFFERENCE = 1e-5
+# Distance in ln a within which the surfaces of an earlier half width are used for the difference.
+NEAREST, FARTHEST = 1e-7, 1e-2
 
 
 class Side(NamedTuple):
-    """One body on its part of the mesh."""
+    """One body (roll or drum) on its part of the mesh."""
 
     face: Face
     surface: SurfaceResponse
@@ -72,7 +73,7 @@ class Side(NamedTuple):
     def curvature_tangent(
         self, tangent: SurfaceTangent, p: Array, q: Array, a: float
     ) -> tuple[Array, Array] | None:
-        """Return the derivatives of the curvature by p and by q; None of a rigid body."""
+        """Return the derivatives of the curvature by p and by q; None for a rigid body."""
         if self.surface.rigid:
             return None
         slopes = tangent.slope_p, tangent.slope_q
@@ -85,7 +86,7 @@ class Side(NamedTuple):
 
 
 class Geometry(NamedTuple):
-    """Everything that depends on the half width alone."""
+    """Mesh and surfaces for one half width a."""
 
     a: float
     mesh: Mesh
@@ -94,24 +95,24 @@ class Geometry(NamedTuple):
 
 
 class Fields(NamedTuple):
-    """Fields along the web, on all nodes; zero where a face has none."""
+    """Fields along the web at all nodes; tractions are zero where a body is not in contact."""
 
     geometry: Geometry
     p_roll: Array
     p_drum: Array
     q_roll: Array
     q_drum: Array
-    transfer: Array  # int (q+ + q-) from the first node, lumped, behind each node [unit of a]
+    transfer: Array  # int (q+ + q-) dx/a from the first node, with lumped hats (:class:`Mesh`)
     tension: Array
     roll: Deformation
     drum: Deformation
-    roll_curvature: Array  # on the nodes of the roll's face; empty without a roll wrap
-    drum_curvature: Array  # on the nodes of the drum's face; empty without a wrap
+    roll_curvature: Array  # at the nodes of the roll face; empty without a roll wrap
+    drum_curvature: Array  # at the nodes of the drum face; empty without a wrap
 
 
 @dataclass(frozen=True, eq=False)
 class NipState:
-    """An iterate; residuals, slip, traction and bound are dimensionless."""
+    """An iterate u; residuals, slip velocity, traction and friction bound are dimensionless."""
 
     u: Array
     fields: Fields
@@ -130,29 +131,29 @@ class NipEquations:
         Without air.
     size : int
     like : Mesh, optional
-        A mesh whose numbers of cells are taken; by default those of the initial guess.
+        A mesh with the numbers of cells to use; by default those for the initial half width.
     """
 
     def __init__(self, problem: Any, size: int, like: Mesh | None = None) -> None:
         self.problem, self.size = problem, size
         self.roll_wrap, self.drum_wrap = problem.roll_wrap, problem.drum_wrap
         P, R = problem.nip_load, problem.contact_radius
-        # of the web between rigid bodies, 2h c22 p = (a^2 - x^2)/2R; between soft ones Hertz's
-        compressed = np.cbrt(1.5 * P * R * problem.web.thickness * problem.web.compliance.c22)
-        guess = max(half_width_guess(P, *problem.bodies), compressed)
+        # a compressed web between rigid bodies, 2h c22 p = (a^2 - x^2)/2R, or Hertz's contact
+        web_only = np.cbrt(1.5 * P * R * problem.web.thickness * problem.web.compliance.c22)
+        guess = max(half_width_guess(P, *problem.bodies), web_only)
         self.start = a = min(guess, 0.9 * exp(self.largest_ln_a))
         self._neighbour: Geometry | None = None
         self._first_mesh = like
         self._first_mesh = self.mesh(a)
         self.layout = Layout(self._first_mesh, self.roll_wrap > 0, self.drum_wrap > 0)
-        # units: Hertz's largest pressure, and the slope of the gap at the contact edge
+        # scales: the maximum pressure of Hertz, and the slope of the gap at the contact edge
         self.pressure_scale, self.slope_scale = 2 * P / (pi * a), a / R
 
-    # ---- what Newton's method needs ------------------------------------------------------------
+    # ---- interface of the semismooth Newton method ---------------------------------------------
 
     @cached_property
     def friction(self) -> Array:
-        """Coefficient of friction at each traction node, roll then drum."""
+        """Friction coefficient at each traction node, roll then drum."""
         at, problem = self.layout, self.problem
         mu = problem.roll_friction
         roll = np.where(at.roll_nodes >= at.last, problem.friction_on_wrap, mu)
@@ -160,7 +161,7 @@ class NipEquations:
 
     @cached_property
     def scales(self) -> Array:
-        """Units of the unknowns."""
+        """Scales of the unknowns."""
         at = self.layout
         out = np.full(at.size, self.pressure_scale)
         out[[at.shift, at.xi]], out[at.ln_a] = self.slope_scale, 1.0
@@ -169,17 +170,17 @@ class NipEquations:
 
     @property
     def traction_unknowns(self) -> slice:
-        """Places of the tractions in u."""
+        """Indices of the tractions in u."""
         return self.layout.q
 
     @property
     def ln_a(self) -> int:
-        """Place of ln a in u."""
+        """Index of ln a in u."""
         return self.layout.ln_a
 
     @property
     def load_row(self) -> int:
-        """The equation of the load."""
+        """Index of the load equation."""
         return self.layout.q.start - 1
 
     @cached_property
@@ -193,15 +194,15 @@ class NipEquations:
 
     @property
     def creep_nodes(self) -> Array:
-        """Tractions on the drum: their slip contains the creepage."""
+        """Indices of the tractions on the drum, whose slip velocity contains the creepage."""
         return np.arange(self.layout.roll_nodes.size, self.friction.size)
 
     def for_problem(self, problem: Any) -> Self:
-        """Return the equations of a neighbouring problem with the same numbering."""
+        """Return the equations of a neighbouring problem on a mesh with the same numbers of cells."""
         return type(self)(problem, self.size, self._first_mesh)
 
     def node_names(self, tractions: Array) -> list[str]:
-        """Return the faces and nodes of some tractions in words."""
+        """Return the names of traction nodes for messages."""
         at, k = self.layout, self.layout.roll_nodes.size
         return [
             f"roll node {at.roll_nodes[i]}" if i < k else f"drum node {at.drum_nodes[i - k]}"
@@ -209,9 +210,9 @@ class NipEquations:
         ]
 
     def initial_guess(self) -> tuple[Array, Array]:
-        """Return zero fields at the half width without friction, and full stick.
+        """Return zero fields with the half width of the frictionless nip, and full stick.
 
-        For linear bodies the first step finds all fields of that half width.
+        For linear bodies the first Newton step gives the fields for that half width.
         """
         u, a = np.zeros(self.layout.size), self.start
         if self.problem.linear:
@@ -223,7 +224,7 @@ class NipEquations:
     # ---- geometry ------------------------------------------------------------------------------
 
     def mesh(self, a: float) -> Mesh:
-        """Return the mesh for a half width; its numbers of cells are those of the initial guess."""
+        """Return the mesh for a half width, with the same numbers of cells for all half widths."""
         if self._first_mesh is not None and not (self.roll_wrap or self.drum_wrap):
             return self._first_mesh
         roll, drum = (body.radius / a for body in self.problem.bodies)
@@ -247,12 +248,12 @@ class NipEquations:
     # ---- residual ------------------------------------------------------------------------------
 
     def evaluate(self, u: Array, geometry: Geometry | None = None) -> NipState:
-        """Return the state of given unknowns."""
+        """Evaluate fields, residuals, slip velocities and friction bounds of the unknowns u."""
         at = self.layout
         f = self._fields(u, geometry or self.geometry(exp(u[at.ln_a])))
         rows = [self._gap_slope(u, f), *self._wraps(f), self._force_and_load(u, f)]
         p = np.append(f.p_roll[at.roll_nodes], f.p_drum[at.drum_nodes])
-        # each traction node has the slip of the cell upstream of it
+        # the slip velocity of a traction node is that of the cell upstream of it
         slip = np.concatenate([v[:-1] for v in self.slip_velocities(u[at.xi], f)])
         traction = u[at.q] / self.scales[at.q]
         return NipState(
@@ -260,6 +261,7 @@ class NipEquations:
         )
 
     def _fields(self, u: Array, g: Geometry) -> Fields:
+        """Evaluate pressures, tractions, tension and the deformation of both bodies."""
         at, a, mesh = self.layout, g.a, g.mesh
         p_roll, p_drum, q_roll, q_drum = np.zeros((4, at.end + 1))
         p_drum[at.p_nodes[at.drum_p]], p_roll[at.p_nodes[at.wrap_p]] = u[at.drum_p], u[at.wrap_p]
@@ -285,13 +287,13 @@ class NipEquations:
 
     @cached_property
     def _hoop_nodes(self) -> slice:
-        """Nodes inside the nip, at which p+ = p- + T kappa; p+ starts from zero at its edge."""
+        """Inner nodes of the nip, where p+ = p- + T kappa; p+ is zero at the leading edge."""
         if not self.roll_wrap:
             return slice(0, 0)
         return slice(self.layout.first + 1, self.layout.last)
 
     def _gap_slope(self, u: Array, f: Fields) -> Array:
-        """Return the slope of the gap in the cells of the nip."""
+        """Return the residual of the gap slope in the cells of the nip."""
         (a, mesh, *_), web, nip = f.geometry, self.problem.web, f.geometry.mesh.nip_cells
         thinning, _ = web.thinned(f.p_roll[mesh.nip_nodes])
         gap = f.roll.slope[: mesh.last - mesh.first] + f.drum.slope[nip] + u[self.layout.shift]
@@ -300,7 +302,7 @@ class NipEquations:
         return (gap - mesh.points[nip] * (a / self.problem.contact_radius)) / self.slope_scale
 
     def _wraps(self, f: Fields) -> list[Array]:
-        """Return the normal equilibrium of the web on the wraps."""
+        """Return the residual of the normal equilibrium of the web at the nodes of the wraps."""
         at, T, rows = self.layout, f.tension, []
         if self.drum_wrap:
             on = slice(0, at.first + 1)
@@ -311,22 +313,23 @@ class NipEquations:
         return rows
 
     def _force_and_load(self, u: Array, f: Fields) -> Array:
+        """Return the residuals of winding force and nip load."""
         problem, a = self.problem, f.geometry.a
         load = a * (f.geometry.mesh.nip_weights[self.layout.p_nodes] @ u[self.layout.p])
         force = a * (f.geometry.mesh.weights @ f.q_drum)
         P, F = problem.nip_load, problem.winding_force
-        # a share of the force varies as the load, so that every half width has a steady state
-        missing = force - F - self._force_by_load * (load - P)
-        return np.array([missing / (problem.drum_friction * P), load / P - 1])
+        # the force of an iterate varies with its load: else a small load could not transmit F
+        imbalance = force - F - self._force_by_load * (load - P)
+        return np.array([imbalance / (problem.drum_friction * P), load / P - 1])
 
     @cached_property
     def _force_by_load(self) -> float:
-        """Change of the force with the load of an iterate; the drum wrap carries the rest of F."""
+        """dF/dP for an iterate whose load differs from P: F/P, at most the friction coefficient."""
         mu = self.problem.drum_friction
         return float(np.clip(self.problem.winding_force / self.problem.nip_load, -mu, mu))
 
     def slip_velocities(self, xi: float, f: Fields) -> tuple[Array, Array]:
-        """Return v+ in the cells of the roll's face and v- in those of the drum's."""
+        """Return v+ in the cells of the roll face and v- in those of the drum face."""
         at, (a, mesh, *_), web = self.layout, f.geometry, self.problem.web
         stretch = a * web.compliance.c11 / web.thickness * (f.transfer[:-1] - f.transfer[-1])
         strain = stretch - web.compliance.c12 * mesh.at_points(f.p_roll)
@@ -337,50 +340,50 @@ class NipEquations:
     # ---- Jacobian ------------------------------------------------------------------------------
 
     def jacobian(self, state: NipState) -> Jacobian:
-        """Return the derivatives of equilibrium, slip and bound; the column by ln a is empty."""
+        """Return the derivatives of equilibrium, slip and bound by u; zero in the column of ln a."""
         return _Assembly(self, state).jacobian()
 
     def half_width_column(self, state: NipState) -> tuple[Array, Array, Array]:
-        """Return the derivatives of equilibrium, slip and bound by ln a.
+        """Return the derivatives of equilibrium, slip and bound by ln a as a difference quotient.
 
-        A difference to a neighbouring half width, whose surfaces serve as long as it is near: an
-        error of 1 % in this column only costs digits in one step.
+        The surfaces of an earlier half width are used if it is near: an error of 1 % in this column
+        only slows the convergence of one step.
         """
         a, near = state.fields.geometry.a, self._neighbour
         if near is None or not NEAREST < abs(log(near.a / a)) < FARTHEST:
             near = self._neighbour = self.geometry(a * exp(DIFFERENCE))
-        moved, step = self.evaluate(state.u, near), log(near.a / a)
+        shifted, step = self.evaluate(state.u, near), log(near.a / a)
         return (
-            (moved.equilibrium - state.equilibrium) / step,
-            (moved.slip - state.slip) / step,
-            (moved.bound - state.bound) / step,
+            (shifted.equilibrium - state.equilibrium) / step,
+            (shifted.slip - state.slip) / step,
+            (shifted.bound - state.bound) / step,
         )
 
     # ---- transfer to another mesh --------------------------------------------------------------
 
     def prolong(self, state: NipState, active: Array, coarse: NipEquations) -> tuple[Array, Array]:
-        """Interpolate the unknowns of another mesh; nodes take the zone of the nearest node."""
-        at, was, f = self.layout, coarse.layout, state.fields
+        """Interpolate the unknowns of a coarse mesh; zones are those of the nearest node."""
+        at, old_at, f = self.layout, coarse.layout, state.fields
         old, new = f.geometry.mesh.nodes, self.mesh(f.geometry.a).nodes
         u = np.empty(at.size)
-        pressure = np.where(np.arange(old.size) < was.last, f.p_drum, f.p_roll)
+        pressure = np.where(np.arange(old.size) < old_at.last, f.p_drum, f.p_roll)
         u[at.p] = np.interp(new[at.p_nodes], old, pressure)
-        u[[at.shift, at.xi, at.ln_a]] = state.u[[was.shift, was.xi, was.ln_a]]
+        u[[at.shift, at.xi, at.ln_a]] = state.u[[old_at.shift, old_at.xi, old_at.ln_a]]
         u[at.roll_q] = np.interp(new[at.roll_nodes], old, f.q_roll)
         u[at.drum_q] = np.interp(new[at.drum_nodes], old, f.q_drum)
-        k = was.roll_nodes.size
-        roll = nearest(old[was.roll_nodes], active[:k], new[at.roll_nodes])
-        drum = nearest(old[was.drum_nodes], active[k:], new[at.drum_nodes])
+        k = old_at.roll_nodes.size
+        roll = nearest(old[old_at.roll_nodes], active[:k], new[at.roll_nodes])
+        drum = nearest(old[old_at.drum_nodes], active[k:], new[at.drum_nodes])
         return u, np.append(roll, drum)
 
 
 def nearest(old: Array, values: Array, new: Array) -> Array:
-    """Return the values of the nearest old nodes."""
+    """Return the values at the nearest of the old nodes."""
     return values[np.searchsorted((old[1:] + old[:-1]) / 2, new)]
 
 
 class _Assembly:
-    """The Jacobian of a state, block by block."""
+    """Assembly of the Jacobian at a state, block by block."""
 
     def __init__(self, equations: NipEquations, state: NipState) -> None:
         self.equations, self.problem = equations, equations.problem
@@ -398,7 +401,7 @@ class _Assembly:
         self.hoop = self._hoop()
 
     def jacobian(self) -> Jacobian:
-        """Return all blocks."""
+        """Assemble all blocks."""
         at, equations = self.at, self.equations
         gap = self._gap_slope() / equations.slope_scale
         wraps = [rows / equations.pressure_scale for rows in self._wraps()]
@@ -411,7 +414,7 @@ class _Assembly:
         return Jacobian(rows, slip, bound / equations.pressure_scale)
 
     def _hoop(self) -> Array:
-        """Derivative of p+ = p- + T kappa at the nodes of the nip where it is no unknown."""
+        """Return the derivatives of p+ = p- + T kappa at the inner nodes of the nip by u."""
         at, nodes = self.at, self.equations._hoop_nodes
         k = np.arange(nodes.start, nodes.stop)
         out = np.zeros((k.size, at.size))
@@ -424,7 +427,7 @@ class _Assembly:
     def _subtract_hoop(
         self, rows: Array, nodes: slice, kappa: Array, tangent: tuple[Array, Array] | None
     ) -> None:
-        """Subtract d(T kappa) of the drum's curvature from rows that belong to nodes."""
+        """Subtract the derivatives of T kappa at nodes, with kappa and its tangent, from rows."""
         at = self.at
         by_q = self.a * self.mesh.integral_to_nodes[nodes]
         rows[:, at.roll_q] -= kappa[:, None] * by_q[:, at.roll_nodes]
@@ -435,7 +438,7 @@ class _Assembly:
             rows[:, at.drum_q] -= T * tangent[1][nodes, 1:-1]
 
     def _roll_pressure(self, matrix: Array) -> Array:
-        """Return the product of a matrix, by p+ on the nodes of the roll's face, with dp+/du."""
+        """Return the product of a matrix of derivatives by p+ on the roll face with dp+/du."""
         at, nip = self.at, self.equations._hoop_nodes
         n = at.last - at.first
         out = np.zeros((len(matrix), at.size))
@@ -447,6 +450,7 @@ class _Assembly:
         return out
 
     def _gap_slope(self) -> Array:
+        """Return the rows of the gap slope."""
         at, mesh, web, nip = self.at, self.mesh, self.problem.web, self.mesh.nip_cells
         n = at.last - at.first
         by_p = self.roll.slope_p[:n].copy()
@@ -463,6 +467,7 @@ class _Assembly:
         return rows
 
     def _wraps(self) -> list[Array]:
+        """Return the rows of the normal equilibrium on the wraps."""
         at, equations, f, blocks = self.at, self.equations, self.fields, []
         if equations.drum_wrap:
             on, k = slice(0, at.first + 1), np.arange(at.first + 1)
@@ -471,19 +476,20 @@ class _Assembly:
             self._subtract_hoop(rows, on, f.drum_curvature[on], self.kappa_drum)
             blocks.append(rows)
         if equations.roll_wrap:
-            on, own = slice(at.last, at.end + 1), slice(at.last - at.first, None)
+            on, wrap = slice(at.last, at.end + 1), slice(at.last - at.first, None)
             k = np.arange(at.end + 1 - at.last)
             rows = np.zeros((k.size, at.size))
             if self.kappa_roll is not None:
                 T = f.tension[on, None]
-                rows = self._roll_pressure(-T * self.kappa_roll[0][own])
-                rows[:, at.roll_q] -= T * self.kappa_roll[1][own, 1:-1]
+                rows = self._roll_pressure(-T * self.kappa_roll[0][wrap])
+                rows[:, at.roll_q] -= T * self.kappa_roll[1][wrap, 1:-1]
             rows[k, at.wrap_p.start + k] += 1.0
-            self._subtract_hoop(rows, on, f.roll_curvature[own], None)
+            self._subtract_hoop(rows, on, f.roll_curvature[wrap], None)
             blocks.append(rows)
         return blocks
 
     def _force_and_load(self) -> Array:
+        """Return the rows of winding force and nip load."""
         at, problem = self.at, self.problem
         rows, weights = np.zeros((2, at.size)), self.a * self.mesh.nip_weights[at.p_nodes]
         rows[0, at.p] = -self.equations._force_by_load * weights
@@ -493,6 +499,7 @@ class _Assembly:
         return rows / problem.nip_load
 
     def _slip(self) -> Array:
+        """Return the rows of the slip velocities, roll then drum."""
         at, mesh, web = self.at, self.mesh, self.problem.web
         stretch = mesh.integral_to_points - mesh.weights
         stretch *= self.a * web.compliance.c11 / web.thickness

@@ -4,8 +4,8 @@
           ^                                                                          |
           +------- friction in the nip and on the wrap, by film over roughness <-----+
 
-The film is thin relative to the deformation of the surfaces and leaves the pressure as it is; K
-hardly depends on friction, so that two or three iterations suffice.
+The film is thin relative to the deformation of the surfaces and does not change the pressure.  K
+depends weakly on friction, so that two or three iterations suffice.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ def solve_with_air(
     tolerance: float = TOLERANCE,
     **options: Any,
 ) -> tuple[NipResult, AirFilm]:
-    """Return the nip with the friction that its air film leaves, and the film.
+    """Return the nip with the friction reduced by its air film, and the film.
 
     Parameters
     ----------
