@@ -55,13 +55,13 @@ def test_a_stack_that_ends_is_reported():
     test = wo.StackTest(pressure=[0, 2e4, 5e4, 1e5], strain=[0, 0.03, 0.045, 0.058])
     with pytest.raises(wo.NotConverged) as fault:
         wo.solve(ROLL.replace(stack=ROLL.stack.replace(radial=test)))
-    assert "beyond the stack's law" in str(fault.value)
+    assert "beyond the range of the stack law" in str(fault.value)
 
 
 def test_a_roll_that_comes_apart_is_reported():
     with pytest.raises(wo.NotConverged) as fault:
         wo.solve(ROLL.replace(core_shrinkage=0.05))
-    assert "come apart" in str(fault.value)
+    assert "separate" in str(fault.value)
 
 
 @pytest.fixture(scope="module")
@@ -81,7 +81,7 @@ def test_result_file_round_trip(result, tmp_path, ending: str):
 
 def test_changes_too_large_to_settle_are_reported_by_what_they_do():
     """Not by an estimated error of 1e297 of the pressure."""
-    with pytest.raises(wo.NotConverged, match="the layers come apart at the radius"):
+    with pytest.raises(wo.NotConverged, match="the layers separate at the radius"):
         wo.solve(ROLL.replace(temperature_change=1000.0, radial_expansion=-1e-2))
 
 

@@ -150,8 +150,8 @@ def test_the_order_in_stages(case: dict, order: int):
         surfaces = core + layer * np.expm1(share * np.log1p(length / layer))
         rolled = _Roll(Layers(equations, curve), 0.05, 300, layer, None)
         for x in surfaces.tolist():
-            rolled.keep(rolled.stage(x, 1e-12)[0])
-        wound = rolled.wound()
+            rolled.append(rolled.stage(x, 1e-12)[0])
+        wound = rolled.finished()
         exact = constant_moduli(roll, np.exp(wound.x)).pressure
         misses.append(np.max(np.abs(wound.solved.P - exact)) / exact.max())
     orders = np.log2(np.array(misses[:-1]) / misses[1:])
@@ -310,7 +310,7 @@ def test_a_roll_that_leaves_the_law_while_it_is_wound_is_reported():
     P = np.linspace(0.0, (shrunk.peak_pressure + wound.peak_pressure) / 2, 60)
     law = wo.StackTest(pressure=P, strain=np.log1p(P / 10e3) / 40.0)
     roll = NEWSPRINT.replace(core_shrinkage=3e-4, stack=NEWSPRINT.stack.replace(radial=law))
-    with pytest.raises(wo.NotConverged, match="as wound, beyond the stack's law"):
+    with pytest.raises(wo.NotConverged, match="as wound, beyond the range of the stack law"):
         wo.solve(roll)
 
 

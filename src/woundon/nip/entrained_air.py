@@ -107,7 +107,7 @@ class AirFilm(ReadOnly):
 
 
 def _compliance(problem: NipProblem, length: float) -> float:
-    """Return C, half the sum of the compliances of the surfaces for the wave number 1/length [1/Pa].
+    """Return C, half the sum of the compliances of both surfaces at wave number 1/length [1/Pa].
 
     The length is 0 if the web does not move.
     """

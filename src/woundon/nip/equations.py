@@ -198,7 +198,7 @@ class NipEquations:
         return np.arange(self.layout.roll_nodes.size, self.friction.size)
 
     def for_problem(self, problem: Any) -> Self:
-        """Return the equations of a neighbouring problem on a mesh with the same numbers of cells."""
+        """Return the equations of a neighbouring problem with the same numbers of cells."""
         return type(self)(problem, self.size, self._first_mesh)
 
     def node_names(self, tractions: Array) -> list[str]:
@@ -340,7 +340,7 @@ class NipEquations:
     # ---- Jacobian ------------------------------------------------------------------------------
 
     def jacobian(self, state: NipState) -> Jacobian:
-        """Return the derivatives of equilibrium, slip and bound by u; zero in the column of ln a."""
+        """Return the derivatives of equilibrium, slip and bound by u; zero for ln a."""
         return _Assembly(self, state).jacobian()
 
     def half_width_column(self, state: NipState) -> tuple[Array, Array, Array]:

@@ -1,4 +1,9 @@
-"""A wound roll as a linear body: layers with the moduli at the pressure wound into it."""
+"""A wound roll as a linear body: layers with the tangent moduli at the wound-in pressure P0(r).
+
+The moduli vary with y = ln(r/R).  The roll is divided into cells, and each cell into two
+homogeneous layers (:mod:`woundon.elasticity.layers`) by a commutator-free Magnus method of fourth
+order.
+"""
 
 from __future__ import annotations
 
@@ -18,15 +23,15 @@ __all__ = ["graded_layers", "wound_kernels"]
 
 Array = np.ndarray
 
-# Cells over the relative depth ln(R/r)/ln(R/R0): the outermost cell, the thickest one, and the
-# ratio of a cell's thickness to its depth between them.
-THINNEST, THICKEST, GROWTH = 3e-4, 0.04, 0.12
+# Cells over the relative depth ln(R/r)/ln(R/R0): smallest and largest thickness, and the ratio of
+# thickness to depth between them.
+THINNEST, THICKEST, RELATIVE_THICKNESS = 3e-4, 0.04, 0.12
 
 
 def graded_layers(
     radius: float, core_radius: float, stack: Stack, pressure: float | Profile, parts: int = 1
 ) -> Layers:
-    """Return homogeneous layers that approximate a roll at the pressure wound into it.
+    """Return homogeneous layers that approximate a roll at its wound-in pressure.
 
     A cell of the depth is replaced by two layers, the commutator-free Magnus method of fourth order
     (Blanes and Moan 2006, two exponentials): the coefficients of the equations, which are 1/A_rr,
@@ -69,7 +74,7 @@ def _cell_boundaries(kinks: list[float]) -> Array:
     depth = THINNEST
     while depth < 1:
         boundaries.append(depth)
-        depth += min(max(GROWTH * depth, THINNEST), THICKEST)
+        depth += min(max(RELATIVE_THICKNESS * depth, THINNEST), THICKEST)
     return np.append(np.unique(boundaries), 1.0)
 
 
@@ -77,7 +82,7 @@ def _cell_boundaries(kinks: list[float]) -> Array:
 def wound_kernels(
     radius: float, core_radius: float, stack: Stack, pressure: float | Profile
 ) -> SurfaceKernels:
-    """Return the influence functions of a roll linearised at the pressure wound into it.
+    """Return the influence functions of a roll linearised at its wound-in pressure.
 
     Their truncation error includes that of the layers: the relative change of the response to a
     line load, over wave lengths down to a thousandth of the radius, when every cell is halved.

@@ -1,4 +1,7 @@
-"""Radial laws of stacks: the tangent modulus E_r(P) of paper and film pressed by P through it."""
+"""Radial laws of stacks: the tangent modulus E_r(P) of layers of paper or film under pressure.
+
+F(P) = int_0^P dP'/E_r(P')        compressive strain through the stack
+"""
 
 from __future__ import annotations
 
@@ -48,8 +51,8 @@ class RadialLaw(Family):
     """The tangent modulus E_r(P) of a stack under the pressure P: an open set of laws.
 
     A subclass implements ``_modulus``, ``_slope`` and ``_strain`` for 0 <= P <= ``max_pressure``.
-    The law is extrapolated for trial states of iterations: below P = 0 the modulus follows its
-    tangent down to ``FLOOR`` E_r(0); above ``max_pressure`` it is constant.
+    The law is extrapolated for iterates: below P = 0 the modulus follows its tangent down to
+    ``FLOOR`` E_r(0); above ``max_pressure`` it is constant.
     """
 
     @property
@@ -58,19 +61,22 @@ class RadialLaw(Family):
         return inf
 
     def _modulus(self, P: Array) -> Array:
+        """Return E_r(P) within the range of the law."""
         raise NotImplementedError
 
     def _slope(self, P: Array) -> Array:
+        """Return dE_r/dP within the range of the law."""
         raise NotImplementedError
 
     def _strain(self, P: Array) -> Array:
+        """Return F(P) within the range of the law."""
         raise NotImplementedError
 
     @cached_property
     def _tangent_at_zero(self) -> tuple[float, float, float]:
-        """E_r and dE_r/dP at P = 0, and the pressure at which the tangent reaches the floor."""
-        start = np.zeros(1)
-        E, slope = self._modulus(start).item(), self._slope(start).item()
+        """E_r and dE_r/dP at P = 0, and the pressure < 0 at which the tangent reaches FLOOR E_r."""
+        zero = np.zeros(1)
+        E, slope = self._modulus(zero).item(), self._slope(zero).item()
         slope = slope if isfinite(slope) else 0.0
         return E, slope, -(1 - FLOOR) * E / slope if slope > 0 else -inf
 
@@ -79,7 +85,7 @@ class RadialLaw(Family):
         return P.size > 0 and bool(P.min() >= 0) and bool(P.max() <= self.max_pressure)
 
     def modulus(self, P: float | Array) -> Any:
-        """Return E_r = dP/d(-eps_r) [Pa], the shape of P [Pa]."""
+        """Return E_r = dP/d(-eps_r) [Pa] at pressures P of any shape [Pa]."""
         P = np.asarray(P, dtype=float)
         if self._in_range(P):
             return self._modulus(P)[()]
@@ -88,7 +94,7 @@ class RadialLaw(Family):
         return np.where(P < 0, tangent, self._modulus(np.clip(P, 0.0, self.max_pressure)))[()]
 
     def modulus_slope(self, P: float | Array) -> Any:
-        """Return dE_r/dP [1], the shape of P [Pa]."""
+        """Return dE_r/dP [1] at pressures P of any shape [Pa]."""
         P = np.asarray(P, dtype=float)
         if self._in_range(P):
             return self._slope(P)[()]
@@ -98,7 +104,7 @@ class RadialLaw(Family):
         return np.where(P < 0, np.where(least > P, 0.0, slope), inner)[()]
 
     def strain_at(self, P: float | Array) -> Any:
-        """Return F(P) = int dP/E_r from P = 0, compression positive [1], the shape of P [Pa]."""
+        """Return the compressive strain F(P) [1] at pressures P of any shape [Pa]."""
         P = np.asarray(P, dtype=float)
         if self._in_range(P):
             return self._strain(P)[()]
@@ -110,7 +116,10 @@ class RadialLaw(Family):
         return np.where(P < 0, below, self._strain(inner) + above)[()]
 
     def pressure_at(self, strain: float | Array) -> Any:
-        """Return the pressure of a strain [Pa]: the inverse of :meth:`strain_at`."""
+        """Return the pressure P at a compressive strain F(P) [Pa].
+
+        Newton's method with bisection as a safeguard.
+        """
         target = np.asarray(strain, dtype=float)
         E, slope, _ = self._tangent_at_zero
         low = np.zeros_like(target)
@@ -120,10 +129,9 @@ class RadialLaw(Family):
             residual = target - self.strain_at(P)
             low, high = np.where(residual > 0, P, low), np.where(residual < 0, P, high)
             # The step assumes a modulus that is linear in P, which is exact for Pfeiffer's law.
-            E_r = self.modulus(P)
-            rise = np.clip(np.minimum(self.modulus_slope(P), 1e99) * residual, -50.0, 50.0)
-            factor = np.where(rise == 0, 1.0, np.expm1(rise) / np.where(rise, rise, 1.0))
-            trial = P + E_r * residual * factor
+            x = np.clip(np.minimum(self.modulus_slope(P), 1e99) * residual, -50.0, 50.0)
+            factor = np.where(x == 0, 1.0, np.expm1(x) / np.where(x, x, 1.0))
+            trial = P + self.modulus(P) * residual * factor
             bisection = np.where(np.isfinite(high), low / 2 + high / 2, 2 * P)
             trial = np.where((trial < low) | (trial > high), bisection, trial)
             converged = np.abs(trial - P) <= 1e-14 * np.abs(P)  # rounding error
@@ -133,7 +141,7 @@ class RadialLaw(Family):
         return self._extrapolate(target, P)[()]
 
     def _extrapolate(self, strain: Array, P: Array) -> Array:
-        """Return P with the pressures of strains outside the law's range, in closed form."""
+        """Return P, with closed forms at strains outside the range of the law."""
         E, slope, least = self._tangent_at_zero
         end = self.strain_at(least) if isfinite(least) else -inf
         below = E * strain if slope == 0 else E / slope * np.expm1(slope * np.minimum(strain, 0.0))
@@ -150,12 +158,12 @@ class RadialLaw(Family):
 
         top = self.max_pressure if isfinite(self.max_pressure) else 1e12
         grid = np.concatenate([[0.0], np.geomspace(min(1e-3, top / 2), top, 2000)])
-        reached = np.nonzero(self.modulus(grid) >= modulus)[0]
-        if not reached.size:
+        stiff = np.nonzero(self.modulus(grid) >= modulus)[0]
+        if not stiff.size:
             return inf
-        if reached[0] == 0:
+        if stiff[0] == 0:
             return 0.0
-        low, high = grid[reached[0] - 1], grid[reached[0]]
+        low, high = grid[stiff[0] - 1], grid[stiff[0]]
         return float(brentq(lambda P: float(self.modulus(P)) - modulus, low, high, xtol=1e-9))
 
 
@@ -224,7 +232,7 @@ class Pfeiffer(SolidLaw):
         return np.log1p(P / self.K1) / self.K2
 
     def pressure_at(self, strain: float | Array) -> Any:
-        """Return the pressure of a strain [Pa], in closed form."""
+        """Return the pressure at a compressive strain [Pa], in closed form."""
         target = np.asarray(strain, dtype=float)
         P = self.K1 * np.expm1(np.clip(self.K2 * target, 0.0, 600.0))
         return self._extrapolate(target, P)[()]
@@ -270,10 +278,10 @@ class Polynomial(SolidLaw):
 
     @cached_property
     def _scale(self) -> float:
-        """Smallest pressure at which a term is as large as c_0 [Pa]; scales the variable P."""
+        """Smallest pressure at which a term is as large as c_0 [Pa], the unit of P."""
         c = self.coefficients
-        sizes = (abs(c[0] / c_k) ** (1 / k) for k, c_k in enumerate(c) if k and c_k)
-        return min(sizes, default=1e5)
+        pressures = (abs(c[0] / c_k) ** (1 / k) for k, c_k in enumerate(c) if k and c_k)
+        return min(pressures, default=1e5)
 
     @cached_property
     def max_pressure(self) -> float:
@@ -375,17 +383,17 @@ class PowerLaw(SolidLaw):
         m = self.m
         if self.E0 == 0:
             start, above = self._start, np.maximum(P, self._start)
-            grown = (above / 1e5) ** (1 - m) - (start / 1e5) ** (1 - m)
-            first = np.minimum(P, start) / self._modulus(np.zeros(()))
-            return first + 1e5 / (self.k * (1 - m)) * grown
-        # int dx/(1 + x^m): hypergeometric function with Pfaff's transformation up to x = 1, then
-        # quadrature over ln x.
-        knee = 1e5 * (self.E0 / self.k) ** (1 / m)
-        low = np.minimum(P, knee)
-        z = (low / knee) ** m
+            integral = ((above / 1e5) ** (1 - m) - (start / 1e5) ** (1 - m)) / (1 - m)
+            constant = np.minimum(P, start) / self._modulus(np.zeros(()))
+            return constant + 1e5 / self.k * integral
+        # E0 F = P1 int_0^(P/P1) dx/(1 + x^m), P1 the pressure that doubles the modulus:
+        # hypergeometric function with Pfaff's transformation up to x = 1, then quadrature over ln x
+        P1 = 1e5 * (self.E0 / self.k) ** (1 / m)
+        low = np.minimum(P, P1)
+        z = (low / P1) ** m
         below = low * hyp2f1(1.0, 1.0, 1 + 1 / m, z / (1 + z)) / (1 + z)
-        end = np.log(np.maximum(P / knee, 1.0))
-        above = knee * _integral(lambda t: np.exp(t) / (1 + np.exp(m * t)), end)
+        end = np.log(np.maximum(P / P1, 1.0))
+        above = P1 * _integral(lambda t: np.exp(t) / (1 + np.exp(m * t)), end)
         return (below + above) / self.E0
 
     def pressure_at_modulus(self, modulus: float) -> float:
@@ -403,9 +411,9 @@ class StackTest(SolidLaw):
     Parameters
     ----------
     pressure : sequence of float
-        P [Pa], >= 0, rising; at least 4.
+        P [Pa], >= 0, increasing; at least 4.
     strain : sequence of float
-        Compressive strain [1], rising; the origin is arbitrary.
+        Compressive strain [1], increasing; the origin is arbitrary.
 
     Examples
     --------
@@ -429,7 +437,7 @@ class StackTest(SolidLaw):
     ]
 
     @model_validator(mode="after")
-    def _rises(self) -> Self:
+    def _is_increasing(self) -> Self:
         if len(self.pressure) != len(self.strain):
             text = (
                 f"{len(self.strain)} values; must be as many as of pressure, {len(self.pressure)}"
@@ -443,7 +451,7 @@ class StackTest(SolidLaw):
             for k, (before, value) in enumerate(pairwise(values), start=1):
                 if value <= before:
                     text = f"{quote(value)} is out of range; must be > {quote(before)}{unit}, the "
-                    raise InvalidProblem.at(f"{name}.{k}", f"{text}value before it")
+                    raise InvalidProblem.at(f"{name}.{k}", f"{text}previous value")
         return self
 
     @property
@@ -453,7 +461,7 @@ class StackTest(SolidLaw):
 
     @cached_property
     def _fit(self) -> tuple[float, BSpline]:
-        """K1 [Pa] and the spline of the strain over ln(1 + P/K1)."""
+        """K1 [Pa] and the monotone least-squares spline of the strain over ln(1 + P/K1)."""
         from scipy.interpolate import BSpline
         from scipy.optimize import lsq_linear, minimize_scalar
 
@@ -466,17 +474,17 @@ class StackTest(SolidLaw):
         K1 = exp(minimize_scalar(squared_error, bounds=ends, method="bounded").x)
         x = np.log1p(P / K1)
         (_, slope), _ = _fit_line(x, e)
-        inner = min((P.size - 4) // 3, 8)
-        # Knots at quantiles of the data: every interval contains data.
-        cuts = np.quantile(x, np.linspace(0, 1, inner + 2)[1:-1])
-        knots = np.concatenate([[x[0]] * 4, cuts, [x[-1]] * 4])
-        greville = np.array([knots[k + 1 : k + 4].mean() for k in range(inner + 4)])
+        count = min((P.size - 4) // 3, 8)
+        # Inner knots at quantiles of the data: every interval contains data.
+        inner_knots = np.quantile(x, np.linspace(0, 1, count + 2)[1:-1])
+        knots = np.concatenate([[x[0]] * 4, inner_knots, [x[-1]] * 4])
+        greville = np.array([knots[k + 1 : k + 4].mean() for k in range(count + 4)])
         basis = BSpline.design_matrix(x, knots, 3).toarray()
-        cumulative = np.tril(np.ones((inner + 4, inner + 4)))
-        # Increasing coefficients give an increasing spline: increments of at least 1 % of those of
-        # the straight line.
-        least = np.concatenate([[-np.inf], FLOOR * slope * np.diff(greville)])
-        increments = lsq_linear(basis @ cumulative, e, (least, np.inf), tol=1e-14).x
+        cumulative = np.tril(np.ones((count + 4, count + 4)))
+        # Increasing coefficients give an increasing spline: their increments are at least 1 % of
+        # those of the straight line.
+        lower = np.concatenate([[-np.inf], FLOOR * slope * np.diff(greville)])
+        increments = lsq_linear(basis @ cumulative, e, (lower, np.inf), tol=1e-14).x
         return K1, BSpline(knots, cumulative @ increments, 3)
 
     def _derivative(self, P: Array, order: int) -> Array:
@@ -531,7 +539,7 @@ def _fit_line(x: Array, y: Array) -> tuple[tuple[float, float], float]:
 
 
 def _law(value: Any) -> Any:
-    """Return the law of a table or of a number, which is a constant modulus."""
+    """Convert a table or a number, a constant modulus, to a law."""
     if isinstance(value, (RadialLaw, Mapping)):
         return RadialLaw.coerce(value)
     try:

@@ -136,16 +136,16 @@ class Stack(Solid):
         ends = np.append(0.0, 0.5 ** np.arange(SMALLEST_CELL, -1, -1))
         points, weights = np.polynomial.legendre.leggauss(GAUSS)
         half = np.diff(ends)[:, None] / 2
-        part, weight = (ends[:-1, None] + half * (1 + points)).ravel(), (half * weights).ravel()
-        at = P[..., None] * part
-        return (P * ((at / self.radial.modulus(at)) @ weight))[()]
+        fraction, weight = (ends[:-1, None] + half * (1 + points)).ravel(), (half * weights).ravel()
+        pressures = P[..., None] * fraction
+        return (P * ((pressures / self.radial.modulus(pressures)) @ weight))[()]
 
     def plateau_pressure(self, stress: float | Array) -> Any:
         """Return the pressure far from core and surface of a roll wound at constant tension [Pa].
 
-        The first integral of the equations of a wound roll below its surface, many thin layers
-        deep: the work of compression equals that of the tension, T^2/(2 E_t) = int_0^P P' dP'/E_r.
-        Neglecting the curvature makes it 3 to 13 % low in rolls of paper and film.
+        The strain energy of compression equals that of the tension, T^2/(2 E_t) =
+        int_0^P P' dP'/E_r, the first integral of the equations of a wound roll without the
+        curvature terms.  It is 3 to 13 % too low for rolls of paper and film.
 
         Parameters
         ----------
@@ -202,10 +202,10 @@ class Stack(Solid):
         Parameters
         ----------
         P : array_like
-            Pressure through the stack [Pa]; beyond :attr:`limit` the moduli are those of 99.9 % of
-            :attr:`stiffest`, for states that an iteration tries.
+            Pressure through the stack [Pa].  For iterates above :attr:`limit` E_r is at most 99.9 %
+            of :attr:`stiffest`.
         wound : array_like, optional
-            P0, at which G is ``shear``; P itself where None.
+            P0, at which G is ``shear``; by default P.
         """
         E_t, nu = self.tangential, self.poissons_ratio
         E = np.minimum(self.radial.modulus(P), 0.999 * self.stiffest)
@@ -220,9 +220,9 @@ class Stack(Solid):
         return self.shear * ratio**self.shear_exponent
 
     def shear_slope(self, P: float | Array, wound: float | Array | None = None) -> Any:
-        """Return dG/dP [1]: shear presses the stack by G' tau^2/(2 G^2)."""
-        steep = self.shear_exponent * self.radial.modulus_slope(P) / self.radial.modulus(P)
-        return steep * self.shear_modulus(P, wound)
+        """Return G' = dG/dP [1]; parameters as of :meth:`tangent`."""
+        rate = self.shear_exponent * self.radial.modulus_slope(P) / self.radial.modulus(P)
+        return rate * self.shear_modulus(P, wound)
 
 
 if TYPE_CHECKING:

@@ -148,7 +148,7 @@ class DynamicTest(OneModulus):
                     raise InvalidProblem.at(f"{name}.{k}", text)
         for k, (before, value) in enumerate(pairwise((0.0, *self.frequency))):
             if value <= before:
-                what = ", the value before it" if k else ""
+                what = ", the previous value" if k else ""
                 text = f"{quote(value)} is out of range; must be > {quote(before)} [1/s]{what}"
                 raise InvalidProblem.at(f"frequency.{k}", text)
         return self

@@ -30,6 +30,7 @@ Array = np.ndarray
 
 
 def _solid(value: Any) -> Any:
+    """Convert the name of a material or a table to a material or stack."""
     return Material.coerce(value) if isinstance(value, str) else Solid.coerce(value)
 
 

@@ -1,4 +1,4 @@
-"""The wound roll in a nip: a stack that hardens under the pressure wound in and in the nip."""
+"""The wound roll in a nip: a stack that hardens under wound-in and nip pressure."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ Array = np.ndarray
 
 
 class WoundRoll(Body):
-    """A roll whose stack hardens under the pressure wound in and the pressure of the nip.
+    """A roll whose stack hardens under the wound-in pressure and the pressure of the nip.
 
     Parameters
     ----------

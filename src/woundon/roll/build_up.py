@@ -1,16 +1,19 @@
-"""The build-up of a roll from the core to its surface, stage by stage.
+r"""The build-up of a roll from the core to its surface, stage by stage.
 
-The source of a layer depends on kappa alone (see :mod:`.equations`).  Kappa is a smooth function of
-the surface radius, except for kinks where the tension has one.  It is integrated like a
-differential equation by an implicit multistep method: kappa is extrapolated from the previous
-stages to the next one, and there pressure and kappa are solved for together.  The difference from
-the extrapolation controls the step size.  The cost does not depend on the number of layers.
+A stage is the roll with the surface radius s, a boundary-value problem (:mod:`.equations`),
 
-Layers of a finite thickness h are laid one after the other: the roll below each one takes the
-pressure T h/s at once, and in the layer itself the pressure falls from T h/s to zero.  To first
-order in h that is a stage, and a layer laid on it, at half of that pressure, p = T h/(2 s), where
-thin layers have zero (:class:`Layers`): P(s) = p where kappa is found, C is smaller by E_t F(p),
-and T_c at the core is larger by (E_t/E_c + nu) p.
+    C(r) = -r T' - T (2 + kappa(r)),       P(r; s) from C on [r_c, s],
+    kappa(s) = growth of the pressure of a further layer below the surface, from P(r; s).
+
+Kappa is a smooth function of ln s, with kinks where the tension has kinks.  It is integrated like
+a differential equation by an implicit multistep method: kappa is extrapolated from the previous
+stages to the next one, where pressure and kappa are computed together.  The difference from the
+extrapolation controls the step size.  The cost does not depend on the number of layers.
+
+**Layers of a finite thickness h.**  Each layer loads the roll below by T h/s at once, and in the
+layer the pressure decreases from T h/s to zero.  To first order in h this equals thin layers wound
+under the pressure p = T h/(2 s) instead of zero (:class:`Layers`): P(s) = p, C is smaller by
+E_t F(p), and T_c at the core is larger by (E_t/E_c + nu) p.
 """
 
 from __future__ import annotations
@@ -42,15 +45,15 @@ __all__ = [
 
 Array = np.ndarray
 
-STAGE_TOLERANCE = 0.02  # of the tolerance; the last stage is solved again with the finished roll
-ONE_NEWTON_STEP = 1.0  # accepted error of kappa that one Newton step mostly reaches
+STAGE_TOLERANCE = 0.02  # error of a stage, relative to the tolerance
+ONE_NEWTON_STEP = 1.0  # accepted error of kappa for which one Newton step usually suffices
 WEAK_KINK = 0.05  # of the tolerance: kinks that change the source by less are ignored
-STEP_STRETCH = 0.3  # of a step, so that the next one is not tiny
-STRETCH_REDUCTION = 0.75  # of a stretched step that was too long, below 1/(1 + STEP_STRETCH)
+STEP_STRETCH = 0.3  # a step is extended by up to this fraction to a kink, to prevent a tiny step
+STRETCH_REDUCTION = 0.75  # factor for an extended step that was rejected, < 1/(1 + STEP_STRETCH)
 # Additional cells on either side of a kink that changes the source by STRONG_KINK or more, relative
 # to the number of cells of a stage
 KINK_CELLS, STRONG_KINK = 0.1, 0.1
-KINK_STEP = 1e-5  # of the layer; a shorter step indicates an unknown kink
+KINK_STEP = 1e-5  # of the surface layer; a shorter step indicates an unknown kink
 SMALLEST_STEP = 1e-12  # of ln r
 # Error of a stage's kappa relative to its difference from the extrapolation: the error of an
 # implicit step is several times smaller than that of an extrapolation
@@ -64,8 +67,8 @@ class NotWoundError(ArithmeticError):
 class Tension(Protocol):
     """The wound-on stress of the layers over the radius."""
 
-    kinks: Array  # radii between core and surface at which its slope jumps [m]
-    bends: Array  # jumps of the slope there, r |dT'|/T [1]
+    kinks: Array  # radii between core and surface at which the slope jumps [m]
+    bends: Array  # jumps of the slope at the kinks, r |dT'|/T [1]
 
     def at(self, r: Array) -> Array:
         """Return T [Pa]."""
@@ -87,23 +90,23 @@ class BuildUp:
     x : (n + 1,) array
         ln r of the nodes.
     solved : StageSolution
-    before : BuildUp, optional
+    previous : BuildUp, optional
         The previous stage.
     """
 
     growth: Growth
     x: Array
     solved: StageSolution
-    before: BuildUp | None = None
+    previous: BuildUp | None = None
 
     def stages(self) -> list[BuildUp]:
         """Return all stages up to this one."""
         stage: BuildUp | None = self
-        found = []
+        stages = []
         while stage is not None:
-            found.append(stage)
-            stage = stage.before
-        return found[::-1]
+            stages.append(stage)
+            stage = stage.previous
+        return stages[::-1]
 
 
 def nodes_between(
@@ -130,55 +133,64 @@ def nodes_between(
     length = surface - core
     layer = min(layer, length)
     even = np.linspace(0, length, 2 * cells)
-    steps = layer * np.expm1(np.log1p(length / layer) / length * even)
-    y = np.sort(np.concatenate([steps, length - steps, even]))
-    # density 1/(distance + layer) at both ends, and an even part as large as theirs
+    graded = layer * np.expm1(np.log1p(length / layer) / length * even)
+    y = np.sort(np.concatenate([graded, length - graded, even]))
+    # node density: 1/(distance + layer) from both ends, plus a constant with the same integral
     unit = np.log1p(length / layer)
-    total = unit * y / length + np.log1p(y / layer) - np.log1p((length - y) / layer)
-    found = core + np.interp(np.linspace(-unit, 2 * unit, cells + 1), total, y)
-    found[0], found[-1] = core, surface
+    count = unit * y / length + np.log1p(y / layer) - np.log1p((length - y) / layer)
+    nodes = core + np.interp(np.linspace(-unit, 2 * unit, cells + 1), count, y)
+    nodes[0], nodes[-1] = core, surface
     if kinks is None:
-        return found
-    own = (kinks > core + SMALLEST_STEP) & (kinks < surface - SMALLEST_STEP)
-    more = [kinks[own]]
+        return nodes
+    inside = (kinks > core + SMALLEST_STEP) & (kinks < surface - SMALLEST_STEP)
+    parts = [nodes, kinks[inside]]
     if changes is not None:
-        ends = np.concatenate([[core], kinks[own], [surface]])
-        more += _kink_nodes(
-            ends, np.round(cells * KINK_CELLS * np.minimum(1.0, changes[own] / STRONG_KINK)), layer
-        )
-    return np.unique(np.concatenate([found, *more]))
+        strength = np.minimum(1.0, changes[inside] / STRONG_KINK)
+        ends = np.concatenate([[core], kinks[inside], [surface]])
+        parts += _kink_nodes(ends, np.round(cells * KINK_CELLS * strength), layer)
+    return np.unique(np.concatenate(parts))
 
 
-def _kink_nodes(ends: Array, many: Array, layer: float) -> list[Array]:
-    """Return nodes on either side of kinks, half-way to the next; ``ends``: kinks and both ends."""
-    share = np.arange(1, int(many.max(initial=0)) + 1) / (many[:, None] + 1)
-    inside, kinks = share < 1, ends[1:-1, None]
+def _kink_nodes(ends: Array, counts: Array, layer: float) -> list[Array]:
+    """Return graded nodes on either side of each kink, up to half the distance of the next one.
+
+    Parameters
+    ----------
+    ends : (K + 2,) array
+        Core, kinks and surface, in ln r.
+    counts : (K,) array
+        Number of nodes on each side.
+    layer : float
+        Distance on which they are dense, in ln r.
+    """
+    t = np.arange(1, int(counts.max(initial=0)) + 1) / (counts[:, None] + 1)
+    used, kinks = t < 1, ends[1:-1, None]
     nodes = []
-    for side, room in ((-1, np.diff(ends)[:-1]), (1, np.diff(ends)[1:])):
-        reach = room[:, None] / 2
-        depth = np.minimum(layer, reach)
-        nodes.append((kinks + side * depth * np.expm1(np.log1p(reach / depth) * share))[inside])
+    for side, gap in ((-1, np.diff(ends)[:-1]), (1, np.diff(ends)[1:])):
+        extent = gap[:, None] / 2
+        depth = np.minimum(layer, extent)
+        nodes.append((kinks + side * depth * np.expm1(np.log1p(extent / depth) * t))[used])
     return nodes
 
 
 def kinks_of(tension: Tension, growth: Growth) -> tuple[Array, Array]:
     """Return ln r of a tension's kinks, and the relative changes of the source there.
 
-    Beyond the last stage, kappa of the last stage is used.  Kinks that are closer together than
-    1/(2 + kappa) approximate a curve: they are weighted by their distance.
+    After the last stage, kappa of the last stage is used.  Kinks that are closer together than
+    1/(2 + kappa) approximate a smooth curve: they are weighted by their distance.
     """
     x = np.log(tension.kinks)
     if not x.size:
         return x, x
-    reach = 2 + growth(np.minimum(x, growth.x[-1]))
+    factor = 2 + growth(np.minimum(x, growth.x[-1]))  # of T in the source
     gaps = np.diff(x, prepend=-np.inf, append=np.inf)
-    curved = reach * np.maximum(gaps[1:], gaps[:-1]) / 2
-    return x, tension.bends / reach * np.minimum(1.0, curved)
+    weight = np.minimum(1.0, factor * np.maximum(gaps[1:], gaps[:-1]) / 2)
+    return x, tension.bends / factor * weight
 
 
 @dataclass(frozen=True)
 class Layers:
-    """Layers as they are laid: thin ones at zero pressure, others at half of their own pressure.
+    """Layers as they are wound: thin ones at zero pressure, others at half of their own pressure.
 
     Parameters
     ----------
@@ -193,12 +205,12 @@ class Layers:
     thickness: float = 0.0
 
     def pressure(self, x: Array) -> Array:
-        """Return P at which a layer is laid at ln r [Pa]."""
+        """Return the pressure T h/(2 r) under which a layer is wound at ln r [Pa]."""
         r = np.exp(x)
         return np.asarray(self.tension.at(r) * self.thickness / (2 * r))
 
     def source(self, growth: Growth, nodes: Array) -> CellSource:
-        """Return C of every cell."""
+        """Return the source C of every cell."""
         thin = cell_source(self.tension, growth, nodes)
         if not self.thickness:
             return thin
@@ -206,18 +218,18 @@ class Layers:
 
         def finite_part(x: Array, side: Array) -> Array:
             # a layer has the tension of its inner radius over its full thickness
-            lag = self.thickness / 2 * self.tension.slope(np.exp(x), side)
-            return np.asarray(lag - E_t * strain(self.pressure(x)))
+            difference = self.thickness / 2 * self.tension.slope(np.exp(x), side)
+            return np.asarray(difference - E_t * strain(self.pressure(x)))
 
-        more = in_cells(nodes, finite_part)
-        return CellSource(*(a + b for a, b in zip(thin, more, strict=True)))
+        finite = in_cells(nodes, finite_part)
+        return CellSource(*(a + b for a, b in zip(thin, finite, strict=True)))
 
-    def at_core(self, start: float) -> float:
-        """Return T_c [Pa], with the core at ln r = start."""
+    def core_tension(self, start: float) -> float:
+        """Return T_c of the core condition [Pa], with the core at ln r = start."""
         x = np.array([start])
-        lag = self.thickness / 2 * self.tension.slope(np.exp(x), 1)
-        laid = self.tension.at(np.exp(x)) + (self.equations.core + 1) * self.pressure(x) - lag
-        return float(laid[0])
+        difference = self.thickness / 2 * self.tension.slope(np.exp(x), 1)
+        pressure = (self.equations.core + 1) * self.pressure(x)
+        return float((self.tension.at(np.exp(x)) + pressure - difference)[0])
 
 
 class _Roll:
@@ -233,7 +245,7 @@ class _Roll:
     ) -> None:
         self.layers, self.equations, self.tension = layers, layers.equations, layers.tension
         self.cells, self.layer, self.report, self.start = cells, layer, report, log(core)
-        self.T_c = layers.at_core(self.start)
+        self.T_c = layers.core_tension(self.start)
         self.growth = Growth(self.start, self.equations.core)
         self.last: BuildUp | None = None
 
@@ -253,29 +265,36 @@ class _Roll:
             kappa, guess = previous.extrapolate(surface), _initial_guess(self.last, nodes, self.T_c)
         else:
             kappa = known.solved.growth
-            # P below half a layer resembles that of a surface half a layer farther out
-            share = (nodes - nodes[0]) / (nodes[-1] - nodes[0])
-            inner = nodes - share * self.layers.thickness / (2 * np.exp(nodes[-1]))
-            guess = pressure_between(known.x, known.solved.P, known.solved.Q, inner)
+            # finite layers approximately move the pressure outwards by half a layer at the surface
+            t = (nodes - nodes[0]) / (nodes[-1] - nodes[0])
+            shifted = nodes - t * self.layers.thickness / (2 * np.exp(nodes[-1]))
+            guess = pressure_between(known.x, known.solved.P, known.solved.Q, shifted)
         source = self.layers.source(previous.with_stage(surface, kappa), nodes)
-        top = float(self.layers.pressure(nodes[-1:])[0])
-        more = in_cells(
+        surface_pressure = float(self.layers.pressure(nodes[-1:])[0])
+        source_by_kappa = in_cells(
             nodes, lambda x, _: -self.tension.at(np.exp(x)) * previous.lagrange_basis(surface, x)
         )
         solved = self.equations.solve_with_growth(
-            nodes, source, more, self.T_c, *guess, kappa, accepted_error, top
+            nodes,
+            source,
+            source_by_kappa,
+            self.T_c,
+            *guess,
+            kappa,
+            accepted_error,
+            surface_pressure,
         )
         if solved is None:
             return None, kappa
         return BuildUp(previous.with_stage(surface, solved.growth), nodes, solved, self.last), kappa
 
-    def keep(self, found: BuildUp) -> None:
+    def append(self, stage: BuildUp) -> None:
         """Append a stage."""
-        self.last, self.growth = found, found.growth
+        self.last, self.growth = stage, stage.growth
         if self.report is not None:
-            self.report(exp(found.x[-1]))
+            self.report(exp(stage.x[-1]))
 
-    def wound(self) -> BuildUp:
+    def finished(self) -> BuildUp:
         """Return the last stage."""
         assert self.last is not None
         return self.last
@@ -315,38 +334,46 @@ def wind(
         If a stage cannot be solved.
     """
     roll = _Roll(Layers(equations, tension), core, cells, layer, report)
-    x, end, step, kink = roll.start, log(radius), 0.1 * layer, -np.inf
+    accepted = STAGE_TOLERANCE * tolerance
+    x, end, step, last_kink = roll.start, log(radius), 0.1 * layer, -np.inf
     while x < end:
-        # kinks that change the source by less than its tolerance are ignored
         kinks, changes = kinks_of(tension, roll.growth)
-        stop = float(np.append(kinks[(kinks > x) & (changes > WEAK_KINK * tolerance)], end)[0])
-        reach = min(step, stop - x)
-        surface = stop if stop - x - reach < STEP_STRETCH * reach else x + reach
-        found, guess = roll.stage(surface, STAGE_TOLERANCE * tolerance)
-        off = (
-            IMPLICIT_ERROR * abs(found.growth.kappa[-1] - guess) / (2 + abs(guess))
-            if found
-            else np.inf
-        )
-        if found is None or off > tolerance:
-            step = (surface - x) * (0.3 if found is None else max(0.3, _factor(tolerance / off)))
-            if surface == stop:  # prevents the same stretched step
-                step = min(step, STRETCH_REDUCTION * (stop - x))
-            if x == kink:  # the kink matters: start the polynomials there
+        kink = float(np.append(kinks[(kinks > x) & (changes > WEAK_KINK * tolerance)], end)[0])
+        length = min(step, kink - x)
+        surface = kink if kink - x - length < STEP_STRETCH * length else x + length
+        stage, guess = roll.stage(surface, accepted)
+        error = _extrapolation_error(stage, guess)
+        if stage is None or error > tolerance:
+            step = (surface - x) * max(0.3, _step_factor(tolerance / error))
+            if surface == kink:  # prevents a repetition of the same extended step
+                step = min(step, STRETCH_REDUCTION * (kink - x))
+            if x == last_kink:  # start the polynomials of kappa at this kink
                 roll.growth.restart()
-                step, kink = min(step, layer), -np.inf
+                step, last_kink = min(step, layer), -np.inf
             if step < SMALLEST_STEP:
                 raise NotWoundError(_no_stage_beyond(x))
-            if found is None or step > KINK_STEP * layer:
+            if stage is None or step > KINK_STEP * layer:
                 continue
             roll.growth.restart()  # an unknown kink, or the discretisation error
-            found, _ = roll.stage(surface, STAGE_TOLERANCE * tolerance)
-            if found is None:
+            stage, _ = roll.stage(surface, accepted)
+            if stage is None:
                 continue
-        roll.keep(found)
-        step = (surface - x) * min(3.0, _factor(tolerance / max(off, 1e-99)))
-        x, kink = surface, stop
-    return roll.wound()
+        roll.append(stage)
+        step = (surface - x) * min(3.0, _step_factor(tolerance / max(error, 1e-99)))
+        x, last_kink = surface, kink
+    return roll.finished()
+
+
+def _extrapolation_error(stage: BuildUp | None, guess: float) -> float:
+    """Estimate the relative error of kappa of a stage from its extrapolation; inf without stage."""
+    if stage is None:
+        return np.inf
+    return float(IMPLICIT_ERROR * abs(stage.growth.kappa[-1] - guess) / (2 + abs(guess)))
+
+
+def _step_factor(ratio: float) -> float:
+    """Return the factor of the step size from the ratio of tolerance and error."""
+    return float(0.8 * ratio ** (1 / (ORDER + 0.5)))
 
 
 def wind_with_stages(
@@ -359,24 +386,24 @@ def wind_with_stages(
     layer: float,
     report: Callable[[float], None] | None = None,
 ) -> BuildUp:
-    """Wind a roll with the stages of another build-up: parameters as in :func:`wind`."""
-    layers, every = Layers(equations, tension), range(1, known.growth.x.size)
+    """Wind a roll with the stages of another build-up ``known``; parameters as of :func:`wind`."""
+    layers, all_stages = Layers(equations, tension), range(1, known.growth.x.size)
     return _wind_selected_stages(
-        layers, known, every, STAGE_TOLERANCE * tolerance, cells, layer, report
+        layers, known, all_stages, STAGE_TOLERANCE * tolerance, cells, layer, report
     )
 
 
 def wind_finite_layers(layers: Layers, known: BuildUp, *, cells: int, layer: float) -> Array:
     """Return kappa with layers of finite thickness, at the stages of a build-up with thin ones.
 
-    The difference is small and smooth: every second stage and the kinks suffice, mostly with one
-    step of Newton's method.
+    The difference is small and smooth.  It is computed at every second stage and at the kinks,
+    usually with one Newton step, and interpolated.
     """
     thin = known.growth
     kinks = np.flatnonzero(thin.through == 2) - 1
-    kept = np.union1d(np.arange(thin.x.size - 1, 0, -2), kinks[kinks > 0])
-    found = _wind_selected_stages(layers, known, kept, ONE_NEWTON_STEP, cells, layer, None).growth
-    return np.asarray(thin.kappa + np.interp(thin.x, found.x, found.kappa - thin(found.x)))
+    which = np.union1d(np.arange(thin.x.size - 1, 0, -2), kinks[kinks > 0])
+    finite = _wind_selected_stages(layers, known, which, ONE_NEWTON_STEP, cells, layer, None).growth
+    return np.asarray(thin.kappa + np.interp(thin.x, finite.x, finite.kappa - thin(finite.x)))
 
 
 def _wind_selected_stages(
@@ -388,37 +415,34 @@ def _wind_selected_stages(
     layer: float,
     report: Callable[[float], None] | None,
 ) -> BuildUp:
+    """Solve the stages ``which`` of a known build-up, with its pressures as initial guesses."""
     roll = _Roll(layers, exp(known.growth.x[0]), cells, layer, report)
     stages, last = known.stages(), 0
     for k in which:
-        if (known.growth.through[last + 1 : k + 1] == 2).any():  # a kink at the last one
+        if (known.growth.through[last + 1 : k + 1] == 2).any():  # a kink at the last stage
             roll.growth.restart()
-        found, _ = roll.stage(stages[k - 1].x[-1], accepted_error, stages[k - 1])
-        if found is None:
+        stage, _ = roll.stage(stages[k - 1].x[-1], accepted_error, stages[k - 1])
+        if stage is None:
             raise NotWoundError(_no_stage_beyond(stages[k - 1].x[-1]))
-        roll.keep(found)
+        roll.append(stage)
         last = k
-    return roll.wound()
+    return roll.finished()
 
 
 def _no_stage_beyond(x: float) -> str:
     return (
-        f"no stage beyond the radius {exp(x):.6g} m can be solved: the stack without pressure, or "
+        f"no stage beyond the radius {exp(x):.6g} m can be solved: the stack at low pressure, or "
         "the core, is too soft for this tension"
     )
 
 
-def _factor(slack: float) -> float:
-    return float(0.8 * slack ** (1 / (ORDER + 0.5)))
-
-
 def _initial_guess(last: BuildUp | None, nodes: Array, T_c: float) -> tuple[Array, Array]:
-    """Return the initial guess: the previous stage, its surface moved to the new one."""
+    """Return the initial guess: the previous stage, stretched linearly to the new surface."""
     if last is None:
         return T_c * (nodes[-1] - nodes), np.full_like(nodes, -T_c)
-    share = (nodes - nodes[0]) / (nodes[-1] - nodes[0])
-    moved = nodes - (nodes[-1] - last.x[-1]) * share
-    return pressure_between(last.x, last.solved.P, last.solved.Q, moved)
+    t = (nodes - nodes[0]) / (nodes[-1] - nodes[0])
+    stretched = nodes - (nodes[-1] - last.x[-1]) * t
+    return pressure_between(last.x, last.solved.P, last.solved.Q, stretched)
 
 
 def cell_source(tension: Tension, growth: Growth, nodes: Array) -> CellSource:
@@ -432,7 +456,7 @@ def cell_source(tension: Tension, growth: Growth, nodes: Array) -> CellSource:
 
 
 def source_error(tension: Tension, growth: Growth, nodes: Array) -> CellSource:
-    """Return the estimated error of the source in every cell by the interpolation of kappa."""
+    """Estimate the error of the source in every cell due to the interpolation of kappa."""
     return in_cells(nodes, lambda x, _: -tension.at(np.exp(x)) * growth.interpolation_error(x))
 
 

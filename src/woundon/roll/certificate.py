@@ -21,7 +21,7 @@ def certificate(result: Any) -> Residuals:
     core_condition, free_surface
         The boundary conditions.
     frozen_source
-        The source equals that of the layers as wound plus the final changes.
+        The source equals that of the layers as wound plus the changes after winding.
     hoop_stress, displacement, layer_strain, radial_modulus
         The values that follow from P and r P' by the law of the stack.
     """
@@ -29,9 +29,9 @@ def certificate(result: Any) -> Residuals:
     curve, E_t, nu = problem.tension_curve, stack.tangential, stack.poissons_ratio
     r, P, Q = result.radius, result.pressure, result.pressure_gradient
     x, T = np.log(r), curve.at(r)
-    unit, more = float(T[0]), final_changes(problem)
-    source = shifted(cell_source(curve, result.kappa, x), more[0])
-    residual, _ = equations_of(problem).residual(x, source, unit + more[1], P, Q)
+    unit, (source_change, core_change) = float(T[0]), final_changes(problem)
+    source = shifted(cell_source(curve, result.kappa, x), source_change)
+    residual, _ = equations_of(problem).residual(x, source, unit + core_change, P, Q)
     hoop = -(P + Q)
     strain = (hoop + nu * P) / E_t + problem.tangential_expansion * problem.temperature_change
     expected = np.append(source.left, source.right[-1])

@@ -1,14 +1,14 @@
 r"""Density of a wound roll over its radius.
 
-A layer laid at s with the stress T loads the roll below by T h/s.  The surface sinks by
-(1 + kappa) T h/E_t, so that the radius grows by less than the layer thickness,
+A layer wound at s with the stress T loads the roll below by T h/s.  The surface moves inwards by
+(1 + kappa) T h/E_t, so that the radius increases by less than the layer thickness,
 
     ds = h g dn,    g = 1 - (1 + kappa) T/E_t,
 
-and the mass of web laid there, stretched by T/E_t, is dm = rho 2 pi s ds/(g (1 + T/E_t)).  Divided
-by the increase of the roll volume, it is the density that a density analyser measures during
-winding, from the diameter and the length of web on the roll.  Divided by the final volume of these
-layers, between r + u, it is the density of the finished roll.  There
+and the mass of this web, stretched by T/E_t, is dm = rho 2 pi s ds/(g (1 + T/E_t)).  Divided by the
+increase of the roll volume, it is the density that a density analyser measures during winding, from
+the diameter and the length of web on the roll.  Divided by the final volume of these layers, at
+r + u, it is the density of the finished roll.  In the finished roll
 
     du/dr = (1 + kappa) T/E_t + eps_r,    eps_r = -F(P) - nu sigma_t/E_t + alpha_r dT
 
@@ -38,24 +38,27 @@ def _winding_strains(result: Any, r: Array) -> tuple[Array, Array]:
 def density_during_winding(result: Any, r: Array) -> Array:
     """Return the mass of web per increase of the roll volume [kg/m^3].
 
-    It is nan without the density of the web, and where the surface sinks by more than the layer
-    thickness, which is outside the range of small strains.
+    It is nan without the density of the web, and where the surface moves inwards by more than the
+    layer thickness, which is outside the range of small strains.
     """
-    sunk, strain = _winding_strains(result, r)
-    grown = np.where(sunk < 1, 1 - sunk, np.nan)
-    return np.asarray(_web_density(result) / (grown * (1 + strain)))
+    inward, strain = _winding_strains(result, r)
+    g = np.where(inward < 1, 1 - inward, np.nan)
+    density = result.problem.density
+    return np.asarray((np.nan if density is None else density) / (g * (1 + strain)))
 
 
 def finished_density(result: Any) -> Array:
     """Return the density of the finished roll at the nodes [kg/m^3]."""
     problem, r = result.problem, result.radius
     stack, hoop = problem.stack, result.hoop_stress
-    thinner = (
-        stack.radial.strain_at(result.pressure) + stack.poissons_ratio / stack.tangential * hoop
+    radial_strain = (
+        -stack.radial.strain_at(result.pressure)
+        - stack.poissons_ratio / stack.tangential * hoop
+        + problem.radial_expansion * problem.temperature_change
     )
-    thinner = thinner - problem.radial_expansion * problem.temperature_change
-    moved = 1 + _winding_strains(result, r)[0] - thinner
-    return np.asarray(density_during_winding(result, r) / ((1 + result.displacement / r) * moved))
+    du_dr = _winding_strains(result, r)[0] + radial_strain
+    volume_ratio = (1 + result.displacement / r) * (1 + du_dr)
+    return np.asarray(density_during_winding(result, r) / volume_ratio)
 
 
 def wound_mass(result: Any) -> float:
@@ -64,16 +67,11 @@ def wound_mass(result: Any) -> float:
     ends = np.union1d(result.radius, result.stage_radius)
     half = np.diff(ends)[:, None] / 2
     r = ends[:-1, None] + half * (1 + points)
-    laid = density_during_winding(result, r.ravel()).reshape(r.shape)
-    return float(np.sum(half * weights * 2 * pi * r * laid))
+    density = density_during_winding(result, r.ravel()).reshape(r.shape)
+    return float(np.sum(half * weights * 2 * pi * r * density))
 
 
 def volume(result: Any) -> float:
     """Return the volume of the finished roll, per metre of width [m^2]."""
     inner, outer = (result.radius + result.displacement)[[0, -1]].tolist()
     return pi * float(outer**2 - inner**2)
-
-
-def _web_density(result: Any) -> float:
-    density = result.problem.density
-    return float("nan") if density is None else float(density)

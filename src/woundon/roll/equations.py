@@ -1,24 +1,26 @@
 r"""The pressure in a roll at one stage of its build-up: a boundary-value problem.
 
-The layers wound later displace a layer laid at r with the stress T.  Compatibility of its strains
-along the web and through the stack requires, with the hoop stress -(P + r P') and the stack's law,
+Layers wound later change the strains of a layer wound at r with the stress T.  With the hoop stress
+-(P + r P') and the compression F(P) of the stack, compatibility of the increments of its strains
+along the web and through the stack requires that
 
-    C(r) = r^2 P'' + 3 r P' + P - E_t F(P)            the same at every later stage,
+    C(r) = r^2 P'' + 3 r P' + P - E_t F(P)
 
-because all increments of it are total derivatives.  In x = ln r, with Q = r P' and D = d/dx:
+is the same at all later stages, because its increments are total derivatives.  In x = ln r, with
+Q = r P' and D = d/dx:
 
     D P = Q
     D Q = C + E_t F(P) - P - 2 Q          on the interval from the core to the surface s
     Q = b P - T_c       at the core,  b = E_t/E_c - 1 + nu,  T_c = T(r_c)
     P = P_s             at s: zero, except for layers of finite thickness (:class:`.Layers`)
 
-A further thin layer adds p = dP/ds, the solution of the linearised equations with p = 1 at s (the
-scale is arbitrary) and T_c = 0.  Its growth kappa = D p at s determines C of the next layer:
+A further thin layer adds p = dP/ds, the solution of the linearised equations with T_c = 0, scaled
+to p = 1 at s.  Its growth kappa = D p at s determines C of the next layer:
 
     C(s) = -s T' - T (2 + kappa)
 
-Then -D P = T at s follows; its residual measures the error of the source.  Newton's method solves
-for P and kappa of a stage together: a fixed-point iteration over kappa diverges for long steps.
+It follows that -D P = T at s; the residual of this relation measures the error of the source.
+Newton's method solves for P and kappa together: a fixed-point iteration diverges for long steps.
 
 Discretised by the two-stage Lobatto rule (order four, as in scipy.integrate.solve_bvp) on given
 nodes.  Source values belong to a cell, left, middle and right, because C jumps where T has a kink.
@@ -45,8 +47,8 @@ Array = np.ndarray
 MAX_ITERATIONS = 60
 BAND = 2  # diagonals on either side
 NEWTON_TOLERANCE = 1e-11  # relative change of P by the last Newton step
-# Accepted last step, relative to the square root of the accepted error;
-# measured: a step of 1 to 1.2 times that root leaves the accepted error.
+# Largest last step, relative to the square root of the accepted error.  In tests the accepted error
+# followed from a step of 1 to 1.2 times this root.
 LAST_STEP = 0.5
 
 
@@ -88,16 +90,19 @@ class StageEquations:
     steps: int = field(default=0, init=False)  # number of Newton steps
 
     def _slope_of_Q(self, P: Array, Q: Array) -> Array:
-        """Return D Q without the source."""
+        """Return D Q - C = E_t F(P) - P - 2 Q."""
         return np.asarray(self.tangential * self.strain(P) - P - 2 * Q)
 
     def residual(
         self, x: Array, source: CellSource, tension: float, P: Array, Q: Array, top: float = 0.0
     ) -> tuple[Array, Array]:
-        """Return the residual of all equations, (2 n + 2,) [Pa], and P in mid-cell, (n,)."""
+        """Return the residual of all equations, (2 n + 2,) [Pa], and P in mid-cell, (n,).
+
+        ``tension`` is T_c of the core condition, ``top`` the pressure P_s at the surface [Pa].
+        """
         h = x[1:] - x[:-1]
-        own = self._slope_of_Q(P, Q)
-        left, right = own[:-1] + source.left, own[1:] + source.right
+        slope = self._slope_of_Q(P, Q)
+        left, right = slope[:-1] + source.left, slope[1:] + source.right
         middle_P = (P[1:] + P[:-1]) / 2 - h / 8 * (Q[1:] - Q[:-1])
         middle_Q = (Q[1:] + Q[:-1]) / 2 - h / 8 * (right - left)
         middle = self._slope_of_Q(middle_P, middle_Q) + source.middle
@@ -110,8 +115,9 @@ class StageEquations:
     def _matrix(self, x: Array, E: Array) -> Array:
         """Return the Jacobian of the residual with respect to P and Q in LAPACK's band storage.
 
-        With J = [[0, 1], [own, -2]] at an end of a cell and M = 1/2 -+ h/8 J, which maps that end
-        to the middle, the block of a cell is -+1 - h/6 (J + 4 J_mid M).
+        With g = E_t/E_r - 1, J = [[0, 1], [g, -2]] at an end of a cell, and M = 1/2 -+ h/8 J, the
+        derivative of the values in mid-cell by those at that end, the block of a cell is
+        -+1 - h/6 (J + 4 J_mid M).
 
         Parameters
         ----------
@@ -120,14 +126,14 @@ class StageEquations:
             E_r at the nodes, then in mid-cell [Pa].
         """
         n, h = x.size - 1, x[1:] - x[:-1]
-        stiff = self.tangential / E - 1
-        own, mid = stiff[: n + 1], stiff[n + 1 :]
-        twelfth, third = h * h / 12, h / 3 * mid
-        product = twelfth * mid
+        g = self.tangential / E - 1
+        g_node, g_mid = g[: n + 1], g[n + 1 :]
+        twelfth, third = h * h / 12, h / 3 * g_mid
+        product = twelfth * g_mid
         band = np.zeros((3 * BAND + 1, 2 * (n + 1)), order="F")
         diagonal = 2 * BAND  # entry (i, j) stands in row diagonal + i - j
-        for first, side, end in ((0, -1.0, own[:-1]), (2, 1.0, own[1:])):
-            # columns of P and Q: this node's and the next one's, of each cell
+        for first, side, end in ((0, -1.0, g_node[:-1]), (2, 1.0, g_node[1:])):
+            # the columns of P and Q at the left and at the right end of each cell
             for i, j, value in (
                 (1, first, side + side * twelfth * end),
                 (1, first + 1, -h / 2 - side * 2 * twelfth),
@@ -149,10 +155,15 @@ class StageEquations:
         top: float,
         *more: Array,
     ) -> tuple[Array, Array] | None:
-        """Solve the linearised equations; return the columns of solutions, and E_r at the nodes.
+        """Solve the linearised equations for several right-hand sides; None if that fails.
 
-        The columns, of 2 n + 2 values with P and Q alternating, are the negative Newton step, p and
-        D p of a further layer, and the solutions for the other right-hand sides ``more``.
+        Returns
+        -------
+        (2 n + 2, 2 + k) array
+            In its columns, with P and Q alternating: the negative Newton step, p and D p of a
+            further layer, and the solutions for the k right-hand sides ``more``.
+        (n + 1,) array
+            E_r at the nodes.
         """
         residual, middle_P = self.residual(x, source, tension, P, Q, top)
         E = self.modulus(np.concatenate([P, middle_P]))
@@ -182,20 +193,20 @@ class StageEquations:
             Initial guess [Pa].
         """
         for _ in range(MAX_ITERATIONS):
-            found = self._solve_linearised(x, source, tension, P, Q, 0.0)
-            if found is None:
+            solutions = self._solve_linearised(x, source, tension, P, Q, 0.0)
+            if solutions is None:
                 return None
-            by, more = found[0].T
-            P, Q = P - by[::2], Q - by[1::2]
-            if np.max(np.abs(by[::2])) <= NEWTON_TOLERANCE * np.max(np.abs(P)):
-                return StageSolution(P, Q, float(more[-1]))
+            step, layer = solutions[0].T
+            P, Q = P - step[::2], Q - step[1::2]
+            if np.max(np.abs(step[::2])) <= NEWTON_TOLERANCE * np.max(np.abs(P)):
+                return StageSolution(P, Q, float(layer[-1]))
         return None
 
     def solve_with_growth(
         self,
         x: Array,
         source: CellSource,
-        more: CellSource,
+        source_by_kappa: CellSource,
         tension: float,
         P: Array,
         Q: Array,
@@ -205,14 +216,15 @@ class StageEquations:
     ) -> StageSolution | None:
         """Solve for pressure and kappa of a stage together; None if that does not converge.
 
-        With g = E_t/E_r - 1, D kappa + kappa^2 + 2 kappa = g.  Hence a change dg changes kappa at s
-        by the integral of exp(2 (x - s)) p^2 dg, for p = 1 at s.
+        With g = E_t/E_r - 1, kappa(x) = D p/p satisfies the Riccati equation
+        D kappa + kappa^2 + 2 kappa = g.  Hence a change dg(x) changes kappa at the surface by the
+        integral of exp(2 (x - ln s)) p^2 dg, for p = 1 at s.
 
         Parameters
         ----------
         x, tension, P, Q
             As in :meth:`solve`.
-        source, more : CellSource
+        source, source_by_kappa : CellSource
             Source for the guess of kappa, and its derivative with respect to kappa.
         growth : float
             Initial guess of kappa.
@@ -222,36 +234,41 @@ class StageEquations:
         top : float
             P_s, the pressure at the surface [Pa].
         """
-        by_growth, own = _source_residual(x, more), source
+        residual_by_kappa = _source_residual(x, source_by_kappa)
         half = np.diff(x) / 2
-        weight = np.exp(2 * (x - x[-1])) * (np.append(half, 0) + np.append(0, half))
+        quadrature = np.exp(2 * (x - x[-1])) * (np.append(half, 0) + np.append(0, half))
         for _ in range(MAX_ITERATIONS):
-            found = self._solve_linearised(x, own, tension, P, Q, top, by_growth)
-            if found is None:
+            solutions = self._solve_linearised(x, source, tension, P, Q, top, residual_by_kappa)
+            if solutions is None:
                 return None
-            (by, layer, by_one), E = found[0].T, found[1]
+            (step, layer, by_kappa), E = solutions[0].T, solutions[1]
             # some laws have an infinite slope at P = 0, where p has no effect
-            slope = np.nan_to_num(self.modulus_slope(P), posinf=0.0)
-            weights = -weight * layer[::2] ** 2 * self.tangential * slope / E**2
-            change = (layer[-1] - growth - weights @ by[::2]) / (1 + weights @ by_one[::2])
-            by += change * by_one
-            P, Q, growth = P - by[::2], Q - by[1::2], growth + float(change)
-            pressed = np.max(np.abs(by[::2])) / np.max(np.abs(P))
-            if max(pressed, abs(change) / (2 + abs(growth))) <= LAST_STEP * accepted_error**0.5:
+            E_slope = np.nan_to_num(self.modulus_slope(P), posinf=0.0)
+            kappa_by_P = -quadrature * layer[::2] ** 2 * self.tangential * E_slope / E**2
+            change = layer[-1] - growth - kappa_by_P @ step[::2]
+            change /= 1 + kappa_by_P @ by_kappa[::2]
+            step += change * by_kappa
+            P, Q, growth = P - step[::2], Q - step[1::2], growth + float(change)
+            relative = np.max(np.abs(step[::2])) / np.max(np.abs(P))
+            if max(relative, abs(change) / (2 + abs(growth))) <= LAST_STEP * accepted_error**0.5:
                 return StageSolution(P, Q, growth)
-            own = CellSource(*(C + change * one for C, one in zip(own, more, strict=True)))
+            source = CellSource(
+                *(C + change * dC for C, dC in zip(source, source_by_kappa, strict=True))
+            )
         return None
 
-    def linear_response(self, x: Array, P: Array, Q: Array, by: CellSource) -> tuple[Array, Array]:
-        """Return the linear response of P and Q to a small change of the source."""
+    def linear_response(
+        self, x: Array, P: Array, Q: Array, change: CellSource
+    ) -> tuple[Array, Array]:
+        """Return the linear response of P and Q to a small change of the source [Pa]."""
         middle = (P[1:] + P[:-1]) / 2 - np.diff(x) / 8 * np.diff(Q)
         band = self._matrix(x, self.modulus(np.concatenate([P, middle])))
         factors, pivots, info = lapack.dgbtrf(band, BAND, BAND, overwrite_ab=1)
         self.steps += 1
         if info != 0:
             return np.full_like(P, np.inf), np.full_like(Q, np.inf)
-        change, _ = lapack.dgbtrs(factors, BAND, BAND, -_source_residual(x, by), pivots)
-        return change[::2], change[1::2]
+        out, _ = lapack.dgbtrs(factors, BAND, BAND, -_source_residual(x, change), pivots)
+        return out[::2], out[1::2]
 
 
 def _source_residual(x: Array, source: CellSource) -> Array:
@@ -264,7 +281,7 @@ def _source_residual(x: Array, source: CellSource) -> Array:
 
 
 def pressure_between(x: Array, P: Array, Q: Array, at: Array) -> tuple[Array, Array]:
-    """Interpolate P and Q at any ln r by cubic Hermite polynomials, of order four."""
+    """Interpolate P and Q at any ln r by cubic Hermite polynomials (order four)."""
     k = np.clip(np.searchsorted(x, at, side="right") - 1, 0, x.size - 2)
     h = x[k + 1] - x[k]
     t = (at - x[k]) / h

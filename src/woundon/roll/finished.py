@@ -1,4 +1,10 @@
-"""From a roll problem to its equations, and from their solution to the arrays of a result."""
+"""The finished roll: equations of a problem, changes after winding, and the arrays of a result.
+
+After winding, the temperature changes by dT and the core shrinks by the strain eps_c.  The stresses
+are those of the equations of a stage (:mod:`.equations`) with C and T_c changed by
+
+    dC = E_t (alpha_t - alpha_r) dT,        dT_c = E_t ((alpha_c - alpha_t) dT - eps_c).
+"""
 
 from __future__ import annotations
 
@@ -28,9 +34,10 @@ def equations_of(problem: RollProblem) -> StageEquations:
 
 
 def layer_thickness(problem: RollProblem) -> float:
-    """Return the thickness in ln r of the layer below a surface in which the pressure rises.
+    """Return the thickness, in ln r, of the layer below the surface in which the pressure rises.
 
-    There the modulus doubles, or, where it does not, waves of the incremental equation die out.
+    The modulus doubles in this layer; if it is nearly constant, solutions of the incremental
+    equation decay in it.
     """
     law, T = problem.stack.radial, float(problem.tension_curve.at(np.array(problem.core.radius)))
     E = float(law.modulus(0.0))
@@ -38,15 +45,11 @@ def layer_thickness(problem: RollProblem) -> float:
 
 
 def final_changes(problem: RollProblem) -> tuple[float, float]:
-    """Return the changes of source and core tension after winding [Pa].
-
-    The free strain alpha dT of a layer takes no part in its stress, so that the source C changes by
-    E_t (alpha_t - alpha_r) dT; a core that shrinks more than the layers releases them.
-    """
+    """Return the changes dC and dT_c after winding [Pa]."""
     E_t, dT = problem.stack.tangential, problem.temperature_change
-    along = problem.tangential_expansion
-    source = E_t * (along - problem.radial_expansion) * dT
-    core = E_t * ((problem.core_expansion - along) * dT - problem.core_shrinkage)
+    alpha_t = problem.tangential_expansion
+    source = E_t * (alpha_t - problem.radial_expansion) * dT
+    core = E_t * ((problem.core_expansion - alpha_t) * dT - problem.core_shrinkage)
     return source, core
 
 
@@ -83,9 +86,9 @@ def finished_arrays(
     r = np.exp(x)
     T = curve.at(r)
     r[0], r[-1] = problem.core.radius, problem.radius
-    added, at_core = final_changes(problem)
-    source = shifted(cell_source(curve, growth, x), added)
-    final = equations.solve(x, source, float(T[0]) + at_core, solved.P, solved.Q)
+    source_change, core_change = final_changes(problem)
+    source = shifted(cell_source(curve, growth, x), source_change)
+    final = equations.solve(x, source, float(T[0]) + core_change, solved.P, solved.Q)
     if final is None:
         raise NotConverged("no equilibrium after the change of temperature or core")
     P, Q, E_t = final.P, final.Q, stack.tangential

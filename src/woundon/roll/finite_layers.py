@@ -22,19 +22,20 @@ def layers_of(result: Any) -> Layers:
 
 
 def finite_layer_stresses(result: Any) -> tuple[Array, Array]:
-    """Return the pressure and hoop stress added by finite layers [Pa]; nan for an unsolved roll."""
+    """Return the changes of pressure and hoop stress by layers of finite thickness [Pa].
+
+    They are nan if kappa with such layers has not been computed.
+    """
     x = np.log(result.radius)
     if np.isnan(result.layer_growth).any():
         return np.full(x.size, np.nan), np.full(x.size, np.nan)
-    layers, (more, at_core) = layers_of(result), final_changes(result.problem)
-    source, T_c = (
-        shifted(layers.source(result.layer_kappa, x), more),
-        layers.at_core(x[0]) + at_core,
-    )
+    layers, (source_change, core_change) = layers_of(result), final_changes(result.problem)
+    source = shifted(layers.source(result.layer_kappa, x), source_change)
+    T_c = layers.core_tension(x[0]) + core_change
     P, Q = result.pressure, result.pressure_gradient
     solved = layers.equations.solve(x, source, T_c, P, Q)
     if solved is None:
-        raise NotConverged("the roll with layers as thick as the web could not be solved", result)
+        raise NotConverged("the roll with layers of the web thickness could not be solved", result)
     return solved.P - P, (P + Q) - (solved.P + solved.Q)
 
 

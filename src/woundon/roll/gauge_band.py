@@ -1,27 +1,27 @@
 r"""Gauge bands: a thick lane across the width of a wound roll, in closed form.
 
-A lane of the web that is thicker by the share d is wound on the same core, with as many layers, and
-at about the same radius as its neighbours.  Each of its layers takes the room of a layer of the
-mean roll, so its compression through the stack is larger by d.  Below the surface of a long roll of
-many thin layers, wound with the stress T = WOT/h, the pressure P is that of the plateau, on which
-the work of compression is that of the tension:
+A lane of the web that is thicker by the fraction d is wound on the same core, with the same number
+of layers, and to about the same radius as the neighbouring lanes.  The radial compression of its
+layers is therefore larger by d.  Below the surface of a roll of many thin layers, wound with the
+stress T = WOT/h, the pressure P has a plateau, where the strain energy of compression equals that
+of the tension:
 
     mean roll    W(P) = T^2/(2 E_t)            W(P) = int_0^P P' dP'/E_r(P')
     lane         F(P_b) = F(P) + d             compression larger by d, F(P) = int_0^P dP'/E_r
                  T_b = sqrt(2 E_t W(P_b))      the tension that winds this pressure
-    radius       (s_b - s)/s = (T_b - T)/E_t   a longer way around strains the web
+    radius       (s_b - s)/s = (T_b - T)/E_t   a larger circumference strains the web
 
-Of Pfeiffer's law W = (P - K1 ln(1 + P/K1))/K2 and F = ln(1 + P/K1)/K2, so that
+For Pfeiffer's law W = (P - K1 ln(1 + P/K1))/K2 and F = ln(1 + P/K1)/K2, so that
 
     (K1 + P_b)/(K1 + P) = exp(K2 d).
 
-d > 0 gives T_b > T, P_b > P and a ridge.  A lane thinner by more than F(P) is slack: it has neither
-pressure nor tension.
+d > 0 gives T_b > T, P_b > P and a ridge.  A lane thinner by more than F(P) is slack: its pressure
+and tension are zero.
 
-The plateau relation neglects the curvature of the layers: complete rolls have pressures 4 to 15 %
-higher, and tensions up to 2 % lower.  Shear between lanes, by which the neighbours take part of the
-load, is left out too, and so is the part of d that the larger radius takes, lead/d: up to a seventh
-in hard stacks.  Both make the tension, the pressure and the ridge too large.
+The plateau relation neglects the curvature of the layers: in complete rolls the pressure is 4 to
+15 % higher, and the tension up to 2 % lower.  Two neglected effects make tension, pressure and
+ridge too large: the shear between lanes, which loads the neighbours, and the part lead/d of the
+thickness that increases the radius, up to a seventh in hard stacks.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ class GaugeBand:
     pressure : float or array
         Pressure between its layers [Pa].
     lead : float or array
-        Excess of its radius, relative to that of the mean roll [1].
+        Height of the ridge, (s_b - s)/s [1].
     mean_pressure : float or array
         Pressure of the mean roll [Pa].
     strain : float or array
@@ -100,7 +100,7 @@ def band_of(stack: Stack, thickness: float, tension: ArrayLike, excess: float) -
 
 
 def gauge_band_over(problem: RollProblem, radius: Array) -> GaugeBand:
-    """Return the thick lane of a roll at radii [m]: that of the plateau of the tension there."""
+    """Return the thick lane of a roll at radii [m], from the plateau for the tension there."""
     T = problem.tension_curve.at(radius)
     return band_of(
         problem.stack, problem.web_thickness, T * problem.web_thickness, problem.gauge_excess
@@ -110,7 +110,7 @@ def gauge_band_over(problem: RollProblem, radius: Array) -> GaugeBand:
 def lane_strain(problem: RollProblem, radius: Array) -> Array:
     """Return the strain along the web of the thickest lane of a roll at radii [m].
 
-    That of a web of even thickness, T/E_t, needs no plateau.
+    It is T/E_t for a web of uniform thickness.
 
     Raises
     ------

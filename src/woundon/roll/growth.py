@@ -1,4 +1,7 @@
-"""Kappa over the build-up of a roll: the growth of a further layer's pressure below the surface."""
+"""Kappa as a function of the surface radius: the growth of a layer's pressure below the surface.
+
+Kappa is defined in :mod:`.equations` and integrated in :mod:`.build_up`.
+"""
 
 from __future__ import annotations
 
@@ -42,18 +45,18 @@ class Growth:
         growth.first = x.size - int(through[-1])
         growth._pieces = np.zeros((ORDER + 1, x.size - 1))
         for k in range(1, x.size):
-            own = slice(k + 1 - int(through[k]), k + 1)
-            piece = _through(x[own] - x[k - 1], kappa[own])
+            stages = slice(k + 1 - int(through[k]), k + 1)
+            piece = _newton_polynomial(x[stages] - x[k - 1], kappa[stages])
             growth._pieces[: len(piece), k - 1] = piece
         return growth
 
     def until(self, x: float) -> Growth:
         """Return the same function up to x, with a last stage there."""
-        kept = int(np.searchsorted(self.x, x - 1e-12))
+        n = int(np.searchsorted(self.x, x - 1e-12))
         part = Growth.__new__(Growth)
-        part.x, part.kappa = self.x[:kept], self.kappa[:kept]
-        part.through, part._pieces = self.through[:kept], self._pieces[:, : kept - 1]
-        part.first = kept + 1 - int(self.through[kept])
+        part.x, part.kappa = self.x[:n], self.kappa[:n]
+        part.through, part._pieces = self.through[:n], self._pieces[:, : n - 1]
+        part.first = n + 1 - int(self.through[n])
         return part.with_stage(x, float(self(np.array([x]))[0]))
 
     def restart(self) -> None:
@@ -61,15 +64,16 @@ class Growth:
         self.first = self.x.size - 1
 
     def _last_stages(self) -> slice:
+        """Return the stages that the next polynomial interpolates."""
         return slice(max(self.first, self.x.size - ORDER), None)
 
     def extrapolate(self, x: float) -> float:
         """Extrapolate kappa to x by the polynomial through the last stages."""
-        own = self._last_stages()
-        return _through(self.x[own] - x, self.kappa[own])[0]
+        stages = self._last_stages()
+        return _newton_polynomial(self.x[stages] - x, self.kappa[stages])[0]
 
     def lagrange_basis(self, surface: float, x: Array) -> Array:
-        """Return the derivative of kappa at x by that of a further stage at ``surface``."""
+        """Return the derivative of kappa(x) by the kappa of a further stage at ``surface``."""
         basis = np.where(x > self.x[-1], 1.0, 0.0)
         for stage in self.x[self._last_stages()]:
             basis *= (x - stage) / (surface - stage)
@@ -77,30 +81,30 @@ class Growth:
 
     def with_stage(self, x: float, kappa: float) -> Growth:
         """Return a copy with one more stage."""
-        more, own = Growth.__new__(Growth), self._last_stages()
-        more.x, more.kappa = np.append(self.x, x), np.append(self.kappa, kappa)
-        more.first = self.first
-        more.through = np.append(self.through, more.x.size - own.start)
+        copy, start = Growth.__new__(Growth), self._last_stages().start
+        copy.x, copy.kappa = np.append(self.x, x), np.append(self.kappa, kappa)
+        copy.first = self.first
+        copy.through = np.append(self.through, copy.x.size - start)
         c = np.zeros((ORDER + 1, 1))
-        piece = _through(more.x[own.start :] - self.x[-1], more.kappa[own.start :])
+        piece = _newton_polynomial(copy.x[start:] - self.x[-1], copy.kappa[start:])
         c[: len(piece), 0] = piece
-        more._pieces = np.hstack([self._pieces, c])
-        return more
+        copy._pieces = np.hstack([self._pieces, c])
+        return copy
 
     def interpolation_error(self, x: Array) -> Array:
-        """Estimate the interpolation error of kappa by polynomials of one degree more.
+        """Estimate the interpolation error of kappa at x by polynomials of one degree more.
 
         These interpolate a following stage in addition, or a previous one if none follows.
         """
-        errors, k = np.zeros(x.size), np.searchsorted(self.x, x, side="left")
+        errors, interval = np.zeros(x.size), np.searchsorted(self.x, x, side="left")
         for j in range(1, self.x.size):
-            at, start = k == j, j + 1 - int(self.through[j])
-            more = self._stage_after(j) or start - 1
-            if more < 0 or not at.any():
+            inside, start = interval == j, j + 1 - int(self.through[j])
+            additional = self._stage_after(j) or start - 1
+            if additional < 0 or not inside.any():
                 continue
-            own = [*range(start, j + 1), more]
-            highest = _through(self.x[own] - self.x[j], self.kappa[own])[-1]
-            errors[at] = highest * np.prod(x[at, None] - self.x[own[:-1]], axis=1)
+            stages = [*range(start, j + 1), additional]
+            highest = _newton_polynomial(self.x[stages] - self.x[j], self.kappa[stages])[-1]
+            errors[inside] = highest * np.prod(x[inside, None] - self.x[stages[:-1]], axis=1)
         return errors
 
     def _stage_after(self, j: int) -> int:
@@ -121,14 +125,14 @@ class Growth:
         return np.asarray(c[0] + t * (c[1] + t * (c[2] + t * c[3])))
 
 
-def _through(x: Array, y: Array) -> list[float]:
-    """Return the ascending coefficients of the polynomial through a few points."""
-    at, divided = x.tolist(), y.tolist()
-    for k in range(1, len(at)):
-        for j in range(len(at) - 1, k - 1, -1):
-            divided[j] = (divided[j] - divided[j - 1]) / (at[j] - at[j - k])
-    c = [divided[-1]]
-    for k in range(len(at) - 2, -1, -1):  # times (x - x_k), and the next difference
-        times = (a - at[k] * b for a, b in zip(c, [*c[1:], 0.0], strict=True))
-        c = [divided[k] - at[k] * c[0], *times]
+def _newton_polynomial(x: Array, y: Array) -> list[float]:
+    """Return the ascending coefficients of the polynomial through points, by Newton's formula."""
+    nodes, differences = x.tolist(), y.tolist()
+    for k in range(1, len(nodes)):
+        for j in range(len(nodes) - 1, k - 1, -1):
+            differences[j] = (differences[j] - differences[j - 1]) / (nodes[j] - nodes[j - k])
+    c = [differences[-1]]
+    for k in range(len(nodes) - 2, -1, -1):  # multiply by (x - x_k) and add the next difference
+        higher = (a - nodes[k] * b for a, b in zip(c, [*c[1:], 0.0], strict=True))
+        c = [differences[k] - nodes[k] * c[0], *higher]
     return c

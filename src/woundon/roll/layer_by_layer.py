@@ -1,12 +1,13 @@
-"""The published layer-by-layer scheme: pressure increments added up (Hakiel 1987).
+"""The published layer-by-layer scheme: a sum of pressure increments (Hakiel 1987).
 
-The increments p by a layer of thickness h, laid at s with the stress T, satisfy on the layers below
+A layer of thickness h, wound at the radius s with the stress T, adds to the pressure P of the
+layers below the increment p with
 
     r^2 p'' + 3 r p' + (1 - E_t/E_r(P)) p = 0,    p = T h/s at s,    r_c p' = b p at the core,
 
-by central differences on the layers, with the moduli before that layer.  Then P += p.  The scheme
-is of order one in h: with groups of layers its error is large; with single layers the effect of
-their thickness is included.
+discretised by central differences on the layers, with the moduli at P without the increment.  Then
+P += p.  The scheme is of order one in h: with groups of layers its error is large; with single
+layers the effect of their thickness is included.
 """
 
 from __future__ import annotations
@@ -44,22 +45,22 @@ def wind_layers(
     P = np.zeros(r.size)
     second = r**2 / h**2
     below, above = second - 1.5 * r / h, second + 1.5 * r / h
-    for last in range(r.size - 1):
-        own = slice(0, last + 1)
-        diagonal = -2 * second[own] + 1 - tangential / modulus(P[own])
-        more = T[last] * h / r[last]
-        if last == 0:  # nothing below but the core
-            P[0] += more
+    for layer in range(r.size - 1):
+        inner = slice(0, layer + 1)
+        diagonal = -2 * second[inner] + 1 - tangential / modulus(P[inner])
+        load = T[layer] * h / r[layer]
+        if layer == 0:  # on the core
+            P[0] += load
             continue
-        low, high = below[1 : last + 1].copy(), above[:last].copy()
+        lower, upper = below[1 : layer + 1].copy(), above[:layer].copy()
         # the core condition by a node inside the core: p_1 - p_-1 = 2 h b p_0/r_c
         diagonal[0] -= 2 * h * core / r[0] * below[0]
-        high[0] += below[0]
-        low[-1], diagonal[-1] = 0.0, 1.0
-        right = np.zeros(last + 1)
-        right[-1] = more
-        *_, p, info = lapack.dgtsv(low, diagonal, high, right, 1, 1, 1, 1)
+        upper[0] += below[0]
+        lower[-1], diagonal[-1] = 0.0, 1.0
+        right = np.zeros(layer + 1)
+        right[-1] = load
+        *_, p, info = lapack.dgtsv(lower, diagonal, upper, right, 1, 1, 1, 1)
         if info != 0:
             raise ArithmeticError("an increment has no solution")
-        P[own] += p
+        P[inner] += p
     return P

@@ -22,7 +22,7 @@ from .stages import stage_arrays, stresses_between
 __all__ = ["RollResult"]
 
 Array = np.ndarray
-COMPARED = 1001  # radii of a share
+SAMPLES = 1001  # radii at which the sign of the hoop stress is evaluated
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
@@ -39,22 +39,22 @@ class RollResult(Result):
     hoop_stress : (M,) array
         sigma_t along the web, > 0 tension [Pa].
     displacement : (M,) array
-        Outward displacement of a layer since it was laid [m].
+        Outward displacement of a layer since it was wound [m].
     layer_strain : (M,) array
         eps_t of the layers along the web, 0 without stress [1].
     radial_modulus : (M,) array
         E_r(P), the radial modulus of the stack [Pa].
     source : (M,) array
-        C = r^2 P'' + 3 r P' + P - E_t F(P), constant since the layer at r was laid [Pa].
+        C = r^2 P'' + 3 r P' + P - E_t F(P), constant since the layer at r was wound [Pa].
     pressure_gradient : (M,) array
         r P' [Pa].
     stage_radius, growth : (J,) arrays
-        Stages of the build-up [m], and kappa there: the growth of a further layer's pressure
-        below the surface [1].
+        Surface radii of the stages of the build-up [m], and kappa of these stages: the relative
+        change with ln r, at the surface, of the pressure increment by a further layer [1].
     stage_order : (J,) int array
-        Number of stages that the polynomial of kappa ending at each stage interpolates.
+        Number of stages interpolated by the polynomial of kappa that ends at each stage.
     layer_growth : (J,) array
-        Kappa with layers of the web's thickness instead of thin ones.
+        Kappa with layers of the web thickness instead of thin layers.
     surface_slope : float
         -r P'/T - 1 at the surface, 0 except for the discretisation error [1].
     steps : int
@@ -71,7 +71,7 @@ class RollResult(Result):
     MAIN: ClassVar[tuple[str, ...]] = ("core_pressure", "mid_pressure", "least_hoop_stress")
     REPLACED: ClassVar[Mapping[str, str]] = MappingProxyType(
         {
-            "wound_on_tension": "it is the problem's: result.problem.wound_on_tension",
+            "wound_on_tension": "it is an input: result.problem.wound_on_tension",
         }
     )
     MAY_BE_NAN: ClassVar[frozenset[str]] = frozenset()
@@ -95,7 +95,9 @@ class RollResult(Result):
     stage_order: Annotated[
         Array, pure("n_k", "order of the interpolation of the growth factor"), int
     ]
-    layer_growth: Annotated[Array, pure("kappa_h", "the same for layers of finite thickness")]
+    layer_growth: Annotated[
+        Array, pure("kappa_h", "growth of a layer's pressure, layers of finite thickness")
+    ]
     surface_slope: Annotated[float, strain("e_s", "relative error of the slope at the surface")]
     steps: Annotated[int, pure("n_it", "number of linear systems solved")] = 0
 
@@ -125,8 +127,8 @@ class RollResult(Result):
     def compressed_share(
         self,
     ) -> Annotated[float, strain("s_c", "fraction of the build-up with hoop compression")]:
-        """Share of the radii, core to surface, at which sigma_t < 0 [1]."""
-        r = np.linspace(self.radius[0], self.radius[-1], COMPARED)
+        """Fraction of the radial build-up in which sigma_t < 0 [1]."""
+        r = np.linspace(self.radius[0], self.radius[-1], SAMPLES)
         return float(np.mean(self.at_radius(r)["hoop_stress"] < 0))
 
     @property
@@ -144,8 +146,8 @@ class RollResult(Result):
 
         It is part of the error estimates.
         """
-        by = self.finite_layer_change
-        return float(by[np.argmax(np.abs(by))]) / self.peak_pressure
+        change = self.finite_layer_change
+        return float(change[np.argmax(np.abs(change))]) / self.peak_pressure
 
     @cached_property
     def kappa(self) -> Growth:
@@ -159,13 +161,13 @@ class RollResult(Result):
 
     @property
     def length(self) -> Annotated[float, length("L", "length of web on the roll", "m")]:
-        """Area of the roll's side over the web's thickness [m]."""
+        """Area of the end face of the roll divided by the web thickness [m]."""
         R, core = float(self.radius[-1]), float(self.radius[0])
         return pi * (R**2 - core**2) / float(self.problem.web_thickness)
 
     @property
     def layer_count(self) -> Annotated[float, pure("n", "layers on the roll")]:
-        """Number of layers of the web's full thickness between core and surface [1]."""
+        """Build-up divided by the thickness of the uncompressed web [1]."""
         return float(self.radius[-1] - self.radius[0]) / float(self.problem.web_thickness)
 
     @property
@@ -182,7 +184,7 @@ class RollResult(Result):
     def residual_tension(
         self,
     ) -> Annotated[Array, line_load("T_r", "residual tension in the layers")]:
-        """The web's thickness times sigma_t, > 0 tension [N/m]."""
+        """Web thickness times sigma_t, > 0 tension [N/m]."""
         return np.asarray(self.hoop_stress * self.problem.web_thickness)
 
     @property
@@ -239,12 +241,12 @@ class RollResult(Result):
         return stresses_between(self, radius)
 
     def at(self, radius: float) -> RollResult:
-        """Return the roll when its surface was at a radius: a stage of its build-up.
+        """Return the stage of the build-up with a given surface radius.
 
         Parameters
         ----------
         radius : float
-            [m], > the core's, <= the finished roll's.
+            Surface radius [m], at least ten layers on the core, at most that of the finished roll.
 
         Raises
         ------
@@ -256,5 +258,5 @@ class RollResult(Result):
         return stage.replace(residuals=certificate(stage)).checked()
 
     def certified(self) -> Residuals:
-        """Return the residuals, computed from problem and arrays."""
+        """Recompute the residuals from problem and arrays."""
         return certificate(self)

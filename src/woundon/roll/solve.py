@@ -1,9 +1,10 @@
-r"""The stresses in a wound roll: from a problem to a certified result.
+r"""Solution of a wound roll with error estimates: from a problem to a certified result.
 
-    RollProblem --> stage by stage: source, pressure          build_up, equations
-                     --> the finished roll, with its final changes
-                     --> refinement of stages and nodes until the error estimate is met
-                     --> RollResult with its certificate      certificate
+    RollProblem --> build-up, stage by stage                  build_up, equations, growth
+                --> finished roll, changes after winding      finished
+                --> refinement of stages and nodes until the error estimate is below rtol
+                --> effect of the layer thickness             finite_layers
+                --> RollResult with residuals                 certificate
 
 The published layer-by-layer scheme (Hakiel 1987) is available as ``theories.layer_by_layer``.
 """
@@ -50,19 +51,20 @@ RTOL_OPTION = Option(
     "Relative error of the solver.",
     "1e-8 to 0.1, of the pressure relative to the largest; default 1e-3.",
 )
-# Tolerance and cells of the stages for the largest rtol, and their factors per factor of four in
-# rtol; then the cells are refined until the errors by nodes and by stages are below rtol.
+# Tolerance of kappa and cells of a stage for the largest rtol, and their factors when rtol is
+# reduced by a factor of four.  Then the cells are refined until the estimated error is below rtol.
 FIRST_TOLERANCE, FIRST_CELLS = 0.008, 28
 TOLERANCE_FACTOR, CELL_FACTOR = 0.25, 1.42
-NODE_ERROR_FACTOR = 0.6  # of the change by refined nodes; a third follows from order four
-# Safety factor of the stage error, which neglects that errors of earlier stages propagate.
+# Node error relative to the change by refinement: 1/3 from order four, and a safety factor.
+NODE_ERROR_FACTOR = 0.6
+# Safety factor of the stage error, which neglects the propagation of errors of earlier stages.
 STAGE_ERROR_FACTOR = 1.6
-STAGE_ERROR_SHARE = 0.7  # of rtol
+STAGE_ERROR_SHARE = 0.7  # fraction of rtol for the stage error
 MAX_LEVELS = 12
-COARSE = 1e-2  # rtol that the second level reaches; smaller values start at a finer level
+COARSE = 1e-2  # rtol reached by the second level; smaller values start at a finer level
 ROUNDING = 1e-9
-# Tolerance of the stages of a neighbouring roll: the last Newton step, whose square is about the
-# remaining error, is at most 5e-8.
+# Tolerance of the stages of a neighbouring roll: the last Newton step is at most 5e-8, and the
+# error is about its square.
 NEIGHBOUR_TOLERANCE = 5e-13
 ESTIMATED = "peak_pressure", "core_pressure", "mid_pressure", "least_hoop_stress"
 NEIGHBOURHOOD = 0.15  # of the build-up
@@ -104,11 +106,11 @@ def solve_wound_roll(
     check_options(rtol=rtol)
     core, R = problem.core.radius, problem.radius
 
-    def reached(radius: float) -> None:
+    def report(radius: float) -> None:
         if progress is not None:
             progress(min(max((radius - core) / (R - core), 0.0), 1.0))
 
-    return solve_thin_layers(problem, rtol, reached).with_finite_layers()
+    return solve_thin_layers(problem, rtol, report).with_finite_layers()
 
 
 class ThinLayerRoll(NamedTuple):
@@ -117,62 +119,63 @@ class ThinLayerRoll(NamedTuple):
     Attributes
     ----------
     result : RollResult
-        Without a certificate; its errors are those of the discretisation.
-    known : BuildUp
+        Without residuals; its errors are those of the discretisation.
+    build_up : BuildUp
     cells : int
-        Cells of its stages.
+        Cells of each stage.
     """
 
     result: RollResult
-    known: BuildUp
+    build_up: BuildUp
     cells: int
 
     def with_finite_layers(self) -> RollResult:
-        """Return the certified result with layers of the web's thickness."""
-        result = _with_layers(self.result, self.known, self.cells)
+        """Return the certified result with the effect of the web thickness."""
+        result = _with_finite_layers(self.result, self.build_up, self.cells)
         return result.replace(residuals=certificate(result)).checked()
 
     def wound_with(self, problem: RollProblem) -> ThinLayerRoll:
-        """Return the roll of a neighbouring tension with the same stages and number of cells.
+        """Return the roll with a neighbouring tension, with the same stages and number of cells.
 
         The discretisation errors cancel in the difference; the error estimates are copied.
         """
-        known, result = _wind(problem, NEIGHBOUR_TOLERANCE, self.cells, self.known, None)
-        return ThinLayerRoll(result.replace(errors=self.result.errors), known, self.cells)
+        build_up, result = _wind(problem, NEIGHBOUR_TOLERANCE, self.cells, self.build_up, None)
+        return ThinLayerRoll(result.replace(errors=self.result.errors), build_up, self.cells)
 
 
 def solve_thin_layers(
     problem: RollProblem, rtol: float, report: Report | None = None
 ) -> ThinLayerRoll:
-    """Solve for a roll in the limit of thin layers; see :func:`solve_wound_roll`."""
+    """Solve for a roll in the limit of thin layers; see :func:`solve_wound_roll`.
+
+    The stages are refined until their error is below a fraction of rtol, then the nodes.
+    """
     level = max(0, int(log(rtol / COARSE, TOLERANCE_FACTOR)))
-    tolerance, cells = (
-        FIRST_TOLERANCE * TOLERANCE_FACTOR**level,
-        round(FIRST_CELLS * CELL_FACTOR**level),
-    )
-    least = tolerance * TOLERANCE_FACTOR**3
-    known: BuildUp | None = None
-    before: RollResult | None = None
+    tolerance = FIRST_TOLERANCE * TOLERANCE_FACTOR**level
+    cells = round(FIRST_CELLS * CELL_FACTOR**level)
+    smallest_tolerance = tolerance * TOLERANCE_FACTOR**3
+    build_up: BuildUp | None = None
+    coarse: RollResult | None = None
     steps, error = 0, inf
     for _ in range(MAX_LEVELS):
-        known, result = _wind(problem, tolerance, cells, known, report)
+        build_up, result = _wind(problem, tolerance, cells, build_up, report)
         steps += result.steps
         _check_layers_in_contact(result, COARSE)
-        stages = _stage_errors(result)
-        rough = stages["peak_pressure"] / max(result.peak_pressure, 1e-300)
-        if rough > STAGE_ERROR_SHARE * rtol and tolerance > least:
-            tolerance *= max(
-                TOLERANCE_FACTOR**2, TOLERANCE_FACTOR**0.5 * STAGE_ERROR_SHARE * rtol / rough
-            )
-            known = before = None
+        unit = max(result.peak_pressure, 1e-300)
+        stage_errors = _stage_errors(result)
+        excess = stage_errors["peak_pressure"] / unit / (STAGE_ERROR_SHARE * rtol)
+        if excess > 1 and tolerance > smallest_tolerance:
+            tolerance *= max(TOLERANCE_FACTOR**2, TOLERANCE_FACTOR**0.5 / excess)
+            build_up = coarse = None
             continue
-        if before is not None:
-            errors = {name: by + stages[name] for name, by in _node_errors(before, result).items()}
-            error = errors["peak_pressure"] / max(result.peak_pressure, 1e-300)
+        if coarse is not None:
+            node_errors = _node_errors(coarse, result)
+            errors = {name: node_errors[name] + stage_errors[name] for name in node_errors}
+            error = errors["peak_pressure"] / unit
             if error <= rtol:
-                result = _check_stack_law(result.replace(steps=steps, errors=errors), known)
-                return ThinLayerRoll(result, known, cells)
-        before, cells = result, round(cells * CELL_FACTOR)
+                result = _check_stack_law(result.replace(steps=steps, errors=errors), build_up)
+                return ThinLayerRoll(result, build_up, cells)
+        coarse, cells = result, round(cells * CELL_FACTOR)
     _check_layers_in_contact(result, ROUNDING)
     raise NotConverged(
         f"rtol={rtol:g} is not reached: the estimated error of the pressure is {error:.2g}", result
@@ -197,71 +200,54 @@ def _wind(
     known: BuildUp | None,
     report: Report | None,
 ) -> tuple[BuildUp, RollResult]:
+    """Wind a roll with adaptive stages, or with those of a known build-up, and finish it."""
     equations, curve = equations_of(problem), problem.tension_curve
-    layer = layer_thickness(problem)
+    radii, layer = (problem.core.radius, problem.radius), layer_thickness(problem)
+    options: Any = {"tolerance": tolerance, "cells": cells, "layer": layer, "report": report}
     try:
         if known is None:
-            found = wind(
-                equations,
-                curve,
-                problem.core.radius,
-                problem.radius,
-                tolerance=tolerance,
-                cells=cells,
-                layer=layer,
-                report=report,
-            )
+            build_up = wind(equations, curve, *radii, **options)
         else:
-            found = wind_with_stages(
-                equations,
-                curve,
-                known,
-                tolerance=tolerance,
-                cells=cells,
-                layer=layer,
-                report=report,
-            )
+            build_up = wind_with_stages(equations, curve, known, **options)
     except NotWoundError as stop:
         raise NotConverged(str(stop)) from None
-    arrays = finished_arrays(problem, found.x, found.growth, found.solved)
+    arrays = finished_arrays(problem, build_up.x, build_up.growth, build_up.solved)
     result = RollResult(problem=problem, **arrays, residuals=Residuals())
-    return found, result.replace(steps=equations.steps + result.steps)
+    return build_up, result.replace(steps=equations.steps + result.steps)
 
 
-def _with_layers(result: RollResult, known: BuildUp, cells: int) -> RollResult:
-    """Return a result with layers of the web's thickness, their effect added to the errors."""
-    layers = layers_of(result)
+def _with_finite_layers(result: RollResult, build_up: BuildUp, cells: int) -> RollResult:
+    """Return a result with kappa for layers of the web thickness; their effect adds to errors."""
+    layers, layer = layers_of(result), layer_thickness(result.problem)
     try:
-        growth = wind_finite_layers(
-            layers, known, cells=cells, layer=layer_thickness(result.problem)
-        )
+        growth = wind_finite_layers(layers, build_up, cells=cells, layer=layer)
     except NotWoundError as stop:
-        raise NotConverged(f"with layers as thick as the web {stop}", result) from None
+        raise NotConverged(f"with layers of the web thickness {stop}", result) from None
     result = result.replace(layer_growth=growth, steps=result.steps + layers.equations.steps)
-    by = finite_layer_effects(result)
-    return result.replace(errors={name: error + by[name] for name, error in result.errors.items()})
+    effects = finite_layer_effects(result)
+    errors = {name: error + effects[name] for name, error in result.errors.items()}
+    return result.replace(errors=errors)
 
 
-def _node_errors(before: RollResult, now: RollResult) -> dict[str, float]:
-    """Estimate the errors due to the nodes from the change by refined nodes [Pa]."""
-    x = _error_points(now)
+def _node_errors(coarse: RollResult, fine: RollResult) -> dict[str, float]:
+    """Estimate the errors due to the nodes from the change by refinement [Pa]."""
+    x = _error_points(fine)
     (P0, Q0), (P1, Q1) = (
         pressure_between(np.log(r.radius), r.pressure, r.pressure_gradient, x)
-        for r in (before, now)
+        for r in (coarse, fine)
     )
-    return _largest_errors(
-        now, NODE_ERROR_FACTOR * np.abs(P1 - P0), NODE_ERROR_FACTOR * np.abs(P1 + Q1 - P0 - Q0)
-    )
+    P, hoop = np.abs(P1 - P0), np.abs(P1 + Q1 - P0 - Q0)
+    return _largest_errors(fine, NODE_ERROR_FACTOR * P, NODE_ERROR_FACTOR * hoop)
 
 
 def _stage_errors(result: RollResult) -> dict[str, float]:
     """Estimate the errors due to the interpolation of the source between stages [Pa]."""
     problem, x = result.problem, np.log(result.radius)
     source_errors = source_error(problem.tension_curve, result.kappa, x)
-    by = equations_of(problem).linear_response(
+    response = equations_of(problem).linear_response(
         x, result.pressure, result.pressure_gradient, source_errors
     )
-    P, Q = (STAGE_ERROR_FACTOR * np.interp(_error_points(result), x, values) for values in by)
+    P, Q = (STAGE_ERROR_FACTOR * np.interp(_error_points(result), x, error) for error in response)
     return _largest_errors(result, np.abs(P), np.abs(P + Q))
 
 
@@ -272,32 +258,33 @@ def _error_points(result: RollResult) -> Array:
 
 
 def _largest_errors(result: RollResult, pressure: Array, hoop: Array) -> dict[str, float]:
-    """Return the largest errors; for an output at one radius, the largest within a neighbourhood.
+    """Return the largest error of each output, from the errors of pressure and hoop stress.
 
-    The estimated error may change sign at that radius.
+    For an output at one radius it is the largest error within a neighbourhood, because the
+    estimate may change sign at that radius.
     """
     r, core, R = np.exp(_error_points(result)), result.radius[0], result.radius[-1]
-    near_core, near_mid = (
-        abs(r - place) <= NEIGHBOURHOOD * (R - core) for place in (core, (core + R) / 2)
+    near_core, near_middle = (
+        abs(r - centre) <= NEIGHBOURHOOD * (R - core) for centre in (core, (core + R) / 2)
     )
-    worst = pressure, pressure[near_core], pressure[near_mid], hoop
-    return {name: float(np.max(errors)) for name, errors in zip(ESTIMATED, worst, strict=True)}
+    errors = pressure, pressure[near_core], pressure[near_middle], hoop
+    return {name: float(np.max(values)) for name, values in zip(ESTIMATED, errors, strict=True)}
 
 
-def _check_stack_law(result: RollResult, known: BuildUp) -> RollResult:
-    """Return the result if its layers are in contact and the stack's law covers the pressure.
+def _check_stack_law(result: RollResult, build_up: BuildUp) -> RollResult:
+    """Return the result if its layers are in contact and the pressure is in the range of the law.
 
-    At every radius the pressure rises from stage to stage, so that the roll as wound has the
-    largest pressure before the final changes.
+    The pressure increases from stage to stage at every radius, so that the roll as wound has the
+    largest pressure before the changes after winding.
     """
     _check_layers_in_contact(result, ROUNDING)
-    limit, wound = result.problem.stack.limit, float(np.max(known.solved.P))
+    limit, wound = result.problem.stack.limit, float(np.max(build_up.solved.P))
     if max(wound, result.peak_pressure) >= limit:
         when = " as wound" if wound > result.peak_pressure else ""
         raise NotConverged(
             f"the pressure reaches {max(wound, result.peak_pressure):.4g} Pa{when}, beyond the "
-            f"stack's law, which holds below {limit:.4g} Pa; less tension, or a law that reaches "
-            "farther",
+            f"range of the stack law, which ends at {limit:.4g} Pa; lower the tension or extend "
+            "the law",
             result,
         )
     return result
@@ -308,7 +295,7 @@ def _check_layers_in_contact(result: RollResult, slack: float) -> None:
     loosest = int(np.argmin(result.pressure))
     if result.pressure[loosest] < -slack * result.peak_pressure:
         raise NotConverged(
-            f"the layers come apart at the radius {result.radius[loosest]:.6g} m: nothing holds "
-            "them where the finished roll's changes take all pressure away",
+            f"the layers separate at the radius {result.radius[loosest]:.6g} m: the changes after "
+            "winding reduce the pressure to zero",
             result,
         )

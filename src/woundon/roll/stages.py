@@ -1,4 +1,7 @@
-"""A wound roll at radii between its nodes, and at earlier stages of its build-up."""
+"""A wound roll at radii between its nodes, and at earlier stages of its build-up.
+
+Earlier stages are recomputed with the function kappa of the result (:mod:`.build_up`).
+"""
 
 from __future__ import annotations
 
@@ -64,10 +67,10 @@ def stage_arrays(result: Any, radius: float) -> dict[str, Any]:
     InvalidProblem
         For a radius outside the roll, or of fewer than ten layers.
     """
-    place = _checked(result, radius)
-    if place.ndim:
-        raise InvalidProblem.at("radius", f"{place.size} values; must be one radius [m]")
-    surface, problem = float(place), result.problem
+    r = _checked(result, radius)
+    if r.ndim:
+        raise InvalidProblem.at("radius", f"{r.size} values; must be one radius [m]")
+    surface, problem = float(r), result.problem
     smallest = problem.core.radius + FEWEST_LAYERS * problem.web_thickness
     if surface < smallest:
         text = f"{quote(surface)} is out of range; must be >= {smallest:.6g} [m]"
@@ -91,7 +94,7 @@ def stage_at(result: Any, radius: float) -> Stage:
     tension = T * float(result.problem.web_thickness)
     if radius == result.problem.radius:
         return Stage(result.radius, result.pressure, result.pressure_gradient, tension)
-    # kinks are nodes of their own
+    # kinks are additional nodes
     cells = max(result.radius.size - 1 - result.problem.tension_curve.kinks.size, FEWEST_CELLS)
     _, nodes, _, solved = _solved_stage(result, radius, cells)
     r = np.exp(nodes)
@@ -131,7 +134,7 @@ def _solved_stage(
     stage = problem.replace(
         radius=surface,
         wound_on_tension=_schedule_until(problem, surface),
-        # these changes follow when the roll is finished
+        # the changes after winding do not apply to a stage
         temperature_change=0.0,
         core_shrinkage=0.0,
     )
@@ -147,9 +150,9 @@ def _solved_stage(
 
 
 def _schedule_until(problem: RollProblem, surface: float) -> float | Profile | Taper:
-    """Return the schedule of the tension up to a radius; a linear taper falls by its share."""
+    """Return the tension schedule up to a radius; a linear taper is reduced in proportion."""
     schedule, core = problem.wound_on_tension, problem.core.radius
     if not isinstance(schedule, Taper) or schedule.law != "linear":
         return schedule
-    share = (surface - core) / (problem.radius - core)
-    return schedule.replace(taper=schedule.taper * share)
+    fraction = (surface - core) / (problem.radius - core)
+    return schedule.replace(taper=schedule.taper * fraction)

@@ -40,8 +40,8 @@ def constant_moduli(problem: RollProblem, radius: ArrayLike) -> RollStresses:
 
         P(r) = F(r) int_r^R T/(s F(s)) ds,    sigma_t = T - (F + r F') int_r^R T/(s F(s)) ds
 
-    the sum of the increments by each layer.  A temperature change and a core that shrinks add terms
-    in r^(+-g - 1) and a constant.
+    the sum of the increments by each layer.  A temperature change and core shrinkage add terms in
+    r^(+-g - 1) and a constant.
 
     Parameters
     ----------
@@ -53,12 +53,14 @@ def constant_moduli(problem: RollProblem, radius: ArrayLike) -> RollStresses:
     Raises
     ------
     InvalidProblem
-        For a stack that hardens.
+        For a stack whose modulus depends on the pressure.
     """
     check_type("problem", problem, RollProblem)
     stack = problem.stack
     if not isinstance(stack.radial, Constant):
-        raise InvalidProblem.at("stack.radial", "hardens; must be a number, the constant modulus")
+        raise InvalidProblem.at(
+            "stack.radial", "depends on the pressure; must be a number, the constant modulus"
+        )
     r = np.atleast_1d(np.asarray(radius, dtype=float))
     core, R, E_t = problem.core.radius, problem.radius, stack.tangential
     g, b = float(np.sqrt(E_t / stack.radial.modulus(0.0))), equations_of(problem).core
@@ -69,46 +71,46 @@ def constant_moduli(problem: RollProblem, radius: ArrayLike) -> RollStresses:
         small = A * np.exp(-2 * g * x)
         return 1 + small, (g - 1) - (g + 1) * small
 
-    # int_r^R T/(s F(s)) ds over x, scaled likewise: exp(-(g-1)(y - x)) decays
+    # int_r^R T/(s F(s)) ds over y = ln(s/rc); the scaled integrand decays as exp(-(g-1)(y - x))
     curve = problem.tension_curve
     start, end, kinks = float(np.log(core)), float(np.log(R)), np.log(curve.kinks)
     grid = nodes_between(start, end, 400, min(1 / g, 0.3), kinks) - start
     points, weights = np.polynomial.legendre.leggauss(GAUSS)
-    whole = np.empty(r.size)
+    integral = np.empty(r.size)
     for k, x in enumerate(np.log(r / core)):
         ends = np.concatenate([[x], grid[grid > x]])
         half = np.diff(ends)[:, None] / 2
         y = ends[:-1, None] + half * (1 + points)
-        inner = curve.at(core * np.exp(y)) * np.exp(-(g - 1) * (y - x)) / shape(y)[0]
-        whole[k] = float(np.sum(half * weights * inner)) if ends.size > 1 else 0.0
+        integrand = curve.at(core * np.exp(y)) * np.exp(-(g - 1) * (y - x)) / shape(y)[0]
+        integral[k] = float(np.sum(half * weights * integrand)) if ends.size > 1 else 0.0
     F, slope = shape(np.log(r / core))
-    P = F * whole
-    more = _final_changes(problem, g, b, r)
-    return RollStresses(r, P + more[0], curve.at(r) - (F + slope) * whole - more[0] - more[1])
+    P_changes, Q_changes = _final_changes(problem, g, b, r)
+    hoop = curve.at(r) - (F + slope) * integral - P_changes - Q_changes
+    return RollStresses(r, F * integral + P_changes, hoop)
 
 
 def _final_changes(problem: RollProblem, g: float, b: float, r: Array) -> tuple[Array, Array]:
-    """Return the pressure added by the final changes, and r times its slope."""
-    source, at_core = final_changes(problem)
+    """Return the pressure P added by the changes after winding, and r P'.
+
+    r^2 P'' + 3 r P' + (1 - g^2) P = dC,  r P' - b P = -dT_c at the core,  P = 0 at the surface.
+    """
+    source, core_tension = final_changes(problem)
     core, R = problem.core.radius, problem.radius
-    # r^2 P'' + 3 r P' + (1 - g^2) P = source: a constant (a logarithm where g = 1), and two powers
-    even = abs(g - 1) < 1e-9
-    whole = source * np.log(r / core) / 2 if even else np.full(r.shape, source / (1 - g**2))
-    slope = np.full(r.shape, source / 2) if even else np.zeros(r.shape)
-    ends = np.log(np.array([1.0, R / core]))
-    special = source * ends / 2 if even else np.full(2, source / (1 - g**2))
-    own = source / 2 if even else 0.0
-    grows, decays = g - 1, -g - 1
-    shrunk = (core / R) ** grows  # the growing power is counted from the surface
-    matrix = np.array(
-        [
-            [(grows - b) * shrunk, decays - b],
-            [1.0, (R / core) ** decays],
-        ]
-    )
-    c = np.linalg.solve(matrix, [-at_core - own + b * special[0], -special[1]])
+
+    def particular(r: Array) -> tuple[Array, Array]:
+        """Return the particular solution P and r P': a constant, or a logarithm for g = 1."""
+        if abs(g - 1) < 1e-9:
+            return source * np.log(r / core) / 2, np.full(r.shape, source / 2)
+        return np.full(r.shape, source / (1 - g**2)), np.zeros(r.shape)
+
+    (P_core, P_surface), (Q_core, _) = particular(np.array([core, R]))
+    grows, decays = g - 1, -g - 1  # exponents of the homogeneous solutions
+    # (r/R)^grows and (r/core)^decays are at most 1
+    matrix = [[(grows - b) * (core / R) ** grows, decays - b], [1.0, (R / core) ** decays]]
+    c = np.linalg.solve(matrix, [-core_tension - Q_core + b * P_core, -P_surface])
     up, down = c[0] * (r / R) ** grows, c[1] * (r / core) ** decays
-    return whole + up + down, slope + grows * up + decays * down
+    P, Q = particular(r)
+    return P + up + down, Q + grows * up + decays * down
 
 
 def plateau_pressure(stack: Stack, tension: float) -> float:
@@ -118,9 +120,9 @@ def plateau_pressure(stack: Stack, tension: float) -> float:
 
         T^2 K2/(2 E_t) = P - K1 ln(1 + P/K1)
 
-    and for other laws as in :meth:`woundon.Stack.plateau_pressure`.  It neglects the curvature and
-    is therefore low by 1.0 to 1.2 (E_r/E_t)^1/2 of its value: 3 to 13 % for real rolls.
-    Where E_t/E_r is below 100, there is hardly a plateau.  The hoop stress there is -P.
+    For other laws see :meth:`woundon.Stack.plateau_pressure`.  The curvature is neglected, which
+    makes the pressure too low by the fraction 1.0 to 1.2 (E_r/E_t)^1/2: 3 to 13 % for real rolls.
+    For E_t/E_r below 100 there is hardly a plateau.  The hoop stress on the plateau is -P.
 
     Parameters
     ----------
