@@ -86,5 +86,5 @@ def test_changes_too_large_to_settle_are_reported_by_what_they_do():
 
 
 def test_a_stack_too_soft_to_wind_on_is_reported_so():
-    with pytest.raises(wo.NotConverged, match="stack without pressure, or the core, is too soft"):
+    with pytest.raises(wo.NotConverged, match="stack at low pressure, or the core, is too soft"):
         wo.solve(ROLL.replace(**{"stack.radial.K1": 1e-6}))
