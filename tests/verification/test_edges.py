@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from random_nips import random_low_friction
+from random_nips import random_covered, random_low_friction
 from slow_cases import slow_case
 from thesis_cases import paper_nip
 
@@ -149,3 +149,20 @@ def test_hardly_any_friction_leaves_slip_everywhere(drum: wo.Rigid, friction: fl
 def test_little_friction_on_one_face_hides_no_violation_on_the_other(seed: int) -> None:
     """The slips of a face without friction are 1e6 times those at the zone boundaries."""
     assert wo.solve(random_low_friction(seed)).residuals.slip_direction <= 1e-10
+
+
+def test_a_web_that_lifts_off_a_soft_drum_is_rejected_on_every_mesh() -> None:
+    """p = T kappa is negative where the cover is concave, next to the nip; not on a stiffer one."""
+    problem = random_covered(100053)
+    for nodes in (41, 81):
+        with pytest.raises(wo.InvalidProblem, match="drum: its deformed surface is concave"):
+            wo.solve(problem, nodes=nodes)
+    material = problem.drum.material
+    stiffer = material.replace(youngs_modulus=8 * material.youngs_modulus)
+    thicker = problem.drum.radius - 4 * problem.drum.thickness
+    for change in (
+        {"nip_load": problem.nip_load / 4, "winding_force": problem.winding_force / 4},
+        {"drum": problem.drum.replace(material=stiffer)},
+        {"drum": problem.drum.replace(core_radius=thicker)},
+    ):
+        assert solved(problem.replace(**change)).drum_pressure.min() >= 0

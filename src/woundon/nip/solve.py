@@ -11,11 +11,11 @@ import numpy as np
 from ..arguments import Option, check_type, nodes_or_rtol, tolerance, whole_number
 from ..contact.newton import NewtonFailed
 from ..contact.refinement import REPORTED, MeshSolution, Refinement, refine
-from ..errors import RESOLUTION, NoSteadyState, NotConverged
+from ..errors import RESOLUTION, InvalidProblem, NoSteadyState, NotConverged
 from ..parallel import one_thread
 from ..problems.bodies import half_width_guess
 from ..problems.nip import NipProblem
-from ..results import Residuals, measured
+from ..results import ACCEPTED_RESIDUAL, Residuals, measured
 from ..validity import far_outside
 from .certificate import certificate, inconsistencies
 from .entrained_air import AirFilm, air_warnings
@@ -86,8 +86,9 @@ def solve_nip(
     Raises
     ------
     InvalidProblem
-        For options out of range, loads that no contact of the bodies carries, and an air film
-        under more than 100 times the ambient pressure.
+        For options out of range, loads that no contact of the bodies carries, a body so soft that
+        the web lifts off it on a wrap, and an air film under more than 100 times the ambient
+        pressure.
     NoSteadyState
         If the web would be slack on a wrap.
     NotConverged
@@ -156,6 +157,7 @@ def _solve(
         outside = _outside_model(problem)
         raise NotConverged("; ".join(filter(None, (f"no solution: {failed}", outside)))) from None
     _check_taut(problem, found.last)
+    _check_pressed(problem, found.last)
     result = result_of(problem, found).checked()
     ratio = nan if nodes else criterion(found.last.main_outputs, found.deciding_errors())
     if rtol is not None and not ratio <= 1:
@@ -227,6 +229,23 @@ def _check_taut(problem: Any, mesh: MeshSolution, permitted: float = 0.0) -> Non
                 "web_tension",
                 f"{T_in:.6g} leaves the web slack {name}: its tension falls to {least:.4g} [N/m]; "
                 f"about {T_in - least:.4g} or more is needed",
+            )
+
+
+def _check_pressed(problem: Any, mesh: MeshSolution) -> None:
+    """Raise where a body is deformed so that it is concave on its wrap: the web lifts off it."""
+    at, f = mesh.system.layout, mesh.state.fields
+    for name, pressure, wrapped in (
+        ("roll", f.p_roll[at.last :], problem.roll_wrap > 0),
+        ("drum", f.p_drum[: at.first + 1], problem.drum_wrap > 0),
+    ):
+        least = float(pressure.min())
+        if wrapped and least < -ACCEPTED_RESIDUAL * f.p_drum.max():
+            raise InvalidProblem.at(
+                name,
+                f"its deformed surface is concave on the wrap next to the nip: a web that followed "
+                f"it would need a pressure of {least:.3g} [Pa], so that it lifts off; use a "
+                "smaller nip_load, or a thicker or stiffer elastic layer",
             )
 
 
