@@ -11,17 +11,29 @@ __all__ = ["new"]
 
 @click.command(
     help="""\
-    Write a commented template case file with every field: woundon new > case.toml.
+    Write a case file to start from: woundon new > case.toml.
 
-    KIND is nip (the default), rollers, roll, winding or the kind of a plug-in.
+    KIND is nip (the default), rollers, roll, winding or the kind of a plug-in. The file contains
+    every field with its range; with --grade it is short: the grade supplies paper or film, and
+    only the values of the winder are left to enter.
     """,
-    short_help="Write a commented template case file, or a study file.",
+    short_help="Write a case file to start from, or a study file.",
 )
 @click.argument("kind", type=KindName(), default="nip", metavar="KIND")
+@click.option(
+    "--grade",
+    metavar="NAME",
+    help="A short case of a grade of 'woundon grades', for nip and winding.",
+)
+@click.option("--grades", "file", metavar="FILE", help="A TOML file with your own grades.")
 @click.option("--study", is_flag=True, help="Write a study file with such a case for 'sweep'.")
-def new(kind: str, study: bool) -> None:
+def new(kind: str, grade: str | None, file: str | None, study: bool) -> None:
     """Print a commented case or study file of a kind of problem."""
-    from ..io.case_texts import template
+    from ..io.case_texts import grade_template, template
     from ..studies.study_texts import study_template
 
-    click.echo(study_template(kind) if study else template(kind), nl=False)
+    if grade:
+        text = grade_template(kind, grade, file)
+    else:
+        text = study_template(kind) if study else template(kind)
+    click.echo(text, nl=False)

@@ -122,8 +122,9 @@ UNITS = click.option(
     "--unit",
     "chosen",
     multiple=True,
-    metavar="NAME=UNIT",
-    help='Display an input or output in another unit, e.g. nip_load="kN/m"; repeatable.',
+    metavar="NAME=UNIT|mill",
+    help='Display an input or output in another unit, e.g. nip_load="kN/m"; "mill" displays all in '
+    "pli, psi, mil, in; repeatable.",
 )
 TIES = click.option(
     "--tie",

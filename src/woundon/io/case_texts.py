@@ -12,16 +12,17 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple, get_args
 
 from .. import kinds
-from ..errors import one_of
+from ..errors import InvalidProblem, one_of
 from ..problems.description import Description
 from ..problems.family import Family
+from ..problems.grades import grade
 from ..problems.materials import MATERIALS
 from ..problems.permitted import bounds
 from ..problems.problem import Problem
 from ..problems.units import written
 from ..quantities import Quantity, members_of, quantity_of
 
-__all__ = ["SCHEMA", "field_comment", "field_ranges", "template", "to_toml"]
+__all__ = ["SCHEMA", "field_comment", "field_ranges", "grade_template", "template", "to_toml"]
 
 SCHEMA = 1
 _WIDTH = 100
@@ -59,6 +60,76 @@ def template(kind: str = "nip") -> str:
     # Two rollers in contact without a web, rolling or static.
     """
     return to_toml(kinds.named(kind.replace("-", "_")).example(), comments=True)
+
+
+_GRADE_HEADER = """\
+# {about}
+#
+# Grade: {title}.  It supplies what is not stated here;
+# 'woundon grades {grade}' lists its values, 'woundon describe {kind}' all fields.
+# A value is a text with its unit: "20 pli", "1.5 kN/m", "30 in", "60 gsm" for the thickness; with
+# the width of the web also a total, "3.6 kN"; for the web tension also a stress, "5 MPa".
+"""
+_GRADE_ROWS = {
+    "nip": (
+        ("nip_load", "2 kN/m"),
+        ("[roll]",),
+        ("diameter", "1 m"),
+        ("core_diameter", "100 mm"),
+    ),
+    "winding": (
+        ("nip_load", "2 kN/m"),
+        ("diameter", "1.2 m"),
+        ("[core]",),
+        ("diameter", "100 mm"),
+        ("stiffness", "1 GPa"),
+    ),
+}
+
+
+def grade_template(kind: str, named: str, file: str | None = None) -> str:
+    """Return the text of a short case file of a grade: the inputs that depend on the winder.
+
+    Parameters
+    ----------
+    kind : str
+        "nip" or "winding".
+    named : str
+        Name of the grade.
+    file : str, optional
+        A TOML file with grades of your own.
+
+    Examples
+    --------
+    >>> print(grade_template("nip", "uncoated-fine")[-49:])
+    [drum]
+    kind          = "rigid"
+    diameter      = "0.8 m"
+    """
+    if kind not in _GRADE_ROWS:
+        raise InvalidProblem.at(
+            "kind", f"{kind!r} has no short case; must be {one_of(_GRADE_ROWS)}"
+        )
+    found, about = grade(named, file), kinds.named(kind).about
+    # the nip adds about as much as the winder pulls
+    web_tension = written(float(f"{found.tension / 2:.2g}"), "N/m")
+    rows = [
+        ("grade", named),
+        *([("grades", file)] if file else []),
+        ("width", "1.2 m"),
+        ("web_tension", str(web_tension)),
+        *_GRADE_ROWS[kind],
+        ("[web]",),
+        ("thickness", str(written(found.thickness, "m", "um"))),
+        ("[drum]",),
+        ("kind", "rigid"),
+        ("diameter", "0.8 m"),
+    ]
+    lines = [f"schema        = {SCHEMA}"]
+    for name, *value in rows:
+        lines.append(f"{name:<13} = {json.dumps(value[0])}" if value else f"\n{name}")
+    header = _GRADE_HEADER.format(about=about, grade=named, title=found.title, kind=kind)
+    return header + "\n" + "\n".join(lines) + "\n"
 
 
 def to_toml(problem: Problem, comments: bool = False, under: str = "") -> str:

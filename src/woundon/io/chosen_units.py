@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import contextmanager
 from typing import Any
 
 from .. import kinds
@@ -66,15 +66,25 @@ def units(chosen: Mapping[str, str] | None = None, /, **more: str) -> Iterator[N
         yield
 
 
-def units_of(settings: Iterable[str]) -> AbstractContextManager[None]:
-    """Return the context of :func:`units` for texts "NAME=UNIT" of the command line."""
+@contextmanager
+def units_of(settings: Iterable[str]) -> Iterator[None]:
+    """Use the units of texts "NAME=UNIT" of the command line, and those of the system "mill"."""
     chosen: dict[str, str] = {}
+    system: Sizes = {}
     for text in settings:
+        if text in SYSTEMS:
+            for kind in kinds.every():
+                places = (*walk(kind.problem), *outputs(kind.result))
+                system |= _system([p for p in places if p.quantity is not None], text)
+            continue
         name, _, unit = (part.strip() for part in text.partition("="))
         if not name or not unit:
-            raise InvalidProblem.at(text, "must be written NAME=UNIT, e.g. nip_load='kN/m'")
+            raise InvalidProblem.at(
+                text, "must be written NAME=UNIT, e.g. nip_load='kN/m', or mill"
+            )
         chosen[name] = unit
-    return units(chosen)
+    with shown_in(system), units(chosen):
+        yield
 
 
 def _known() -> dict[str, list[str]]:

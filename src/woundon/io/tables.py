@@ -40,8 +40,8 @@ _COMMA = re.compile(r"[+-]?\d*,[\d,]+(?:[eE][+-]?\d{1,3})?\D*")
 _THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(?:,\d{3})+\D*")
 
 _HELP = (
-    "name the column in columns: {{{0!r}: 'NAME [UNIT]'}} in Python, [columns] in a study "
-    "file, --column {1!r} on the command line; an empty name omits it"
+    "to name a column write --column '{0}=NAME [UNIT]', and to ignore it --column '{0}=' "
+    "(in Python columns={{{0!r}: ...}}, in a study file [columns])"
 )
 
 
@@ -150,7 +150,7 @@ def match_columns(
         unit = explicit or unit or sheet.units.get(header, "")
         found.append(Column(header, name, unit, deviation, cells))
     if unknown:
-        faults.append((sheet.where, _HELP.format(unknown[0], f"{unknown[0]}=NAME [UNIT]")))
+        faults.append((sheet.where, _HELP.format(unknown[0])))
     faults += [(sheet.where, f"has no column {header!r}") for header, _ in left.values()]
     faults += _twice(found, sheet.where)
     if faults:

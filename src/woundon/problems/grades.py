@@ -27,6 +27,7 @@ from ..quantities import (
 from .bodies import Cylinder
 from .description import Description
 from .fields import Nested, Number, Numbers, default
+from .inputs import is_basis_weight
 from .library import Entry, entry_of, library, read_file
 from .limits import Limits
 from .materials import SOFTEST, STIFFEST, Orthotropic
@@ -238,7 +239,8 @@ class Grade(Description):
 def _text(value: Any, quantity: Quantity) -> str:
     if isinstance(value, tuple):
         return " to ".join(_text(item, quantity) for item in value)
-    text = written(float(value), quantity.unit, quantity.shown_unit)
+    # a basis weight that was converted has rounding errors
+    text = written(float(f"{value:.6g}"), quantity.unit, quantity.shown_unit)
     return text if isinstance(text, str) else f"{text:.6g}"
 
 
@@ -414,7 +416,8 @@ def with_grade(
 ) -> dict[str, Any]:
     """Return the fields of a problem with those that its grade supplies.
 
-    A value that is given next to the grade has precedence; :func:`contradictions` names it.
+    A value that is given next to the grade has precedence; :func:`warn_of_contradictions` names it.
+    A basis weight of the web is converted with the density of the grade.
 
     Parameters
     ----------
@@ -435,6 +438,9 @@ def with_grade(
     if not model.graded:
         faults.append(("grade", f"a {model.__name__} has no web; must be left out"))
         return given
+    web = given.get("web")
+    if isinstance(web, Mapping) and is_basis_weight(web.get("thickness")):
+        given["web"] = {"density": found.density, **web}
     for name, value in _supplied(found, model, given).items():
         given[name] = _merged(given[name], value) if name in given else value
     return given

@@ -36,6 +36,7 @@ __all__ = [
     "conversion_order",
     "convert",
     "convert_fields",
+    "is_basis_weight",
     "is_word",
 ]
 
@@ -104,7 +105,7 @@ def conversion_order(changes: Mapping[str, Any]) -> list[str]:
 
     def rank(path: str) -> int:
         name = "thickness" if path in ("web.thickness", "web_thickness") else path
-        if name == "density" and _is_basis_weight(changes[path]):
+        if name == "density" and is_basis_weight(changes[path]):
             return len(_FIRST) - 1
         return _FIRST.index(name) if name in _FIRST else len(_FIRST)
 
@@ -188,7 +189,7 @@ def _convert_table(
     models = tuple(named or models)
     given = _diameters_to_radii(table, models, prefix, faults)
     first = [name for name in _FIRST if name in given]
-    if _is_basis_weight(given.get("density")):  # which the thickness converts
+    if is_basis_weight(given.get("density")):  # which the thickness converts
         first = [*(name for name in first if name != "density"), "density"]
     found: dict[str, Any] = {}
     for name in dict.fromkeys((*first, *given)):
@@ -200,7 +201,7 @@ def _convert_table(
         context = context.with_field(name, found[name])
     helpers = {name for m in models for name in getattr(m, "_input_only", ())} & found.keys()
     for name in helpers:
-        if not _is_basis_weight(given.get("thickness")):
+        if not is_basis_weight(given.get("thickness")):
             text = "converts a thickness that is given as a basis weight; must be left out here"
             faults.append((f"{prefix}{name}", text))
     return {name: found[name] for name in given if name not in helpers}
@@ -344,7 +345,7 @@ def _convert_number(text: str, quantity: Quantity, path: str, context: Context) 
         return _per_width(text, path, context)
     if quantity.other_form == "stress" and has_dimension(text, "Pa"):
         return _tension_of_stress(text, path, context)
-    if quantity.other_form == "basis weight" and _is_basis_weight(text):
+    if quantity.other_form == "basis weight" and is_basis_weight(text):
         return _of_basis_weight(text, unit, path, context)
     return parse(text, unit, path)
 
@@ -368,7 +369,8 @@ def _tension_of_stress(text: str, path: str, context: Context) -> float:
     return parse(text, "Pa", path) * context.thickness
 
 
-def _is_basis_weight(value: Any) -> bool:
+def is_basis_weight(value: Any) -> bool:
+    """Return True for a text such as "45 gsm"."""
     return isinstance(value, str) and has_dimension(value, "kg/m^2")
 
 

@@ -412,6 +412,10 @@ def columns_of(problem: Problem) -> dict[str, Quantity | None]:
             if head not in known:
                 known[head] = _if_number(problem, head)
         known[place.path] = known.get(place.path) or place.quantity
+        # "diameter" alone is the position of a measurement on a roll
+        if heads and (diameter := counterpart(place.path.split(".")[-1], "radius")):
+            path = ".".join((*heads, diameter))
+            known[path] = next((p.quantity for p in find(type(problem), path)), None)
     return known
 
 
