@@ -54,7 +54,7 @@ def environment() -> dict[str, str]:
     return dict.fromkeys(VARIABLES, "1")
 
 
-# glibc maps blocks above this size anew each time.  Freeing a mapped block raises the limit to its
+# glibc maps blocks above this size each time again.  Freeing a mapped block raises the limit to its
 # size, at most 32 MB, and keeps twice as much freed memory in the process (mallopt(3)).
 LARGEST_BLOCK = 30 << 20
 
