@@ -263,7 +263,7 @@ def test_nips_whose_tension_jumps_do_not_converge(monkeypatch: pytest.MonkeyPatc
         return result.replace(roll_wound_on_tension=tension * (1 + 1e-4 * (next(count) % 3)))
 
     monkeypatch.setattr("woundon.winding.nips.solve_nip", jumping)
-    with pytest.raises(wo.NotConverged, match="nips and roll do not agree") as stop:
+    with pytest.raises(wo.NotConverged, match="the nip-roll iteration does not converge") as stop:
         wo.solve(CASE.replace(radius=0.06), nodes=25, rtol=5e-2)
     assert stop.value.best is not None
 

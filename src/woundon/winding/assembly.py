@@ -14,7 +14,7 @@ from ..roll.solve import ThinLayerRoll
 from .bodies import tension_on_roll
 from .nips import Nips
 from .result import WindingResult
-from .roll import changed
+from .roll import recomputed
 
 __all__ = ["assemble_result"]
 
@@ -58,24 +58,24 @@ def assemble_result(
     """
     loads: dict[str, Any] = {name: problem.at(name, r) for name in LOADS}
     samples = nips.from_core_to_surface()
-    solved = [each.result for each in samples]
+    results = [sample.result for sample in samples]
     result = WindingResult(
         problem=problem,
         radius=r,
         **loads,
         nip_induced_tension=tension - loads["web_tension"],
         wound_on_tension=tension,
-        nip_radius=np.array([each.radius for each in samples]),
-        nip_wound_on_tension=np.array([tension_on_roll(nip) for nip in solved]),
+        nip_radius=np.array([sample.radius for sample in samples]),
+        nip_wound_on_tension=np.array([tension_on_roll(nip) for nip in results]),
         nip_departure=np.zeros(len(samples)) if departure is None else departure,
-        nip_half_width=np.array([nip.half_width for nip in solved]),
-        nip_peak_pressure=np.array([nip.peak_pressure for nip in solved]),
-        nip_effective_pressure=np.array([each.pressure for each in samples]),
-        nip_air_film=np.array([nips.films[each.radius] for each in samples]),
-        nip_friction=np.array([nip.problem.roll_friction for nip in solved]),
+        nip_half_width=np.array([nip.half_width for nip in results]),
+        nip_peak_pressure=np.array([nip.peak_pressure for nip in results]),
+        nip_effective_pressure=np.array([sample.pressure for sample in samples]),
+        nip_air_film=np.array([nips.films[sample.radius] for sample in samples]),
+        nip_friction=np.array([nip.problem.roll_friction for nip in results]),
         air_film=film,
-        nip_error=np.array([nip.errors.get("roll_wound_on_tension", np.nan) for nip in solved]),
-        nip_residual=np.array([nip.residual for nip in solved]),
+        nip_error=np.array([nip.errors.get("roll_wound_on_tension", np.nan) for nip in results]),
+        nip_residual=np.array([nip.residual for nip in results]),
         interpolation_error=interpolation[0],
         core_interpolation_error=interpolation[1],
         nodes=nips.nodes,
@@ -89,12 +89,15 @@ def assemble_result(
     )
     if curved is None:
         return result.replace(errors=_errors(result, {}))
-    other = changed(problem, roll, r, curved, film).result
-    by = {name: abs(getattr(other, name) - getattr(roll.result, name)) for name in OF_THE_ROLL}
-    return result.replace(errors=_errors(result, by))
+    other = recomputed(problem, roll, r, curved, film).result
+    first_layers = {
+        name: abs(getattr(other, name) - getattr(roll.result, name)) for name in OF_THE_ROLL
+    }
+    return result.replace(errors=_errors(result, first_layers))
 
 
 def _uneven(interpolation: float, rtol: float, count: int) -> list[str]:
+    """Return a warning if the interpolation error between the nips exceeds 2 rtol."""
     if interpolation <= 2 * rtol:
         return []
     return [
@@ -110,15 +113,15 @@ def _errors(result: WindingResult, first_layers: dict[str, float]) -> dict[str, 
     The effect of the layers below the first nip is the difference to a roll whose tension is
     extrapolated there with its curvature.
     """
-    found = {}
-    share = result.interpolation_error + result.coupling_rtol
+    errors = {}
+    tension_error = result.interpolation_error + result.coupling_rtol
     if result.nip_radius.size:
-        share += float(np.max(result.nip_error / result.nip_wound_on_tension))
-        found["mean_wound_on_tension"] = share * result.mean_wound_on_tension
+        tension_error += float(np.max(result.nip_error / result.nip_wound_on_tension))
+        errors["mean_wound_on_tension"] = tension_error * result.mean_wound_on_tension
     for name in OF_THE_ROLL:
-        own, value = result.roll.errors.get(name, nan), getattr(result, name)
+        roll_error, value = result.roll.errors.get(name, nan), getattr(result, name)
         # the pressure in a roll is about proportional to the square of its tension
-        found[name] = own + 2 * share * abs(value) + first_layers.get(name, 0.0)
+        errors[name] = roll_error + 2 * tension_error * abs(value) + first_layers.get(name, 0.0)
     # the interpolation error near the core affects only the core pressure
-    found["core_pressure"] += result.core_interpolation_error * result.core_pressure
-    return found
+    errors["core_pressure"] += result.core_interpolation_error * result.core_pressure
+    return errors

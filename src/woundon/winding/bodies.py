@@ -5,8 +5,9 @@ r"""The wound roll as a body of the nip contact problem: three models.
                     P_e = (mean of the wound pressure down to a below the surface) + 0.25 p_max
     direct      the stack under the pressure wound so far, which hardens under the nip
 
-The wound pressure rises from zero at the surface; in newsprint it is half its plateau value at the
-depth of one half-width, where the stress of a line contact is large: therefore the mean is used.
+The wound pressure increases from zero at the surface; in newsprint it is half its plateau value at
+the depth of one half-width, where the stress of a line contact is large.  Therefore its mean over
+this depth is used.
 The coefficient 0.25 of p_max follows from direct solutions of confined nips on soft stacks (docs:
 stacks) and is not a fit parameter.  P_e and the nip are solved as a fixed point: WOT, a and p_max
 are approximated by powers of P_e, whose exponents follow from two nips.
@@ -43,15 +44,15 @@ __all__ = [
 Array = np.ndarray
 Solve = Callable[[Body, NipResult | None], NipResult]
 
-SHARE = 0.25  # of p_max
+PEAK_COEFFICIENT = 0.25  # of p_max in P_e
 DEPTHS = 33  # at which the wound pressure is averaged
-MOST = 25  # maximum number of nips in the iteration for P_e
+MAX_NIPS = 25  # in the iteration for P_e
 # Initial guess of the exponents of P_e for WOT, a and p_max: Hertz contact, (E_r E_t)^1/2.
 HERTZ = 0.0, -0.25, 0.25
 # Relative differences of P_e below this are too noisy to determine the exponents.
 SMALLEST_STEP = 2e-3
-STEP, SETTLED = 1e-3, 1e-9  # relative: difference step and convergence tolerance of P_e
-ALMOST = 0.9  # largest P_e, as a fraction of the maximum pressure of the stack law
+STEP, TOLERANCE = 1e-3, 1e-9  # relative: difference step and convergence tolerance of P_e
+LARGEST_FRACTION = 0.9  # largest P_e, as a fraction of the maximum pressure of the stack law
 
 
 class NipSample(NamedTuple):
@@ -92,12 +93,12 @@ class NipSample(NamedTuple):
 
     def at(self, pressure: float) -> tuple[float, float, float]:
         """Extrapolate WOT [N/m], a [m] and p_max [Pa] to another P_e."""
-        by = pressure / self.pressure
-        found = (
-            value * by**power
-            for value, power in zip(_nip_outputs(self.result), self.exponents, strict=True)
+        ratio = pressure / self.pressure
+        WOT, a, p_max = (
+            value * ratio**exponent
+            for value, exponent in zip(_nip_outputs(self.result), self.exponents, strict=True)
         )
-        return next(found), next(found), next(found)
+        return WOT, a, p_max
 
 
 def solved_nip(
@@ -142,28 +143,15 @@ def _effective(
     solve: Solve,
     coupling_rtol: float,
 ) -> NipSample:
+    """Solve the nip on an effective cylinder by a fixed-point iteration for P_e."""
     known, radius = previous or neighbour, float(stage.radius[-1])
     if previous:
         P = predicted_nip(problem, stage, previous).implied_pressure
-    elif neighbour and isnan(neighbour.implied_pressure):  # its roll body is not "effective"
-        P = min(_first_guess(problem, stage), _largest_pressure(problem))
-    elif neighbour and neighbour.radius != radius:
-        P = neighbour.implied_pressure
-    elif neighbour:
-        # The same nip of another winding, with another roll and another load: widths and
-        # pressures of line contacts vary as the root of the load.
-        load = float(problem.at("nip_load", radius))
-        wider = (load / neighbour.result.problem.nip_load) ** 0.5
-        _, a, peak = _nip_outputs(neighbour.result)
-        P = min(
-            effective_pressure(stage, stage.tension, wider * a, wider * peak),
-            _largest_pressure(problem),
-        )
     else:
-        P = min(_first_guess(problem, stage), _largest_pressure(problem))
+        P = _initial_pressure(problem, stage, neighbour)
     result = known.result if known else None
     last: NipSample | None = None
-    for _ in range(MOST):
+    for _ in range(MAX_NIPS):
         result = solve(effective_cylinder(problem, radius, P), result)
         sample = NipSample(result, P, exponents=known.exponents if known else HERTZ)
         if last is not None and abs(P - last.pressure) > SMALLEST_STEP * P:
@@ -173,21 +161,44 @@ def _effective(
             return sample
         last = known = sample
         P = sample.implied_pressure
-    raise NotConverged(f"the effective pressure P_e does not converge within {MOST} nips", result)
+    raise NotConverged(
+        f"the effective pressure P_e does not converge within {MAX_NIPS} nips", result
+    )
 
 
 def predicted_nip(problem: WindingProblem, stage: Stage, sample: NipSample) -> NipSample:
-    """Return the nip with its implied P_e, from the power laws and a stage of the roll."""
-    P, feedback, most = sample.pressure, 0.0, _largest_pressure(problem)
-    for _ in range(MOST):
-        found, more = (
-            min(effective_pressure(stage, *sample.at(Q)), most) for Q in (P, (1 + STEP) * P)
+    """Return a nip with its implied P_e on a stage of the roll, without solving it again.
+
+    Newton's method for P_e = f(P_e), f from the power laws of WOT, a and p_max; its derivative f'
+    by a difference quotient.
+    """
+    P, feedback, largest = sample.pressure, 0.0, _largest_pressure(problem)
+    for _ in range(MAX_NIPS):
+        f, f_step = (
+            min(effective_pressure(stage, *sample.at(Q)), largest) for Q in (P, (1 + STEP) * P)
         )
-        feedback = float(np.clip((more - found) / (STEP * P), -2.0, 0.8))
-        last, P = P, max(P + (found - P) / (1 - feedback), 0.2 * P)
-        if abs(P - last) <= SETTLED * P:
+        feedback = float(np.clip((f_step - f) / (STEP * P), -2.0, 0.8))
+        last, P = P, max(P + (f - P) / (1 - feedback), 0.2 * P)
+        if abs(P - last) <= TOLERANCE * P:
             break
     return sample._replace(implied_pressure=P, feedback=feedback)
+
+
+def _initial_pressure(problem: WindingProblem, stage: Stage, neighbour: NipSample | None) -> float:
+    """Return the initial guess of P_e [Pa], from a neighbouring nip if it has an effective roll."""
+    radius = float(stage.radius[-1])
+    load = float(problem.at("nip_load", radius))
+    if neighbour is None or isnan(neighbour.implied_pressure):
+        P = 1e5 + PEAK_COEFFICIENT * load / 2e-3  # contact width of a stack at 100 kPa
+    elif neighbour.radius != radius:
+        return neighbour.implied_pressure
+    else:
+        # the same nip of another winding, with another roll and another load: widths and
+        # pressures of line contacts vary as the square root of the load
+        factor = (load / neighbour.result.problem.nip_load) ** 0.5
+        _, a, p_max = _nip_outputs(neighbour.result)
+        P = effective_pressure(stage, stage.tension, factor * a, factor * p_max)
+    return min(P, _largest_pressure(problem))
 
 
 def tension_on_roll(result: NipResult) -> float:
@@ -199,24 +210,21 @@ def tension_on_roll(result: NipResult) -> float:
 
 
 def _nip_outputs(result: NipResult) -> tuple[float, float, float]:
+    """Return WOT [N/m], a [m] and p_max [Pa] of a nip."""
     return tension_on_roll(result), result.half_width, result.peak_pressure
 
 
 def _exponents(sample: NipSample, last: NipSample) -> tuple[float, float, float]:
     """Return the exponents of P_e from two nips; 0 for a tension that changes its sign."""
     ratios = np.divide(_nip_outputs(sample.result), _nip_outputs(last.result))
-    by = np.log(np.where(ratios > 0, ratios, 1.0)) / np.log(sample.pressure / last.pressure)
-    return float(by[0]), float(by[1]), float(by[2])
+    logarithms = np.log(np.where(ratios > 0, ratios, 1.0))
+    WOT, a, p_max = (logarithms / np.log(sample.pressure / last.pressure)).tolist()
+    return WOT, a, p_max
 
 
 def _largest_pressure(problem: WindingProblem) -> float:
-    return float(ALMOST * problem.stack.limit)
-
-
-def _first_guess(problem: WindingProblem, stage: Stage) -> float:
-    """Return an initial guess of P_e, for a contact width on a stack at 100 kPa."""
-    P = float(problem.at("nip_load", stage.radius[-1]))
-    return 1e5 + SHARE * P / 2e-3
+    """Return the largest permitted P_e [Pa]."""
+    return float(LARGEST_FRACTION * problem.stack.limit)
 
 
 def effective_pressure(stage: Stage, tension: float, half_width: float, peak: float) -> float:
@@ -233,7 +241,7 @@ def effective_pressure(stage: Stage, tension: float, half_width: float, peak: fl
     wound = np.trapezoid(stage.pressure_at(r), r) / (r[-1] - r[0])
     # Near the surface the pressure is proportional to the tension of the last layers: it is scaled
     # to the tension of this nip.
-    return float(max(wound, 0.0) * tension / stage.tension + SHARE * peak)
+    return float(max(wound, 0.0) * tension / stage.tension + PEAK_COEFFICIENT * peak)
 
 
 def effective_cylinder(problem: WindingProblem, radius: float, pressure: float) -> Cylinder:
@@ -246,6 +254,7 @@ def effective_cylinder(problem: WindingProblem, radius: float, pressure: float) 
 
 
 def _linear_cylinder(problem: WindingProblem, radius: float) -> Cylinder:
+    """Return a cylinder with the moduli of the web."""
     material = problem.web.material
     assert isinstance(material, Material)  # validated by the problem
     return Cylinder(radius=radius, core_radius=problem.core.radius, material=material)

@@ -42,10 +42,10 @@ def certificate(result: Any) -> Residuals:
     WOT = result.wound_on_tension
     wound = Curve(roll.problem.wound_on_tension, *problem.ends).at(r)
     tension = np.interp(result.nip_radius, r, WOT) - result.nip_departure
-    answers = tension / result.nip_wound_on_tension - 1
+    mismatch = tension / result.nip_wound_on_tension - 1
     unit = max(float(np.max(np.abs(WOT))), 1e-300)
     steps = np.diff(r)
-    # no other tolerance can have been requested
+    # tolerances outside this range cannot be requested
     rtol = result.coupling_rtol
     scale = ACCEPTED_RESIDUAL / rtol if 0 < rtol <= LARGEST_COUPLING_RTOL else np.inf
     schedules = [
@@ -57,7 +57,7 @@ def certificate(result: Any) -> Residuals:
         roll=roll.certified().largest,
         roll_tension=largest(np.abs(wound - WOT)) / unit,
         nips=largest([largest(result.nip_residual), _positivity_residual(result)]),
-        coupling=largest(np.abs(answers)) * scale,
+        coupling=largest(np.abs(mismatch)) * scale,
         air=_air_film_residual(result) * scale,
         tension_balance=largest(np.abs(WOT - result.web_tension - result.nip_induced_tension))
         / unit,

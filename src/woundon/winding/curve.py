@@ -1,8 +1,8 @@
 r"""Interpolation of the wound-on tension over the radius, from a few nips.
 
-The share y = (WOT - T_in)/(mu+ P) is interpolated.  It varies little, because T_in and P contain
-most of the effect of the schedules.  Its coordinate, the *place*, is x = ln(r - r_c), because the
-nip depends on the depth of the roll:
+The friction share y = (WOT - T_in)/(mu+ P) is interpolated.  It varies little, because T_in and P
+contain most of the effect of the schedules.  Its coordinate is x = ln(r - r_c), because the nip
+depends on the depth of the roll.  The nips are solved at *places*, the interpolation points x:
 
     layers    1     10         0.05 r_c                     a sharp kink          R
             |------|============|================================|==============|
@@ -37,13 +37,13 @@ __all__ = [
 Array = np.ndarray
 
 NEAR_CORE = 0.05  # depth of the piece on the core, relative to the core radius
-ROOM_FOR_AIR = 2.0  # largest thickness of ten layers with air, relative to the web alone
+AIR_FACTOR = 2.0  # largest thickness of ten layers with air, relative to the web alone
 FEWEST_NEAR_CORE = 4  # initial number of places of the piece on the core
-LESS_EXACT = 5  # accepted error of the piece on the core, in multiples of rtol
-DEEP_ENOUGH = 1.5  # minimum depth of the piece on the core, in multiples of ten layers
+CORE_ERROR_FACTOR = 5  # accepted error of the piece on the core, in multiples of rtol
+MIN_DEPTH = 1.5  # minimum depth of the piece on the core, in multiples of ten layers
 # distance in x for the curvature at the first place, and step of the difference quotients
-JUST_BEHIND, STEP = 0.5, 1e-4
-LEAST_KEPT = 0.2  # minimum tension of the first layers, relative to the tenth layer
+CURVATURE_DISTANCE, STEP = 0.5, 1e-4
+MIN_TENSION = 0.2  # minimum tension of the first layers, relative to the tenth layer
 SHARP = 0.1  # strength of a kink, r |d slope|/value, above which the curve is split there
 MOST_PIECES = 6  # in addition to that on the core
 SAMPLING_RADII = 200  # radii from which the radii of the curve are chosen
@@ -76,21 +76,21 @@ class TensionCurve:
         self.problem, self.rtol = problem, rtol
         self.lines = ceil(LINES / rtol**0.5)
         core, R = problem.ends
-        room = ROOM_FOR_AIR if problem.air is not None and problem.web_speed else 1 + 1e-9
-        self.least = FEWEST_LAYERS * problem.web.thickness * room
+        factor = AIR_FACTOR if problem.air is not None and problem.web_speed else 1 + 1e-9
+        self.least = FEWEST_LAYERS * problem.web.thickness * factor
         inner = min(max(self.least, NEAR_CORE * core), max(self.least, 0.25 * (R - core)))
         sharp = {r: bend for r, bend in sharp_kinks(problem).items() if core + inner < r < R}
         cuts = sorted(sorted(sharp, key=sharp.__getitem__)[-MOST_PIECES + 1 :])
         ends = [float(np.log(r - core)) for r in (core + inner, *cuts, R)]
         self.pieces = [Piece(a, b, FEWEST) for a, b in pairwise(ends)]
-        if inner > DEEP_ENOUGH * self.least:
+        if inner > MIN_DEPTH * self.least:
             start = float(np.log(self.least))
             self.pieces.insert(0, Piece(start, ends[0], FEWEST_NEAR_CORE))
         self.on_core = len(self.pieces) >= len(ends)  # True if the first piece is on the core
         # the rest of rtol is for linear interpolation between the reported radii
         self.allowed = [(1 - STRAIGHT) * rtol] * len(self.pieces)
         if self.on_core:
-            self.allowed[0] *= LESS_EXACT
+            self.allowed[0] *= CORE_ERROR_FACTOR
 
     @property
     def places(self) -> list[float]:
@@ -112,18 +112,19 @@ class TensionCurve:
         x = np.log(np.maximum(r - self.problem.core.radius, self.problem.web.thickness))
         out = np.empty(x.shape)
         for piece in self.pieces:
-            own = x >= piece.start - 1e-12
-            out[own] = piece.at(np.clip(x[own], piece.start, piece.end), values)
+            outside = x >= piece.start - 1e-12
+            out[outside] = piece.at(np.clip(x[outside], piece.start, piece.end), values)
         first = self.pieces[0]
         below = x < first.start
-        before = x[below] - first.start
-        out[below] = values[first.start] + self._slope(values, 0.0) * before
+        dx = x[below] - first.start
+        slope = self._slope(values, 0.0)
+        out[below] = values[first.start] + slope * dx
         if curved:
-            bend = (self._slope(values, JUST_BEHIND) - self._slope(values, 0.0)) / JUST_BEHIND
-            out[below] += bend * before**2 / 2
-        tenth = float(self._by_force(np.array(self.radius(first.start))))
-        kept = np.maximum if values[first.start] > tenth else np.minimum
-        out[below] = kept(out[below], self._by_force(r[below]))
+            curvature = (self._slope(values, CURVATURE_DISTANCE) - slope) / CURVATURE_DISTANCE
+            out[below] += curvature * dx**2 / 2
+        force_share = float(self._by_force(np.array(self.radius(first.start))))
+        limit = np.maximum if values[first.start] > force_share else np.minimum
+        out[below] = limit(out[below], self._by_force(r[below]))
         return out
 
     def _by_force(self, r: Array) -> Array:
@@ -131,22 +132,23 @@ class TensionCurve:
         at = self.problem.at
         return np.asarray(at("winding_force", r) / (self.problem.roll_friction * at("nip_load", r)))
 
-    def _slope(self, values: Mapping[float, float], behind: float) -> float:
-        """Return dy/dx at a distance ``behind`` above the first place."""
+    def _slope(self, values: Mapping[float, float], distance: float) -> float:
+        """Return dy/dx at a distance in x above the first place, by a difference quotient."""
         first = self.pieces[0]
-        at = first.start + min(behind, first.end - first.start) + np.array([0.0, STEP])
-        one, two = first.at(at, values)
-        return float(two - one) / STEP
+        x = first.start + min(distance, first.end - first.start)
+        y, y_step = first.at(np.array([x, x + STEP]), values)
+        return float(y_step - y) / STEP
 
     def tension(self, values: Mapping[float, float], r: Array, *, curved: bool = False) -> Array:
         """Return WOT at radii [N/m], from shares at the places; see :meth:`shares`.
 
         A lower limit keeps the extrapolated tension of the first layers positive.
         """
-        found, first = self.wound_on(self.shares(values, r, curved=curved), r), self.pieces[0].start
-        at = np.array(self.radius(first))
-        tenth = float(self.wound_on(np.array(values[first]), at))
-        return np.where(r < at, np.maximum(found, min(tenth, LEAST_KEPT * tenth)), found)
+        WOT, first = self.wound_on(self.shares(values, r, curved=curved), r), self.pieces[0].start
+        r_first = np.array(self.radius(first))
+        WOT_first = float(self.wound_on(np.array(values[first]), r_first))
+        limit = min(WOT_first, MIN_TENSION * WOT_first)
+        return np.where(r < r_first, np.maximum(WOT, limit), WOT)
 
     def wound_on(self, shares: Array, r: Array) -> Array:
         """Convert shares at radii to WOT [N/m]."""
@@ -156,8 +158,8 @@ class TensionCurve:
     def share(self, tension: float, r: float) -> float:
         """Convert the tension at a radius to y."""
         at = self.problem.at
-        gained = tension - float(at("web_tension", r))
-        return gained / (self.problem.roll_friction * float(at("nip_load", r)))
+        NIT = tension - float(at("web_tension", r))
+        return NIT / (self.problem.roll_friction * float(at("nip_load", r)))
 
     def knots(self) -> Array:
         """Return the radii at which the tension is reported, linear in between.
@@ -170,10 +172,10 @@ class TensionCurve:
         nominal = self.wound_on(np.full(r.size, NOMINAL), r)
         first = core + self.problem.web.thickness  # where the share begins to change
         places = [self.radius(place) for place in self.places]
-        own = polyline_radii(self.problem, r, nominal, self.rtol, [*places, first])
+        needed = polyline_radii(self.problem, r, nominal, self.rtol, [*places, first])
         x = np.linspace(np.log(first - core), np.log(R - core), self.lines + 1)
-        near = np.abs(x[:, None] - np.log(own[1:] - core)).min(axis=1) < (x[1] - x[0]) / 2
-        return np.union1d(own, core + np.exp(x[~near]))
+        near = np.abs(x[:, None] - np.log(needed[1:] - core)).min(axis=1) < (x[1] - x[0]) / 2
+        return np.union1d(needed, core + np.exp(x[~near]))
 
     def refine_radii(self, values: Mapping[float, float]) -> bool:
         """Add radii until linear interpolation is accurate; return True if any were added."""
@@ -181,7 +183,7 @@ class TensionCurve:
         while True:
             r = self.knots()
             error, on_core = self._polyline_errors(values, r, self.tension(values, r))
-            if max(error, on_core / LESS_EXACT) <= STRAIGHT * self.rtol:
+            if max(error, on_core / CORE_ERROR_FACTOR) <= STRAIGHT * self.rtol:
                 return self.lines > before
             self.lines = ceil(FINER * self.lines)
 
@@ -194,9 +196,9 @@ class TensionCurve:
         """
         fine = sampling_radii(self.problem)
         error = np.abs(np.interp(fine, r, tension) / self.tension(values, fine) - 1)
-        first, rest = (self.radius(self.pieces[k].start) for k in (0, int(self.on_core)))
-        on_core = error[(fine >= first) & (fine < rest)]
-        return float(np.max(error[fine >= rest])), float(np.max(on_core, initial=0.0))
+        first, outer = (self.radius(self.pieces[k].start) for k in (0, int(self.on_core)))
+        on_core = error[(fine >= first) & (fine < outer)]
+        return float(np.max(error[fine >= outer])), float(np.max(on_core, initial=0.0))
 
     # ---- error estimates ------------------------------------------------------------------------
 
@@ -219,9 +221,9 @@ class TensionCurve:
     def interpolation_error(self, values: Mapping[float, float], r: Array, tension: Array) -> float:
         """Return the relative interpolation error of the reported tension between the nips."""
         fine = sampling_radii(self.problem)
-        straight, _ = self._polyline_errors(values, r, tension)
-        unseen = self._schedule_error(fine, self.tension(values, fine))
-        return max(self.errors(values)[self.on_core :]) + straight + unseen
+        polyline, _ = self._polyline_errors(values, r, tension)
+        schedule = self._schedule_error(fine, self.tension(values, fine))
+        return max(self.errors(values)[self.on_core :]) + polyline + schedule
 
     def core_interpolation_error(
         self, values: Mapping[float, float], r: Array, tension: Array
@@ -264,28 +266,37 @@ def sampling_radii(problem: WindingProblem) -> Array:
 
 
 def polyline_radii(
-    problem: WindingProblem, r: Array, tension: Array, rtol: float, own: Sequence[float] = ()
+    problem: WindingProblem, r: Array, tension: Array, rtol: float, included: Sequence[float] = ()
 ) -> Array:
-    """Return the radii for piecewise linear tension and schedules, including given ones [m]."""
+    """Return radii between which tension and schedules are linear to a fraction of rtol [m].
+
+    Parameters
+    ----------
+    problem : WindingProblem
+    r, tension : arrays
+        Fine radii to choose from [m], and WOT there [N/m].
+    rtol : float
+    included : sequence of float
+        Further radii, which the returned ones include [m].
+    """
     curves = [tension, *(problem.at(name, r) for name in LOADS)]
-    within = STRAIGHT * rtol
-    taken = np.any([_points_needed(r, y, within * np.max(np.abs(y))) for y in curves], axis=0)
-    found, R = r[taken], problem.radius
-    is_new = np.abs(found[:, None] - np.array([*own, -R])).min(axis=1) > 1e-9 * R
-    return np.union1d(found[is_new], list(own))
+    selected = [_polyline_points(r, y, STRAIGHT * rtol * np.max(np.abs(y))) for y in curves]
+    chosen, R = r[np.any(selected, axis=0)], problem.radius
+    is_new = np.abs(chosen[:, None] - np.array([*included, -R])).min(axis=1) > 1e-9 * R
+    return np.union1d(chosen[is_new], list(included))
 
 
-def _points_needed(r: Array, values: Array, within: float) -> Array:
+def _polyline_points(r: Array, values: Array, tolerance: float) -> Array:
     """Select the points of a polyline with a maximum deviation (Douglas-Peucker algorithm)."""
-    keep = np.zeros(r.size, dtype=bool)
-    keep[[0, -1]] = True
-    waiting = [(0, r.size - 1)]
-    while waiting:
-        a, b = waiting.pop()
+    selected = np.zeros(r.size, dtype=bool)
+    selected[[0, -1]] = True
+    intervals = [(0, r.size - 1)]
+    while intervals:
+        a, b = intervals.pop()
         line = values[a] + (values[b] - values[a]) * (r[a : b + 1] - r[a]) / (r[b] - r[a])
         error = np.abs(values[a : b + 1] - line)
         k = a + int(np.argmax(error))
-        if error[k - a] > within:
-            keep[k] = True
-            waiting += [(a, k), (k, b)]
-    return keep
+        if error[k - a] > tolerance:
+            selected[k] = True
+            intervals += [(a, k), (k, b)]
+    return selected

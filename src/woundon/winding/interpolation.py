@@ -18,8 +18,8 @@ __all__ = ["Piece", "leja"]
 Array = np.ndarray
 FINE = 4001
 FEWEST = 7  # points of a piece
-TESTS = 2  # the last points, which give the error estimate,
-UNTESTED = 3  # but not the first ones, at which a polynomial of low order is no estimate
+TESTS = 2  # number of last points that give the error estimate
+UNTESTED = 3  # first points, for which a polynomial of low order gives no estimate
 
 
 @cache
@@ -47,27 +47,26 @@ class Piece:
 
     def __init__(self, start: float, end: float, count: int = FEWEST) -> None:
         self.start, self.end = start, end
-        self.places = [start, end, *(start + share * (end - start) for share in leja(count)[2:])]
+        self.places = [start, end, *(start + t * (end - start) for t in leja(count)[2:])]
 
     @property
     def next_place(self) -> float:
         """Coordinate of the next interpolation point."""
-        share = leja(len(self.places) + 1)[-1]
-        return self.start + share * (self.end - self.start)
+        return self.start + leja(len(self.places) + 1)[-1] * (self.end - self.start)
 
     def at(self, x: Array, values: Mapping[float, float], first: int | None = None) -> Array:
         """Evaluate the polynomial through the values at all points, or at the ``first`` ones."""
-        own = np.array(self.places[:first])
+        nodes = np.array(self.places[:first])
         y = np.array([values[place] for place in self.places[:first]])
-        # barycentric: stable at any point
+        # barycentric formula, stable at any x
         scale = 4 / (self.end - self.start)
-        distances = scale * (own[:, None] - own) + np.eye(own.size)
+        distances = scale * (nodes[:, None] - nodes) + np.eye(nodes.size)
         weights = 1 / distances.prod(axis=1)
         with np.errstate(divide="ignore", invalid="ignore"):
-            terms = weights / (np.asarray(x)[..., None] - own)
-            found = terms @ y / terms.sum(axis=-1)
-        hit = np.asarray(x)[..., None] == own
-        return np.where(hit.any(axis=-1), hit @ y, found)
+            terms = weights / (np.asarray(x)[..., None] - nodes)
+            polynomial = terms @ y / terms.sum(axis=-1)
+        is_node = np.asarray(x)[..., None] == nodes
+        return np.where(is_node.any(axis=-1), is_node @ y, polynomial)
 
     def error_estimates(self, values: Mapping[float, float]) -> list[tuple[float, float]]:
         """Return the last points, each with the error of the polynomial without it."""

@@ -24,7 +24,7 @@ import numpy as np
 from ..problems.schedules import Profile
 from ..problems.winding import LOADS, WindingProblem
 from ..roll.result import RollResult
-from .bodies import SHARE, NipSample, tension_on_roll
+from .bodies import PEAK_COEFFICIENT, NipSample, tension_on_roll
 from .curve import MOST_PIECES, TensionCurve, sampling_radii, sharp_kinks
 from .nips import Nips
 
@@ -33,29 +33,29 @@ __all__ = ["Departure", "largest_mismatch", "smoothed"]
 Array = np.ndarray
 
 SCHEDULES = ("web_tension", "nip_load", "winding_force", "torque_split")
-MANY = 12  # number of values above which a smooth table may fluctuate
+MAX_SMOOTH_VALUES = 12  # a table with more values may fluctuate
 DEGREE = 5  # of the polynomial that replaces it
-FITTED, DRAWN = 1025, 33  # numbers of radii for the fit and of the smoothed table
-CHECKED = 4  # nips under measured loads, one in each part of the radii
+FIT_RADII, TABLE_RADII = 1025, 33  # numbers of radii of the fit and of the smoothed table
+CHECKS = 4  # nips under measured loads, one in each part of the radii
 
 
 def smoothed(problem: WindingProblem, rtol: float) -> WindingProblem | None:
     """Replace fluctuating schedules of a winding by smooth ones; return None if there are none."""
     many = len(sharp_kinks(problem)) >= MOST_PIECES
-    r = np.linspace(*problem.ends, FITTED)
-    found = {}
+    r = np.linspace(*problem.ends, FIT_RADII)
+    changes = {}
     for name in SCHEDULES:
         table = getattr(problem, name)
         if not isinstance(table, Profile):
             continue
-        if many if table.between == "lines" else len(table.radius) > MANY:
+        if many if table.between == "lines" else len(table.radius) > MAX_SMOOTH_VALUES:
             values = table.at(r)
             fitted = np.polynomial.Polynomial.fit(r, values, DEGREE)(r)
             if np.max(np.abs(fitted - values)) > rtol * np.max(np.abs(values)):
-                kept = slice(None, None, (FITTED - 1) // (DRAWN - 1))
-                inside = np.clip(fitted, np.min(values), np.max(values))
-                found[name] = Profile(radius=r[kept], value=inside[kept], between="smooth")
-    return problem.replace(**found) if found else None
+                every = (FIT_RADII - 1) // (TABLE_RADII - 1)
+                bounded = np.clip(fitted, np.min(values), np.max(values))[::every]
+                changes[name] = Profile(radius=r[::every], value=bounded, between="smooth")
+    return problem.replace(**changes) if changes else None
 
 
 class Departure:
@@ -76,19 +76,19 @@ class Departure:
     ) -> None:
         self.problem, self.smooth, self.curve = problem, smooth, curve
         slopes = {place: _slopes(nips.samples[curve.radius(place)]) for place in curve.places}
-        self.slopes = [{place: own[k] for place, own in slopes.items()} for k in range(len(LOADS))]
+        self.slopes = [{place: s[k] for place, s in slopes.items()} for k in range(len(LOADS))]
 
     def parts(self, r: Array) -> Array:
         """Return the changes at radii, one row for each load [N/m].
 
         The nip load is linearised by its root, because the contact width varies as this root.
         """
-        found = []
+        changes = []
         for name, slope in zip(LOADS, self.slopes, strict=True):
-            own, smooth = self.problem.at(name, r), self.smooth.at(name, r)
-            by = 2 * smooth * (np.sqrt(own / smooth) - 1) if name == "nip_load" else own - smooth
-            found.append(self.curve.shares(slope, r) * by)
-        return np.array(found)
+            L, L0 = self.problem.at(name, r), self.smooth.at(name, r)
+            dL = 2 * L0 * (np.sqrt(L / L0) - 1) if name == "nip_load" else L - L0
+            changes.append(self.curve.shares(slope, r) * dL)
+        return np.array(changes)
 
     def __call__(self, r: Array) -> Array:
         """Return the total change at radii [N/m]."""
@@ -98,11 +98,11 @@ class Departure:
 def _slopes(sample: NipSample) -> Array:
     """Return the derivatives of WOT by the loads, including the change of the roll moduli."""
     result, P_e = sample.result, sample.pressure
-    found = result.sensitivity(*LOADS, outputs=("roll_wound_on_tension", "half_width"))
-    tension, width = found.derivatives
+    sensitivity = result.sensitivity(*LOADS, outputs=("roll_wound_on_tension", "half_width"))
+    tension, width = sensitivity.derivatives
     if isnan(P_e):
         return np.asarray(tension)
-    contact_part = SHARE * result.peak_pressure
+    contact_part = PEAK_COEFFICIENT * result.peak_pressure
     ln_a = width / result.half_width
     ln_P = np.array([1 / result.problem.nip_load if name == "nip_load" else 0.0 for name in LOADS])
     pressure_change = ((P_e - contact_part) - contact_part) * ln_a + contact_part * ln_P
@@ -128,9 +128,9 @@ def largest_mismatch(
     curve = departure.curve
     r = sampling_radii(departure.problem)
     r = r[r >= curve.radius(curve.pieces[0].start)]
-    by, error = np.abs(departure.parts(r)).sum(axis=0), 0.0
-    for part in np.array_split(np.arange(r.size), CHECKED):
-        radius = float(r[part[np.argmax(by[part])]])
+    change, error = np.abs(departure.parts(r)).sum(axis=0), 0.0
+    for part in np.array_split(np.arange(r.size), CHECKS):
+        radius = float(r[part[np.argmax(change[part])]])
         tension = nips.tension(radius, roll)
         error = max(error, abs(float(tension_at(np.array(radius))) / tension - 1))
     return error

@@ -35,8 +35,8 @@ class Nips:
         Number of nodes of each nip.
     coupling_rtol : float
         Relative tolerance of the iteration between friction and entrained air.
-    tell : callable
-        Is called with the number of solved nips.
+    report : callable
+        Called with the number of solved nips.
     before : iterable of NipSample
         Nips of a neighbouring winding, for warm starts.
     solved : int
@@ -57,23 +57,18 @@ class Nips:
         problem: WindingProblem,
         nodes: int,
         coupling_rtol: float,
-        tell: Callable[[int], None],
+        report: Callable[[int], None],
         before: Iterable[NipSample] = (),
         solved: int = 0,
     ) -> None:
-        self.problem, self.nodes, self.coupling_rtol, self.tell = (
-            problem,
-            nodes,
-            coupling_rtol,
-            tell,
-        )
+        self.problem, self.nodes, self.coupling_rtol = problem, nodes, coupling_rtol
+        self.report = report
         self.before = {sample.radius: sample for sample in before}
         self.samples: dict[float, NipSample] = {}
         self.solved, self.coarse, self.rough = solved, False, False
-        self.films: dict[float, float] = {}  # entrained air at each radius
-        self.frictions: dict[
-            float, tuple[float, float]
-        ] = {}  # effective friction coefficients with this air
+        # at each radius: entrained air film, and the friction coefficients reduced by it
+        self.films: dict[float, float] = {}
+        self.frictions: dict[float, tuple[float, float]] = {}
 
     @property
     def is_roll_independent(self) -> bool:
@@ -85,9 +80,9 @@ class Nips:
 
         ``roll`` may be None if :attr:`is_roll_independent`.
         """
-        own = self.samples.get(radius)
-        if self.is_roll_independent and own is not None:
-            return own.tension
+        previous = self.samples.get(radius)
+        if self.is_roll_independent and previous is not None:
+            return previous.tension
         with _radius_in_errors(radius):
             linear = self.problem.roll_body == "linear"
             stage = None if roll is None or linear else stage_at(roll, radius)
@@ -95,7 +90,7 @@ class Nips:
                 self._with_stack_of(roll),
                 radius,
                 stage,
-                own,
+                previous,
                 self._nearest(radius),
                 self._solve,
                 COARSE_PRESSURE_TOLERANCE if self.rough else PRESSURE_TOLERANCE,
@@ -114,7 +109,7 @@ class Nips:
         return [self.samples[radius] for radius in sorted(self.samples)]
 
     def mean_film(self) -> float:
-        """Return the mean of the nips' films over the length of web [m]."""
+        """Return the mean air film of the nips over the length of web [m]."""
         if not any(self.films.values()):
             return 0.0
         r = np.array(sorted(self.films))
@@ -129,18 +124,20 @@ class Nips:
 
     def _with_stack_of(self, roll: RollResult | None) -> WindingProblem:
         """Return the problem with the stack of a roll, including its air film."""
-        own = self.problem.stack
-        stack = own if roll is None else roll.problem.stack
-        return self.problem if stack is own else self.problem.replace(stack=stack)
+        problem = self.problem
+        if roll is None or roll.problem.stack is problem.stack:
+            return problem
+        return problem.replace(stack=roll.problem.stack)
 
     def _nearest(self, radius: float) -> NipSample | None:
         """Return the nip that is nearest in ln(r - r_c), for a warm start."""
         core = self.problem.core.radius
         known = self.before or self.samples
-        found = min(known, key=lambda r: abs(np.log((r - core) / (radius - core))), default=None)
-        return None if found is None else known[found]
+        nearest = min(known, key=lambda r: abs(np.log((r - core) / (radius - core))), default=None)
+        return None if nearest is None else known[nearest]
 
     def _solve(self, roll: Body, start: NipResult | None) -> NipResult:
+        """Solve the nip on a roll; without the warm start if it does not converge."""
         nodes = min(self.nodes, COARSE_NODES) if self.coarse else self.nodes
         nip = self.problem.nip(roll.radius, roll)
         try:
@@ -150,7 +147,7 @@ class Nips:
                 raise
             result = self._solve_with_air(nip, nodes, None)
         self.solved += 1
-        self.tell(self.solved)
+        self.report(self.solved)
         return result
 
     def _solve_with_air(self, nip: NipProblem, nodes: int, start: NipResult | None) -> NipResult:
@@ -182,14 +179,15 @@ def warnings_of(nips: Iterable[tuple[float, tuple[str, ...]]]) -> tuple[str, ...
             kind = re.sub(r"[\d.e+-]+", "", text)
             first.setdefault(kind, text)
             radii.setdefault(kind, []).append(radius)
-    found = []
+    merged = []
     for kind, text in first.items():
         mark = RESOLUTION if text.startswith(RESOLUTION) else ""
-        found.append(f"{mark}{_where(radii[kind])}: {text.removeprefix(RESOLUTION)}")
-    return tuple(found)
+        merged.append(f"{mark}{_where(radii[kind])}: {text.removeprefix(RESOLUTION)}")
+    return tuple(merged)
 
 
 def _where(radii: list[float]) -> str:
+    """Return the radii of a warning as text."""
     one = f"nip at the radius {radii[0]:.4g} m"
     if len(radii) == 1:
         return one

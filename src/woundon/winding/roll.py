@@ -13,7 +13,7 @@ from ..problems.winding import WindingProblem
 from ..roll.result import RollResult
 from ..roll.solve import ThinLayerRoll, solve_thin_layers
 
-__all__ = ["changed", "recompute_roll", "wind"]
+__all__ = ["recompute_roll", "recomputed", "wind"]
 
 Array = np.ndarray
 STRAIGHT = 1e-13  # relative distance from a straight line below which a point lies on it
@@ -45,10 +45,10 @@ def wind(
     return solve_thin_layers(roll, rtol).wound_with(roll)
 
 
-def changed(
+def recomputed(
     problem: WindingProblem, roll: ThinLayerRoll, r: Array, tension: Array, film: float
 ) -> ThinLayerRoll:
-    """Recompute a roll with another tension, in the same stages; see :func:`wind`."""
+    """Recompute a roll with another tension and the same stages; see :func:`wind`."""
     return roll.wound_with(_roll_problem(problem, r, tension, film))
 
 
@@ -61,6 +61,7 @@ def recompute_roll(result: Any) -> RollResult:
 
 
 def _roll_problem(problem: WindingProblem, r: Array, tension: Array, film: float) -> RollProblem:
+    """Return the problem of the roll; reject a tension that is not positive."""
     least = int(np.argmin(tension))
     if not tension[least] > 0:
         raise NoSteadyState.at(
@@ -78,11 +79,12 @@ def _schedule(r: Array, tension: Array) -> float | Profile:
     """
     if np.ptp(tension) <= STRAIGHT * np.max(tension):
         return float(tension[0])
-    keep = [0]
+    nodes = [0]
     for k in range(1, r.size - 1):
-        share = (r[k] - r[keep[-1]]) / (r[k + 1] - r[keep[-1]])
-        line = tension[keep[-1]] + share * (tension[k + 1] - tension[keep[-1]])
-        if abs(line - tension[k]) > STRAIGHT * tension[k] / min(share, 1 - share):
-            keep.append(k)
-    keep.append(r.size - 1)
-    return Profile(radius=r[keep], value=tension[keep])
+        last = nodes[-1]
+        t = (r[k] - r[last]) / (r[k + 1] - r[last])
+        line = tension[last] + t * (tension[k + 1] - tension[last])
+        if abs(line - tension[k]) > STRAIGHT * tension[k] / min(t, 1 - t):
+            nodes.append(k)
+    nodes.append(r.size - 1)
+    return Profile(radius=r[nodes], value=tension[nodes])

@@ -40,7 +40,7 @@ from .interpolation import Piece
 from .measured import Departure, largest_mismatch, smoothed
 from .nips import Nips
 from .result import WindingResult
-from .roll import changed, wind
+from .roll import recomputed, wind
 
 __all__ = ["check_options", "solve_winding"]
 
@@ -49,18 +49,19 @@ Progress = Callable[[float], None]
 
 RTOL, NODES = 1e-3, 65
 COUPLING_RTOL = {"effective": 1e-6, "linear": 1e-6, "direct": 1e-5}
-MOST_NIPS = 40  # radii
-MOST_ITERATIONS = 30
-PATIENT = 10  # iterations after which radii are added even if the tension still changes
+MAX_NIPS = 40  # radii
+MAX_ITERATIONS = 30
+# Iterations after which radii are added even if the tension still changes.
+MAX_UNREFINED_ITERATIONS = 10
 EXPECTED_ITERATIONS = 4  # for the reported progress
-SETTLED = 0.03  # relative change of the tension below which the final accuracies are used
+ROUGH_CHANGE = 0.03  # relative change of the tension above which lower accuracies are used
 # Relative change below which radii may be added.  With larger changes the choice of the radii would
 # depend on the initial guess.
 REFINEMENT_CHANGE = {"effective": 5e-3, "linear": 1.0, "direct": 1e-3}
-COARSE_RTOL = 0.05  # of the roll, while the change is larger than SETTLED
-LEAST_SECANT = 1e-6  # smallest step of a share for a secant; smaller ones are too noisy
+COARSE_RTOL = 0.05  # of the roll, while the change is larger than ROUGH_CHANGE
+MIN_SECANT_STEP = 1e-6  # of a share; the slope of a smaller one is too noisy
 POWER = 0.75  # exponent of the nip load in the initial guess of the nip-induced tension
-SPARE = 0.9  # fraction of ``coupling_rtol`` at which the iteration stops
+STOP_FRACTION = 0.9  # fraction of ``coupling_rtol`` at which the iteration stops
 ROUNDING = 1e-13
 LEAST_RTOL, SMALLEST_COUPLING_RTOL, LEAST_NODES = 1e-6, 1e-8, 25
 RTOL_OPTION = Option(
@@ -105,7 +106,7 @@ def solve_winding(
         A neighbouring case whose tension and nips are the initial guess.  It does not change the
         result beyond the tolerances.
     progress : callable, optional
-        Is called with the estimated fraction of the work that is done.
+        Called with the estimated fraction of the work that is done.
 
     Returns
     -------
@@ -118,7 +119,7 @@ def solve_winding(
     NoSteadyState
         If the drum slides or the web is slack at some radius.
     NotConverged
-        If a nip or the roll is not solved, or nips and roll do not agree.
+        If a nip or the roll cannot be solved, or the nip-roll iteration does not converge.
     """
     check_type("problem", problem, WindingProblem)
     check_options(rtol=rtol, nodes=nodes, coupling_rtol=coupling_rtol)
@@ -175,16 +176,16 @@ class _Winder:
         start: WindingResult | None,
         progress: Progress | None,
     ) -> None:
-        self.problem, self.rtol, self.nodes, self.coupling_rtol = (
-            problem,
-            rtol,
-            nodes,
-            coupling_rtol,
-        )
+        self.problem, self.rtol, self.nodes = problem, rtol, nodes
+        self.coupling_rtol = coupling_rtol
         self.start, self.progress = start, progress
         self.curve = TensionCurve(problem, rtol)
         self.nips = Nips(
-            problem, nodes, coupling_rtol, self._tell, () if start is None else start.nips
+            problem,
+            nodes,
+            coupling_rtol,
+            self._report_progress,
+            () if start is None else start.nips,
         )
 
     def solve(self) -> WindingResult:
@@ -198,22 +199,22 @@ class _Winder:
         slopes: dict[float, float] = {}
         solve, certain = True, False
         # warm starts from a neighbouring winding need no coarse mesh
-        self.nips.coarse = change > SETTLED and not self.nips.before
-        for number in range(MOST_ITERATIONS):
-            if solve and self.nips.coarse and change <= SETTLED:
+        self.nips.coarse = change > ROUGH_CHANGE and not self.nips.before
+        for number in range(MAX_ITERATIONS):
+            if solve and self.nips.coarse and change <= ROUGH_CHANGE:
                 self.nips.coarse, before = False, None
-            rough = change > SETTLED
+            rough = change > ROUGH_CHANGE
             iteration = self._iterate(shares, rough, None if solve else before)
             if solve:
                 known = (
                     iteration.change <= REFINEMENT_CHANGE[self.problem.roll_body]
-                    or number >= PATIENT
+                    or number >= MAX_UNREFINED_ITERATIONS
                 )
                 certain = known and not self.nips.coarse
             added = solve and certain and self._refine(iteration)
             change = iteration.change
-            settled = certain and not (added or rough)
-            if settled and change <= SPARE * self.coupling_rtol:
+            is_final = certain and not (added or rough)
+            if is_final and change <= STOP_FRACTION * self.coupling_rtol:
                 return iteration if solve else self._recompute_roll(iteration)
             direct = self.problem.roll_body == "direct"
             shares = _secant_update(iteration, before, slopes) if direct else iteration.nip_shares
@@ -221,8 +222,8 @@ class _Winder:
             # with effective rolls every second iteration solves no nips
             solve = not (solve and self.problem.roll_body == "effective")
         raise NotConverged(
-            f"nips and roll do not agree: after {MOST_ITERATIONS} iterations the relative change "
-            f"of the wound-on tension is still {change:.2g}",
+            f"the nip-roll iteration does not converge: after {MAX_ITERATIONS} iterations the "
+            f"relative change of the wound-on tension is still {change:.2g}",
             self._assemble(before) if before else None,
         )
 
@@ -255,7 +256,7 @@ class _Winder:
             roll = wind(self.problem, r, tension, max(self.rtol, COARSE_RTOL * rough), film)
             nip_shares = {place: self._nip_share(place, roll.result) for place in shares}
         else:
-            roll = changed(self.problem, before.roll, r, tension, film)
+            roll = recomputed(self.problem, before.roll, r, tension, film)
             nip_shares = {place: self._predicted_share(place, roll.result) for place in shares}
         change = max(self._mismatch(place, share) for place, share in shares.items())
         # the change of the air film counts relative to the web thickness
@@ -270,14 +271,17 @@ class _Winder:
         )
 
     def _predicted_share(self, place: float, roll: RollResult) -> float:
+        """Return the share of the nip at a place, extrapolated to another roll."""
         radius = self.curve.radius(place)
         return self.curve.share(self.nips.predict(radius, roll), radius)
 
     def _nip_share(self, place: float, roll: RollResult | None) -> float:
+        """Solve the nip at a place on a roll; return its share."""
         radius = self.curve.radius(place)
         return self.curve.share(self.nips.tension(radius, roll), radius)
 
     def _tension(self, place: float, share: float) -> float:
+        """Return the tension of a share at a place [N/m]."""
         return float(self.curve.wound_on(np.array(share), np.array(self.curve.radius(place))))
 
     def _mismatch(self, place: float, share: float) -> float:
@@ -291,6 +295,7 @@ class _Winder:
         )
 
     def _initial_share(self, place: float) -> float:
+        """Return the share at a place from the neighbouring winding, or a nominal one."""
         if self.start is None:
             return NOMINAL
         r = self.curve.radius(place)
@@ -319,16 +324,16 @@ class _Winder:
         piece = curve.pieces[worst]
         if errors[worst] <= 1:
             return None
-        if len(nip_shares) >= MOST_NIPS:
+        if len(nip_shares) >= MAX_NIPS:
             r = curve.radius(piece.error_estimates(nip_shares)[-1][0])
             raise NotConverged(
-                f"rtol={self.rtol:g} is not reached with {MOST_NIPS} nips: at the radius "
+                f"rtol={self.rtol:g} is not reached with {MAX_NIPS} nips: at the radius "
                 f"{r:.4g} m the relative interpolation error of the wound-on tension is "
                 f"{curve.errors(nip_shares)[worst]:.2g}; use smoother schedules or a larger rtol"
             )
         return piece
 
-    def _tell(self, solved: int) -> None:
+    def _report_progress(self, solved: int) -> None:
         if self.progress is not None:
             self.progress(min(solved / (EXPECTED_ITERATIONS * len(self.curve.places)), 1.0))
 
@@ -354,34 +359,34 @@ class _Winder:
     def solve_measured(self, problem: WindingProblem) -> WindingResult:
         """Solve a problem whose schedules fluctuate around the smooth ones of this winding."""
         iteration, curve = self._converge(), self.curve
-        departs = Departure(problem, self.problem, curve, self.nips)
+        departure = Departure(problem, self.problem, curve, self.nips)
 
-        def tension(at: Array, *, curved: bool = False) -> Array:
-            return curve.tension(iteration.shares, at, curved=curved) + departs(at)
+        def tension(r: Array, *, curved: bool = False) -> Array:
+            return curve.tension(iteration.shares, r, curved=curved) + departure(r)
 
         fine = sampling_radii(problem)
-        own = [curve.radius(place) for place in curve.places]
-        r = polyline_radii(problem, fine, tension(fine), self.rtol, own)
+        nip_radii = sorted(curve.radius(place) for place in curve.places)
+        r = polyline_radii(problem, fine, tension(fine), self.rtol, nip_radii)
         roll = wind(problem, r, tension(r), self.rtol, iteration.film)
-        known = self.nips
+        nips = self.nips
         checks = Nips(
             problem,
             self.nodes,
             self.coupling_rtol,
-            known.tell,
-            known.from_core_to_surface(),
-            known.solved,
+            nips.report,
+            nips.from_core_to_surface(),
+            nips.solved,
         )
-        mismatch = largest_mismatch(departs, checks, roll.result, tension)
-        known.solved = checks.solved
-        reported = np.interp(iteration.r, r, tension(r) - departs(r))
+        mismatch = largest_mismatch(departure, checks, roll.result, tension)
+        nips.solved = checks.solved
+        reported = np.interp(iteration.r, r, tension(r) - departure(r))
         smooth = curve.interpolation_error(iteration.nip_shares, iteration.r, reported)
         return assemble_result(
             problem,
             r,
             tension(r),
             roll,
-            known,
+            nips,
             interpolation=(
                 smooth + mismatch,
                 curve.core_interpolation_error(iteration.nip_shares, iteration.r, reported),
@@ -390,29 +395,29 @@ class _Winder:
             coupling_rtol=self.coupling_rtol,
             film=iteration.film,
             curved=tension(r, curved=True),
-            departure=departs(np.array(sorted(own))),
+            departure=departure(np.array(nip_radii)),
         )
 
 
 def _secant_update(
     iteration: _Iteration, before: _Iteration | None, slopes: dict[float, float]
 ) -> dict[float, float]:
-    """Return the next shares by a secant step at each radius, neglecting their coupling.
+    """Return the next shares by a secant step at each place, neglecting their coupling.
 
-    The secant slopes are kept in ``slopes`` by coordinate; a new coordinate starts from their
-    median.
+    ``slopes`` stores the secant slope of each place; that of a new place is their median.
     """
-    known = before or iteration
+    last = before or iteration
     for place, share in iteration.shares.items():
-        moved = share - known.shares.get(place, share)
-        if abs(moved) > LEAST_SECANT:
-            by = (iteration.nip_shares[place] - known.nip_shares[place]) / moved
-            slopes[place] = float(np.clip(by, -0.5, 0.3))
-    usual = float(np.median([*slopes.values()])) if slopes else 0.0
-    return {
-        place: share + (iteration.nip_shares[place] - share) / (1 - slopes.setdefault(place, usual))
-        for place, share in iteration.shares.items()
-    }
+        step = share - last.shares.get(place, share)
+        if abs(step) > MIN_SECANT_STEP:
+            slope = (iteration.nip_shares[place] - last.nip_shares[place]) / step
+            slopes[place] = float(np.clip(slope, -0.5, 0.3))
+    median = float(np.median([*slopes.values()])) if slopes else 0.0
+    shares = {}
+    for place, share in iteration.shares.items():
+        slope = slopes.setdefault(place, median)
+        shares[place] = share + (iteration.nip_shares[place] - share) / (1 - slope)
+    return shares
 
 
 def _solve_prescribed(
@@ -427,14 +432,15 @@ def _solve_prescribed(
     else:
         tension = at("web_tension", r) + at("winding_force", r)
         tension = tension + problem.roll_friction * at("nip_load", r)
-    own = polyline_radii(problem, r, tension, rtol)
-    reported = np.interp(own, r, tension)
-    error = float(np.max(np.abs(np.interp(r, own, reported) - tension)) / np.max(np.abs(tension)))
+    radii = polyline_radii(problem, r, tension, rtol)
+    reported = np.interp(radii, r, tension)
+    difference = np.abs(np.interp(r, radii, reported) - tension)
+    error = float(np.max(difference) / np.max(np.abs(tension)))
     return assemble_result(
         problem,
-        own,
+        radii,
         reported,
-        wind(problem, own, reported, rtol),
+        wind(problem, radii, reported, rtol),
         Nips(problem, nodes, coupling_rtol, lambda _: None),
         interpolation=(error * (error > ROUNDING), 0.0),
         rtol=rtol,
