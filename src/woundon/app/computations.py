@@ -176,6 +176,7 @@ def state_of(result: Result, report: bool = False, drawn: bool = False) -> dict[
 
 
 def _certificate(result: Result) -> dict[str, Any]:
+    """Return the certificate of a result for JSON."""
     line = certificate_of(result)
     return {
         "ok": bool(result.residuals.largest <= ACCEPTED_RESIDUAL),
@@ -205,6 +206,7 @@ def _margin(margin: Any) -> dict[str, Any]:
 
 
 def _section(section: Section) -> dict[str, Any]:
+    """Return a section of a report for JSON."""
     rows = [
         {
             "label": row.meaning,
@@ -260,6 +262,7 @@ def _geometry(result: Any) -> dict[str, Any]:
 
 
 def _body(name: str, body: Any) -> dict[str, Any]:
+    """Return radius, layers and core of a body for the drawing of the nip."""
     deep = not body.rigid and isinf(body.thickness)
     layers = getattr(body, "layers", None)
     if layers is None and not (body.rigid or deep):
@@ -466,6 +469,7 @@ def sensitivities(tables: Any, options: Mapping[str, Any]) -> bytes:
 
 
 def _differences(problem: Problem, result: Any, options: Mapping[str, Any]) -> dict[str, Any]:
+    """Return derivatives by central differences on one mesh, for JSON."""
     kind = kinds.of(problem)
     named = _usual_outputs(problem)
     given = dict(options)

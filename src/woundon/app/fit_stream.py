@@ -56,6 +56,7 @@ def fit_table(asked: Mapping[str, Any], progress_file: str) -> bytes:
 
 
 def _sheet_of(asked: Mapping[str, Any]) -> Sheet:
+    """Return the table of measured values in a request."""
     content = asked["table"].encode()
     if asked["is_workbook"]:
         try:

@@ -63,6 +63,7 @@ def tables_of(description: Any) -> dict[str, Any]:
 
 
 def _kind(kind: kinds.Kind) -> dict[str, Any]:
+    """Return name, form, example, outputs and solver options of a kind of problem, for JSON."""
     try:
         example = tables_of(kind.example())
     except InvalidProblem:
@@ -91,6 +92,7 @@ def _kind(kind: kinds.Kind) -> dict[str, Any]:
 
 
 def _outputs(result: type[Any]) -> Iterator[dict[str, Any]]:
+    """Yield name, quantity and type of each output of a class of results."""
     for place in outputs(result):
         if place.quantity is not None:
             of, *marks = get_args(place.field)
@@ -132,6 +134,7 @@ def _add_form(model: type[Any], forms: dict[str, Any]) -> None:
 
 
 def _field(name: str, field: Any) -> dict[str, Any]:
+    """Return the description of a field of a form: type, unit, limits, default and choices."""
     annotation, quantity = field.annotation, quantity_of(field)
     members = members_of(annotation)
     entry: dict[str, Any] = {
@@ -190,6 +193,7 @@ def _admits(annotation: Any, wanted: type) -> bool:
 
 
 def _words(annotation: Any) -> Iterator[str]:
+    """Yield the words that a field accepts."""
     for part in get_args(annotation):
         if get_origin(annotation) is Literal:
             yield part

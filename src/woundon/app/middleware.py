@@ -105,6 +105,7 @@ class SameOrigin:
         await self.app(scope, receive, send)
 
     def _error(self, scope: Scope, headers: Headers) -> str:
+        """Return the reason to reject a request from another site; '' if it is accepted."""
         host = headers.get("host", "").lower()
         origins = headers.getlist("origin")
         if any(one.lower() not in (f"http://{host}", f"https://{host}") for one in origins):

@@ -107,6 +107,7 @@ def _nip_panels(result: Any) -> list[Panel]:
 
 
 def _panels_in_nip(result: Any) -> list[Panel]:
+    """Return the panels of tractions, zones, slips and pressure in the nip."""
     own = result.in_nip
     x, slip_x = result.x[own], result.slip_x[own]
 
@@ -178,6 +179,7 @@ def _film_panel(result: Any) -> Panel:
 
 
 def _pressures(result: Any, x: Array, own: slice) -> list[Any]:
+    """Return the curves of the pressure in the nip, on roll and drum."""
     if not result.problem.is_wrapped:
         return [_curve(result, "drum_pressure", "in the nip", "web", x=x, own=own)]
     return [
@@ -204,6 +206,7 @@ def _bounds(result: Any, own: slice = slice(None)) -> list[dict[str, Any]]:
 
 
 def _zones(result: Any, x: Any, y: Any) -> Panel:
+    """Return the panel of the stick and slip zones as bars."""
     strips = zone_strips(result)
     assert strips is not None
     runs = [
@@ -220,6 +223,7 @@ def _zones(result: Any, x: Any, y: Any) -> Panel:
 
 
 def _wrap_panels(result: Any) -> list[Panel]:
+    """Return the panels of tension and pressure on the wraps, over the angle from the nip."""
     problem = result.without_air
     a, own, angle = result.half_width, result.in_nip, _quantity(result, "slip_angle")
     tensions, pressures = [], []
@@ -275,6 +279,7 @@ def _wrap_panels(result: Any) -> list[Panel]:
 
 
 def _wrap_marks(result: Any) -> list[dict[str, Any]]:
+    """Return the marks at the wound-on tension and at the end of the slip zone."""
     if not result.problem.roll_wrap:
         return []
     marks = [{"along": "x", "value": result.wound_on_tension, "label": "wound-on tension"}]
@@ -287,6 +292,7 @@ def _wrap_marks(result: Any) -> list[dict[str, Any]]:
 
 
 def _roller_panels(result: Any) -> list[Panel]:
+    """Return the panels of tractions, zones and slip of two rollers."""
     x, slip_x, edge = result.x, result.slip_x, 1.03 * result.half_width
     rolling = result.problem.motion == "rolling"
 
@@ -318,6 +324,7 @@ def _roller_panels(result: Any) -> list[Panel]:
 
 
 def _roll_panels(result: Any) -> list[Panel]:
+    """Return the panels of a wound roll over the radius."""
     radius, curve = _quantity(result, "radius"), result.problem.tension_curve
     r = np.linspace(result.radius[0], result.radius[-1], POINTS)
     between = result.at_radius(r)
@@ -397,6 +404,7 @@ def _winding_panels(result: Any) -> list[Panel]:
     """Return the schedules and the wound-on tension, then the roll's panels."""
 
     def over_radius(name: str, label: str, names: dict[str, tuple[str, str, str]]) -> Panel:
+        """Return a panel of several outputs over the radius."""
         first = next(iter(names))
         curves = [
             _curve(result, of, words, role, x=result.radius, dash=dash)

@@ -235,6 +235,8 @@ def _file(body: bytes, name: str) -> Response:
 
 
 def _add_pages(app: FastAPI, secret: str) -> None:
+    """Add the routes of the page, the description of the interface and the catalogue."""
+
     @app.get("/", include_in_schema=False)
     async def page(token: str = "") -> Response:
         response = FileResponse(STATIC / "index.html")
@@ -264,6 +266,8 @@ def _add_pages(app: FastAPI, secret: str) -> None:
 
 
 def _add_states(app: FastAPI, workers: Workers) -> None:
+    """Add the routes that solve a case or change its tables."""
+
     @app.post("/api/solve", tags=["states"])
     async def solve(
         request: Request, case: Case, warm: bool = False, report: bool = False, drawn: bool = False
@@ -287,6 +291,8 @@ def _add_states(app: FastAPI, workers: Workers) -> None:
 
 
 def _add_variations(app: FastAPI, workers: Workers) -> None:
+    """Add the routes that vary the fields of a case."""
+
     @app.post("/api/curve", tags=["states"])
     async def curve(
         request: Request,
@@ -317,6 +323,8 @@ def _add_variations(app: FastAPI, workers: Workers) -> None:
 
 
 def _add_studies(app: FastAPI, workers: Workers) -> None:
+    """Add the routes of studies, which stream their events."""
+
     def streamed(request: Request, events: Callable[..., AsyncIterator[bytes]], asked: Any) -> Any:
         """Return the events of a study; it ends the one that its session has in progress."""
         session, studies, stopped = _session_of(request), workers.studies, asyncio.Event()
@@ -372,6 +380,8 @@ def _add_studies(app: FastAPI, workers: Workers) -> None:
 
 
 def _add_documents(app: FastAPI, workers: Workers) -> None:
+    """Add the routes that read and write files, reports and figures."""
+
     async def written(request: Request, call: Callable[..., Any], *args: Any, rank: int = 1) -> Any:
         return await _computed(workers.others, request, call, *args, rank=rank)
 

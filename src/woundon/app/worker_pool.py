@@ -72,6 +72,7 @@ def _work(call: Callable[..., Any], args: tuple[Any, ...]) -> _Outcome:
 
 
 def _answer(call: Callable[..., Any], args: tuple[Any, ...]) -> tuple[str, Any]:
+    """Compute the answer to a request in a worker."""
     try:
         return "done", call(*args)
     except Cancelled:
@@ -215,6 +216,7 @@ class Pool:
                 self._cancel(request)  # the client has disconnected
 
     def _supersede(self, request: _Request) -> None:
+        """Cancel an older request with the same key."""
         if request.slot is not None:
             asyncio.get_running_loop().call_later(GRACE, self._drop, request)
             return
@@ -248,6 +250,7 @@ class Pool:
             self._create_task(asyncio.to_thread(slot.worker.kill))
 
     def _assign(self) -> None:
+        """Assign waiting requests to idle workers."""
         held = list[tuple[int, int, _Request]]()
         while self._idle and self._waiting:
             rank, number, request = heappop(self._waiting)
@@ -272,6 +275,7 @@ class Pool:
         task.add_done_callback(self._tasks.discard)
 
     async def _serve(self, slot: _Slot, request: _Request) -> None:
+        """Run a request in a worker and set its result."""
         outcome = await slot.exchange(request.call, *request.args)
         request.slot, slot.stopping = None, False
         self._deactivate(request)

@@ -328,6 +328,7 @@ def _kind_of(names: Iterable[str]) -> kinds.Kind:
 
 
 def _schema_faults(case: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    """Return the errors of a case whose tables have another form than required."""
     given = case.get("schema")
     if given is None:
         yield "schema", f"missing; write 'schema = {SCHEMA}' at the top of the file"

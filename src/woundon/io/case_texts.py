@@ -163,6 +163,7 @@ def to_toml(problem: Problem, comments: bool = False, under: str = "") -> str:
 
 
 def _header(problem: Problem) -> list[str]:
+    """Return the comment at the top of a case file, which explains its use."""
     of = kinds.of(problem)
     known = {n: quantity_of(about) for n, about in type(problem).model_fields.items()}
     settings = [
@@ -345,6 +346,7 @@ def _value(value: Any, quantity: Quantity | None) -> str | None:
 
 
 def _plain(value: Any) -> str:
+    """Return a value as TOML."""
     if isinstance(value, (tuple, list)):
         return f"[{', '.join(map(_plain, value))}]"
     if isinstance(value, (bool, str)):

@@ -229,6 +229,7 @@ def _quantities_with_unit(places: Iterable[Place], unit: str, width: float | Non
 
 
 def _no_such_unit(unit: str, width: float | None) -> InvalidProblem:
+    """Return the error for a unit that no output has."""
     for per_width, total in _TOTALS.items():
         try:
             factor(unit, total, "units")

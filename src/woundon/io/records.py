@@ -225,6 +225,7 @@ def _restored_values(
 
 
 def _check_shape(value: Array, named: Any, sizes: dict[str, int], name: str) -> None:
+    """Reject an array whose shape contradicts the named dimensions."""
     if len(named) != value.ndim:
         raise InvalidProblem.at(name, f"has {value.ndim} dimensions; must be {len(named)}")
     for dimension, size in zip(named, value.shape, strict=True):

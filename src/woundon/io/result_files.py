@@ -148,6 +148,8 @@ def _read(content: bytes) -> Record:
 
 
 def _record_of_json(content: bytes) -> Record:
+    """Return the record in a JSON file."""
+
     def refuse(word: str) -> None:
         raise ValueError(f"{word} is not JSON")
 
@@ -218,6 +220,7 @@ def to_json(result: Result, sensitivity: Sensitivity | None = None) -> str:
 
 
 def _sensitivity_record(sensitivity: Sensitivity) -> Record:
+    """Return the derivatives and elasticities of a sensitivity for JSON."""
     ordered = sensitivity.sorted()
 
     def named(table: np.ndarray) -> dict[str, dict[str, float | None]]:
@@ -352,6 +355,7 @@ def _netcdf(result: Result) -> bytes:
 
 
 def _record_of_netcdf(content: bytes) -> Record:
+    """Return the record in a netCDF file, in the form of that in a JSON file."""
     import xarray
 
     # without decoding, a unit of time would become a date

@@ -163,6 +163,7 @@ def _listed(cells: Any, where: str) -> list[Any]:
 
 
 def _sheet(where: str, rows: Rows) -> Sheet:
+    """Return the table of rows of cells: title rows are skipped, then header, units and values."""
     filled = [(k, cells, texts) for k, cells in enumerate(rows, 1) if (texts := _filled(cells))]
     for number, cells, texts in filled:
         if max(map(len, texts)) > MAX_CELL:

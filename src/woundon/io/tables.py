@@ -221,6 +221,7 @@ def _splits(header: str) -> Iterator[tuple[str, str]]:
 
 
 def _twice(found: list[Column], where: str) -> Faults:
+    """Return the error for two columns with the same meaning."""
     kinds = [(column.name, column.deviation) for column in found]
     return [
         (where, f"two columns are {name}{' +-' * deviation}")

@@ -68,6 +68,7 @@ def body_work(side: Side, deformation: Deformation, p: Array, q: Array, a: float
 
 
 def _works(equations: NipEquations, state: NipState) -> tuple[BodyWork, BodyWork]:
+    """Return the work on both bodies."""
     at, f = equations.layout, state.fields
     a, _, roll, drum = f.geometry
     on_roll, on_drum = slice(at.first, None), slice(0, at.last + 1)

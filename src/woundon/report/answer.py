@@ -107,6 +107,7 @@ WINDING = {
 
 
 def _of_rollers(result: RollerResult) -> dict[str, str]:
+    """Return the main outputs of rollers with their names."""
     if result.problem.motion != "rolling":
         head = {"tangential_load": "Tangential load"}
     elif result.problem.creepage is None:

@@ -30,6 +30,7 @@ def nip_closed_forms(result: NipResult) -> Iterator[Section]:
 
 
 def _tension_formulas(result: NipResult) -> Iterator[tuple[str, float]]:
+    """Yield the closed forms of the nip-induced tension that apply."""
     problem = result.problem
     if problem.drum_wrap or problem.air:
         return  # their winding force is that of the nip alone
@@ -43,6 +44,7 @@ def _tension_formulas(result: NipResult) -> Iterator[tuple[str, float]]:
 
 
 def _hertz(result: NipResult | RollerResult, label: str) -> list[Row]:
+    """Return width and peak pressure by Hertz's theory; empty if it does not apply."""
     if result.problem.viscoelastic:
         label += ", all relaxed"
     try:

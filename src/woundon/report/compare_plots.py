@@ -47,6 +47,7 @@ def plot_comparison(
 
 
 def _draw_agreement(output: str, axes: Axes, cases: Sequence[Case]) -> list[Any]:
+    """Plot measured over predicted values of an output, with error bars."""
     comparison = cases[0].result
     rows, quantity = comparison.of(output), comparison.quantities[output]
     x, y = quantity.shown(comparison.predicted[rows]), quantity.shown(comparison.measured[rows])
@@ -76,6 +77,7 @@ def _error_bars(quantity: Quantity, deviation: np.ndarray) -> np.ndarray:
 
 
 def _draw_residuals(output: str, axes: Axes, cases: Sequence[Case]) -> list[Any]:
+    """Plot the residuals of an output with their uncertainty and mean."""
     comparison = cases[0].result
     rows, quantity = comparison.of(output), comparison.quantities[output]
     at, text = _abscissa(comparison, rows)

@@ -33,6 +33,7 @@ def plot_find(outcome: FindResult, path: Any = None, ax: Axes | None = None) -> 
 
 
 def _draw_scan(axes: Axes, cases: Sequence[Case]) -> list[Any]:
+    """Plot the points of the search, the target and the solutions."""
     outcome = cases[0].result
     field, output = outcome.quantities[outcome.name], outcome.quantities[outcome.output]
     x, y = field.shown(outcome.values), output.shown(outcome.outputs)

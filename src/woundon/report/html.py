@@ -41,6 +41,7 @@ def _division(texts: Sequence[str]) -> str:
 
 
 def _part(part: Part) -> str:
+    """Return the HTML of a part of a report."""
     if isinstance(part, Section):
         return _section(part)
     if isinstance(part, Verdicts):
@@ -65,6 +66,7 @@ def _section(section: Section) -> str:
 
 
 def _row(row: Row) -> str:
+    """Return the HTML of a row: meaning, symbol, value, unit and error."""
     error = f" ± {row.error_text}" if row.error_text else ""
     cells = [
         (row.meaning, LEFT),
@@ -76,6 +78,7 @@ def _row(row: Row) -> str:
 
 
 def _verdicts(part: Verdicts) -> str:
+    """Return the HTML of a table of limits."""
     names = ("", "value", "limit", "", "worst at", "", "")
     sides = (LEFT, RIGHT, RIGHT, *[LEFT] * 4)
     head = "".join(f'<th style="{s}">{name}</th>' for name, s in zip(names, sides, strict=True))
@@ -85,6 +88,7 @@ def _verdicts(part: Verdicts) -> str:
 
 
 def _verdict(row: Verdict) -> str:
+    """Return the HTML of a row of a table of limits."""
     word = escape(row.word)
     word = f'<span style="{ALARM}">{word}</span>' if row.tone == "bad" else word
     left, right = (f"{side};white-space:nowrap" for side in (LEFT, RIGHT))

@@ -182,6 +182,7 @@ def _inputs(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
 
 
 def _row(place: Place) -> Row:
+    """Return the row of a field in the table of inputs."""
     quantity, value = place.quantity, place.value
     meaning, symbol = (quantity.meaning, quantity.symbol) if quantity else ("", "")
     if quantity is not None and isinstance(value, tuple):
@@ -216,6 +217,7 @@ def _comparison(results: Sequence[Result], names: Sequence[str]) -> Iterator[str
 
 
 def _outputs(results: Sequence[Result]) -> Iterator[tuple[str, list[str], list[str]]]:
+    """Yield the rows of the outputs that all results have, with the differences from the first."""
     known = [scalar_outputs(result) for result in results]
     left_out = LEFT_OUT | {f"{name}_error" for name in results[0].errors}
     # the kind's main outputs first
@@ -280,6 +282,7 @@ def _figure(results: Sequence[Result], names: Sequence[str] | None) -> Iterator[
 
 
 def _footer(results: Sequence[Result]) -> str:
+    """Return the footer: version, time and licence."""
     laws = ", ".join(f"{result.residual:.1e}" for result in results)
     return (
         f"<footer>Computed by woundon {escape(__version__)}; largest residual of the "

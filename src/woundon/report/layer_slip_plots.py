@@ -103,6 +103,7 @@ def draw_shear(axes: Axes, cases: Cases) -> Handles:
 def _format_depth_axis(
     axes: Axes, known: Sequence[tuple[Case, LayerSlip]], depth: Quantity
 ) -> None:
+    """Set label, scale and limits of the axis of the depth."""
     axes.set_ylabel(axis_label("Depth $z$", depth))
     if not known:
         axes.text(

@@ -50,6 +50,7 @@ def draw_margins(axes: Axes, margins: Margins, colour: str | None = None) -> lis
 
 
 def _draw_margin(axes: Axes, margin: Margin, margins: Margins, colour: str) -> Any:
+    """Plot the reserve of a margin over the radius, and its smallest value."""
     r, reserve = 1e3 * margin.over_radius, margin.reserve_of(margin.values)
     if r.size == 1:  # of the core alone
         ends = [1e3 * other.over_radius[-1] for other in margins if other.over_radius.size > 1]

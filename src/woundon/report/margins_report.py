@@ -40,6 +40,7 @@ def verdict_lines(margins: Margins) -> list[Line]:
 
 
 def _verdict(margin: Margin) -> Verdict:
+    """Return the row of a margin: value, limit, location and verdict."""
     quantity = margin.quantity
     value, limit = (
         "-" if number != number else f"{sign}{quantity.shown(number):.4g}"

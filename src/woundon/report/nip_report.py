@@ -88,6 +88,7 @@ def _wraps(problem: NipProblem) -> Iterator[Row]:
 
 
 def _tension_rows(result: NipResult) -> tuple[Row, ...]:
+    """Return the rows of tensions, nip width, pressure and other main outputs."""
     level = _approach_note(result)
     if not result.problem.is_wrapped:
         names = ["nip_induced_tension", "outlet_tension"]

@@ -132,6 +132,7 @@ def field_rows(
 
 
 def _field(name: str, value: Any, under: str, quantity: Quantity | None) -> Row:
+    """Return the row of a field."""
     if quantity is None or not isinstance(value, (int, float)):
         return Row(f"{under}{name}", "", str(value))
     row = row_of(quantity, value)

@@ -139,6 +139,7 @@ def drawn(
 
 
 def _selected_panels(panels: Panels, choice: str | Sequence[str] | None) -> list[Panel]:
+    """Return the chosen panels; by default those shown by default."""
     if choice is None:
         return [panel for panel in panels.values() if panel.shown]
     names = [choice] if isinstance(choice, str) else list(choice)

@@ -33,6 +33,7 @@ def plot_plan(plan: NextExperiment, path: Any = None, ax: Axes | None = None) ->
 
 
 def _draw_plan(axes: Axes, cases: Sequence[Case]) -> list[Any]:
+    """Plot the expected standard errors after each measurement of a plan."""
     plan = cases[0].result
     steps = np.arange(len(plan.measurements) + 1)
     handles: list[Any] = []

@@ -132,6 +132,7 @@ def panel_columns(results: Sequence[Result]) -> list[list[str]]:
 
 
 def _cases(results: Any, labels: Sequence[str] | None) -> tuple[list[Any], list[Case]]:
+    """Return the results as a list, and as cases with labels and colours."""
     given: list[Any] = list(results) if isinstance(results, list | tuple) else [results]
     for result in given:
         check_type("results", result, Result)

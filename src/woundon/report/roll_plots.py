@@ -88,6 +88,7 @@ def _draw_residual(axes: Axes, cases: Cases) -> Handles:
 
 
 def _draw_over_radius(axes: Axes, cases: Cases, name: str, words: str) -> Handles:
+    """Plot a stress or tension of the layers over the radius, compression shaded."""
     quantity, handles = quantity_of(cases[0].result, name), []
     axes.axhline(0, color=NEUTRAL, linewidth=0.8)
     for case in cases:
@@ -115,6 +116,7 @@ def _thickness(result: RollResult, name: str) -> float:
 
 
 def _draw_density(axes: Axes, cases: Cases) -> Handles:
+    """Plot the density of the finished roll and that as wound."""
     handles = []
     for case in cases:
         x = shown(case.result, "radius")
@@ -131,6 +133,7 @@ def _draw_density(axes: Axes, cases: Cases) -> Handles:
 
 
 def _shade_compression(axes: Axes, x: np.ndarray, hoop: np.ndarray) -> Handles:
+    """Shade the region of hoop compression; return its legend entry."""
     if not (hoop < 0).any():
         return []
     shade = axes.fill_between(x, np.minimum(hoop, 0), 0, color=COLOURS[1], alpha=0.2, linewidth=0)
@@ -139,6 +142,7 @@ def _shade_compression(axes: Axes, x: np.ndarray, hoop: np.ndarray) -> Handles:
 
 
 def _draw_tension(axes: Axes, cases: Cases) -> Handles:
+    """Plot the wound-on tension over the radius."""
     quantity = find(RollProblem, "wound_on_tension")[0].quantity
     assert quantity is not None
     for case in cases:

@@ -118,6 +118,7 @@ def _gauge_band(result: RollResult) -> Iterator[Section]:
 
 
 def _other_theories(result: RollResult) -> Iterator[Section]:
+    """Yield the plateau pressure for a roll with Pfeiffer's law and constant tension."""
     problem = result.problem
     tension, law = problem.wound_on_tension, problem.stack.radial
     if not isinstance(tension, float) or not isinstance(law, Pfeiffer):

@@ -39,6 +39,7 @@ def roller_panels(result: RollerResult) -> dict[str, Panel]:
 
 
 def _draw_roller_tractions(axes: Axes, cases: Cases) -> Handles:
+    """Plot pressure and traction of rollers, with closed forms for a single result."""
     handles: Handles = []
     for case in cases:
         result, mu = case.result, case.result.problem.friction
@@ -96,6 +97,7 @@ def _closed_forms(result: RollerResult) -> tuple[str, tuple[Callable[[Array], Ar
 
 
 def _draw_roller_slip(axes: Axes, cases: Cases) -> Handles:
+    """Plot the slip of rollers along the contact."""
     one = cases[0].result
     rolling = one.problem.motion == "rolling"
     if any((case.result.problem.motion == "rolling") != rolling for case in cases):

@@ -37,6 +37,7 @@ def roller_report(result: RollerResult) -> list[Part]:
 
 
 def _roller_rows(result: RollerResult) -> tuple[Row, ...]:
+    """Return the rows of the outputs of rollers."""
     problem = result.problem
     found = "creepage" if problem.motion == "rolling" else "shift"
     names = [

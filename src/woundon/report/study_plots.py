@@ -56,6 +56,7 @@ def plot_sweep(table: Table, output: str, path: str | Path | None = None) -> Fig
 
 
 def _grid_figure(table: Table, output: str, registered: bool) -> Figure:
+    """Return the figure of a grid: curves over the longest axis, panels for the third."""
     design = table.design
     flat, text = _scaled(table.quantities.get(output), output, table.outputs[output])
     values = flat.reshape(design.shape)
@@ -100,6 +101,7 @@ def _omissions(shape: tuple[int, ...]) -> str:
 
 
 def _draw_curves(axes: Axes, table: Table, drawn: list[int], values: Array) -> None:
+    """Plot one panel of a grid."""
     x = table.design.columns[drawn[0]]
     numeric = x.numeric
     at, text = np.arange(len(x.values)), x.name
@@ -125,6 +127,7 @@ def _draw_curves(axes: Axes, table: Table, drawn: list[int], values: Array) -> N
 
 
 def _scatter(table: Table, output: str, registered: bool) -> Figure:
+    """Return the figure of a design without a grid: the output over each input."""
     columns = [c for c in table.design.columns if c.numeric]
     wide = min(len(columns), 3)
     rows = -(-len(columns) // max(wide, 1))
@@ -167,6 +170,7 @@ def plot_fit(
 
 
 def _draw_profile(profile: ProfileLikelihood, axes: Axes, cases: Sequence[Case]) -> list[Any]:
+    """Plot the profile likelihood of a parameter."""
     fit = cases[0].result
     label = "others refitted" if len(fit.names) > 1 else "profile"
     rms, text = _rms(fit)
@@ -191,6 +195,7 @@ def _rms(fit: FitResult) -> tuple[float, str]:
 
 
 def _draw_agreement(axes: Axes, cases: Sequence[Case]) -> list[Any]:
+    """Plot fitted over measured values."""
     fit = cases[0].result
     outputs = list(dict.fromkeys(fit.row_outputs))
     units, ends = [], []

@@ -99,6 +99,7 @@ def _print(text: Text, console: Console) -> None:
 
 
 def _print_zones(part: ZoneStrips, marks: dict[int, str], console: Console) -> None:
+    """Print the zones of each face as a line of characters, and a legend."""
     _print(Text("Zones, leading edge on the left", style="bold"), console)
     indent = max(len(face) for face in part.faces) + 3
     for face, zones in part.faces.items():

@@ -55,6 +55,7 @@ def winding_panels(result: WindingResult) -> dict[str, Panel]:
 
 
 def _draw_tension(axes: Axes, cases: Cases) -> list[Any]:
+    """Plot web tension, nip-induced and wound-on tension over the radius, the nips as dots."""
     handles: list[Any] = []
     for case in cases:
         result, lines = case.result, []
@@ -77,6 +78,7 @@ def _draw_tension(axes: Axes, cases: Cases) -> list[Any]:
 
 
 def _draw_loads(axes: Axes, cases: Cases) -> list[Any]:
+    """Plot nip load and winding force over the radius."""
     handles: list[Any] = []
     for case in cases:
         x, result = shown(case.result, "radius"), case.result

@@ -42,6 +42,7 @@ def plot_window(window: OperatingWindow, path: Any = None, ax: Axes | None = Non
 
 
 def _draw_window(axes: Axes, cases: Sequence[Case]) -> list[Any]:
+    """Plot the probability contours and the regions of the binding margins."""
     window = cases[0].result
     tension, load = (window.quantities[name] for name in window.names[:2])
     best = window.best

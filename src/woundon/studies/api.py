@@ -231,6 +231,7 @@ def in_si(problem: Problem, over: Any) -> Any:
 
 
 def _numbers(problem: Problem, name: str, given: Any) -> Any:
+    """Return one value or the values of a field, with texts with units converted to SI."""
     if isinstance(given, str) or not hasattr(given, "__len__"):
         return given
     texts = [isinstance(value, str) and value != "log" for value in given]
@@ -401,6 +402,7 @@ def _on_one_mesh(problem: Problem, options: Mapping[str, Any]) -> dict[str, Any]
 
 
 def _bounds(vary: Any) -> dict[str, Any]:
+    """Return the fields to fit with their bounds; None for default bounds."""
     names = [vary] if isinstance(vary, str) else vary
     if not isinstance(names, (Mapping, Sequence)) or not all(isinstance(n, str) for n in names):
         text = f"{quote(vary)} is out of place; must be names of fields, or {{name: (low, high)}}"
@@ -423,6 +425,7 @@ def _profiled(profiles: bool | Sequence[str], varied: Mapping[str, Any]) -> tupl
 
 
 def _parameter(problem: Problem, name: str, bounds: Any) -> Parameter:
+    """Return a parameter of a fit; its default bounds are a tenth and ten times its value."""
     base = get_field(problem, name)
     if field_quantity(problem, name) is None or not isinstance(base, float | None):
         raise InvalidProblem.at(name, f"{quote(base)} is not a number, so it cannot be fitted")

@@ -26,6 +26,7 @@ class _Rate(ProgressColumn):
     """Rate since the work was started or resumed."""
 
     def render(self, task: Task) -> Text:
+        """Return the mean rate since the start as text, such as "12 cases/s"."""
         solved = task.completed - task.fields["begun_with"]
         elapsed = task.finished_time or task.elapsed or 0.0
         unit = task.fields["unit"]

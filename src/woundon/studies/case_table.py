@@ -205,6 +205,7 @@ def _nested(fields: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _listed(table: Any) -> Any:
+    """Return tables with the names "0", "1", ... as lists."""
     if not isinstance(table, dict):
         return table
     inner = {name: _listed(value) for name, value in table.items()}

@@ -495,6 +495,7 @@ def _effects(
 
 
 def _or_nan(result: Any, name: str, place: float) -> float:
+    """Return the prediction of an output at a radius; nan outside the roll."""
     try:
         return predict(result, name, place)
     except InvalidProblem:

@@ -98,6 +98,7 @@ def _fields(problem: Any, names: tuple[str, ...]) -> dict[str, float]:
 
 
 def _difference(outputs: Callable[[Any], Array], problem: Any, name: str, value: float) -> Array:
+    """Return the difference quotient of the outputs by a field, central if possible."""
     sides: list[tuple[float, Array]] = []
     for place in ((1 + STEP) * value, (1 - STEP) * value, value):
         try:

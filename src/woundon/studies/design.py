@@ -243,6 +243,7 @@ def make_design(
 
 
 def _checked_samples(kind: str, samples: int | None) -> int:
+    """Return the number of samples; for Sobol points it must be a power of 2."""
     if isinstance(samples, bool) or not isinstance(samples, (int, np.integer)) or samples < 2:
         raise InvalidProblem.at("samples", f"{samples!r} is not a number of cases, at least 2")
     power = int(log2(samples))

@@ -148,6 +148,7 @@ class NextExperiment(Presented, ReadOnly):
         return [*texts, *self._remarks()]
 
     def _remarks(self) -> list[str]:
+        """Return texts on parameters and combinations that the measurements do not determine."""
         texts = []
         if self.unidentified:
             texts.append(f"not identified by any candidate: {', '.join(self.unidentified)}")
@@ -382,6 +383,7 @@ def _prior(base: Problem, unknown: Any, fitted: FitResult | None) -> dict[str, f
 
 
 def _value(base: Problem, name: str) -> float:
+    """Return the value of an unknown, which must be > 0."""
     value = get_field(base, name)
     if field_quantity(base, name) is None or not isinstance(value, float) or value <= 0:
         text = f"{quote(value)} is not a number > 0, of which a relative standard deviation is"
@@ -485,6 +487,7 @@ class _Linearised(NamedTuple):
         return reduction / float(self.cost[list(chosen)].sum())
 
     def _greedy(self, among: Sequence[int] | range, count: int) -> list[int]:
+        """Return the indices of measurements, each the best one in addition to those before it."""
         J, left, order = self.J0, list(among), []
         for _ in range(count):
             best = max(left, key=lambda k: self._score(J, k))

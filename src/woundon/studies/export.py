@@ -97,6 +97,7 @@ def _csv(table: Table, path: Path) -> None:
 
 
 def _excel(table: Table, path: Path) -> None:
+    """Write the cases to a sheet of an Excel file, and the design to a second sheet."""
     import pandas
 
     if table.design.size + 1 > EXCEL_ROWS:
@@ -108,6 +109,7 @@ def _excel(table: Table, path: Path) -> None:
 
 
 def _parquet(table: Table, path: Path) -> None:
+    """Write the cases to a Parquet file."""
     import pyarrow
     from pyarrow import parquet
 

@@ -333,6 +333,7 @@ def _interval(
 
 
 def _ends(between: Any, quantity: Quantity, name: str) -> tuple[float, float]:
+    """Return the given range in SI; reject one that is not a pair low < high."""
     pair = list(between) if isinstance(between, (list, tuple, np.ndarray)) else []
     if len(pair) != 2:
         raise InvalidProblem.at("between", f"{quote(between)} is not a range; write (low, high)")

@@ -231,6 +231,7 @@ def fit_parameters(
 
 
 def _starting_points(parameters: Sequence[Parameter], starts: int, seed: int) -> list[Array]:
+    """Return the base case and Latin hypercube samples within the bounds."""
     from scipy.stats import qmc
 
     low, high = np.transpose([p.ends for p in parameters])
@@ -395,6 +396,7 @@ def _result(
     profiles: tuple[ProfileLikelihood, ...],
     quantities: Mapping[str, Quantity],
 ) -> FitResult:
+    """Assemble the result: estimates, covariance, identifiability and fitted values."""
     u, r, _ = found[0]
     J = predictor.jacobian(u)
     S, parameters = found[0].S, predictor.parameters
@@ -442,6 +444,7 @@ def _same_minimum(predictor: Predictor) -> float:
 
 
 def _at_bound(parameters: Sequence[Parameter], u: Array) -> list[str]:
+    """Return the names of the parameters whose estimates are at a bound."""
     found = []
     for parameter, value in zip(parameters, u, strict=True):
         low, high = parameter.ends

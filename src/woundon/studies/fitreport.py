@@ -106,6 +106,7 @@ def _unit(fit: Any, name: str) -> str:
 
 
 def _rms_unit(fit: Any) -> str:
+    """Return the unit of the RMS with a leading space."""
     if fit.weighted:
         return " standard deviations"
     unit, _ = _in_table(fit, fit.row_outputs[0], 1.0)
@@ -125,6 +126,7 @@ def _in_table(fit: Any, name: str, value: Any) -> tuple[str, Any]:
 
 
 def _estimates(fit: Any) -> Iterator[str]:
+    """Yield a line for each parameter: estimate, standard error and profile interval."""
     profiles = {profile.name: profile for profile in fit.profiles}
     width = max(map(len, fit.names))
     for k, name in enumerate(fit.names):
@@ -149,6 +151,7 @@ def _interval(fit: Any, profile: ProfileLikelihood) -> str:
 
 
 def _minima(fit: Any, unit: str) -> Iterator[str]:
+    """Yield a line on the second-best local minimum, if there is one."""
     m = fit.measured.size
     for S, values in fit.minima[fit.reached : fit.reached + 1]:
         shown = ((n, *_in_table(fit, n, v)) for n, v in zip(fit.names, values, strict=True))
@@ -198,6 +201,7 @@ def to_json(fit: Any) -> str:
 
 
 def _plain(value: Any) -> Any:
+    """Return a value as JSON types; None in place of nan and inf."""
     if isinstance(value, dict):
         return {name: _plain(inner) for name, inner in value.items()}
     if isinstance(value, (list, tuple)):

@@ -102,6 +102,7 @@ class KindModel:
         return self
 
     def _check_outputs(self) -> None:
+        """Reject outputs that are missing, repeated or unknown."""
         known = scalar_outputs(self.kind.result)
         if not self.outputs:
             text = f"missing; known: {', '.join(known)}"
@@ -114,6 +115,7 @@ class KindModel:
             raise InvalidProblem((str(name), _no_output(self.problem, name)) for name in unknown)
 
     def _check_options(self) -> None:
+        """Reject unknown options of the solver, and values out of range."""
         known = options_of(self.problem)
         for name in self.options:
             if name in type(self.problem).model_fields:
@@ -420,6 +422,7 @@ def columns_of(problem: Problem) -> dict[str, Quantity | None]:
 
 
 def _if_number(problem: Problem, path: str) -> Quantity | None:
+    """Return the quantity of a field whose value is a number; otherwise None."""
     try:
         is_number = isinstance(get_field(problem, path), float)
     except InvalidProblem:  # of another body or material

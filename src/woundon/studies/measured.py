@@ -114,6 +114,7 @@ def read_measured(
 
 
 def _check(found: dict[str, dict[str, Array]], where: str) -> None:
+    """Reject measured data without outputs or with invalid standard deviations."""
     if not found["outputs"]:
         raise InvalidProblem.at(where, "has no column that is an output of the model")
     for name, deviation in found["deviations"].items():

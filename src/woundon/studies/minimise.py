@@ -64,6 +64,7 @@ def minimise(
     from scipy.optimize import least_squares
 
     def residuals(u: Array) -> Array:
+        """Return the residuals; stop if the linear model at a known minimum predicts them."""
         r = predictor.residuals(u)
         if known is not None and known.predicts(u, r):
             raise _InBasinError

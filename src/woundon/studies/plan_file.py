@@ -56,6 +56,7 @@ def load_plan(path: str | Path) -> dict[str, Any]:
 
 
 def _measurements(given: Mapping[str, Any], name: str, folder: Path) -> list[Measurement]:
+    """Return the measurements in an array of tables of a study file."""
     tables = given.get(name, [])
     if not isinstance(tables, list) or not all(isinstance(table, Mapping) for table in tables):
         raise InvalidProblem.at(name, f"must be tables; write [[{name}]] above each")
@@ -63,6 +64,7 @@ def _measurements(given: Mapping[str, Any], name: str, folder: Path) -> list[Mea
 
 
 def _measurement(table: Mapping[str, Any], where: str, folder: Path) -> Measurement:
+    """Return the measurement that a table of a study file describes."""
     _check_names(table, _MEASUREMENT, f"{where}.")
     if "quantity" not in table:
         raise InvalidProblem.at(f"{where}.quantity", "missing; give the name of an output")

@@ -92,6 +92,7 @@ class Measurement:
     label: str = ""
 
     def __post_init__(self) -> None:
+        """Check the fields of the measurement."""
         check_type("at", self.at, Mapping)
         if not isinstance(self.quantity, str):
             raise InvalidProblem.at("quantity", f"{quote(self.quantity)} is not a name")

@@ -239,6 +239,7 @@ class Predictor:
         return None if self.coarse is None else self.coarse._nearest(u)
 
     def _exact(self, u: Array) -> Array | None:
+        """Return exact derivatives of the predictions by u, (m, p); None if the model has none."""
         names = tuple(p.name for p in self.parameters)
         slope = np.array([p.slope(float(v)) for p, v in zip(self.parameters, u, strict=True)])
         found: list[Array] = []

@@ -55,6 +55,7 @@ class PullTab:
     deviation: Any = 0.0
 
     def __post_init__(self) -> None:
+        """Convert texts with units to SI and check the fields."""
         units = {"slope": "Pa/N", "offset": "Pa", "friction": "1", "area": "m^2", "deviation": "1"}
         for name, unit in units.items():
             value = getattr(self, name)

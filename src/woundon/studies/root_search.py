@@ -248,6 +248,7 @@ class RootSearch:
         samples: dict[float, Sample] = {}
 
         def function(value: float) -> float:
+            """Return the output minus the target; exactly 0 within the tolerance of the solver."""
             sample = samples[value] = self.evaluate(value, model)
             if sample.result is None:
                 raise _UnsolvedError

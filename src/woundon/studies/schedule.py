@@ -323,6 +323,7 @@ class _Search:
             self._keep(tuple(self.first.tolist()), *self.before)
 
     def _solved(self, problem: Any, values: tuple[float, ...] | None = None) -> tuple[Any, Any]:
+        """Solve a winding with a warm start; return its result and margins."""
         result = self.model.solve(problem, self._nearest(values))
         return result, margins(result, self.limits)
 
@@ -354,6 +355,7 @@ class _Search:
         return self.evaluations[values]
 
     def _keep(self, values: tuple[float, ...], result: Any, margins: Any) -> None:
+        """Store a solved winding with its reserves and the value of the goal."""
         reserves = np.array([margins[name].reserve for name in self.checked])
         goal = float(value_of(result, self.goal)) if self.goal else float(reserves.min())
         self.evaluations[values] = _Evaluation(values, result, margins, reserves, goal)
@@ -386,12 +388,14 @@ class _Search:
         return "converged" if end.status == 0 else str(end.message).rstrip(".").lower()
 
     def _objective(self, v: Array) -> float:
+        """Return the objective: minus the smallest reserve t = v[-1], or the scaled output."""
         if self.goal is None:
             return -float(v[-1])
         goal = self.at(v).goal
         return self.sign * goal / self.scale if goal == goal else 1.0 + abs(self.sign)
 
     def _constraints(self, v: Array) -> Array:
+        """Return the constraints, >= 0: the reserves, minus t if the smallest one is maximised."""
         if self.goal is not None:
             return self.at(v).reserves
         return np.minimum(self.at(v[:-1]).reserves, 2.0) - v[-1]

@@ -106,6 +106,7 @@ class SobolIndices(Presented, ReadOnly):
         return f"SobolIndices({self.outputs[0]}: {texts} of {len(self.inputs)} inputs{more})"
 
     def _repr_html_(self) -> str:
+        """Return the indices as an HTML table, the strongest input of each output first."""
         head = "Share of the variance, alone (first order) and with interactions (total)"
         strongest = [
             k * len(self.inputs) + j

@@ -263,6 +263,7 @@ class Store:
         )
 
     def _hash(self, number: int, *content: bytes) -> str:
+        """Return the SHA-256 of the study and a chunk with its content."""
         digest = hashlib.sha256(f"{self.sha256} {number} ".encode())
         for part in (self.chunks[number].astype("<i8").tobytes(), *content):
             digest.update(f"{len(part)} ".encode() + part)

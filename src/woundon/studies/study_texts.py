@@ -95,6 +95,7 @@ def _varied(problem: Problem) -> Iterator[tuple[str, str]]:
 
 
 def _admitted(problem: Problem, values: dict[str, tuple[float, float]]) -> bool:
+    """Return True if the problem is valid at all corners of the ranges."""
     try:
         for corner in product(*values.values()):
             problem.replace(**dict(zip(values, corner, strict=True)))

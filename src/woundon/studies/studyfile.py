@@ -146,6 +146,7 @@ def table_of(content: Mapping[str, Any], name: str) -> dict[str, Any]:
 
 
 def _outputs(given: Any) -> tuple[str, ...] | None:
+    """Return the names of outputs in a study file as a tuple; None if there are none."""
     if given is None:
         return None
     names = [given] if isinstance(given, str) else given
@@ -155,6 +156,7 @@ def _outputs(given: Any) -> tuple[str, ...] | None:
 
 
 def _design(table: dict[str, Any]) -> dict[str, Any]:
+    """Return the design of a study file as keyword arguments of a sweep."""
     for name in table:
         if name not in ("kind", "samples", "seed"):
             raise InvalidProblem.at(f"design.{name}", "no such field; known: kind, samples, seed")
@@ -197,6 +199,7 @@ def _values(problem: Problem, name: str, given: Any, drawn: bool) -> Any:
 
 
 def _finite(problem: Problem, name: str, value: Any, where: str) -> float:
+    """Return a finite number of a study file in SI."""
     number = float(number_in_si(problem, name, value, where))
     if not np.isfinite(number):
         raise InvalidProblem.at(where, f"{value!r} is not a finite number")
@@ -206,6 +209,7 @@ def _finite(problem: Problem, name: str, value: Any, where: str) -> float:
 def _spread(
     given: Mapping[str, Any], number: Callable[[Any, str], float], where: str, drawn: bool
 ) -> Any:
+    """Return a range: a grid of ``count`` values, or (low, high) to draw samples from."""
     known = ("from", "to", "spacing", *(() if drawn else ("count",)))
     for name in given:
         if name not in known:

@@ -143,6 +143,7 @@ class Table(Presented):
         return xarray.Dataset(variables, coordinates, {"design": design.kind, **record})
 
     def _attributes(self, name: str) -> dict[str, str]:
+        """Return unit, name and symbol of an input or output for xarray."""
         quantity = self.quantities.get(name)
         if quantity is None:
             return {}

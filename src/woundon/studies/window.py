@@ -183,6 +183,7 @@ def _number(name: str, value: Any) -> float:
 
 @contextmanager
 def _reported(progress: bool | Progress) -> Iterator[Callable[[int, int], None]]:
+    """Provide the function that reports the progress: a bar, the given function, or none."""
     if progress is True:
         from .bars import fraction_bar
 

@@ -160,6 +160,7 @@ def fitted(x: Array, values: Array, degrees: Sequence[int]) -> Polynomial:
 
 
 def _terms(powers: tuple[tuple[int, ...], ...], x: Array) -> Array:
+    """Return products of Chebyshev polynomials at points x, (points, terms)."""
     degree = max(max(power) for power in powers)
     basis = [chebyshev.chebvander(column, degree) for column in x.T]
     return np.stack(

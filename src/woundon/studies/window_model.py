@@ -86,6 +86,7 @@ class WindowModel(KindModel):
 
 
 def _radii(problem: Any, depths: Sequence[float]) -> Array:
+    """Return the radii at relative depths between core and surface [m]."""
     core, R = problem.ends
     r = core + np.array(depths) * (R - core)
     r[-1] = R

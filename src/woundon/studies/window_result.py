@@ -200,6 +200,7 @@ class OperatingWindow(Presented, ReadOnly):
         return "\n".join(self.lines())
 
     def _text(self, point: OperatingPoint) -> str:
+        """Return the set points of a point with units as text."""
         texts = []
         for name, value in point.values.items():
             quantity = self.quantities[name]

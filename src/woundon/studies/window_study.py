@@ -103,6 +103,7 @@ class WindowStudy:
     def _solve(
         self, stage: str, windings: Windings, cases: Sequence[Case], shares: Shares | None = None
     ) -> None:
+        """Solve the windings of a stage and report the progress."""
         done = len(self.nips.margins)
         self.expected = max(self.expected, done + len(cases) * (windings is self.nips))
 
@@ -266,6 +267,7 @@ class WindowStudy:
         return MarginMap(nominal, *self._expansion(windings, checked), draws)
 
     def _reject(self) -> None:
+        """Raise the error for a study without any solved winding or without limits."""
         if self.nips.reasons and len(self.nips.reasons) == len(self.nips.margins):
             text = f"none of {len(self.nips.margins)} windings was solved"
             raise NotConverged(f"{text}: {self._reasons(self.nips)}")
