@@ -221,6 +221,7 @@ def test_every_shown_unit_is_among_those_that_a_field_may_be_reported_in(catalog
 EXAMPLES = ("Cases", "DesignRequest", "FindRequest", "Study")
 
 
+@pytest.mark.slow
 def test_the_interface_is_described_with_examples_that_work(client):
     document = client.get("/openapi.json").json()
     page = client.get("/api").text

@@ -126,6 +126,7 @@ def test_a_fit_is_cancelled_and_its_errors_are_shown_on_a_phone(look):
     page.wait_for_selector(".study-state >> text=Cancelled")
 
 
+@pytest.mark.slow
 def test_an_operating_window_reports_its_progress_and_is_cancelled(look):
     seen = look()
     page = seen.page

@@ -134,6 +134,7 @@ def is_number(text):
     return True
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("width", [1280, PHONE])
 def test_labels_of_the_drawing_cross_neither_hatches_nor_arrows(look, width):
     seen = look(width=width)
@@ -149,6 +150,7 @@ def test_labels_of_the_drawing_cross_neither_hatches_nor_arrows(look, width):
             check_labels(drawing)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("width", [1280, PHONE])
 def test_labels_of_a_wide_nip_are_apart_from_each_other(look, width):
     """A soft cover makes a nip so wide that the web is drawn thicker than to scale."""

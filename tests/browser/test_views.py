@@ -69,6 +69,7 @@ def test_all_can_be_done_with_the_keyboard(look):
     assert page.evaluate("() => document.activeElement.id") == "tab-study"  # arrows go on from it
 
 
+@pytest.mark.slow
 def test_it_fits_without_width_light_colour_and_motion(look):
     """A narrow dark screen; zones by patterns, curves as tables, nothing that moves."""
     seen = look(width=390, height=844, color_scheme="dark", reduced_motion="reduce")

@@ -55,6 +55,7 @@ def test_more_nip_load_winds_a_harder_roll():
     assert (light.nip_induced_tension < 0.19 * 800.0 * 1.02).all()
 
 
+@pytest.mark.slow
 def test_taper_takes_pressure_and_compression_from_the_outside():
     """Outer laps wound with less tension press the inner ones less, so these keep theirs."""
     taper = changed(web_tension=wo.Taper(start=350.0, taper=0.5))
@@ -67,6 +68,7 @@ def test_taper_takes_pressure_and_compression_from_the_outside():
     assert hoop[1] < 0
 
 
+@pytest.mark.slow
 def test_a_soft_core_gives_way():
     """What the core yields the laps on it lose: less pressure there, the web compressed."""
     soft = changed(**{"core.stiffness": 2e7})

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import os
-import signal
 import subprocess
 import sys
-import time
 import tomllib
 from pathlib import Path
 
@@ -18,15 +15,8 @@ from woundon.jorkama2001 import catalogue, plugin, publication
 from woundon.jorkama2001.command import thesis
 
 PROJECT = Path(__file__).parents[2] / "pyproject.toml"
-# a process of its own that has the command, whether or not the package has been installed
-WOUNDON = (
-    "import sys; from woundon.jorkama2001.command import thesis; "
-    "from woundon.cli import commands as cli; "
-    "cli.commands.add_command(thesis); sys.exit(cli.main())"
-)
 
 Capture = pytest.CaptureFixture[str]
-posix = pytest.mark.skipif(os.name == "nt", reason="signals and terminals of POSIX")
 
 
 def test_the_project_declares_its_plug_in():
@@ -99,66 +89,3 @@ def test_faults(args, said, tmp_path, monkeypatch, capsys: Capture):
     output = capsys.readouterr()
     assert output.err.startswith(said)
     assert list(tmp_path.iterdir()) == []
-
-
-def _children(pid: int) -> list[int]:
-    """Return the processes that a process has started and that live."""
-    found = []
-    for status in Path("/proc").glob("[0-9]*/stat"):
-        try:
-            fields = status.read_text().rpartition(")")[2].split()
-        except OSError:  # it has just ended
-            continue
-        if int(fields[1]) == pid and fields[0] != "Z":
-            found.append(int(status.parent.name))
-    return found
-
-
-def _hear_ctrl_c() -> None:
-    """Undo what a shell does to jobs in its background: there Ctrl-C is ignored, and inherited."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
-
-
-@pytest.mark.slow
-@posix
-@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="looks for processes in /proc")
-@pytest.mark.parametrize("jobs", ["1", "2"])
-def test_ctrl_c_stops_it_at_once_and_leaves_nobody_behind(tmp_path, jobs: str):
-    # two modules of many seconds each, and a quick one before whose end nothing is stopped
-    names = ["table4", "fig28", "table3"]
-    command = [sys.executable, "-c", WOUNDON, "thesis", *names, "--jobs", jobs]
-    with subprocess.Popen(
-        [*command, "--out", str(tmp_path)], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-        text=True, start_new_session=True, preexec_fn=_hear_ctrl_c,
-    ) as process:  # fmt: skip
-        limit, workers = time.monotonic() + 60, list[int]()
-        while time.monotonic() < limit and process.poll() is None:
-            workers = _children(process.pid)
-            # they have begun to work when the resource tracker and both have their libraries
-            if len(workers) >= (3 if jobs == "2" else 0) and _used(process.pid, workers) > 2.0:
-                break
-            time.sleep(0.05)
-        assert process.poll() is None
-        begun = time.monotonic()
-        os.killpg(process.pid, signal.SIGINT)  # as a terminal's Ctrl-C does: to the whole group
-        said = process.communicate(timeout=30)[1]
-    assert time.monotonic() - begun < 3  # a module's work takes ten and more
-    assert process.returncode == 130
-    assert f"stopped; 0 of 3 are in {tmp_path}" in said
-    assert "Traceback" not in said
-    limit = time.monotonic() + 3
-    while time.monotonic() < limit and any(Path(f"/proc/{pid}").exists() for pid in workers):
-        time.sleep(0.02)
-    assert [pid for pid in workers if Path(f"/proc/{pid}").exists()] == []
-
-
-def _used(*found: int | list[int]) -> float:
-    """Return the processor time that processes have used [s]."""
-    ticks = 0
-    for pid in (p for group in found for p in (group if isinstance(group, list) else [group])):
-        try:
-            fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
-        except OSError:
-            continue
-        ticks += int(fields[11]) + int(fields[12])
-    return ticks / os.sysconf("SC_CLK_TCK")

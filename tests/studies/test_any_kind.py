@@ -97,16 +97,6 @@ def test_rollers_are_fitted_to_a_curve_of_creepage():
     assert fit.estimate("friction") == pytest.approx(0.5, rel=1e-5)
 
 
-def test_a_field_may_come_with_a_body_that_is_varied():
-    drums = [wo.HalfPlane(radius=0.5, material=name) for name in ("rubber", "steel")]
-    over = {"drum": drums, "drum.radius": [0.4], "drum.material": ["rubber"]}
-    data = wo.sweep(paper_nip(), over, "nip_induced_tension", nodes=17, workers=1)
-    single = wo.solve(paper_nip(drum=wo.HalfPlane(radius=0.4, material="rubber")), nodes=17)
-    assert np.ravel(data.nip_induced_tension) == pytest.approx(
-        [single.nip_induced_tension] * 2, rel=1e-8
-    )  # warm and cold carry the load to 3e-9
-
-
 # ---- a kind from outside ------------------------------------------------------------------------
 
 

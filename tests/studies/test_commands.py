@@ -130,27 +130,6 @@ def wrapped_case(tmp_path: Path) -> Path:
     return path
 
 
-def test_wraps_are_swept_from_a_study_file(wrapped_case: Path, tmp_path: Path):
-    """Their fields go by the bare name, as in ``over`` of Python; the output is the kind's own."""
-    study = tmp_path / "study.toml"
-    study.write_text(
-        f'schema = 1\ncase = "{wrapped_case.name}"\n[over]\nwrap_friction = [0.1, "30 %"]\n'
-        'roll_wrap = { from = "30 deg", to = "3 rad", count = 2 }\n[solver]\nnodes = 17\n',
-        encoding="utf-8",
-    )
-    out = tmp_path / "out"
-    assert cli.main(["sweep", str(study), "--out", str(out), "--workers", "1"]) == 0
-    assert (out / "wound_on_tension.png").stat().st_size > 10_000
-    base = wo.load_case(wrapped_case)
-    assert isinstance(base, wo.NipProblem)
-    with xarray.open_dataset(out / "study.nc", engine="scipy") as data:
-        assert data.roll_wrap.values == pytest.approx([np.pi / 6, 3.0])
-        single = wo.solve(base.replace(wrap_friction=0.3, roll_wrap=3.0), nodes=17)
-        # warm and cold starts agree to the tolerance of the solver
-        found = float(data.wound_on_tension[1, 1])
-        assert found == pytest.approx(single.wound_on_tension, rel=1e-8)
-
-
 POINTS = Path(str(resources.files("woundon"))) / "data" / "wound_on_tension_newsprint.csv"
 MEASURED = ["--column", "measured=wound_on_tension", "--column", "thesis_theory="]
 
@@ -221,59 +200,6 @@ def test_example_studies_load(name: str):
     study = load_study(EXAMPLES / name)
     assert study.outputs
     assert all(len(values) for values in study.over.values())
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "says"),
-    [
-        ("schema = 1", "schema = 2", "schema: write 'schema = 1'"),
-        ("[over]", "[ove]", "ove: no such field; did you mean 'over'"),
-        ("nip_alone", "missing", "missing.toml"),
-        ("count = 3", "cound = 3", "over.nip_load.cound: no such field; did you mean 'count'"),
-        ("count = 3", "count = 1", "over.nip_load.count: 1 is not a whole number, 2 to 1000000"),
-        (", count = 3", "", "over.nip_load.count: missing"),
-        ('"4 kN/m"', '"4 mm"', "over.nip_load.to"),
-        ('["0 N/m", "300 N/m"]', '"0 N/m"', "is not a set of values; write a list"),
-        ("count = 3", 'count = 3, spacing = "cubic"', "must be linear or log"),
-        ('"1 kN/m"', '"-1 kN/m", spacing = "log"', "a logarithmic range must lie above 0"),
-        ("nip_load =", "nip_lode =", "nip_lode: no such field; did you mean 'nip_load'"),
-        ('["nip_induced_tension"]', "7", "outputs: 7 is not a list of names"),
-        ("[solver]", '[design]\nkind = "hypercube"\n[solver]', "design.kind: 'hypercube'"),
-        ("[solver]", "[design]\nsample = 8\n[solver]", "design.sample: no such field"),
-        ("nodes = 17", "node = 17", "node: no such option; did you mean 'nodes'"),
-        ("nodes = 17", "nodes = ", "line"),
-        ("nodes = 17", "nodes = 3", "nodes: 3 is out of range: must be a whole number, 13 to 1025"),
-        ("nodes = 17", "rtol = nan", "rtol: nan is out of range"),
-        (
-            "[solver]",
-            '[tie]\nnip_load = "web_tension"\n[solver]',
-            "nip_load: cannot be varied, because nip_load is tied to web_tension",
-        ),
-        ("[solver]", '[tie]\n"web.material" = 5\n[solver]', "tie.web.material: 5 is not the name"),
-        (
-            "[over]",
-            '[over]\n"web.material" = { from = 1, to = 2, count = 2 }',
-            "over.web.material: is not a number, so it has no range; write a list of values",
-        ),
-        ('["nip_induced_tension"]', '["tension"]', "tension: not a scalar output"),
-        ("nodes = 17", "web_tension = 100", "web_tension: is a field of the problem, not an opt"),
-        ('"4 kN/m"', "inf", "over.nip_load.to: inf is not a finite number"),
-        ('["0 N/m", "300 N/m"]', "[0, nan]", "nan is not a finite number"),
-        (
-            '["nip_induced_tension"]',
-            '["approach", "approach"]',
-            "outputs: 'approach' is given twice",
-        ),
-    ],
-)
-def test_bad_study_files_are_rejected(
-    study: Path, capsys: pytest.CaptureFixture[str], old: str, new: str, says: str
-):
-    text = study.read_text("utf-8")
-    assert old in text
-    study.write_text(text.replace(old, new), encoding="utf-8")
-    assert cli.main(["sweep", str(study), "--out", str(study.parent / "out")]) == 2
-    assert says in capsys.readouterr().err
 
 
 def test_a_study_may_hold_its_case(tmp_path: Path):

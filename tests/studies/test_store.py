@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import os
 import sqlite3
 import subprocess
@@ -153,52 +152,6 @@ def test_damaged_rows_are_reported_and_solved_again(tmp_path: Path, damage: str)
     run(tmp_path, Other(), resume=True)  # repaired: nothing is solved, nothing is reported
 
 
-def test_a_chunk_of_another_study_of_the_same_cases_is_damage(tmp_path: Path):
-    first = run(tmp_path / "one")
-    run_study(models.FailingModel(), DESIGN, SerialRunner(), out=tmp_path / "two", chunk=3)
-    other = str(tmp_path / "two" / "study.sqlite").replace("'", "''")
-    with closing(sqlite3.connect(tmp_path / "one" / "study.sqlite")) as connection:
-        connection.execute(f"ATTACH '{other}' AS other")
-        with connection:
-            connection.execute("INSERT OR REPLACE INTO chunk SELECT * FROM other.chunk")
-            connection.execute("DELETE FROM chunk WHERE number = 2")
-    with pytest.raises(wo.InvalidProblem, match="contains another study: model differs"):
-        run_study(
-            models.FailingModel(),
-            DESIGN,
-            SerialRunner(),
-            out=tmp_path / "one",
-            chunk=3,
-            resume=True,
-        )
-    with pytest.warns(UserWarning, match="0 of its chunks are intact, the other 3 are solved"):
-        again = run(tmp_path / "one", resume=True)
-    assert np.array_equal(first.outputs["y"], again.outputs["y"])
-
-
-@pytest.mark.parametrize("page", range(1, 10))
-def test_of_damaged_pages_the_others_are_kept(tmp_path: Path, page: int):
-    """The first page holds the names of the tables, the third leads to all chunks."""
-    design, path = make_design({"a": range(2000)}), tmp_path / "study.sqlite"
-    first = run_study(models.LinearModel(), design, SerialRunner(), out=tmp_path, chunk=50)
-    content = bytearray(path.read_bytes())
-    content[page * 4096 - 4096 : page * 4096] = bytes(4096)
-    assert len(content) > 10 * 4096
-    path.write_bytes(content)
-    if page == 1:
-        with pytest.raises(wo.InvalidProblem, match="damaged, and none of its chunks is of this"):
-            run_study(
-                models.LinearModel(), design, SerialRunner(), out=tmp_path, chunk=50, resume=True
-            )
-        assert path.read_bytes() == content
-    else:
-        with pytest.warns(UserWarning, match="0 of its" if page == 3 else r"(3\d|40) of its"):
-            again = run_study(
-                models.LinearModel(), design, SerialRunner(), out=tmp_path, chunk=50, resume=True
-            )
-        assert np.array_equal(first.outputs["y"], again.outputs["y"])
-
-
 @pytest.mark.parametrize("content", [b"text", b"SQLite format 3\0", b"[" * 100_000, bytes(8192)])
 def test_a_file_that_is_no_database_is_left_alone(tmp_path: Path, content: bytes):
     path = tmp_path / "study.sqlite"
@@ -337,19 +290,6 @@ def test_netcdf_comes_back_as_it_was(tmp_path: Path, table):
         assert read.half_width.attrs == kept.half_width.attrs
         assert read.attrs == kept.attrs
         assert [str(v) for v in read.failure.values.ravel()] == list(table.failure)
-
-
-def test_csv_has_units_in_its_header_and_every_digit(tmp_path: Path, table):
-    export(table, tmp_path / "study.csv")
-    with (tmp_path / "study.csv").open(encoding="utf-8", newline="") as file:
-        rows = list(csv.DictReader(file))
-    assert list(rows[0]) == [
-        "case", "nip_load [N/m]", "winding_force [N/m]", "nip_induced_tension [N/m]",
-        "half_width [m]", "failure", "warnings",
-    ]  # fmt: skip
-    read = [float(row["half_width [m]"]) for row in rows]
-    assert np.array_equal(read, table.outputs["half_width"], equal_nan=True)
-    assert rows[1]["failure"].startswith("NoSteadyState")
 
 
 def test_parquet_holds_the_same_bits(tmp_path: Path, table):

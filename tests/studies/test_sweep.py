@@ -44,20 +44,6 @@ def test_a_grid_gives_the_numbers_of_single_solves(grid):
             assert str(case.warnings.values) == "; ".join(single.warnings)
 
 
-def test_default_nodes_agree_with_single_solves_within_the_stated_errors():
-    """Warm and cold solves may stop at different grids; each tells its error."""
-    over = {"nip_load": [1000.0, 1900.0, 3000.0], "winding_force": [-100.0, 100.0]}
-    outputs = ("nip_induced_tension", "nip_induced_tension_error")
-    data = wo.sweep(paper_nip(), over, outputs, workers=1)
-    for P in over["nip_load"]:
-        for F in over["winding_force"]:
-            single = wo.solve(paper_nip(nip_load=P, winding_force=F))
-            case = data.sel(nip_load=P, winding_force=F)
-            apart = abs(float(case.nip_induced_tension) - single.nip_induced_tension)
-            stated = float(case.nip_induced_tension_error) + single.nip_induced_tension_error
-            assert apart <= stated
-
-
 def test_numbers_depend_neither_on_workers_nor_on_the_rest_of_the_study():
     over = {"nip_load": np.linspace(1000, 3000, 24)}
     one = wo.sweep(paper_nip(), over, nodes=17, workers=1, chunk=6)
@@ -106,26 +92,6 @@ def test_bodies_and_materials_can_be_varied():
     single = wo.solve(paper_nip(drum=drums[1], **{"roll.material": "newsprint"}), nodes=17)
     found = float(data.nip_induced_tension[1, 1])
     assert found == pytest.approx(single.nip_induced_tension, rel=SAME)
-
-
-def test_a_tied_field_follows():
-    tie = {"web.material": "roll.material"}
-    over = {"roll.material.tangential": [2e9, 4e9]}
-    data = wo.sweep(paper_nip(), over, TENSION, tie=tie, nodes=17, workers=1)
-    both = {"roll.material.tangential": 4e9, "web.material.tangential": 4e9}
-    single = wo.solve(paper_nip(**both), nodes=17).nip_induced_tension
-    assert float(data.nip_induced_tension[1]) == pytest.approx(single, rel=SAME)
-
-
-def test_drawn_designs_are_tables_of_cases():
-    over = {"nip_load": (1e3, 3e3), "roll_friction": (0.1, 0.3)}
-    data = wo.sweep(
-        paper_nip(), over, TENSION, design="sobol", samples=8, seed=2, nodes=17, workers=1
-    )
-    assert data.sizes == {"case": 8}
-    P, mu = float(data.nip_load[3]), float(data.roll_friction[3])
-    single = wo.solve(paper_nip(nip_load=P, roll_friction=mu), nodes=17).nip_induced_tension
-    assert float(data.nip_induced_tension[3]) == pytest.approx(single, rel=SAME)
 
 
 def test_values_may_be_texts_with_units():

@@ -88,41 +88,6 @@ def test_every_kind_has_a_study_that_runs_as_it_is(kind, tmp_path, capsys: Captu
     assert all((out / f"{output}.png").exists() for output in loaded.outputs)
 
 
-@pytest.mark.parametrize(
-    ("args", "code", "said"),
-    [
-        (["solve", "none.toml"], 2, ["error: none.toml: cannot be read: No such file"]),
-        (
-            [*QUICK, "--set", "nip_load=-1", "--set", "web.thickness=0"],
-            2,
-            ["error: web.thickness: 0", "error: nip_load: -1"],
-        ),
-        (
-            ["solve", EXAMPLE, *ALONE, "--coupling-rtol", "1e-3"],
-            2,
-            ["error: --coupling-rtol: not an option of the kind 'nip', which has --nodes"],
-        ),
-        (["new", "rolers"], 2, ["error: Invalid value for 'KIND': 'rolers'"]),
-        ([*QUICK, "--nodes", "many"], 2, ["error: Invalid value for '--nodes': 'many'"]),
-        (["tabel"], 2, ["error: No such command 'tabel'; did you mean 'table'?"]),
-        (["sove", EXAMPLE], 2, ["error: No such command 'sove'; did you mean 'solve'?"]),
-        (["solve"], 2, ["error: Missing argument 'CASE'"]),
-    ],
-)
-def test_a_fault_is_one_line_and_no_traceback(
-    args, code, said, capsys: Capture, tmp_path, monkeypatch
-):
-    monkeypatch.chdir(tmp_path)
-    assert cli.main(args) == code
-    output = capsys.readouterr()
-    lines = output.err.splitlines()
-    assert output.out == ""
-    assert len(lines) == len(said)
-    for line, start in zip(lines, said, strict=True):
-        assert line.startswith(start)
-    assert list(tmp_path.iterdir()) == []
-
-
 class Pressed:
     """An output at whose last flush Ctrl-C is pressed once more."""
 

@@ -79,20 +79,6 @@ def test_a_kind_is_its_problem_its_solver_and_its_result(name: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("thing", "shown"),
-    [("case.toml", "'case.toml'"), (3.0, "3"), (None, "None"), ({"nip_load": 1.0}, "{'nip_load'"),
-     (wo.Web(thickness=66e-6, material="paper"), "Web(")],
-)  # fmt: skip
-def test_what_is_no_problem_is_rejected(thing: Any, shown: str, registry: Any) -> None:
-    with pytest.raises(wo.InvalidProblem) as fault:
-        wo.solve(thing)
-    text = str(fault.value)
-    assert text.startswith(f"problem: {shown}")
-    known = "NipProblem, RollerProblem or RollProblem"
-    assert f"must be a {known}" in text
-
-
-@pytest.mark.parametrize(
     ("names", "kind"),
     [
         (["web", "roll", "drum", "nip_load", "roll_friction", "drum_friction"], "nip"),

@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 from decimal import Decimal
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,8 @@ from woundon.cli.commands import main
 from woundon.io.case_files import to_toml
 from woundon.problems.two_drums import drum_loads, rider_load_for, roll_weight
 from woundon.problems.units import parse
+from woundon.studies.api import study_of
+from woundon.studies.studyfile import load_study
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "newsprint_table2.toml"
 INDENT = "    "
@@ -67,6 +70,28 @@ def case(setting: str) -> Any:
     return wo.load_case(EXAMPLE, [setting])
 
 
+STUDY = f"""
+schema = 1
+case = "{EXAMPLE.as_posix()}"
+outputs = ["nip_induced_tension"]
+[over]
+nip_load = {{ from = "1 kN/m", to = "4 kN/m", count = 3 }}
+winding_force = ["0 N/m", "300 N/m"]
+[solver]
+nodes = 17
+"""
+
+
+def study(old: str, new: str) -> Any:
+    """Prepare a study from a file with one text replaced by another."""
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "study.toml"
+        path.write_text(STUDY.replace(old, new), "utf-8")
+        given = load_study(path)
+    options = {"options": given.options, "tie": given.tie, **given.design}
+    return study_of(given.problem, given.over, given.outputs, **options)
+
+
 NAMES = {
     "wo": wo, "np": np, "nan": float("nan"), "inf": float("inf"), "Decimal": Decimal, "nip": nip,
     "rollers": rollers, "variant": variant, "solve": solve, "NIP": NIP, "PAIR": PAIR,
@@ -74,7 +99,7 @@ NAMES = {
     "STACK": ROLL.stack, "WOUND": WOUND, "RUBBER": RUBBER, "drum_loads": drum_loads,
     "COVER": wo.Cylinder(radius=0.25, core_radius=0.235, material=RUBBER),
     "roll_weight": roll_weight, "rider_load_for": rider_load_for, "plan": plan,
-    "fit": fit, "case": case, "parse": parse,
+    "fit": fit, "case": case, "study": study, "parse": parse,
 }  # fmt: skip
 
 

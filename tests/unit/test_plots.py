@@ -192,6 +192,7 @@ def test_rollers_are_drawn_with_the_closed_form_that_applies(changes, theory, na
 # ---- any kind
 
 
+@pytest.mark.slow
 def test_the_default_draws_every_array_once(results):
     for result in results.values():
         figure = plot_outputs(result)

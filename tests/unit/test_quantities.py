@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from math import pi
 from typing import Any
 
 import numpy as np
 import pytest
 from coarse_solutions import coarse_solution
-from thesis_cases import newsprint_nip
 
 from woundon import kinds, quantities
-from woundon.quantities import Quantity, angle, length, line_load, pure, strain, stress, walk
+from woundon.quantities import walk
 
 # woundon's own, whatever other tests have registered
 OWN = [kind for kind in kinds.every() if kind.problem.__module__.startswith("woundon.")]
@@ -19,28 +17,6 @@ each_kind = pytest.mark.parametrize("kind", OWN, ids=lambda kind: kind.name)
 
 
 # ---- a quantity ---------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("quantity", "value", "shown", "display"),
-    [
-        (length("a", "half width"), 4.2e-3, 4.2, "mm"),
-        (length("2h", "thickness", "um"), 66e-6, 66.0, "um"),
-        (stress("p", "pressure"), 3.5e5, 350.0, "kPa"),
-        (stress("E", "modulus", "MPa"), 3.38e9, 3380.0, "MPa"),
-        (strain("xi", "creep"), -0.0025, -0.25, "%"),
-        (angle("theta", "wrap"), pi, 180.0, "deg"),
-        (line_load("P", "load"), 3502.0, 3502.0, "N/m"),
-        (pure("mu", "friction"), 0.19, 0.19, ""),
-        (Quantity("kappa", "1/m", "curvature"), 10.0, 10.0, "1/m"),
-    ],
-)
-def test_a_quantity_shows_its_values(
-    quantity: Quantity, value: float, shown: float, display: str
-) -> None:
-    assert quantity.shown(value) == pytest.approx(shown, rel=1e-14)
-    np.testing.assert_allclose(quantity.shown(np.array([value, 0.0])), [shown, 0.0], rtol=1e-14)
-    assert quantity.display == display
 
 
 def test_every_shown_unit_is_its_unit_and_every_range_an_admissible_one() -> None:
@@ -76,27 +52,6 @@ def test_every_shown_unit_is_its_unit_and_every_range_an_admissible_one() -> Non
 
 
 # ---- descriptions -------------------------------------------------------------------------------
-
-
-def test_the_walk_over_a_problem_has_every_leaf_once_with_its_value() -> None:
-    problem = newsprint_nip()
-    values = {place.path: place.value for place in walk(problem)}
-    material = {"radial": 27e6, "tangential": 3.38e9, "cross": 5e6, "shear": 10e6}
-    assert values == {
-        "web.thickness": 66e-6,
-        **{f"web.material.{name}": value for name, value in material.items()},
-        "roll.radius": 0.1,
-        "roll.core_radius": 0.0445,
-        **{f"roll.material.{name}": value for name, value in material.items()},
-        "drum.radius": 0.0762,
-        "roll_friction": 0.19, "drum_friction": 0.2,
-        "nip_load": 3502.0, "winding_force": 0.0, "web_tension": 350.0,
-        "roll_wrap": 0.0, "drum_wrap": 0.0, "wrap_friction": None,
-        "web_speed": None, "air": None, "width": None,
-    }  # fmt: skip
-    # in the order of definition, as template and report show them
-    assert list(values)[:2] == ["web.thickness", "web.material.radial"]
-    assert list(values)[-3:] == ["web_speed", "air", "width"]
 
 
 @each_kind

@@ -6,6 +6,7 @@ import csv
 import io
 import random
 import re
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ import pytest
 import woundon as wo
 from woundon.errors import InvalidProblem
 from woundon.io import sheets
+from woundon.studies.export import check_export
 from woundon.studies.kind_model import columns_of, measurable
 from woundon.studies.measured import Measured, read_measured
 
@@ -94,32 +96,10 @@ def test_a_symbol_that_several_fields_have_is_rejected():
     assert message[0] == f"column 'A_rr [MPa]': is ambiguous: {several}"
 
 
-def test_units_may_be_in_the_mapping(tmp_path: Path):
-    path = written(tmp_path, "Linienlast;Zug N/m;WOT;Bemerkung\n1,9;350;650;gut\n")
-    columns = {"linienlast": "nip_load [kN/m]", "Zug": "web_tension", "WOT": "WOT (N/m)",
-               "Bemerkung": None}  # fmt: skip
-    data = read(path, columns)
-    assert {name: values.tolist() for name, values in data.inputs.items()} == {
-        "nip_load": [1900.0], "web_tension": [350.0],
-    }  # fmt: skip
-    assert data.outputs["wound_on_tension"].tolist() == [650.0]
-
-
 def test_units_may_stand_in_a_row_of_their_own(tmp_path: Path):
     data = read(written(tmp_path, "nip load,roll friction,WOT\n[kN/m],-,N/m\n1.9,0.2,650\n"))
     assert data.inputs["nip_load"].tolist() == [1900.0]
     assert list(data.numbers) == [3]
-
-
-def test_a_file_without_units_asks_for_them_and_columns_in_memory_are_si(tmp_path: Path):
-    message = faults(written(tmp_path, "nip load,roll friction,WOT\n1.9,0.2,650\n"))
-    assert [text.partition(";")[0] for text in message] == [
-        "column 'nip load': has no unit", "column 'WOT': has no unit",
-    ]  # fmt: skip
-    assert "write it into the header, as in 'nip_load [N/m]'" in message[0]
-    assert "--column 'nip load=nip_load [N/m]'" in message[0]
-    data = read({"nip load": [1.9], "WOT": [650.0]})
-    assert data.inputs["nip_load"].tolist() == [1.9]
 
 
 def test_a_wrong_or_unknown_unit_names_its_column():
@@ -257,3 +237,19 @@ def test_random_texts_are_split_into_cells_as_the_csv_module_splits_them(seed: i
         expected = list(csv.reader(io.StringIO(lines), delimiter=separator, skipinitialspace=True))
         found, _ = sheets._text_rows(f"sep={separator}\n{text.getvalue()}", "rig.csv")
         assert found == [[""], *(row or [""] for row in expected)]
+
+
+def test_a_formula_that_failed_is_no_gap(tmp_path: Path):
+    openpyxl = pytest.importorskip("openpyxl")
+    path = book(tmp_path, [["nip_load [N/m]", "WOT [N/m]"], [1000, "#DIV/0!"]])
+    made = openpyxl.load_workbook(path)
+    made.active["B2"].data_type = "e"
+    made.save(path)
+    assert faults(path)[0].startswith("row 2, column 'WOT [N/m]': '#DIV/0!' is not a number")
+
+
+def test_missing_openpyxl_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setitem(sys.modules, "openpyxl", None)
+    for call in (read, check_export):
+        with pytest.raises(InvalidProblem, match=r"need openpyxl: pip install 'woundon\[excel\]'"):
+            call(tmp_path / "rig.xlsx")

@@ -266,15 +266,6 @@ def test_warnings_are_issued_once_at_the_users_line(way: str) -> None:
         assert one.category is (wo.ResolutionWarning if of_grid else wo.ValidityWarning)
 
 
-def test_studies_tell_warnings_in_a_column_and_issue_none() -> None:
-    computed: list[object] = []
-    over = {"web_tension": [350.0, 1e5]}
-    assert issued(lambda: computed.append(wo.sweep(newsprint_nip(), over, workers=1))) == []
-    column = computed[0].warnings.values  # type: ignore[attr-defined]
-    assert column[0] == ""
-    assert column[1].startswith("the web's strain is ")
-
-
 def test_every_limit_stands_in_the_documentation() -> None:
     page = (Path(__file__).parents[2] / "docs" / "howto" / "warnings.md").read_text("utf-8")
     rows = [line.split("|")[1:-1] for line in page.splitlines() if line.startswith("| ")]

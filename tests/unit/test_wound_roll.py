@@ -157,18 +157,6 @@ def case(text: str, folder: Path) -> Any:
     return make_problem(read_case(path))
 
 
-@pytest.mark.parametrize("comments", [False, True])
-@pytest.mark.parametrize("pressure", [200e3, GRADED], ids=["a number", "a profile"])
-def test_case_files_come_back(pressure: Any, comments: bool, tmp_path: Path) -> None:
-    plain = case(CASE, tmp_path)
-    assert plain.roll == roll()
-    problem = plain.replace(**{"roll.pressure": pressure})
-    text = to_toml(problem, comments)
-    assert make_problem(tomllib.loads(text)) == problem
-    if pressure is GRADED:  # values have the unit of the field that they are of
-        assert '"200 kPa"' in text
-
-
 def test_columns_from_a_csv_file(tmp_path: Path) -> None:
     P = np.linspace(0, 800, 9)
     e = 100 * np.log1p(P / 20) / 30
