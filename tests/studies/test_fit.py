@@ -16,10 +16,10 @@ from thesis_cases import newsprint_nip, paper_nip
 
 import woundon as wo
 import woundon.studies.fit
-from woundon.studies.fit import fit_parameters
+from woundon.studies.fit import MOST_STARTS, fit_parameters
 from woundon.studies.kind_model import columns_of, measurable, model_of, replaced
 from woundon.studies.measured import Measured, read_measured
-from woundon.studies.minimise import Minimum
+from woundon.studies.minimise import Linearisation
 from woundon.studies.predict import Parameter, Predictor
 from woundon.studies.profiles import threshold
 
@@ -161,7 +161,7 @@ def _ends_by_refits(predictor: Predictor, fit, j: int) -> list[float]:
 
 
 def test_intervals_are_those_of_whole_refits_in_a_curved_valley():
-    """Brent's method and one set of derivatives for each refit: ends to 5e-3 of their distance."""
+    """Brent's method with reused derivatives: ends to 1e-2 of their distance."""
     y = 2 * (1 - np.exp(-0.4 * X)) + 0.3 * NOISE
     parameters = (Parameter("a", 0.1, 100.0, 1.0), Parameter("b", 0.01, 10.0, 1.0))
     data = Measured({"x": X}, {"y": y}, {})
@@ -172,7 +172,7 @@ def test_intervals_are_those_of_whole_refits_in_a_curved_valley():
         known = _ends_by_refits(predictor, fit, j)
         for end, true in zip((profile.low, profile.high), known, strict=True):
             reach = abs(np.log(true / fit.estimates[j]))
-            assert abs(np.log(end / true)) < 5e-3 * reach
+            assert abs(np.log(end / true)) < 1e-2 * reach
 
 
 @pytest.mark.slow
@@ -196,23 +196,16 @@ def test_intervals_are_those_of_whole_refits_for_the_measured_tensions():
         assert abs(np.log(end / true)) < 1e-2 * reach
 
 
-@pytest.mark.slow
-def test_starts_look_around_on_few_nodes():
-    """On few nodes all starts descend; the minimum that they end in is that of all nodes."""
-    vary = {"roll.material.shear": (1e6, 1e8), "roll_friction": (0.05, 0.8)}
-    data = {"nip_load": LOADS, "outlet_tension": [560.0, 640.0, 700.0, 800.0]}
-    one = wo.fit(paper_nip(), data, vary, nodes=35, starts=1, profiles=False)
-    predictor = Predictor(
-        model_of(paper_nip(), ("outlet_tension",), None, {"nodes": 35}),
-        Measured({"nip_load": np.array(LOADS)}, {"outlet_tension": np.zeros(4)}, {}),
-        tuple(Parameter(name, *ends, None) for name, ends in vary.items()),
-    )
-    assert predictor.coarse.model.options == {"nodes": 17}
-    assert predictor.coarse.coarse is None
-    many = wo.fit(paper_nip(), data, vary, nodes=35, starts=3, profiles=False)
-    assert many.reached == many.starts == 3
-    # four values hardly tell the two apart: along their valley S is rough
-    assert np.all(np.abs(many.estimates - one.estimates) < 0.1 * one.standard_errors)
+def test_starts_end_when_two_agree():
+    """With the default number of starts; an explicit number is used in full."""
+    y = 2 * (1 - np.exp(-0.4 * X)) + 0.3 * NOISE
+    bounds = (Parameter("a", 0.1, 100.0, 1.0), Parameter("b", 0.01, 10.0, 1.0))
+    found = _fitted(models.SaturationModel(), y, bounds, starts=None, profiles=False)
+    assert found.reached == 2
+    assert found.starts < MOST_STARTS
+    every = _fitted(models.SaturationModel(), y, bounds, starts=7, profiles=False)
+    assert every.starts == 7
+    assert np.all(np.abs(every.estimates - found.estimates) < 0.1 * found.standard_errors)
 
 
 # the thesis's fifteen measured tensions
@@ -247,21 +240,22 @@ def test_known_parameters_of_a_nip_are_recovered():
     assert record["units"]["roll.material.shear"] == "Pa"
 
 
-def test_exact_derivatives_are_those_of_differences():
+def test_derivatives_are_the_exact_ones():
     parameters = (
         Parameter("roll.material.shear", 1e6, 1e8, 1e7),
         Parameter("roll_friction", 0.02, 2.0, 0.2),
     )
-    tie, unknown = {"web.material": "roll.material"}, np.zeros(len(LOADS))
-
-    def predictor(*outputs: str) -> Predictor:
-        measured = Measured({"nip_load": np.array(LOADS)}, dict.fromkeys(outputs, unknown), {})
-        return Predictor(model_of(paper_nip(), outputs, tie, {"nodes": 33}), measured, parameters)
-
-    u, outputs = np.log([1.1e7, 0.21]), ("outlet_tension", "half_width", "nip_width")
-    exact, differences = predictor(*outputs).jacobian(u), predictor(*outputs).differences(u)
-    # kinks where a node changes its zone within the step of 0.2 %
-    assert exact == pytest.approx(differences, rel=0.02, abs=1e-3 * np.abs(exact).max())
+    tie, outputs = {"web.material": "roll.material"}, ("outlet_tension", "half_width", "nip_width")
+    measured = Measured({"nip_load": np.array(LOADS)}, dict.fromkeys(outputs, np.zeros(4)), {})
+    model = model_of(paper_nip(), outputs, tie, {"nodes": 33})
+    predictor = Predictor(model, measured, parameters)
+    u, names = np.log([1.1e7, 0.21]), tuple(parameter.name for parameter in parameters)
+    states = [model.run({"nip_load": P, **predictor.inputs(u)}, None).state for P in LOADS]
+    # (outputs, loads, parameters), as the predictor orders its values
+    exact = np.stack([model.gradient(state, names) for state in states], axis=1) * np.exp(u)
+    # kinks where a node changes its zone within the step of 0.1 %
+    found = predictor.jacobian(u).reshape(exact.shape)
+    assert found == pytest.approx(exact, rel=0.02, abs=1e-3 * np.abs(exact).max())
 
 
 @pytest.fixture(scope="module")
@@ -372,7 +366,7 @@ def test_the_measured_tensions_are_fitted(output):
     if output == "wound_on_tension":
         problem = problem.replace(roll_wrap=pi)
     fit = wo.fit(problem, POINTS, vary, columns=RIG | {"measured": output})
-    assert fit.reached == fit.starts == 6
+    assert fit.reached == fit.starts == 2
     assert np.all(np.abs(fit.estimates - estimates) < moves * np.array(errors))
     assert fit.standard_errors == pytest.approx(errors, rel=0.05)
     found = [end for profile in fit.profiles for end in (profile.low, profile.high)]
@@ -396,9 +390,23 @@ def test_the_linear_model_of_a_minimum_predicts_residuals_in_its_basin_only():
     def residuals(a: float) -> np.ndarray:
         return np.array([a**3 + a, a])
 
-    minimum = Minimum(np.zeros(1), residuals(0.0), np.array([[1.0], [1.0]]))
+    minimum = Linearisation(np.zeros(1), residuals(0.0), np.array([[1.0], [1.0]]))
     assert minimum.predicts(np.array([0.3]), residuals(0.3))
     assert not minimum.predicts(np.array([2.0]), residuals(2.0))
+
+
+def test_the_expected_decrease_is_that_of_the_linear_model_within_the_bounds():
+    """r = (u0 - 1, u1 - 2, 3): at 0 the free minimum is 5 lower, with u1 held at its bound 1."""
+    data = Measured({"x": X[:1]}, {"y": np.zeros(1)}, {})
+    predictor = Predictor(models.LineModel(), data, LINE)
+    J = np.array([[1.0, 0.0], [0.0, 1.0], [0.0, 0.0]])
+    at = Linearisation(np.zeros(2), np.array([-1.0, -2.0, 3.0]), J)
+    assert at.expected_decrease(predictor) == pytest.approx(5.0)
+    assert at.expected_decrease(predictor, fixed=1) == pytest.approx(1.0)
+    predictor.high = np.array([10.0, 0.0])  # u1 would have to exceed it
+    assert at.expected_decrease(predictor) == pytest.approx(1.0)
+    predictor.low, predictor.high = np.array([-10.0, 0.0]), np.array([10.0, 10.0])
+    assert at.expected_decrease(predictor) == pytest.approx(5.0)
 
 
 @pytest.mark.slow
@@ -425,11 +433,3 @@ def test_places_begin_at_the_nearest_one_and_known_ones_cost_nothing():
         predictor.residuals(np.array([a, 1.0]))
     assert begun == [None, 0.0, 0.0]
     assert predictor.solves == 3
-
-
-def test_few_nodes_are_no_neighbour_of_many():
-    """They start a case of the same fields; they are not its answer."""
-    model = model_of(paper_nip(), ("outlet_tension",), None, {"nodes": 35})
-    few = model.coarse.run({}, None)
-    assert model.run({}, few.state).values == pytest.approx(model.run({}, None).values, rel=1e-7)
-    assert few.values[0] != pytest.approx(model.run({}, None).values[0], rel=1e-5)

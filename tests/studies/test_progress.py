@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 
+import numpy as np
 import pytest
 
 import woundon as wo
@@ -31,5 +32,8 @@ def test_a_fit_reports_progress_until_all_is_done():
         workers=1,
         progress=lambda done, expected: calls.append((done, expected)),
     )
-    # two starts, the refinement of their minima, two ends of one profile
-    assert calls == [(k, 5) for k in range(1, 6)]
+    # every evaluation is reported, at most the expected ones
+    done, expected = np.transpose(calls)
+    assert len(calls) > 10
+    assert np.all(np.diff(done) >= 0)
+    assert set(expected) == {done[-1]}

@@ -262,9 +262,7 @@ def sobol(
 @click.option(
     "--starts",
     type=click.IntRange(1),
-    default=6,
-    show_default=True,
-    help="Number of initial guesses.",
+    help="Number of initial guesses; by default until two lead to the best minimum, at most 6.",
 )
 @NODES
 @click.option("--no-profiles", is_flag=True, help="Omit the profile-likelihood intervals.")
@@ -279,7 +277,7 @@ def fit(
     columns: tuple[tuple[str, str], ...],
     settings: tuple[str, ...],
     chosen: tuple[str, ...],
-    starts: int,
+    starts: int | None,
     nodes: int | None,
     no_profiles: bool,
     as_json: bool,

@@ -304,7 +304,7 @@ def fit(
     *,
     tie: Mapping[str, str] | None = None,
     columns: Mapping[str, str | None] | None = None,
-    starts: int = 6,
+    starts: int | None = None,
     seed: int = 0,
     profiles: bool | Sequence[str] = True,
     workers: int | None = None,
@@ -331,13 +331,14 @@ def fit(
     columns : mapping
         Header in the data -> name of the quantity, with or without unit; None omits a column.
     starts, seed : int
-        Number of starting points: the values of the problem, and drawn ones; seed of these.
+        Number of starting points, the values of the problem and drawn ones, and seed of these.  By
+        default until two starts converge to the best minimum, at most 6.
     profiles : bool or sequence of str
         Compute profile-likelihood intervals: of all fitted fields, or of the named ones.
     workers : int
-        Processes for starts and profiles if they take long; by default one for each core.
+        Processes for profiles if they take long; by default one for each core.
     progress : bool or callable
-        Show the fraction that is done, or call with (starts and profiles done, in all).
+        Show the fraction that is done, or call with (evaluations done, expected).
     nodes, rtol, options
         As of :func:`sweep`; by default 65 nodes if the solver chooses the mesh.  ``rtol`` is not
         recommended: outputs are continuous in the parameters on one mesh, and jump by the

@@ -15,11 +15,11 @@ s^2 = S/(m - p), or 1 where the deviations are known:
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field
 from functools import partial
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -28,7 +28,7 @@ from ..parallel import in_processes
 from ..quantities import Quantity
 from ..results import Presented, ReadOnly
 from . import fitreport
-from .minimise import Minimum, minimise
+from .minimise import ACCURACY, Linearisation, minimise
 from .predict import Parameter, Predictor
 from .profiles import End, ProfileLikelihood, find_end, profile_of, threshold
 from .progress import Progress
@@ -41,10 +41,7 @@ if TYPE_CHECKING:
 __all__ = ["FitResult", "fit_parameters"]
 
 Array = np.ndarray
-Item = TypeVar("Item")
-Answer = TypeVar("Answer")
-# accuracy of minima in standard errors: another mesh moves a minimum by as much; on few nodes
-FINE, COARSE = 0.05, 0.3
+MOST_STARTS = 6  # by default, if no two of them converge to the same minimum before
 SAME_MINIMUM = 1e-3  # relative difference of S
 
 
@@ -180,7 +177,7 @@ class FitResult(Presented, ReadOnly):
 def fit_parameters(
     predictor: Predictor,
     *,
-    starts: int,
+    starts: int | None,
     seed: int,
     profiles: Collection[str],
     quantities: Mapping[str, Quantity],
@@ -192,17 +189,18 @@ def fit_parameters(
     Parameters
     ----------
     predictor : Predictor
-    starts : int
-        Number of starting points: the base value, the others by Latin hypercube.
+    starts : int or None
+        Number of starting points: the base value, the others by Latin hypercube; by default until
+        two of them converge to the best minimum, at most 6.
     seed : int
     profiles : collection of str
         Parameters whose profile-likelihood intervals are found.
     quantities : mapping of str to Quantity
         Of parameters and outputs.
     workers : int
-        Processes for starts and profiles, if they take long; the result does not depend on it.
+        Processes for the profiles, if they take long; the result does not depend on it.
     progress : callable
-        Is called with the number of starts and profiles that are done, and of all.
+        Is called with the number of evaluated places, and the expected one.
 
     Raises
     ------
@@ -215,19 +213,40 @@ def fit_parameters(
     if m < len(parameters):
         text = f"{len(parameters)} parameters cannot be fitted to {m} measured values"
         raise InvalidProblem.at("vary", text)
-    tasks = _Tasks(workers, starts + 1 + 2 * len(profiles), progress)
-    found = _minima(predictor, _starting_points(parameters, starts, seed), tasks)
-    if not found:
+    began = time.perf_counter()
+    tasks = _Tasks(predictor, (starts or 2) + 2 * len(profiles), progress)
+    minima, used = _minima(predictor, starts, seed, tasks)
+    if not minima:
         raise NotConverged(f"no start of the fit could be solved: {predictor.fault}")
-    for _ in range(3):
-        made = _profiles(predictor, found[0], profiles, tasks)
-        S, deepest = min((profile.best for profile in made), key=_first, default=(np.inf, None))
-        if deepest is None or found[0].S * (1 - _same_minimum(predictor)) <= S:
+    if time.perf_counter() - began < WORTH_A_POOL:
+        workers = 1
+    for _ in range(MOST_STARTS):
+        found = _profiles(predictor, minima[0], profiles, tasks, workers)
+        best = min((profile.best for profile in found), key=_first, default=None)
+        if best is None or _is_least(minima[0].S, best[0], predictor):
             break
         # a profile has entered the basin of a deeper minimum that no start had found
-        deeper = minimise(predictor, deepest, FINE)
-        found = found if deeper is None else sorted([deeper, *found], key=_sum_of_squares)
-    return _result(predictor, found, starts, made, quantities)
+        deeper = minimise(predictor, best[1])
+        minima = minima if deeper is None else sorted([deeper, *minima], key=_sum_of_squares)
+    tasks.end()
+    return _result(predictor, minima, used, found, quantities)
+
+
+def _minima(
+    predictor: Predictor, starts: int | None, seed: int, tasks: _Tasks
+) -> tuple[list[Linearisation], int]:
+    """Return the minima of the starts in ascending order, and the number of starts."""
+    minima: list[Linearisation] = []
+    used = 0
+    for start in _starting_points(predictor.parameters, starts or MOST_STARTS, seed):
+        minimum = minimise(predictor, start, minima[0] if minima else None)
+        used += 1
+        tasks.finish()
+        if minimum is not None:
+            minima = sorted([*minima, minimum], key=_sum_of_squares)
+        if starts is None and _reached(predictor, minima) >= 2:
+            break
+    return minima, used
 
 
 def _starting_points(parameters: Sequence[Parameter], starts: int, seed: int) -> list[Array]:
@@ -240,56 +259,12 @@ def _starting_points(parameters: Sequence[Parameter], starts: int, seed: int) ->
     return [base, *(low + drawn * (high - low))]
 
 
-def _minima(predictor: Predictor, starts: Sequence[Array], tasks: _Tasks) -> list[Minimum]:
-    """Return the minimum of each start that can be solved, in ascending order.
-
-    The starts are minimised on few nodes where the model permits; what differs is then minimised
-    on all nodes.
-    """
-    coarse = predictor.coarse
-    ends = _from_starts(coarse or predictor, starts, FINE if coarse is None else COARSE, tasks)
-    if coarse is not None:
-        predictor.solves += coarse.solves
-        fine: list[Minimum | None] = []
-        refined: list[tuple[Minimum, Minimum | None]] = []
-        for end in ends:
-            same = [fine for known, fine in refined if _is_same(end, known, coarse)]
-            if not same:
-                refined.append((end, minimise(predictor, end.u, FINE)))
-            fine.append(same[0] if same else refined[-1][1])
-        ends = [end for end in fine if end is not None]
-        ends = ends or _from_starts(predictor, starts, FINE, tasks)
-    tasks.finish(1)
-    return sorted(ends, key=_sum_of_squares)
-
-
-def _from_starts(
-    predictor: Predictor, starts: Sequence[Array], accuracy: float, tasks: _Tasks
-) -> list[Minimum]:
-    """Return the minima from several starts; the first one ends the others in its basin."""
-    began = time.perf_counter()
-    first = minimise(predictor, starts[0], accuracy)
-    pace = time.perf_counter() - began
-    tasks.finish(1)
-    start_from = predictor if first is None else predictor.remembering(first.u)
-    work = partial(_minimise_in_process, start_from, accuracy=accuracy, known=first)
-    others = tasks.run(work, starts[1:], pace)
-    predictor.solves += sum(solves for _, solves, _ in others)
-    predictor.fault = predictor.fault or next((fault for *_, fault in others if fault), "")
-    return [end for end in (first, *(end for end, *_ in others)) if end is not None]
-
-
-def _minimise_in_process(
-    predictor: Predictor, start: Array, *, accuracy: float, known: Minimum | None
-) -> tuple[Minimum | None, int, str]:
-    """Return the minimum from a start, the number of solves, and the last failure."""
-    predictor = copy(predictor)
-    predictor.solves = 0
-    return minimise(predictor, start, accuracy, known), predictor.solves, predictor.fault
-
-
 def _profiles(
-    predictor: Predictor, minimum: Minimum, names: Collection[str], tasks: _Tasks
+    predictor: Predictor,
+    minimum: Linearisation,
+    names: Collection[str],
+    tasks: _Tasks,
+    workers: int,
 ) -> tuple[ProfileLikelihood, ...]:
     """Return the profiles of named parameters; none without degrees of freedom."""
     freedom = predictor.measured.size - len(predictor.parameters)
@@ -297,19 +272,25 @@ def _profiles(
     chosen = [j for j, parameter in enumerate(predictor.parameters) if parameter.name in names]
     if not np.isfinite(limit):
         return ()
-    ends: dict[tuple[int, int], End] = {}
-    work = partial(_end_in_process, predictor.remembering(minimum.u), minimum, limit)
     places = [(j, sign) for j in chosen for sign in (-1, 1)]
-    for place, (end, solves) in zip(places, tasks.run(work, places), strict=True):
+    ends: dict[tuple[int, int], End] = {}
+    if workers > 1 and len(places) > 1:
+        work = partial(_end_of_profile, predictor.remembering(minimum.u), minimum, limit)
+        answers = in_processes(work, places, workers)
+    else:
+        work = partial(_end_of_profile, predictor, minimum, limit)
+        answers = ((place, work(place)) for place in places)
+    for place, (end, solves) in answers:
         ends[place] = end
         predictor.solves += solves
+        tasks.finish()
     return tuple(
         profile_of(predictor, j, minimum, limit, [ends[j, -1], ends[j, 1]]) for j in chosen
     )
 
 
-def _end_in_process(
-    predictor: Predictor, minimum: Minimum, limit: float, place: tuple[int, int]
+def _end_of_profile(
+    predictor: Predictor, minimum: Linearisation, limit: float, place: tuple[int, int]
 ) -> tuple[End, int]:
     """Return an end of a profile and the number of solves."""
     predictor = copy(predictor)
@@ -319,65 +300,51 @@ def _end_in_process(
 
 
 class _Tasks:
-    """Runs independent parts of a fit, in processes if they take long, and reports progress."""
+    """Reports the progress of a fit: evaluations that are done, of those expected for all tasks."""
 
-    def __init__(self, workers: int, count: int, progress: Progress) -> None:
-        self.workers, self.count, self.progress, self.done = workers, count, progress, 0
+    def __init__(self, predictor: Predictor, count: int, progress: Progress) -> None:
+        # a minimisation takes about five iterations, and as many derivatives
+        self.each, self.expected = (
+            5 * (1 + predictor.low.size),
+            count * 5 * (1 + predictor.low.size),
+        )
+        self.progress, self.finished, self.done = progress, 0, 0
+        predictor.report = lambda: self._report(self.done + 1)
 
-    def finish(self, tasks: int) -> None:
-        """Report that some more tasks are done."""
-        self.done += tasks
-        self.progress(min(self.done, self.count), self.count)
+    def finish(self) -> None:
+        """Report that the present task is done."""
+        self.finished += 1
+        self._report(self.finished * self.each)
 
-    def run(
-        self, work: Callable[[Item], Answer], items: Sequence[Item], pace: float | None = None
-    ) -> list[Answer]:
-        """Return ``work(item)`` of every item.
+    def end(self) -> None:
+        """Report that all is done; a deeper minimum may have led to further tasks."""
+        self.progress(self.expected, self.expected)
 
-        Parameters
-        ----------
-        work : callable
-        items : sequence
-        pace : float, optional
-            Expected seconds for each item; by default that of the first one.
-        """
-        answers: dict[int, Answer] = {}
-        began = time.perf_counter()
-        for k, item in enumerate(items):
-            if pace is None and k:
-                pace = (time.perf_counter() - began) / k
-            left = len(items) - k
-            if self.workers > 1 and left > 1 and pace is not None and pace * left > WORTH_A_POOL:
-                rest = [(number, items[number]) for number in range(k, len(items))]
-                workers = min(self.workers, left)
-                for (number, _), answer in in_processes(partial(_numbered, work), rest, workers):
-                    answers[number] = answer
-                    self.finish(1)
-                break
-            answers[k] = work(item)
-            self.finish(1)
-        return [answers[k] for k in range(len(items))]
-
-
-def _numbered(work: Callable[[Item], Answer], item: tuple[int, Item]) -> Answer:
-    return work(item[1])
+    def _report(self, done: int) -> None:
+        most = min((self.finished + 1) * self.each, self.expected - 1)
+        self.done = max(self.done, min(done, most))
+        self.progress(self.done, self.expected)
 
 
 def _first(pair: tuple[float, Any]) -> float:
     return pair[0]
 
 
-def _sum_of_squares(minimum: Minimum) -> float:
+def _sum_of_squares(minimum: Linearisation) -> float:
     return minimum.S
 
 
-def _is_same(one: Minimum, other: Minimum, predictor: Predictor) -> bool:
-    """Return True if two minima are the same to their accuracy."""
-    if one is other:
-        return True
-    freedom = max(one.r.size - one.u.size, 1)
-    distance = np.linalg.norm(other.J @ (one.u - other.u)) * np.sqrt(freedom / max(other.S, 1e-300))
-    return bool(distance <= 2 * COARSE)
+def _reached(predictor: Predictor, minima: Sequence[Linearisation]) -> int:
+    """Return the number of starts that converged to the best minimum."""
+    return sum(_is_least(end.S, minima[0].S, predictor) for end in minima)
+
+
+def _is_least(S: float, least: float, predictor: Predictor) -> bool:
+    """Return True if S is the least sum of squares to the accuracy of minima."""
+    freedom = max(predictor.measured.size - len(predictor.parameters), 1)
+    rounding = 1e-12 * float(np.sum((predictor.measured / predictor.deviation) ** 2))
+    same = least * (1 + max(SAME_MINIMUM, (3 * ACCURACY) ** 2 / freedom)) + rounding
+    return same >= S
 
 
 def _covariance(predictor: Predictor, J: Array, S: float) -> Array:
@@ -391,15 +358,14 @@ def _covariance(predictor: Predictor, J: Array, S: float) -> Array:
 
 def _result(
     predictor: Predictor,
-    found: list[Minimum],
+    minima: list[Linearisation],
     starts: int,
     profiles: tuple[ProfileLikelihood, ...],
     quantities: Mapping[str, Quantity],
 ) -> FitResult:
     """Assemble the result: estimates, covariance, identifiability and fitted values."""
-    u, r, _ = found[0]
-    J = predictor.jacobian(u)
-    S, parameters = found[0].S, predictor.parameters
+    u, r, J = minima[0]
+    S, parameters = minima[0].S, predictor.parameters
     slope = np.array([p.slope(float(v)) for p, v in zip(parameters, u, strict=True)])
     covariance = slope[:, None] * _covariance(predictor, J, S) * slope
     error = np.sqrt(np.diag(covariance))
@@ -410,7 +376,6 @@ def _result(
     _, singular, V = np.linalg.svd(J * unit, full_matrices=False)
     direction = V[-1] / V[-1][np.argmax(np.abs(V[-1]))]
     m, tenth = predictor.measured.size, np.log(1.1)
-    rounding = 1e-12 * float(np.sum((predictor.measured / predictor.deviation) ** 2))
     return FitResult(
         names=tuple(p.name for p in parameters),
         estimates=np.array(list(predictor.inputs(u).values())),
@@ -423,8 +388,8 @@ def _result(
         effects=tenth * np.linalg.norm(J * unit, axis=0) / np.sqrt(m),
         joint_effect=float(tenth * np.linalg.norm(J @ (unit * direction)) / np.sqrt(m)),
         at_bound=tuple(_at_bound(parameters, u)),
-        minima=tuple((end.S, tuple(predictor.inputs(end.u).values())) for end in found),
-        reached=sum(S * (1 + _same_minimum(predictor)) + rounding >= end.S for end in found),
+        minima=tuple((end.S, tuple(predictor.inputs(end.u).values())) for end in minima),
+        reached=_reached(predictor, minima),
         starts=starts,
         solves=predictor.solves,
         measured=predictor.measured,
@@ -435,12 +400,6 @@ def _result(
         profiles=profiles,
         quantities=quantities,
     )
-
-
-def _same_minimum(predictor: Predictor) -> float:
-    """Return the relative difference of S within which minima are the same."""
-    freedom = predictor.measured.size - len(predictor.parameters)
-    return max(SAME_MINIMUM, COARSE**2 / max(freedom, 1))
 
 
 def _at_bound(parameters: Sequence[Parameter], u: Array) -> list[str]:

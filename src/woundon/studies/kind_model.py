@@ -53,7 +53,6 @@ __all__ = [
     "replaced",
 ]
 
-FEW_NODES = 17
 _ERROR = "errors."  # of an output: "errors.half_width"
 
 
@@ -171,20 +170,7 @@ class KindModel:
             values = tuple(float(_value(result, name)) for name in self.outputs)
         return Answer(values, "; ".join(result.warnings), result)
 
-    # ---- coarse mesh and derivatives ------------------------------------------------------------
-
-    @property
-    def coarse(self) -> KindModel | None:
-        """The same model on few nodes; None if few are requested anyway, or are not permitted."""
-        nodes = self.options.get("nodes")
-        if not isinstance(nodes, int) or nodes < 2 * FEW_NODES:
-            return None
-        few = replace(self, options={**self.options, "nodes": FEW_NODES})
-        try:
-            few._check_options()
-        except InvalidProblem:
-            return None
-        return few
+    # ---- derivatives ------------------------------------------------------------
 
     def gradient(self, state: Any, names: tuple[str, ...]) -> np.ndarray | None:
         """Return exact derivatives of the outputs; None if one of them has none."""

@@ -1,4 +1,14 @@
-"""Local minima of S(u) = |r(u)|^2 by scipy.optimize.least_squares."""
+"""Local minima of S(u) = |r(u)|^2 by scipy.optimize.least_squares, with a reused Jacobian.
+
+The Jacobian costs an evaluation for each parameter.  It is computed again only where its linear
+model r(u) = r(u0) + J(u0) (u - u0) does not predict the residuals (modified Gauss-Newton method).
+The iteration ends when the part of r in the range of J, which the next step would remove, is small
+relative to the residual standard deviation (the relative offset of Bates and Watts).
+
+References: J. E. Dennis and R. B. Schnabel, Numerical Methods for Unconstrained Optimization and
+Nonlinear Equations, SIAM 1996, ch. 10; D. M. Bates and D. G. Watts, Nonlinear Regression Analysis
+and Its Applications, Wiley 1988, sec. 2.2.
+"""
 
 from __future__ import annotations
 
@@ -8,19 +18,24 @@ import numpy as np
 
 from .predict import Predictor
 
-__all__ = ["Minimum", "minimise"]
+__all__ = ["Linearisation", "ReusedJacobian", "minimise"]
 
 Array = np.ndarray
 
 EVALUATIONS = 60  # of one minimisation
-# of the bounds' distance: the last step where S is rough, because nodes change their zones
+# Accuracy of a minimum in standard errors: another mesh moves it by as much.
+ACCURACY = 0.05
+# Of the bounds' distance: the last step where S is rough, because nodes change their zones.
 SMALLEST_STEP = 1e-6
-# share of the change of the residuals that the linear model of a minimum may miss in its basin
-LINEAR = 0.3
+# Share of the change of the residuals that the linear model of a minimum may miss in its basin.
+IN_BASIN = 0.3
+# Error of a linear model whose Jacobian is used again, in standard deviations of the residuals: on
+# the way to a minimum, and next to one.
+ON_THE_WAY, NEXT_TO_IT = 0.05, 0.5
 
 
-class Minimum(NamedTuple):
-    """A minimum: coordinates, residuals and their derivatives."""
+class Linearisation(NamedTuple):
+    """Residuals and their derivatives at a place, e.g. a minimum."""
 
     u: Array
     r: Array
@@ -31,66 +46,143 @@ class Minimum(NamedTuple):
         """Sum of the squared residuals."""
         return float(self.r @ self.r)
 
+    def prediction_error(self, u: Array, r: Array) -> float:
+        """Return the norm of the error of the linear model, where the residuals at u are r."""
+        return float(np.linalg.norm(r - self.r - self.J @ (u - self.u)))
+
     def predicts(self, u: Array, r: Array) -> bool:
-        """Return True if the linear model about the minimum predicts the residuals at u."""
-        change = r - self.r
-        error = change - self.J @ (u - self.u)
-        return bool(np.linalg.norm(error) <= LINEAR * np.linalg.norm(change))
+        """Return True if the linear model predicts the change of the residuals, within 30 %."""
+        return self.prediction_error(u, r) <= IN_BASIN * float(np.linalg.norm(r - self.r))
+
+    def expected_decrease(self, predictor: Predictor, fixed: int | None = None) -> float:
+        """Return the decrease of S in the linear model, parameters at their bounds held there."""
+        slope = self.J.T @ self.r
+        held = ((self.u <= predictor.low) & (slope > 0)) | (
+            (self.u >= predictor.high) & (slope < 0)
+        )
+        if fixed is not None:
+            held[fixed] = True
+        free = self.J[:, ~held]
+        step = np.linalg.lstsq(free, self.r, rcond=None)[0]
+        return float(np.sum((free @ step) ** 2))
 
 
-class _InBasinError(Exception):
-    """The minimisation has entered the basin of a known minimum."""
+class ReusedJacobian:
+    """The Jacobian of the residuals, computed where the last one is not accurate enough.
+
+    Parameters
+    ----------
+    predictor : Predictor
+    last : Linearisation, optional
+        Where it was computed before.
+    fixed : int, optional
+        Parameter whose column is not needed.
+    """
+
+    def __init__(
+        self, predictor: Predictor, last: Linearisation | None = None, fixed: int | None = None
+    ) -> None:
+        self.predictor, self.last, self.fixed = predictor, last, fixed
+
+    def __call__(self, u: Array, tolerance: float | None = None) -> Linearisation:
+        """Return the residuals at u, with a Jacobian of the tolerance."""
+        r = self.predictor.residuals(u)
+        if tolerance is None:
+            tolerance = ON_THE_WAY if self.fixed is None else NEXT_TO_IT
+        # a parameter's standard error changes the residuals by their standard deviation
+        most = tolerance * np.sqrt(self.predictor.variance(float(r @ r)))
+        if self.last is None or self.last.prediction_error(u, r) > most:
+            self.last = Linearisation(u.copy(), r, self.predictor.jacobian(u, self.fixed))
+        return Linearisation(u.copy(), r, self.last.J)
+
+
+class _EndError(Exception):
+    """The minimisation has converged, or entered the basin of a known minimum."""
+
+    def __init__(self, minimum: Linearisation) -> None:
+        super().__init__()
+        self.minimum = minimum
 
 
 def minimise(
-    predictor: Predictor, start: Array, standard_errors: float, known: Minimum | None = None
-) -> Minimum | None:
+    predictor: Predictor,
+    start: Array,
+    known: Linearisation | None = None,
+    *,
+    linearised: ReusedJacobian | None = None,
+    accuracy: float = ACCURACY,
+) -> Linearisation | None:
     """Return a local minimum.
 
     Parameters
     ----------
     predictor : Predictor
     start : (p,) array
-    standard_errors : float
-        Accuracy of the minimum, in standard errors of the parameters.
-    known : Minimum, optional
-        It is returned as soon as its linear model predicts the residuals.
+    known : Linearisation, optional
+        A minimum, which is returned as soon as its linear model predicts the residuals.
+    linearised : ReusedJacobian, optional
+        With a fixed parameter; by default all are free, and the Jacobian is that of the minimum.
+    accuracy : float
+        In standard errors.
 
     Returns
     -------
-    Minimum or None
+    Linearisation or None
         None if the start, or a derivative on the way, cannot be solved.
     """
     from scipy.optimize import least_squares
 
-    def residuals(u: Array) -> Array:
+    at_end = None if linearised else 0.0  # tolerance of the Jacobian at the minimum
+    linearised = linearised or ReusedJacobian(predictor)
+    start = np.clip(start, predictor.low, predictor.high)
+    free = np.arange(start.size) != linearised.fixed
+
+    def place(v: Array) -> Array:
+        """Return all parameters for values of the free ones."""
+        u = start.copy()
+        u[free] = v
+        return u
+
+    def residuals(v: Array) -> Array:
         """Return the residuals; stop if the linear model at a known minimum predicts them."""
-        r = predictor.residuals(u)
-        if known is not None and known.predicts(u, r):
-            raise _InBasinError
+        r = predictor.residuals(place(v))
+        if known is not None and known.predicts(place(v), r):
+            raise _EndError(known)
         return r
 
-    start = np.clip(start, predictor.low, predictor.high)
+    def is_converged(found: Linearisation) -> bool:
+        """Return True if the next step would be shorter than the accuracy."""
+        decrease = found.expected_decrease(predictor, linearised.fixed)
+        return decrease <= accuracy**2 * predictor.variance(found.S)
+
+    def jacobian(v: Array) -> Array:
+        """Return the columns of the free parameters; stop at the minimum."""
+        found = linearised(place(v))
+        if is_converged(found) and at_end is not None:
+            found = linearised(place(v), at_end)
+        if is_converged(found):
+            raise _EndError(found)
+        return found.J[:, free]
+
     if not np.isfinite(predictor.residuals(start)).all():
         return None
-    freedom = max(predictor.measured.size - start.size, 1)
     try:
-        # a step of e standard errors changes S by e^2 S/(m - p); no gtol, which is absolute: the
-        # residuals of small outputs, such as a creepage, would be below it at once
+        # no gtol, which is absolute: the residuals of small outputs, such as a creepage, would be
+        # below it at once
         end = least_squares(
             residuals,
-            start,
-            predictor.differences,
-            (predictor.low, predictor.high),
+            start[free],
+            jacobian,
+            (predictor.low[free], predictor.high[free]),
             method="dogbox",
             x_scale="jac",
-            ftol=standard_errors**2 / freedom,
+            ftol=accuracy**2 / max(predictor.measured.size - start.size, 1),
             xtol=SMALLEST_STEP,
             gtol=None,
             max_nfev=EVALUATIONS,
         )
-    except _InBasinError:
-        return known
+        return linearised(place(end.x), 0.0)
+    except _EndError as reached:
+        return reached.minimum
     except ValueError:  # a derivative could not be solved
         return None
-    return Minimum(np.asarray(end.x), np.asarray(end.fun), np.asarray(end.jac))

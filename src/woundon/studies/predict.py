@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from copy import copy
 from dataclasses import dataclass
-from functools import cached_property
 from math import exp, log
 from typing import Any, NamedTuple
 
@@ -98,7 +97,7 @@ class Predictor:
     """
 
     def __init__(self, model: Model, measured: Measured, parameters: tuple[Parameter, ...]) -> None:
-        self.model, self.parameters, self._data = model, parameters, measured
+        self.model, self.parameters = model, parameters
         for parameter in parameters:
             if parameter.name in measured.inputs:
                 raise InvalidProblem.at(parameter.name, "is measured, so it cannot be fitted")
@@ -126,13 +125,8 @@ class Predictor:
         )
         self.low, self.high = np.transpose([p.ends for p in parameters])
         self.solves, self.fault = 0, ""
+        self.report: Callable[[], None] = _no_report
         self._evaluations: list[_Evaluation] = []
-
-    @cached_property
-    def coarse(self) -> Predictor | None:
-        """The predictor on few nodes; None if the model has no such option."""
-        model = getattr(self.model, "coarse", None)
-        return None if model is None else Predictor(model, self._data, self.parameters)
 
     def values(self, u: Array) -> Array:
         """Return the predictions, (m,); all are nan if a case fails."""
@@ -142,28 +136,16 @@ class Predictor:
         """Return (predicted - measured) / deviation, (m,)."""
         return (self.values(u) - self.measured) / self.deviation
 
-    def jacobian(self, u: Array) -> Array:
-        """Return the residuals' derivatives with respect to u, (m, p): exact where they exist.
+    def jacobian(self, u: Array, fixed: int | None = None) -> Array:
+        """Return the residuals' derivatives with respect to u by forward differences, (m, p).
 
-        Exact derivatives of a nip cost about three solutions.
-
-        Raises
-        ------
-        ValueError
-            If a derivative cannot be solved.
-        """
-        exact = self._exact(u)
-        return self.differences(u) if exact is None else exact / self.deviation[:, None]
-
-    def differences(self, u: Array, skip: int | None = None) -> Array:
-        """Return the residuals' derivatives by forward differences, (m, p).
-
-        They cost one warm-started solution for each parameter.
+        They cost one warm-started solution for each parameter and case; exact derivatives of a nip
+        cost as much, and more with tied fields.
 
         Parameters
         ----------
         u : (p,) array
-        skip : int, optional
+        fixed : int, optional
             Parameter whose column is left zero.
 
         Raises
@@ -172,9 +154,9 @@ class Predictor:
             If a derivative cannot be solved on either side.
         """
         here = self.values(u)
-        columns = np.zeros((u.size, here.size))
+        J = np.zeros((here.size, u.size))
         for k, parameter in enumerate(self.parameters):
-            if k == skip:
+            if k == fixed:
                 continue
             low, high = parameter.ends
             step = STEP * (1.0 if parameter.logarithmic else max(abs(u[k]), (high - low) / 10))
@@ -182,19 +164,24 @@ class Predictor:
             for end in (u[k] + step, u[k] - step):
                 if low <= end <= high:
                     there = self.values(np.where(np.arange(u.size) == k, end, u))
-                    columns[k] = (there - here) / (end - u[k])
-                    if np.isfinite(columns[k]).all():
+                    J[:, k] = (there - here) / (end - u[k]) / self.deviation
+                    if np.isfinite(J[:, k]).all():
                         break
             else:
                 raise ValueError(f"no derivative with respect to {parameter.name}: {self.fault}")
-        return columns.T / self.deviation[:, None]
+        return J
+
+    def variance(self, S: float) -> float:
+        """Return the variance of the residuals, at most 1 if their deviations are known."""
+        s2 = S / max(self.measured.size - len(self.parameters), 1)
+        return min(s2, 1.0) if self.weighted else s2
 
     def remembering(self, u: Array) -> Predictor:
         """Return a copy that knows the states of one place only, to be sent to a process."""
         other = copy(self)
         nearest = self._nearest(u)
         other._evaluations = [] if nearest is None else [nearest]
-        other.__dict__["coarse"] = None
+        other.report = _no_report
         return other
 
     def inputs(self, u: Array) -> dict[str, float]:
@@ -213,6 +200,7 @@ class Predictor:
             self.fault = f"{type(fault).__name__}: {fault}"
         kept = max(MIN_KEPT, KEPT // len(self.cases))
         self._evaluations = [*self._evaluations, evaluation][-kept:]
+        self.report()
         return evaluation
 
     def _solve_all(self, u: Array) -> _Evaluation:
@@ -221,31 +209,21 @@ class Predictor:
         fitted, out = self.inputs(u), np.empty((len(self.cases), len(self.model.outputs)))
         states: list[Any] = []
         for k, case in enumerate(self.cases):
-            before = None if nearest is None else nearest.states[k]
-            answer = self.model.run({**case, **fitted}, before)
+            start = nearest.states[k] if nearest else states[-1] if states else None
+            answer = self.model.run({**case, **fitted}, start)
             out[k] = answer.values
             states.append(answer.state)
             self.solves += 1
         return _Evaluation(np.array(u), out[self.of_case, self.of_output], states)
 
     def _nearest(self, u: Array) -> _Evaluation | None:
-        """Return the nearest solved place, of the coarse predictor if there is none."""
+        """Return the nearest solved place."""
         solved = [evaluation for evaluation in self._evaluations if evaluation.states]
-        if solved:
-            width = self.high - self.low
-            return min(
-                solved, key=lambda evaluation: float(np.max(np.abs(evaluation.u - u) / width))
-            )
-        return None if self.coarse is None else self.coarse._nearest(u)
+        width = self.high - self.low
+        return min(
+            solved, key=lambda place: float(np.max(np.abs(place.u - u) / width)), default=None
+        )
 
-    def _exact(self, u: Array) -> Array | None:
-        """Return exact derivatives of the predictions by u, (m, p); None if the model has none."""
-        names = tuple(p.name for p in self.parameters)
-        slope = np.array([p.slope(float(v)) for p, v in zip(self.parameters, u, strict=True)])
-        found: list[Array] = []
-        for state in self._evaluate_cached(u).states:
-            gradient = self.model.gradient(state, names)
-            if gradient is None:
-                return None
-            found.append(gradient * slope)
-        return np.stack(found)[self.of_case, self.of_output] if found else None
+
+def _no_report() -> None:
+    """Report nothing; a lambda could not be sent to a process."""

@@ -4,7 +4,7 @@ r"""Profile likelihood: S(u_j), the least S over the other parameters, and its 9
 
 The ends are roots of sqrt(S(u_j) - S_min) - sqrt(limit - S_min), which is linear in u_j for a
 linear model, found by Brent's method.  For each u_j the others are fitted again, from the values
-that the linear model about the minimum gives.
+that the linear model about the minimum gives, with its Jacobian as long as it is accurate.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .minimise import Minimum
+from .minimise import Linearisation, ReusedJacobian, minimise
 from .predict import Predictor
 
 __all__ = ["End", "ProfileLikelihood", "find_end", "profile_of", "threshold"]
@@ -22,12 +22,15 @@ __all__ = ["End", "ProfileLikelihood", "find_end", "profile_of", "threshold"]
 Array = np.ndarray
 
 LEVEL = 0.95
-ACCURACY = 5e-3  # of the distance from the minimum to an end; another mesh moves it by more
-REFIT = 0.05  # accuracy of the other parameters, in conditional standard errors: S to 0.3 % of s^2
-SMALL_GAIN = 1e-3  # of S, which ends a refit in a flat valley: 0.3 % of its usual rise at an end
-BEYOND = 1.1  # first distance relative to that of the linear model, to bracket the end mostly
-EXPANSION = 1.5  # growth of the distance until the end is bracketed
-EVALUATIONS, REFIT_EVALUATIONS = 30, 8
+ACCURACY = 1e-2  # of the distance from the minimum to an end; another mesh moves it by more
+# Accuracy of the other parameters in standard errors; the decrease of S that a further step would
+# bring is taken from the linear model.
+REFIT = 0.5
+# A distance relative to that of the end in the linear model, to bracket the end mostly, and the
+# growth of the distance until it is bracketed.
+BEYOND = 1.1
+GROWTH = 1.2, 4.0
+EVALUATIONS = 30
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +91,7 @@ def threshold(S: float, freedom: int, weighted: bool) -> float:
 
 
 def profile_of(
-    predictor: Predictor, j: int, minimum: Minimum, limit: float, ends: Sequence[End]
+    predictor: Predictor, j: int, minimum: Linearisation, limit: float, ends: Sequence[End]
 ) -> ProfileLikelihood:
     """Return the profile of parameter ``j`` from its lower and its upper end."""
     parameter, m = predictor.parameters[j], predictor.measured.size
@@ -108,7 +111,7 @@ def profile_of(
     )
 
 
-def find_end(predictor: Predictor, j: int, sign: int, minimum: Minimum, limit: float) -> End:
+def find_end(predictor: Predictor, j: int, sign: int, minimum: Linearisation, limit: float) -> End:
     """Return the lower (``sign`` -1) or upper (+1) end of the interval of parameter ``j``."""
     from scipy.optimize import brentq
 
@@ -121,7 +124,10 @@ def find_end(predictor: Predictor, j: int, sign: int, minimum: Minimum, limit: f
             break
         if outer == bound:
             return End(None, tuple(profile.points))
-        inner, outer = outer, sign * min(EXPANSION * abs(outer), abs(bound))
+        # f + reach, the root of the increase of S, is nearly proportional to the distance
+        growth = BEYOND * profile.reach / max(f + profile.reach, 1e-300)
+        farther = abs(outer) * float(np.clip(growth, *GROWTH))
+        inner, outer = outer, sign * min(farther, abs(bound))
     if f > 0 and np.isfinite(f):
         outer = brentq(profile, inner, outer, xtol=ACCURACY * abs(outer), maxiter=EVALUATIONS)
     elif f > 0:
@@ -145,11 +151,12 @@ def _last_solved(profile: _Profile, solved: float, unsolved: float) -> float:
 class _Profile:
     """Function of the distance of u_j from the minimum whose root is the end of the interval."""
 
-    def __init__(self, predictor: Predictor, j: int, minimum: Minimum, limit: float) -> None:
+    def __init__(self, predictor: Predictor, j: int, minimum: Linearisation, limit: float) -> None:
         self.predictor, self.j, self.minimum, self.limit = predictor, j, minimum, limit
         self.reach = float(np.sqrt(limit - minimum.S))
         self.points: list[tuple[float, Array]] = []
         self.known = {0.0: -self.reach}
+        self.linearised = ReusedJacobian(predictor, minimum, fixed=j)
         own, others = minimum.J[:, j], np.delete(minimum.J, j, axis=1)
         # d(other u)/d(u_j) that keeps S least in the linear model, and the residuals' change
         self.slope = -np.linalg.lstsq(others, own, rcond=None)[0]
@@ -172,55 +179,15 @@ class _Profile:
         """Return the least S over the other parameters, this one fixed; inf if not solved."""
         predictor, j, minimum = self.predictor, self.j, self.minimum
         at = float(minimum.u[j]) + distance
-        near = min([minimum.u, *(u for _, u in self.points)], key=lambda u: abs(float(u[j]) - at))
-        others = np.delete(near, j) + self.slope * (at - near[j])
-        u = np.clip(np.insert(others, j, at), predictor.low, predictor.high)
-        r = predictor.residuals(u)
-        if not np.isfinite(r).all():
+        known = [minimum.u, *(u for _, u in self.points)]
+        near, *farther = sorted(known, key=lambda u: abs(float(u[j]) - at))
+        others, slope = np.delete(near, j), self.slope
+        if farther:  # through two points of the profile
+            slope = (np.delete(farther[0], j) - others) / (farther[0][j] - near[j])
+        u = np.insert(others + slope * (at - near[j]), j, at)
+        found = minimise(predictor, u, linearised=self.linearised, accuracy=REFIT)
+        if found is None:
             return float("inf")
-        if others.size:
-            try:
-                u, r = self._with_others_fitted(u)
-            except ValueError:  # a derivative could not be solved
-                return float("inf")
-        self.points.append((float(r @ r), u))
-        return float(r @ r)
-
-    def _with_others_fitted(self, guess: Array) -> tuple[Array, Array]:
-        """Return u and residuals with the other parameters fitted."""
-        from scipy.optimize import least_squares
-
-        others = np.arange(guess.size) != self.j
-        s2 = self.minimum.S / max(self.predictor.measured.size - guess.size, 1)
-        # variables in units of their conditional standard errors, so that tolerances are such
-        sizes = np.linalg.norm(self.minimum.J[:, others], axis=0)
-        unit = np.sqrt(s2) / np.maximum(sizes, 1e-300)
-        unit = np.minimum(unit, (self.predictor.high - self.predictor.low)[others])
-
-        low, high = self.predictor.low - guess, self.predictor.high - guess
-
-        def place(v: Array) -> Array:
-            u = guess.copy()
-            u[others] += unit * v
-            return u
-
-        def residuals(v: Array) -> Array:
-            return self.predictor.residuals(place(v))
-
-        def derivatives(v: Array) -> Array:
-            return self.predictor.differences(place(v), skip=self.j)[:, others] * unit
-
-        # the guess may lie on a bound, which must not be outside by rounding
-        bounds = (low[others] / unit - 1e-9, high[others] / unit + 1e-9)
-        found = least_squares(
-            residuals,
-            np.zeros(unit.size),
-            derivatives,
-            bounds,
-            method="dogbox",
-            gtol=REFIT * s2,
-            xtol=REFIT**2,
-            ftol=SMALL_GAIN,
-            max_nfev=REFIT_EVALUATIONS,
-        )
-        return place(found.x), np.asarray(found.fun)
+        S = found.S - found.expected_decrease(predictor, j)
+        self.points.append((S, found.u))
+        return S
