@@ -123,11 +123,6 @@ def test_bad_tables_of_cases_are_rejected(tmp_path: Path, text: str, says: str):
     assert says in str(refusal.value)
 
 
-def test_a_table_is_not_drawn_from():
-    with pytest.raises(wo.InvalidProblem, match="'sobol' draws samples, which cannot be combined"):
-        wo.sweep(paper_nip(), "cases.csv", design="sobol", samples=8)
-
-
 @pytest.mark.parametrize(
     ("lines", "says"),
     [

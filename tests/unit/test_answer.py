@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 import re
-from types import SimpleNamespace
-from typing import Any
 
-import numpy as np
 import pytest
 
 import woundon as wo
 from woundon.report.answer import answer, answer_lines
-from woundon.studies.sobol import SobolIndices
 
 NODES = 33
 
@@ -110,21 +106,3 @@ def test_reserves_are_outputs_of_studies(winding: wo.WindingResult) -> None:
 
 
 # ---- studies ------------------------------------------------------------------------------------
-
-
-def indices(first: float, width: float) -> SobolIndices:
-    """Return the indices of one input with a total index of 0.5 and 16 samples."""
-    row = np.ones((1, 1))
-    ends = np.array([(0.5 - width / 2) * row, (0.5 + width / 2) * row])
-    table: Any = SimpleNamespace(design=SimpleNamespace(size=48))
-    return SobolIndices(("a",), ("b",), first * row, 0.5 * row, ends, ends, table)
-
-
-def test_indices_that_the_samples_do_not_determine_are_marked() -> None:
-    assert indices(0.4, 0.1).remarks() == []
-    assert indices(0.4, 0.1).proposed_samples == 16
-    # the width falls as the square root: a fourth of 0.8 needs 16 times as many samples
-    assert indices(0.4, 0.8).proposed_samples == 256
-    assert "samples=256" in str(indices(0.4, 0.8))
-    assert indices(0.6, 0.1).uncertain.all()  # the first order exceeds the total
-    assert indices(0.6, 0.1).proposed_samples == 32

@@ -137,68 +137,7 @@ def test_describe_lists_fields_outputs_and_options(kind, capsys: Capture):
     assert ranges.get(kind.name, "(1e-08 to 10)") in text
 
 
-# ---- from outside the package -------------------------------------------------------------------
-
-PLUGIN = '''
-from dataclasses import dataclass
-from typing import Annotated
-
-import click
-
-import woundon as wo
-from woundon import kinds
-from woundon.arguments import Option
-from woundon.problems.fields import Number
-from woundon.quantities import length, line_load
-from woundon.results import Residuals
-
-
-class SpringProblem(wo.Problem):
-    """A spring under a load."""
-
-    load: Annotated[Number, line_load("P", "load on the spring", (1.0, 9.0))]
-
-    @classmethod
-    def example(cls):
-        return cls(load=2.0)
-
-
-@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class SpringResult(wo.Result):
-    give: Annotated[float, length("g", "give of the spring")]
-
-
-def solve_spring(problem, *, softness: Annotated[float, Option("Compliance.")] = 1.0,
-                 start: object = None):
-    residuals = Residuals(balance=0.0)
-    return SpringResult(problem=problem, give=softness * problem.load, residuals=residuals)
-
-
-kinds.register(SpringProblem, solve_spring, SpringResult)
-
-
-@click.command(short_help="Greet.")
-def greet():
-    click.echo("good day")
-
-
-wo.plugins.register_command(greet)
-'''
-ENTRY_POINTS = """
-[woundon.plugins]
-springs = spring_plugin
-broken = no_such_module
-"""
-
-
-@pytest.fixture
-def outside(tmp_path) -> Path:
-    (tmp_path / "spring_plugin.py").write_text(PLUGIN)
-    info = tmp_path / "spring_plugin-1.dist-info"
-    info.mkdir()
-    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: spring-plugin\nVersion: 1\n")
-    (info / "entry_points.txt").write_text(ENTRY_POINTS)
-    return tmp_path
+# ---- processes of its own ------------------------------------------------------------------------
 
 
 def run_apart(*args: str, **environment: str) -> subprocess.CompletedProcess[bytes]:

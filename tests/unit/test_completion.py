@@ -9,7 +9,6 @@ import sys
 from pathlib import Path
 
 import pytest
-from slow_cases import slow_case
 
 PAGE = Path(__file__).parents[2] / "docs" / "start" / "installation.md"
 # what the script of each shell ends with: the shell is reported whom to ask
@@ -49,21 +48,3 @@ def test_the_script_of_each_shell_is_written(shell, environment):
     asked = re.search(r"_WOUNDON_COMPLETE=\w+ woundon", instructions_for(shell))
     assert asked
     assert re.search(REGISTERED[shell], run(asked[0], environment))
-
-
-@pytest.mark.parametrize(
-    ("typed", "completed"),
-    [
-        ("woundon sol", ["solve"]),
-        ("woundon solve --rt", ["--rtol"]),
-        ("woundon new ro", ["rollers", "roll"]),
-        slow_case("woundon xyz", []),
-    ],
-)
-def test_bash_completes_commands_and_options(typed, completed, environment):
-    words = typed.split()
-    asked = f"{instructions_for('bash')}; COMP_WORDS=({typed}); COMP_CWORD={len(words) - 1};"
-    said = run(
-        f'{asked} _woundon_completion woundon; printf "%s\\n" "${{COMPREPLY[@]}}"', environment
-    )
-    assert said.split() == completed

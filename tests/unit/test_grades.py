@@ -83,18 +83,6 @@ def test_a_wound_roll_has_a_usual_pressure(name):
     assert -result.hoop_stress.min() < grade.limits.compression
 
 
-def test_stacks_fitted_with_a_uniform_pressure_are_not_offered():
-    # K2 of 83 to 306 follow from Table 3 with a uniform pressure: 1.9 MPa at the core at 1.2 m.
-    newsprint = GRADES["newsprint"]
-    assert newsprint.K2 == 42
-    fitted = newsprint.stack.replace(**{"radial.K1": 50e3, "radial.K2": 127.0})
-    roll = wo.RollProblem(
-        grade="newsprint", core=CORE, diameter="1.2 m", wound_on_tension=700.0
-    )  # fmt: skip
-    offered, other = (wo.solve(roll.replace(stack=stack)) for stack in (newsprint.stack, fitted))
-    assert other.pressure[0] > 2 * offered.pressure[0]
-
-
 # ---- grades in cases ----------------------------------------------------------------------------
 
 
@@ -151,18 +139,6 @@ def test_values_that_differ_from_the_grade_are_warned_of():
     assert (problem.stack.radial.K1, problem.stack.radial.K2) == (10e3, 50.0)
     changed = make_problem(apply_settings(case, ["grade=sc"]))
     assert changed.stack == GRADES["sc"].stack
-
-
-def test_one_paper_with_two_moduli_is_warned_of():
-    nip = wo.NipProblem.example().replace(**{"web.material.tangential": "5 GPa"})
-    (text,) = nip.input_warnings
-    assert "web.material and roll.material describe two papers" in text
-    with pytest.warns(wo.InputWarning, match=r"5\.\d* and 3\.38 GPa|4\.999 and 3\.379 GPa"):
-        result = wo.solve(nip, nodes=17)
-    assert "describe two papers" in str(result)
-    winding = wo.WindingProblem.example()
-    assert not winding.input_warnings
-    assert winding.replace(**{"stack.tangential": "5 GPa"}).input_warnings
 
 
 # ---- grades of users ----------------------------------------------------------------------------

@@ -5,7 +5,6 @@ Evidence: the error names the table or the column, as it does for the same table
 
 from __future__ import annotations
 
-from decimal import Decimal
 from pathlib import Path
 
 import numpy as np
@@ -100,18 +99,3 @@ def test_a_cell_that_is_no_number_is_rejected_by_row_and_column(cells):
 
 
 # ---- what is a table ----------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    "cells",
-    [
-        np.array(LOADS, dtype=object), pandas.Series(LOADS), [Decimal(2000), "3 kN/m"],
-        np.array([2000, 3000], dtype="int16"), iter(LOADS),
-    ],
-    ids=lambda cells: type(cells).__name__,
-)  # fmt: skip
-def test_columns_of_any_sequence_are_read(cells):
-    table = {"nip_load": cells, "half_width +-": [1e-4, 1e-4], "half_width": WIDTHS}
-    found = wo.fit(NIP, table, {"roll.material.shear": ("1 MPa", "100 MPa")}, nodes=17, starts=1,
-                   profiles=False)  # fmt: skip
-    assert found.measured.tolist() == WIDTHS

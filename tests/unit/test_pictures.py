@@ -166,24 +166,6 @@ def test_panels_are_chosen_by_name_in_the_order_asked_for(nips) -> None:
     np.testing.assert_array_equal(alone.get_lines()[0].get_ydata(), nips[0].roll_zone)
 
 
-@pytest.mark.parametrize(
-    ("asked", "message"),
-    [
-        ({"panels": "tractons"}, "panels: 'tractons' is unknown; must be tractions, slips, "),
-        ({"panels": ["zones", "slip"]}, "roll_slip, drum_slip, roll_zone, drum_zone or "
-                                        "roll_strain; did you mean 'slips'?"),
-        ({"panels": []}, "panels: none is chosen; must be tractions, "),
-        ({"ax": 3}, "ax: 3 is out of place; must be matplotlib's Axes"),
-        ({"path": "figure.gif"}, "figure.gif: the ending '.gif' is not a known format"),
-    ],
-)  # fmt: skip
-def test_what_cannot_be_drawn_is_reported_with_the_choice(nips, asked, message: str) -> None:
-    with pytest.raises(wo.InvalidProblem) as fault:
-        nips[0].plot(**asked)
-    assert message in str(fault.value)
-    assert plt.get_fignums() == []
-
-
 # ---- several results
 
 

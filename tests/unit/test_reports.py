@@ -56,10 +56,6 @@ def examples() -> list[Any]:
     return [coarse_solution(kind.problem.example(), NODES) for kind in kinds.every()]
 
 
-def rollers(**changes: Any) -> wo.RollerResult:
-    return wo.solve(wo.RollerProblem.example().replace(**changes), nodes=NODES)
-
-
 # ---- rows ----------------------------------------------------------------------------------------
 
 
@@ -117,33 +113,6 @@ def _parsed(line: str, quantity: wo.Quantity) -> tuple[float, str, str]:
     value, _, rest = rest.partition(" ")
     unit, _, error = rest.partition("±")
     return float(value), unit.strip(), error.split(",")[0].strip()
-
-
-def test_every_output_is_in_the_report_unless_it_is_reported_otherwise(examples):
-    """A new output needs no line of its own in the reports."""
-    otherwise = {
-        "residual", "half_width", "iterations", "series_terms", "series_error",
-        "inlet_tension",
-        "drum_wrap_traction", "shift", "tangential_load",
-        "steps", "compressed_share",
-        # of windings: at the top, next to others, or by the margins
-        "nodes", "nips_solved", "roll_rtol", "coupling_rtol", "air_film", "torque_share",
-        "largest_compression", "largest_core_pressure", "largest_tension", "least_tension",
-        "least_reserve", "band_strain", "ridge_height",
-    }  # fmt: skip
-    for result in examples:
-        said = lines(str(result))
-        for name, quantity in quantities.scalar_outputs(result).items():
-            value = quantities.value_of(result, name)
-            if value != value:  # what it does not have, as elastic rollers a rolling resistance
-                continue
-            if (
-                name not in otherwise
-                and not name.startswith("margins.")
-                and name.removesuffix("_error") not in result.errors
-            ):
-                start = f"{quantity.meaning} {quantity.symbol} "
-                assert any(line.startswith(start) for line in said), name
 
 
 # ---- the nip -------------------------------------------------------------------------------------

@@ -228,18 +228,6 @@ def test_a_kind_from_outside_is_saved_and_loaded(springs, tmp_path, ending):
         wo.load_result(path, verify=True)
 
 
-def test_a_kind_from_outside_is_labelled(springs, tmp_path):
-    data = springs.to_xarray()
-    assert data.table.dims == ("place", "mode")
-    assert (data.total.attrs["units"], float(data.total)) == ("N/m", 6.0)
-    assert float(data.total_error) == 0.5
-    springs.save(tmp_path / "springs.csv")
-    header = next(
-        line for line in (tmp_path / "springs.csv").read_text().splitlines() if line[0] != "#"
-    )
-    assert header == "place [m],push [Pa],bare"
-
-
 def test_what_no_file_holds_is_rejected_by_name(springs, tmp_path):
     with pytest.raises(wo.InvalidProblem, match=r"helper: a object cannot be saved; .*'saved'"):
         springs.replace(helper=object()).save(tmp_path / "springs.json")
@@ -264,12 +252,6 @@ def test_a_file_that_is_no_result_is_rejected(tmp_path, content, ending):
     with pytest.raises(wo.InvalidProblem) as refusal:
         wo.load_result(path)
     assert str(refusal.value) == f"{path}: is not a result saved by woundon, or is damaged"
-
-
-def test_a_file_that_cannot_be_read_is_rejected_as_a_case_is(tmp_path):
-    for load in (wo.load_result, wo.load_case):
-        with pytest.raises(wo.InvalidProblem, match=r"none: cannot be read: No such file"):
-            load(tmp_path / "none")
 
 
 def test_another_schema_and_an_unknown_kind_are_reported(solved, tmp_path):

@@ -101,23 +101,6 @@ def test_every_text_is_escaped() -> None:
 # ---- as tables
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_a_frame_has_the_arrays_and_their_units(solutions, kind: str) -> None:
-    result = solutions[kind]
-    frame = result.to_dataframe()
-    known = {p.path: p.quantity for p in quantities.outputs(result)}
-    arrays = {n: quantities.value_of(result, n) for n in known}
-    arrays = {n: a for n, a in arrays.items() if isinstance(a, np.ndarray)}
-    # those along the first: a wound roll has some over its stages too
-    due = [n for n, a in arrays.items() if len(a) == len(next(iter(arrays.values())))]
-    assert list(frame) == due
-    for name in due:
-        np.testing.assert_array_equal(frame[name], getattr(result, name))
-        assert frame.attrs["units"][name] == known[name].unit
-        assert frame.attrs["long_names"][name] == known[name].meaning
-    frame[due[0]] += 1.0  # the user's own
-
-
 def test_tables_of_studies_have_their_numbers(solutions) -> None:
     fit, sobol, slopes = (solutions[name] for name in STUDIES)
     frame, data = fit.to_dataframe(), fit.to_xarray()

@@ -87,28 +87,6 @@ def test_all_strange_columns_are_reported_at_once_with_what_is_nearest(tmp_path:
     assert len(message) == 4
 
 
-def test_a_symbol_that_several_fields_have_is_rejected():
-    message = faults({"A_rr [MPa]": [27], "WOT": [650.0]})
-    several = (
-        "web.material.radial, roll.material.radial, roll.layers.0.material.radial, "
-        "drum.material.radial or drum.layers.0.material.radial"
-    )
-    assert message[0] == f"column 'A_rr [MPa]': is ambiguous: {several}"
-
-
-def test_units_may_stand_in_a_row_of_their_own(tmp_path: Path):
-    data = read(written(tmp_path, "nip load,roll friction,WOT\n[kN/m],-,N/m\n1.9,0.2,650\n"))
-    assert data.inputs["nip_load"].tolist() == [1900.0]
-    assert list(data.numbers) == [3]
-
-
-def test_a_wrong_or_unknown_unit_names_its_column():
-    message = faults({"nip_load [kg]": [1.0], "web_tension [kN/mm2]": [1.0], "WOT [n/m]": [1.0]})
-    assert message[0].startswith("column 'nip_load [kg]': 'kg' has the wrong dimension; expected a")
-    assert message[1].startswith("column 'web_tension [kN/mm2]': 'kN/mm2' has the wrong dimension")
-    assert message[2].startswith("column 'WOT [n/m]': 'n/m' has the unknown unit 'n'")
-
-
 # ---- text files ---------------------------------------------------------------------------------
 
 GERMAN = (
