@@ -113,7 +113,7 @@ class Quantity:
         return "" if unit == "1" else unit
 
     def in_table(self, value: Any) -> tuple[str, Any]:
-        """Return unit and value for a table: SI, or the unit that somebody chose."""
+        """Return unit and value for a table: SI, or the chosen unit."""
         if self.shown_in_si is None:
             return self.unit, value
         return self.shown_unit, self.shown(value)

@@ -77,7 +77,7 @@ def problem_of(tables: Any) -> Problem:
 def warm_up() -> None:
     """Solve examples, which imports modules and fills caches.
 
-    Windings are left out: each worker would need seconds for them.
+    Windings are omitted, because each worker would need seconds for them.
     """
     began = time.perf_counter()
     for kind in kinds.every():

@@ -20,7 +20,7 @@ from ..problems.description import Description
 from ..problems.family import Family
 from ..problems.grades import grades
 from ..problems.materials import MATERIALS, Material
-from ..problems.units import MILL, alike, definitions
+from ..problems.units import MILL, compatible_units, definitions
 from ..quantities import OF_FIELD, Quantity, is_list, members_of, outputs, quantity_of
 from .limits import LIMITS
 
@@ -178,7 +178,7 @@ def _field(name: str, field: Any) -> dict[str, Any]:
 
 
 def _type(annotation: Any) -> str:
-    """Return the type of a field of a form."""
+    """Return the type of a form field, from its annotation: number, text, choice, member, ..."""
     if members_of(annotation):
         return "members" if is_list(annotation) else "member"
     if is_list(annotation):
@@ -215,7 +215,7 @@ def _marked(field: Any, **names: str) -> dict[str, float]:
 
 
 def _units(forms: Mapping[str, Any], described: list[Any]) -> dict[str, Any]:
-    """Return for each SI unit the units of its quantities to choose from, the smallest first."""
+    """Return the units in which each SI unit can be displayed, the smallest first."""
     places = [f for form in forms.values() for f in form["fields"]]
     places += [output for kind in described for output in kind["outputs"]]
     shown: dict[str, list[str]] = {}
@@ -223,7 +223,9 @@ def _units(forms: Mapping[str, Any], described: list[Any]) -> dict[str, Any]:
         if place["unit"] not in ("", "holder"):
             shown.setdefault(place["unit"], []).append(place["shown_unit"] or "1")
     return {
-        unit: [{"name": name, "factor": size} for name, size in alike(unit, *names).items()]
+        unit: [
+            {"name": name, "factor": size} for name, size in compatible_units(unit, *names).items()
+        ]
         for unit, names in shown.items()
     }
 

@@ -79,7 +79,7 @@ class SecurityHeaders:
         self.app = app
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass a request on; add the headers to its answer."""
+        """Forward a request; add the headers to its answer."""
 
         async def with_headers(message: Message) -> None:
             if message["type"] == "http.response.start":
@@ -98,7 +98,7 @@ class SameOrigin:
         self.app = app
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass a request on, or reject it with status 403."""
+        """Forward a request, or reject it with status 403."""
         if scope["type"] == "http" and (error := self._error(scope, Headers(scope=scope))):
             await RequestError(403, "rejected", error).response()(scope, receive, send)
             return

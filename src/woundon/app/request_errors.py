@@ -64,7 +64,7 @@ class RequestError(Exception):
         return to_json(document, inf_nan_mode="null")
 
     def response(self) -> Response:
-        """Return the response; the rest of a body that was not read is not waited for."""
+        """Return the response, without reading the remaining body of the request."""
         headers = {"connection": "close"} if self.status in (408, 413, 415) else {}
         return Response(self.body(), self.status, headers, media_type=MEDIA)
 

@@ -76,7 +76,7 @@ class Workers:
         self.window = asyncio.Lock()  # of the only operating window at a time
 
     async def open(self) -> None:
-        """Start the processes, first those that are needed first."""
+        """Start the processes, those needed first before the others."""
         for pool in (self.solvers, self.others, self.cases):
             await pool.open()
 
@@ -198,7 +198,7 @@ def _session_of(request: Request) -> str:
 
 
 def _options(request: Request, *known: str) -> dict[str, Any]:
-    """Return the solver's options: the fields of the query that are not a route's own."""
+    """Return the options of the solver: the fields of the query except those of the route."""
     own = {"token", *known}
     return {name: value for name, value in request.query_params.items() if name not in own}
 
@@ -206,9 +206,10 @@ def _options(request: Request, *known: str) -> dict[str, Any]:
 async def _computed(
     pool: Pool, request: Request, call: Callable[..., Any], *args: Any, rank: int = 0
 ) -> Any:
-    """Return ``call(*args)`` of a worker; of one session and function the newest request wins.
+    """Return ``call(*args)``, computed by a worker.
 
-    The computation is cancelled when the client disconnects.
+    A new request of a session cancels its earlier one for the same function.  The computation is
+    also cancelled when the client disconnects.
     """
     session = _session_of(request)
     key = (session, call.__name__) if session else None
@@ -326,7 +327,7 @@ def _add_studies(app: FastAPI, workers: Workers) -> None:
     """Add the routes of studies, which stream their events."""
 
     def streamed(request: Request, events: Callable[..., AsyncIterator[bytes]], asked: Any) -> Any:
-        """Return the events of a study; it ends the one that its session has in progress."""
+        """Return the events of a study; a running study of the same session is stopped."""
         session, studies, stopped = _session_of(request), workers.studies, asyncio.Event()
         if session in studies:
             studies[session].set()
@@ -346,7 +347,7 @@ def _add_studies(app: FastAPI, workers: Workers) -> None:
 
     @app.post("/api/sweep", tags=["studies"])
     async def sweep(request: Request, study: Study) -> Response:
-        """Solve a study; its events follow each other, one line of JSON each."""
+        """Solve a study; its events are streamed, one line of JSON each."""
         tables = study.model_dump(exclude_unset=True)
         started = await _computed(workers.cases, request, study_stream.start_study, tables)
         return streamed(request, study_stream.events, started)
@@ -372,7 +373,7 @@ def _add_studies(app: FastAPI, workers: Workers) -> None:
 
     @app.post("/api/cancel", tags=["studies"])
     async def cancel(request: Request) -> dict[str, bool]:
-        """End the study of the session that the header X-Session names."""
+        """Stop the study of the session in the header X-Session."""
         stopped = workers.studies.get(_session_of(request))
         if stopped is not None:
             stopped.set()
@@ -415,7 +416,7 @@ def _add_documents(app: FastAPI, workers: Workers) -> None:
 
     @app.post("/api/report", tags=["documents"])
     async def report(request: Request, asked: Cases) -> Response:
-        """Return the report of solved cases: one HTML file that stands alone."""
+        """Return the report of solved cases as a self-contained HTML file."""
         body = await written(request, documents.report, asked.model_dump())
         return Response(body, media_type="text/html")
 
@@ -439,7 +440,7 @@ def _add_documents(app: FastAPI, workers: Workers) -> None:
 
 
 def _description(document: dict[str, Any]) -> str:
-    """Return the routes of the OpenAPI document as a page without scripts of other sites."""
+    """Return the routes of the OpenAPI document as a page without external scripts."""
     rows = "".join(
         f"<tr><td><code>{method.upper()} {escape(path)}</code></td>"
         f"<td>{escape(route.get('description', ''))}</td>"

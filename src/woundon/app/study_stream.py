@@ -77,7 +77,7 @@ def start_study(tables: Any) -> tuple[bytes, KindModel, list[Chunk]]:
 
 
 def _check_size(tables: Mapping[str, Any]) -> None:
-    """Reject a study of too many cases before any of them is made."""
+    """Reject a study of too many cases before they are created."""
     over, design = tables.get("over"), tables.get("design", {})
     drawn = design.get("samples") if isinstance(design, Mapping) else None
     entries = list(_entries(over)) if isinstance(over, Mapping) else []
@@ -91,7 +91,7 @@ def _check_size(tables: Mapping[str, Any]) -> None:
 
 
 def _entries(over: Mapping[str, Any]) -> Any:
-    """Yield the number of values of each field that is varied."""
+    """Yield the number of values of each varied field."""
     for given in over.values():
         if isinstance(given, list):
             yield len(given)
@@ -129,7 +129,7 @@ async def events(
     is_disconnected: Callable[[], Awaitable[bool]],
     stopped: asyncio.Event,
 ) -> AsyncIterator[bytes]:
-    """Yield the events of a study, a line of JSON each, as they come.
+    """Yield the events of a study as they occur, one line of JSON each.
 
     Parameters
     ----------

@@ -25,74 +25,71 @@ MOST_CONNECTIONS = 200
 LONGEST_HEAD = 32_768  # bytes
 
 
-class _Impatient(H11Protocol):
-    """HTTP/1.1 that does not wait for ever for the head of a request."""
+class _TimeoutProtocol(H11Protocol):
+    """HTTP/1.1 with a timeout for the head of a request."""
 
-    _patience: asyncio.TimerHandle | None = None
+    _head_timeout: asyncio.TimerHandle | None = None
 
     def connection_made(self, transport: Any) -> None:
-        """Wait for the first head."""
+        """Start the timeout for the head of the first request."""
         super().connection_made(transport)
-        self._wait_for_head()
+        self._start_timeout()
 
     def data_received(self, data: bytes) -> None:
-        """Take what has come; if that is a part of a head, wait for its rest."""
+        """Process received data; start the timeout if the head of a request is incomplete."""
         super().data_received(data)
         if self.conn.their_state is not h11.IDLE:
-            self._wait_no_more()
+            self._cancel_timeout()
         elif self.conn.trailing_data[0]:
-            self._wait_for_head()
+            self._start_timeout()
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """Forget the connection."""
-        self._wait_no_more()
+        """Cancel the timeout."""
+        self._cancel_timeout()
         super().connection_lost(exc)
 
-    def _wait_for_head(self) -> None:
-        if self._patience is None:
+    def _start_timeout(self) -> None:
+        if self._head_timeout is None:
             loop = asyncio.get_running_loop()
-            self._patience = loop.call_later(HEAD_SECONDS, self.transport.close)
+            self._head_timeout = loop.call_later(HEAD_SECONDS, self.transport.close)
 
-    def _wait_no_more(self) -> None:
-        if self._patience is not None:
-            self._patience.cancel()
-            self._patience = None
+    def _cancel_timeout(self) -> None:
+        if self._head_timeout is not None:
+            self._head_timeout.cancel()
+            self._head_timeout = None
 
 
 def listening(host: str, port: int) -> socket.socket:
-    """Return a socket that listens.
+    """Return a listening socket.
 
     Raises
     ------
     InvalidProblem
-        If it cannot, e.g. for a port that is taken, or if the host is empty: the operating system
-        would take that for all addresses of the machine.
+        If the port is in use, or the host is empty, which would mean all addresses of the machine.
     """
     if not host.strip():
         text = f"{host!r} is not an address; must be one, as 127.0.0.1, or 0.0.0.0 for all"
         raise InvalidProblem.at("host", text)
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
-    # asyncio lets an answer's body follow its head at once (no Nagle, who would wait 40 ms for an
-    # acknowledgement) on sockets that call themselves TCP
-    made = socket.socket(family, socket.SOCK_STREAM, socket.IPPROTO_TCP)
+    # with IPPROTO_TCP asyncio disables Nagle's algorithm, which delays a body by 40 ms
+    listener = socket.socket(family, socket.SOCK_STREAM, socket.IPPROTO_TCP)
     try:
-        made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        made.bind((host, port))
-        made.listen(128)
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listener.bind((host, port))
+        listener.listen(128)
     except (OSError, OverflowError) as fault:
-        made.close()
+        listener.close()
         why = getattr(fault, "strerror", None) or str(fault)
         text = f"cannot listen at {host}: {why}; take another port with --port"
         raise InvalidProblem.at(f"port {port}", text) from None
-    return made
+    return listener
 
 
 @contextlib.contextmanager
 def interrupts_counted() -> Iterator[list[int]]:
-    """Give a list that gets an item for each Ctrl-C, which does nothing else meanwhile.
+    """Provide a list to which each Ctrl-C appends an item instead of raising an exception.
 
-    As an exception it would be lost where Python cannot raise it, as in a finaliser: the server
-    would go on for ever.
+    An exception may be lost, for instance in a finaliser, and the server would continue to run.
     """
     pressed: list[int] = []
     if threading.current_thread() is not threading.main_thread():
@@ -106,12 +103,12 @@ def interrupts_counted() -> Iterator[list[int]]:
 
 
 class _Server(uvicorn.Server):
-    """A server that ends too if Ctrl-C was pressed while it was made."""
+    """A server that also stops if Ctrl-C was pressed before its start."""
 
     pressed: list[int]
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
-        """Begin to serve, though it be to end at once."""
+        """Start the server; stop it at once if Ctrl-C was pressed before."""
         await super().startup(sockets)
         self.should_exit |= bool(self.pressed)
 
@@ -119,10 +116,10 @@ class _Server(uvicorn.Server):
 def serve(
     at: socket.socket, names: Iterable[str] = (), token: str = "", *, pressed: list[int]
 ) -> None:
-    """Serve until Ctrl-C, and no longer than a moment if it was ``pressed`` before."""
+    """Serve until Ctrl-C; stop at once if it was ``pressed`` before."""
     config = uvicorn.Config(
         application(names, token),
-        http=_Impatient,
+        http=_TimeoutProtocol,
         log_level="warning",
         access_log=False,
         server_header=False,

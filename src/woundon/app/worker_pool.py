@@ -158,7 +158,7 @@ class Pool:
         await asyncio.gather(*map(self._start_worker, self._slots))
 
     def close(self) -> None:
-        """End the processes, whatever they do."""
+        """End the processes."""
         for task in self._tasks:
             task.cancel()
         for slot in self._slots:

@@ -150,7 +150,7 @@ def check_like_a_case(case: Mapping[str, Any], where: str = "") -> None:
 
 
 def _excess(case: Mapping[str, Any]) -> str:
-    """Return the limit that the tables exceed; '' if they may be a case."""
+    """Return the limit that the tables exceed; '' if they exceed none."""
     inner: list[Any] = [case]
     names = 0
     for _ in range(MAX_DEPTH):
@@ -167,7 +167,7 @@ def _excess(case: Mapping[str, Any]) -> str:
 
 
 def _line_at_fault(text: str, fault: str) -> str:
-    """Return the line that a TOML error names, with a hint if a unit without quotes is in it."""
+    """Return the line of a TOML error, with a hint if it has a unit without quotes."""
     found = re.search(r"line (\d+)", fault)
     lines = text.rstrip().split("\n")
     line = lines[min(int(found[1]), len(lines)) - 1 if found else -1].split("#")[0].strip()

@@ -285,7 +285,7 @@ class _Writer:
         return comment if self.comments else ""
 
     def shows(self, thing: Description, name: str) -> bool:
-        """Return True if a field is written: if it is set, or if comments are written."""
+        """Return True if a field is written: if it is set, or if the file has comments."""
         return self.comments or getattr(thing, name) is not None
 
     def is_nested(self, value: Any) -> bool:
@@ -327,7 +327,7 @@ def _name_of(value: Any) -> str | None:
 
 
 def _without(problem: Problem, group: str) -> str:
-    """Return a comment on the kind of problem that remains without a group."""
+    """Return a comment on the problem that results if a group is omitted."""
     names = set(type(problem).model_fields) - set(problem.tables[group])
     other = kinds.for_fields(names)
     if isinstance(problem, other.problem):

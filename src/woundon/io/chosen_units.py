@@ -88,7 +88,7 @@ def units_of(settings: Iterable[str]) -> Iterator[None]:
 
 
 def _known() -> dict[str, list[str]]:
-    """Return the SI units of all fields and outputs; a name may have two, in two kinds."""
+    """Return the SI units of all fields and outputs; a name may have several, by kind."""
     known: dict[str, list[str]] = {}
     for kind in kinds.every():
         places: list[Any] = [*walk(kind.problem), *outputs(kind.result)]
@@ -116,8 +116,8 @@ class ResultInUnits:
     """
 
     def __init__(self, result: Result, sizes: Sizes) -> None:
-        self.result = result
-        self._sizes = sizes
+        self.result, self._sizes = result, sizes
+        # the quantities of the outputs, with the chosen units as their units for display
         with shown_in(sizes):
             self._quantities = {p.path: p.quantity for p in outputs(result) if p.quantity}
         self.units = {

@@ -85,7 +85,7 @@ def replaced_file(path: str | Path) -> Iterator[Path]:
 
 @contextlib.contextmanager
 def _path_in_errors(path: str | Path) -> Iterator[None]:
-    """Raise errors of the system with the name of ``path`` instead of the temporary file."""
+    """Replace the name of the temporary file by ``path`` in errors of the system."""
     try:
         yield
     except OSError as fault:

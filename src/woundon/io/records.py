@@ -158,7 +158,7 @@ def _dimensions(values: Mapping[str, Any]) -> dict[str, list[str]]:
 
 
 def from_record(record: Record) -> Result:
-    """Return the result of a record after checking each of its parts."""
+    """Create the result from a record; all parts are checked."""
     kind = kinds.named(str(record.get("kind")))
     try:
         problem = kind.problem(**record["problem"])

@@ -44,7 +44,7 @@ def check_record(record: Mapping[str, Any]) -> bool:
 
 
 def sealed_bytes(content: bytes) -> bytes:
-    """Return a netCDF file with its SHA-256 in place of the blank one."""
+    """Return a netCDF file with its SHA-256 in place of the placeholder."""
     before, blank, after = _parts(content)
     if blank != BLANK.encode("ascii"):
         raise AssertionError("the file has no place for its SHA-256")
@@ -52,12 +52,12 @@ def sealed_bytes(content: bytes) -> bytes:
 
 
 def check_bytes(content: bytes) -> bool:
-    """Return True if a netCDF file has a SHA-256.
+    """Return True if a netCDF file contains a SHA-256 and this matches its content.
 
     Raises
     ------
     InvalidProblem
-        If it is not that of the content.
+        If the SHA-256 does not match.
     """
     before, seal, after = _parts(content)
     blank = BLANK.encode("ascii")
@@ -65,7 +65,7 @@ def check_bytes(content: bytes) -> bool:
 
 
 def _parts(content: bytes) -> tuple[bytes, bytes, bytes]:
-    """Return the bytes before, in and after the place of the SHA-256."""
+    """Split the content of a file into the bytes before, of and after the SHA-256."""
     head, mark, tail = content.partition(_MARK)
     return head + mark, tail[:64], tail[64:]
 

@@ -172,7 +172,7 @@ def _check_renaming(columns: Any) -> None:
 
 
 def _renamed(header: str, left: dict[str, tuple[str, str | None]]) -> tuple[str | None, str]:
-    """Return the text that replaces a header, and its remaining unit; remove it from ``left``."""
+    """Return the name that replaces a header, and its unit; remove it from ``left``."""
     for text, unit in _splits(header):
         if _normalised(text) in left:
             return left.pop(_normalised(text))[1] or None, unit

@@ -49,9 +49,9 @@ __all__ = [
 
 Array = np.ndarray
 
-# A defect beyond this many error estimates of it is reported, if it has not fallen below this share
-# of the largest one on coarser meshes: the estimate alone may be small by chance.
-INCONSISTENT, FALLEN = 3.0, 0.3
+# A defect is reported if it exceeds INCONSISTENT times its error estimate and MIN_REDUCTION times
+# the largest defect on coarser meshes, because an estimate may be small by chance.
+INCONSISTENT, MIN_REDUCTION = 3.0, 0.3
 
 
 def equations_of(result: Any) -> NipEquations:
@@ -145,7 +145,7 @@ def _equations_and_friction(
 def _reported_arrays(
     result: Any, equations: NipEquations, state: NipState, implied: Implied
 ) -> dict[str, float]:
-    """Return the differences of tension, zones, mesh and roll strain from those implied."""
+    """Return the differences of the reported arrays from values recomputed from the tractions."""
     f, P = state.fields, equations.problem.nip_load
     # large tensions are known to their rounding, which is accepted up to the accepted residual
     tension_scale = P + ROUNDING * float(np.abs(f.tension).max()) / ACCEPTED_RESIDUAL
@@ -183,7 +183,7 @@ def _wrap_conditions(
 
 
 def _surface_loads(result: Any, f: Fields, implied: Implied) -> dict[str, float]:
-    """Return the differences of pressures and tractions from those implied, zero outside a face."""
+    """Return the differences of pressures and tractions from those of the state."""
     pressures = {
         "drum_pressure": f.p_drum,
         "roll_pressure": f.p_roll,
@@ -232,7 +232,7 @@ def consistency_defects(equations: NipEquations, state: NipState) -> dict[str, f
 
 
 def consistency(result: Any) -> Residuals:
-    """Return the sizes of the defects of :func:`consistency_defects` by the arrays of a result."""
+    """Return the absolute defects of :func:`consistency_defects` from the arrays of a result."""
     equations = equations_of(result)
     defects = consistency_defects(equations, state_of(result, equations))
     return Residuals(**{name: abs(value) for name, value in defects.items()})
@@ -248,11 +248,11 @@ def inconsistencies(meshes: Sequence[MeshSolution]) -> list[str]:
     history = [(mesh.size, consistency_defects(mesh.system, mesh.state)) for mesh in meshes]
     texts = []
     for name, value in history[-1][1].items():
-        estimate, largest_defect = (
-            error_estimate(history, name),
-            largest([abs(defects[name]) for _, defects in history]),
-        )
-        if abs(value) > max(INCONSISTENT * estimate, FALLEN * largest_defect, ACCEPTED_RESIDUAL):
+        estimate = error_estimate(history, name)
+        largest_defect = largest([abs(defects[name]) for _, defects in history])
+        if abs(value) > max(
+            INCONSISTENT * estimate, MIN_REDUCTION * largest_defect, ACCEPTED_RESIDUAL
+        ):
             texts.append(
                 f"{RESOLUTION}the condition {name} is violated by {abs(value):.2g}, "
                 f"{abs(value) / estimate:.2g} times its estimated discretisation error"
@@ -261,7 +261,7 @@ def inconsistencies(meshes: Sequence[MeshSolution]) -> list[str]:
 
 
 def recomputed(result: Any) -> dict[str, tuple[float, float]]:
-    """Return the scalars that no condition determines: values from the arrays, and tolerances."""
+    """Recompute the scalars without a contact condition of their own; with tolerances."""
     equations = equations_of(result)
     state = state_of(result, equations)
     arrays = {name: value for name, value in vars(result).items() if isinstance(value, np.ndarray)}
@@ -280,7 +280,7 @@ def recomputed(result: Any) -> dict[str, tuple[float, float]]:
 
 
 def solutions(result: Any) -> list[MeshSolution]:
-    """Return the solutions on the meshes of a result; of a loaded one, that on its own mesh."""
+    """Return the solutions on all meshes of a result; for a loaded result only on the last."""
     if result.refinement is not None:
         meshes: list[MeshSolution] = result.refinement.meshes
         return meshes

@@ -122,7 +122,7 @@ def largest_half_width(problem: ContactProblem) -> float:
 def frictionless_half_width(
     problem: ContactProblem, load: float, guess: float, largest: float
 ) -> float:
-    """Return about the half width at which a frictionless contact carries a load [m].
+    """Return the approximate half width at which a frictionless contact carries a load [m].
 
     The half width is doubled or halved until the load lies in between, and interpolated with powers
     of it.  Where thin layers or open tubes bend, Hertz's half width may be forty times too small.

@@ -109,7 +109,7 @@ def approach(equations: NipEquations, state: NipState) -> float:
 
 
 def _on_nodes(values: Array, first: int, size: int, fill: float = np.nan) -> Array:
-    """Place values of the cells of a face on all nodes: each node takes the cell upstream of it.
+    """Extend values in the cells of a face to all nodes: a node has that of the cell upstream.
 
     The first node of the face repeats the next one; nodes outside of the face are filled.
     """
@@ -247,7 +247,7 @@ def error_estimates(found: Refinement, arrays: Mapping[str, Array]) -> dict[str,
 
 
 def _unresolved_strain(equations: NipEquations, geometry: Geometry) -> float:
-    """Return the strain of the drum at the start of its wrap that the mesh does not resolve."""
+    """Return the change of the drum strain at the start of its wrap, unresolved by the mesh."""
     drum, T = equations.problem.drum, equations.problem.web_tension
     first_cell = geometry.a * float(geometry.mesh.cells[0])
     if not equations.drum_wrap or first_cell <= T * drum.compliance:

@@ -25,7 +25,7 @@ Array = np.ndarray
 
 
 def state_of(result: Any) -> tuple[RollerEquations, RollerState] | None:
-    """Return equations and state of the arrays of a result; None where they cannot be any."""
+    """Return equations and state from the arrays of a result; None if the arrays are invalid."""
     a, size = result.half_width, result.x.size
     arrays = result.x, result.pressure, result.traction, result.slip_x, result.slip, result.zone
     if size < 3 or {array.shape for array in arrays} != {(size,)} or not isfinite(a):
@@ -115,7 +115,7 @@ def _mesh_difference(result: Any, equations: RollerEquations) -> float:
 
 
 def consistency(result: Any) -> Residuals:
-    """Return conditions that hold to the order of the discretisation.
+    """Return conditions that hold up to the discretisation error.
 
     power_balance
         Of rollers with a viscoelastic body, relative to P a/R* (:mod:`.energy`).
@@ -131,7 +131,7 @@ def consistency(result: Any) -> Residuals:
 
 
 def solutions(result: Any) -> list[MeshSolution]:
-    """Return the solutions on the meshes of a result; of a loaded one, that on its own mesh."""
+    """Return the solutions on all meshes of a result; for a loaded result only on the last."""
     if result.refinement is not None:
         meshes: list[MeshSolution] = result.refinement.meshes
         return meshes

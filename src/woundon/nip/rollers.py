@@ -123,7 +123,7 @@ class RollerEquations:
 
     @cached_property
     def scales(self) -> Array:
-        """Units of the unknowns."""
+        """Scales of the unknowns."""
         out = np.full(self.q.stop, self.pressure_scale)
         out[self.shift], out[self.xi], out[self.ln_a] = self.slope_scale, self.slip_scale, 1.0
         out[self.q] *= self.problem.friction
@@ -131,7 +131,7 @@ class RollerEquations:
 
     @property
     def traction_unknowns(self) -> slice:
-        """Places of the tractions in u."""
+        """Indices of the tractions in u."""
         return self.q
 
     @cached_property
@@ -146,15 +146,15 @@ class RollerEquations:
         return np.arange(0 if given else self.q.stop - self.q.start)
 
     def for_problem(self, problem: RollerProblem) -> RollerEquations:
-        """Return the equations of a neighbouring problem with the same numbering."""
+        """Return the equations of a neighbouring problem on the same mesh."""
         return RollerEquations(problem, self.size)
 
     def node_names(self, tractions: Array) -> list[str]:
-        """Return the nodes of some tractions in words."""
+        """Return the names of traction nodes for messages."""
         return [f"node {i + 1}" for i in tractions.tolist()]
 
     def initial_guess(self) -> tuple[Array, Array]:
-        """Return zero fields at the half width without friction, and full stick."""
+        """Return zero fields with the half width of the frictionless contact, and full stick."""
         u, a = np.zeros(self.q.stop), self.start
         if self.problem.linear:
             largest = exp(self.largest_ln_a)
@@ -171,7 +171,7 @@ class RollerEquations:
         return Surfaces(a, upper, lower)
 
     def evaluate(self, u: Array, surfaces: Surfaces | None = None) -> RollerState:
-        """Return the state of given unknowns."""
+        """Evaluate residuals, slip and friction bounds of the unknowns u."""
         s, problem = surfaces or self.surfaces(exp(u[self.ln_a])), self.problem
         p, q = np.zeros((2, self.size))
         p[1:-1] = u[self.p]
@@ -187,7 +187,7 @@ class RollerEquations:
         return RollerState(u, s, p, q, upper, lower, rows, slip, traction, bound)
 
     def _gap_slope(self, u: Array, a: float, upper: Deformation, lower: Deformation) -> Array:
-        """Return the slope of the gap in the cells."""
+        """Return the residual of the gap slope in the cells."""
         slope = (upper.slope + lower.slope)[:-2] + u[self.shift]
         slope -= self.mesh.points * (a / self.problem.contact_radius)
         return np.asarray(slope / self.slope_scale)
@@ -252,7 +252,7 @@ class RollerEquations:
     # ---- Jacobian ------------------------------------------------------------------------------
 
     def jacobian(self, state: RollerState) -> Jacobian:
-        """Return the derivatives of equilibrium, slip and bound; the column by ln a is empty."""
+        """Return the derivatives of equilibrium, slip and bound by u; zero for ln a."""
         problem, (a, *pair), n = self.problem, state.surfaces, self.size - 2
         inner, size = slice(1, -1), self.q.stop
         k = size - self.q.start
@@ -373,7 +373,7 @@ class RollerEquations:
     def prolong(
         self, state: RollerState, active: Array, coarse: RollerEquations
     ) -> tuple[Array, Array]:
-        """Interpolate the unknowns of another mesh; nodes take the zone of the nearest node."""
+        """Interpolate the unknowns of a coarse mesh; zones are those of the nearest node."""
         u = np.zeros(self.q.stop)
         old, new = coarse.mesh.nodes, self.mesh.nodes[1:-1]
         u[self.p] = np.interp(new, old, np.pad(state.u[coarse.p], 1))

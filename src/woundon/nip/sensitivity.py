@@ -141,7 +141,7 @@ class Sensitivity(Presented, ReadOnly):
         return self._html_of_table(head, self.sorted().to_dataframe(), remarks)
 
     def sorted(self) -> Sensitivity:
-        """Return the same, the parameters of the largest elasticity of the first output first."""
+        """Return a copy with the parameters sorted by their elasticity of the first output."""
         order = np.argsort(-np.abs(np.nan_to_num(self.elasticities[0])), kind="stable")
         return replace(
             self,
@@ -163,7 +163,7 @@ def continuous_fields(problem: Any) -> dict[str, float]:
 
 
 def _list_items(problem: Any) -> dict[str, float]:
-    """Return the numbers of all lists, as the values of a profile, by dotted name."""
+    """Return the numbers in lists, such as the values of a profile, by dotted name."""
     return {
         f"{place.path}.{k}": item
         for place in walk(problem)
@@ -289,7 +289,7 @@ class _Perturbed:
         return np.append(state.equilibrium, friction_residual(state, self.mesh.active))
 
     def __call__(self, problem: Any) -> Array:
-        """Return the outputs of a problem next to the solved one."""
+        """Return the outputs of a problem that differs slightly from the solved one."""
         has_air = getattr(problem, "air", None) is not None
         system, u = (
             self._solved_with_air(problem) if has_air else self._solved(problem, self.mesh.state.u)
@@ -340,7 +340,7 @@ def _difference(solved: Callable[[Any], Array], problem: Any, name: str, value: 
 
 
 def _size(problem: Any, name: str, value: float) -> float:
-    """Return the scale on which a field matters."""
+    """Return the scale of the difference step of a field."""
     head, _, rest = name.partition(".")
     thickness = getattr(getattr(problem, head), "thickness", np.inf)
     if head in problem.pair and rest.endswith("radius") and np.isfinite(thickness):
@@ -357,7 +357,7 @@ def _size(problem: Any, name: str, value: float) -> float:
 
 
 def near_zone_change(mesh: MeshSolution) -> str:
-    """Return the traction nodes whose inequality holds by a small margin only, in words."""
+    """Return the names of the traction nodes that are close to a change of their zone."""
     state, active = mesh.state, mesh.active
     slack = (state.bound - np.abs(state.traction)) / np.abs(state.bound).max()
     slip = np.abs(state.slip) / max(np.abs(state.slip).max(), 1e-300)

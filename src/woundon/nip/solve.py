@@ -201,14 +201,14 @@ def _criterion(
 
 
 def _outside_model(problem: Any) -> str:
-    """Return a text about the quantities of an unsolved case far outside the model."""
+    """Return a text on quantities that are far outside the validity limits in an unsolved case."""
     width = 2 * half_width_guess(problem.nip_load, *problem.bodies)
     texts = (*web_far_outside(problem, width), *far_outside(problem, problem.nip_load))
     return "; ".join(texts)
 
 
 def _check_taut(problem: Any, mesh: MeshSolution, permitted: float = 0.0) -> None:
-    """Raise where the web is slack on a wrap: nothing presses it on the body there.
+    """Raise an error if the web is slack on a wrap, where its tension must press it on the body.
 
     Parameters
     ----------

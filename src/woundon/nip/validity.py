@@ -112,7 +112,7 @@ def _web(r: NipResult, strain: Array) -> Iterator[str]:
 
 
 def web_far_outside(problem: NipProblem, width: float) -> Iterator[str]:
-    """Yield a text for each quantity of the web that is far outside the model.
+    """Yield a text for each quantity of the web that is far outside the validity limits.
 
     Parameters
     ----------

@@ -17,7 +17,7 @@ from ..errors import InvalidProblem, did_you_mean
 
 __all__ = [
     "MILL",
-    "alike",
+    "compatible_units",
     "definitions",
     "factor",
     "has_dimension",
@@ -238,29 +238,30 @@ def is_unit(text: str) -> bool:
     return bool(_UNIT.fullmatch(text)) and set(re.findall(_NAME, text)) <= set(known_units())
 
 
-def alike(unit: str, *more: str) -> dict[str, float]:
+def compatible_units(unit: str, *more: str) -> dict[str, float]:
     """Return the units in which a quantity may be displayed, with their size in the SI ``unit``.
 
-    They are the units of the same dimension with a name, those for output, those of North American
-    mills, and ``more``.
+    These are the named units of the same dimension, the units for output, those of North American
+    mills, and ``more``; the smallest first.
     """
-    if unit != "1" and not is_unit(unit):  # of a plug-in's output
+    if unit != "1" and not is_unit(unit):  # of the output of a plug-in
         return {unit: 1.0}
-    due = _product(unit, _definitions()).powers if unit != "1" else {}
-    own = [
-        name
-        for name, known in _definitions().items()
-        if known.powers == due and due and name not in _SPELLINGS
-    ]
-    names = dict.fromkeys(
-        (unit, *_OUTPUT_UNITS.get(unit, ()), *own, *(("%",) * (unit == "1")), *more)
-    )
+    if unit == "1":
+        same_dimension = ["%"]
+    else:
+        powers = _product(unit, _definitions()).powers
+        same_dimension = [
+            name
+            for name, definition in _definitions().items()
+            if definition.powers == powers and name not in _SPELLINGS
+        ]
+    names = dict.fromkeys((unit, *_OUTPUT_UNITS.get(unit, ()), *same_dimension, *more))
     names |= dict.fromkeys(MILL[name] for name in list(names) if name in MILL)
     sizes = {
-        "" if name == "1" else name: _converted(name, unit) if name != "1" else Fraction(1)
+        "" if name == "1" else name: Fraction(1) if name == "1" else _converted(name, unit)
         for name in names
     }
-    return dict(sorted(((n, float(s)) for n, s in sizes.items() if s), key=lambda of: of[1]))
+    return dict(sorted(((n, float(s)) for n, s in sizes.items() if s), key=lambda item: item[1]))
 
 
 def factor(text: str, unit: str, field: str) -> Fraction:

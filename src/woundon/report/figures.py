@@ -130,7 +130,7 @@ class Picture(Figure):
 
 
 def check_format(path: str | Path) -> str:
-    """Return the path's ending if figures are saved in its format.
+    """Return the suffix of a path; reject formats in which figures cannot be saved.
 
     Raises
     ------
@@ -219,7 +219,7 @@ def symbol_text(symbol: str) -> str:
 
 
 def wrapped_text(text: str, width: int = 44) -> str:
-    """Return a text in lines of at most so many characters; "> 0" stays together."""
+    """Wrap a text to a number of characters per line, without a break in "> 0"."""
     return fill(text.replace("> 0", ">\N{NO-BREAK SPACE}0"), width)
 
 
@@ -235,7 +235,7 @@ def along_contact(axes: Axes, results: Sequence[Any], contact: str) -> None:
 
 
 def letter(axes: Axes, text: str) -> None:
-    """Write the letter of a panel above it on the right."""
+    """Write the letter of a panel above its right end."""
     axes.set_title(f"({text})", loc="right", fontsize=9)
 
 

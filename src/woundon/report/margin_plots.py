@@ -140,7 +140,7 @@ class Bars:
     found: Any
 
     def __call__(self, axes: Axes, cases: Sequence[Case]) -> list[Any]:
-        """Plot them."""
+        """Plot the discs of all cases."""
         before, after = self.found.margins_before, self.found.margins_after
         kept = [name for name in (m.name for m in after) if after[name].checked]
         at = np.arange(len(kept))

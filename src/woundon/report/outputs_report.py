@@ -54,7 +54,7 @@ LEFT_OUT = frozenset(
 def rows_of(
     result: Result, names: list[str], leave: Iterable[str] = LEFT_OUT, **notes: str
 ) -> tuple[Row, ...]:
-    """Return the rows of the named outputs, then those of plug-ins' outputs.
+    """Return the rows of the named outputs and of outputs of plug-ins.
 
     Outputs in ``leave`` are omitted; ``notes`` are texts after the unit by name.
     """

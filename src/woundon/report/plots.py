@@ -123,7 +123,7 @@ def plotted(
 
 
 def panel_columns(results: Sequence[Result]) -> list[list[str]]:
-    """Return the names of the panels that are drawn of results, column by column."""
+    """Return the names of the panels of a plot of results, by columns."""
     columns: dict[str, list[str]] = {}
     for name, panel in _common_panels(results).items():
         if panel.shown:
@@ -137,7 +137,7 @@ def _cases(results: Any, labels: Sequence[str] | None) -> tuple[list[Any], list[
     for result in given:
         check_type("results", result, Result)
     if not given:
-        raise InvalidProblem.at("results", "there is none to draw")
+        raise InvalidProblem.at("results", "there is none to plot")
     if labels is None:
         labels = _labels(given) if len(given) > 1 else [""]
     elif isinstance(labels, str) or len(labels) != len(given):
@@ -218,7 +218,7 @@ class Curves:
     names: tuple[str, ...]
 
     def __call__(self, axes: Axes, cases: Sequence[Case]) -> list[Any]:
-        """Plot them."""
+        """Plot the arrays."""
         handles: list[Any] = []
         for case in cases:
             curves: list[Line2D] = []

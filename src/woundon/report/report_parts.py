@@ -171,7 +171,7 @@ Part = Section | ZoneStrips | Verdicts | Line
 
 
 def row_of(quantity: Quantity, value: Any, error: float = nan, **more: str) -> Row:
-    """Return the row of a value and its error [SI]; ``more`` replaces texts of the quantity."""
+    """Return the row of a value and its error [SI]; ``more`` overrides texts of the quantity."""
     shown, error = quantity.shown(value), abs(quantity.shown(error))
     row = Row(quantity.meaning, quantity.symbol, shown, quantity.display, error)
     return replace(row, **more)  # type: ignore[arg-type]
@@ -286,8 +286,7 @@ def friction_bounds(result: Result) -> dict[str, Array]:
 def zone_line(x: Array, zones: Array, width: int) -> list[tuple[int, int]]:
     """Return the zones as runs (zone, number of characters) over ``width`` characters.
 
-    A run is as long as its share of the contact but never nothing: a short slip zone at an edge
-    stays in sight.
+    The length of a run is proportional to that of the zone, but at least one character.
     """
     runs = [
         (zone, max(1, round((right - left) / (x[-1] - x[0]) * width)))

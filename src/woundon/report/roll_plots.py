@@ -68,7 +68,7 @@ class OverRadius:
     words: str
 
     def __call__(self, axes: Axes, cases: Cases) -> Handles:
-        """Plot it."""
+        """Plot the output over the radius."""
         for case in cases:
             x, y = shown(case.result, "radius"), shown(case.result, self.name)
             axes.plot(x, y, color=case.colour_or(COLOURS[0]))

@@ -118,7 +118,7 @@ class Stages:
     words: str
 
     def __call__(self, axes: Axes, cases: Cases) -> list[Any]:
-        """Plot it."""
+        """Plot the output at stages of the build-up."""
         quantity = quantity_of(cases[0].result.roll, self.name)
         for case in cases:
             colour, rolls = case.colour_or(COLOURS[0]), [case.result.roll]

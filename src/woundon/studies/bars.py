@@ -44,7 +44,7 @@ class _Channel(Console):
 
 @contextmanager
 def bar(label: str, unit: str = "", done: int = 0) -> Iterator[Callable[[float, float], None]]:
-    """Provide a function that shows on a bar what is done of what is expected.
+    """Provide a function that shows the numbers of finished and expected cases on a bar.
 
     Parameters
     ----------
@@ -77,6 +77,6 @@ def bar(label: str, unit: str = "", done: int = 0) -> Iterator[Callable[[float, 
 
 @contextmanager
 def fraction_bar(label: str = "solving") -> Iterator[Callable[[float], None]]:
-    """Provide a function to report the fraction of the work that is done."""
+    """Provide a function that shows a fraction on a progress bar."""
     with bar(label) as report:
         yield lambda fraction: report(fraction, 1.0)

@@ -172,7 +172,7 @@ class _RowDesign(designs.Design):
     """A table of cases with gaps."""
 
     def chunks(self, size: int | None = None) -> list[Array]:
-        """Cut the cases into chunks of neighbours; a gap counts as the mean of its column."""
+        """Divide the cases into chunks of neighbours; missing values count as column means."""
         filled = []
         for column in self.columns:
             values = column.values
@@ -219,7 +219,7 @@ def _is_field(name: str, problem: Problem) -> bool:
 
 
 def _names(problem: Problem) -> Names:
-    """Return all names that a header may have: fields, outputs, what studies write next to them."""
+    """Return all names that a header may have: fields, outputs and the columns of studies."""
     known = scalar_outputs(kind_of(problem).result)
     errors = {f"errors.{name}": quantity for name, quantity in known.items()}
     return Names({**dict.fromkeys(ANNOTATIONS), **known, **errors, **columns_of(problem)})
@@ -280,7 +280,7 @@ def _values(
 
 
 def _thing(problem: Problem, column: Column, row: int, faults: list[str]) -> Any:
-    """Return a word, the name of a material, or a body as JSON; None of an empty cell."""
+    """Convert a cell to a word, the name of a material, or a body (JSON); an empty cell to None."""
     cell = column.cells[row]
     if not isinstance(cell, str):
         if _is_missing(cell):
@@ -298,7 +298,7 @@ def _thing(problem: Problem, column: Column, row: int, faults: list[str]) -> Any
 
 
 def _present(problem: Problem, cells: Mapping[str, Sequence[Any]]) -> dict[str, Any]:
-    """Return the numbers of the case that stand in for empty cells of a column."""
+    """Return the numbers of the base case that replace empty cells of a column."""
     known: dict[str, Any] = {}
     for name in cells:
         try:
@@ -322,7 +322,7 @@ def _solved(
     chunk: int | None,
     progress: bool | Progress,
 ) -> tuple[dict[str, Array], list[str]]:
-    """Return the outputs and warnings of all rows; enter the reasons of those that failed."""
+    """Return the outputs and warnings of all rows; store the reasons of failures."""
     rows = [k for k, reason in enumerate(failure) if not reason]
     values = {name: np.full(len(failure), np.nan) for name in model.outputs}
     warnings = [""] * len(failure)
@@ -343,7 +343,7 @@ def _solved(
 
 
 def _readable(reason: str) -> str:
-    """Return a reason without the name of the exception that carries it."""
+    """Return the reason of a failure without the name of the exception."""
     for name, text in (
         ("InvalidProblem: ", ""),
         ("NoSteadyState: ", ""),

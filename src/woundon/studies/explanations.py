@@ -148,7 +148,7 @@ class Explanation(NamedTuple):
 
 
 def explain(comparison: Any) -> tuple[Explanation, ...]:
-    """Return the findings of all outputs with the causes that rules name for them."""
+    """Return the findings on all outputs with their possible causes, by rules."""
     return tuple(entry for output in comparison.outputs for entry in _of_output(comparison, output))
 
 

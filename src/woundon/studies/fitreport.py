@@ -160,7 +160,7 @@ def _minima(fit: Any, unit: str) -> Iterator[str]:
 
 
 def _trade_offs(fit: Any, unit: str) -> Iterator[str]:
-    """Yield correlations, and the combination of parameters that is identified least."""
+    """Yield correlations and the least identified combination of parameters."""
     p = len(fit.names)
     for j in range(p):
         for k in range(j):
@@ -188,7 +188,7 @@ def _trade_offs(fit: Any, unit: str) -> Iterator[str]:
 
 
 def to_json(fit: Any) -> str:
-    """Return the fit as JSON, SI units; what is not a number or not finite is null."""
+    """Return the fit as JSON, SI units; nan and infinity are null."""
     record: dict[str, Any] = {name: getattr(fit, name) for name in _SAVED}
     record["units"] = {name: quantity.unit for name, quantity in fit.quantities.items()}
     record["profiles"] = {

@@ -145,7 +145,7 @@ def read_observations(
 
 
 def _radius(values_of: dict[str, Array], where: str, count: int) -> Array:
-    """Take the column of positions out of the outputs; return the radii."""
+    """Remove the column of positions from the outputs; return the radii."""
     columns = [name for name in POSITIONS if name in values_of]
     if len(columns) > 1:
         raise InvalidProblem.at(where, f"has {' and '.join(columns)}; must be one of them")
@@ -153,7 +153,7 @@ def _radius(values_of: dict[str, Array], where: str, count: int) -> Array:
 
 
 def arrays_over_radius(result: type[Any], fields: set[str]) -> dict[str, Quantity]:
-    """Return the arrays of a kind's result that run over the radius; none without a radius."""
+    """Return the arrays of the result of a kind that are functions of the radius."""
     places = {place.path: place for place in outputs(result) if place.quantity is not None}
     if "radius" not in places:
         return {}
@@ -212,7 +212,7 @@ def predict(result: Any, name: str, position: float) -> float:
 
 
 def _length_laid(roll: Any, position: float) -> float:
-    """Return the length of web laid up to a radius, its layers pressed thinner [m]."""
+    """Return the length of web wound up to a radius, with compressed layers [m]."""
     known = roll.replace(problem=roll.problem.replace(density=REFERENCE_DENSITY))
     stage = known if position != position else known.at(position)
     return float(stage.wound_mass / (REFERENCE_DENSITY * roll.problem.web_thickness))

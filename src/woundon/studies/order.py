@@ -12,7 +12,7 @@ Array = np.ndarray
 
 
 def serpentine(shape: Sequence[int], axes: Sequence[int]) -> Array:
-    """Return a grid's cases in a path that moves one step along one axis at a time.
+    """Return the cases of a grid in an order that moves one step along one axis at a time.
 
     Parameters
     ----------

@@ -14,7 +14,7 @@ Progress = Callable[[int, int], None]  # called with (done, expected)
 def reported(
     progress: bool | Progress, label: str, *, unit: str = "", done: int = 0
 ) -> Iterator[Progress]:
-    """Provide a function that is called with what is done and what is expected in all.
+    """Provide a function that reports the numbers of finished and of all cases.
 
     Parameters
     ----------

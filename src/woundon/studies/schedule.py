@@ -309,7 +309,7 @@ class _Search:
     # ---- winding ---------------------------------------------------------------------------------
 
     def begin(self) -> None:
-        """Wind what the search begins with."""
+        """Solve the winding at the start of the search, and select its margins."""
         problem = self.model.problem
         given = np.array([get_field(problem, name) for name in self.names])
         self.first = np.clip(given, self.low, self.high)
@@ -403,7 +403,7 @@ class _Search:
     # ---- result ----------------------------------------------------------------------------------
 
     def found(self, ended: str) -> OptimisedSchedule:
-        """Return the best of all windings."""
+        """Return the result: the best of all computed windings."""
         done = [case for case in self.evaluations.values() if case.result is not None]
         if not done:
             raise NotConverged(f"no schedule in these ranges can be computed: {self.failure}")

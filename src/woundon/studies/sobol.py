@@ -190,7 +190,7 @@ class SobolIndices(Presented, ReadOnly):
 
 
 def saltelli_design(ranges: Mapping[str, Any], samples: int, seed: int) -> Design:
-    """Return the samples * (inputs + 2) cases of Saltelli's scheme: A, B, then A with B's columns.
+    """Return the samples * (inputs + 2) cases of Saltelli's scheme: A, B, A with columns of B.
 
     Parameters
     ----------

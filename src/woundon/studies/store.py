@@ -136,7 +136,7 @@ class Store:
         self._connection: sqlite3.Connection | None = None
 
     def open(self, resume: bool) -> None:
-        """Read the file or create it; if it is damaged, keep what can be verified."""
+        """Read the file or create it; from a damaged file the verified chunks are recovered."""
         if not os.path.lexists(self.path):
             if self.folder.is_dir() and any(self.folder.iterdir()):
                 raise self._invalid("is not empty and contains no study")
@@ -220,7 +220,7 @@ class Store:
     # ---- chunks ---------------------------------------------------------------------------------
 
     def _read_chunks(self) -> bool:
-        """Read the chunks that verify; return whether there are others."""
+        """Read all chunks with a valid SHA-256; return True if there are invalid ones."""
         damaged = False
         for number in range(len(self.chunks)):
             try:
@@ -278,7 +278,7 @@ class Store:
         return self._connection
 
     def _connect(self, writable: bool) -> None:
-        """Open the file; on read-only media without locks, which these may not have."""
+        """Open the file; on read-only media without locks, which may be unavailable there."""
         journals = [self.path.with_name(f"{FILE}-{end}") for end in ("journal", "wal")]
         if not writable and any(os.path.lexists(journal) for journal in journals):
             text = "cannot be written, and a write to it was interrupted; copy the folder to resume"
@@ -344,7 +344,7 @@ class Store:
 
 
 def _connected(path: Path, mode: str) -> sqlite3.Connection:
-    """Open a file; its statements are transactions of their own, its texts come as bytes."""
+    """Open a file in autocommit mode; texts are returned as bytes."""
     address = f"{path.absolute().as_uri()}?{mode}"
     connection = sqlite3.connect(address, timeout=PATIENCE, isolation_level=None, uri=True)
     connection.text_factory = bytes

@@ -86,7 +86,7 @@ def distance(mean: Array, deviation: Array) -> Array:
 
 
 def from_reserve(m: Array) -> Array:
-    """Return y of reserves."""
+    """Return y(reserve)."""
     return np.asarray(np.arcsinh(RATIO) - np.arcsinh(RATIO * (1 - m)))
 
 
@@ -227,7 +227,7 @@ class MarginMap:
         return self.holds(x, shift).all(axis=1).mean(axis=-1)
 
     def holds(self, x: Array, shift: Array | float = 0.0) -> Array:
-        """Return which margins hold for each draw, (points, margins, draws)."""
+        """Return a mask of the margins that hold for each draw, (points, margins, draws)."""
         mean, slopes = self.nominal(x) + shift, self.slopes_at(x)
         found = np.empty((len(x), mean.shape[1], len(self.sample)), dtype=bool)
         squares = self.sample.T**2 / 2

@@ -142,7 +142,7 @@ class WindowStudy:
         return self._nominal([(*x, *self._between(k)) for k, x in enumerate(CHECKS)])
 
     def _checks_of_inputs(self) -> list[Case]:
-        """Return cases with all inputs one standard deviation off, to random sides."""
+        """Return cases with all inputs changed by one standard deviation, with random signs."""
         sides = np.random.default_rng(0).choice([-1.0, 1.0], (len(CHECKS_OF_INPUTS), self.inputs))
         points = [(*x, *self._between(k)) for k, x in enumerate(CHECKS_OF_INPUTS)]
         return list(zip(points, map(tuple, sides.tolist()), strict=True))
@@ -163,7 +163,7 @@ class WindowStudy:
         return np.nonzero(~(share <= IMPORTANT).all(axis=0))[0].tolist()
 
     def _checked(self) -> Array:
-        """Return which margins have a limit: those that any winding gives as a number."""
+        """Return the margins that have a limit: those that are a number in any winding."""
         return np.isfinite(np.array(list(self.nips.margins.values()))).any(axis=0)
 
     def _differences(self, windings: Windings) -> tuple[Array, Array]:
@@ -278,7 +278,7 @@ class WindowStudy:
         return "; ".join(dict.fromkeys([*self.nips.reasons.values(), *windings.reasons.values()]))
 
     def _steady(self, mesh: Array, windings: Windings, nodes: Sequence[Point]) -> Array:
-        """Return at which points a winding exists.
+        """Return a mask of the points at which a winding exists.
 
         Not where the problem is rejected, as the drum slides, and not where the nearest node is
         admissible and nevertheless not solved.
@@ -293,7 +293,7 @@ class WindowStudy:
         return self._admissible(mesh) & ~unsolved[np.argmin(squares, axis=1)]
 
     def _admissible(self, x: Array) -> Array:
-        """Return at which coordinates the problem is valid: loads that the drum can carry."""
+        """Return a mask of the coordinates with a valid problem: loads that the drum can carry."""
         admissible = np.ones(len(x), dtype=bool)
         for k, point in enumerate(self.set_points.values(x).tolist()):
             try:
