@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from math import pi
 
 import pytest
+from slow_cases import slow_case
 from thesis_cases import newsprint_nip
 
 import woundon as wo
@@ -47,7 +48,9 @@ def own(found: list[object]) -> Counter[str]:
     return Counter(t.__name__ for t in types if t.__module__.split(".")[0] in ("woundon", "numpy"))
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize(
+    "name", ["wraps on a cover", slow_case("rollers"), slow_case("wound roll")]
+)
 def test_a_solve_leaves_nothing_to_the_garbage_collector(name: str, found: list[object]) -> None:
     problem, options = CASES[name]
     wo.solve(problem, **options)  # what is kept is made

@@ -45,7 +45,7 @@ def differences(problem: Any, nodes: int, step: float, names: tuple[str, ...]) -
 
 
 @pytest.mark.parametrize("wrapped", [False, True])
-@pytest.mark.parametrize("seed", [100, 101, *map(slow_case, range(102, 108))])
+@pytest.mark.parametrize("seed", [101, *map(slow_case, (100, *range(102, 108)))])
 def test_derivatives_are_those_of_the_solved_equations(seed: int, wrapped: bool) -> None:
     """Elasticities, those of NIT relative to at least 1 % of mu+ P."""
     problem: Any = random_nip(seed).replace(web_tension=600.0)

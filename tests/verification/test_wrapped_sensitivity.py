@@ -75,7 +75,7 @@ def test_derivatives_are_those_of_the_solved_equations(
         )
 
 
-@pytest.mark.parametrize("seed", [1, 4, 9])
+@pytest.mark.parametrize("seed", [4, *map(slow_case, (1, 9))])
 def test_random_nips_with_wraps_too(
     seed: int,
 ) -> None:
