@@ -276,6 +276,7 @@ def _walk_value(place: Place) -> Iterator[Place]:
 
 
 def _walk_annotation(place: Place) -> Iterator[Place]:
+    """Yield a field if it may be a value, then the fields of the descriptions it may contain."""
     annotation = place.field.annotation
     inner = members_of(annotation)
     if not inner or float in get_args(annotation):

@@ -242,7 +242,8 @@ class Systems:
         total, product = self.roots(n)
         c = (product * h * h) ** 2
         b = (total * h) ** 2 - 2 * product * h * h
-        # e^M = f0 + f1 M + f2 M^2 + f3 M^3, as M^4 = b M^2 - c
+        # e^M = I + f0 I + (1 + f1) M + f2 M^2 + f3 M^3, with the even powers
+        # M^(2k) = alpha M^2 + beta I by the Cayley-Hamilton theorem, M^4 = b M^2 - c I
         alpha, beta = np.ones_like(h), np.zeros_like(h)
         f0, f1, f2, f3 = (np.zeros_like(h) for _ in range(4))
         weight = 1.0

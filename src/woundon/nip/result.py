@@ -167,7 +167,7 @@ class NipResult(Dissipation, Result):
 
     problem: NipProblem
     roll_wound_on_tension: Annotated[
-        float, line_load("WOT_r", "wound-on tension of the roll, in a closed layer")
+        float, line_load("WOT_r", "wound-on tension of a closed layer on the roll")
     ]
     half_width: Annotated[float, length("a", "half-width of the nip")]
     approach: Annotated[

@@ -68,7 +68,7 @@ class RollerResult(Dissipation, Result):
 
     problem: RollerProblem
     creepage: Annotated[
-        float, strain("xi", "creepage, surface speed of the lower roller less the upper's")
+        float, strain("xi", "creepage, relative speed of the lower minus the upper roller")
     ]
     shift: Annotated[
         float, length("s", "tangential displacement of the lower roller (static contact)", "um")

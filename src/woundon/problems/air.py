@@ -66,12 +66,16 @@ class Air(Description):
     ] = default(0.0)
     full_friction: Annotated[
         Number,
-        pure("h/s full", "air film up to which friction is unreduced, in roughnesses", (0.5, 2.0)),
+        pure(
+            "h/s full", "largest air film with full friction, relative to the roughness", (0.5, 2.0)
+        ),
         Field(ge=0, le=100),
     ] = default(1.0)
     no_friction: Annotated[
         Number,
-        pure("h/s none", "air film from which on friction is zero, in roughnesses", (2.0, 4.0)),
+        pure(
+            "h/s none", "smallest air film without friction, relative to the roughness", (2.0, 4.0)
+        ),
         Field(gt=0, le=100),
     ] = default(3.0)
 

@@ -446,12 +446,12 @@ def with_grade(
     return given
 
 
-def changes_of_grade(found: Grade, problem: Any, changes: Mapping[str, Any]) -> dict[str, Any]:
+def changes_of_grade(grade: Grade, problem: Any, changes: Mapping[str, Any]) -> dict[str, Any]:
     """Return the values by dotted name that replace those of a problem's previous grade.
 
     Parameters
     ----------
-    found : Grade
+    grade : Grade
     problem : Problem
     changes : mapping
         Other changes by dotted name, which have precedence.
@@ -462,11 +462,11 @@ def changes_of_grade(found: Grade, problem: Any, changes: Mapping[str, Any]) -> 
         if isinstance(part := getattr(problem, name, None), Description)
     }
     values: dict[str, Any] = {}
-    for name, value in _supplied(found, type(problem), parts).items():
+    for name, value in _supplied(grade, type(problem), parts).items():
         nested = name in parts or name in ("web", "limits")
         values |= {f"{name}.{k}": v for k, v in value.items()} if nested else {name: value}
-    heads = {path.partition(".")[0] for path in changes if "." not in path}
-    return {path: value for path, value in values.items() if path.partition(".")[0] not in heads}
+    replaced = {path for path in changes if "." not in path}
+    return {path: value for path, value in values.items() if path.partition(".")[0] not in replaced}
 
 
 def source_of_limit(

@@ -127,6 +127,7 @@ def no_such_field(name: str, model: type[BaseModel]) -> str:
 
 
 def _words(field: FieldInfo) -> list[str]:
+    """Return symbol and words of the meaning of a field, for the search of similar names."""
     quantity = quantity_of(field)
     if quantity is None:
         return []

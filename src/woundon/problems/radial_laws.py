@@ -342,7 +342,7 @@ class PowerLaw(SolidLaw):
 
     E0: Annotated[
         Number,
-        stress("E0", "modulus of the stack without pressure", "MPa", (0.1e6, 10e6)),
+        stress("E0", "modulus of the stack at zero pressure", "MPa", (0.1e6, 10e6)),
         Field(ge=0, le=STIFFEST),
     ]
     k: Annotated[

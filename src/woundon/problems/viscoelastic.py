@@ -68,7 +68,7 @@ class LossAngle(OneModulus):
 
     youngs_modulus: Annotated[
         Number,
-        stress("E_inf", "Young's modulus after all relaxation", "MPa", (1e6, 1e8)),
+        stress("E_inf", "relaxed Young's modulus", "MPa", (1e6, 1e8)),
         Field(ge=SOFTEST, le=STIFFEST),
     ]
     poissons_ratio: PoissonsRatio

@@ -83,7 +83,9 @@ class RollResult(Result):
     radius: Annotated[Array, length("r", "radius")]
     pressure: Annotated[Array, stress("P", "pressure between the layers")]
     hoop_stress: Annotated[Array, stress("sigma_t", "hoop (MD) stress, > 0: tension")]
-    displacement: Annotated[Array, length("u", "outward displacement of a layer as wound", "um")]
+    displacement: Annotated[
+        Array, length("u", "outward displacement of a layer since it was wound", "um")
+    ]
     layer_strain: Annotated[Array, strain("eps_t", "strain of the layers along the web")]
     radial_modulus: Annotated[Array, stress("E_r", "radial modulus of the stack", "MPa")]
     source: Annotated[Array, stress("C", "source term of the layers as wound", "MPa")]
@@ -112,7 +114,7 @@ class RollResult(Result):
         return float(np.max(self.pressure))
 
     @property
-    def mid_pressure(self) -> Annotated[float, stress("P_mid", "pressure half-way to the surface")]:
+    def mid_pressure(self) -> Annotated[float, stress("P_mid", "pressure halfway to the surface")]:
         """P half-way between core and surface [Pa]."""
         return float(self.at_radius((self.radius[0] + self.radius[-1]) / 2)["pressure"])
 

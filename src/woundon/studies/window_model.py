@@ -64,7 +64,7 @@ class WindowModel(KindModel):
         return problem.replace(tension_law=Profile(radius=r, value=tension))
 
     def run(self, inputs: Mapping[str, Any], start: Any | None) -> Answer:
-        """Solve one case."""
+        """Solve one case for its margins and the friction shares (WOT - T_in - F)/(mu+ P)."""
         count = len(self.outputs) - len(self.depths)
         margins = replace(self, outputs=self.outputs[:count])
         answer = KindModel.run(margins, inputs, start)
@@ -94,10 +94,12 @@ def _radii(problem: Any, depths: Sequence[float]) -> Array:
 
 
 def _without_friction(problem: Any, r: Array) -> Array:
+    """Return T_in + F, the wound-on tension without friction on the roll [N/m]."""
     return np.asarray(problem.at("web_tension", r) + problem.at("winding_force", r))
 
 
 def _friction(problem: Any, r: Array) -> Array:
+    """Return mu+ P, the largest friction force on the roll [N/m]."""
     return np.asarray(problem.roll_friction * problem.at("nip_load", r))
 
 

@@ -192,7 +192,7 @@ class WindingResult(WithMargins, Result):
         return self.roll.peak_pressure
 
     @property
-    def mid_pressure(self) -> Annotated[float, stress("P_mid", "pressure half-way to the surface")]:
+    def mid_pressure(self) -> Annotated[float, stress("P_mid", "pressure halfway to the surface")]:
         """P half-way between core and surface [Pa]."""
         return self.roll.mid_pressure
 
