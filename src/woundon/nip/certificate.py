@@ -65,7 +65,7 @@ def state_of(result: Any, equations: NipEquations) -> NipState:
     Raises
     ------
     ValueError
-        If the nodes are not those of such a nip.
+        If the number of nodes is not that of the mesh.
     """
     at, web, problem = equations.layout, result.problem.web, equations.problem
     if result.x.size != at.end + 1:
@@ -101,7 +101,7 @@ def certificate(result: Any, equations: NipEquations) -> Residuals:
         return Residuals(mesh=inf)
     at, f = equations.layout, state.fields
     zones = np.concatenate([result.roll_zone[at.roll_nodes], result.drum_zone[at.drum_nodes]])
-    # values that the equations imply, as the result reports them
+    # the arrays of a result, recomputed from its unknowns
     implied = web_arrays(equations, state, zones.astype(np.int8))
     conditions = _equations_and_friction(result, equations, state, implied, zones)
     conditions |= _reported_arrays(result, equations, state, implied)
@@ -124,7 +124,7 @@ def _equations_and_friction(
 ) -> dict[str, float]:
     """Return the residuals of gap slope, resultants and friction law."""
     f, top, rounding = state.fields, equations.slope_scale, strain_rounding(equations, state)
-    # as gap over a cell: on the short cells at the edges slopes are known to rounding only
+    # gap over a cell instead of slope: on the short cells at the edges slopes have rounding errors
     cells = f.geometry.mesh.cells[f.geometry.mesh.nip_cells]
     gap = np.abs(state.equilibrium[: cells.size]) * cells / cells.max()
     slip = np.sign(state.slip) * np.maximum(np.abs(state.slip * top) - rounding, 0.0)
@@ -147,7 +147,7 @@ def _reported_arrays(
 ) -> dict[str, float]:
     """Return the differences of the reported arrays from values recomputed from the tractions."""
     f, P = state.fields, equations.problem.nip_load
-    # large tensions are known to their rounding, which is accepted up to the accepted residual
+    # the rounding error of large tensions is accepted
     tension_scale = P + ROUNDING * float(np.abs(f.tension).max()) / ACCEPTED_RESIDUAL
     extent = result.half_width * float(np.abs(f.geometry.mesh.nodes).max())
     positions = [difference(getattr(result, name), implied[name]) for name in ("x", "slip_x")]
@@ -167,8 +167,8 @@ def _wrap_conditions(
     problem, at, f = equations.problem, equations.layout, state.fields
     if not problem.is_wrapped:
         return {"curvature": difference(result.curvature, implied["curvature"])}
-    # as nodal forces and as turns of the web over a cell: on short cells curvatures are
-    # differences of nearly equal slopes
+    # nodal forces and changes of slope over a cell instead of pressures and curvatures: on short
+    # cells curvatures are differences of nearly equal slopes
     lengths = f.geometry.a * f.geometry.mesh.weights
     upstream = lengths[: at.first + 1] if problem.drum_wrap else lengths[:0]
     downstream = lengths[at.last :] if problem.roll_wrap else lengths[:0]

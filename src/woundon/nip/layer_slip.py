@@ -125,8 +125,8 @@ def layer_slip(result: Any) -> LayerSlip | None:
     Returns
     -------
     LayerSlip or None
-        None of a rigid or viscoelastic roll, of another body that does not know its interior
-        stresses, and of a roll thinner than two layers.
+        None for a rigid or viscoelastic roll, for other bodies without interior stresses, and for
+        a roll thinner than two layers.
 
     Notes
     -----
@@ -160,8 +160,8 @@ def layer_slip(result: Any) -> LayerSlip | None:
     if not rows:
         return None
     shear, pressure, wound, excess = np.array(rows).T
-    every = np.arange(1, layer[-1] + 1)
-    slips = every[np.interp(every, layer, excess) > 0]
+    all_layers = np.arange(1, layer[-1] + 1)
+    slips = all_layers[np.interp(all_layers, layer, excess) > 0]
     return LayerSlip(
         ratio=float((shear / (mu * (wound + pressure))).max()),
         layers=int(slips.size),
@@ -189,7 +189,7 @@ def interior_stress(result: Any, depths: Array) -> tuple[Section, ...] | None:
     Returns
     -------
     tuple of Section or None
-        One for each depth; None if the body of the roll does not know them.
+        One for each depth; None if the body of the roll does not provide them.
 
     Notes
     -----
@@ -233,13 +233,13 @@ def _blocks(result: Any) -> list[Array]:
 
 def _extent(x: Array, excess: Array) -> tuple[float, float]:
     """Return the first and the last zero of a function that is positive between them."""
-    inside = np.nonzero(excess > 0)[0]
-    first, last = int(inside[0]), int(inside[-1])
+    positive = np.nonzero(excess > 0)[0]
+    first, last = int(positive[0]), int(positive[-1])
     ends = []
-    for at, beyond in ((first, first - 1), (last, last + 1)):
-        if not 0 <= beyond < x.size:
-            ends.append(float(x[at]))
+    for node, outer in ((first, first - 1), (last, last + 1)):
+        if not 0 <= outer < x.size:
+            ends.append(float(x[node]))
             continue
-        t = excess[at] / (excess[at] - excess[beyond])
-        ends.append(float(x[at] + t * (x[beyond] - x[at])))
+        t = excess[node] / (excess[node] - excess[outer])
+        ends.append(float(x[node] + t * (x[outer] - x[node])))
     return ends[0], ends[1]

@@ -48,7 +48,7 @@ SLIP_RATIOS = ("leading_roll", "trailing_roll", "dual")
 
 
 def main_outputs(equations: NipEquations, state: NipState) -> dict[str, float]:
-    """Return the tensions that decide where mesh refinement ends [N/m]."""
+    """Return the tensions whose error estimates end the mesh refinement [N/m]."""
     f, mesh = state.fields, state.fields.geometry.mesh
     return {
         "wound_on_tension": float(f.tension[-1]),
@@ -208,7 +208,7 @@ def slip_ratios(problem: Any, arrays: Mapping[str, Array], nip: slice) -> dict[s
     return dict(zip(SLIP_RATIOS, values.tolist(), strict=True))
 
 
-def error_estimates(found: Refinement, arrays: Mapping[str, Array]) -> dict[str, float]:
+def error_estimates(refinement: Refinement, arrays: Mapping[str, Array]) -> dict[str, float]:
     """Return the estimated discretisation errors of all outputs.
 
     Richardson's estimate of order two, with exceptions where the fields are not smooth within a
@@ -222,15 +222,15 @@ def error_estimates(found: Refinement, arrays: Mapping[str, Array]) -> dict[str,
       determined by the resultant of the tractions, then converges with order one.
     - At the start of a drum wrap the pressure T/R begins within a length of about T C, C the
       compliance of the drum.  A longer cell does not resolve the strain there, on which the
-      creepage depends, so that this strain is unknown by its change under T/R.
+      creepage depends; the error is then the change of this strain under T/R.
 
     Parameters
     ----------
-    found : Refinement
+    refinement : Refinement
     arrays : mapping
         As :func:`web_arrays` returns them, of the last mesh.
     """
-    errors, mesh = found.errors(), found.last.state.fields.geometry.mesh
+    errors, mesh = refinement.errors(), refinement.last.state.fields.geometry.mesh
     half_cell = float(mesh.cells[mesh.nip_cells].max()) / 2  # relative to the nip width
     for name in SLIP_RATIOS:
         errors[name] = max(errors[name], half_cell)
@@ -240,8 +240,9 @@ def error_estimates(found: Refinement, arrays: Mapping[str, Array]) -> dict[str,
         to_neighbours = pressure[k] - pressure[[k - 1, k + 1]]
         errors["peak_pressure"] = max(errors["peak_pressure"], float(to_neighbours.max()))
     if any(has_traction_jump(zone) for zone in zones):
-        errors["drum_creepage"] = found.errors(order=1)["drum_creepage"]
-    unresolved = _unresolved_strain(found.last.system, found.last.state.fields.geometry)
+        errors["drum_creepage"] = refinement.errors(order=1)["drum_creepage"]
+    last = refinement.last
+    unresolved = _unresolved_strain(last.system, last.state.fields.geometry)
     errors["drum_creepage"] = max(errors["drum_creepage"], unresolved)
     return errors
 
@@ -259,7 +260,7 @@ class NipSystem(NipEquations):
     """The equations of a nip with their outputs, as mesh refinement needs them."""
 
     def main_outputs(self, state: NipState) -> dict[str, float]:
-        """Return the outputs that decide where mesh refinement ends."""
+        """Return the outputs whose error estimates end the mesh refinement."""
         return main_outputs(self, state)
 
     def outputs(self, state: NipState, active: Array) -> dict[str, float]:

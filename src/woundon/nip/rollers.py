@@ -106,14 +106,14 @@ class RollerEquations:
         self.face: Face = self.mesh.roll_face
         n = size - 2
         k = n if problem.friction else 0
-        # places in u; the rows are gap slope (n + 1), drive, load
+        # indices in u; the rows are gap slope (n + 1), tangential load or creepage, load
         self.p, self.q = slice(0, n), slice(n + 3, n + 3 + k)
         self.shift, self.xi, self.ln_a = n, n + 1, n + 2
         self.drive_row, self.load_row = n + 1, n + 2
         P, R = problem.load, problem.contact_radius
         guess = half_width_guess(P, *problem.bodies)
         self.start = a = min(guess, BELOW_LARGEST * exp(self.largest_ln_a))
-        # units: Hertz's largest pressure, and the slope of the gap at the contact edge
+        # scales: the maximum pressure of Hertz, and the slope of the gap at the contact edge
         self.pressure_scale, self.slope_scale = 2 * P / (pi * a), a / R
         self.static = problem.motion == "static"
         self.slip_scale = self.slope_scale * (a if self.static else 1.0)
@@ -290,18 +290,18 @@ class RollerEquations:
         return Jacobian(equilibrium, slip / self.slip_scale, bound)
 
     def half_width_column(self, state: RollerState) -> tuple[Array, Array, Array]:
-        """Return the derivatives of equilibrium, slip and bound by ln a.
+        """Return the derivatives of equilibrium, slip and bound by ln a as a difference quotient.
 
-        A difference to a neighbouring half width, whose surfaces serve as long as it is near.
+        The surfaces of an earlier half width are used if it is near.
         """
         a, near = state.surfaces.a, self._neighbour
         if near is None or not NEAREST < abs(log(near.a / a)) < FARTHEST:
             near = self._neighbour = self.surfaces(a * exp(DIFFERENCE))
-        moved, step = self.evaluate(state.u, near), log(near.a / a)
+        shifted, step = self.evaluate(state.u, near), log(near.a / a)
         return (
-            (moved.equilibrium - state.equilibrium) / step,
-            (moved.slip - state.slip) / step,
-            (moved.bound - state.bound) / step,
+            (shifted.equilibrium - state.equilibrium) / step,
+            (shifted.slip - state.slip) / step,
+            (shifted.bound - state.bound) / step,
         )
 
     # ---- fields and outputs --------------------------------------------------------------------
@@ -325,7 +325,7 @@ class RollerEquations:
     def rigid_displacement(self, state: RollerState, xi: float) -> float:
         """Return the rigid displacement of the lower roller relative to the upper [m].
 
-        Half-planes have it up to a constant; nan of a body that does not tell u at its last node.
+        For half-planes it is determined up to a constant; nan for a body whose u is unknown.
         """
         s = state.surfaces
         u1 = s.upper.end_tangential_displacement(state.p, state.q)
@@ -339,7 +339,7 @@ class RollerEquations:
         return float(s.a**2 / (2 * self.problem.contact_radius) - v - state.u[self.shift] * s.a)
 
     def main_outputs(self, state: RollerState) -> dict[str, float]:
-        """Return the outputs that decide where mesh refinement ends."""
+        """Return the outputs whose error estimates end the mesh refinement."""
         out = {
             "half_width": state.surfaces.a,
             "peak_pressure": float(state.p.max()),
@@ -392,5 +392,5 @@ def pressure_median(values: Array, weights: Array) -> float:
     """Return the weighted median, linear between the values."""
     order = np.argsort(values)
     v, w = values[order], weights[order]
-    share = (np.cumsum(w) - w / 2) / np.sum(w)
-    return float(np.interp(0.5, share, v))
+    fraction = (np.cumsum(w) - w / 2) / np.sum(w)
+    return float(np.interp(0.5, fraction, v))

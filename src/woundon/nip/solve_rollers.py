@@ -189,6 +189,7 @@ class Criterion:
 
 
 def _result(problem: RollerProblem, found: Refinement, missed: str) -> RollerResult:
+    """Assemble the result of the last mesh with its certificate, errors and warnings."""
     equations: RollerEquations = found.last.system
     state, outputs = found.last.state, found.last.outputs
     a = state.surfaces.a

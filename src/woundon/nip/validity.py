@@ -25,26 +25,28 @@ def nip_warnings(result: NipResult) -> tuple[str, ...]:
 
     Strains and tensions are those of the whole web; surfaces and zones those of the nip.
     """
-    own, strain = result.in_nip, _web_strain(result)
-    tractions = {"roll": result.roll_traction[own], "drum": result.drum_traction[own]}
-    zones = {"roll": result.roll_zone[own], "drum": result.drum_zone[own]}
+    nip, strain = result.in_nip, _web_strain(result)
+    tractions = {"roll": result.roll_traction[nip], "drum": result.drum_traction[nip]}
+    zones = {"roll": result.roll_zone[nip], "drum": result.drum_zone[nip]}
     return (
         *pair_warnings(result, tractions),
-        *_cautions(result),
-        *_surface_strains(result, strain[own]),
+        *_body_warnings(result),
+        *_surface_strains(result, strain[nip]),
         *_web(result, strain),
-        *zone_warnings(result.x[own], zones),
+        *zone_warnings(result.x[nip], zones),
         *_series(result),
     )
 
 
-def _cautions(r: NipResult) -> Iterator[str]:
+def _body_warnings(r: NipResult) -> Iterator[str]:
+    """Yield the warnings of the bodies."""
     for name, body in (("roll", r.problem.roll), ("drum", r.problem.drum)):
         if body.validity_warning:
             yield f"of the {name}: {body.validity_warning}"
 
 
 def _surface_strains(r: NipResult, web: Array) -> Iterator[str]:
+    """Yield warnings about large surface strains; ``web`` is the strain of the web."""
     x = r.x[r.in_nip]
     for (name, strain), body in zip(_bodies_strains(r, web).items(), r.problem.bodies, strict=True):
         if not body.rigid:
@@ -64,14 +66,14 @@ def _bodies_strains(r: NipResult, web: Array) -> dict[str, Array]:
     ``web`` is the strain of the web in the nip.  The strain of the roll is relative to that at the
     trailing edge.
     """
-    own = r.in_nip
-    web = np.interp(r.slip_x[own], r.x[own], web)
-    roll = web - r.roll_slip[own]
-    return {"roll": roll - roll[-1], "drum": web + r.drum_creepage - r.drum_slip[own]}
+    nip = r.in_nip
+    web = np.interp(r.slip_x[nip], r.x[nip], web)
+    roll = web - r.roll_slip[nip]
+    return {"roll": roll - roll[-1], "drum": web + r.drum_creepage - r.drum_slip[nip]}
 
 
 def _web_strain(r: NipResult) -> Array:
-    """Return the web's strain (thesis eq. 72) along all of it, (N,)."""
+    """Return the strain of the web (thesis eq. 72) at all nodes, (N,)."""
     web = r.problem.web
     c = web.compliance
     p = r.roll_pressure
@@ -79,6 +81,7 @@ def _web_strain(r: NipResult) -> Array:
 
 
 def _web(r: NipResult, strain: Array) -> Iterator[str]:
+    """Yield warnings about pressure, strain, thickness and slackness of the web."""
     web, peak = r.problem.web, float(r.drum_pressure.max())
     modulus = web.radial_modulus(peak)
     yield from past(
@@ -140,6 +143,7 @@ def web_far_outside(problem: NipProblem, width: float) -> Iterator[str]:
 
 
 def _series(r: NipResult) -> Iterator[str]:
+    """Yield a warning if the Fourier series of a body is truncated too early."""
     if r.series_error > SERIES_ERROR:
         yield (
             f"{RESOLUTION}the series of an elastic layer is truncated with an error of "

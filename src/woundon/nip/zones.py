@@ -31,22 +31,27 @@ def boundary_positions(x: Array, zones: Array, slip: Array, slack: Array) -> lis
 
 
 def _boundary(x: Array, zones: Array, slip: Array, slack: Array, left: int, right: int) -> float:
+    """Return the zone boundary between two neighbouring nodes.
+
+    Between a stick and a slip node it divides their distance in the ratio of two extrapolations:
+    of mu p - |q| to zero in the stick zone, and of the slip velocity to zero in the slip zone.
+    """
     if zones[left] * zones[right] < 0:  # slip changes its direction
-        share = slip[left] / (slip[left] + slip[right]) if slip[left] + slip[right] else 0.5
-        return float(x[left] + share * (x[right] - x[left]))
+        t = slip[left] / (slip[left] + slip[right]) if slip[left] + slip[right] else 0.5
+        return float(x[left] + t * (x[right] - x[left]))
     stick, slips, outward = (left, right, 1) if zones[left] == 0 else (right, left, -1)
-    passed = _cells_from_zero(slip, slips, outward)
-    ahead = _cells_from_zero(np.maximum(slack, 0.0), stick, -outward)
-    share = ahead / (ahead + passed) if ahead + passed else 0.5
-    return float(x[stick] + share * (x[slips] - x[stick]))
+    from_slip = _cells_to_zero(slip, slips, outward)
+    from_stick = _cells_to_zero(np.maximum(slack, 0.0), stick, -outward)
+    t = from_stick / (from_stick + from_slip) if from_stick + from_slip else 0.5
+    return float(x[stick] + t * (x[slips] - x[stick]))
 
 
-def _cells_from_zero(values: Array, node: int, outward: int) -> float:
-    """Return the number of cells between a node and the place where a quantity becomes zero."""
-    beyond = node + outward
-    if not 0 <= beyond < values.size or values[beyond] <= values[node]:
+def _cells_to_zero(values: Array, node: int, outward: int) -> float:
+    """Extrapolate a quantity from a node and the next one outward; return the cells to its zero."""
+    following = node + outward
+    if not 0 <= following < values.size or values[following] <= values[node]:
         return 1.0
-    return float(min(values[node] / (values[beyond] - values[node]), 1.0))
+    return float(min(values[node] / (values[following] - values[node]), 1.0))
 
 
 def slip_lengths(x: Array, zones: Array, slip: Array, slack: Array) -> tuple[float, float]:

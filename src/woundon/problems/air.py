@@ -81,6 +81,7 @@ class Air(Description):
 
     @model_validator(mode="after")
     def _falls(self) -> Self:
+        """Reject a friction law that does not decrease with the film."""
         if self.no_friction <= self.full_friction:
             raise InvalidProblem.at(
                 "no_friction",

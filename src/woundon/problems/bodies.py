@@ -352,6 +352,7 @@ class Cylinder(KernelBody):
 
     @model_validator(mode="after")
     def _check_core(self) -> Self:
+        """Reject a core that is too large or too small."""
         check_core(self)
         return self
 
@@ -460,6 +461,7 @@ class Layered(KernelBody):
 
     @model_validator(mode="after")
     def _layers_fit(self) -> Self:
+        """Reject layers that are thicker than the radius or too thin for the solver."""
         least, most = self.radius / 2000, self.radius * (1 - SMALLEST_CORE)
         if not least <= self.thickness <= most:
             raise InvalidProblem.at(

@@ -90,6 +90,7 @@ class ContactProblem(Problem):
 
     @model_validator(mode="after")
     def _deforms(self) -> Self:
+        """Reject two rigid bodies."""
         one, two = self.bodies
         if one.rigid and two.rigid:
             first, second = self.pair

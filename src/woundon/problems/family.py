@@ -82,6 +82,7 @@ def best_match(names: Iterable[str], models: Iterable[type[Any]]) -> type[Any]:
     given = [name for name in given if name not in ("grade", "grades")]
 
     def penalty(model: type[Any]) -> tuple[int, int]:
+        """Return the penalty of a class and its number of fields."""
         known = set(model.model_fields) | set(getattr(model, "tables", ()))
         unknown = [name for name in given if name not in known]
         meant = {nearest(name, known) for name in unknown} - {"", *given}

@@ -55,7 +55,7 @@ def _listed(value: Any) -> Any:
 
 
 def _keep_unit(value: Any, handler: Any) -> Any:
-    """Validate a number; a number with its unit stays as it is."""
+    """Validate a number; a number with its unit is returned unchanged."""
     checked = handler(value)
     return value if isinstance(value, FloatWithUnit) else checked
 

@@ -205,7 +205,7 @@ class Grade(Description):
         return found
 
     def tied_fields(self, problem: Any) -> dict[str, str]:
-        """Return fields of a problem that hold the same value of the grade: follower -> leader."""
+        """Return the fields with the same value of the grade as another one: follower -> leader."""
         leaders, found = dict[str, str](), dict[str, str]()
         names = dict(_FIELDS)
         for path in self.spread_of(problem):
@@ -237,6 +237,7 @@ class Grade(Description):
 
 
 def _text(value: Any, quantity: Quantity) -> str:
+    """Return a value as text with its unit."""
     if isinstance(value, tuple):
         return " to ".join(_text(item, quantity) for item in value)
     # a basis weight that was converted has rounding errors
@@ -354,7 +355,7 @@ def grade(name: str | Grade | Mapping[str, Any], path: str | Path | None = None)
 
 
 def _made(name: str, table: Mapping[str, Any], known: Mapping[str, Grade]) -> Grade:
-    """Return the grade of a table; what it leaves out is taken of the grade that it is like."""
+    """Create the grade of a table; missing values are those of the grade named by ``like``."""
     try:
         entry = entry_of({key: value for key, value in table.items() if key != "like"})
         base = _base(table.get("like"), known)
@@ -389,6 +390,7 @@ def _names(values: Mapping[str, Any], prefix: str = "") -> set[str]:
 
 
 def _base(like: Any, known: Mapping[str, Grade]) -> Entry:
+    """Return values, spreads and sources of the grade that another one is based on."""
     if like is None:
         return Entry({}, {}, {})
     if not isinstance(like, str) or like not in known:
@@ -414,7 +416,7 @@ def _base(like: Any, known: Mapping[str, Grade]) -> Entry:
 def with_grade(
     model: type[Any], fields: Mapping[str, Any], faults: list[tuple[str, str]]
 ) -> dict[str, Any]:
-    """Return the fields of a problem with those that its grade supplies.
+    """Return the fields of a problem, completed by those of its grade.
 
     A value that is given next to the grade has precedence; :func:`warn_of_contradictions` names it.
     A basis weight of the web is converted with the density of the grade.
@@ -505,7 +507,7 @@ def _library() -> tuple[Grade, ...]:
 
 
 def warn_of_contradictions(found: Grade, problem: Any) -> None:
-    """Warn of values of a problem that differ from those of the grade that is given with them."""
+    """Warn of values of a problem that differ from those of its grade."""
     texts = []
     for path, name in _FIELDS:
         value = problem
@@ -557,7 +559,7 @@ def _table(part: Description) -> dict[str, Any]:
 
 
 def _merged(given: Any, supplied: Any) -> Any:
-    """Return a table with what is given and, for the rest, what is supplied."""
+    """Return the given values, completed by the supplied ones."""
     if not isinstance(given, Mapping) or not isinstance(supplied, Mapping):
         return given
     kinds = {part.get("kind") for part in (given, supplied)} - {None}

@@ -351,6 +351,7 @@ def _convert_number(text: str, quantity: Quantity, path: str, context: Context) 
 
 
 def _per_width(text: str, path: str, context: Context) -> float:
+    """Convert a total force to a force per width."""
     if not context.width:
         hint = "Divide it by the width of the web and write it in N/m, kN/m or pli"
         if context.accepts_width:
@@ -360,6 +361,7 @@ def _per_width(text: str, path: str, context: Context) -> float:
 
 
 def _tension_of_stress(text: str, path: str, context: Context) -> float:
+    """Convert a stress to a force per width by the thickness of the web."""
     if not context.thickness:
         raise InvalidProblem.at(
             path,

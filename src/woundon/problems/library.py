@@ -80,6 +80,7 @@ def entry_of(table: Mapping[str, Any]) -> Entry:
 
 
 def _add_entry(entry: Entry, name: str, given: Mapping[str, Any]) -> None:
+    """Add value, spread and source of an entry of the data file."""
     known = ("value", "spread", "source")
     for key in given:
         if key not in known:

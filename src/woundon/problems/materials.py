@@ -162,6 +162,7 @@ class Orthotropic(Material):
 
     @model_validator(mode="after")
     def _positive_energy(self) -> Orthotropic:
+        """Reject stiffness with an indefinite strain energy."""
         limit = sqrt(self.radial) * sqrt(self.tangential)
         if self.cross >= limit * (1 - 1e-9):
             raise InvalidProblem.at(
@@ -321,6 +322,7 @@ class NamedMaterial(NamedTuple):
 
 
 def _library() -> dict[str, NamedMaterial]:
+    """Return the named materials."""
     thesis = "Jorkama 2001"
     return {
         "paper": NamedMaterial(

@@ -44,7 +44,7 @@ def validation_error(
 
 
 def _translate(report: ValidationError, model: type[BaseModel]) -> InvalidProblem:
-    """Translate pydantic's report; nested descriptions have translated theirs."""
+    """Translate the errors of pydantic, except those of nested descriptions."""
     faults: list[tuple[str, str]] = []
     error: type[InvalidProblem] = InvalidProblem
     for item in report.errors():

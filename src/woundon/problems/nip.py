@@ -189,6 +189,7 @@ class NipProblem(ContactProblem):
 
     @model_validator(mode="after")
     def _has_steady_state(self) -> Self:
+        """Reject a winding force that the friction of nip and drum wrap cannot transmit."""
         T_in, mu, theta = self.web_tension, self.drum_friction, self.drum_wrap
         if theta > 0 and T_in == 0:
             raise InvalidProblem.at(
@@ -215,6 +216,7 @@ class NipProblem(ContactProblem):
 
     @model_validator(mode="after")
     def _air_is_possible(self) -> Self:
+        """Reject air with a surface rougher than the web, or between rigid bodies."""
         if self.air is not None:
             for field, text in self.air.too_rough(self.web.thickness):
                 raise InvalidProblem.at(f"air.{field}", text)

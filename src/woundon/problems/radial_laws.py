@@ -354,6 +354,7 @@ class PowerLaw(SolidLaw):
 
     @model_validator(mode="after")
     def _finite_strain(self) -> Self:
+        """Reject a law with an infinite strain or too small a modulus."""
         if self.E0 == 0 and self.m >= 1:
             raise InvalidProblem.at(
                 "E0",
@@ -438,6 +439,7 @@ class StackTest(SolidLaw):
 
     @model_validator(mode="after")
     def _is_increasing(self) -> Self:
+        """Reject a test whose pressures or strains do not increase."""
         if len(self.pressure) != len(self.strain):
             text = (
                 f"{len(self.strain)} values; must be as many as of pressure, {len(self.pressure)}"

@@ -90,6 +90,7 @@ class Core(Description):
 
     @model_validator(mode="after")
     def _one_stiffness(self) -> Self:
+        """Reject a core without stiffness, or with a stiffness and a tube."""
         tube = self.inner_radius is not None or self.material is not None
         if (self.stiffness is not None) == tube:
             raise InvalidProblem.at(
@@ -210,6 +211,7 @@ class RollProblem(Problem):
 
     @model_validator(mode="after")
     def _windable(self) -> Self:
+        """Reject a core that is larger than the roll, and a web too thick or too thin."""
         core, radius = self.core.radius, self.radius
         if core >= radius:
             raise InvalidProblem.at(
@@ -227,6 +229,7 @@ class RollProblem(Problem):
         return self
 
     def _tension_is_positive(self) -> None:
+        """Reject a tension that is not positive from the core to the surface."""
         schedule = self.wound_on_tension
         if isinstance(schedule, Profile):
             for k, edge, name in (

@@ -74,6 +74,7 @@ class RollerProblem(ContactProblem):
 
     @model_validator(mode="after")
     def _has_a_state(self) -> Self:
+        """Reject loads without a steady state, and inputs that contradict each other."""
         if self.creepage is not None and self.tangential_load is not None:
             raise InvalidProblem.at(
                 "creepage",

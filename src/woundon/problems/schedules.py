@@ -66,20 +66,21 @@ class Profile(Description):
     between: Literal["lines", "smooth"] = "lines"
 
     @model_validator(mode="after")
-    def _rises(self) -> Self:
+    def _is_increasing(self) -> Self:
+        """Reject a profile whose radii do not increase."""
         if len(self.radius) != len(self.value):
             text = f"{len(self.value)} values; must be as many as of radius, {len(self.radius)}"
             raise InvalidProblem.at("value", text)
         for k, (before, radius) in enumerate(pairwise((0.0, *self.radius))):
             if radius <= before:
-                what = "the radius before it" if k else "0"
+                what = "the previous radius" if k else "0"
                 text = f"{quote(radius)} is out of range; must be > {quote(before)} [m]"
                 raise InvalidProblem.at(f"radius.{k}", f"{text}, {what}" if k else text)
         return self
 
     @cached_property
     def _nodes_and_slopes(self) -> tuple[Array, Array, Array]:
-        """Radii, values, and slopes: 0, of each interval, 0."""
+        """Radii, values, and the slopes of the intervals with a zero before and after them."""
         x, y = np.asarray(self.radius), np.asarray(self.value)
         return x, y, np.concatenate([[0.0], np.diff(y) / np.diff(x), [0.0]])
 
@@ -207,6 +208,7 @@ class Curve:
         return self.scale * self._value_and_slope(r, side)[1]
 
     def _value_and_slope(self, r: Array, side: int | Array) -> tuple[Array, Array]:
+        """Return values and derivatives of a schedule at radii."""
         schedule, core = self.schedule, self.core
         if isinstance(schedule, Profile):
             return schedule.at(r), schedule.slope(r, side)

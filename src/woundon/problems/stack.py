@@ -98,6 +98,7 @@ class Stack(Solid):
 
     @model_validator(mode="after")
     def _has_energy(self) -> Self:
+        """Reject a stack with an indefinite strain energy at zero pressure."""
         if self.limit <= 0:
             E = float(self.radial.modulus(np.zeros(1))[0])
             raise InvalidProblem.at(

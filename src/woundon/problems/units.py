@@ -406,6 +406,7 @@ def _nearest(name: str) -> str:
 
 
 def _fault(field: str, value: Any, what: str, unit: str, hint: str = "") -> InvalidProblem:
+    """Return the error for a text that is not a number with a unit."""
     due = "a plain number" if unit == "1" else f"a value in {unit}"
     example = _EXAMPLES.get(unit, "")
     if isinstance(value, str) and len(value) <= _MAX_LENGTH:
@@ -414,7 +415,7 @@ def _fault(field: str, value: Any, what: str, unit: str, hint: str = "") -> Inva
 
 
 def _mistyped(value: str) -> str:
-    """Return the hint for separators and dashes that are not read."""
+    """Return a hint for unsupported separators and dashes."""
     rule = "; write a decimal point, and no thousands separator"
     if found := _THOUSANDS.match(value):
         digits = re.sub(r"[^\d.+-]", "", found[1])

@@ -137,6 +137,7 @@ class DynamicTest(OneModulus):
 
     @model_validator(mode="after")
     def _is_valid_table(self) -> Self:
+        """Reject columns of different lengths and values out of range."""
         for name in ("storage_modulus", "loss_modulus"):
             values = getattr(self, name)
             if len(values) != len(self.frequency):
@@ -155,11 +156,12 @@ class DynamicTest(OneModulus):
 
     @model_validator(mode="after")
     def _is_causal(self) -> Self:
+        """Reject moduli that contradict the Kramers-Kronig relations."""
         if self.misfit > LARGEST_MISFIT:
             raise InvalidProblem.at(
                 "loss_modulus",
                 f"disagrees with the storage moduli (Kramers-Kronig relations): the best Prony "
-                f"series misfits the table by {self.misfit:.2g} (rms); must be <= "
+                f"series deviates from the table by {self.misfit:.2g} (rms); must be <= "
                 f"{LARGEST_MISFIT:g}",
             )
         return self
@@ -188,7 +190,7 @@ class DynamicTest(OneModulus):
 
     @property
     def long_term_modulus(self) -> float:
-        """E_inf [Pa], at least 1e-6 of the smallest storage modulus: a liquid has none."""
+        """E_inf [Pa], at least 1e-6 of the smallest storage modulus, as for a solid."""
         return max(self._fit[0][0], 1e-6 * min(self.storage_modulus))
 
     @cached_property
@@ -199,7 +201,7 @@ class DynamicTest(OneModulus):
 
     @property
     def validity_warning(self) -> str:
-        """A warning if the series misfits the table by more than 5 %, otherwise empty."""
+        """A warning if the fit of the series has an error above 5 %, otherwise empty."""
         if self.misfit <= WARNING_MISFIT:
             return ""
         return f"its Prony series misfits the measured moduli by {self.misfit:.1%} (rms)"

@@ -139,6 +139,7 @@ class Stages:
 
 
 def _stages(result: WindingResult) -> list[RollResult]:
+    """Return the roll at evenly spaced stages of its build-up."""
     core, radius = float(result.radius[0]), float(result.radius[-1])
     surfaces = np.linspace(core, radius, STAGES + 1)[1:-1].tolist()
     return [*(result.roll.at(s) for s in surfaces), result.roll]
