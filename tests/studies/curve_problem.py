@@ -34,6 +34,7 @@ class CurveResult(Result):
     MAIN: ClassVar[tuple[str, ...]] = ("height",)
 
     height: Annotated[float, pure("y", "height")]
+    rounded: Annotated[float, pure("y_r", "height, rounded to 0.001")] = nan
     nothing: Annotated[float, pure("n", "an output that is not known")] = nan
     started: Annotated[int, pure("k", "whether a neighbour supplied the initial guess")] = 0
 
@@ -57,7 +58,8 @@ def solve_curve(problem: CurveProblem, *, start: CurveResult | None = None) -> C
         "line": x,
     }[problem.shape]
     return CurveResult(
-        problem=problem, height=problem.scale * height, residuals=Residuals(law=0.0),
+        problem=problem, height=problem.scale * height,
+        rounded=round(problem.scale * height, 3), residuals=Residuals(law=0.0),
         errors={"height": 0.01}, started=int(start is not None),
     )  # fmt: skip
 

@@ -153,6 +153,14 @@ def test_a_jump_across_the_target_is_no_solution(curves):
         wo.find(problem, "position", height=0.5, between=(-1, 1))
 
 
+def test_a_discontinuity_of_the_discretisation_is_no_jump(curves):
+    """An output in steps of 0.1 % of its range, e.g. of a winding whose radii are adaptive."""
+    found = wo.find(curves.CurveProblem(), "position", rounded=0.3014, between=(0, 1))
+    assert found.value == pytest.approx(0.3015, abs=1e-5)  # where 0.301 becomes 0.302
+    assert found.reached == pytest.approx(0.3014, abs=6e-4)
+    assert not found.jumps
+
+
 def test_a_solution_next_to_the_limit_of_steady_states_is_found(curves):
     problem = curves.CurveProblem(shape="limit")
     found = wo.find(problem, "position", height=0.03, between=(-1, 1), points=5)

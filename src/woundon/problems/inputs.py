@@ -129,8 +129,11 @@ def convert_fields(
     context : Context, optional
         Context of the problem that contains this description.
     """
-    fields_only = all(name in model.model_fields for name in fields)
-    if fields_only and not any(map(_needs_conversion, fields.values())):
+    known = model.model_fields
+    if all(name in known for name in fields) and not any(
+        _needs_conversion(value) and not is_word(value, known[name].annotation)
+        for name, value in fields.items()
+    ):
         return dict(fields)
     context = context or Context(accepts_width="width" in model.model_fields)
     return _convert_table(fields, (model,), "", faults, context)

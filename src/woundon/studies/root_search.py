@@ -39,6 +39,9 @@ MINIMISATIONS = 16  # evaluations at a local minimum of |f|: 1e-3 of the interva
 # 1e-8, and below every discretisation error
 CLOSE = 1e-7
 WIDTH = 1e-6  # of a bracket, at which Brent's method stops too
+# Share of the change of an output within a bracket up to which a discontinuity counts as one of the
+# discretisation, e.g. of an adaptive step, where its error is not known.
+ROUGHNESS = 0.05
 SEARCHES = 4  # bisections of a bracket in which a point cannot be solved
 
 
@@ -268,7 +271,10 @@ class RootSearch:
             return [min(samples.values(), key=lambda sample: abs(self.f(sample)))]
         # the last evaluation may be another one than the returned value
         sample = samples[value] if value in samples else self.evaluate(value, model)
-        if self.is_root(sample) or abs(self.f(sample)) <= error_of(sample.result, self.output):
+        error = error_of(sample.result, self.output)
+        if not isfinite(error):
+            error = ROUGHNESS * abs(self.f(b) - self.f(a))
+        if self.is_root(sample) or abs(self.f(sample)) <= error:
             return [sample]
         near = [
             s.value for s in self.samples if s.result is not None and self.f(s) * self.f(sample) < 0

@@ -483,8 +483,8 @@ def _margin(
 def _worst(states: list[_State], values: list[Array]) -> _WorstValue:
     """Return the largest value over all states."""
     state, own = max(zip(states, values, strict=True), key=lambda pair: pair[1].max())
-    final, last = states[-1], values[-1]
-    if last.max() == own.max() or own.max() - last.max() <= ALIKE * abs(own.max()):
+    final, last, largest = states[-1], values[-1], float(own.max())
+    if largest - last.max() <= ALIKE * abs(largest):  # the place only: the value stays continuous
         state, own = final, last
     k = int(np.argmax(own))
     stage = "" if state is final else f"when the roll was {1e3 * state.surface:.4g} mm"
@@ -493,7 +493,7 @@ def _worst(states: list[_State], values: list[Array]) -> _WorstValue:
         for state, v in zip(states, values, strict=True)
     ]
     return _WorstValue(
-        float(own[k]), float(state.r[k]), stage, final.r[: last.size], np.max(over, axis=0)
+        largest, float(state.r[k]), stage, final.r[: last.size], np.max(over, axis=0)
     )
 
 
