@@ -105,25 +105,6 @@ def test_what_is_field_and_output_is_an_input_unless_a_study_wrote_the_table(tmp
 
 
 @pytest.mark.parametrize(
-    ("text", "says"),
-    [
-        ("half_width [m]\n1\n", "has no column that is an input of the model"),
-        ("nip load\n1\n", "column 'nip load': has no unit"),
-        ("nip_load [N/m],web.material\n1,\n", "row 2, column 'web.material': the cell is empty"),
-        ("drum\n{oops\n", "row 2, column 'drum': Expecting property name"),
-        ('drum\n"{""radius"": -1}"\n', "row 2, column 'drum': radius: -1 is out of range"),
-        ('drum\n"{""kind"": ""rigit""}"\n', "kind: 'rigit' is unknown; must be 'rigid'"),
-        ('nip_load [N/m],web_tension [N/m]\n"{}",1\n', "'{}' is not a number"),
-    ],
-)
-def test_bad_tables_of_cases_are_rejected(tmp_path: Path, text: str, says: str):
-    (tmp_path / "cases.csv").write_text(text, "utf-8")
-    with pytest.raises(wo.InvalidProblem) as refusal:
-        wo.sweep(paper_nip(), tmp_path / "cases.csv")
-    assert says in str(refusal.value)
-
-
-@pytest.mark.parametrize(
     ("lines", "says"),
     [
         ('over = "none.csv"', "none.csv: cannot be read: No such file"),

@@ -237,22 +237,3 @@ def test_figures_of_many_inputs(tmp_path: Path):
     )
     scatter = cases.plot("wound_on_tension")
     assert [axes.get_xscale() for axes in scatter.axes] == ["linear", "log"]
-
-
-@pytest.mark.parametrize(
-    ("rows", "says"),
-    [
-        (
-            "nip_load [N/m],half_width [m]\n-5,0.001\n",
-            "row 2.nip_load: -5 is out of range; must be >=",
-        ),
-        ("nip_load [N/m],Nip load [kN/m],half_width [m]\n1,1,1\n", "two columns are nip_load"),
-    ],
-)
-def test_bad_measured_data(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], rows: str, says: str
-):
-    data = tmp_path / "rig.csv"
-    data.write_text(rows, encoding="utf-8")
-    assert cli.main(["fit", str(CASE), str(data), "--vary", "roll_friction"]) == 2
-    assert says in capsys.readouterr().err

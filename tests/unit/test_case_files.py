@@ -196,31 +196,10 @@ def test_all_faults_are_reported_at_once():
     assert {"nip_load", "web.thickness", "roll_fricton"} == dict(refusal.value.faults).keys()
 
 
-@pytest.mark.parametrize(
-    ("section", "field", "said"),
-    [
-        ("wrap", "wrap.web_tension", "write web_tension above the first [section]"),
-        ("roll.material", "roll.material.web_tension", "no such field in [roll.material]"),
-    ],
-)
-def test_loose_fields_are_reported_for_every_section(section, field, said):
-    tables = tomllib.loads(to_toml(TABLE_2))
-    inner = tables
-    for name in section.split("."):
-        inner = inner[name]
-    inner["web_tension"] = tables.pop("web_tension")
-    with pytest.raises(wo.InvalidProblem) as refusal:
-        make_problem(tables)
-    assert said in dict(refusal.value.faults)[field]
-
-
 def test_a_field_in_two_places_is_rejected():
     tables = tomllib.loads(to_toml(TABLE_2)) | {"roll_wrap": 1.0}
     with pytest.raises(wo.InvalidProblem, match=r"roll_wrap: given twice, in \[wrap\] and at "):
         make_problem(tables)
-
-
-# ---- descriptions from outside the package ------------------------------------------------------
 
 
 # ---- writing ------------------------------------------------------------------------------------

@@ -196,6 +196,3 @@ def test_results_in_chosen_units():
     assert total.nip_induced_tension == pytest.approx(result.nip_induced_tension * 2.0 / 1e3)
     assert result.in_units("mill", half_width="mm").units["peak_pressure"] == "psi"
     assert result.in_units("SI").peak_pressure == result.peak_pressure
-
-
-# ---- the page -----------------------------------------------------------------------------------

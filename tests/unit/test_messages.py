@@ -9,7 +9,6 @@ from __future__ import annotations
 import os
 from decimal import Decimal
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -22,6 +21,8 @@ from woundon.io.case_files import to_toml
 from woundon.problems.two_drums import drum_loads, rider_load_for, roll_weight
 from woundon.problems.units import parse
 from woundon.studies.api import study_of
+from woundon.studies.kind_model import columns_of, measurable
+from woundon.studies.measured import read_measured
 from woundon.studies.studyfile import load_study
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "newsprint_table2.toml"
@@ -70,6 +71,22 @@ def case(setting: str) -> Any:
     return wo.load_case(EXAMPLE, [setting])
 
 
+def written(text: str, name: str) -> str:
+    """Write a file into the folder of the test."""
+    Path(name).write_text(text, "utf-8")
+    return name
+
+
+def measured(text: str) -> Any:
+    """Read measured values of a nip."""
+    return read_measured(written(text, "rig.csv"), columns_of(NIP), measurable(NIP))
+
+
+def cases(text: str) -> Any:
+    """Sweep over the cases of a table."""
+    return wo.sweep(NIP, written(text, "cases.csv"))
+
+
 STUDY = f"""
 schema = 1
 case = "{EXAMPLE.as_posix()}"
@@ -84,10 +101,7 @@ nodes = 17
 
 def study(old: str, new: str) -> Any:
     """Prepare a study from a file with one text replaced by another."""
-    with TemporaryDirectory() as folder:
-        path = Path(folder) / "study.toml"
-        path.write_text(STUDY.replace(old, new), "utf-8")
-        given = load_study(path)
+    given = load_study(written(STUDY.replace(old, new), "study.toml"))
     options = {"options": given.options, "tie": given.tie, **given.design}
     return study_of(given.problem, given.over, given.outputs, **options)
 
@@ -99,7 +113,8 @@ NAMES = {
     "STACK": ROLL.stack, "WOUND": WOUND, "RUBBER": RUBBER, "drum_loads": drum_loads,
     "COVER": wo.Cylinder(radius=0.25, core_radius=0.235, material=RUBBER),
     "roll_weight": roll_weight, "rider_load_for": rider_load_for, "plan": plan,
-    "fit": fit, "case": case, "study": study, "parse": parse,
+    "fit": fit, "case": case, "study": study, "parse": parse, "written": written,
+    "measured": measured, "cases": cases,
 }  # fmt: skip
 
 
@@ -112,7 +127,8 @@ def message(expression: str) -> str:
     return str(report.value)
 
 
-def test_messages_of_the_golden_file() -> None:
+def test_messages_of_the_golden_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)  # where entries write their files
     entries = [
         line for line in read_golden("messages.txt").splitlines() if not line.startswith(INDENT)
     ]

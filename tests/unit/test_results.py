@@ -1,12 +1,12 @@
-"""Results: immutable, equal to their copies, small when pickled, printed in one line."""
+"""Results: immutable, equal to their copies, small when pickled."""
 
 from __future__ import annotations
 
 import copy
 import math
 import pickle
-from dataclasses import FrozenInstanceError, dataclass, fields
-from typing import Annotated, Any, ClassVar
+from dataclasses import FrozenInstanceError, fields
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,7 +14,6 @@ from thesis_cases import newsprint_nip
 
 import woundon as wo
 from woundon.nip.entrained_air import AirFilm
-from woundon.quantities import length, pure, strain
 
 KINDS = ("nip", "wrapped", "rollers")
 AIR = AirFilm(
@@ -151,30 +150,6 @@ def test_what_needs_the_mesh_works_on_what_was_sent(results) -> None:  # type: i
     assert str(again) == str(result)
 
 
-# ---- printed ------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class _Bar(wo.Result):
-    """A result from outside: a main output that is a property, one that cannot be reported."""
-
-    MAIN: ClassVar[tuple[str, ...]] = ("depth",)
-
-    x: Annotated[np.ndarray, length("x", "places")]
-    count: Annotated[int, pure("n", "how many")] = 3
-    width: Annotated[float, length("w", "width")] = 2e-3
-    height: Annotated[float, length("h", "height")] = math.nan
-    share: Annotated[float, strain("s", "share")] = 0.25
-
-    @property
-    def depth(self) -> Annotated[float, length("d", "depth", "um")]:
-        return 2.5e-5
-
-    @property
-    def late(self) -> Annotated[float, length("l", "behind the first three")]:
-        raise AssertionError("one line asks for no more than it tells")
-
-
 # ---- certificates -------------------------------------------------------------------------------
 
 
@@ -187,5 +162,5 @@ def test_nothing_is_passed_off_as_solved(results) -> None:  # type: ignore[no-un
     assert stop.value.best is broken
     with pytest.raises(wo.NotConverged, match="no condition was evaluated"):
         result.replace(residuals=wo.Residuals()).checked()
-    with pytest.raises(NotImplementedError, match="a _Bar does not evaluate its residuals"):
-        _Bar(problem=None, residuals=wo.Residuals(), x=np.zeros(2)).certified()
+    with pytest.raises(NotImplementedError, match="a Result does not evaluate its residuals"):
+        wo.Result(problem=None, residuals=wo.Residuals()).certified()
