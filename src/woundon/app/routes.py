@@ -181,6 +181,7 @@ async def _rejected_by_starlette(request: Request, error: Any) -> Response:
 
 
 async def _invalid(request: Request, error: Any) -> Response:
+    """Return the response to a request of invalid form."""
     errors = tuple(
         {"field": ".".join(map(str, one["loc"][1:])), "message": one["msg"]}
         for one in error.errors()

@@ -104,6 +104,7 @@ def _content(window: OperatingWindow) -> dict[str, Any]:
 
 
 def _point(point: OperatingPoint) -> dict[str, Any]:
+    """Return a point of the window for JSON."""
     return {
         "values": dict(point.values),
         "probability": point.probability,

@@ -99,6 +99,7 @@ def _brief(one: Published) -> list[str]:
 
 
 def _total(done: Iterable[Published]) -> str:
+    """Return the numbers of all statements that hold and fail."""
     counts = [one.judged.counts for one in done]
     held, failed, untested = map(sum, zip(*counts, strict=True))
     return (

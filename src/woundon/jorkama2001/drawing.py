@@ -235,6 +235,7 @@ def draw_slips(axes: Axes, r: Nip) -> None:
 
 
 def _draw_zones(axes: Axes, r: Nip) -> None:
+    """Draw the stick and slip zones of roll and drum as bars."""
     for row, zones in enumerate((r.drum_zone, r.roll_zone)):
         for run in runs(1e3 * r.x, zones):
             colour, hatch = _ZONES[run.zone]
@@ -258,6 +259,7 @@ def _draw_zones(axes: Axes, r: Nip) -> None:
 
 
 def _legend_above(axes: Axes, entries: tuple[list[Any], list[Any]]) -> None:
+    """Draw the legend above the panel."""
     handles, labels = entries
     axes.legend(
         handles,

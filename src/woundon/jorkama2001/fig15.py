@@ -29,6 +29,7 @@ def exhibits(solver: str) -> list[Exhibit]:
 
 
 def _pattern(r: Nip, heavy: Nip) -> list[Verdict]:
+    """Test the statements about the stick and slip zones."""
     roll, drum, width = runs(r.x, r.roll_zone), runs(r.x, r.drum_zone), 2 * r.half_width
     lengths = zone_lengths(r)
     shortest = min(run.length for run in drum)
@@ -86,6 +87,7 @@ def _parting_stick(r: Nip) -> float:
 
 
 def _tension(r: Nip) -> list[Verdict]:
+    """Test the statements about the web tension along the nip."""
     before = (r.tension - r.problem.web_tension)[: _dual_from(r) + 1]
     gained = gain_in_dual_slip(r)
     share, begins = squeezed(r)

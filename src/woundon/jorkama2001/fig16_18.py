@@ -69,6 +69,7 @@ def _range(values: xr.DataArray) -> xr.DataArray:
 
 
 def _tension(data: xr.Dataset, light: Nip) -> list[Verdict]:
+    """Test the statements about the nip-induced tension."""
     friction = light.nip_induced_tension / (light.problem.roll_friction * LIGHT_LOAD)
     backward = -zone_lengths(light).leading_roll
     NIT, width, approach = data["nip_induced_tension"], data["nip_width"], data["approach"]
@@ -124,6 +125,7 @@ def _tension(data: xr.Dataset, light: Nip) -> list[Verdict]:
 
 
 def _slip(data: xr.Dataset) -> list[Verdict]:
+    """Test the statements about the slip zones on the roll."""
     leading, trailing = data["leading_roll_slip"], data["trailing_roll_slip"]
     spread, over_loads = _spread(trailing), _range(trailing)
     return [
@@ -174,6 +176,7 @@ def _slip(data: xr.Dataset) -> list[Verdict]:
 
 
 def _dual_slip(data: xr.Dataset, heavy: xr.Dataset) -> list[Verdict]:
+    """Test the statements about the dual slip zone."""
     dual, spread = data["dual_slip"], _spread(data["dual_slip"])
     agree = (np.sign(dual) == np.sign(data["nip_induced_tension"])).mean()
     last, limit = dual[:, -1], heavy["dual_slip"].mean()

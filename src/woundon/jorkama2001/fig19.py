@@ -63,6 +63,7 @@ def _wrapped() -> xr.Dataset:
 
 
 def _statements(NIT: xr.DataArray, when: str) -> list[Verdict]:
+    """Test the statements about the nip-induced tension over the friction."""
     curves = NIT.dropna("roll_friction")
     low, high = (_maxima(curves.sel(nip_load=P)) for P in NIP_LOADS)
     said = [

@@ -43,6 +43,7 @@ def exhibits(solver: str) -> list[Exhibit]:
 
 
 def _pattern(r: Nip | wo.NipResult, when: str = "mu+ > mu-") -> list[Verdict]:
+    """Test the statements about the stick and slip zones."""
     own = r.in_nip
     x, T = r.x[own], r.tension[own]
     roll, drum = runs(x, r.roll_zone[own]), runs(x, r.drum_zone[own])
@@ -82,6 +83,7 @@ def _end_of_stick(found: list[Run]) -> float:
 
 
 def _numbers(below: Nip, above: Nip) -> list[Verdict]:
+    """Test the statements about the tensions of both nips."""
     a, b = below.nip_induced_tension, above.nip_induced_tension
     return [
         verdict(
@@ -99,6 +101,7 @@ def _numbers(below: Nip, above: Nip) -> list[Verdict]:
 
 
 def _of_the_wrap(below: wo.NipResult, above: wo.NipResult) -> list[Verdict]:
+    """Test the statements for the wrapped nip."""
     # between the edges of the nip, the quantity that the text gives
     a, b = (r.outlet_tension - r.inlet_tension for r in (below, above))
     return [
@@ -114,6 +117,7 @@ def _of_the_wrap(below: wo.NipResult, above: wo.NipResult) -> list[Verdict]:
 
 
 def _draw(nips: list[Nip]) -> Figure:
+    """Draw tractions, slips and zones of both nips."""
     figure = drawing.blank(1, 2, (9.0, 3.6), letters=False)
     panels = list(figure.axes)
     with drawing.style():

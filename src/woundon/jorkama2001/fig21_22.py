@@ -51,6 +51,7 @@ def _swept(body: str, solver: str) -> xr.Dataset:
 
 
 def _trends(data: xr.Dataset, body: str) -> list[Verdict]:
+    """Test the statements about the trends over the radius."""
     radius, other = f"{body}_radius", _OTHER[body]
     NIT = data["nip_induced_tension"]
     largest, half = NIT.sel({radius: 1.0}), NIT.sel({radius: 0.5})
@@ -104,6 +105,7 @@ def _trends(data: xr.Dataset, body: str) -> list[Verdict]:
 
 
 def _increasing() -> Verdict:
+    """Test if the closed form (173) increases with the dual slip ratio."""
     problem, ratios = paper_nip(nip_load=NIP_LOAD), np.linspace(0.0, 1.0, 201)
     steps = np.diff([wo.theories.dual_slip(problem, float(s)) for s in ratios])
     return verdict(

@@ -50,6 +50,7 @@ def _variation(values: xr.DataArray, lowest: float) -> float:
 
 
 def _tension(NIT: xr.DataArray) -> list[Verdict]:
+    """Test the statements about the nip-induced tension over the modulus of the cover."""
     soft = NIT.sel(youngs_modulus=slice(None, 1.01e10))
     E = soft["youngs_modulus"]
     fits = xr.corr(soft, E.copy(data=np.log(E.values)), "youngs_modulus") ** 2
@@ -94,6 +95,8 @@ def _tension(NIT: xr.DataArray) -> list[Verdict]:
 
 
 def _width(width: xr.DataArray, NIT: xr.DataArray) -> list[Verdict]:
+    """Test the statements about the nip width."""
+
     def influence(values: xr.DataArray) -> float:
         along = "poissons_ratio"
         return float(((values.max(along) - values.min(along)) / values.mean(along)).max())

@@ -40,6 +40,8 @@ def exhibits(solver: str) -> list[Exhibit]:
 
 
 def _tractions(hard: Nip, soft: Nip) -> list[Verdict]:
+    """Test the statements about the tractions with a soft and with a hard drum."""
+
     def smaller(name: str) -> float:
         peaks = [float(np.max(np.abs(getattr(r, name)))) for r in (soft, hard)]
         return 100 * (1 - peaks[0] / peaks[1])
@@ -64,6 +66,7 @@ def _tractions(hard: Nip, soft: Nip) -> list[Verdict]:
 
 
 def _pattern(r: Nip) -> list[Verdict]:
+    """Test the statements about the stick and slip zones."""
     roll, drum, width = runs(r.x, r.roll_zone), runs(r.x, r.drum_zone), 2 * r.half_width
     forward = max((run for run in drum if run.zone == 1), key=lambda run: run.length)
     return [
@@ -100,6 +103,7 @@ def _pattern(r: Nip) -> list[Verdict]:
 
 
 def _edges(r: Nip, heavier: Nip) -> list[Verdict]:
+    """Test the statements about the slip at the edges of the nip."""
     base, more = (100 * np.abs(nip.drum_slip[[1, -1]]) for nip in (r, heavier))
     return [
         verdict(
@@ -123,6 +127,7 @@ def _edges(r: Nip, heavier: Nip) -> list[Verdict]:
 
 
 def _tension(r: Nip, heavier: Nip) -> list[Verdict]:
+    """Test the statements about the web tension."""
     T, steps = r.tension, np.abs(np.diff(r.tension))
     both = (r.roll_zone == 0) & (r.drum_zone == 0)
     inside = both[1:] & both[:-1]

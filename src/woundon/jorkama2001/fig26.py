@@ -41,6 +41,7 @@ def _without_shell(solver: str) -> xr.DataArray:
 
 
 def _verdicts(data: xr.Dataset, without: xr.DataArray) -> list[Verdict]:
+    """Test the statements about the three covers."""
     hard, rubber, cellular = data["nip_induced_tension"]
     slopes = np.diff(rubber) / np.diff(NIP_LOADS)
     width = 1e3 * data["nip_width"].sel(cover="rubber")

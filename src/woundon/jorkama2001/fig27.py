@@ -32,6 +32,7 @@ def exhibits(solver: str) -> list[Exhibit]:
 
 
 def _verdicts(data: xr.Dataset) -> list[Verdict]:
+    """Test the statements about the thickness of the covers."""
     cellular, rubber = data["nip_induced_tension"]
     slope = -rubber.differentiate("cover_thickness") / 1e3  # [N/m per mm]
     thin, thick = slope.sel(cover_thickness=[0.01, 0.03], method="nearest").values

@@ -54,6 +54,7 @@ def _where(found: np.ndarray) -> str:
 
 
 def _tension(NIT: xr.DataArray) -> list[Verdict]:
+    """Test the statements about the nip-induced tension over the moduli of the roll."""
     steps = NIT.diff("radial").values
     rising = steps > 0
     exception = np.zeros_like(rising)
@@ -102,6 +103,7 @@ def _tension(NIT: xr.DataArray) -> list[Verdict]:
 
 
 def _dual_slip(dual: xr.DataArray, solver: str) -> list[Verdict]:
+    """Test the statements about the dual slip zone over the moduli of the roll."""
     # what a step may fall by through the grid: a cell of the thesis's, a fraction of one else
     cell = {"accurate": 0.001, "thesis": 0.005}[solver]
 
@@ -131,6 +133,7 @@ def _dual_slip(dual: xr.DataArray, solver: str) -> list[Verdict]:
 
 
 def _draw(data: xr.Dataset, shown: str) -> Figure:
+    """Draw an output over the moduli."""
     figure = drawing.blank(3, 3, (9.0, 8.4), letters=False)
     for k, axes in enumerate(figure.axes):
         row, column = divmod(k, 3)

@@ -44,6 +44,7 @@ def _off(r: Nip) -> float:
 
 
 def _verdicts(large: Nip, small: Nip) -> list[Verdict]:
+    """Test the statements about the cross stiffness."""
     share, slipped = squeezed(large)
     gains = gain_in_dual_slip(large), gain_in_dual_slip(small)
     NIT = large.nip_induced_tension, small.nip_induced_tension

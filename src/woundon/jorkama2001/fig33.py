@@ -56,6 +56,7 @@ def _times() -> dict[str, np.ndarray]:
 
 
 def _converging(solver: str, times: np.ndarray) -> xr.Dataset:
+    """Solve the nip on finer and finer meshes."""
     NIT = []
     for M in NODES.tolist():
         by_thesis = solver == "thesis"
@@ -66,6 +67,7 @@ def _converging(solver: str, times: np.ndarray) -> xr.Dataset:
 
 
 def _errors(data: xr.Dataset, limit: wo.NipResult) -> list[Verdict]:
+    """Test the statements about the discretisation errors."""
     thesis, graded = data["nip_induced_tension"]
     exact = limit.nip_induced_tension
     missing = 1 - thesis / exact
@@ -105,6 +107,7 @@ def _errors(data: xr.Dataset, limit: wo.NipResult) -> list[Verdict]:
 
 
 def _widths() -> Verdict:
+    """Test if the discretisation error is the same for nips of different width."""
     problem, over = paper_nip(winding_force=0.0), {"nip_load": NIP_WIDTH_LOADS}
     good, rough = (swept(problem, over, solver) for solver in ("accurate", "thesis"))
     errors = 100 * (rough["nip_induced_tension"] / good["nip_induced_tension"] - 1)
@@ -130,6 +133,7 @@ def _half_plane_error(problem: wo.NipProblem, body: str) -> float:
 
 
 def _half_planes() -> list[Verdict]:
+    """Test the statements about half-planes in place of cylinders."""
     thin = {"roll.radius": 0.05 + 0.05}  # 5 cm of paper on the core
     roll = [_half_plane_error(paper_nip(nip_load=P, **thin), "roll") for P in ROLL_LOADS]
     thick, growth = {}, []
@@ -179,6 +183,7 @@ def _terms(limit: wo.NipResult) -> Verdict:
 
 
 def _draw(data: xr.Dataset) -> Figure:
+    """Draw the errors over the number of nodes."""
     figure, axes = drawing.one_panel()
     with drawing.style():
         twin = axes.twinx()

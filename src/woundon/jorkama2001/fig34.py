@@ -42,6 +42,7 @@ def web_rate(web: wo.Web, tension: float, friction: float, theta: np.ndarray) ->
 
 @cache
 def _rates() -> xr.Dataset:
+    """Return the rates of the strains of roll and slipping web over the angle."""
     problem = paper_nip()
     assert isinstance(problem.roll, wo.Cylinder)
     theta = np.linspace(0.0, pi, CELLS + 1)
@@ -60,6 +61,7 @@ def _rates() -> xr.Dataset:
 
 
 def _verdicts(data: xr.Dataset) -> list[Verdict]:
+    """Test the statements about the strain rates."""
     angle = np.degrees(data["angle"])
     away = (angle > AWAY) & (angle < 180 - AWAY)
     ratio = (data["web_rate"] / np.abs(data["roll_rate"]))[away]
@@ -82,6 +84,7 @@ def _verdicts(data: xr.Dataset) -> list[Verdict]:
 
 
 def _draw(data: xr.Dataset) -> Figure:
+    """Draw the strain rates of roll and web over the angle."""
     figure, axes = drawing.one_panel()
     for k, body in enumerate(("roll", "web")):
         rate = np.abs(data[f"{body}_rate"])

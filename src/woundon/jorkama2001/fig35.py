@@ -55,6 +55,7 @@ def exhibits(solver: str) -> list[Exhibit]:
 
 @cache
 def _nip(mu: float, solver: str) -> _Nip:
+    """Solve the nip with and without a wrap; compute strains and rates downstream of it."""
     problem = paper_nip(nip_load=LOAD, roll_friction=mu)
     alone = solved(problem, solver, FINE)
     R, a = problem.roll.radius, alone.half_width
@@ -82,6 +83,7 @@ def _roll_strain(r: Nip, x: np.ndarray) -> np.ndarray:
 
 
 def _of_the_nip_alone(nips: list[_Nip]) -> list[Verdict]:
+    """Test the statements about the nip without a wrap."""
     inside = max(n.data["roll_strain"][n.data["angle"] < 0].max() for n in nips)
     rises = all(bool((n.downstream["roll_strain"].diff("point") > 0).all()) for n in nips)
     return [
@@ -119,6 +121,7 @@ def _tension_to_cross(nip: _Nip) -> float:
 
 
 def _of_the_wrap(nips: list[_Nip]) -> list[Verdict]:
+    """Test the statements about the wrapped nip."""
     angles = [float(np.degrees(n.wrapped.slip_angle)) for n in nips]
     errors = [100 * abs(n.alone.tension[-1] / n.wrapped.wound_on_tension - 1) for n in nips]
     which, far = (
@@ -153,6 +156,7 @@ def _of_the_wrap(nips: list[_Nip]) -> list[Verdict]:
 
 
 def _draw(data: xr.Dataset) -> Figure:
+    """Draw strains and slip over the angle downstream of the nip."""
     figure = drawing.blank(1, 2, (9.0, 3.9))
     strains, rates = figure.axes
     for k, mu in enumerate(FRICTIONS):

@@ -31,6 +31,8 @@ def exhibits(printed: Theory, fitted: Theory, solver: str) -> list[Exhibit]:
 
 
 def _agreement(points: pd.DataFrame) -> list[Verdict]:
+    """Test the statements about the agreement with the measured tensions."""
+
     def worst(name: str) -> float:
         return 100 * float((points[name] / points["measured"] - 1).abs().max())
 
@@ -63,6 +65,7 @@ def _agreement(points: pd.DataFrame) -> list[Verdict]:
 
 
 def _winding_theorem(solver: str) -> list[Verdict]:
+    """Test the statements about the effect of the web tension."""
     names = ["nip_induced_tension", "rig_tension", "approach"]
     nips = swept(newsprint_nip(), {"web_tension": TENSIONS}, solver, names)
     NIT = nips["nip_induced_tension"].values
@@ -104,6 +107,7 @@ def _opposing(solver: str) -> list[Verdict]:
 
 
 def _draw(data: xr.Dataset) -> Figure:
+    """Draw measured and computed tensions."""
     figure, axes = drawing.one_panel((6.0, 4.4))
     lines = (
         ("measured", "o-", "experiment"),

@@ -53,6 +53,7 @@ def _pair(motion: Literal["rolling", "static"]) -> wo.RollerResult:
 
 
 def _along(r: wo.RollerResult) -> xr.Dataset:
+    """Return the arrays along the contact as a dataset."""
     columns = {
         "x [m]": r.x,
         "pressure [Pa]": r.pressure,
@@ -72,6 +73,7 @@ def _stick(r: wo.RollerResult) -> Run:
 
 
 def _pattern(rolling: wo.RollerResult, static: wo.RollerResult) -> list[Verdict]:
+    """Test the statements about the stick and slip zones."""
     q, width = static.traction, 2 * static.half_width
     mirrored = np.interp(-static.x, static.x, q)
     held, stick = _stick(static), _stick(rolling)
@@ -113,6 +115,7 @@ def _pattern(rolling: wo.RollerResult, static: wo.RollerResult) -> list[Verdict]
 
 
 def _difference(rolling: wo.RollerResult, static: wo.RollerResult) -> list[Verdict]:
+    """Test the statements about rolling and static contact."""
     x, peak = rolling.x, rolling.traction.max()
     apart = np.abs(rolling.traction - np.interp(x, static.x, static.traction))
     alike = x[-1] - x[np.flatnonzero(apart >= 0.01 * peak)[-1]]

@@ -59,6 +59,7 @@ class Judged:
         return [self._line(mine, other, strong) for mine, other in pairs]
 
     def _line(self, verdict: Verdict, other: Verdict | None, strong: str) -> str:
+        """Return the sentence on a statement, with its number and outcome."""
         # failures are to meet the eye of who runs down the list
         word = verdict.outcome.value
         word = word.upper() if verdict.outcome is Outcome.FAILS else word
@@ -106,6 +107,7 @@ _SYMBOLS = ("x", "v", "p", "q")
 
 
 def _sentence(note: str) -> str:
+    """Return a note as a sentence."""
     text = note.strip()
     if not text:
         return ""

@@ -91,6 +91,7 @@ def theory(thickness: float, solver: str = "accurate") -> Theory:
 
 
 def _theory(problem: wo.NipProblem, solver: str, fit: wo.FitResult | None = None) -> Theory:
+    """Compute the tensions at all nip loads, with the fitted moduli if there is a fit."""
     tension = swept(problem, {"nip_load": NIP_LOADS}, solver, ["rig_tension"])["rig_tension"]
     added = tension.to_series() - problem.web_tension
     fitted = {}

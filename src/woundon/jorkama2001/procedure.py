@@ -202,6 +202,7 @@ def solve(
 
 
 def _check(problem: Any, nodes: Any, web_tension: Any, load_tolerance: Any) -> None:
+    """Reject problems and options for which the procedure is not defined."""
     if not isinstance(problem, wo.NipProblem):
         text = f"{type(problem).__name__} is not possible; must be a NipProblem"
         raise wo.InvalidProblem([("problem", text)])
@@ -414,6 +415,7 @@ def _keep_drum_in_stick(nip: _Nip, zones: Array, state: _State) -> Array:
 
 
 def _result(nip: _Nip, state: _State, systems: int) -> ProcedureResult:
+    """Assemble the result of the procedure from its last state."""
     problem, n = nip.problem, nip.n
     edges = [(0, 0), (1, 1)]
     p, (roll_q, drum_q) = np.pad(state.p, 1), np.pad(state.q.reshape(2, n), edges)

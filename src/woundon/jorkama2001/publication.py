@@ -86,11 +86,12 @@ def publish(
 def _write_module(
     module: str, *, names: Sequence[str], folder: Path, solver: str, dpi: int | None
 ) -> list[Published]:
+    """Compute the figures of a module and write their files."""
     begun = perf_counter()
     made = judged(module, names, solver)
     files = [_write(one, folder, dpi) for one in made]
     seconds = perf_counter() - begun
-    # drawings do not pass from process to process, and data ask who reads them for much code
+    # drawings cannot be sent between processes, and data would import xarray in the other process
     judgements = [
         replace(one, exhibit=replace(one.exhibit, data=None, draw=None))  # type: ignore[arg-type]
         for one in made
@@ -99,7 +100,8 @@ def _write_module(
 
 
 def _write(one: Judged, folder: Path, dpi: int | None) -> list[Path]:
-    from .drawing import figure_bytes  # here, because the process that waits draws nothing
+    """Write figure, data and verdicts of one exhibit."""
+    from .drawing import figure_bytes  # the parent process draws nothing
 
     exhibit = one.exhibit
     paths = [folder / f"{exhibit.name}.csv"]
@@ -110,7 +112,7 @@ def _write(one: Judged, folder: Path, dpi: int | None) -> list[Path]:
         for ending in ("png", "svg"):
             paths.append(folder / f"{exhibit.name}.{ending}")
             paths[-1].write_bytes(figure_bytes(drawing, ending, dpi))
-            # the panels stand: what is laid out for one file is for all
+            # all files have the same layout
             drawing.set_layout_engine(None)
         picture = f"{exhibit.name}.png"
     paths.append(folder / f"{exhibit.name}.md")
@@ -121,7 +123,7 @@ def _write(one: Judged, folder: Path, dpi: int | None) -> list[Path]:
 def summary(done: Iterable[Published], folder: str = "") -> str:
     """Return a Markdown table of the published figures and the numbers of statements that hold.
 
-    ``folder``, ending in a slash, is where the pages lie, seen from the table.
+    ``folder``, with a final slash, is the path of the pages relative to the table.
     """
     words = " | ".join(outcome.value for outcome in Outcome)
     lines = [f"| | shows | {words} |", "|---|---|---|---|---|"]

@@ -51,6 +51,7 @@ def exhibits(solver: str) -> list[Exhibit]:
 
 
 def _verdicts(added: pd.DataFrame) -> list[Verdict]:
+    """Test the statements about the measured tensions."""
     averages, deviations = added.mean(axis=1).to_numpy(), added.std(axis=1).to_numpy()
     relative = 100 * deviations / averages
     return [

@@ -226,6 +226,7 @@ class OperatingWindow(Presented, ReadOnly):
         return rows
 
     def _point_lines(self, head: str, point: OperatingPoint) -> list[str]:
+        """Return lines on a point: probability, margins, contributions to the variance."""
         rows = [f"{head} {point.probability:.2f} at {self._text(point)}"]
         for name, (mean, deviation) in point.margins.items():
             mark = "  binding" * (name == point.binding)
