@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from hardening_cases import nip as hardening_nip
 from hardening_cases import roll as hardening_roll
-from random_nips import random_nip
+from random_nips import random_nip, random_wrapped_nip
 from slow_cases import slow_case
 from thesis_cases import newsprint_nip, paper_nip
 from viscoelastic_cases import cover as covered_drum
@@ -259,3 +259,14 @@ def test_a_soft_cover_on_a_rigid_roll() -> None:
     coarse, fine = (solve(problem, nodes=nodes) for nodes in (33, 65))
     allowed = coarse.errors["wound_on_tension"] + fine.errors["wound_on_tension"]
     assert abs(coarse.wound_on_tension - fine.wound_on_tension) <= allowed
+
+
+def test_the_error_of_the_dual_slip_length_contains_a_zone_shorter_than_a_cell() -> None:
+    """On 57 nodes the drum slips forwards up to the edge, on 129 backwards in the last cell."""
+    problem = random_wrapped_nip(94030)
+    coarse, fine = solve(problem, nodes=57), solve(problem, nodes=129)
+    assert coarse.dual > 0.1
+    assert fine.dual == 0.0
+    assert abs(coarse.dual - fine.dual) <= coarse.errors["dual"]
+    # the estimate of the length of a resolved zone is not affected
+    assert coarse.errors["trailing_roll"] < 0.05

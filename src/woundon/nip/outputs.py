@@ -215,6 +215,9 @@ def error_estimates(refinement: Refinement, arrays: Mapping[str, Array]) -> dict
     cell:
 
     - A slip length has at least the error of half a cell.
+    - The dual slip length is zero if a face slips in the opposite direction at the trailing edge,
+      however short that zone is.  It may be zero where the slip, extrapolated from the last two
+      cells to the edge, changes its direction there.
     - A maximum of the pressure next to a zone boundary is a cusp.  The pressure is concave there,
       so that the maximum between the nodes exceeds the largest nodal value by at most about the
       difference to a neighbouring node.
@@ -234,6 +237,9 @@ def error_estimates(refinement: Refinement, arrays: Mapping[str, Array]) -> dict
     half_cell = float(mesh.cells[mesh.nip_cells].max()) / 2  # relative to the nip width
     for name in SLIP_RATIOS:
         errors[name] = max(errors[name], half_cell)
+    nip = mesh.nip_nodes
+    if any(_reverses_at_edge(arrays, name, nip) for name in ("roll_slip", "drum_slip")):
+        errors["dual"] = max(errors["dual"], abs(found.last.outputs["dual"]))
     zones, pressure = (arrays["roll_zone"], arrays["drum_zone"]), arrays["drum_pressure"]
     k = int(pressure.argmax())
     if any(np.ptp(zone[k - 1 : k + 2]) for zone in zones):
@@ -245,6 +251,13 @@ def error_estimates(refinement: Refinement, arrays: Mapping[str, Array]) -> dict
     unresolved = _unresolved_strain(last.system, last.state.fields.geometry)
     errors["drum_creepage"] = max(errors["drum_creepage"], unresolved)
     return errors
+
+
+def _reverses_at_edge(arrays: Mapping[str, Array], name: str, nip: slice) -> bool:
+    """Return True if a slip changes its direction between the last cell and the trailing edge."""
+    (x, y), (u, v) = arrays["slip_x"][nip][-2:], arrays[name][nip][-2:]
+    at_edge = v + (v - u) * (arrays["x"][nip][-1] - y) / (y - x)
+    return bool(v * at_edge < 0)
 
 
 def _unresolved_strain(equations: NipEquations, geometry: Geometry) -> float:
