@@ -398,7 +398,7 @@ class _Assembly:
             self.kappa_roll = roll.curvature_tangent(self.roll, *on_roll, self.a)
         if f.drum_curvature.size:
             self.kappa_drum = drum.curvature_tangent(self.drum, *on_drum, self.a)
-        self.hoop = self._hoop()
+        self.p_roll = self._p_roll()
 
     def jacobian(self) -> Jacobian:
         """Assemble all blocks."""
@@ -408,20 +408,21 @@ class _Assembly:
         slip = self._slip() / equations.slope_scale
         bound = np.zeros((at.q.stop - at.q.start, at.size))
         k = at.roll_nodes.size
-        bound[:k] = self._roll_pressure(np.eye(at.end + 1 - at.first)[1 : k + 1])
+        bound[:k] = self.p_roll[1:-1]
         bound[k + np.arange(at.drum_nodes.size), at.drum_nodes - at.p_nodes[0]] = 1.0
         rows = np.concatenate([gap, *wraps, self._force_and_load()])
         return Jacobian(rows, slip, bound / equations.pressure_scale)
 
-    def _hoop(self) -> Array:
-        """Return the derivatives of p+ = p- + T kappa at the inner nodes of the nip by u."""
-        at, nodes = self.at, self.equations._hoop_nodes
-        k = np.arange(nodes.start, nodes.stop)
-        out = np.zeros((k.size, at.size))
-        if not k.size:
-            return out
-        out[np.arange(k.size), k - at.p_nodes[0]] = 1.0
-        self._subtract_hoop(out, nodes, self.fields.drum_curvature[nodes], self.kappa_drum)
+    def _p_roll(self) -> Array:
+        """Return the derivative of p+ at the nodes of the roll's face; p+ = p- + T kappa inside."""
+        at, n = self.at, self.at.last - self.at.first
+        out, k = np.zeros((at.end + 1 - at.first, at.size)), np.arange(1, n)
+        out[k, at.drum_p.stop - n + k] = 1.0
+        if self.equations.roll_wrap:
+            nodes = self.equations._hoop_nodes
+            self._subtract_hoop(out[1:n], nodes, self.fields.drum_curvature[nodes], self.kappa_drum)
+        k = np.arange(at.wrap_p.stop - at.wrap_p.start)
+        out[n + k, at.wrap_p.start + k] = 1.0
         return out
 
     def _subtract_hoop(
@@ -437,16 +438,15 @@ class _Assembly:
             rows[:, at.drum_p] -= T * tangent[0][nodes, at.p_nodes[at.drum_p]]
             rows[:, at.drum_q] -= T * tangent[1][nodes, 1:-1]
 
-    def _roll_pressure(self, matrix: Array) -> Array:
-        """Return the product of a matrix of derivatives by p+ on the roll face with dp+/du."""
-        at, nip = self.at, self.equations._hoop_nodes
-        n = at.last - at.first
-        out = np.zeros((len(matrix), at.size))
-        out[:, at.wrap_p] = matrix[:, n : n + at.wrap_p.stop - at.wrap_p.start]
-        if self.hoop.size:
-            out += matrix[:, nip.start - at.first : n] @ self.hoop
+    def _by_p_roll(self, matrix: Array) -> Array:
+        """Return the product of a matrix, by p+ on the nodes of the roll's face, with dp+/du."""
+        at, n = self.at, self.at.last - self.at.first
+        if self.equations.roll_wrap:
+            out: Array = matrix[:, 1:n] @ self.p_roll[1:n]
         else:
-            out[:, at.drum_p.stop - (n - 1) : at.drum_p.stop] += matrix[:, 1:n]
+            out = np.zeros((len(matrix), at.size))
+            out[:, at.drum_p.stop - n + 1 : at.drum_p.stop] = matrix[:, 1:n]
+        out[:, at.wrap_p] += matrix[:, n : n + at.wrap_p.stop - at.wrap_p.start]
         return out
 
     def _gap_slope(self) -> Array:
@@ -458,7 +458,7 @@ class _Assembly:
         k, h = np.arange(n), self.a * mesh.cells[nip]
         by_p[k, k] += thinning[:-1] / h
         by_p[k, k + 1] -= thinning[1:] / h
-        rows = self._roll_pressure(by_p)
+        rows = self._by_p_roll(by_p)
         value = web.compliance.c12 * mesh.hats[nip]
         rows[:, at.roll_q] += value[:, at.roll_nodes] + self.roll.slope_q[:n, 1:-1]
         rows[:, at.drum_q] += value[:, at.drum_nodes] + self.drum.slope_q[nip, 1:-1]
@@ -481,7 +481,7 @@ class _Assembly:
             rows = np.zeros((k.size, at.size))
             if self.kappa_roll is not None:
                 T = f.tension[on, None]
-                rows = self._roll_pressure(-T * self.kappa_roll[0][wrap])
+                rows = self._by_p_roll(-T * self.kappa_roll[0][wrap])
                 rows[:, at.roll_q] -= T * self.kappa_roll[1][wrap, 1:-1]
             rows[k, at.wrap_p.start + k] += 1.0
             self._subtract_hoop(rows, on, f.roll_curvature[wrap], None)
@@ -503,13 +503,15 @@ class _Assembly:
         at, mesh, web = self.at, self.mesh, self.problem.web
         stretch = mesh.integral_to_points - mesh.weights
         stretch *= self.a * web.compliance.c11 / web.thickness
-        through = -web.compliance.c12 * mesh.hats[:, at.first :]
         on_roll, on_drum = slice(at.first, at.end - 1), slice(0, at.last - 1)
         n, m = at.end - 1 - at.first, at.last - 1
+        # the web's strain by its pressure p+ in the cells
+        through = np.zeros((mesh.cells.size, at.size))
+        part, c12 = mesh.fraction[at.first :, None], web.compliance.c12
+        through[at.first :] = (c12 * (part - 1)) * self.p_roll[:-1] - (c12 * part) * self.p_roll[1:]
         strain_p, strain_q = (s[:n] - s[-1] for s in (self.roll.strain_p, self.roll.strain_q))
-        by_p = through[on_roll] - strain_p
-        by_p[:, -1] += web.compliance.c12
-        roll, drum = self._roll_pressure(by_p), self._roll_pressure(through[on_drum])
+        roll, drum = through[on_roll] - self._by_p_roll(strain_p), through[on_drum]
+        roll += c12 * self.p_roll[-1]
         for rows, cells in ((roll, on_roll), (drum, on_drum)):
             rows[:, at.roll_q] += stretch[cells, at.first + 1 : at.end]
             rows[:, at.drum_q] += stretch[cells, 1 : at.last]
