@@ -239,7 +239,7 @@ def error_estimates(refinement: Refinement, arrays: Mapping[str, Array]) -> dict
         errors[name] = max(errors[name], half_cell)
     nip = mesh.nip_nodes
     if any(_reverses_at_edge(arrays, name, nip) for name in ("roll_slip", "drum_slip")):
-        errors["dual"] = max(errors["dual"], abs(found.last.outputs["dual"]))
+        errors["dual"] = max(errors["dual"], abs(refinement.last.outputs["dual"]))
     zones, pressure = (arrays["roll_zone"], arrays["drum_zone"]), arrays["drum_pressure"]
     k = int(pressure.argmax())
     if any(np.ptp(zone[k - 1 : k + 2]) for zone in zones):
