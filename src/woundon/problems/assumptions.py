@@ -76,7 +76,7 @@ def of_roll(problem: Any) -> tuple[str, ...]:
 
 ROLL_BODIES = {
     "effective": "In the nip the roll is linear, with its moduli at the pressure of wound roll "
-    "and nip.",
+    "and nip: the wound-on tension is within 7 % of that of roll_body = 'direct'.",
     "direct": "In the nip the roll hardens under the pressure wound in and that of the nip.",
     "linear": "In the nip the roll is linear, with the moduli of the web.",
 }
