@@ -83,7 +83,7 @@ def pair_warnings(result: Any, tractions: Mapping[str, Array]) -> Iterator[str]:
         body = getattr(problem, name)
         warnings = filter(None, (material.validity_warning for material in body.materials))
         yield from dict.fromkeys(f"the {name}: {text}" for text in warnings)
-        if approach > LIMITS["indentation"].most * body.thickness:  # no body takes more than all
+        if approach > LIMITS["indentation"].most * body.thickness:  # an upper bound
             depth = _indentation(result, body, tractions[name])
             yield from past(
                 "indentation",
@@ -99,9 +99,8 @@ def pair_warnings(result: Any, tractions: Mapping[str, Array]) -> Iterator[str]:
 def _indentation(result: Any, body: Body, traction: Array) -> float:
     """Return the indentation of a body of finite thickness in the middle of the nip [m]."""
     if not body.linear:
-        return float(result.approach)  # all of it at most
-    own = result.in_nip
-    p, q = getattr(result, result.CONTACT_PRESSURE)[own], traction
+        return float(result.approach)  # an upper bound
+    p, q = getattr(result, result.CONTACT_PRESSURE)[result.in_nip], traction
     speed = result.problem.rolling_speed
     mesh = nip_mesh(p.size, Wrap(), Wrap())
     a, face = result.half_width, mesh.roll_face
@@ -126,6 +125,7 @@ def far_outside(problem: ContactProblem, load: float) -> Iterator[str]:
 
 
 def _surface(name: str, body: Body, peak: float, traction: Array) -> Iterator[str]:
+    """Yield warnings about peak pressure and traction relative to the stiffness of a body."""
     if body.surface_material is None:
         return
     stiffness = body.surface_material.stiffness

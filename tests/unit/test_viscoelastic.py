@@ -75,7 +75,9 @@ def test_a_dynamic_test_is_followed() -> None:
 def test_a_poor_fit_is_reported_with_every_result() -> None:
     poor = dynamic_test(loss_modulus=[1.25 * value for value in LOSS])
     assert 0.05 < poor.misfit < 0.1
-    with pytest.warns(wo.ValidityWarning, match="the drum: its Prony series misfits the measured"):
+    with pytest.warns(
+        wo.ValidityWarning, match="the drum: its Prony series deviates from the measured"
+    ):
         result = wo.solve(nip(**{"drum.material": poor}), nodes=17)
     assert any(f"{poor.misfit:.1%}" in text for text in result.warnings)
     assert dynamic_test().misfit < 0.05

@@ -284,7 +284,7 @@ def _spectrum(layers: Layers, free: bool, factors: Factors | None = None) -> Spe
 
 
 def _compliance(n: Array, layers: Layers, free: bool, factors: Factors | None) -> Array:
-    """Return Y_n, with ``factors`` times the factor of the moduli of the outermost layer."""
+    """Return Y_n, for viscoelastic layers relative to the compliance of the outermost one."""
     Y = stacked_compliance(n, layers, free, factors)
     return Y if factors is None else Y * factors(n)[0]
 

@@ -116,7 +116,7 @@ def _maxima(NIT: xr.DataArray) -> dict[float, float]:
 
 
 def _beyond_maxima(NIT: xr.DataArray) -> tuple[xr.DataArray, xr.DataArray]:
-    """Return the largest step of all curves, and each one's fall, (load, force)."""
+    """Return the largest increase, and the decrease of each curve, beyond the maxima of NIT."""
     friction = NIT["roll_friction"]
     beyond = NIT.where(friction >= NIT.idxmax("roll_friction") - 1e-9)
     return beyond.diff("roll_friction").max(), beyond.max("roll_friction") - beyond[..., -1]

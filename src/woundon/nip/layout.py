@@ -1,7 +1,7 @@
 """Numbering of the unknowns of a web nip:  u = ( p | Delta/R*, xi, ln a | q+ | q- ).
 
-There is one pressure a node: p- on the drum wrap and in the nip, p+ on the roll wrap.  In the nip
-p+ = p- + T kappa is no unknown.
+Each node has one unknown pressure: p- on the drum wrap and in the nip, p+ on the roll wrap.  In the
+nip p+ = p- + T kappa is explicit.
 """
 
 from __future__ import annotations
@@ -14,13 +14,13 @@ __all__ = ["Layout"]
 
 
 class Layout:
-    """Nodes and places of the unknowns.
+    """Nodes of the unknowns, and their indices in u.
 
     Parameters
     ----------
     mesh : Mesh
     roll_wrap, drum_wrap : bool
-        Whether there is a wrap.
+        True if there is such a wrap.
 
     Attributes
     ----------
@@ -29,9 +29,9 @@ class Layout:
     p_nodes, roll_nodes, drum_nodes : int arrays
         Nodes of p, q+ and q-.
     p, roll_q, drum_q, q : slices; shift, xi, ln_a : int
-        Places in u.
+        Indices in u.
     drum_p, wrap_p : slices
-        Places in u of p- and, on the roll wrap, of p+.
+        Indices in u of p- and, on the roll wrap, of p+.
     size : int
     """
 
@@ -43,11 +43,8 @@ class Layout:
         self.roll_nodes = np.arange(self.first + 1, self.end)
         self.drum_nodes = np.arange(1, self.last)
         n, k, m = self.p_nodes.size, self.roll_nodes.size, self.drum_nodes.size
-        self.p, self.drum_p, self.wrap_p = (
-            slice(0, n),
-            slice(0, self.last - start),
-            slice(self.last - start, n),
-        )
+        self.p = slice(0, n)
+        self.drum_p, self.wrap_p = slice(0, self.last - start), slice(self.last - start, n)
         self.shift, self.xi, self.ln_a = n, n + 1, n + 2
         self.roll_q, self.drum_q = slice(n + 3, n + 3 + k), slice(n + 3 + k, n + 3 + k + m)
         self.q, self.size = slice(n + 3, n + 3 + k + m), n + 3 + k + m

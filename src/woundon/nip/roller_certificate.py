@@ -49,65 +49,81 @@ def certificate(result: Any) -> Residuals:
     Slopes and rolling slip are relative to the slope of the gap at the edge, static slip to that
     times a, forces to the load, pressures to the largest one.
     """
-    found = state_of(result)
-    if found is None:
+    recomputed = state_of(result)
+    if recomputed is None:
         return Residuals(mesh=inf)
-    equations, state = found
+    equations, state = recomputed
     problem, a, p, q = result.problem, result.half_width, result.pressure, result.traction
-    edge = a / problem.contact_radius
-    unit = edge * (a if equations.static else 1.0)
-    xi, other = result.creepage, result.shift
-    if equations.static:
-        xi, other = result.shift - equations.rigid_displacement(state, 0.0), result.creepage
-    free, slip = equations.slip(state)
-    # without friction the creepage that is not given is that of vanishing friction
-    loose = not problem.friction and problem.creepage is None
-    slip = slip - (free if loose else state.u[equations.xi]) + xi
-    given = free if loose else problem.creepage
-    peak = float(np.max(np.abs(p)))
-    friction = friction_law(
-        result.zone[1:-1],
-        q[1:-1],
-        slip[1:-1],
-        problem.friction * p[1:-1],
-        unit=np.full(p.size - 2, (problem.friction or 1.0) * peak),
-        slip_scale=unit,
-    )
-    ends = [[0, -1], [1, -2]]
-    same_zone = np.array_equal(result.zone[ends[0]], result.zone[ends[1]])
-    Q, asked = integral(q, result.x), problem.tangential_load or 0.0
-    if not equations.is_force_given and problem.friction:
-        asked = result.tangential_load
+    slope_scale, peak = a / problem.contact_radius, float(np.max(np.abs(p)))
     gap = state.equilibrium[: equations.drive_row] * equations.slope_scale
-    approach = equations.approach(state)
+    Q, prescribed = integral(q, result.x), problem.tangential_load or 0.0
+    if not equations.is_force_given and problem.friction:
+        prescribed = result.tangential_load
     conditions = {
-        "gap_slope": largest(np.abs(gap)) / edge,
-        "positive_pressure": negative_pressure(p) + largest(np.abs(p[ends[0]])) / peak,
-        **friction,
-        "zones": 0.0 if same_zone and (np.abs(result.zone) <= 1).all() else inf,
-        "slip_velocity": largest(np.abs(result.slip - slip)) / unit,
+        "gap_slope": largest(np.abs(gap)) / slope_scale,
+        "positive_pressure": negative_pressure(p) + largest(np.abs(p[[0, -1]])) / peak,
+        **_slip_and_friction(result, equations, state, peak),
         "load": abs(integral(p, result.x) / problem.load - 1),
-        "tangential_load": largest([abs(Q - asked), abs(Q - result.tangential_load)])
+        "tangential_load": largest([abs(Q - prescribed), abs(Q - result.tangential_load)])
         / problem.load,
-        "creepage": 0.0 if given is None else abs(xi - given) / unit,
         "mesh": _mesh_difference(result, equations),
-        "approach": abs(result.approach / approach - 1),
+        "approach": abs(result.approach / equations.approach(state) - 1),
     }
-    conditions["friction_bound"] += largest(np.abs(q[ends[0]])) / ((problem.friction or 1) * peak)
-    if not isnan(other):  # the creepage of static, the rigid displacement of rolling rollers
-        conditions["creepage"] = inf
     surfaces = state.surfaces.upper, state.surfaces.lower
     conditions |= body_equilibrium(problem, surfaces, ((p, q), (p, -q)))
     if problem.viscoelastic:
         lost = dissipation(problem, surface_work(problem, equations.mesh, state))
-        size = problem.load * edge
-        conditions["rolling_resistance"] = abs(result.rolling_resistance - lost) / size
+        difference = abs(result.rolling_resistance - lost)
+        conditions["rolling_resistance"] = difference / (problem.load * slope_scale)
     elif not isnan(result.rolling_resistance):
         conditions["rolling_resistance"] = inf
     return Residuals(**conditions)
 
 
+def _slip_and_friction(
+    result: Any, equations: RollerEquations, state: RollerState, peak: float
+) -> dict[str, float]:
+    """Return the residuals of slip, zones, creepage and the friction law."""
+    problem, p, q, mu = result.problem, result.pressure, result.traction, result.problem.friction
+    # xi is the creepage of rolling rollers, the relative displacement of static ones
+    xi, undefined = result.creepage, result.shift
+    if equations.static:
+        xi, undefined = result.shift - equations.rigid_displacement(state, 0.0), result.creepage
+    scale = result.half_width / problem.contact_radius
+    scale *= result.half_width if equations.static else 1.0
+    recomputed_xi, slip = equations.slip(state)
+    # a creepage that is not prescribed is, without friction, that of vanishing friction
+    is_vanishing = not mu and problem.creepage is None
+    slip = slip - (recomputed_xi if is_vanishing else state.u[equations.xi]) + xi
+    prescribed = recomputed_xi if is_vanishing else problem.creepage
+    ends, neighbours = [0, -1], [1, -2]
+    zones_are_valid = (
+        np.array_equal(result.zone[ends], result.zone[neighbours])
+        and (np.abs(result.zone) <= 1).all()
+    )
+    inner = slice(1, -1)
+    unit = (mu or 1.0) * peak
+    conditions = {
+        **friction_law(
+            result.zone[inner],
+            q[inner],
+            slip[inner],
+            mu * p[inner],
+            unit=np.full(p.size - 2, unit),
+            slip_scale=scale,
+        ),
+        "zones": 0.0 if zones_are_valid else inf,
+        "slip_velocity": largest(np.abs(result.slip - slip)) / scale,
+        "creepage": 0.0 if prescribed is None else abs(xi - prescribed) / scale,
+    }
+    conditions["friction_bound"] += largest(np.abs(q[ends])) / unit
+    if not isnan(undefined):  # the creepage of static, the displacement of rolling rollers
+        conditions["creepage"] = inf
+    return conditions
+
+
 def _mesh_difference(result: Any, equations: RollerEquations) -> float:
+    """Return the largest difference of nodes and slip points from those of the mesh, over a."""
     a = result.half_width
     nodes = np.abs(result.x - a * equations.mesh.nodes)
     points = np.abs(result.slip_x - equations.slip_points(a))
@@ -120,12 +136,12 @@ def consistency(result: Any) -> Residuals:
     power_balance
         Of rollers with a viscoelastic body, relative to P a/R* (:mod:`.energy`).
     """
-    found = state_of(result) if result.problem.viscoelastic else None
     if not result.problem.viscoelastic:
         return Residuals()
-    if found is None:
+    recomputed = state_of(result)
+    if recomputed is None:
         return Residuals(power_balance=nan)
-    equations, state = found
+    equations, state = recomputed
     bodies = surface_work(result.problem, equations.mesh, state)
     return Residuals(power_balance=roller_power_balance(result, bodies))
 
@@ -135,8 +151,8 @@ def solutions(result: Any) -> list[MeshSolution]:
     if result.refinement is not None:
         meshes: list[MeshSolution] = result.refinement.meshes
         return meshes
-    found = state_of(result)
-    assert found is not None  # a loaded result is verified
-    equations, state = found
+    recomputed = state_of(result)
+    assert recomputed is not None  # a loaded result is verified
+    equations, state = recomputed
     solver = SemismoothNewton(equations)
     return [MeshSolution(result.nodes, equations, state, result.zone[1:-1].astype(np.int8), solver)]

@@ -63,6 +63,7 @@ class AirBetween(RadialLaw):
         return float(self.law.max_pressure)
 
     def _compliance(self, P: Array) -> Array:
+        """Return 1/E_r(P)."""
         h, t, p_a = self.film, self.web_thickness, self.ambient_pressure
         return (t / self.law.modulus(P) + h * p_a / (p_a + P) ** 2) / (t + h)
 
@@ -71,8 +72,9 @@ class AirBetween(RadialLaw):
 
     def _slope(self, P: Array) -> Array:
         h, t, p_a = self.film, self.web_thickness, self.ambient_pressure
-        own = t * self.law.modulus_slope(P) / self.law.modulus(P) ** 2
-        return (own + 2 * h * p_a / (p_a + P) ** 3) / (t + h) / self._compliance(P) ** 2
+        of_stack = t * self.law.modulus_slope(P) / self.law.modulus(P) ** 2
+        of_air = 2 * h * p_a / (p_a + P) ** 3
+        return (of_stack + of_air) / (t + h) / self._compliance(P) ** 2
 
     def _strain(self, P: Array) -> Array:
         h, t, p_a = self.film, self.web_thickness, self.ambient_pressure

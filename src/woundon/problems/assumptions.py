@@ -57,7 +57,7 @@ def _body(name: str, body: Any) -> Iterator[str]:
     elif body.linear:
         yield f"The {name} is linear elastic: its moduli do not depend on the pressure."
     else:
-        yield f"The {name} hardens under the pressure wound in and that of the nip, elastically."
+        yield f"The {name} hardens under wound-in and nip pressure, without hysteresis."
 
 
 def of_roll(problem: Any) -> tuple[str, ...]:

@@ -277,6 +277,41 @@ class KernelBody(Body, abstract=True):
         """C of the half-plane that the surface resembles near a line load [1/Pa]."""
         return pi * self.kernels().slope_p.inverse
 
+    def interior_stress(
+        self, x: np.ndarray, p: np.ndarray, q: np.ndarray, depths: np.ndarray, half_width: float
+    ) -> tuple[Section, ...] | None:
+        """Return the stresses below the surface; None if a material is viscoelastic."""
+        return None if self.viscoelastic else self._sections(x, p, q, depths)
+
+    def _sections(
+        self, x: np.ndarray, p: np.ndarray, q: np.ndarray, depths: np.ndarray
+    ) -> tuple[Section, ...] | None:
+        """Return the stresses in an elastic body."""
+        return None
+
+
+class LayeredBody(KernelBody, abstract=True):
+    """A cylinder of concentric layers on a rigid core or an open bore (thesis sec. 2.2)."""
+
+    _is_open: ClassVar[bool] = False  # True for an open bore
+
+    @property
+    def _stack(self) -> Stacked:
+        """Each layer, outermost first: ln of the ratio of its radii, followed by its stiffness."""
+        raise NotImplementedError
+
+    def kernels(self, speed: float | None = None) -> SurfaceKernels:
+        """Return the influence functions of the cylinder (thesis eq. 59)."""
+        if speed is None:
+            return cylinder.layered_kernels(self.radius, self._stack, self._is_open)
+        relaxations = tuple(material.relaxation(speed) for material in self.materials)
+        return rolling.layered_kernels(self.radius, self._stack, relaxations, self._is_open)
+
+    def _sections(
+        self, x: np.ndarray, p: np.ndarray, q: np.ndarray, depths: np.ndarray
+    ) -> tuple[Section, ...]:
+        return cylinder_sections(x, p, q, depths, self.radius, self._stack, self._is_open)
+
 
 class HalfPlane(KernelBody):
     """An elastic half-plane (thesis sec. 2.1); its radius enters the gap only.
@@ -314,16 +349,13 @@ class HalfPlane(KernelBody):
         reach = (pi + 1) * self.radius  # covers the largest wrap angle, pi
         return rolling.half_plane_kernels(stiffness, self.material.relaxation(speed), reach)
 
-    def interior_stress(
-        self, x: np.ndarray, p: np.ndarray, q: np.ndarray, depths: np.ndarray, half_width: float
-    ) -> tuple[Section, ...] | None:
-        """Return the stresses below the surface; None if the material is viscoelastic."""
-        if self.viscoelastic:
-            return None
+    def _sections(
+        self, x: np.ndarray, p: np.ndarray, q: np.ndarray, depths: np.ndarray
+    ) -> tuple[Section, ...]:
         return half_plane_sections(x, p, q, depths, self.radius, self.material.stiffness)
 
 
-class Cylinder(KernelBody):
+class Cylinder(LayeredBody):
     """An elastic cylinder on a rigid core (thesis sec. 2.2); the core of a drum cover is its shell.
 
     Parameters
@@ -366,22 +398,9 @@ class Cylinder(KernelBody):
         """The material, as a tuple."""
         return (self.material,)
 
-    def kernels(self, speed: float | None = None) -> SurfaceKernels:
-        """Return the cylinder's influence functions (thesis eq. 59)."""
-        R, R0, stiffness = self.radius, self.core_radius, self.material.stiffness
-        if speed is None:
-            return cylinder.surface_kernels(R, R0, *stiffness)
-        layer = (cylinder.depth(R, R0), *stiffness)
-        return rolling.layered_kernels(R, (layer,), (self.material.relaxation(speed),))
-
-    def interior_stress(
-        self, x: np.ndarray, p: np.ndarray, q: np.ndarray, depths: np.ndarray, half_width: float
-    ) -> tuple[Section, ...] | None:
-        """Return the stresses below the surface; None if the material is viscoelastic."""
-        if self.viscoelastic:
-            return None
-        layer = (cylinder.depth(self.radius, self.core_radius), *self.material.stiffness)
-        return cylinder_sections(x, p, q, depths, self.radius, (layer,))
+    @property
+    def _stack(self) -> Stacked:
+        return ((cylinder.depth(self.radius, self.core_radius), *self.material.stiffness),)
 
 
 def check_core(body: Any) -> None:
@@ -428,7 +447,7 @@ else:
     Layers = tuple[Layer, ...]
 
 
-class Layered(KernelBody):
+class Layered(LayeredBody):
     """An elastic cylinder of concentric layers, such as a covered shell.
 
     Parameters
@@ -481,13 +500,16 @@ class Layered(KernelBody):
         """The material of the outermost layer."""
         return self.layers[0].material
 
+    @property
+    def _is_open(self) -> bool:  # type: ignore[override]
+        return self.core == "free"
+
     @cached_property
     def _stack(self) -> Stacked:
-        """Each layer as the logarithm of its radius ratio, followed by its stiffness."""
-        outside, layers = self.radius, []
+        R, layers = self.radius, []
         for layer in self.layers:
-            layers.append((-log1p(-layer.thickness / outside), *layer.material.stiffness))
-            outside -= layer.thickness
+            layers.append((-log1p(-layer.thickness / R), *layer.material.stiffness))
+            R -= layer.thickness
         return tuple(layers)
 
     @property
@@ -502,7 +524,7 @@ class Layered(KernelBody):
         P R/(pi B) sum_(n>1) 1/(n^2 - 1) = 3 P R/(4 pi B); B follows from Y_2 = R^3/(9 B).  If the
         change equals 1/R*, the ring lifts off the other body in the middle of the contact.
         """
-        if self.core == "rigid":
+        if not self._is_open:
             return inf
         Y_2 = float(stacked_compliance(np.array([2.0]), self._stack, free=True)[0, 0, 0])
         return 4 * pi * self.radius**2 / (27 * Y_2 * contact_radius)
@@ -511,22 +533,6 @@ class Layered(KernelBody):
     def materials(self) -> tuple[Material, ...]:
         """The materials of all layers."""
         return tuple(layer.material for layer in self.layers)
-
-    def kernels(self, speed: float | None = None) -> SurfaceKernels:
-        """Return the influence functions of the layered cylinder."""
-        free = self.core == "free"
-        if speed is None:
-            return cylinder.layered_kernels(self.radius, self._stack, free)
-        relaxations = tuple(material.relaxation(speed) for material in self.materials)
-        return rolling.layered_kernels(self.radius, self._stack, relaxations, free)
-
-    def interior_stress(
-        self, x: np.ndarray, p: np.ndarray, q: np.ndarray, depths: np.ndarray, half_width: float
-    ) -> tuple[Section, ...] | None:
-        """Return the stresses below the surface; None if a material is viscoelastic."""
-        if self.viscoelastic:
-            return None
-        return cylinder_sections(x, p, q, depths, self.radius, self._stack, self.core == "free")
 
 
 def contact_radius(one: Body, two: Body) -> float:

@@ -204,4 +204,4 @@ class DynamicTest(OneModulus):
         """A warning if the fit of the series has an error above 5 %, otherwise empty."""
         if self.misfit <= WARNING_MISFIT:
             return ""
-        return f"its Prony series misfits the measured moduli by {self.misfit:.1%} (rms)"
+        return f"its Prony series deviates from the measured moduli by {self.misfit:.1%} (rms)"

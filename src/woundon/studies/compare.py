@@ -273,7 +273,7 @@ class Comparison(Presented, ReadOnly):
         path, ax
             As of :func:`woundon.plot`.
         panels : str or sequence of str, optional
-            Which to draw: an output's name, or the name with "_residuals" behind it.
+            Panels to draw: the name of an output, or that name with "_residuals" appended.
 
         Returns
         -------

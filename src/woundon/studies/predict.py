@@ -105,6 +105,7 @@ class Predictor:
         rows = list(zip(*(measured.inputs[n].tolist() for n in names), strict=True))
         if not names:
             rows = [()] * len(next(iter(measured.outputs.values())))
+        # rows with the same inputs are one case
         distinct = sorted(set(rows))
         self.cases: list[Mapping[str, Any]] = [dict(zip(names, r, strict=True)) for r in distinct]
         known = [
