@@ -38,7 +38,8 @@ print(solved.round(4).to_string(index=False))
 # %%
 # ``solved.to_excel("results.xlsx")`` writes the table.
 tensions = ["web tension [N/m]", "wound_on_tension [N/m]"]
-solved.plot.bar(x="set", y=tensions, rot=0, ylabel="[N/m]")
+labels = ["web tension", "wound-on tension"]
+solved.plot.bar(x="set", y=tensions, label=labels, rot=0, ylabel="tension [N/m]")
 plt.show()
 
 # sphinx_gallery_start_ignore

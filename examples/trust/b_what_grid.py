@@ -44,6 +44,9 @@ left.set(xlabel="nodes", ylabel="relative error of NIT")
 left.legend()
 right.loglog(meshes, 1e3 * np.array(times), "o-")
 right.set(xlabel="nodes", ylabel="time [ms]")
+for axes in (left, right):
+    axes.set_xticks(meshes, map(str, meshes))
+    axes.minorticks_off()
 plt.show()
 
 # sphinx_gallery_start_ignore

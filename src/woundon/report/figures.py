@@ -7,7 +7,6 @@ and with fixed metadata: the same result gives the same bytes.  One that is to b
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from importlib import import_module
@@ -28,7 +27,7 @@ from ..errors import InvalidProblem
 from ..io.files import write_whole
 from ..quantities import Quantity
 from ..results import Result, zone_runs
-from .report_parts import ZoneStrips
+from .report_parts import GREEK, SYMBOL, ZoneStrips
 
 __all__ = [
     "COLOURS",
@@ -200,17 +199,13 @@ def axis_label(words: str, quantity: Quantity) -> str:
     return f"{words} [{unit}]" if unit else words
 
 
-_GREEK = ("delta", "Delta", "eps", "kappa", "mu", "nu", "theta", "xi")
-_SYMBOL = re.compile(r"(\d*)([A-Za-z]+?)(\d*)(?:_(\w+))?([+-]?)")
-
-
 def symbol_text(symbol: str) -> str:
     """Return a symbol as figures write it: "s_l+" as s with index l and superscript +."""
-    found = _SYMBOL.fullmatch(symbol)
+    found = SYMBOL.fullmatch(symbol)
     if found is None:
         return symbol
     factor, base, number, index, sign = found.groups()
-    if base in _GREEK:
+    if base in GREEK:
         base = rf"\{'varepsilon' if base == 'eps' else base}"
     elif len(base) > 1:
         base = rf"\mathrm{{{base}}}"

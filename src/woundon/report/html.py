@@ -11,12 +11,12 @@ from html import escape
 from typing import TYPE_CHECKING
 
 from ..results import zone_runs
-from .report_parts import Line, Part, Row, Section, Verdict, Verdicts, ZoneStrips
+from .report_parts import GREEK, SYMBOL, Line, Part, Row, Section, Verdict, Verdicts, ZoneStrips
 
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["parts_html", "table_html"]
+__all__ = ["parts_html", "symbol_html", "table_html"]
 
 LEFT = "text-align:left"
 RIGHT = "text-align:right"
@@ -65,16 +65,37 @@ def _section(section: Section) -> str:
     return f"<table>{caption}<tbody>\n{rows}\n</tbody></table>{below}"
 
 
+def symbol_html(symbol: str) -> str:
+    """Return a symbol with Greek letters, index and exponent.
+
+    >>> symbol_html("mu+ p"), symbol_html("T_in")
+    ('&mu;<sup>+</sup> p', 'T<sub>in</sub>')
+    """
+    words = []
+    for word in symbol.split(" "):
+        found = SYMBOL.fullmatch(word)
+        if found is None:
+            words.append(escape(word))
+            continue
+        factor, base, number, index, sign = found.groups()
+        letter = f"&{base.replace('eps', 'epsilon')};" if base in GREEK else base
+        below = number + (index or "")
+        below, above = below and f"<sub>{below}</sub>", sign and f"<sup>{sign}</sup>"
+        words.append(f"{factor}{letter}{below}{above}")
+    return " ".join(words)
+
+
 def _row(row: Row) -> str:
     """Return the HTML of a row: meaning, symbol, value, unit and error."""
     error = f" ± {row.error_text}" if row.error_text else ""
+    unit = f'<span style="white-space:nowrap">{escape(row.unit + error)}</span>'
     cells = [
-        (row.meaning, LEFT),
-        (row.symbol, LEFT),
+        (escape(row.meaning), LEFT),
+        (symbol_html(row.symbol), f"{LEFT};white-space:nowrap"),
         (row.value_text, RIGHT),
-        (f"{row.unit}{error}{row.note}", LEFT),
+        (unit + escape(row.note), LEFT),
     ]
-    return "<tr>{}</tr>".format("".join(f'<td style="{s}">{escape(c)}</td>' for c, s in cells))
+    return "<tr>{}</tr>".format("".join(f'<td style="{s}">{c}</td>' for c, s in cells))
 
 
 def _verdicts(part: Verdicts) -> str:

@@ -21,7 +21,7 @@ from ..problems.materials import MATERIALS
 from ..quantities import Place, scalar_outputs, walk
 from ..results import Result
 from .figures import figure_bytes
-from .html import parts_html
+from .html import parts_html, symbol_html
 from .outputs_report import LEFT_OUT
 from .plots import panel_columns, plotted
 from .report_parts import Line, Row, Section, output_row, row_of
@@ -45,13 +45,13 @@ caption { text-align: left; font-weight: bold; padding: 1mm 0; break-after: avoi
 th, td { text-align: left; padding: 0.3mm 1.5mm 0.3mm 0; border-bottom: 0.2mm solid #ccc;
   vertical-align: top; }
 td { max-width: none !important; }
-td:first-child { overflow-wrap: anywhere; }
 th { border-bottom: 0.4mm solid #555; }
 td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; white-space: pre; }
+sub, sup { line-height: 0; }
 tr, figure, div table { break-inside: avoid; }
 div p { font-size: 8.5pt; }
 div.columns { columns: 2; column-gap: 6mm; }
-div.columns > table { break-inside: auto; margin-top: 0; }
+div.columns table { break-inside: auto; margin-top: 0; }
 div.figures { display: flex; gap: 4mm; align-items: flex-start; }
 div.figures figure { flex: 1; min-width: 0; }
 div.columns p { font-size: 7.5pt; }
@@ -254,8 +254,10 @@ def _table(
     head += "".join(f'<th class="n">{escape(name)}</th>' for name in names)
     body = ""
     for mark, words, numbers in rows:
-        # a dotted name may go on in the next line behind a dot
-        cells = "".join(f"<td>{escape(word).replace('.', '.<wbr>')}</td>" for word in words)
+        # a dotted name may go on in the next line behind a dot or an underscore
+        name, *middle, symbol = words
+        name = re.sub(r"([._])", r"\1<wbr>", escape(name))
+        cells = "".join(f"<td>{c}</td>" for c in (name, *map(escape, middle), symbol_html(symbol)))
         cells += "".join(f'<td class="n">{escape(number)}</td>' for number in numbers)
         body += f"<tr{mark}>{cells}</tr>\n"
     return f"<table><thead><tr>{head}</tr></thead><tbody>\n{body}</tbody></table>"

@@ -6,6 +6,7 @@ The report function of a kind returns these parts in their order; they do not de
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from math import floor, isfinite, log10, nan
@@ -20,6 +21,8 @@ from ..quantities import Quantity
 from ..results import ACCEPTED_RESIDUAL, Residuals, Result, Zone, zone_runs
 
 __all__ = [
+    "GREEK",
+    "SYMBOL",
     "Line",
     "Part",
     "Row",
@@ -42,6 +45,10 @@ __all__ = [
 
 Array = np.ndarray
 DIGITS = 5  # significant ones of a value
+_GREEK_NAMES = "alpha beta gamma delta Delta eps kappa mu nu omega rho sigma tau theta xi"
+GREEK = frozenset(_GREEK_NAMES.split())
+# factor, letter, number, index and sign of "2a", "mu+", "s_l+", "K1"
+SYMBOL = re.compile(r"(\d*)([A-Za-z]+?)(\d*)(?:_(\w+))?([+-]?)")
 
 
 @dataclass(frozen=True)
