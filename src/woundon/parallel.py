@@ -163,7 +163,7 @@ def _end_with(parent: Any) -> None:
 
 
 class WorkerDied(RuntimeError):
-    """Two processes died over an item."""
+    """Two processes died during the same item."""
 
 
 def usable_cores() -> int:
@@ -272,12 +272,13 @@ def in_processes(
 ) -> Generator[tuple[Item, Answer], None, None]:
     """Yield every item with ``work(item)`` as soon as it is done.
 
-    However it ends, no worker is left.  Within a worker everything is done by that worker.
+    All workers are stopped at the end, also after an exception.  When called within a worker, the
+    items are computed by that worker itself.
 
     Parameters
     ----------
     work : callable
-        Pickled, as items and answers are.
+        It is pickled, as are items and answers.
     items : sequence
     workers : int
         Number of processes.
@@ -285,16 +286,16 @@ def in_processes(
         Message at the first Ctrl-C, after which the work in progress is finished and yielded; the
         second one stops at once, as the first does without this.
     died : callable, optional
-        Item -> answer if two processes died over it.
+        Item -> answer for an item during which two processes died.
 
     Raises
     ------
     KeyboardInterrupt
         After Ctrl-C.
     WorkerDied
-        If two processes died over an item and there is no ``died``.
+        If two processes died during an item and ``died`` is not given.
     Exception
-        What ``work`` raises, caused by the worker's traceback.
+        An exception of ``work``, with the traceback of the worker as its cause.
     """
     from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, wait
 
@@ -331,7 +332,7 @@ def in_processes(
                 elif died is not None:
                     yield items[number], died(items[number])
                 else:
-                    raise WorkerDied("two worker processes died over this item") from fault
+                    raise WorkerDied("two worker processes died during this item") from fault
         finally:
             for worker in crew:
                 worker.kill()

@@ -69,7 +69,7 @@ def test_a_worker_that_dies_loses_nothing(tmp_path: Path):
 def test_an_item_that_kills_is_distinguished():
     found = dict(in_processes(process_tasks.crash_at_three, range(8), 2, died=lambda x: -x))
     assert found == {**dict(SQUARES), 3: -3}
-    with pytest.raises(WorkerDied, match="two worker processes died over this item"):
+    with pytest.raises(WorkerDied, match="two worker processes died during this item"):
         list(in_processes(process_tasks.crash_at_three, range(8), 2))
 
 

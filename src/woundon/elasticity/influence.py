@@ -94,6 +94,7 @@ class InfluenceSurface:
             values = self._matrices @ np.array([p, q])[:, :, None]
             slope, strain = values[..., 0].sum(axis=1)
             return Deformation(slope, strain)
+        # products with the loads first: singular parts, ln a, then the low-rank smooth parts
         loads = np.array([p, q]).T
         out = np.einsum("ijk,kpj->ip", self._factors, self._singular @ loads)
         out += (self._log_factors @ (self.face.weights @ loads))[:, None]

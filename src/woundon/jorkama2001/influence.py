@@ -89,6 +89,7 @@ def coefficients(body: wo.Body, M: int, a: float) -> Coefficients:
 
 
 def _cylindrical(body: wo.Body) -> wo.Cylinder:
+    """Return a body that must be a cylinder."""
     if isinstance(body, wo.Cylinder):
         return body
     text = f"{type(body).__name__} is not possible; must be Rigid, HalfPlane or Cylinder"

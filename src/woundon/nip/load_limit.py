@@ -96,8 +96,9 @@ def largest_load(problem: ContactProblem, sufficient: float | None = None) -> fl
     ----------
     problem : ContactProblem
     sufficient : float, optional
-        Examine half widths from the smallest one until the surfaces separate in the middle, or the
-        load exceeds this one; without it only the largest half width is examined.
+        A load at which the search may stop.  Half widths are examined from the smallest one, until
+        the surfaces separate in the middle of the contact.  By default only the largest half width
+        is examined.
     """
     widest = largest_half_width(problem)
     if sufficient is None:

@@ -60,15 +60,13 @@ def _grid_figure(table: Table, output: str, registered: bool) -> Figure:
     design = table.design
     flat, text = _scaled(table.quantities.get(output), output, table.outputs[output])
     values = flat.reshape(design.shape)
-    ranked = sorted(
+    # numeric inputs first, then by the number of values; from the fourth on at the middle value
+    inputs = sorted(
         range(len(design.shape)), key=lambda k: (not design.columns[k].numeric, -design.shape[k])
     )
-    # what has no place in the figure is held at its middle value
-    held, drawn = ranked[3:], ranked[:3]
-    fixed = {k: design.shape[k] // 2 for k in held}
+    drawn, fixed = inputs[:3], {k: design.shape[k] // 2 for k in inputs[3:]}
     values = values[tuple(fixed.get(k, slice(None)) for k in range(len(design.shape)))]
-    kept = sorted(drawn)
-    values = np.transpose(values, [kept.index(k) for k in drawn])
+    values = np.transpose(values, [sorted(drawn).index(k) for k in drawn])
     while values.ndim < 3:
         values = values[..., None]
     panels = _evenly_spaced(values.shape[2], _MOST_PANELS)

@@ -338,6 +338,7 @@ class _Winder:
             self.progress(min(solved / (EXPECTED_ITERATIONS * len(self.curve.places)), 1.0))
 
     def _assemble(self, iteration: _Iteration) -> WindingResult:
+        """Assemble the result of an iteration."""
         curve, r = self.curve, iteration.r
         tension = curve.tension(iteration.shares, r)
         return assemble_result(
