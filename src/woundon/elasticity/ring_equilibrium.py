@@ -310,7 +310,7 @@ def uniform_strain(ring: RingPair, pressure: float) -> float:
 
     r = R - (R - R0) * np.linspace(1, 0, UNIFORM_NODES) ** 3  # the pressure decays from the surface
     start = np.stack([np.zeros(r.size), np.full(r.size, -pressure)])
-    found = solve_bvp(rates, boundary, r, start, tol=UNIFORM_TOLERANCE, max_nodes=20_000)
-    if not found.success:
-        raise NoEquilibrium(f"the ring under a uniform pressure: {found.message}")
-    return float(found.y[0, -1] / R)
+    solution = solve_bvp(rates, boundary, r, start, tol=UNIFORM_TOLERANCE, max_nodes=20_000)
+    if not solution.success:
+        raise NoEquilibrium(f"the ring under a uniform pressure: {solution.message}")
+    return float(solution.y[0, -1] / R)

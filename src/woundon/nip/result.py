@@ -64,12 +64,12 @@ class Dissipation:
         length("e_p", "pressure resultant, downstream of the line of centres"),
     ]:
         """Position of the pressure's resultant along +x, from the line of centres [m]."""
-        own: Any = self
-        if not own.problem.viscoelastic:
+        result: Any = self
+        if not result.problem.viscoelastic:
             return nan
-        x, p = own.x[own.in_nip], getattr(own, own.CONTACT_PRESSURE)[own.in_nip]
+        x, p = result.x[result.in_nip], getattr(result, result.CONTACT_PRESSURE)[result.in_nip]
         moment = np.diff(x) @ (x[:-1] * (2 * p[:-1] + p[1:]) + x[1:] * (p[:-1] + 2 * p[1:])) / 6
-        return float(moment / np.trapezoid(p, x) - own.offset)
+        return float(moment / np.trapezoid(p, x) - result.offset)
 
 
 @dataclass(frozen=True)
@@ -251,9 +251,9 @@ class NipResult(Dissipation, Result):
         None of a roll whose interior stresses are not known (rigid, viscoelastic).  A ratio above
         1 issues a :class:`~woundon.errors.ValidityWarning`.
         """
-        found = layer_slip(self)
-        warn([found.warning] if found and found.warning else ())
-        return found
+        slip = layer_slip(self)
+        warn([slip.warning] if slip and slip.warning else ())
+        return slip
 
     def sensitivity(self, *parameters: str, outputs: Sequence[str] = ()) -> Sensitivity:
         """Return exact derivatives of outputs with respect to fields of the problem.

@@ -250,14 +250,14 @@ def _derivatives(
 ) -> dict[str, float]:
     """Return the derivatives on one mesh by "output/parameter"."""
     solved = _Perturbed(mesh, outputs)
-    found: dict[str, float] = {}
+    derivatives: dict[str, float] = {}
     for name in names:
         derivative = _difference(solved, problem, name, known[name])
-        found |= {
+        derivatives |= {
             f"{output}/{name}": value
             for output, value in zip(outputs, derivative.tolist(), strict=True)
         }
-    return found
+    return derivatives
 
 
 class _Perturbed:
@@ -303,10 +303,13 @@ class _Perturbed:
 
     def _solved(self, problem: Any, u: Array) -> tuple[Any, Array]:
         """Return the system of a problem and its solution, from an initial guess."""
-        own, system = self.mesh.system, self.mesh.system.for_problem(problem)
+        known, system = self.mesh.system, self.mesh.system.for_problem(problem)
         for _ in range(STEPS):
             change = self._residual(system.evaluate(u)) - self.residual
-            u = u - lu_solve(self.factors, change / self.row_size, check_finite=False) * own.scales
+            u = (
+                u
+                - lu_solve(self.factors, change / self.row_size, check_finite=False) * known.scales
+            )
         return system, u
 
     def _solved_with_air(self, problem: NipProblem) -> tuple[Any, Array]:

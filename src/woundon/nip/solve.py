@@ -143,7 +143,7 @@ def _solve(
     most = MOST_NODES if problem.linear else MOST_NODES_NONLINEAR
     criterion = _criterion(problem, rtol or default)
     try:
-        found = refine(
+        refinement = refine(
             lambda size: NipSystem(problem, size),
             nodes=nodes,
             criterion=criterion,
@@ -156,10 +156,10 @@ def _solve(
     except NewtonFailed as failed:
         outside = _outside_model(problem)
         raise NotConverged("; ".join(filter(None, (f"no solution: {failed}", outside)))) from None
-    _check_taut(problem, found.last)
-    _check_pressed(problem, found.last)
-    result = result_of(problem, found).checked()
-    ratio = nan if nodes else criterion(found.last.main_outputs, found.deciding_errors())
+    _check_taut(problem, refinement.last)
+    _check_pressed(problem, refinement.last)
+    result = result_of(problem, refinement).checked()
+    ratio = nan if nodes else criterion(refinement.last.main_outputs, refinement.deciding_errors())
     if rtol is not None and not ratio <= 1:
         text = f"rtol = {rtol:g} is not reached with {result.nodes} nodes"
         raise NotConverged(f"{text}: the estimated error is {ratio:.2g} times as large", result)
@@ -249,10 +249,12 @@ def _check_pressed(problem: Any, mesh: MeshSolution) -> None:
             )
 
 
-def result_of(problem: NipProblem, found: Refinement, film: AirFilm | None = None) -> NipResult:
+def result_of(
+    problem: NipProblem, refinement: Refinement, film: AirFilm | None = None
+) -> NipResult:
     """Return the result of the last mesh with its certificate, errors and warnings."""
-    equations, state, active = found.last.system, found.last.state, found.last.active
-    arrays, outputs = web_arrays(equations, state, active), found.last.outputs
+    equations, state, active = refinement.last.system, refinement.last.state, refinement.last.active
+    arrays, outputs = web_arrays(equations, state, active), refinement.last.outputs
     kernels = [body.kernels() for body in problem.bodies if hasattr(body, "kernels")]
     scalars = "roll_wound_on_tension", "half_width", "approach", "offset", "drum_creepage"
     values: dict[str, Any] = {name: outputs[name] for name in (*scalars, *SLIP_RATIOS)} | arrays
@@ -261,20 +263,20 @@ def result_of(problem: NipProblem, found: Refinement, film: AirFilm | None = Non
         residuals=Residuals(),
         air=film,
         **values,
-        iterations=found.iterations,
+        iterations=refinement.iterations,
         series_terms=max((k.terms for k in kernels), default=0),
         series_error=max((k.truncation_error for k in kernels), default=0.0),
         rolling_resistance=outputs.get("rolling_resistance", nan),
-        refinement=found,
+        refinement=refinement,
     )
     of_the_film = air_warnings(problem, film, result.half_width) if film else ()
     return measured(
         result,
-        errors=error_estimates(found, arrays),
+        errors=error_estimates(refinement, arrays),
         residuals=certificate(result, equations),
         warnings=(
             *of_the_film,
             *nip_warnings(result),
-            *inconsistencies(found.meshes[-REPORTED - 1 :]),
+            *inconsistencies(refinement.meshes[-REPORTED - 1 :]),
         ),
     )

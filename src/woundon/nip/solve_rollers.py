@@ -103,7 +103,7 @@ def solve_rollers(
     check_load(problem, "load")
     criterion = Criterion(problem, DEFAULT_RTOL if rtol is None else float(rtol))
     try:
-        found = refine(
+        refinement = refine(
             lambda size: RollerEquations(problem, size),
             nodes=nodes,
             criterion=criterion,
@@ -118,10 +118,10 @@ def solve_rollers(
             *far_outside(problem, problem.load),
         )
         raise NotConverged("; ".join(texts)) from failed
-    missed = "" if nodes else criterion.missed(found)
-    result = _result(problem, found, missed if rtol is None else "").checked()
-    if missed and rtol is not None:
-        raise NotConverged(f"rtol={rtol:g} is not reached: {missed}", result)
+    unmet = "" if nodes else criterion.unmet(refinement)
+    result = _result(problem, refinement, unmet if rtol is None else "").checked()
+    if unmet and rtol is not None:
+        raise NotConverged(f"rtol={rtol:g} is not reached: {unmet}", result)
     return result.warned()
 
 
@@ -174,27 +174,27 @@ class Criterion:
     def __call__(self, outputs: Mapping[str, float], errors: Mapping[str, float]) -> float:
         return max(self.ratios(outputs, errors).values())
 
-    def missed(self, found: Refinement) -> str:
+    def unmet(self, refinement: Refinement) -> str:
         """Return a text about the output with the largest ratio above 1; empty if there is none."""
-        errors = found.deciding_errors()
-        ratios = self.ratios(found.last.main_outputs, errors)
+        errors = refinement.deciding_errors()
+        ratios = self.ratios(refinement.last.main_outputs, errors)
         name = max(ratios, key=lambda key: ratios[key])
         if not ratios[name] > 1:
             return ""
         value = quote(float(f"{errors[name]:.2g}"))
         return (
-            f"the estimated error of {name} is {value} with {found.last.size} nodes, "
+            f"the estimated error of {name} is {value} with {refinement.last.size} nodes, "
             f"{ratios[name]:.2g} times the tolerance"
         )
 
 
-def _result(problem: RollerProblem, found: Refinement, missed: str) -> RollerResult:
+def _result(problem: RollerProblem, refinement: Refinement, unmet: str) -> RollerResult:
     """Assemble the result of the last mesh with its certificate, errors and warnings."""
-    equations: RollerEquations = found.last.system
-    state, outputs = found.last.state, found.last.outputs
+    equations: RollerEquations = refinement.last.system
+    state, outputs = refinement.last.state, refinement.last.outputs
     a = state.surfaces.a
     xi, slip = equations.slip(state)
-    zone = found.last.active
+    zone = refinement.last.active
     if not problem.friction:
         zone = np.sign(slip[1:-1]).astype(np.int8)
     result = RollerResult(
@@ -212,30 +212,30 @@ def _result(problem: RollerProblem, found: Refinement, missed: str) -> RollerRes
         slip=slip,
         zone=np.concatenate([zone[:1], zone, zone[-1:]]),
         residuals=Residuals(),
-        traction_error=_traction_error(found),
-        iterations=found.iterations,
+        traction_error=_traction_error(refinement),
+        iterations=refinement.iterations,
         rolling_resistance=outputs.get("rolling_resistance", nan),
-        refinement=found,
+        refinement=refinement,
     )
-    errors = found.errors()
+    errors = refinement.errors()
     warnings = [*roller_warnings(result), *_inconsistent(result, errors)]
-    if missed:
-        warnings.append(f"{RESOLUTION}{missed}; use rtol={DEFAULT_RTOL:g}")
+    if unmet:
+        warnings.append(f"{RESOLUTION}{unmet}; use rtol={DEFAULT_RTOL:g}")
     return measured(result, errors=errors, residuals=certificate(result), warnings=tuple(warnings))
 
 
-def _traction_error(found: Refinement) -> float:
+def _traction_error(refinement: Refinement) -> float:
     """Return the estimated error of the traction, L2 norm relative to its own.
 
     The larger one of the estimates from the last two changes.  Next to zone boundaries tractions
     have infinite slopes, so their order is one.
     """
-    last, estimates = found.last, [nan]
+    last, estimates = refinement.last, [nan]
     if not last.state.q.any():
         return nan
     # squares of tractions may underflow
     peak, w = np.abs(last.state.q).max(), last.system.mesh.weights
-    for coarse, fine in pairwise(found.meshes[-1 - CHANGES :]):
+    for coarse, fine in pairwise(refinement.meshes[-1 - CHANGES :]):
         x = fine.system.mesh.nodes
         other = np.interp(x, coarse.system.mesh.nodes, coarse.state.q)
         change = np.sqrt(fine.system.mesh.weights @ ((fine.state.q - other) / peak) ** 2)
