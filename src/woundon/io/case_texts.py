@@ -101,10 +101,8 @@ def grade_template(kind: str, named: str, file: str | None = None) -> str:
 
     Examples
     --------
-    >>> print(grade_template("nip", "uncoated-fine")[-49:])
-    [drum]
-    kind          = "rigid"
-    diameter      = "0.8 m"
+    >>> grade_template("nip", "uncoated-fine").splitlines()[-1]
+    'diameter      = "0.8 m"'
     """
     if kind not in _GRADE_ROWS:
         raise InvalidProblem.at(
