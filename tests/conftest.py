@@ -50,7 +50,7 @@ def process() -> Iterator[Any]:
 def _memory(request: pytest.FixtureRequest) -> Iterator[None]:
     """Release the cached solutions and influence matrices when a module of tests ends.
 
-    glibc keeps the freed blocks, more than a gigabyte, unless it is told to return them.
+    glibc keeps the freed blocks, more than a gigabyte, unless a limit makes it return them.
     """
     yield
     elastic = [module for name, module in sys.modules.items() if "woundon.elasticity" in name]
