@@ -204,6 +204,7 @@ class Worker:
         return future
 
     def _submit(self, work: Callable[..., Answer], *args: Any) -> Future[Answer]:
+        """Submit work to the process; start a new one if there is none."""
         from concurrent.futures import BrokenExecutor
 
         if self._executor is not None:

@@ -198,6 +198,7 @@ def pattern(path: str) -> str:
 
 
 def _as_chosen(path: str, quantity: Quantity | None) -> Quantity | None:
+    """Return a quantity with the unit for display that the user has chosen."""
     chosen = _CHOSEN.get()
     if quantity is None or (path, quantity.unit) not in chosen:
         return quantity
@@ -264,6 +265,7 @@ def walk(thing: Any, prefix: str = "", of_field: Quantity | None = None) -> Iter
 
 
 def _walk_value(place: Place) -> Iterator[Place]:
+    """Yield a value of a description, or the values of the descriptions it contains."""
     path, value = place.path, place.value
     if hasattr(type(value), "model_fields"):
         yield from walk(value, f"{path}.", place.quantity)
@@ -334,6 +336,7 @@ def counterpart(name: str, word: str) -> str:
 
 
 def _diameter(radius: Quantity | None) -> Quantity | None:
+    """Return the quantity of the diameter that may be given instead of a radius."""
     if radius is None:
         return None
     symbol = radius.symbol.replace("R", "D", 1).replace("r", "d", 1)
@@ -414,6 +417,7 @@ def value_of(thing: Any, name: str) -> Any:
 
 
 def _walk_outputs(thing: Any, of: type, prefix: str, values: bool = True) -> Iterator[Place]:
+    """Yield the outputs of a result or a class of results, with those of its parts."""
     own = {} if thing is of else getattr(thing, "relabelled", {})
     for name, (quantity, hint) in _annotated(of, _version(of)).items():
         part = name.partition(".")[0]

@@ -76,6 +76,7 @@ class _Pair(NamedTuple):
 
 
 def _compliance(body: Body, name: str) -> half_plane.Coefficients:
+    """Return the coefficients A, B, C of a body as a half-plane; zero for a rigid body."""
     if body.rigid:
         return half_plane.Coefficients(0.0, 0.0, 0.0)
     if body.surface_material is None:
@@ -85,6 +86,7 @@ def _compliance(body: Body, name: str) -> half_plane.Coefficients:
 
 
 def _pair(problem: NipProblem | RollerProblem) -> _Pair:
+    """Return the combined coefficients of both bodies and R*."""
     check_type("problem", problem, NipProblem, RollerProblem)
     names = ("roll", "drum") if isinstance(problem, NipProblem) else ("upper", "lower")
     one, two = (getattr(problem, name) for name in names)
@@ -371,6 +373,7 @@ def cattaneo(problem: RollerProblem) -> PartialSlip:
 
 
 def _similar(problem: RollerProblem) -> _Pair:
+    """Return the combined coefficients of elastically similar rollers; reject others."""
     pair = _pair(problem)
     if abs(pair.D) > 1e-9 * pair.C:
         mismatch = f"(A1 - A2)/(C1 + C2) = {pair.D / pair.C:.3g}, must be 0"
@@ -446,6 +449,7 @@ class FullStick:
         return self.anisotropy * self._tractions(x).imag
 
     def _tractions(self, x: ArrayLike) -> Any:
+        """Return p + i q/sqrt(C/B) at x; zero outside the contact."""
         a, t = self.half_width, np.asarray(x, dtype=float) / self.half_width
         inside = np.abs(t) < 1
         t = np.where(inside, t, 0.0)

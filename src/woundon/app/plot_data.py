@@ -100,6 +100,7 @@ def _panel(name: str, column: str, x: Any, y: Any, curves: list[Any], **more: An
 
 
 def _nip_panels(result: Any) -> list[Panel]:
+    """Return the panels of a nip, with those of its air film and its wraps."""
     panels = _panels_in_nip(result)
     if result.air is not None:
         panels.append(_film_panel(result))

@@ -93,6 +93,7 @@ def _path_in_errors(path: str | Path) -> Iterator[None]:
 
 
 def _sync(path: Path, flags: int) -> None:
+    """Write the buffers of a file or folder to the disk."""
     descriptor = os.open(path, flags)
     try:
         os.fsync(descriptor)

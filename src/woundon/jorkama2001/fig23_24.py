@@ -133,6 +133,7 @@ def _width(width: xr.DataArray, NIT: xr.DataArray) -> list[Verdict]:
 
 
 def _draw(data: xr.Dataset, shown: str) -> Figure:
+    """Draw an output over the modulus of the cover for both loads."""
     panels = [(data.sel(nip_load=P), shown, f"$P = {P:.0f}$ N/m") for P in NIP_LOADS]
     figure = drawing.sheet(panels, "youngs_modulus", "poissons_ratio")
     for axes in figure.axes:

@@ -172,6 +172,7 @@ def _half_planes() -> list[Verdict]:
 
 
 def _terms(limit: wo.NipResult) -> Verdict:
+    """Test the statement about the number of Fourier terms."""
     return verdict(
         "15 000 to 35 000 terms of the cylinder's Fourier series are needed",
         limit.series_terms,

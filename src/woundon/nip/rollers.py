@@ -193,10 +193,11 @@ class RollerEquations:
         return np.asarray(slope / self.slope_scale)
 
     def _drive_and_load(self, u: Array, a: float, p: Array, q: Array) -> tuple[float, float]:
+        """Return the residuals of the tangential load or creepage, and of the load."""
         problem = self.problem
         load = a * float(self.mesh.weights @ p)
         if self.is_force_given:
-            # the force in proportion to the load, so that every half width has a steady state
+            # the force of an iterate varies with its load: else a small load could not transmit Q
             force = a * float(self.mesh.weights @ q) - self._force_by_load * load
             drive = force / (problem.friction * problem.load)
         else:

@@ -82,6 +82,7 @@ class ContactProblem(Problem):
 
     @model_validator(mode="after")
     def _has_speed(self) -> Self:
+        """Reject a missing speed if the problem depends on it."""
         use = next(self.uses_of_speed(), None)
         if use is not None and self.rolling_speed is None:
             text = f"missing; must be > 0 [m/s], as {use[1]}"

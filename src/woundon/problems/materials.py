@@ -351,6 +351,7 @@ def _library() -> dict[str, NamedMaterial]:
 
 
 def _cover(table: Mapping[str, Any]) -> NamedMaterial:
+    """Return a cover material of the data file with its source and spread."""
     entry = entry_of(table)
     title, values = entry.values.pop("title"), entry.values
     source = f"{title}; modulus: {entry.sources['youngs_modulus']}"

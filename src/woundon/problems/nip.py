@@ -209,6 +209,7 @@ class NipProblem(ContactProblem):
 
     @model_validator(mode="after")
     def _speed_is_positive(self) -> Self:
+        """Reject a speed of zero with viscoelastic bodies."""
         if self.web_speed == 0 and self.viscoelastic:
             uses = next(text for field, text in super().uses_of_speed())
             raise InvalidProblem.at("web_speed", f"0 is out of range; must be > 0 [m/s], as {uses}")

@@ -271,6 +271,7 @@ class Polynomial(SolidLaw):
     @field_validator("coefficients")
     @classmethod
     def _positive_at_zero(cls, c: tuple[float, ...]) -> tuple[float, ...]:
+        """Reject a modulus that is not positive at zero pressure."""
         if not SOFTEST <= c[0] <= STIFFEST:
             text = f"{quote(c[0])} is out of range; must be >= {SOFTEST:g} and <= {STIFFEST:g} [Pa]"
             raise InvalidProblem.at("0", f"{text}: E_r at P = 0")

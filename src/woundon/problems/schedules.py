@@ -149,6 +149,7 @@ class Taper(Description):
 
     @model_validator(mode="after")
     def _one_taper(self) -> Self:
+        """Reject a taper for the law "constant_torque", which determines it."""
         if self.law == "constant_torque" and self.taper:
             text = f"{quote(self.taper)} is given, but law = 'constant_torque' has no taper"
             raise InvalidProblem.at("taper", f"{text}; must be omitted")

@@ -206,6 +206,7 @@ class WindingProblem(Problem):
 
     @model_validator(mode="after")
     def _windable(self) -> Self:
+        """Check the roll, the schedules and their combination."""
         try:  # checks core, number of layers and density
             self.wound_roll(1.0)
         except InvalidProblem as fault:
@@ -297,6 +298,7 @@ class WindingProblem(Problem):
                 yield f"{name}.radius.{k}", f"{text}schedule must cover the whole roll"
 
     def _has_steady_state(self) -> None:
+        """Reject a winding force that the friction of nip and drum wrap cannot transmit."""
         r = self.radii(CHECKED_RADII)
         P, T, F = (self.at(name, r) for name in ("nip_load", "web_tension", "winding_force"))
         nip, wrap = self.drum_friction * P, self.drum_friction * self.drum_wrap

@@ -73,6 +73,7 @@ class WoundRoll(Body):
 
     @model_validator(mode="after")
     def _admissible(self) -> Self:
+        """Reject a core out of range, or a pressure outside the range of the stack law."""
         check_core(self)
         for name, P in values_of(self.pressure).items():
             if not 0 <= P < self.stack.limit:

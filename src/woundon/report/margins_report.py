@@ -71,6 +71,7 @@ def _sign(margin: Margin) -> str:
 
 
 def _verdict_text(margin: Margin) -> str:
+    """Return the verdict with the distance from the limit."""
     if margin.ok is None:
         return margin.verdict
     by = margin.distance

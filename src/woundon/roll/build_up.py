@@ -430,6 +430,7 @@ def _wind_selected_stages(
 
 
 def _no_stage_beyond(x: float) -> str:
+    """Return the message for a stage that cannot be solved."""
     return (
         f"no stage beyond the radius {exp(x):.6g} m can be solved: the stack at low pressure, or "
         "the core, is too soft for this tension"

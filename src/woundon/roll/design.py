@@ -262,6 +262,7 @@ class _Stages:
         )
 
     def _stage(self, x: float) -> StageSolution:
+        """Return the solved stage with the surface at ln r = x."""
         if x not in self.solved:
             knots = self.target.knots
             more = knots[1:-1] if knots.size < CELLS else None
