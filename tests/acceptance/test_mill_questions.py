@@ -101,14 +101,12 @@ def test_from_excel_to_excel(case, capsys):
     )
 
 
-@pytest.mark.slow
 def test_the_friction_of_a_paper(case, capsys):
     workbook("Nip load [kN/m]", "tensions.xlsx")
     said = run("fit", capsys)
     friction = re.search(r"roll_friction +([\d.]+), standard error", said)
     assert friction is not None
-    measured = {"nip_load [kN/m]": [1, 2, 3], "web_tension [N/m]": [300] * 3,
-                "wound_on_tension [N/m]": [395, 450, 500]}  # fmt: skip
-    found = wo.fit(case, measured, ["roll_friction"], starts=1, profiles=False)
-    assert float(friction[1]) == pytest.approx(found.estimates[0], rel=1e-2)
+    # the readings are those of a friction of 0.15, rounded to 1 N/m, which is 1 % of the friction;
+    # a second minimum is near 2, where the tension hardly depends on friction
+    assert float(friction[1]) == pytest.approx(0.15, rel=0.03)
     assert Path("fit.png").stat().st_size > 10_000

@@ -42,6 +42,7 @@ __all__ = ["FitResult", "fit_parameters"]
 
 Array = np.ndarray
 MOST_STARTS = 6  # by default, if no two of them converge to the same minimum before
+WIDEST = 0.5  # relative standard error of a minimum at which two starts are enough
 SAME_MINIMUM = 1e-3  # relative difference of S
 
 
@@ -244,9 +245,26 @@ def _minima(
         tasks.finish()
         if minimum is not None:
             minima = sorted([*minima, minimum], key=_sum_of_squares)
-        if starts is None and _reached(predictor, minima) >= 2:
+        agree = starts is None and _reached(predictor, minima) >= 2
+        if agree and _is_conclusive(predictor, minima[0]):
             break
     return minima, used
+
+
+def _is_conclusive(predictor: Predictor, minimum: Linearisation) -> bool:
+    """Return False at a bound, and where the predictions hardly depend on a parameter.
+
+    Starts on such a plateau agree although there may be a sharp minimum elsewhere: the wound-on
+    tension, for example, hardly depends on a large friction.
+    """
+    errors = np.sqrt(np.diag(_covariance(predictor, minimum.J, minimum.S)))
+    flat = np.any(errors > WIDEST * _units(predictor.parameters))
+    return not flat and not _at_bound(predictor.parameters, minimum.u)
+
+
+def _units(parameters: Sequence[Parameter]) -> Array:
+    """Return the units of relative changes: of the value, or of the range."""
+    return np.array([1.0 if p.logarithmic else p.high - p.low for p in parameters])
 
 
 def _starting_points(parameters: Sequence[Parameter], starts: int, seed: int) -> list[Array]:
@@ -372,7 +390,7 @@ def _result(
     with np.errstate(invalid="ignore"):
         correlation = covariance / np.outer(error, error)
     # identifiability in relative changes: of the value, or of the range
-    unit = np.array([1.0 if p.logarithmic else p.high - p.low for p in parameters])
+    unit = _units(parameters)
     _, singular, V = np.linalg.svd(J * unit, full_matrices=False)
     direction = V[-1] / V[-1][np.argmax(np.abs(V[-1]))]
     m, tenth = predictor.measured.size, np.log(1.1)
