@@ -113,9 +113,10 @@ def _share(
     node : int
         The boundary lies between ``node - 1`` and ``node``.
     ahead : {1, -1}
-        Slip lies downstream of the boundary (1) or before it (-1).
+        1 if the slip zone lies downstream of the boundary, -1 if upstream.
     power : float
-        With which the slip grows.
+        Exponent of the slip velocity over the distance from the boundary, which is extrapolated
+        from the first two slip nodes.
     """
     x = result.x
     boundary = float(x[node] + x[node - 1]) / 2

@@ -202,13 +202,16 @@ def _surface_loads(result: Any, f: Fields, implied: Implied) -> dict[str, float]
 
 
 def _zones_are_valid(result: Any, implied: Mapping[str, Array]) -> bool:
-    """Return True if all zones are -1, 0 or 1 and those of nodes without a traction are implied."""
-    zones = result.roll_zone, result.drum_zone
-    known = all(np.isin(zone, (-1, 0, 1)).all() for zone in zones)
-    same = all(
-        np.array_equal(getattr(result, name), implied[name]) for name in ("roll_zone", "drum_zone")
+    """Return True if all zones are -1, 0 or 1 and equal the recomputed ones.
+
+    At the ends of a face and outside of it zones follow from those of the neighbouring nodes.
+    """
+    names = "roll_zone", "drum_zone"
+    return all(
+        np.isin(getattr(result, name), (-1, 0, 1)).all()
+        and np.array_equal(getattr(result, name), implied[name])
+        for name in names
     )
-    return known and same
 
 
 def consistency_defects(equations: NipEquations, state: NipState) -> dict[str, float]:

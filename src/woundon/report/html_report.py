@@ -85,17 +85,17 @@ def report_file(
     results : sequence of Result
         One, or several to compare.
     labels : sequence of str
-        What several are called.
+        Names of the cases.
     title, remarks : str
     sources : sequence of str
         Where each case comes from, e.g. its file.
     written : datetime, optional
-        The report's date; now where None.
+        Date of the report; by default the current time.
 
     Raises
     ------
     InvalidProblem
-        For no result, or labels that are not as many.
+        Without results, or if the number of labels differs.
     """
     if not results:
         raise InvalidProblem.at("results", "there is none to report")

@@ -379,9 +379,8 @@ def _joined(
     import pandas as pd
 
     names = {column.header: column for column in matched}
-    written = any(
-        column.name in ANNOTATIONS for column in matched
-    )  # by this function or by a sweep
+    # a table written by this function or by a sweep has outputs, which are replaced
+    written = any(column.name in ANNOTATIONS for column in matched)
     cells_of: dict[str, Any] = {}
     for header, cells in sheet.columns.items():
         column = names.get(header)
