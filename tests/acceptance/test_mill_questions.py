@@ -110,3 +110,18 @@ def test_the_friction_of_a_paper(case, capsys):
     # a second minimum is near 2, where the tension hardly depends on friction
     assert float(friction[1]) == pytest.approx(0.15, rel=0.03)
     assert Path("fit.png").stat().st_size > 10_000
+
+
+def test_starts_on_a_plateau_do_not_hide_the_minimum(case):
+    """Two starts end where the tension hardly depends on friction; the minimum is elsewhere."""
+    measured = {
+        "nip_load [kN/m]": [1, 2, 3, 4, 2, 3],
+        "web_tension [N/m]": [300, 300, 300, 300, 200, 200],
+        "wound_on_tension [N/m]": [395, 450, 500, 555, 370, 430],
+    }
+    found = wo.fit(case, measured, ["roll_friction"], profiles=False, workers=1)
+    many = wo.fit(case, measured, ["roll_friction"], profiles=False, workers=1, starts=6)
+    # the same minimum, to the accuracy of a fit: a few hundredths of the standard error
+    assert found.estimates == pytest.approx(many.estimates, abs=0.1 * many.standard_errors[0])
+    assert found.starts > 2
+    assert found.not_identified == ()
