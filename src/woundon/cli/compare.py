@@ -78,7 +78,6 @@ def compare(
     columns: tuple[tuple[str, str], ...],
     ties: tuple[tuple[str, str], ...],
     settings: tuple[str, ...],
-    chosen: tuple[str, ...],
     nodes: int | None,
     rtol: float | None,
     as_json: bool,
@@ -88,7 +87,6 @@ def compare(
 ) -> None:
     """Compare a table of measured values with the predictions for a case."""
     from ..io.case_files import load_case
-    from ..io.chosen_units import units_of
     from ..studies.case_table import check_table_path, write_table
     from ..studies.compare import compare as compare_with
     from ..studies.pull_tab import PullTab
@@ -103,21 +101,20 @@ def compare(
         for name, value in given.items()
         if value is not None
     }
-    with units_of(chosen):
-        comparison = compare_with(
-            problem,
-            measured,
-            tab=PullTab(**calibration) if calibration else None,
-            spread={name: as_number(value) for name, value in spreads},
-            columns={name: assigned or None for name, assigned in columns},
-            tie=dict(ties),
-            nodes=nodes,
-            rtol=rtol,
-        )
-        if save:
-            write_table(comparison.to_dataframe(), save)
-        if plot:
-            comparison.plot(plot)
-        text = [*comparison.lines(), "", *comparison.table()]
-        for line in [comparison.to_json()] if as_json else text:
-            click.echo(line)
+    comparison = compare_with(
+        problem,
+        measured,
+        tab=PullTab(**calibration) if calibration else None,
+        spread={name: as_number(value) for name, value in spreads},
+        columns={name: assigned or None for name, assigned in columns},
+        tie=dict(ties),
+        nodes=nodes,
+        rtol=rtol,
+    )
+    if save:
+        write_table(comparison.to_dataframe(), save)
+    if plot:
+        comparison.plot(plot)
+    text = [*comparison.lines(), "", *comparison.table()]
+    for line in [comparison.to_json()] if as_json else text:
+        click.echo(line)

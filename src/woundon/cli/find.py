@@ -84,7 +84,6 @@ def find(
     target: tuple[str, str],
     ties: tuple[tuple[str, str], ...],
     settings: tuple[str, ...],
-    chosen: tuple[str, ...],
     points: int,
     nodes: int | None,
     rtol: float | None,
@@ -94,7 +93,6 @@ def find(
 ) -> None:
     """Find the value of a field for which an output of a case reaches a target."""
     from ..io.case_files import load_case, to_toml
-    from ..io.chosen_units import units_of
     from ..studies.find import find as find_values
 
     if new_case and new_case.suffix != ".toml":
@@ -103,7 +101,7 @@ def find(
     problem = load_case(case, settings)
     (name, between), (output, value) = vary, target
     outputs: dict[str, Any] = {output: as_number(value)}
-    with units_of(chosen), unwarned():
+    with unwarned():
         found = find_values(
             problem,
             name,

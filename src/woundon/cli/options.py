@@ -110,6 +110,15 @@ class KindName(click.Choice[str]):
         pass  # set by the base class
 
 
+def _use_units(context: click.Context, option: Any, chosen: tuple[str, ...]) -> None:
+    """Display results in the chosen units until the command ends."""
+    if chosen:
+        # the units import the kinds of problem, with NumPy and pydantic
+        from ..io.chosen_units import units_of
+
+        context.with_resource(units_of(chosen))
+
+
 PATH = click.Path(path_type=Path)
 SETTINGS = click.option(
     "--set",
@@ -120,8 +129,9 @@ SETTINGS = click.option(
 )
 UNITS = click.option(
     "--unit",
-    "chosen",
     multiple=True,
+    expose_value=False,
+    callback=_use_units,
     metavar="NAME=UNIT|mill",
     help='Display an input or output in another unit, e.g. nip_load="kN/m"; "mill" displays all in '
     "pli, psi, mil, in; repeatable.",

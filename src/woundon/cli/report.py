@@ -33,13 +33,11 @@ def report(
     cases: tuple[Path, ...],
     out: Path | None,
     settings: tuple[str, ...],
-    chosen: tuple[str, ...],
     title: str,
     remarks: str,
 ) -> None:
     """Write a report of solved cases as one HTML file."""
     from .. import kinds
-    from ..io.chosen_units import units_of
     from ..report.html_report import report_file
 
     problems = [_load(path, settings) for path in cases]
@@ -47,7 +45,7 @@ def report(
     if out.suffix not in (".html", ".htm"):
         raise InvalidProblem.at(str(out), f"the ending {out.suffix!r} must be .html")
     check_writable(out)
-    with unwarned(), units_of(chosen):
+    with unwarned():
         results = [kinds.solve(problem) for problem in problems]
         page = report_file(
             results,

@@ -5,7 +5,6 @@ from __future__ import annotations
 import inspect
 import sys
 from collections.abc import Iterator, Mapping
-from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -50,7 +49,6 @@ class SolveCommand(click.Command):
 def solve(
     case: Path,
     settings: tuple[str, ...],
-    chosen: tuple[str, ...],
     as_json: bool,
     sensitivity: bool,
     save: Path | None,
@@ -69,17 +67,16 @@ def solve(
     if save:
         writer_for(save)
     check_output_files(plot, *([save] if save else []))
-    with _units(chosen):
-        result = _solve(problem, given)
-        derivatives = result.sensitivity() if sensitivity else None
-        if save:
-            result.save(save)
-        if plot:
-            result.plot(plot)
-        if as_json:
-            click.echo(to_json(result, derivatives), nl=False)
-        else:
-            _print(result, derivatives)
+    result = _solve(problem, given)
+    derivatives = result.sensitivity() if sensitivity else None
+    if save:
+        result.save(save)
+    if plot:
+        result.plot(plot)
+    if as_json:
+        click.echo(to_json(result, derivatives), nl=False)
+    else:
+        _print(result, derivatives)
 
 
 # ---- options ------------------------------------------------------------------------------------
@@ -141,15 +138,6 @@ def _check_options(kind: Kind[Any, Any], given: Mapping[str, Any], sensitivity: 
         faults.append(("--sensitivity", text))
     if faults:
         raise InvalidProblem(faults)
-
-
-def _units(chosen: tuple[str, ...]) -> Any:
-    """Return the context of the chosen units."""
-    if not chosen:
-        return nullcontext()
-    from ..io.chosen_units import units_of
-
-    return units_of(chosen)
 
 
 # ---- solving and printing -----------------------------------------------------------------------

@@ -82,12 +82,10 @@ def sweep(
     scheduler: str | None,
     workers: int | None,
     chunk: int | None,
-    chosen: tuple[str, ...],
     exports: tuple[str, ...],
     export_to: Path | None,
 ) -> int:
     """Solve all cases of a study file."""
-    from ..io.chosen_units import units_of
     from ..studies.api import study_of
     from ..studies.engine import run_study
     from ..studies.export import check_export, export
@@ -100,26 +98,25 @@ def sweep(
     for target in targets:
         check_export(target)
     start = time.perf_counter()
-    with units_of(chosen):
-        model, cases = study_of(
-            loaded.problem,
-            loaded.over,
-            loaded.outputs,
-            columns=loaded.columns,
-            tie=loaded.tie,
-            **loaded.design,
-            options=loaded.options,
-        )
-        table = _resumable(
-            run_study,
-            model,
-            cases,
-            runner_for(workers, scheduler),
-            out=out,
-            resume=resume,
-            chunk=chunk,
-            progress=True,
-        )
+    model, cases = study_of(
+        loaded.problem,
+        loaded.over,
+        loaded.outputs,
+        columns=loaded.columns,
+        tie=loaded.tie,
+        **loaded.design,
+        options=loaded.options,
+    )
+    table = _resumable(
+        run_study,
+        model,
+        cases,
+        runner_for(workers, scheduler),
+        out=out,
+        resume=resume,
+        chunk=chunk,
+        progress=True,
+    )
     seconds = time.perf_counter() - start
     for target in targets:
         export(table, target)
@@ -276,7 +273,6 @@ def fit(
     ties: tuple[tuple[str, str], ...],
     columns: tuple[tuple[str, str], ...],
     settings: tuple[str, ...],
-    chosen: tuple[str, ...],
     starts: int | None,
     nodes: int | None,
     no_profiles: bool,
@@ -286,25 +282,23 @@ def fit(
 ) -> None:
     """Fit fields of a case to measured data (.csv or .xlsx, units in the header)."""
     from ..io.case_files import load_case
-    from ..io.chosen_units import units_of
     from ..studies.api import fit as fit_problem
 
     problem = load_case(case, settings)
     if save and save.suffix != ".json":
         raise InvalidProblem.at(str(save), f"the ending {save.suffix!r} is not .json")
     check_output_files(plot, save)
-    with units_of(chosen):
-        found = fit_problem(
-            problem,
-            data,
-            {name: _bounds_in_si(problem, name, bounds) for name, bounds in varied},
-            tie=dict(ties),
-            starts=starts,
-            nodes=nodes,
-            columns={name: assigned or None for name, assigned in columns},
-            profiles=not no_profiles,
-            progress=True,
-        )
+    found = fit_problem(
+        problem,
+        data,
+        {name: _bounds_in_si(problem, name, bounds) for name, bounds in varied},
+        tie=dict(ties),
+        starts=starts,
+        nodes=nodes,
+        columns={name: assigned or None for name, assigned in columns},
+        profiles=not no_profiles,
+        progress=True,
+    )
     if save:
         save.write_text(found.to_json(), encoding="utf-8")
     if plot:
@@ -351,13 +345,11 @@ def plan(
     study: Path,
     count: int | None,
     draws: int | None,
-    chosen: tuple[str, ...],
     as_json: bool,
     save: Path | None,
     plot: Path | None,
 ) -> None:
     """Rank the candidate measurements of a study file."""
-    from ..io.chosen_units import units_of
     from ..studies.case_table import check_table_path, write_table
     from ..studies.experiment import next_experiment
     from ..studies.plan_file import load_plan
@@ -367,11 +359,10 @@ def plan(
     check_output_files(plot, save)
     keywords = load_plan(study)
     settings = {name: v for name, v in (("count", count), ("draws", draws)) if v is not None}
-    with units_of(chosen):
-        found = next_experiment(**{**keywords, **settings})
-        if save:
-            write_table(found.to_dataframe().reset_index(), save)
-        if plot:
-            found.plot(plot)
-        for line in [found.to_json()] if as_json else found.lines():
-            click.echo(line)
+    found = next_experiment(**{**keywords, **settings})
+    if save:
+        write_table(found.to_dataframe().reset_index(), save)
+    if plot:
+        found.plot(plot)
+    for line in [found.to_json()] if as_json else found.lines():
+        click.echo(line)

@@ -62,14 +62,12 @@ def table(
     outputs: tuple[str, ...],
     columns: tuple[tuple[str, str], ...],
     ties: tuple[tuple[str, str], ...],
-    chosen: tuple[str, ...],
     workers: int | None,
     nodes: int | None,
     rtol: float | None,
 ) -> int:
     """Solve the cases of a table (.csv or .xlsx), one in each row."""
     from ..io.case_files import load_case
-    from ..io.chosen_units import units_of
     from ..studies.case_table import check_table_path, solve_table, write_table
     from ..studies.table import failures
 
@@ -79,7 +77,7 @@ def table(
         raise InvalidProblem.at("--set", "changes a field of --case, which is not given")
     problem = load_case(case, settings) if case else None
     start = time.perf_counter()
-    with units_of(chosen), unwarned():
+    with unwarned():
         solved = solve_table(
             cases,
             problem,

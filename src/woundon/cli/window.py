@@ -102,7 +102,6 @@ def window(
     spreads: tuple[tuple[str, str], ...],
     points: tuple[list[str | float], ...],
     settings: tuple[str, ...],
-    chosen: tuple[str, ...],
     samples: int,
     workers: int | None,
     out: Path | None,
@@ -113,7 +112,6 @@ def window(
 ) -> None:
     """Map the probability that all margins of a winding are positive."""
     from ..io.case_files import load_case
-    from ..io.chosen_units import units_of
     from ..studies.window import operating_window
 
     check_output_files(plot, csv)
@@ -131,7 +129,7 @@ def window(
         if plot:
             found.plot(plot)
 
-    with units_of(chosen), unwarned():
+    with unwarned():
         found = operating_window(
             problem,
             **ranges,
