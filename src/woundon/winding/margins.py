@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
-from math import nan
+from math import isclose, nan
 from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -484,7 +484,8 @@ def _worst(states: list[_State], values: list[Array]) -> _WorstValue:
     """Return the largest value over all states."""
     state, own = max(zip(states, values, strict=True), key=lambda pair: pair[1].max())
     final, last, largest = states[-1], values[-1], float(own.max())
-    if largest - last.max() <= ALIKE * abs(largest):  # the place only: the value stays continuous
+    # the place only: the value stays continuous; infinite if layers float on air
+    if isclose(largest, last.max(), rel_tol=ALIKE):
         state, own = final, last
     k = int(np.argmax(own))
     stage = "" if state is final else f"when the roll was {1e3 * state.surface:.4g} mm"
