@@ -4,6 +4,11 @@
 
 adds a kind.  ``wo.solve``, case files, result files, studies, reports and the command line look it
 up here.
+
+>>> import woundon as wo
+>>> kind = wo.kinds.named("roll")
+>>> kind.problem.__name__, kind.result.__name__, list(kind.solver_options())
+('RollProblem', 'RollResult', ['rtol'])
 """
 
 from __future__ import annotations

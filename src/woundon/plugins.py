@@ -12,6 +12,17 @@ The module is imported once, before the first case is read, in worker processes 
     an output            wo.plugins.register_output("nip", my_output)
     a command            wo.plugins.register_command(my_command)
     figures of the page  wo.plugins.register_figures(list_figures, draw_figure)
+
+>>> import click
+>>> import woundon as wo
+>>> @click.command("basis-weight")
+... @click.argument("thickness", type=float)
+... @click.argument("density", type=float)
+... def basis_weight(thickness, density):
+...     click.echo(f"{1e3 * thickness * density:g} g/m^2")
+>>> wo.plugins.register_command(basis_weight)
+>>> "basis-weight" in wo.plugins.commands()
+True
 """
 
 from __future__ import annotations

@@ -21,3 +21,10 @@ def modules_with_examples() -> list[str]:
 def test_examples_of_a_module(name: str) -> None:
     result = doctest.testmod(importlib.import_module(name), verbose=False)
     assert result.failed == 0
+
+
+@pytest.mark.parametrize("name", woundon.__all__)
+def test_a_public_name_has_an_example_that_runs(name: str) -> None:
+    text = getattr(woundon, name).__doc__
+    assert ">>> " in text
+    assert "+SKIP" not in text

@@ -53,13 +53,6 @@ def operating_window(
 
     Schedules keep their shape; the ranges are of their values at the core.
 
-    >>> import woundon as wo
-    >>> window = wo.operating_window(
-    ...     problem, web_tension=(200, 500), nip_load=("1 kN/m", "4 kN/m"),
-    ...     uncertain={"stack.radial.K2": 0.3, "roll_friction": 0.15},
-    ... )  # doctest: +SKIP
-    >>> window.best.probability, window.best.binding  # doctest: +SKIP
-
     Parameters
     ----------
     problem : WindingProblem
@@ -98,6 +91,23 @@ def operating_window(
         For ranges or names at fault, without limits, or without spreads.
     NotConverged
         If too few windings can be solved.
+
+    Examples
+    --------
+    A roll of 60 layers of board with full slip in the nip, so that no nip is solved:
+
+    >>> import woundon as wo
+    >>> board = wo.WindingProblem.example().replace(
+    ...     stack=wo.Stack(radial=27e6, tangential=3.38e9, poissons_ratio=0.01, shear=10e6),
+    ...     radius=0.08, tension_law="friction", limits=wo.Limits(blocking_pressure="200 kPa"),
+    ...     **{"web.thickness": "500 um"},
+    ... )
+    >>> window = wo.operating_window(
+    ...     board, web_tension=(200, 500), nip_load=("1 kN/m", "4 kN/m"),
+    ...     uncertain={"roll_friction": 0.3}, samples=128, workers=1,
+    ... )
+    >>> window.best.probability, window.at("400 N/m", "3 kN/m").binding
+    (1.0, 'blocking')
     """
     _check_kind(problem)
     spreads, ties = _spreads(problem, uncertain, tie)

@@ -105,6 +105,24 @@ class OperatingWindow(Presented, ReadOnly):
     quantities : mapping of str to Quantity
     map : MarginMap
     model : WindowModel
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> board = wo.WindingProblem.example().replace(
+    ...     stack=wo.Stack(radial=27e6, tangential=3.38e9, poissons_ratio=0.01, shear=10e6),
+    ...     radius=0.08, tension_law="friction", limits=wo.Limits(blocking_pressure="200 kPa"),
+    ...     **{"web.thickness": "500 um"},
+    ... )
+    >>> window = wo.operating_window(
+    ...     board, web_tension=(200, 500), nip_load=(1e3, 4e3),
+    ...     uncertain={"roll_friction": 0.3}, samples=128, workers=1,
+    ... )
+    >>> window.probability.shape, window.margins
+    ((33, 33), ('slip', 'blocking'))
+    >>> point = window.at("300 N/m", "2 kN/m")
+    >>> print(f"{point.probability:.1f}, limited by {point.binding}")
+    0.8, limited by blocking
     """
 
     problem: Any
