@@ -10,7 +10,7 @@ import numpy as np
 import woundon as wo
 from woundon.elasticity import cylinder
 from woundon.elasticity.layers import stacked_compliance
-from woundon.elasticity.relaxation import factor
+from woundon.elasticity.relaxation import modulus_ratio
 
 Array = np.ndarray
 
@@ -34,7 +34,7 @@ def compliance(body: Any, speed: float, n: Array) -> Array:
         layers, materials = body._stack, body.materials
     relaxed = [m.relaxation(speed) for m in materials]
     return stacked_compliance(
-        n, layers, factors=lambda n: np.array([factor(r, n / body.radius) for r in relaxed])
+        n, layers, factors=lambda n: np.array([modulus_ratio(r, n / body.radius) for r in relaxed])
     )
 
 
@@ -45,7 +45,7 @@ def compliance_far(body: Any, speed: float, n: Array) -> Array:
     relaxation = material.relaxation(speed)
     tail = cylinder.asymptotic_compliance(6, *material.stiffness)
     far = sum(tail[j][..., None] / n[1000:] ** j for j in range(7))
-    far = far / factor(relaxation, n[1000:] / body.radius)
+    far = far / modulus_ratio(relaxation, n[1000:] / body.radius)
     return np.concatenate([known, far], axis=-1)
 
 

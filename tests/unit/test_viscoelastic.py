@@ -12,7 +12,7 @@ from thesis_cases import newsprint_nip
 
 import woundon as wo
 from woundon.elasticity.mesh import Wrap, nip_mesh
-from woundon.elasticity.relaxation import factor
+from woundon.elasticity.relaxation import modulus_ratio
 from woundon.io.case_files import make_problem
 from woundon.io.case_texts import to_toml
 
@@ -52,7 +52,7 @@ def test_a_loss_angle_is_that_at_its_frequency_and_the_largest() -> None:
     )
 
     def loss(hertz: float) -> float:
-        E = factor(material.relaxation(1.0), np.array([2 * pi * hertz]))[0]
+        E = modulus_ratio(material.relaxation(1.0), np.array([2 * pi * hertz]))[0]
         return float(E.imag / E.real)
 
     assert loss(100.0) == pytest.approx(tan(0.2), rel=1e-12)
@@ -67,7 +67,7 @@ def test_a_dynamic_test_is_followed() -> None:
         frequency=np.logspace(0, 4, 30), storage_modulus=exact.real, loss_modulus=exact.imag
     )
     assert material.misfit < 0.01
-    found = material.long_term_modulus * factor(material.relaxation(1.0), (w / 1j).real)
+    found = material.long_term_modulus * modulus_ratio(material.relaxation(1.0), (w / 1j).real)
     assert np.max(np.abs(found / exact - 1)) < 0.01
     assert all(modulus > 0 for modulus, _ in material.prony_series)
 

@@ -16,7 +16,7 @@ from woundon.elasticity import cylinder, rolling
 from woundon.elasticity.influence import InfluenceSurface
 from woundon.elasticity.lag import Lag, periodic_series
 from woundon.elasticity.mesh import Face, Wrap, nip_mesh
-from woundon.elasticity.relaxation import creep, factor
+from woundon.elasticity.relaxation import creep, modulus_ratio
 
 Array = np.ndarray
 
@@ -128,17 +128,17 @@ def test_two_equal_terms_are_one_with_their_sum(where: str) -> None:
 def test_one_term_is_the_standard_linear_solid() -> None:
     # creep of the solid E_inf + E_1: at once 1/E_0, in the end 1/E_inf, in the time tau E_0/E_inf
     found = creep(((1.5, 0.2),))
-    assert found.at_once == pytest.approx(1 / 2.5, rel=1e-14)
-    assert found.share == pytest.approx([1 - 1 / 2.5], rel=1e-14)
+    assert found.instantaneous == pytest.approx(1 / 2.5, rel=1e-14)
+    assert found.delayed == pytest.approx([1 - 1 / 2.5], rel=1e-14)
     assert found.length == pytest.approx([0.2 * 2.5], rel=1e-14)
 
 
 def test_creep_is_the_inverse_of_relaxation() -> None:
     series = ((1e-6, 3.0), (2.0, 1e-6), (0.7, 1e-3), (0.7, 1.0000001e-3), (30.0, 5.0))
-    at_once, share, length = creep(series)
+    instantaneous, share, length = creep(series)
     k = np.logspace(-4, 9, 60)
-    compliance = at_once + (share / (1 + 1j * k[:, None] * length)).sum(axis=1)
-    np.testing.assert_allclose(compliance * factor(series, k), 1.0, rtol=1e-13)
+    compliance = instantaneous + (share / (1 + 1j * k[:, None] * length)).sum(axis=1)
+    np.testing.assert_allclose(compliance * modulus_ratio(series, k), 1.0, rtol=1e-13)
 
 
 # ---- kernels ------------------------------------------------------------------------------------

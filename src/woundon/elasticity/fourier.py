@@ -37,9 +37,9 @@ __all__ = [
 Array = np.ndarray
 
 BLOCK = 1024  # angles per block in the evaluation of power series
-# Steps of a coarse table that are computed first: a contact seldom extends farther.  Up to the
-# given number of steps around the circle this is cheaper than a Fourier transform.
-NEAR_STEPS, MAX_NEAR_SIZE = 16, 4096
+# A contact seldom extends over more than the first steps of the table.  These are summed directly,
+# which is cheaper than a Fourier transform up to MAX_DIRECT_SIZE steps around the circle.
+SHORT_TABLE, MAX_DIRECT_SIZE = 16, 4096
 POWERS = 60  # terms of the power series, of radius 2 pi: at the angle pi (1/2)^60 < 1e-18
 MARGIN = 1 / 16  # tables extend to (1 + MARGIN) pi; 0.53^60 < 1e-16 there
 
@@ -94,12 +94,13 @@ def _shift_series(series: Array, shift: float) -> Array:
 
 
 @lru_cache(maxsize=8)
-def _near_harmonics(size: int, terms: int) -> Array:
-    """Return 2 cos and -2 sin of n theta at the angles 2 pi k/size, k = 0 ... NEAR_STEPS.
+def _short_table_harmonics(size: int, terms: int) -> Array:
+    """Return the matrix of the direct Fourier sums at the angles 2 pi k/size of the short table.
 
-    Shape (2 terms, NEAR_STEPS + 1).
+    Its rows are 2 cos(n theta), n = 1 ... terms, then -2 sin(n theta), to be multiplied by the real
+    and the imaginary parts of the coefficients of e^{i n theta}: (2 terms, SHORT_TABLE + 1).
     """
-    angles = 2 * pi / size * (np.outer(np.arange(1, terms + 1), np.arange(NEAR_STEPS + 1)) % size)
+    angles = 2 * pi / size * (np.outer(np.arange(1, terms + 1), np.arange(SHORT_TABLE + 1)) % size)
     return np.concatenate([2 * np.cos(angles), -2 * np.sin(angles)])
 
 
@@ -180,28 +181,31 @@ class HarmonicSum:
         return Kernel(delta=delta, log=log_, smooth=self, second_integral=self.second_integral)
 
     def second_integral(self, t: Array) -> Array:
-        """Return a second integral K, K'' = f, of the sum with its singularities at any t [m]."""
-        period, periodic = 2 * pi * self.radius, self._integrated_twice
-        turns = period * np.rint(t / period)
-        K = periodic(t - turns) + self.scale * self.mean / 2 * t * t
-        if self.odd and periodic.regular is not None:
-            # the linear term that _integrated_twice subtracts on each turn is continued
-            K += periodic.regular[1] / self.radius * turns
+        """Return a second integral K, K'' = f, of the sum with its singularities at any t [m].
+
+        The sum without its mean is integrated as a function of period 2 pi R.
+        """
+        period, antiderivative = 2 * pi * self.radius, self._second_antiderivative
+        shift = period * np.rint(t / period)  # whole turns
+        K = antiderivative(t - shift) + self.scale * self.mean / 2 * t * t
+        if self.odd and antiderivative.regular is not None:
+            # continue the linear term, which is not periodic, over the whole turns
+            K += antiderivative.regular[1] / self.radius * shift
         return K
 
     @cached_property
-    def _integrated_twice(self) -> HarmonicSum:
-        """The sum of -R^2 c_n/n^2 trig(n theta), without its constant and linear terms at 0."""
+    def _second_antiderivative(self) -> HarmonicSum:
+        """The sum of -R^2 c_n/n^2 trig(n theta), less its value (even) or slope (odd) at 0."""
         n = np.arange(1, self.remainder.size + 1)
         tail = np.concatenate([[0.0, 0.0], self.tail])
         scale, remainder = -self.scale * self.radius**2, self.remainder / (n * n)
         total = HarmonicSum(self.odd, self.radius, scale, 0.0, tail, remainder)
         # Constant and slope are arbitrary.  Large ones would cause cancellation in the second
         # differences over short cells.
-        order = int(self.odd)
+        lowest = int(self.odd)
         regular = np.zeros(POWERS)
-        at_zero = scale * float(remainder @ n if self.odd else remainder.sum())
-        regular[order] = -float(total.series[order]) - at_zero
+        remainder_at_zero = scale * float(remainder @ n if self.odd else remainder.sum())
+        regular[lowest] = -float(total.series[lowest]) - remainder_at_zero
         return replace(total, regular=regular)
 
     def __call__(self, t: Array) -> Array:
@@ -210,9 +214,10 @@ class HarmonicSum:
 
     @cached_property
     def _table(self) -> HarmonicSums:
+        """The table of this sum alone."""
         return HarmonicSums((self,))
 
-    def logs(self) -> Array:
+    def log_coefficients(self) -> Array:
         """Return the coefficients of theta^(j-1) ln(theta); j = 2, 4, ... if odd, else 3, 5, ..."""
         orders = range(2 if self.odd else 3, self.tail.size, 2)
         weights = np.array([polylogarithm(j).log for j in orders])
@@ -259,8 +264,8 @@ class HarmonicSums:
     def kernels(self) -> tuple[Kernel, ...]:
         """Return the sums as influence functions that share one table of smooth parts."""
         return tuple(
-            replace(one.kernel(), smooth=self.select(slice(k, k + 1)).first)
-            for k, one in enumerate(self.sums)
+            replace(sum_.kernel(), smooth=self.select(slice(k, k + 1)).first)
+            for k, sum_ in enumerate(self.sums)
         )
 
     def first(self, t: Array) -> Array:
@@ -273,16 +278,20 @@ class HarmonicSums:
         return (1 + MARGIN) * pi * self.sums[0].radius
 
     def __call__(self, t: Array) -> Array:
-        """Return the smooth parts at arc lengths |t| <= max_distance [m], (sums, *t.shape)."""
+        """Return the smooth parts at arc lengths |t| <= max_distance [m], (sums, *t.shape).
+
+        The quintics are evaluated at |t|; odd sums are multiplied by the sign of t.
+        """
         t = np.asarray(t, dtype=float)
         flat = t.ravel()
         theta = np.abs(flat) * (1 / self.sums[0].radius)
-        x = theta * (self._size / (2 * pi))
-        near = x.max(initial=0.0) < NEAR_STEPS and self._size <= MAX_NEAR_SIZE
-        coefficients = self._near_quintics if near else self._quintics
+        x = theta * (self._size / (2 * pi))  # in steps of the table
+        is_short = x.max(initial=0.0) < SHORT_TABLE and self._size <= MAX_DIRECT_SIZE
+        coefficients = self._short_quintics if is_short else self._all_quintics
         i = x.astype(np.intp)
         np.minimum(i, coefficients.shape[-1] - 1, out=i)
-        x -= i
+        x -= i  # position in step i
+        # Horner's scheme, without temporary arrays
         y = coefficients[5].take(i, axis=-1, mode="clip")
         buffer = np.empty_like(y)
         for c in coefficients[4::-1]:
@@ -296,15 +305,19 @@ class HarmonicSums:
         return y.reshape(-1, *t.shape)
 
     def _log_terms(self, theta: Array) -> Array:
-        """Return the terms theta^(j-1) ln(theta) at theta >= 0, (sums, theta)."""
+        """Return the sums of the terms theta^(j-1) ln(theta) at theta >= 0, (sums, theta).
+
+        j - 1 = 2, 4, ... for even sums; for odd ones, 1, 3, ..., theta^2, theta^4, ... are divided
+        by theta.
+        """
         square = theta * theta
-        powers = np.empty((self._logs.shape[1], theta.size))
+        powers = np.empty((self._log_coefficients.shape[1], theta.size))
         powers[0] = square
         for k in range(1, len(powers)):
             np.multiply(powers[k - 1], square, out=powers[k])
         positive = np.maximum(theta, 1e-150)
         logarithm = np.log(positive)
-        terms: Array = self._logs @ powers
+        terms: Array = self._log_coefficients @ powers
         over_theta = logarithm / positive
         for row, odd in zip(terms, self._odd, strict=True):
             row *= over_theta if odd else logarithm
@@ -312,6 +325,7 @@ class HarmonicSums:
 
     @cached_property
     def _odd(self) -> tuple[bool, ...]:
+        """True for each sum of sines."""
         return tuple(sum_.odd for sum_ in self.sums)
 
     @cached_property
@@ -320,17 +334,17 @@ class HarmonicSums:
         return max(256, 1 << (4 * self.sums[0].remainder.size - 1).bit_length())
 
     @cached_property
-    def _near_quintics(self) -> Array:
-        """Coefficients of the quintics on the first steps, (6, sums, NEAR_STEPS)."""
+    def _short_quintics(self) -> Array:
+        """Coefficients of the quintics on the first steps, (6, sums, SHORT_TABLE)."""
         if self.parent is not None:
-            return np.ascontiguousarray(self.parent[0]._near_quintics[:, self.parent[1]])
-        return self._tabulate(NEAR_STEPS + 1)
+            return np.ascontiguousarray(self.parent[0]._short_quintics[:, self.parent[1]])
+        return self._tabulate(SHORT_TABLE + 1)
 
     @cached_property
-    def _quintics(self) -> Array:
+    def _all_quintics(self) -> Array:
         """Coefficients of the quintics on all steps up to ``max_distance``, (6, sums, steps)."""
         if self.parent is not None:
-            return np.ascontiguousarray(self.parent[0]._quintics[:, self.parent[1]])
+            return np.ascontiguousarray(self.parent[0]._all_quintics[:, self.parent[1]])
         return self._tabulate(int(self._size / 2 * (1 + MARGIN)) + 1)
 
     def _tabulate(self, angles: int) -> Array:
@@ -344,15 +358,15 @@ class HarmonicSums:
         """Sum r_n trig(n theta) and its first two derivatives, (3, sums, angles)."""
         spectrum = np.array([sum_.spectrum for sum_ in self.sums])
         n = 1j * np.arange(1, spectrum.shape[-1] + 1)
-        if angles == NEAR_STEPS + 1:
+        if angles == SHORT_TABLE + 1:  # direct summation
             derivatives = np.array([spectrum, spectrum * n, spectrum * (n * n)])
             parts = np.concatenate([derivatives.real, derivatives.imag], axis=-1)
-            return np.asarray(parts @ _near_harmonics(self._size, n.size))
+            return np.asarray(parts @ _short_table_harmonics(self._size, n.size))
         padded = np.zeros((3, len(spectrum), self._size // 2 + 1), dtype=complex)
-        inner = padded[..., 1 : n.size + 1]
-        inner[0] = spectrum * self._size
-        np.multiply(inner[0], n, out=inner[1])
-        np.multiply(inner[1], n, out=inner[2])
+        derivatives = padded[..., 1 : n.size + 1]
+        derivatives[0] = spectrum * self._size
+        np.multiply(derivatives[0], n, out=derivatives[1])
+        np.multiply(derivatives[1], n, out=derivatives[2])
         return np.fft.irfft(padded, self._size)[..., :angles]
 
     def _regular_parts(self, angles: int) -> Array:
@@ -369,11 +383,11 @@ class HarmonicSums:
         return np.concatenate(parts, axis=-1)
 
     @cached_property
-    def _logs(self) -> Array:
+    def _log_coefficients(self) -> Array:
         """Coefficients of the terms theta^(j-1) ln(theta), (sums, orders); at least one order."""
-        logs = [sum_.logs() for sum_ in self.sums]
-        padded = np.zeros((len(logs), max(1, *(row.size for row in logs))))
-        for row, values in zip(padded, logs, strict=True):
+        log_coefficients = [sum_.log_coefficients() for sum_ in self.sums]
+        padded = np.zeros((len(log_coefficients), max(1, *(row.size for row in log_coefficients))))
+        for row, values in zip(padded, log_coefficients, strict=True):
             row[: values.size] = values
         return padded
 
@@ -390,21 +404,26 @@ def quintics(values: Array) -> Array:
     -------
     (..., K, 6) array
         Ascending coefficients in each step.
+
+    Notes
+    -----
+    With f, f' and f''/2 at the left end, the Taylor parabola f + f' x + (f''/2) x^2 misses the
+    values at the right end, x = 1, by three defects, which the terms x^3, x^4 and x^5 remove.
     """
-    f, d, s = values[..., :-1]
-    F, D, S = values[..., 1:]
-    half = s / 2
-    rise = F - f - d - half
-    turn = D - d - s
-    bend = S / 2 - half
+    f0, slope0, second0 = values[..., :-1]
+    f1, slope1, second1 = values[..., 1:]
+    half = second0 / 2
+    value_defect = f1 - f0 - slope0 - half
+    slope_defect = slope1 - slope0 - second0
+    half_second_defect = second1 / 2 - half
     return np.stack(
         (
-            f,
-            d,
+            f0,
+            slope0,
             half,
-            10 * rise - 4 * turn + bend,
-            -15 * rise + 7 * turn - 2 * bend,
-            6 * rise - 3 * turn + bend,
+            10 * value_defect - 4 * slope_defect + half_second_defect,
+            -15 * value_defect + 7 * slope_defect - 2 * half_second_defect,
+            6 * value_defect - 3 * slope_defect + half_second_defect,
         ),
         axis=-1,
     )

@@ -82,9 +82,9 @@ class SurfaceKernels:
         Estimated error of the summed series relative to the half-plane coefficients.
     terms : int
         Number of Fourier terms summed; 0 where there is no series.
-    together : callable, optional
+    smooth_gradients : callable, optional
         t -> the smooth parts of ``gradients``, (4, *t.shape), from a common table.
-    normal_together : callable, optional
+    smooth_normals : callable, optional
         t -> the smooth parts of ``normal_p`` and ``normal_q``, (2, *t.shape).
     lag : Lag, optional
         The lags of ``gradients``.
@@ -104,9 +104,9 @@ class SurfaceKernels:
     length: float = np.inf
     truncation_error: float = 0.0
     terms: int = 0
-    together: Callable[[Array], Array] | None = None
+    smooth_gradients: Callable[[Array], Array] | None = None
     lag: Any = None  # a Lag
-    normal_together: Callable[[Array], Array] | None = None
+    smooth_normals: Callable[[Array], Array] | None = None
     max_distance: float | None = None
 
     @property
@@ -117,14 +117,14 @@ class SurfaceKernels:
     @property
     def smooth(self) -> Callable[[Array], Array] | None:
         """The smooth parts of ``gradients``, t -> (4, *t.shape); None for a half-plane."""
-        if self.together is not None:
-            return self.together
+        if self.smooth_gradients is not None:
+            return self.smooth_gradients
         return smooth_parts(self.gradients)
 
     @property
     def normal_smooth(self) -> Callable[[Array], Array] | None:
         """The smooth parts of ``normal_p`` and ``normal_q``, t -> (2, *t.shape), or None."""
-        return self.normal_together or smooth_parts((self.normal_p, self.normal_q))
+        return self.smooth_normals or smooth_parts((self.normal_p, self.normal_q))
 
 
 def singular(kernels: Sequence[Kernel], t: Array) -> Array:

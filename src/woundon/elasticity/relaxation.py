@@ -22,24 +22,25 @@ from typing import NamedTuple
 
 import numpy as np
 
-__all__ = ["Creep", "Relaxation", "creep", "factor"]
+__all__ = ["Creep", "Relaxation", "creep", "modulus_ratio"]
 
 Array = np.ndarray
 Relaxation = tuple[tuple[float, float], ...]  # (g_k, c_k), empty for an elastic material
-# An interval of ln l is divided into 16 parts, 16 times: rounding, also of intervals of 1e30.
+# An interval of ln l is divided into 16 parts, 16 times, so that the error is due to rounding also
+# if c_k differ by a factor of 1e30.
 SUBDIVISIONS = 16
 PARTS = np.arange(17) / 16
 
 
 class Creep(NamedTuple):
-    """The creep compliance times E_inf: j_0, and j_m and l_m [m], (K,) arrays."""
+    """Creep compliance times E_inf: instantaneous j_0; delayed j_m, lengths l_m [m], (K,)."""
 
-    at_once: float
-    share: Array
+    instantaneous: float
+    delayed: Array
     length: Array
 
 
-def factor(relaxation: Relaxation, k: Array) -> Array:
+def modulus_ratio(relaxation: Relaxation, k: Array) -> Array:
     """Return E(ik)/E_inf at the wave numbers k [1/m], complex."""
     out = np.ones(np.shape(k), dtype=complex)
     for g, c in relaxation:
@@ -50,16 +51,20 @@ def factor(relaxation: Relaxation, k: Array) -> Array:
 
 @lru_cache(maxsize=64)
 def creep(relaxation: Relaxation) -> Creep:
-    """Return the creep compliance of a Prony series."""
-    series: dict[float, float] = {}
+    """Return the creep compliance of a Prony series.
+
+    The retardation lengths are the roots of the secular equation.  With the derivative of E(ik) at
+    each of them, the residue of 1/E(ik) there gives j_m.
+    """
+    series: dict[float, float] = {}  # terms with the same relaxation time are added
     for g_k, c_k in relaxation:
         if g_k > 0 and c_k > 0:
             series[c_k] = series.get(c_k, 0.0) + g_k
     c = np.array(sorted(series))
     g = np.array([series[c_k] for c_k in sorted(series)])
-    at_once = float(1 / (1 + g.sum()))
+    instantaneous = float(1 / (1 + g.sum()))
     if not c.size:
-        return Creep(at_once, c, c)
+        return Creep(instantaneous, c, c)
     # E(ik) at ik = -1/l is 1 - sum g/(l/c - 1).  It increases with l between two neighbouring c,
     # and above the largest, where it is positive at l = c (1 + sum g).
     low, high = c.copy(), np.append(c[1:], c[-1] * (1 + g.sum()))
@@ -73,4 +78,4 @@ def creep(relaxation: Relaxation) -> Creep:
             low, high = trial[rows, k], trial[rows, k + 1]
         length = np.sqrt(low * high)
         derivative = (g * c * length[:, None] / (length[:, None] - c) ** 2).sum(axis=1)
-    return Creep(at_once, 1 / derivative, length)
+    return Creep(instantaneous, 1 / derivative, length)

@@ -39,14 +39,14 @@ from .half_plane import coefficients
 from .kernels import Kernel, SurfaceKernels
 from .lag import Lag, periodic_series
 from .layers import Layers
-from .relaxation import Creep, Relaxation, creep, factor
+from .relaxation import Creep, Relaxation, creep, modulus_ratio
 
 __all__ = ["half_plane_kernels", "layered_kernels"]
 
 Array = np.ndarray
 
-SLOW = 1.0  # eps above which a term of the creep compliance is expanded in powers of 1/n
-MIN_SLOW_TERMS = 128  # number of harmonics for such terms: the expansion is then exact to 1e-12
+EXPANDED_ABOVE = 1.0  # eps above which a term of the creep compliance is expanded in powers of 1/n
+MIN_EXPANDED_TERMS = 128  # number of harmonics for such terms: the expansion is then exact to 1e-12
 
 
 @lru_cache(maxsize=16)
@@ -102,7 +102,7 @@ def layered_kernels(
 
     def moduli(n: Array) -> Array:
         """Return E(in/R)/E_inf of the layers, (L, n)."""
-        return np.array([factor(relaxation, n / R) for relaxation in relaxations])
+        return np.array([modulus_ratio(relaxation, n / R) for relaxation in relaxations])
 
     # all compliances of a single layer vary as J_n: X_n is elastic
     single = len(layers) == 1
@@ -111,25 +111,30 @@ def layered_kernels(
     )
     n = np.arange(1.0, X.shape[-1])
     mean, X = X[..., 0].real / 2, X[..., 1:]
-    displacement, slope = tail[: J + 1], tail[1 : J + 2]  # coefficients of X and of n X
+    # coefficients of 1/n^j of the displacements X_n, the slopes n X_n and the strains (1, n) X_n
+    displacement, slope = tail[: J + 1], tail[1 : J + 2]
     strain, strain_terms = displacement[:, 0] + slope[:, 1], X[0] + n * X[1]
     sums = ViscoelasticSums(R, creep(relaxations[0]), n.size)
-    wave, gradient = -1 / pi, 1 / (pi * R)
-    parts = [
-        sums.split(odd, scale, a, c - sums.powers(a)[: n.size], constant)
-        for odd, scale, a, c, constant in (
-            (True, gradient, slope[:, 0, 0], n * X[0, 0], 0.0),
-            (False, -gradient, slope[:, 0, 1], n * X[0, 1], 0.0),
-            (False, -gradient, strain[:, 0], strain_terms[0], mean[0, 0]),
-            (True, -gradient, strain[:, 1], strain_terms[1], 0.0),
-            (False, wave, displacement[:, 0, 0], X[0, 0], mean[0, 0]),
-            (True, wave, displacement[:, 0, 1], X[0, 1], 0.0),
-            (False, -wave, displacement[:, 1, 1], X[1, 1], mean[1, 1]),
-        )
+
+    def harmonics(odd: bool, scale: float, a: Array, c: Array, mean: float = 0.0) -> SplitSum:
+        return sums.split(odd, scale, a, c - sums.powers(a)[: n.size], mean)
+
+    # the same sums as in cylinder.layered_kernels
+    scale = 1 / (pi * R)
+    gradients = [
+        harmonics(True, scale, slope[:, 0, 0], n * X[0, 0]),
+        harmonics(False, -scale, slope[:, 0, 1], n * X[0, 1]),
+        harmonics(False, -scale, strain[:, 0], strain_terms[0], mean[0, 0]),
+        harmonics(True, -scale, strain[:, 1], strain_terms[1]),
     ]
-    (slope_p, slope_q, strain_p, strain_q), smooth, lag = sums.kernels(parts[:4])
-    (normal_p, coupling), _, _ = sums.kernels(parts[4:6])
-    (tangent_q,), _, _ = sums.kernels(parts[6:])  # its table is rarely needed
+    normal = [
+        harmonics(False, -1 / pi, displacement[:, 0, 0], X[0, 0], mean[0, 0]),
+        harmonics(True, -1 / pi, displacement[:, 0, 1], X[0, 1]),
+    ]
+    tangential = [harmonics(False, 1 / pi, displacement[:, 1, 1], X[1, 1], mean[1, 1])]
+    (slope_p, slope_q, strain_p, strain_q), smooth, lag = sums.kernels(gradients)
+    (normal_p, coupling), _, _ = sums.kernels(normal)
+    (tangent_q,), _, _ = sums.kernels(tangential)  # a table of its own, because it is rarely needed
     return SurfaceKernels(
         normal_p,
         coupling,
@@ -143,21 +148,24 @@ def layered_kernels(
         length=R * min(1.0, 2 * decay),
         truncation_error=error,
         terms=n.size,
-        together=smooth,
+        smooth_gradients=smooth,
         lag=lag,
     )
 
 
-class Part(NamedTuple):
-    """One influence function: its even and its odd sum, and the amplitudes of its lags (M,)."""
+class SplitSum(NamedTuple):
+    """One influence function: its even and its odd sum, and the amplitudes of its lag, (M,)."""
 
     even: HarmonicSum
     odd: HarmonicSum
-    lag: Array
+    lag_amplitudes: Array
 
 
 class ViscoelasticSums:
     """Sums of J_n X_n over the harmonics, J_n the creep compliance of the outermost layer.
+
+    A term of J_n with eps <= EXPANDED_ABOVE has a lag in closed form; one with a larger eps, which
+    varies slowly around the circle, is expanded in powers of 1/n.
 
     Parameters
     ----------
@@ -171,20 +179,23 @@ class ViscoelasticSums:
     def __init__(self, radius: float, compliance: Creep, terms: int) -> None:
         self.radius, self.compliance = radius, compliance
         eps = compliance.length / radius
-        self.eps, self.fast, self.slow = eps, eps <= SLOW, eps > SLOW
-        self.lag_series = periodic_series(eps[self.fast])
-        self.n = np.arange(1.0, 1 + (max(terms, MIN_SLOW_TERMS) if self.slow.any() else terms))
+        self.eps, self.has_lag, self.is_expanded = eps, eps <= EXPANDED_ABOVE, eps > EXPANDED_ABOVE
+        self.lag_series = periodic_series(eps[self.has_lag])
+        harmonics = max(terms, MIN_EXPANDED_TERMS) if self.is_expanded.any() else terms
+        self.n = np.arange(1.0, 1 + harmonics)
         self._inverse_powers = (1 / self.n) ** np.arange(HIGHEST_POWER + 1)[:, None]
         retardation = 1 / (1 + 1j * self.n[:, None] * eps)
-        self.J_slow = retardation[:, self.slow] @ compliance.share[self.slow]
-        self.J = compliance.at_once + retardation @ compliance.share
+        self.J_expanded = retardation[:, self.is_expanded] @ compliance.delayed[self.is_expanded]
+        self.J = compliance.instantaneous + retardation @ compliance.delayed
 
     def powers(self, a: Array) -> Array:
         """Return a_0 + a_1/n + ... of all harmonics, (N,)."""
         return np.asarray(a @ self._inverse_powers[: a.size])
 
-    def split(self, odd: bool, scale: float, a: Array, remainder: Array, mean: float) -> Part:
-        """Split scale * [mean + sum_n J_n (a_0 + a_1/n + ... + remainder_n) trig(n t/R)].
+    def split(self, odd: bool, scale: float, a: Array, remainder: Array, mean: float) -> SplitSum:
+        """Split scale * [mean + sum_n J_n (A(1/n) + remainder_n) trig(n t/R)].
+
+        A(x) = a_0 + a_1 x + ... + a_J x^J.
 
         Parameters
         ----------
@@ -194,49 +205,61 @@ class ViscoelasticSums:
         a : (J+1,) array
         remainder : (N,) array
         mean : float
+
+        Notes
+        -----
+        J_n (A + remainder) = powers(1/n) + sum_m j_m A(-i eps_m)/(1 + i n eps_m) + J_n remainder:
+        the sum over m is the lag, and ``powers`` contains the quotients B of the divisions
+        and the expanded terms, whose truncation error is added to the remainder.
         """
         j_0, j, _ = self.compliance
         a = a.astype(complex)
-        B, amplitude = _divide(a, -1j * self.eps[self.fast])
+        B, amplitude = _divide(a, -1j * self.eps[self.has_lag])
         powers = j_0 * a
-        powers[1:] += B @ j[self.fast]
+        powers[1:] += B @ j[self.has_lag]
         remainder = np.append(remainder, np.zeros(self.n.size - remainder.size)) * self.J
-        if self.slow.any():
+        if self.is_expanded.any():
             expanded = np.zeros(a.size, dtype=complex)
-            for m in np.flatnonzero(self.slow):
-                series = -((1j / self.eps[m]) ** np.arange(a.size))  # of 1/(1 + i eps/x)
+            for m in np.flatnonzero(self.is_expanded):
+                series = -((1j / self.eps[m]) ** np.arange(a.size))  # of 1/(1 + i eps/x) in x
                 series[0] = 0.0
                 expanded += j[m] * np.convolve(a, series)[: a.size]
             powers += expanded
-            remainder += self.powers(a) * self.J_slow - self.powers(expanded)
+            remainder += self.powers(a) * self.J_expanded - self.powers(expanded)
+        # Im(Y e^{i n theta}) = Re(-i Y e^{i n theta}); its real part multiplies cos, its imaginary
+        # part -sin
         phase: complex = -1j if odd else 1.0
         c, terms = phase * powers, phase * remainder
-        amplitude = scale * phase * amplitude * j[self.fast]
-        regular = (amplitude @ self.lag_series).real
+        amplitude = scale * phase * amplitude * j[self.has_lag]
+        regular = (amplitude @ self.lag_series).real  # powers of theta that the lag leaves
         is_even = np.arange(POWERS) % 2 == 0
-        even, odd_ = np.where(is_even, regular, 0.0), np.where(is_even, 0.0, regular)
-        return Part(
-            HarmonicSum(False, self.radius, scale, mean, c.real, terms.real, even),
-            HarmonicSum(True, self.radius, -scale, 0.0, c.imag, terms.imag, odd_),
+        even_powers, odd_powers = np.where(is_even, regular, 0.0), np.where(is_even, 0.0, regular)
+        return SplitSum(
+            HarmonicSum(False, self.radius, scale, mean, c.real, terms.real, even_powers),
+            HarmonicSum(True, self.radius, -scale, 0.0, c.imag, terms.imag, odd_powers),
             1j * self.radius * amplitude,
         )
 
-    def kernels(self, parts: list[Part]) -> tuple[list[Kernel], SmoothParts, Lag | None]:
-        """Return the influence functions, their smooth parts together, and their lags."""
+    def kernels(self, split_sums: list[SplitSum]) -> tuple[list[Kernel], EvenPlusOdd, Lag | None]:
+        """Return influence functions, one function for all their smooth parts, and their lags."""
         lag, kernels = None, []
-        sums = HarmonicSums(tuple(p.even for p in parts) + tuple(p.odd for p in parts))
-        smooth = SmoothParts(sums)
-        if self.fast.any():
-            length, R = self.compliance.length[self.fast], self.radius
-            lag = Lag(length, np.array([part.lag for part in parts]), (pi + 1) * R)
-        for k, part in enumerate(parts):
-            odd = part.odd.kernel()
+        sums = HarmonicSums(tuple(p.even for p in split_sums) + tuple(p.odd for p in split_sums))
+        smooth = EvenPlusOdd(sums)
+        if self.has_lag.any():
+            length, R = self.compliance.length[self.has_lag], self.radius
+            lag = Lag(
+                length,
+                np.array([split_sum.lag_amplitudes for split_sum in split_sums]),
+                (pi + 1) * R,
+            )
+        for k, split_sum in enumerate(split_sums):
+            odd = split_sum.odd.kernel()
             kernel = replace(
-                part.even.kernel(),
+                split_sum.even.kernel(),
                 inverse=odd.inverse,
                 sign=odd.sign,
                 smooth=smooth.select(k).first,
-                second_integral=partial(_second_integral, part),
+                second_integral=partial(_second_integral, split_sum),
                 lag=None if lag is None else lag.select(k),
             )
             kernels.append(kernel)
@@ -256,14 +279,14 @@ def _divide(a: Array, z: Array) -> tuple[Array, Array]:
 
 
 @dataclass(frozen=True)
-class SmoothParts:
+class EvenPlusOdd:
     """Smooth parts of several influence functions; ``sums`` holds all even sums, then all odd."""
 
     sums: HarmonicSums
 
-    def select(self, kernel: int) -> SmoothParts:
+    def select(self, kernel: int) -> EvenPlusOdd:
         """Return the smooth part of one of the influence functions, from the same table."""
-        return SmoothParts(self.sums.select(slice(kernel, None, len(self.sums.sums) // 2)))
+        return EvenPlusOdd(self.sums.select(slice(kernel, None, len(self.sums.sums) // 2)))
 
     def __call__(self, t: Array) -> Array:
         """Return the smooth parts at t [m], shape (kernels, *t.shape)."""
@@ -276,12 +299,12 @@ class SmoothParts:
         return np.asarray(self(t)[0])
 
 
-def _second_integral(part: Part, t: Array) -> Array:
+def _second_integral(split_sum: SplitSum, t: Array) -> Array:
     """Return the second integral of an influence function without its lag, at t [m]."""
-    even, odd, _ = part
+    even, odd, _ = split_sum
     assert even.regular is not None
     assert odd.regular is not None
     k, theta = np.arange(POWERS), t / even.radius
-    c = (even.regular + odd.regular) / ((k + 1) * (k + 2))
+    c = (even.regular + odd.regular) / ((k + 1) * (k + 2))  # theta^k integrated twice
     regular = (t * t) * np.polynomial.polynomial.polyval(theta, c)
     return np.asarray(even.second_integral(t) + odd.second_integral(t) + regular)

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 
-from ..elasticity.relaxation import factor
+from ..elasticity.relaxation import modulus_ratio
 from ..errors import InvalidProblem
 from ..quantities import Quantity, length, pure, strain
 from ..results import ReadOnly, largest
@@ -123,7 +123,7 @@ def _body_compliance(body: Body, speed: float | None, length: float) -> float:
     if material is None or not material.relaxes or speed is None:
         return body.compliance
     relaxation = material.relaxation(speed)
-    return float(body.compliance / abs(factor(relaxation, np.array(1 / length))))
+    return float(body.compliance / abs(modulus_ratio(relaxation, np.array(1 / length))))
 
 
 def _inlet_length(problem: NipProblem, gradient: Callable[[float], float]) -> float:
