@@ -38,7 +38,7 @@ def states(n: int = 40) -> tuple[Array, Array]:
 @pytest.mark.parametrize("name", LAWS)
 def test_the_tangent_is_the_derivative_of_the_stress(name: str) -> None:
     law, (strain, P0) = LAWS[name], states()
-    tangent = law.stressed(strain, P0).tangent
+    tangent = law.stress_state(strain, P0).tangent
     assert np.array_equal(tangent, np.swapaxes(tangent, -1, -2))
     for k in range(3):
         step = np.zeros(3)
@@ -46,8 +46,8 @@ def test_the_tangent_is_the_derivative_of_the_stress(name: str) -> None:
         # central differences of fourth order leave 1e-10 of a modulus here
         near, far = (
             (
-                law.stressed(strain + m * step, P0).stress
-                - law.stressed(strain - m * step, P0).stress
+                law.stress_state(strain + m * step, P0).stress
+                - law.stress_state(strain - m * step, P0).stress
             )
             / (2 * m * step[k])
             for m in (1, 2)
@@ -60,7 +60,7 @@ def test_the_tangent_is_the_derivative_of_the_stress(name: str) -> None:
 def test_strains_follow_from_the_stresses_by_the_complementary_energy(name: str) -> None:
     """e = dW*/d sigma, differenced; W* written here once more, from the radial law alone."""
     law, (strain, P0) = LAWS[name], states()
-    sigma = law.stressed(strain, P0).stress
+    sigma = law.stress_state(strain, P0).stress
     F, E_t, nu = law.radial.strain_at, law.tangential, law.poissons_ratio
     x, w = np.polynomial.legendre.leggauss(40)
 
@@ -86,7 +86,7 @@ def test_a_constant_law_is_linear() -> None:
     law, (strain, P0) = LAWS["constant"], states()
     A_rr, A_tt, A_rt, G = law.stiffness(50e3)
     C = np.array([[A_rr, A_rt, 0], [A_rt, A_tt, 0], [0, 0, G]])
-    assert law.stressed(strain, P0).stress == pytest.approx(strain @ C, rel=1e-11)
+    assert law.stress_state(strain, P0).stress == pytest.approx(strain @ C, rel=1e-11)
     assert A_rt**2 / A_rr == pytest.approx(A_tt - law.tangential)
 
 
@@ -98,11 +98,11 @@ def test_trial_states_beyond_the_law_have_stresses(gamma: float) -> None:
     for law in (HardeningLaw(radial, 3.38e9, 0.185, 10e6, 0.5) for radial in (PFEIFFER, test)):
         e_r = np.linspace(-0.2, 0.1, 20_001)
         strain = np.stack([e_r, np.zeros(e_r.size), np.full(e_r.size, gamma)], axis=-1)
-        found = law.stressed(strain, np.full(e_r.size, 90e3))
+        found = law.stress_state(strain, np.full(e_r.size, 90e3))
         assert np.all(np.isfinite(found.stress))
         assert found.pressure.max() > law.limit
         # shear presses a stack together whose shear modulus hardens
-        assert found.pressure.min() < (law.lowest if gamma < 0.02 else 0.0)
+        assert found.pressure.min() < (law.min_pressure if gamma < 0.02 else 0.0)
         rise = np.diff(found.stress[:, 0])
         assert np.all(rise > 0)
         most = np.maximum(found.tangent[1:, 0, 0], found.tangent[:-1, 0, 0]) * np.diff(e_r)
@@ -133,7 +133,7 @@ def test_the_compliance_is_symmetric() -> None:
     x = np.linspace(-A, A, 33)
     p, hats = 1e6 * (1 - (x / A) ** 2), mesh.hats(x)
     state = pair.equilibrium(mesh, np.stack([-hats @ p, hats @ (0.1 * p * np.sin(2 * x / A))]))
-    Y = mesh.stiffness(state.stressed.tangent).compliance
+    Y = mesh.stiffness(state.stress_state.tangent).compliance
     flat = Y.reshape(2 * mesh.nodes.size, -1)
     assert np.max(np.abs(flat - flat.T)) < 1e-8 * np.max(np.abs(flat))
 
@@ -143,6 +143,6 @@ def test_uniform_pressure_strains_by_the_law() -> None:
     law = HardeningLaw(PFEIFFER, 3e9, 0.0, 1e7)
     e = np.array([-0.01, 0.0, 0.002])
     strain = np.stack([e, 0 * e, 0 * e], axis=-1)
-    P = law.stressed(strain, np.full(3, 90e3)).pressure
+    P = law.stress_state(strain, np.full(3, 90e3)).pressure
     assert list(P) == pytest.approx(list(100e3 * np.exp(-127.0 * e) - 10e3))
     assert PFEIFFER.strain_at(90e3) == pytest.approx(log1p(9.0) / 127.0)

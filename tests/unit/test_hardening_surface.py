@@ -72,8 +72,8 @@ def test_the_jacobian_is_the_derivative(
 ) -> None:
     """The web hardens too.  The column by ln a is a forward difference of 1e-5."""
     # in use, factorisations of the rings at neighbouring states are accurate enough
-    monkeypatch.setattr(ring_equilibrium, "ACCURATE", 0.0)
-    monkeypatch.setattr(ring_equilibrium, "NEAR", 0.0)
+    monkeypatch.setattr(ring_equilibrium, "ACCURATE_RATE", 0.0)
+    monkeypatch.setattr(ring_equilibrium, "REUSE_DISTANCE", 0.0)
     problem: Any = nip(roll())
     problem = problem.replace(**{"web.material": roll().stack})
     problem = problem.replace(**wraps)
@@ -165,7 +165,7 @@ def test_the_ring_is_in_equilibrium_and_inside_its_law() -> None:
     p, q = loads(face)
     surface: Any = roll().surface(face, A)
     assert surface.residual(p, q) < 1e-8
-    assert surface.outside(p, q) == ""
+    assert surface.range_message(p, q) == ""
 
 
 def test_a_pressure_beyond_the_law_is_reported() -> None:
@@ -174,10 +174,10 @@ def test_a_pressure_beyond_the_law_is_reported() -> None:
     body: Any = roll()
     body = body.replace(stack=body.stack.replace(radial=test))
     face = FACES["nip"]
-    assert body.surface(face, A).outside(*loads(face, 200e3)) == ""
-    assert "[Pa], beyond the range of its stack law (4e+05 [Pa])" in body.surface(face, A).outside(
-        *loads(face, 900e3)
-    )
+    assert body.surface(face, A).range_message(*loads(face, 200e3)) == ""
+    assert "[Pa], beyond the range of its stack law (4e+05 [Pa])" in body.surface(
+        face, A
+    ).range_message(*loads(face, 900e3))
 
 
 def test_a_torn_stack_is_reported() -> None:
@@ -185,7 +185,7 @@ def test_a_torn_stack_is_reported() -> None:
     face = FACES["nip"]
     p, _ = loads(face, 1e6)
     surface: Any = roll(K1=1e3, P0=0.5e3).surface(face, A)
-    assert "torn" in surface.outside(p, 0.2 * p)
+    assert "torn" in surface.range_message(p, 0.2 * p)
 
 
 # ---- the rings ----------------------------------------------------------------------------------

@@ -23,7 +23,7 @@ import numpy as np
 from .fourier import HarmonicSum, HarmonicSums
 from .half_plane import coefficients
 from .kernels import SurfaceKernels
-from .layers import Factors, Layers, Systems, stacked_compliance
+from .layers import Factors, Layers, LayerSystems, stacked_compliance
 from .strip import stiffness_along
 
 __all__ = [
@@ -376,7 +376,7 @@ def _decay(depth: float, stiffness: Stiffness) -> float:
 def _decay_rate(stiffness: Stiffness) -> float:
     """Return lambda/n for large n, lambda the smaller real part of the two decaying waves."""
     n = 1e8
-    total, product = (v.item() for v in Systems.of((1.0, *stiffness)).roots(np.array([n])))
+    total, product = (v.item() for v in LayerSystems.of((1.0, *stiffness)).roots(np.array([n])))
     discriminant = total * total / 4 - product
     slow = product / (total / 2 + sqrt(discriminant)) if discriminant > 0 else total / 2
     return slow / n

@@ -35,7 +35,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-__all__ = ["HardeningLaw", "RadialLaw", "Stressed"]
+__all__ = ["HardeningLaw", "RadialLaw", "StressState"]
 
 Array = np.ndarray
 
@@ -74,7 +74,7 @@ class RadialLaw(Protocol):
         ...
 
 
-class Stressed(NamedTuple):
+class StressState(NamedTuple):
     """Stresses s_r, s_t, tau (..., 3), their tangent (..., 3, 3), and the pressure P (...) [Pa]."""
 
     stress: Array
@@ -113,7 +113,7 @@ class HardeningLaw:
         return min(stiff, radial.max_pressure)
 
     @cached_property
-    def lowest(self) -> float:
+    def min_pressure(self) -> float:
         """Negative pressure at which E_r is 5 % of that at zero pressure [Pa]; -inf if constant.
 
         A stack is torn there.  Laws continue along their tangent from zero to this pressure.
@@ -131,7 +131,7 @@ class HardeningLaw:
         D = 1 - nu * nu * E_r / E_t
         return E_r / D, E_t / D, nu * E_r / D, self.shear
 
-    def stressed(self, strain: Array, P0: Array, guess: Array | None = None) -> Stressed:
+    def stress_state(self, strain: Array, P0: Array, guess: Array | None = None) -> StressState:
         """Return the stresses added by strains to a stack wound with the pressure P0.
 
         Parameters
@@ -146,7 +146,7 @@ class HardeningLaw:
         e_r, e_t, gamma = np.moveaxis(strain, -1, 0)
         E_t, nu = self.tangential, self.poissons_ratio
         P = self._pressure(-(e_r + nu * e_t), gamma, P0, guess)
-        slope, G, G_slope = self._slopes(P, gamma, P0)
+        slope, G, G_slope = self._derivatives(P, gamma, P0)
         M, coupling = 1 / slope, -G_slope * gamma / slope
         stress = np.stack([P0 - P, E_t * e_t - nu * (P - P0), G * gamma], axis=-1)
         tangent = np.empty((*P.shape, 3, 3))
@@ -156,54 +156,58 @@ class HardeningLaw:
         tangent[..., 0, 2] = tangent[..., 2, 0] = coupling
         tangent[..., 1, 2] = tangent[..., 2, 1] = nu * coupling
         tangent[..., 2, 2] = G + M * (G_slope * gamma) ** 2
-        return Stressed(stress, tangent, P)
+        return StressState(stress, tangent, P)
 
-    def _pressure(self, h: Array, gamma: Array, P0: Array, guess: Array | None) -> Array:
-        """Return the root P of f(P) = h by Newton's method."""
+    def _pressure(self, target: Array, gamma: Array, P0: Array, guess: Array | None) -> Array:
+        """Return the root P of f(P) = target by Newton's method."""
         c = self.poissons_ratio**2 / self.tangential
         F0 = self.radial.strain_at(P0)
-        P = self._inverse_strain(F0 + h) if guess is None else guess
+        P = self._pressure_at_strain(F0 + target) if guess is None else guess
         if guess is None and c == 0 and self.shear_exponent == 0:
             return P
         for _ in range(MAX_ITERATIONS):
-            slope, _, G_slope = self._slopes(P, gamma, P0)
+            slope, _, G_slope = self._derivatives(P, gamma, P0)
             f = self._strain(P) - F0 - c * (P - P0) - G_slope * gamma**2 / 2
-            step = (h - f) / slope
+            step = (target - f) / slope
             P = P + step
             if np.all(np.abs(step) <= LAST_STEP * (np.abs(P) + np.abs(P0))):
                 return P
-        return P if guess is None else self._pressure(h, gamma, P0, None)
+        return P if guess is None else self._pressure(target, gamma, P0, None)
 
-    def _slopes(self, P: Array, gamma: Array, P0: Array) -> tuple[Array, Array, Array]:
-        """Return f'(P), G and G'; f' is positive also outside the range of the law."""
+    def _derivatives(self, P: Array, gamma: Array, P0: Array) -> tuple[Array, Array, Array]:
+        """Return f'(P) = 1/E_r - nu^2/E_t - G'' gamma^2/2, G = shear (E_r/E_r(P0))^beta and G'.
+
+        Lower bounds keep f' and G positive for iterates outside the range of the law.
+        """
         radial, beta = self.radial, self.shear_exponent
-        inside = np.minimum(P, self.limit)
-        E = radial.modulus(inside)
+        in_range = np.minimum(P, self.limit)
+        E = radial.modulus(in_range)
         f_slope = 1 / E - self.poissons_ratio**2 / self.tangential
         if beta == 0:
             return f_slope, np.full(P.shape, self.shear), np.zeros(P.shape)
         # outside the range G continues along its tangent, so that f has no step
-        inside = np.maximum(inside, self.lowest)
-        E, E_slope = radial.modulus(inside), radial.modulus_slope(inside)
+        in_range = np.maximum(in_range, self.min_pressure)
+        E, E_slope = radial.modulus(in_range), radial.modulus_slope(in_range)
         G = self.shear * (E / radial.modulus(P0)) ** beta
         rate = beta * E_slope / E  # G'/G
+        # E_r'' by a central difference
         step = 1e-4 * E / np.maximum(E_slope, 1.0)
-        difference = radial.modulus_slope(inside + step) - radial.modulus_slope(inside - step)
-        E_curvature = difference / (2 * step)
-        G_curvature = G * beta * E_curvature / E + G * rate * (rate - E_slope / E)
-        G_curvature = np.where(inside == P, G_curvature, 0.0)
-        f_slope = np.maximum(f_slope - G_curvature * gamma**2 / 2, 0.1 * f_slope)
-        return f_slope, G * np.maximum(1 + rate * (P - inside), 0.05), G * rate
+        difference = radial.modulus_slope(in_range + step) - radial.modulus_slope(in_range - step)
+        E_second = difference / (2 * step)
+        G_second = G * beta * E_second / E + G * rate * (rate - E_slope / E)
+        G_second = np.where(in_range == P, G_second, 0.0)
+        f_slope = np.maximum(f_slope - G_second * gamma**2 / 2, 0.1 * f_slope)
+        return f_slope, G * np.maximum(1 + rate * (P - in_range), 0.05), G * rate
 
     def _strain(self, P: Array) -> Array:
         """Return F(P), continued linearly above the limit."""
-        inside = np.minimum(P, self.limit)
-        return self.radial.strain_at(inside) + (P - inside) / self.radial.modulus(inside)
+        in_range = np.minimum(P, self.limit)
+        return self.radial.strain_at(in_range) + (P - in_range) / self.radial.modulus(in_range)
 
-    def _inverse_strain(self, strain: Array) -> Array:
+    def _pressure_at_strain(self, strain: Array) -> Array:
         """Return the pressure P at which F(P) is ``strain``, continued linearly above the limit."""
         if np.isinf(self.limit):
             return self.radial.pressure_at(strain)
         limit = np.asarray(self.limit)
-        inside = np.minimum(strain, self.radial.strain_at(limit))
-        return self.radial.pressure_at(inside) + (strain - inside) * self.radial.modulus(limit)
+        in_range = np.minimum(strain, self.radial.strain_at(limit))
+        return self.radial.pressure_at(in_range) + (strain - in_range) * self.radial.modulus(limit)

@@ -40,7 +40,7 @@ MIN_COLUMNS = 8  # of elements under the contact
 MANY_CELLS = 64
 
 
-class Solution(NamedTuple):
+class RingSolution(NamedTuple):
     """The ring under the pressures p and the tractions q."""
 
     p: Array
@@ -71,7 +71,7 @@ class HardeningSurface:
     ) -> None:
         self.ring, self.linear, self.face = ring, linear, face
         self.a, self.limit = half_width, limit
-        self._latest: Solution | None = None
+        self._latest: RingSolution | None = None
 
     def deform(self, p: Array, q: Array) -> Deformation:
         """Return the deformation under nodal pressures and tractions."""
@@ -92,18 +92,18 @@ class HardeningSurface:
     def end_displacement(self, p: Array, q: Array) -> float:
         """Return v at the trailing edge of the nip [m]."""
         v = self._solve(p, q).difference[0]
-        return self.linear.end_displacement(p, q) + float(self._end @ v)
+        return self.linear.end_displacement(p, q) + float(self._end_values @ v)
 
     def end_tangential_displacement(self, p: Array, q: Array) -> float:
         """Return u at the last node [m]."""
         u = self._solve(p, q).difference[1]
-        return self.linear.end_tangential_displacement(p, q) + float(self._end @ u)
+        return self.linear.end_tangential_displacement(p, q) + float(self._end_values @ u)
 
     def end_tangent(self, p: Array, q: Array) -> tuple[Array, Array]:
         """Return the derivatives of ``end_displacement`` by p and q."""
         by_p, by_q = self._tangent(p, q)
         end_p, end_q = self.linear.end_tangent(p, q)
-        return end_p + self._end @ by_p[0], end_q + self._end @ by_q[0]
+        return end_p + self._end_values @ by_p[0], end_q + self._end_values @ by_q[0]
 
     def strain_outside(self, p: Array, q: Array, s: Array) -> Array:
         """Return the strain at positions s (k,) [m] along the surface, outside of the face."""
@@ -118,7 +118,7 @@ class HardeningSurface:
         """Return the largest residual of the nodal forces of the ring, relative to the load."""
         return self._solve(p, q).state.residual
 
-    def outside(self, p: Array, q: Array) -> str:
+    def range_message(self, p: Array, q: Array) -> str:
         """Return a message if a pressure in the roll is outside the range of the law, else ''."""
         state, law = self._solve(p, q).state, self.ring.law
         if state.max_pressure > self.limit:
@@ -126,23 +126,23 @@ class HardeningSurface:
                 f"the pressure in it reaches {state.max_pressure:.4g} [Pa], beyond the range of "
                 f"its stack law ({self.limit:.4g} [Pa]): lower the nip load or extend the law"
             )
-        if state.lowest < law.lowest:
+        if state.min_pressure < law.min_pressure:
             return (
-                f"its stack is torn next to the contact: the pressure falls to {state.lowest:.4g} "
-                f"[Pa], and at {law.lowest:.4g} [Pa] it has lost 95 % of its stiffness; a higher "
-                "wound pressure or a lower nip load is needed"
+                "its stack is torn next to the contact: the pressure falls to "
+                f"{state.min_pressure:.4g} [Pa], and at {law.min_pressure:.4g} [Pa] it has lost 95 "
+                "% of its stiffness; a higher wound pressure or a lower nip load is needed"
             )
         return ""
 
     # ---- finite elements -----------------------------------------------------------------------
 
-    def _solve(self, p: Array, q: Array) -> Solution:
+    def _solve(self, p: Array, q: Array) -> RingSolution:
         """Return the ring under p and q; negative pressures of an iterate are replaced by zero."""
         latest = self._latest
         if latest is None or not (np.array_equal(p, latest.p) and np.array_equal(q, latest.q)):
             forces = np.stack([-self._hats @ np.maximum(p, 0.0), self._hats @ q])
             state = self.ring.equilibrium(self._mesh, forces)
-            latest = Solution(p.copy(), q.copy(), state, self.ring.difference(state, forces))
+            latest = RingSolution(p.copy(), q.copy(), state, self.ring.difference(state, forces))
             self._latest = latest
         return latest
 
@@ -159,6 +159,7 @@ class HardeningSurface:
 
     @cached_property
     def _mesh(self) -> RingMesh:
+        """The elements of the ring for this half width."""
         return self.ring.mesh(ring_fineness(self.face.size - 1), self.a)
 
     @cached_property
@@ -172,15 +173,19 @@ class HardeningSurface:
         return self._mesh.splines(self.a * self.face.points)
 
     @cached_property
-    def _end(self) -> Array:
+    def _end_values(self) -> Array:
         """Values at the trailing edge of the nip of unit nodal displacements, (k,)."""
         return self._mesh.splines(self.a * self.face.points[-2:-1])[0][0]
 
 
 def ring_fineness(cells: int) -> Fineness:
-    """Return the numbers of elements for the number of cells of a nip."""
-    many = MANY_CELLS / 2 * (cells / MANY_CELLS) ** 0.6
-    inside = max(MIN_COLUMNS, cells // 2 if cells <= MANY_CELLS else round(many))
+    """Return the numbers of elements for the number of cells of a nip.
+    One column under the contact for two cells.  Above MANY_CELLS the number of columns varies as the
+    power 0.6 of the number of cells.
+    of that of the cells.
+    """
+    columns = MANY_CELLS / 2 * (cells / MANY_CELLS) ** 0.6
+    inside = max(MIN_COLUMNS, cells // 2 if cells <= MANY_CELLS else round(columns))
     return Fineness(inside, 8 + inside // 4, 4 + 3 * inside // 8)
 
 
@@ -214,7 +219,7 @@ def hardening_sections(
         np.vstack([mesh.on_quadrature_grid(stress[..., k]), np.zeros(grid_x.size)]) for k in (0, 2)
     )
 
-    def interpolated(values: Array, z: float, x: Array) -> Array:
+    def interpolate(values: Array, z: float, x: Array) -> Array:
         """Interpolate values on the quadrature grid at the depth z and the positions x."""
         k = int(np.clip(np.searchsorted(grid_r, ring.radius - z), 1, grid_r.size - 1))
         t = (ring.radius - z - grid_r[k - 1]) / np.diff(grid_r)[k - 1]
@@ -225,8 +230,8 @@ def hardening_sections(
         Section(
             linear.depth,
             linear.x,
-            linear.normal + interpolated(normal, linear.depth, linear.x),
-            linear.shear + interpolated(shear, linear.depth, linear.x),
+            linear.normal + interpolate(normal, linear.depth, linear.x),
+            linear.shear + interpolate(shear, linear.depth, linear.x),
         )
         for linear in cylinder_sections(x, p, q, depths, ring.radius, layers)
     )

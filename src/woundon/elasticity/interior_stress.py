@@ -65,12 +65,12 @@ Stiffness = tuple[float | None, ...]  # A_rr, A_tt, A_rt, G, and optionally D
 # end at MAX_HARMONICS; harmonics of tractions that vanish as a square root decrease as n^(-3/2).
 DAMPING = 10.0
 MIN_HARMONICS, MAX_HARMONICS = 64, 1 << 17
-# Points per wavelength of the last harmonic, and on the whole period: the largest stress on the
+# Points per wavelength of the last harmonic, and fewest on the period: the largest stress on the
 # grid is then within 0.1 % of that between the points.
-POINTS, MIN_POINTS = 2, 4096
-# Harmonics at which a cylinder is evaluated: all up to ALL, then with spacings of SPACING n.  The
-# difference between the cylinder and the half-plane is a smooth function of ln n.
-ALL, SPACING = 32, 0.06
+POINTS_PER_WAVE, MIN_POINTS = 2, 4096
+# Harmonics at which a cylinder is evaluated: every one up to this number, then with spacings of
+# SPACING n.  The difference between cylinder and half-plane is a smooth function of ln n.
+EVERY_HARMONIC_BELOW, SPACING = 32, 0.06
 # Relative difference of the roots below which they are taken as equal: the error is its square, and
 # the difference quotient would lose as many digits.
 EQUAL_ROOTS = 1e-5
@@ -111,21 +111,23 @@ def traction_harmonics(x: Array, f: Array, length: float, count: int) -> Array:
     Notes
     -----
     Integration by parts gives sums over the jumps of f at both ends and of its slope at the nodes.
-    With n = m j + l, exp(-i n t) is a product of two factors, so that all sums are a product of two
-    small matrices.
+    With n = m j + l, exp(-i n t) = exp(-i m j t) exp(-i l t), so that all sums are a product of two
+    small matrices, of the high digits j and the low digits l.
     """
     slope = np.diff(f) / np.diff(x)
     slope_jumps = np.diff(slope, prepend=0.0, append=0.0)
     block = 1 << ceil(log(count + 1, 2) / 2)
     t = -2j * pi * x / length
-    fine = np.exp(np.arange(block) * t[:, None])
-    coarse = np.exp(block * np.arange(-(-(count + 1) // block))[:, None] * t)
-    sums = ((coarse * slope_jumps) @ fine).ravel()[: count + 1]
-    ends = ((coarse[:, [0, -1]] * f[[0, -1]] * [1, -1]) @ fine[[0, -1]]).ravel()[: count + 1]
+    low_digits = np.exp(np.arange(block) * t[:, None])
+    high_digits = np.exp(block * np.arange(-(-(count + 1) // block))[:, None] * t)
+    sums = ((high_digits * slope_jumps) @ low_digits).ravel()[: count + 1]
+    end_jumps = ((high_digits[:, [0, -1]] * f[[0, -1]] * [1, -1]) @ low_digits[[0, -1]]).ravel()[
+        : count + 1
+    ]
     k = 2 * pi * np.arange(1, count + 1) / length
     out = np.empty(count + 1, dtype=complex)
     out[0] = np.trapezoid(f, x)
-    out[1:] = -sums[1:] / k**2 - 1j * ends[1:] / k
+    out[1:] = -sums[1:] / k**2 - 1j * end_jumps[1:] / k
     return out
 
 
@@ -145,10 +147,10 @@ def half_plane_sections(
     stiffness : (A_rr, A_tt, A_rt, G) or (A_rr, A_tt, A_rt, G, D)
         Plane-strain stiffness [Pa]; D as of :func:`.strip.stiffness_along`.
     """
-    roots, loads = _Roots.of(stiffness), _Loads(x, p, q, 2 * pi * radius)
+    roots, loads = _HalfPlaneRoots.of(stiffness), _SurfaceLoads(x, p, q, 2 * pi * radius)
     Q, sections = float(np.trapezoid(q, x)), []
     for z in depths.tolist():
-        n = np.arange(loads.count(roots.slowest * z) + 1)
+        n = np.arange(loads.harmonics_needed(roots.slowest_decay * z) + 1)
         section = loads.section(z, roots.transfer(n * (z / radius)))
         images = 2 * roots.mean * z * Q * pi / (3 * loads.period**2)
         sections.append(replace(section, shear=section.shear - images))
@@ -175,12 +177,13 @@ def cylinder_sections(
     """
     from scipy.interpolate import CubicSpline  # problems are read and written without SciPy
 
-    roots, loads = _Roots.of(layers[0][1:]), _Loads(x, p, q, 2 * pi * radius)
+    roots, loads = _HalfPlaneRoots.of(layers[0][1:]), _SurfaceLoads(x, p, q, 2 * pi * radius)
     sections = []
     for z in depths.tolist():
         y = -log1p(-z / radius)
-        n = np.arange(loads.count(roots.slowest * radius * y) + 1)
-        B, k = roots.transfer(n * y), _sampled(n.size - 1)
+        n = np.arange(loads.harmonics_needed(roots.slowest_decay * radius * y) + 1)
+        # B of the half-plane at all harmonics, plus the difference interpolated between the sampled
+        B, k = roots.transfer(n * y), _sampled_harmonics(n.size - 1)
         difference = traction_transfer(k, *_split_layers(layers, y), free) - B[:, :, k]
         B[:, :, 0] += difference[:, :, 0]
         B[:, :, 1:] += CubicSpline(np.log(k[1:]), difference[:, :, 1:], axis=2)(np.log(n[1:]))
@@ -188,10 +191,14 @@ def cylinder_sections(
     return tuple(sections)
 
 
-def _sampled(last: int) -> Array:
-    """Return the harmonics from 0 to the last at which a cylinder is evaluated, (k,) int."""
-    spaced = ALL * np.exp(np.arange(0.0, log(max(last / ALL, 1.0)), log1p(SPACING)))
-    return np.unique([*range(ALL + 1), *np.rint(spaced).astype(int).tolist(), last])
+def _sampled_harmonics(last: int) -> Array:
+    """Return the harmonics, of 0 to the last, at which a cylinder is evaluated, (k,) int."""
+    spaced = EVERY_HARMONIC_BELOW * np.exp(
+        np.arange(0.0, log(max(last / EVERY_HARMONIC_BELOW, 1.0)), log1p(SPACING))
+    )
+    return np.unique(
+        [*range(EVERY_HARMONIC_BELOW + 1), *np.rint(spaced).astype(int).tolist(), last]
+    )
 
 
 def _split_layers(layers: Layers, depth: float) -> tuple[Layers, Layers]:
@@ -209,7 +216,7 @@ def _split_layers(layers: Layers, depth: float) -> tuple[Layers, Layers]:
 
 
 @dataclass(frozen=True)
-class _Roots:
+class _HalfPlaneRoots:
     """The roots lambda_1,2 = m +- d of the half-plane: m, their product Pi, and d."""
 
     mean: float
@@ -217,7 +224,7 @@ class _Roots:
     half_difference: complex
 
     @classmethod
-    def of(cls, stiffness: Stiffness) -> _Roots:
+    def of(cls, stiffness: Stiffness) -> _HalfPlaneRoots:
         """Compute the roots from the plane-strain stiffness."""
         A_rr, A_tt, A_rt, G = (float(value or 0.0) for value in stiffness[:4])
         c11, c12, c22 = compliance(A_rr, A_tt, A_rt, *stiffness[4:])
@@ -226,7 +233,7 @@ class _Roots:
         return cls(mean, product, csqrt(mean**2 - product))
 
     @property
-    def slowest(self) -> float:
+    def slowest_decay(self) -> float:
         """Smaller real part of the two roots: harmonics decay as exp(-slowest k z)."""
         # Pi over the larger root, because m - d would cancel
         larger = self.mean + self.half_difference.real
@@ -235,24 +242,24 @@ class _Roots:
     def transfer(self, xi: Array) -> Array:
         """Return B at xi = n z/R, (2, 2, n)."""
         m, d, product = self.mean, self.half_difference, self.product
-        if abs(d) < EQUAL_ROOTS * m:
+        if abs(d) < EQUAL_ROOTS * m:  # the limit d = 0
             c = np.exp(-m * xi)
             s = xi * c
         else:
-            smaller = product / (m + d)  # m - d
-            fast, slow = np.exp(-(m + d) * xi), np.exp(-smaller * xi)
-            c, s = (fast + slow).real / 2, ((slow - fast) / (2 * d)).real
+            root_2 = product / (m + d)  # m - d without cancellation
+            decay_1, decay_2 = np.exp(-(m + d) * xi), np.exp(-root_2 * xi)
+            c, s = (decay_1 + decay_2).real / 2, ((decay_2 - decay_1) / (2 * d)).real
         return np.array([[c + m * s, s], [-product * s, c - m * s]])
 
 
-class _Loads:
+class _SurfaceLoads:
     """The Fourier coefficients of the tractions on a period."""
 
     def __init__(self, x: Array, p: Array, q: Array, period: float) -> None:
         self.x, self.tractions, self.period = x, (p, q), period
         self._harmonics = np.zeros((2, 0), dtype=complex)
 
-    def count(self, damping: float) -> int:
+    def harmonics_needed(self, damping: float) -> int:
         """Return the number of harmonics, from their decay exp(-2 pi n damping/period)."""
         needed = ceil(DAMPING * self.period / (2 * pi * damping))
         return min(max(needed, MIN_HARMONICS), MAX_HARMONICS)
@@ -265,7 +272,7 @@ class _Loads:
                 [traction_harmonics(self.x, f, self.period, count) for f in self.tractions]
             )
         p, q = self._harmonics[:, : count + 1]
-        size = max(POINTS << ceil(log(count, 2)), MIN_POINTS)
+        size = max(POINTS_PER_WAVE << ceil(log(count, 2)), MIN_POINTS)
         x = self.period * (np.arange(size) / size - 0.5)
         normal, shear = (
             np.roll(np.fft.irfft(harmonics, size) * (size / self.period), size // 2)

@@ -43,11 +43,12 @@ __all__ = ["Lag", "periodic_series"]
 Array = np.ndarray
 
 GAMMA = float(np.euler_gamma)
-PER_E = 16  # steps of the table in ln|t| per unit: the error of the quintics is 1e-10
+STEPS_PER_E = 16  # steps of the table per unit of ln|t|: the error of the quintics is 1e-10
 # Smallest distance in the table, relative to the largest, and to the shortest retardation length.
 SMALLEST_DISTANCE, SMALLEST_LENGTH = 1e-10, 0.01
 RANK_TOLERANCE = 1e-15  # singular value below which a kernel is a combination of others
-UPWARDS = 0.2  # eps above which the recurrence starts at P_0
+UPWARD_ABOVE = 0.2  # eps above which the recurrence starts at P_0
+# coefficients -H_k (-1)^k/k! of u^k, k = 2 ... 21, H_k the harmonic numbers
 SERIES = [-((-1) ** k) / factorial(k) * sum(1 / m for m in range(1, k + 1)) for k in range(2, 22)]
 
 
@@ -74,49 +75,50 @@ class Lag:
         return Lag(self.length, self.amplitude[kernel : kernel + 1], self.max_distance)
 
     def evaluate(self, t: Array, order: int = 0) -> Array:
-        """Return a derivative of the second integrals at t (k,) without the table, (kernels, k).
+        """Return second integrals, slopes or kernels at t (k,) in closed form, (kernels, k).
 
-        ``order`` 0: the second integrals, 1: their slopes, 2: the kernels.
+        ``order`` is that of the derivative of the second integrals: 0, 1 or 2.
         """
         return _sum_lengths(self.amplitude, _psi(self.length, t)[order])
 
     @cached_property
-    def _basis(self) -> tuple[Array, Array]:
-        """A basis of the amplitudes, (r, M), and the coefficients of the kernels, (kernels, r).
+    def _independent_lags(self) -> tuple[Array, Array]:
+        """Amplitudes of linearly independent lags, (r, M), and coefficients, (kernels, r).
 
-        Only linearly independent kernels are tabulated, found by singular values.
+        The kernels are combinations of the independent lags with these coefficients.  Only the
+        independent lags are tabulated; they follow from a singular value decomposition.
         """
         if len(self.amplitude) > 1:
             parts = np.hstack([self.amplitude.real, self.amplitude.imag])
-            left, values, rows = np.linalg.svd(parts, full_matrices=False)
-            independent = values > RANK_TOLERANCE * values[0]
+            U, singular_values, V = np.linalg.svd(parts, full_matrices=False)
+            independent = singular_values > RANK_TOLERANCE * singular_values[0]
             if not independent.all():
-                rows, M = rows[independent], self.length.size
-                coefficients = left[:, independent] * values[independent]
-                return rows[:, :M] + 1j * rows[:, M:], coefficients
+                V, M = V[independent], self.length.size
+                coefficients = U[:, independent] * singular_values[independent]
+                return V[:, :M] + 1j * V[:, M:], coefficients
         return self.amplitude, np.eye(len(self.amplitude))
 
     @cached_property
     def _steps(self) -> int:
-        """Steps of the table on either side of t = 0."""
+        """Number of steps of the table on either side of t = 0."""
         relative = SMALLEST_LENGTH * float(self.length.min()) / self.max_distance
-        return ceil(-log(min(SMALLEST_DISTANCE, relative)) * PER_E)
+        return ceil(-log(min(SMALLEST_DISTANCE, relative)) * STEPS_PER_E)
 
     @cached_property
     def _table(self) -> tuple[Array, Array]:
-        """Quintics in ln|t| of the basis, (6, r, 2 steps), and coefficients, (kernels, r).
+        """Quintics in ln|t| of the independent lags, (6, r, 2 steps), and the coefficients above.
 
         The steps of t < 0 precede those of t > 0.
         """
-        basis, coefficients = self._basis
+        amplitudes, coefficients = self._independent_lags
         lengths = tuple(self.length.tolist())
         tabulated = _tabulated_psi(lengths, self.max_distance, self._steps)
-        f, d, s = (_sum_lengths(basis, psi) for psi in tabulated)
-        step = _table_distances(self.max_distance, self._steps) / PER_E
-        # derivatives by ln|t|, in units of a step
-        values = np.array([f, d * step, s * step**2 + d * step / PER_E])
-        table = quintics(values.reshape(3, len(basis), 2, -1))
-        return np.moveaxis(table, -1, 0).reshape(6, len(basis), -1), coefficients
+        value, slope, second = (_sum_lengths(amplitudes, psi) for psi in tabulated)
+        step = _table_distances(self.max_distance, self._steps) / STEPS_PER_E
+        # derivatives by ln|t|, in units of a step: d/dln t = t d/dt
+        values = np.array([value, slope * step, second * step**2 + slope * step / STEPS_PER_E])
+        table = quintics(values.reshape(3, len(amplitudes), 2, -1))
+        return np.moveaxis(table, -1, 0).reshape(6, len(amplitudes), -1), coefficients
 
     def second_integral(self, negative: Array, logarithm: Array) -> Array:
         """Return the second integrals from the table, (kernels, *shape).
@@ -129,10 +131,11 @@ class Lag:
             ln|t|.
         """
         steps, (table, coefficients) = self._steps, self._table
-        x = (logarithm * PER_E).ravel()
-        x += steps - log(self.max_distance) * PER_E
-        below = np.exp(np.minimum(x, 0.0) * (2 / PER_E)) if x.min() < 0 else None
-        if below is not None:
+        x = (logarithm * STEPS_PER_E).ravel()
+        x += steps - log(self.max_distance) * STEPS_PER_E  # in steps; < 0 below the table
+        # below the smallest distance the second integrals vary about as t^2
+        small_t_factor = np.exp(np.minimum(x, 0.0) * (2 / STEPS_PER_E)) if x.min() < 0 else None
+        if small_t_factor is not None:
             np.maximum(x, 0.0, out=x)
         i = x.astype(np.intp)
         np.minimum(i, steps - 1, out=i)
@@ -144,8 +147,8 @@ class Lag:
             y += c[power]
             y *= x
         y += c[0]
-        if below is not None:  # below the smallest distance Psi varies about as t^2
-            y *= below
+        if small_t_factor is not None:
+            y *= small_t_factor
         return np.tensordot(coefficients, y.reshape(-1, *logarithm.shape), axes=1)
 
 
@@ -158,21 +161,25 @@ def _sum_lengths(amplitude: Array, psi: Psi) -> Array:
 
 
 def _psi(length: Array, t: Array) -> list[Psi]:
-    """Return Psi, Psi' and Psi'' = Phi at t (k,), for each length."""
+    """Return Psi, Psi' and Psi'' = Phi at t (k,), for each length.
+
+    The real parts are l K, K' and F/l.  Minus the imaginary parts are pi times the integrals of the
+    step e^{-u} H(u): l (u - 1 + e^{-u}), 1 - e^{-u} and e^{-u}/l for u > 0.
+    """
     scale, u = length[:, None], t / length[:, None]
-    downstream = np.maximum(u, 0.0)
-    decay = np.expm1(-downstream)  # e^{-u} - 1
-    steps = (decay + downstream, -decay, np.where(u > 0, 1 + decay, 0.0))
+    positive_u = np.maximum(u, 0.0)
+    decay = np.expm1(-positive_u)  # e^{-u} - 1
+    steps = (decay + positive_u, -decay, np.where(u > 0, 1 + decay, 0.0))
     scales = (scale, np.ones(1), 1 / scale)
     return [
         (factor * pole, pi * factor * step)
-        for factor, pole, step in zip(scales, _pole_integrals(u), steps, strict=True)
+        for factor, pole, step in zip(scales, _integrals_of_pole(u), steps, strict=True)
     ]
 
 
 def _table_distances(max_distance: float, steps: int) -> Array:
     """Return the t of the table: the negative ones, then the positive ones [m]."""
-    t = max_distance * np.exp(np.arange(-steps, 1) / PER_E)
+    t = max_distance * np.exp(np.arange(-steps, 1) / STEPS_PER_E)
     return np.concatenate([-t, t])
 
 
@@ -182,41 +189,46 @@ def _tabulated_psi(length: tuple[float, ...], max_distance: float, steps: int) -
     return _psi(np.array(length), _table_distances(max_distance, steps))
 
 
-def _pole_integrals(u: Array) -> tuple[Array, Array, Array]:
-    """Return K, K' and K'' = F = e^{-u} Ei(u); for |u| < 1 by their power series."""
+def _integrals_of_pole(u: Array) -> tuple[Array, Array, Array]:
+    """Return K, K' and K'' = F = e^{-u} Ei(u); for |u| < 1 by their power series.
+
+    With L = gamma + ln|u| and S = e^{-u} sum_{k>=1} u^k/(k k!) = -sum_{k>=1} H_k (-u)^k/k!,
+
+        F = e^{-u} L + S,    K' = L - F,    K = (u - 1) L - u + F.
+    """
     size = np.maximum(np.abs(u), 1e-300)
-    near = size < 1
+    is_small = size < 1
     logarithm = np.log(size) + GAMMA
     F = np.empty(u.shape)
-    F[~near] = _scaled_exponential_integral(u[~near])
-    z = u[near]
-    higher = np.full(z.size, SERIES[-1])  # terms of order u^2 and more of sum -H_k (-u)^k/k!
+    F[~is_small] = _scaled_exponential_integral(u[~is_small])
+    z = u[is_small]
+    higher = np.full(z.size, SERIES[-1])  # S - u by Horner's scheme
     for c in SERIES[-2::-1]:
         higher *= z
         higher += c
     higher *= z * z
-    log_near, decay, series = logarithm[near], np.expm1(-z), z + higher
-    F[near] = (1 + decay) * log_near + series
-    first, K = logarithm - F, (u - 1) * logarithm - u + F
-    first[near] = -decay * log_near - series
-    K[near] = (decay + z) * log_near + higher
-    return K, first, F
+    logarithm_small, decay, series = logarithm[is_small], np.expm1(-z), z + higher
+    F[is_small] = (1 + decay) * logarithm_small + series
+    slope, K = logarithm - F, (u - 1) * logarithm - u + F
+    slope[is_small] = -decay * logarithm_small - series
+    K[is_small] = (decay + z) * logarithm_small + higher
+    return K, slope, F
 
 
 def _scaled_exponential_integral(u: Array) -> Array:
     """Return F = e^{-u} Ei(u) for |u| >= 1; for |u| > 50 by its asymptotic series."""
     from scipy.special import exp1, expi  # problems are read and written without SciPy
 
-    far = np.abs(u) > 50
-    F, z = np.empty(u.shape), 1 / u[far]
+    is_asymptotic = np.abs(u) > 50
+    F, z = np.empty(u.shape), 1 / u[is_asymptotic]
     series = np.zeros(z.shape)
     for k in range(20, 0, -1):
         series = k * z * (1 + series)
-    F[far] = z * (1 + series)
-    z = u[~far]
+    F[is_asymptotic] = z * (1 + series)
+    z = u[~is_asymptotic]
     positive, Ei = z > 0, np.empty(z.size)
     Ei[positive], Ei[~positive] = expi(z[positive]), -exp1(-z[~positive])
-    F[~far] = np.exp(-z) * Ei
+    F[~is_asymptotic] = np.exp(-z) * Ei
     return F
 
 
@@ -225,7 +237,7 @@ def periodic_series(eps: Array) -> Array:
     p = polylogarithm(0).power
     out = np.empty((eps.size, p.size), dtype=complex)
     for P, e in zip(out, eps.tolist(), strict=True):
-        if e >= UPWARDS:
+        if e >= UPWARD_ABOVE:
             from scipy.special import psi
 
             start = 0

@@ -61,7 +61,7 @@ Array = np.ndarray
 # ln(outer/inner radius), A_rr, A_tt, A_rt, G, and optionally D if it is known more accurately
 Layer = tuple[float | None, ...]
 Layers = tuple[Layer, ...]  # outermost first
-Matrices = tuple[Array, Array, Array]  # E, Q, H
+SectionMatrices = tuple[Array, Array, Array]  # E, Q, H
 Factors = Callable[[Array], Array]
 
 
@@ -83,9 +83,9 @@ def stacked_compliance(
         n -> factors of the moduli of viscoelastic layers, (L, n) complex.
     """
     n = np.asarray(n, dtype=float)
-    system = Systems.of(*layers)
+    system = LayerSystems.of(*layers)
     parts = [
-        _on_core(system.stacked(block, factors and factors(block)), block, free)
+        _compliance_on_core(system.stack_matrices(block, factors and factors(block)), block, free)
         for block in _blocks(n.ravel(), layers)
     ]
     return np.concatenate(parts, axis=-1).reshape((2, 2, *n.shape))
@@ -114,33 +114,36 @@ def traction_transfer(n: Array, upper: Layers, lower: Layers, free: bool = False
     B = (I + H Y)^-1 A'.
     """
     n = np.asarray(n, dtype=float)
-    Y, system = stacked_compliance(n, lower, free), Systems.of(*upper)
-    stacks = (system.stacked(block) for block in _blocks(n, upper))
+    Y, system = stacked_compliance(n, lower, free), LayerSystems.of(*upper)
+    stacks = (system.stack_matrices(block) for block in _blocks(n, upper))
     E, _, H = (np.concatenate(parts, axis=-1) for parts in zip(*stacks, strict=True))
-    return _mul(_inverse_of_one_plus(_mul(H, Y)), _one_plus(E).swapaxes(0, 1))
+    return _product(_inverse_of_identity_plus(_product(H, Y)), _identity_plus(E).swapaxes(0, 1))
 
 
-def _on_core(stack: Matrices, n: Array, free: bool) -> Array:
+def _compliance_on_core(stack: SectionMatrices, n: Array, free: bool) -> Array:
     """Return Y_n of a stack on a rigid core, Y = Q, or with an open bore, Y = Q + A X A'.
 
-    X = H^-1 for n >= 2, and f f'/(f' H f) for n = 0, f = (1, 0), and n = 1, f = (1, 1)/sqrt(2).
+    X = H^-1 for n >= 2.  For the rigid motions n = 0 and n = 1, X = f f'/(f' H f) with f = (1, 0)
+    and f = (1, 1)/sqrt(2).
     """
     E, Q, H = stack
     if not free:
         return Q
-    A = _one_plus(E)
+    A = _identity_plus(E)
     (a, b), (c, d) = H
-    is_low, is_one = n < 2, n == 1
+    is_rigid_motion, is_one = n < 2, n == 1
     f = np.array([np.where(is_one, np.sqrt(0.5), 1.0), np.where(is_one, np.sqrt(0.5), 0.0)])
     fHf = f[0] * (a * f[0] + b * f[1]) + f[1] * (c * f[0] + d * f[1])
-    inverse = np.array([[d, -b], [-c, a]]) / np.where(is_low, 1.0, a * d - b * c)
-    projected = f[:, None] * f[None] / np.where(is_low, fHf, 1.0)
-    return Q + _mul(_mul(A, np.where(is_low, projected, inverse)), A.swapaxes(0, 1))
+    inverse = np.array([[d, -b], [-c, a]]) / np.where(is_rigid_motion, 1.0, a * d - b * c)
+    projected = f[:, None] * f[None] / np.where(is_rigid_motion, fHf, 1.0)
+    return Q + _product(
+        _product(A, np.where(is_rigid_motion, projected, inverse)), A.swapaxes(0, 1)
+    )
 
 
 @dataclass(frozen=True)
-class Systems:
-    """The coefficients of the linear system above for all layers.
+class LayerSystems:
+    """The linear systems of all layers, and the matrices E, Q, H that follow from them.
 
     Parameters
     ----------
@@ -151,7 +154,7 @@ class Systems:
     values: Array
 
     @classmethod
-    def of(cls, *layers: Layer) -> Systems:
+    def of(cls, *layers: Layer) -> LayerSystems:
         """Return the coefficients of layers, outermost first."""
         values = [
             (*layer[:5], (layer[5] if len(layer) > 5 else None) or stiffness_along(*layer[1:4]))  # type: ignore[arg-type]
@@ -170,15 +173,15 @@ class Systems:
         return self.values[5]
 
     @cached_property
-    def unit(self) -> Array:
+    def stress_scale(self) -> Array:
         """A stress that scales N and K to the same magnitude [Pa]."""
         return np.sqrt(self.D * np.minimum(self.values[1], self.values[4]))
 
     def roots(self, n: Array) -> tuple[Array, Array]:
         """Return lambda_1 + lambda_3 and lambda_1 lambda_3, the positive roots of thesis eq. (43).
 
-        For n = 0 their difference and minus their product; :meth:`thin` uses even functions of
-        them only, which are the same.
+        For n = 0 their difference and minus their product; :meth:`thin_layer_matrices` uses even
+        functions of them only, which are the same.
         """
         _, A_rr, A_tt, A_rt, G, D = self.values
         s = np.sqrt(A_rr * A_tt)
@@ -194,39 +197,43 @@ class Systems:
         rate[:, n < 2] = 0.0  # rotation and translation do not decay
         return np.minimum(self.depth, 20 / np.maximum(rate, 1e-300))
 
-    def stacked(self, n: Array, factors: Array | None = None) -> Matrices:
+    def stack_matrices(self, n: Array, factors: Array | None = None) -> SectionMatrices:
         """Return E, Q [1/Pa], H [Pa] of the stack of all layers, (2, 2, n)."""
-        E, Q, H = self.each(n)
+        E, Q, H = self.layer_matrices(n)
         if factors is not None:  # E depends on the ratios of a layer's moduli only
             Q, H = Q / factors, H * factors
         while E.shape[2] > 1:  # stack neighbours in pairs; an odd one waits for the next pass
             paired = E.shape[2] // 2 * 2
             upper, lower = (tuple(X[:, :, k:paired:2] for X in (E, Q, H)) for k in (0, 1))
-            pairs = star(lower, upper)  # type: ignore[arg-type]
+            pairs = star_product(lower, upper)  # type: ignore[arg-type]
             E, Q, H = (
                 np.concatenate([pair, X[:, :, paired:]], axis=2)
                 for pair, X in zip(pairs, (E, Q, H), strict=True)
             )
         return E[:, :, 0], Q[:, :, 0], H[:, :, 0]
 
-    def each(self, n: Array) -> Matrices:
-        """Return E, Q [1/Pa], H [Pa] of every layer by doubling a thin one, (2, 2, L, n)."""
+    def layer_matrices(self, n: Array) -> SectionMatrices:
+        """Return E, Q [1/Pa], H [Pa] of every layer, (2, 2, L, n).
+
+        A thin layer is doubled until it has the depth of the layer, or of the penetration of the
+        harmonic.
+        """
         _, A_rr, _, A_rt, G, _ = self.values
         depth = self.penetration_depth(n)
         m = np.maximum(n, 1.0)
         # a thin layer has |M| <= 1/8, so that the series of e^M converges rapidly
         size = np.maximum(np.maximum(A_rt / A_rr, 1.0), np.sqrt(self.D / np.minimum(A_rr, G)))
         doublings = max(0, ceil(log2(8 * (size * m * depth).max())))
-        layer = self.thin(n, depth / 2**doublings)
+        layer = self.thin_layer_matrices(n, depth / 2**doublings)
         for _ in range(doublings):
-            layer = star(layer, layer)
+            layer = star_product(layer, layer)
         E, Q, H = layer
-        return E, Q / (m * self.unit), H * (m * self.unit)
+        return E, Q / (m * self.stress_scale), H * (m * self.stress_scale)
 
-    def matrix(self, n: Array, h: Array) -> Array:
-        """Return M, h times the matrix of the system, stresses in n * unit, (L, n, 4, 4)."""
+    def system_matrix(self, n: Array, h: Array) -> Array:
+        """Return M, h times the matrix of d/dy (w, t), t in n * stress_scale, (L, n, 4, 4)."""
         _, A_rr, _, A_rt, G, _ = self.values
-        a, D, m = A_rt / A_rr, self.D, np.maximum(n, 1.0) * self.unit
+        a, D, m = A_rt / A_rr, self.D, np.maximum(n, 1.0) * self.stress_scale
         M = np.zeros((*h.shape, 4, 4))
         M[..., 0, 0], M[..., 0, 1], M[..., 1, 0], M[..., 1, 1] = -a, -a * n, n, 1.0
         M[..., 0, 2], M[..., 1, 3] = m / A_rr, m / G
@@ -236,9 +243,13 @@ class Systems:
         M[..., 2:, 2:] = -M[..., :2, :2].swapaxes(-1, -2)
         return M * h[..., None, None]
 
-    def thin(self, n: Array, h: Array) -> Matrices:
-        """Return E, Q, H of layers of depth h from e^M - I, stresses in n * unit."""
-        M = self.matrix(n, h)
+    def thin_layer_matrices(self, n: Array, h: Array) -> SectionMatrices:
+        """Return E, Q, H of layers of depth h, (2, 2, L, n), stresses in n * stress_scale.
+
+        With the 2 x 2 blocks of (w1, t1) = e^M (w0, t0) and e^M - I = [[., N], [K, L]],
+        t0 = (I + L)^-1 (t1 - K w0) gives A' = (I + L)^-1, H = A' K and Q = N A'.
+        """
+        M = self.system_matrix(n, h)
         total, product = self.roots(n)
         c = (product * h * h) ** 2
         b = (total * h) ** 2 - 2 * product * h * h
@@ -256,37 +267,37 @@ class Systems:
             alpha, beta = b * alpha + beta, -c * alpha
         square = M @ M
         f0, f1, f2, f3 = (f[..., None, None] for f in (f0, f1, f2, f3))
-        change = M + f1 * M + f2 * square + f3 * (square @ M) + f0 * np.eye(4)  # e^M - I
+        exp_minus_1 = M + f1 * M + f2 * square + f3 * (square @ M) + f0 * np.eye(4)
         # contiguous in the order of the following operations, which is a third faster
-        change = np.ascontiguousarray(np.moveaxis(change, (-2, -1), (0, 1)))
-        upper, lower, last = change[:2, 2:], change[2:, :2], change[2:, 2:]
-        inverse = _inverse_of_one_plus(last)
-        E = -_mul(inverse, last).swapaxes(0, 1)
-        return E, _mul(upper, inverse), _mul(inverse, lower)
+        exp_minus_1 = np.ascontiguousarray(np.moveaxis(exp_minus_1, (-2, -1), (0, 1)))
+        N, K, L = exp_minus_1[:2, 2:], exp_minus_1[2:, :2], exp_minus_1[2:, 2:]
+        inverse = _inverse_of_identity_plus(L)
+        E = -_product(inverse, L).swapaxes(0, 1)
+        return E, _product(N, inverse), _product(inverse, K)
 
 
-def star(lower: Matrices, upper: Matrices) -> Matrices:
+def star_product(lower: SectionMatrices, upper: SectionMatrices) -> SectionMatrices:
     """Return E, Q, H of one layer on another (Redheffer star product)."""
     E_a, Q_a, H_a = lower
     E_b, Q_b, H_b = upper
-    A_a = _one_plus(E_a)
-    A_b = A_a if upper is lower else _one_plus(E_b)
-    S = _inverse_of_one_plus(_mul(Q_a, H_b))
-    AQ, HSA = _mul(A_b, Q_a), _mul(H_b, _mul(S, A_a))
+    A_a = _identity_plus(E_a)
+    A_b = A_a if upper is lower else _identity_plus(E_b)
+    S = _inverse_of_identity_plus(_product(Q_a, H_b))
+    AQ, HSA = _product(A_b, Q_a), _product(H_b, _product(S, A_a))
     # E = A S A - I without cancellation, by I - S = Q H S; S Q = Q S' by symmetry
-    E = E_a + E_b + _mul(E_b, E_a) - _mul(AQ, HSA)
-    Q = Q_b + _mul(AQ, _mul(A_b, S).swapaxes(0, 1))
-    return E, Q, H_a + _mul(A_a.swapaxes(0, 1), HSA)
+    E = E_a + E_b + _product(E_b, E_a) - _product(AQ, HSA)
+    Q = Q_b + _product(AQ, _product(A_b, S).swapaxes(0, 1))
+    return E, Q, H_a + _product(A_a.swapaxes(0, 1), HSA)
 
 
-def _mul(X: Array, Y: Array) -> Array:
+def _product(X: Array, Y: Array) -> Array:
     """Multiply 2 x 2 matrices, shape (2, 2, ...)."""
     product: Array = X[:, :1] * Y[:1]
     product += X[:, 1:] * Y[1:]
     return product
 
 
-def _one_plus(E: Array) -> Array:
+def _identity_plus(E: Array) -> Array:
     """Return I + E of 2 x 2 matrices, shape (2, 2, ...)."""
     A = E.copy()
     A[0, 0] += 1
@@ -294,7 +305,7 @@ def _one_plus(E: Array) -> Array:
     return A
 
 
-def _inverse_of_one_plus(X: Array) -> Array:
+def _inverse_of_identity_plus(X: Array) -> Array:
     """Return (I + X)^-1 of 2 x 2 matrices, shape (2, 2, ...)."""
     (a, b), (c, d) = X
     det = 1 + (a + d) + (a * d - b * c)

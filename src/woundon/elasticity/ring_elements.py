@@ -28,7 +28,7 @@ from scipy import sparse
 from scipy.interpolate import CubicSpline
 from scipy.sparse.linalg import SuperLU, splu
 
-__all__ = ["Factors", "Fineness", "RingMesh", "Topology", "topology"]
+__all__ = ["Factors", "Fineness", "RingMesh", "Topology", "ring_topology"]
 
 Array = np.ndarray
 
@@ -64,8 +64,8 @@ class Topology:
     ----------
     value, by_x, by_r : (9, 9) arrays
         Shape functions on the unit square at nine points, (function, point), and derivatives.
-    at : (2, 9) array
-        The points, ``weights`` (9,) theirs.
+    points : (2, 9) array
+        The quadrature points on the unit square; ``weights`` (9,) belong to them.
     nodes : (e, 9) int array
         Nodes of each element, numbered along x, circle after circle from the core.
     column, row : (e,) int arrays
@@ -77,7 +77,7 @@ class Topology:
     value: Array
     by_x: Array
     by_r: Array
-    at: Array
+    points: Array
     weights: Array
     nodes: Array
     column: Array
@@ -120,28 +120,28 @@ class Topology:
         """Assemble element vectors (e, 18)."""
         return np.bincount(self.unknowns.ravel() + 1, elements.ravel(), self.size + 1)[1:]
 
-    def of_elements(self, u: Array) -> Array:
+    def element_unknowns(self, u: Array) -> Array:
         """Return the unknowns of each element, zero at the core, (e, 18)."""
         return np.asarray(np.append(u, 0.0)[self.unknowns])
 
-    def on_nodes(self, u: Array) -> Array:
+    def nodal_field(self, u: Array) -> Array:
         """Return v and u of the nodes, (2 rows + 1, 2 columns, 2)."""
         return np.asarray(np.append(u, 0.0)[self.numbers])
 
 
 @lru_cache(maxsize=16)
-def topology(columns: int, rows: int) -> Topology:
+def ring_topology(columns: int, rows: int) -> Topology:
     """Return shape functions and numbering of a ring."""
     from skfem import Basis, ElementQuad2, MeshQuad  # only hardening rolls need it
 
     mesh = MeshQuad.init_tensor(np.arange(columns + 1.0), np.arange(rows + 1.0))
     basis = Basis(mesh, ElementQuad2(), intorder=5)
-    at, weights = basis.quadrature
-    shapes = [basis.elem.lbasis(at, k) for k in range(9)]
+    points, weights = basis.quadrature
+    shapes = [basis.elem.lbasis(points, k) for k in range(9)]
     corner = mesh.p[:, mesh.t].min(axis=1)
     # all elements are unit squares with the same orientation
-    local = basis.mapping.F(at)[:, 0] - corner[:, :1]
-    inverse = np.linalg.inv(basis.mapping.DF(at)[:, :, 0, 0])
+    local = basis.mapping.F(points)[:, 0] - corner[:, :1]
+    inverse = np.linalg.inv(basis.mapping.DF(points)[:, :, 0, 0])
     by_x, by_r = np.einsum("ji,kjq->ikq", inverse, np.array([slopes for _, slopes in shapes]))
     column, row = corner.astype(int)
     x, r = np.rint(2 * basis.doflocs).astype(int)
@@ -156,24 +156,31 @@ def topology(columns: int, rows: int) -> Topology:
         nodes,
         column,
         row,
-        _numbers(nodes, 2 * columns, 2 * rows),
+        _number_unknowns(nodes, 2 * columns, 2 * rows),
     )
 
 
-def _numbers(nodes: Array, columns: int, rows: int) -> Array:
+def _number_unknowns(nodes: Array, columns: int, rows: int) -> Array:
     """Number v and u of every node: core -1, interior by minimum degree, surface last.
+
+    The ordering of the interior nodes reduces the fill-in of the factors.
 
     Parameters
     ----------
     nodes : (e, 9) int array
     columns, rows : int
         Nodes along a circle, and intervals between the circles of nodes.
+
+    Returns
+    -------
+    (rows + 1, columns, 2) int array
     """
     interior = columns * (rows - 1)
     ids = np.where(nodes < columns * rows, nodes - columns, -1)
     i, j = np.broadcast_arrays(ids[:, :, None], ids[:, None, :])
     used = (i >= 0) & (j >= 0)
-    entries = np.where(i == j, 100.0, 1.0)[used]  # any regular matrix with this pattern
+    # a diagonally dominant matrix with the pattern of K: SuperLU returns the ordering
+    entries = np.where(i == j, 100.0, 1.0)[used]
     graph = sparse.csc_matrix((entries, (i[used], j[used])), shape=(interior, interior))
     order = np.full(columns * (rows + 1), -1)
     order[columns : columns * rows] = _factorise(graph, "MMD_AT_PLUS_A").perm_c
@@ -208,7 +215,7 @@ class Factors:
         """Displacements of the surface by the forces on it, (2, k, 2, k)."""
         shape = self._surface.shape
         first = self._lu.shape[0] - self._surface.size
-        L, U = (part[first:, first:].toarray() for part in (self._lu.L, self._lu.U))
+        L, U = (fraction[first:, first:].toarray() for fraction in (self._lu.L, self._lu.U))
         k = (self._surface - first).ravel()
         return np.linalg.inv(L @ U)[np.ix_(k, k)].reshape(shape + shape)
 
@@ -227,7 +234,7 @@ class RingMesh:
 
     def __init__(self, radius: float, core_radius: float, fineness: Fineness, a: float) -> None:
         self.radius, self.half_width, self.fineness = radius, a, fineness
-        self.topology = topology(fineness.columns, fineness.rows)
+        self.topology = ring_topology(fineness.columns, fineness.rows)
         t = np.arange(fineness.inside + 1) / fineness.inside
         inside = a * (2 * t**2 / (t**2 + (1 - t) ** 2) - 1)
         first = inside[1] - inside[0]
@@ -262,10 +269,10 @@ class RingMesh:
             np.append(self.nodes, self.x[-1]), np.vstack([one, one[:1]]), bc_type="periodic"
         )
 
-    def splines(self, at: Array) -> tuple[Array, Array]:
+    def splines(self, x: Array) -> tuple[Array, Array]:
         """Return values and slopes at x of the splines through unit nodal values, (n, k) each."""
-        at = (at - self.x[0]) % self.period + self.x[0]
-        return self._spline(at), self._spline(at, 1)
+        x = (x - self.x[0]) % self.period + self.x[0]
+        return self._spline(x), self._spline(x, 1)
 
     def hats(self, nodes: Array) -> Array:
         """Return the nodal forces (k, n) of tractions that are hat functions on n nodes x.
@@ -273,19 +280,22 @@ class RingMesh:
         The products of hat and shape functions are integrated by Gauss's rule between the nodes of
         both.
         """
-        corners, columns = self.x[:-1], self.x.size - 1
-        around = np.concatenate([corners - self.period, corners, self.x + self.period])
-        cuts = np.union1d(nodes, around[(around > nodes[0]) & (around < nodes[-1])])
-        at = np.concatenate([(cuts[1:] + cuts[:-1]) / 2 + s * np.diff(cuts) for s in GAUSS])
-        weight = np.tile(np.diff(cuts) / 2, 2)
-        e, k = np.searchsorted(around, at) - 1, np.searchsorted(nodes, at) - 1
-        t = (at - around[e]) / (around[e + 1] - around[e])
-        part = (at - nodes[k]) / (nodes[k + 1] - nodes[k])
+        columns = self.x.size - 1
+        # the ring is closed: three turns contain every x of the contact
+        corners = np.concatenate([self.x[:-1] - self.period, self.x[:-1], self.x + self.period])
+        inside = corners[(corners > nodes[0]) & (corners < nodes[-1])]
+        breakpoints = np.union1d(nodes, inside)
+        middle, h = (breakpoints[1:] + breakpoints[:-1]) / 2, np.diff(breakpoints)
+        x, weight = np.concatenate([middle + s * h for s in GAUSS]), np.tile(h / 2, 2)
+        e, k = np.searchsorted(corners, x) - 1, np.searchsorted(nodes, x) - 1
+        t = (x - corners[e]) / (corners[e + 1] - corners[e])  # in element e
+        fraction = (x - nodes[k]) / (nodes[k + 1] - nodes[k])  # in cell k of the contact
         out = np.zeros((2 * columns, nodes.size))
+        # the three quadratic shape functions of an element's edge
         for j, shape in enumerate(((1 - t) * (1 - 2 * t), 4 * t * (1 - t), t * (2 * t - 1))):
             row = (2 * e + j) % (2 * columns)
-            np.add.at(out, (row, k), weight * shape * (1 - part))
-            np.add.at(out, (row, k + 1), weight * shape * part)
+            np.add.at(out, (row, k), weight * shape * (1 - fraction))
+            np.add.at(out, (row, k + 1), weight * shape * fraction)
         return out
 
     # ---- the elements --------------------------------------------------------------------------
@@ -293,40 +303,45 @@ class RingMesh:
     @property
     def quadrature_grid(self) -> tuple[Array, Array]:
         """The quadrature points, ascending x (3 columns,) and r (3 rows,) [m]."""
-        top = self.topology
-        a, b = (np.unique(np.round(at, 12)) for at in top.at)
+        topology = self.topology
+        a, b = (np.unique(np.round(coordinate, 12)) for coordinate in topology.points)
         x = (self.x[:-1, None] + np.diff(self.x)[:, None] * a).ravel()
         return x, (self.r[:-1, None] + np.diff(self.r)[:, None] * b).ravel()
 
     def on_quadrature_grid(self, values: Array) -> Array:
         """Return values (e, 9) at the points of :attr:`quadrature_grid`, (3 rows, 3 columns)."""
-        top = self.topology
-        i, j = (np.unique(np.round(at, 12), return_inverse=True)[1] for at in top.at)
+        topology = self.topology
+        i, j = (
+            np.unique(np.round(coordinate, 12), return_inverse=True)[1]
+            for coordinate in topology.points
+        )
         out = np.empty((3 * self.fineness.rows, 3 * self.fineness.columns))
-        out[3 * top.row[:, None] + j, 3 * top.column[:, None] + i] = values
+        out[3 * topology.row[:, None] + j, 3 * topology.column[:, None] + i] = values
         return out
 
     @cached_property
-    def heights(self) -> Array:
+    def quadrature_radii(self) -> Array:
         """r at the quadrature points of each element, (e, 9) [m]."""
-        top = self.topology
-        return np.asarray(self.r[top.row, None] + np.diff(self.r)[top.row, None] * top.at[1])
+        topology = self.topology
+        return np.asarray(
+            self.r[topology.row, None] + np.diff(self.r)[topology.row, None] * topology.points[1]
+        )
 
     @cached_property
     def weights(self) -> Array:
         """Quadrature weights of the area r dr dtheta = (r/R) dr dx, (e, 9) [m2]."""
-        top = self.topology
-        area = np.diff(self.x)[top.column] * np.diff(self.r)[top.row]
-        return np.asarray(top.weights * area[:, None] * self.heights / self.radius)
+        topology = self.topology
+        area = np.diff(self.x)[topology.column] * np.diff(self.r)[topology.row]
+        return np.asarray(topology.weights * area[:, None] * self.quadrature_radii / self.radius)
 
     @cached_property
     def _strains(self) -> Array:
         """B: e_r, e_t, gamma at the quadrature points by the unknowns of elements, (e, 27, 18)."""
-        top, r = self.topology, self.heights
-        width, height = np.diff(self.x)[top.column, None], np.diff(self.r)[top.row]
-        N_x = (self.radius / (r * width))[..., None] * top.by_x.T  # (R/r) dN/dx
-        N_r = top.by_r.T / height[:, None, None]
-        N = top.value.T / r[..., None]  # N/r
+        topology, r = self.topology, self.quadrature_radii
+        width, height = np.diff(self.x)[topology.column, None], np.diff(self.r)[topology.row]
+        N_x = (self.radius / (r * width))[..., None] * topology.by_x.T  # (R/r) dN/dx
+        N_r = topology.by_r.T / height[:, None, None]
+        N = topology.value.T / r[..., None]  # N/r
         B = np.zeros((*r.shape, 3, 18))
         B[:, :, 0, 0::2] = N_r
         B[:, :, 1, 0::2], B[:, :, 1, 1::2] = N, N_x
@@ -335,7 +350,7 @@ class RingMesh:
 
     def strain(self, u: Array) -> Array:
         """Return e_r, e_t, gamma of the displacements u at the quadrature points, (e, 9, 3)."""
-        strain = self._strains @ self.topology.of_elements(u)[:, :, None]
+        strain = self._strains @ self.topology.element_unknowns(u)[:, :, None]
         return strain.reshape(-1, 9, 3)
 
     def forces(self, stress: Array) -> Array:
@@ -344,15 +359,15 @@ class RingMesh:
         return self.topology.vector(elements)
 
     def stiffness(self, tangent: Array) -> Factors:
-        """Return the factored stiffness matrix of moduli (e, 9, 3, 3)."""
+        """Return the factored stiffness matrix K = int B^T D B dV of moduli D (e, 9, 3, 3)."""
         B = self._strains
-        right = (tangent * self.weights[..., None, None]) @ B.reshape(-1, 9, 3, 18)
-        elements = B.transpose(0, 2, 1) @ right.reshape(-1, 27, 18)
+        D_B = (tangent * self.weights[..., None, None]) @ B.reshape(-1, 9, 3, 18)
+        elements = B.transpose(0, 2, 1) @ D_B.reshape(-1, 27, 18)
         return Factors(self.topology, self.topology.matrix(elements))
 
     def interpolate(self, u: Array, other: RingMesh) -> Array:
         """Interpolate displacements u of another mesh linearly on this one."""
-        field = other.topology.on_nodes(u)
+        field = other.topology.nodal_field(u)
         x = np.append(other.nodes, other.x[-1])
         closed = np.concatenate([field, field[:, :1]], axis=1)
         k = np.clip(np.searchsorted(x, self.nodes, "right") - 1, 0, x.size - 2)

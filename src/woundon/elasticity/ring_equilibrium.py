@@ -28,7 +28,7 @@ import numpy as np
 from scipy.integrate import solve_bvp
 from scipy.sparse.linalg import LinearOperator, cg
 
-from .hardening import HardeningLaw, Stressed
+from .hardening import HardeningLaw, StressState
 from .ring_elements import Factors, Fineness, RingMesh
 
 __all__ = ["NoEquilibrium", "RingPair", "RingState", "uniform_strain"]
@@ -43,11 +43,11 @@ MAX_ITERATIONS = 200
 LARGEST_CHANGE = 1.0
 # K is factorised again if a step reduces the residual by less than this factor.  A factorisation
 # costs about ten steps; factors of 0.05 to 0.5 take the same time.
-SLOW = 0.3
+SLOWEST_RATE = 0.3
 # A factorisation that reduces the residual by this factor is an accurate tangent.
-ACCURATE = 1e-2
+ACCURATE_RATE = 1e-2
 # Change of ln a up to which the compliance of the linear ring is reused in a tangent.
-NEAR = 0.02
+REUSE_DISTANCE = 0.02
 CONJUGATE_GRADIENTS = 100
 # Initial nodes and relative tolerance of the ring under a uniform pressure, whose strain is a small
 # part of that of the web.
@@ -67,7 +67,7 @@ class RingState:
     mesh : RingMesh
     u : array
         Displacements [m].
-    stressed : Stressed
+    stress_state : StressState
         Stresses, moduli and pressure at the quadrature points.
     residual : float
         Largest residual of the nodal forces, relative to the sum of the given forces.
@@ -79,20 +79,20 @@ class RingState:
 
     mesh: RingMesh
     u: Array
-    stressed: Stressed
+    stress_state: StressState
     residual: float
     factors: Factors
     accurate: bool
 
     @property
-    def lowest(self) -> float:
+    def min_pressure(self) -> float:
         """Smallest pressure in the ring [Pa]."""
-        return float(self.stressed.pressure.min())
+        return float(self.stress_state.pressure.min())
 
     @property
     def max_pressure(self) -> float:
         """Largest pressure in the ring [Pa]."""
-        return float(self.stressed.pressure.max())
+        return float(self.stress_state.pressure.max())
 
 
 class RingPair:
@@ -103,7 +103,7 @@ class RingPair:
     radius, core_radius : float
         R and R0 [m].
     law : HardeningLaw
-    wound : callable
+    wound_pressure : callable
         P0(r) [Pa], vectorised.
     """
 
@@ -112,9 +112,10 @@ class RingPair:
         radius: float,
         core_radius: float,
         law: HardeningLaw,
-        wound: Callable[[Array], Array],
+        wound_pressure: Callable[[Array], Array],
     ) -> None:
-        self.radius, self.core_radius, self.law, self.wound = radius, core_radius, law, wound
+        self.radius, self.core_radius = radius, core_radius
+        self.law, self.wound_pressure = law, wound_pressure
         self._latest: RingState | None = None
         self._reference: tuple[RingMesh, Factors] | None = None
         self.factorisations = 0
@@ -122,7 +123,7 @@ class RingPair:
     @property
     def stiffness(self) -> tuple[float, float, float, float]:
         """A_rr, A_tt, A_rt, G of the linear ring: those of the wound surface [Pa]."""
-        return self.law.stiffness(float(self.wound(np.array(self.radius))))
+        return self.law.stiffness(float(self.wound_pressure(np.array(self.radius))))
 
     def mesh(self, fineness: Fineness, a: float) -> RingMesh:
         """Return the elements for a half width."""
@@ -149,7 +150,7 @@ class RingPair:
         try:
             if latest is None:
                 state = self._newton(mesh, f, zero)
-            elif latest.mesh.fineness == mesh.fineness:
+            elif latest.mesh.fineness == mesh.fineness:  # displacements scale with the mesh
                 u = latest.u * (mesh.half_width / latest.mesh.half_width)
                 state = self._newton(mesh, f, u, latest)
             else:
@@ -162,7 +163,7 @@ class RingPair:
         return state
 
     def _newton(
-        self, mesh: RingMesh, f: Array, u: Array, near: RingState | None = None
+        self, mesh: RingMesh, f: Array, u: Array, neighbour: RingState | None = None
     ) -> RingState:
         """Solve F(u) = f by the modified Newton method.
 
@@ -171,51 +172,64 @@ class RingPair:
         mesh : RingMesh
         f, u : arrays
             Forces, and the initial guess of the displacements.
-        near : RingState, optional
+        neighbour : RingState, optional
             A neighbouring state, whose pressures and factorisation are used.
         """
-        wound, unit = self.wound(mesh.heights), float(np.sum(np.abs(f))) or 1.0
+        P0, load_sum = self.wound_pressure(mesh.quadrature_radii), float(np.sum(np.abs(f))) or 1.0
         pressure, factors, accurate = None, None, False
-        if near is not None:
-            pressure, factors, accurate = near.stressed.pressure, near.factors, near.accurate
-        stressed = self.law.stressed(mesh.strain(u), wound, pressure)
-        # rate: slowest reduction of the residual by a step with these factors
-        previous, rate, is_own = np.inf, 0.0, False
+        if neighbour is not None:
+            pressure, factors = neighbour.stress_state.pressure, neighbour.factors
+            accurate = neighbour.accurate
+        stress_state = self.law.stress_state(mesh.strain(u), P0, pressure)
+        # rate: largest ratio of successive residuals with these factors
+        last_residual, rate, is_refactorised = np.inf, 0.0, False
         for _ in range(MAX_ITERATIONS):
-            imbalance = f - mesh.forces(stressed.stress)
-            residual = float(np.max(np.abs(imbalance))) / unit
-            if is_own and residual <= ROUNDING and residual > previous / 2:
+            residual_forces = f - mesh.forces(stress_state.stress)
+            residual = float(np.max(np.abs(residual_forces))) / load_sum
+            if is_refactorised and residual <= ROUNDING and residual > last_residual / 2:
                 break
-            if previous < np.inf:
-                rate = max(rate, residual / previous)
-                accurate = rate <= ACCURATE
+            if last_residual < np.inf:
+                rate = max(rate, residual / last_residual)
+                accurate = rate <= ACCURATE_RATE
             if residual <= TOLERANCE:
                 break
-            previous = residual
-            if factors is None or rate > SLOW:
-                factors, rate, is_own = self._factorise(mesh, stressed.tangent), 0.0, True
+            last_residual = residual
+            if factors is None or rate > SLOWEST_RATE:
+                factors, rate, is_refactorised = (
+                    self._factorise(mesh, stress_state.tangent),
+                    0.0,
+                    True,
+                )
                 accurate = True
-            u, stressed = self._advance(mesh, wound, u, factors.solve(imbalance), stressed, f)
+            u, stress_state = self._advance(
+                mesh, P0, u, factors.solve(residual_forces), stress_state, f
+            )
         else:
             raise NoEquilibrium(f"the roll has no equilibrium: residual {residual:.2g}")
         if factors is None:
-            factors, accurate = self._factorise(mesh, stressed.tangent), True
-        return RingState(mesh, u, stressed, residual, factors, accurate)
+            factors, accurate = self._factorise(mesh, stress_state.tangent), True
+        return RingState(mesh, u, stress_state, residual, factors, accurate)
 
     def _advance(
-        self, mesh: RingMesh, wound: Array, u: Array, step: Array, stressed: Stressed, f: Array
-    ) -> tuple[Array, Stressed]:
-        """Take a damped step: ln E_r changes by at most 1, and the energy does not increase."""
-        E_slope = self.law.radial.modulus_slope(stressed.pressure)
+        self, mesh: RingMesh, P0: Array, u: Array, step: Array, stress_state: StressState, f: Array
+    ) -> tuple[Array, StressState]:
+        """Take a damped step: ln E_r changes by at most 1, and the energy does not increase.
+
+        The step is halved until the derivative of the energy along it, (F(u) - f).step at its end,
+        is at most half of the descent at its start.
+        """
+        E_slope = self.law.radial.modulus_slope(stress_state.pressure)
         change = float(np.max(np.abs(E_slope * mesh.strain(step)[..., 0])))
         damping = min(1.0, LARGEST_CHANGE / change) if change > 0 else 1.0
-        descent = (f - mesh.forces(stressed.stress)) @ step
+        descent = (f - mesh.forces(stress_state.stress)) @ step
         for _ in range(30):
-            new = self.law.stressed(mesh.strain(u + damping * step), wound, stressed.pressure)
-            if (mesh.forces(new.stress) - f) @ step <= descent / 2:
+            stepped = self.law.stress_state(
+                mesh.strain(u + damping * step), P0, stress_state.pressure
+            )
+            if (mesh.forces(stepped.stress) - f) @ step <= descent / 2:
                 break
             damping /= 2
-        return u + damping * step, new
+        return u + damping * step, stepped
 
     def _factorise(self, mesh: RingMesh, moduli: Array) -> Factors:
         """Factorise the stiffness matrix of moduli (e, 9, 3, 3)."""
@@ -237,29 +251,35 @@ class RingPair:
         u = factors.solve(f)
         if factorised is mesh:
             return u
-        moduli, unit = self._moduli, float(np.linalg.norm(f))
+        moduli, load_norm = self._moduli, float(np.linalg.norm(f))
+        # preconditioned conjugate gradients for K u = f, K as an operator on the elements
         K = LinearOperator((size, size), lambda v: mesh.forces(mesh.strain(v.ravel()) @ moduli))
         M = LinearOperator((size, size), factors.solve)
-        u, info = cg(K, f, u, rtol=0.0, atol=TOLERANCE * unit, maxiter=CONJUGATE_GRADIENTS, M=M)
+        u, info = cg(
+            K, f, u, rtol=0.0, atol=TOLERANCE * load_norm, maxiter=CONJUGATE_GRADIENTS, M=M
+        )
         if info:
             _, factors = self._linear_factors(mesh, 0.0)
             u = factors.solve(f)
         return u
 
-    def _linear_factors(self, mesh: RingMesh, near: float) -> tuple[RingMesh, Factors]:
+    def _linear_factors(self, mesh: RingMesh, distance: float) -> tuple[RingMesh, Factors]:
         """Return a factorisation of the linear ring and its mesh.
 
-        It is reused if the half width of its mesh differs by less than ``near`` in ln a.
+        It is reused if the half width of its mesh differs by less than ``distance`` in ln a.
         """
-        known = self._reference
+        reference = self._reference
         if (
-            known is None
-            or known[0].fineness != mesh.fineness
-            or (known[0] is not mesh and abs(log(known[0].half_width / mesh.half_width)) >= near)
+            reference is None
+            or reference[0].fineness != mesh.fineness
+            or (
+                reference[0] is not mesh
+                and abs(log(reference[0].half_width / mesh.half_width)) >= distance
+            )
         ):
             moduli = np.broadcast_to(self._moduli, (*mesh.weights.shape, 3, 3))
-            known = self._reference = mesh, self._factorise(mesh, moduli)
-        return known
+            reference = self._reference = mesh, self._factorise(mesh, moduli)
+        return reference
 
     @property
     def _moduli(self) -> Array:
@@ -276,16 +296,16 @@ class RingPair:
     def stress_difference(self, state: RingState, forces: Array) -> Array:
         """Return sigma_r, sigma_t and tau of a state minus those of the linear ring, (e, 9, 3)."""
         linear = state.mesh.strain(self.linear_displacements(state.mesh, forces))
-        return np.asarray(state.stressed.stress - linear @ self._moduli)
+        return np.asarray(state.stress_state.stress - linear @ self._moduli)
 
     def tangent(self, state: RingState) -> Array:
         """Return the derivative of :meth:`difference` by the nodal forces, (2, k, 2, k)."""
         factors = state.factors
         if not state.accurate:
-            factors = self._factorise(state.mesh, state.stressed.tangent)
+            factors = self._factorise(state.mesh, state.stress_state.tangent)
             if self._latest is state:
                 self._latest = replace(state, factors=factors, accurate=True)
-        _, linear = self._linear_factors(state.mesh, NEAR)
+        _, linear = self._linear_factors(state.mesh, REUSE_DISTANCE)
         return factors.compliance - linear.compliance
 
 
@@ -299,18 +319,20 @@ def uniform_strain(ring: RingPair, pressure: float) -> float:
     law, R, R0 = ring.law, ring.radius, ring.core_radius
 
     def rates(r: Array, y: Array) -> Array:
+        """Return dv/dr and ds_r/dr of y = (v, s_r)."""
         v, s_r = y
-        wound = ring.wound(r)
+        P0 = ring.wound_pressure(r)
         s_t = law.tangential * v / r + law.poissons_ratio * s_r
-        e_r = law.radial.strain_at(wound) - law.radial.strain_at(wound - s_r)
+        e_r = law.radial.strain_at(P0) - law.radial.strain_at(P0 - s_r)
         return np.array([e_r - law.poissons_ratio / law.tangential * s_t, (s_t - s_r) / r])
 
     def boundary(core: Array, surface: Array) -> Array:
+        """Return the residuals of v(R0) = 0 and s_r(R) = -p."""
         return np.array([core[0] / R, surface[1] / pressure + 1])
 
     r = R - (R - R0) * np.linspace(1, 0, UNIFORM_NODES) ** 3  # the pressure decays from the surface
-    start = np.stack([np.zeros(r.size), np.full(r.size, -pressure)])
-    solution = solve_bvp(rates, boundary, r, start, tol=UNIFORM_TOLERANCE, max_nodes=20_000)
+    initial_guess = np.stack([np.zeros(r.size), np.full(r.size, -pressure)])
+    solution = solve_bvp(rates, boundary, r, initial_guess, tol=UNIFORM_TOLERANCE, max_nodes=20_000)
     if not solution.success:
         raise NoEquilibrium(f"the ring under a uniform pressure: {solution.message}")
     return float(solution.y[0, -1] / R)

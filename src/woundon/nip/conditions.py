@@ -88,7 +88,7 @@ def body_equilibrium(
     out = {}
     for name, surface, load in zip(problem.pair, surfaces, loads, strict=True):
         if isinstance(surface, HardeningSurface):
-            if text := surface.outside(*load):
-                raise InvalidProblem.at(name, text)
+            if message := surface.range_message(*load):
+                raise InvalidProblem.at(name, message)
             out[f"{name}_equilibrium"] = surface.residual(*load)
     return out
