@@ -180,9 +180,9 @@ class HardeningSurface:
 
 def ring_fineness(cells: int) -> Fineness:
     """Return the numbers of elements for the number of cells of a nip.
-    One column under the contact for two cells.  Above MANY_CELLS the number of columns varies as the
-    power 0.6 of the number of cells.
-    of that of the cells.
+
+    One column under the contact for two cells.  Above MANY_CELLS the number of columns varies as
+    the power 0.6 of the number of cells.
     """
     columns = MANY_CELLS / 2 * (cells / MANY_CELLS) ** 0.6
     inside = max(MIN_COLUMNS, cells // 2 if cells <= MANY_CELLS else round(columns))
