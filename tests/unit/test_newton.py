@@ -179,7 +179,10 @@ def test_one_creepage_node_keeps_sticking() -> None:
     system.creep_nodes = np.arange(system.k)
     state, active = start(system)
     state.traction[:] = 10 * state.bound  # all exceed their bounds
-    new = newton._updated(system, state, active, newton._violated(state, active))
+    new = newton._next_active_set(system, state, active, newton._violates_inequality(state, active))
     assert np.count_nonzero(new == 0) == 1
     system.creep_nodes = np.zeros(0, dtype=int)
-    assert (newton._updated(system, state, active, newton._violated(state, active)) == 1).all()
+    assert (
+        newton._next_active_set(system, state, active, newton._violates_inequality(state, active))
+        == 1
+    ).all()

@@ -50,7 +50,7 @@ def test_a_change_that_is_small_by_chance_is_not_believed() -> None:
 
 def test_two_meshes_are_no_estimate_and_no_change_is_the_tolerance_of_the_solver() -> None:
     assert isnan(error_estimate(history(float, (20, 40)), "Q"))
-    assert error_estimate(history(lambda n: 5.0), "Q") == refinement.FINE * 5.0
+    assert error_estimate(history(lambda n: 5.0), "Q") == refinement.FINAL_TOLERANCE * 5.0
 
 
 class Toy:

@@ -158,8 +158,8 @@ class SemismoothNewton:
     def __init__(self, system: System) -> None:
         self.system, self.counts = system, Counts()
         self.jacobian: Jacobian | None = None
-        self.assembled_at, self.size = np.inf, np.inf
-        self.is_current = False  # whether the last step had the Jacobian of its own state
+        self.assembled_ln_a, self.size = np.inf, np.inf
+        self.jacobian_is_current = False  # True if the last step had the Jacobian of its state
         self.linear: _LinearSystem | None = None
 
     def solve(self, state: Any, active: Array, tolerance: float) -> tuple[Any, Array]:
@@ -184,6 +184,7 @@ class SemismoothNewton:
             return self._iterate(state, active, tolerance)
 
     def _iterate(self, state: Any, active: Array, tolerance: float) -> tuple[Any, Array]:
+        """Alternate between Newton steps and updates of the active set; see :meth:`solve`."""
         visits: dict[bytes, int] = {}
         self.size = np.inf
         for _ in range(MAX_ITERATIONS + active.size):
@@ -191,44 +192,49 @@ class SemismoothNewton:
             step, size = self._step(state, active)
             if size < tolerance:
                 return state, active
-            state = self.system.evaluate(_limited(self.system, state.u, step))
-            violated = _violated(state, active)
+            state = self.system.evaluate(_limited_update(self.system, state.u, step))
+            violated = _violates_inequality(state, active)
             if violated.any():
-                key = active.tobytes()
-                visits[key] = visits.get(key, 0) + 1
-                if visits[key] > MOST_VISITS:
+                pattern = active.tobytes()
+                visits[pattern] = visits.get(pattern, 0) + 1
+                if visits[pattern] > MOST_VISITS:  # change the last violated node only
                     violated[: np.nonzero(violated)[0][-1]] = False
-                active = _updated(self.system, state, active, violated)
+                active = _next_active_set(self.system, state, active, violated)
         raise NewtonFailed(
             f"{int(violated.sum())} nodes violate the friction law; the last step is {size:.1e}"
         )
 
     def _step(self, state: Any, active: Array) -> tuple[Array, float]:
-        """Return the step and its size; a size of 0 where rounding permits no smaller one."""
+        """Return the Newton step and its size; a size of 0 if rounding prevents a smaller one.
+
+        The latest factorisation is used as long as the active set is the same and the step shrinks.
+        """
         residual = np.append(state.equilibrium, friction_residual(state, active))
         if not np.isfinite(residual).all():
             raise NewtonFailed("the residual is not finite")
-        linear, before, was_current = self.linear, self.size, self.is_current
+        factored, last_size, was_current = self.linear, self.size, self.jacobian_is_current
         stalled = False
-        if linear is not None and linear.active is active:
-            step, self.size = linear.newton_step(residual)
-            self.is_current = False
-            if self.size < CONTRACTION * before:
+        if factored is not None and factored.active is active:
+            step, self.size = factored.newton_step(residual)
+            self.jacobian_is_current = False
+            if self.size < CONTRACTION * last_size:
                 return step, self.size
             stalled = True
-        linear = self._factorise(state, active, stalled)
-        step, self.size = linear.newton_step(residual)
-        if stalled and was_current and before < ROUNDING and self.size > CONTRACTION * before:
-            return step, 0.0  # the step before had the current Jacobian too
+        factored = self._factorise(state, active, stalled)
+        step, self.size = factored.newton_step(residual)
+        # two steps with current Jacobians that do not shrink are due to rounding
+        if stalled and was_current and last_size < ROUNDING and self.size > CONTRACTION * last_size:
+            return step, 0.0
         return step, self.size
 
     def _factorise(self, state: Any, active: Array, stalled: bool) -> _LinearSystem:
+        """Factorise the system of an active set, with a new Jacobian if the latest one is poor."""
         ln_a = state.u[self.system.ln_a]
-        self.is_current = (
-            self.jacobian is None or stalled or abs(ln_a - self.assembled_at) > REASSEMBLE
+        self.jacobian_is_current = (
+            self.jacobian is None or stalled or abs(ln_a - self.assembled_ln_a) > REASSEMBLE
         )
-        if self.is_current or self.jacobian is None:
-            self.jacobian, self.assembled_at = self.system.jacobian(state), ln_a
+        if self.jacobian_is_current or self.jacobian is None:
+            self.jacobian, self.assembled_ln_a = self.system.jacobian(state), ln_a
             self.counts.assemblies += 1
         # tractions jump with the active set, so the column by ln a is not reused
         columns = self.system.half_width_column(state)
@@ -244,7 +250,7 @@ def friction_residual(state: Iterate, active: Array) -> Array:
     return np.where(active == 0, state.slip, state.traction - active * state.bound)
 
 
-def _limited(system: System, u: Array, step: Array) -> Array:
+def _limited_update(system: System, u: Array, step: Array) -> Array:
     """Return u + step, with the half width at most the largest one permitted."""
     ln_a, largest = system.ln_a, system.largest_ln_a
     if u[ln_a] == largest and step[ln_a] > 0:
@@ -254,29 +260,29 @@ def _limited(system: System, u: Array, step: Array) -> Array:
     return u
 
 
-def _violated(state: Iterate, active: Array) -> Array:
+def _violates_inequality(state: Iterate, active: Array) -> Array:
     """Return a mask of the nodes that violate the inequality of the friction law."""
-    slack = VIOLATION * np.abs(state.bound).max(initial=0.0)
-    still = VIOLATION * np.abs(state.slip).max(initial=0.0)
-    exceeds = np.abs(state.traction) > state.bound + slack
-    return np.where(active == 0, exceeds, active * state.slip < -still)
+    traction_tolerance = VIOLATION * np.abs(state.bound).max(initial=0.0)
+    slip_tolerance = VIOLATION * np.abs(state.slip).max(initial=0.0)
+    exceeds = np.abs(state.traction) > state.bound + traction_tolerance
+    return np.where(active == 0, exceeds, active * state.slip < -slip_tolerance)
 
 
-def _updated(system: System, state: Iterate, active: Array, violated: Array) -> Array:
+def _next_active_set(system: System, state: Iterate, active: Array, violated: Array) -> Array:
     """Return the next active set.
 
     One node whose slip contains the creepage keeps sticking: otherwise no equation determines the
     creepage, and the Jacobian is singular.
     """
     new = np.where(violated, np.sign(state.traction) * (active == 0), active).astype(np.int8)
-    held = system.creep_nodes
-    if held.size and (new[held] != 0).all():
-        stuck = held[active[held] == 0]
+    creep_nodes = system.creep_nodes
+    if creep_nodes.size and (new[creep_nodes] != 0).all():
+        sticking = creep_nodes[active[creep_nodes] == 0]
         # prefer a node between zones of opposite slip, where the slip velocity changes sign
-        direction = np.sign(new[stuck].sum()) if stuck.size else 0
-        slipped = held[active[held] != 0]
-        between = slipped[new[slipped] * direction <= 0]
-        candidates = next(set_ for set_ in (between, slipped, held) if set_.size)
+        direction = np.sign(new[sticking].sum()) if sticking.size else 0
+        slipping = creep_nodes[active[creep_nodes] != 0]
+        reversals = slipping[new[slipping] * direction <= 0]
+        candidates = next(set_ for set_ in (reversals, slipping, creep_nodes) if set_.size)
         new[candidates[np.argmin(np.abs(state.slip[candidates]))]] = 0
     return new
 
@@ -303,7 +309,8 @@ class _LinearSystem:
     def newton_step(self, residual: Array) -> tuple[Array, float]:
         """Return -J^-1 r and its size, with the change of ln a limited.
 
-        A larger change is limited by relaxing the equation of the load; all others are kept.
+        A larger change is limited by a multiple of the solution ``by_load`` for a unit residual of
+        the load: the equation of the load is relaxed, and all others are satisfied.
         """
         x, ln_a = self.solve(-residual), self.system.ln_a
         if abs(x[ln_a]) > LARGEST_STEP:

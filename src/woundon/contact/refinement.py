@@ -43,14 +43,17 @@ SIZES = (
     *range(385, 769, 64),
     *range(769, 1026, 128),
 )
-SAFETY = 3.0
+SAFETY_FACTOR = 3.0
 # Changes between meshes that decide whether the last mesh suffices, and those of the reported
 # estimate: convergence is not monotone, and two changes may both be small by chance.
 CHANGES, REPORTED = 2, 3
-# A predicted mesh aims at this share of the tolerance.
-AIM, LEAST_GROWTH, MOST_GROWTH = 0.6, 1.3, 2.0
+# The predicted error of the next mesh, relative to the tolerance, and the ratio of its size to that
+# of the last mesh.
+TARGET_SHARE, MIN_GROWTH, MAX_GROWTH = 0.6, 1.3, 2.0
+# A mesh of SIZES that is smaller than the predicted one by up to this share is used.
+ROUNDED_DOWN = 0.03
 # Last Newton step, in the units of the unknowns: while meshes are refined, and on the last one.
-COARSE, FINE = 1e-5, 1e-11
+COARSE_TOLERANCE, FINAL_TOLERANCE = 1e-5, 1e-11
 
 
 class MeshSolution:
@@ -76,14 +79,14 @@ class MeshSolution:
     @cached_property
     def main_outputs(self) -> Mapping[str, float]:
         """The outputs that decide where the refinement ends."""
-        found: Mapping[str, float] = self.system.main_outputs(self.state)
-        return found
+        outputs: Mapping[str, float] = self.system.main_outputs(self.state)
+        return outputs
 
     @cached_property
     def outputs(self) -> Mapping[str, float]:
         """All outputs whose error is estimated."""
-        found: Mapping[str, float] = self.system.outputs(self.state, self.active)
-        return found
+        outputs: Mapping[str, float] = self.system.outputs(self.state, self.active)
+        return outputs
 
 
 @dataclass
@@ -135,10 +138,10 @@ def error_estimate(
     if len(history) <= CHANGES:
         return float("nan")
     last, value = history[-1][0], history[-1][1][name]
-    largest = FINE * abs(value)  # the tolerance of the solver
+    largest = FINAL_TOLERANCE * abs(value)  # the tolerance of the solver
     for (m, coarse), (n, fine) in pairwise(history):
         change = abs(fine[name] - coarse[name]) / ((n / m) ** order - 1)
-        largest = max(largest, SAFETY * change * (n / last) ** order)
+        largest = max(largest, SAFETY_FACTOR * change * (n / last) ** order)
     return largest
 
 
@@ -193,8 +196,8 @@ def refine(
     for sizes, guess in attempts:
         try:
             return _refine(system_of, sizes, nodes, criterion, most_nodes, guess, check, progress)
-        except ArithmeticError as failed:  # of the iteration, or of a body under an iterate
-            last = failed
+        except ArithmeticError as failure:  # of the iteration, or of a body under an iterate
+            last = failure
     raise NewtonFailed(str(last)) from last
 
 
@@ -208,42 +211,51 @@ def _refine(
     check: Callable[[MeshSolution], None],
     progress: Callable[[float], None] | None,
 ) -> Refinement:
-    found = Refinement()
+    """Solve on the meshes ``sizes``, then on further ones; other parameters as of :func:`refine`.
+
+    Raises
+    ------
+    ArithmeticError
+        If the iteration fails on a mesh.
+    """
+    refinement = Refinement()
     while True:
         for size in sizes:
-            found.meshes.append(_solve(system_of(size), size, found, start))
-            check(found.last)
+            refinement.meshes.append(_solve(system_of(size), size, refinement, start))
+            check(refinement.last)
             if progress:
                 progress(min(size / (nodes or most_nodes), 1.0))
-        ratio = criterion(found.last.main_outputs, found.deciding_errors())
+        ratio = criterion(refinement.last.main_outputs, refinement.deciding_errors())
         # the first meshes are too coarse for an estimate that decides
-        is_last = len(found.meshes) > len(FIRST_SIZES) and not ratio > 1
-        if nodes or is_last or found.last.size >= most_nodes:
-            found.meshes[-1] = _polished(found.last)
-            return found
-        sizes = [min(predicted_size(found.last.size, ratio), most_nodes)]
+        is_last = len(refinement.meshes) > len(FIRST_SIZES) and not ratio > 1
+        if nodes or is_last or refinement.last.size >= most_nodes:
+            refinement.meshes[-1] = _solve_to_final_tolerance(refinement.last)
+            return refinement
+        sizes = [min(predicted_size(refinement.last.size, ratio), most_nodes)]
 
 
-def _solve(system: Any, size: int, found: Refinement, start: Refinement | None) -> MeshSolution:
+def _solve(
+    system: Any, size: int, refinement: Refinement, start: Refinement | None
+) -> MeshSolution:
     """Return the solution on a mesh.
 
     The initial guess is the solution u on the mesh before, and with that of a neighbouring problem
     u' the sum u_n = u'_n + (u_(n-1) - u'_(n-1)): the difference of two neighbouring solutions
     hardly depends on the mesh.
     """
-    if found.meshes:
-        u, active = _prolonged(found.last, system)
+    if refinement.meshes:
+        u, active = _prolong(refinement.last, system)
     elif start is not None:
-        u, active = _prolonged(_nearest(start, size), system)
+        u, active = _prolong(_nearest(start, size), system)
     else:
         u, active = system.initial_guess()
-    if found.meshes and start is not None:
-        near, before = _nearest(start, size), _nearest(start, found.last.size)
-        neighbour, zones = _prolonged(near, system)
-        u = u + neighbour - _prolonged(before, system)[0]
-        active = zones if near.size >= size else active
+    if refinement.meshes and start is not None:
+        same_mesh, last_mesh = _nearest(start, size), _nearest(start, refinement.last.size)
+        neighbour, zones = _prolong(same_mesh, system)
+        u = u + neighbour - _prolong(last_mesh, system)[0]
+        active = zones if same_mesh.size >= size else active
     solver = SemismoothNewton(system)
-    state, active = solver.solve(system.evaluate(u), active, COARSE)
+    state, active = solver.solve(system.evaluate(u), active, COARSE_TOLERANCE)
     return MeshSolution(size, system, state, active, solver)
 
 
@@ -252,15 +264,15 @@ def _nearest(start: Refinement, size: int) -> MeshSolution:
     return min(start.meshes, key=lambda mesh: abs(mesh.size - size))
 
 
-def _prolonged(mesh: MeshSolution, system: Any) -> tuple[Array, Array]:
+def _prolong(mesh: MeshSolution, system: Any) -> tuple[Array, Array]:
     """Return the unknowns and the active set of another mesh's solution."""
-    found: tuple[Array, Array] = system.prolong(mesh.state, mesh.active, mesh.system)
-    return found
+    prolonged: tuple[Array, Array] = system.prolong(mesh.state, mesh.active, mesh.system)
+    return prolonged
 
 
-def _polished(mesh: MeshSolution) -> MeshSolution:
+def _solve_to_final_tolerance(mesh: MeshSolution) -> MeshSolution:
     """Return the solution after iterating to the final tolerance."""
-    state, active = mesh.solver.solve(mesh.state, mesh.active, FINE)
+    state, active = mesh.solver.solve(mesh.state, mesh.active, FINAL_TOLERANCE)
     return MeshSolution(mesh.size, mesh.system, state, active, mesh.solver)
 
 
@@ -276,18 +288,20 @@ def sizes_up_to(nodes: int, first: tuple[int, ...] = FIRST_SIZES) -> list[int]:
     >>> sizes_up_to(17)
     [10, 13, 17]
     """
-    sizes = [n for n in first if n * LEAST_GROWTH <= nodes]
+    sizes = [n for n in first if n * MIN_GROWTH <= nodes]
     if len(sizes) < CHANGES:
-        growth = LEAST_GROWTH if first is FIRST_SIZES else LEAST_GROWTH**1.2
+        growth = MIN_GROWTH if first is FIRST_SIZES else MIN_GROWTH**1.2
         coarse = [round(nodes / growth**k) for k in range(CHANGES, 0, -1)]
         return [*coarse, nodes] if nodes >= FIRST_SIZES[0] else [nodes]
     ratio, steps = nodes / sizes[-1], 1
-    while ratio ** (1 / steps) > MOST_GROWTH:
+    while ratio ** (1 / steps) > MAX_GROWTH:
         steps += 1
     return [*sizes, *(round(sizes[-1] * ratio ** (k / steps)) for k in range(1, steps)), nodes]
 
 
 def predicted_size(last: int, ratio: float) -> int:
     """Return the next mesh for a ratio of error estimate and tolerance."""
-    growth = min(max(sqrt(ratio / AIM), LEAST_GROWTH), MOST_GROWTH) if ratio < inf else MOST_GROWTH
-    return next((size for size in SIZES if size >= 0.97 * growth * last), SIZES[-1])
+    growth = (
+        min(max(sqrt(ratio / TARGET_SHARE), MIN_GROWTH), MAX_GROWTH) if ratio < inf else MAX_GROWTH
+    )
+    return next((size for size in SIZES if size >= (1 - ROUNDED_DOWN) * growth * last), SIZES[-1])
