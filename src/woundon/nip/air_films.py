@@ -53,13 +53,13 @@ class NipFilm(NamedTuple):
 
 
 def nip_film(
-    edge: float, compliance: float, speed: float, viscosity: float, ambient: float
+    gradient: float, compliance: float, speed: float, viscosity: float, ambient: float
 ) -> NipFilm:
     """Return the air film that passes a nip (:mod:`.air_inlet`), at ambient pressure.
 
     Parameters
     ----------
-    edge : float
+    gradient : float
         K [Pa/sqrt(m)]: without air the pressure is K sqrt(s) at the distance s from the inlet
         edge.
     compliance : float
@@ -76,9 +76,9 @@ def nip_film(
     """
     if speed == 0:
         return NipFilm(0.0, 0.0, float("inf"))
-    length = (12 * viscosity * speed / (compliance**2 * edge**3)) ** 0.4
-    beta = ambient / (edge * length**0.5)
-    return NipFilm(film_factor(beta) * compliance * edge * length**1.5, length, beta)
+    length = (12 * viscosity * speed / (compliance**2 * gradient**3)) ** 0.4
+    beta = ambient / (gradient * length**0.5)
+    return NipFilm(film_factor(beta) * compliance * gradient * length**1.5, length, beta)
 
 
 def escaped_film(film: Any, permeance: float, tension: Any, speed: Any) -> Any:

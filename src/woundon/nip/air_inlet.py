@@ -88,7 +88,7 @@ def film_factor(beta: float) -> float:
 
 @cache
 def _film_spline() -> CubicSpline:
-    """Return ln f as a cubic spline of ln beta."""
+    """Return ln f as a cubic spline of ln beta, by continuation from the largest beta."""
     from scipy.interpolate import CubicSpline
 
     count = round(np.log10(MAX_BETA / MIN_BETA) * PER_DECADE)
@@ -120,34 +120,38 @@ def solve_inlet(
     ArithmeticError
         If Newton's method does not converge.
     """
+    # even cells in arcsinh(s/GRADING), short at the edge s = 0
     s = GRADING * np.sinh(np.arcsinh(extent / GRADING) * np.linspace(-1, 1, cells + 1))
-    equations = _Equations(s, beta)
-    x = np.zeros(cells + 1) if start is None else equations.unknowns(start)
+    equations = _InletEquations(s, beta)
+    x = np.zeros(cells + 1) if start is None else equations.unknowns_of(start)
     if start is None:
-        x[-2:] = 0.9
+        x[-2:] = 0.9  # h_c and f: their order of magnitude
     for _ in range(60):
-        residual, jacobian = equations(x)
+        residual, jacobian = equations.residual_and_jacobian(x)
         step = np.linalg.solve(jacobian, -residual)
-        damping = min(1.0, 0.5 * equations.step_to_closure(x, step))
+        damping = min(1.0, 0.5 * equations.step_to_closure(x, step))  # keeps the gap open
         x = x + damping * step
         if damping == 1.0 and np.max(np.abs(step)) < 1e-10:
             return Inlet(s, *equations.pressure_and_gap(x), float(x[-1]))
     raise ArithmeticError(f"Newton's method for the inlet with beta = {beta:.4g} did not converge")
 
 
-class _Equations:
-    """Residual and Jacobian of the inlet; unknowns x: d at the inner nodes, h_c and the film f."""
+class _InletEquations:
+    """Residual and Jacobian of the inlet on a mesh of n cells with the nodes s, dimensionless.
+
+    The unknowns are x = (d at the n - 1 inner nodes, h_c, film f), (n + 1,).
+    """
 
     def __init__(self, s: Array, beta: float) -> None:
         self.beta = beta
-        middle, self.width = (s[1:] + s[:-1]) / 2, np.diff(s)
+        middle, self.cell_lengths = (s[1:] + s[:-1]) / 2, np.diff(s)
         self.dry_pressure = np.sqrt(np.clip(s, 0, None))
         self.dry_gap = 4 / 3 * np.clip(-middle, 0, None) ** 1.5
         self.deformation = _deformation_matrix(s, middle)
-        padded = np.concatenate([[0.0], self.width, [0.0]])
+        padded = np.concatenate([[0.0], self.cell_lengths, [0.0]])
         self.weights = (padded[1:] + padded[:-1]) / 2
 
-    def unknowns(self, solution: Inlet) -> Array:
+    def unknowns_of(self, solution: Inlet) -> Array:
         """Return the unknowns x of a solution on the same mesh."""
         d = solution.pressure - self.dry_pressure
         h_c = float(np.mean(solution.gap - self.dry_gap - self.deformation @ d))
@@ -162,24 +166,28 @@ class _Equations:
         """Return the multiple of a Newton step at which the gap closes somewhere; inf if never."""
         gap = self.pressure_and_gap(x)[1]
         decrease = gap - self.pressure_and_gap(x + step)[1]
-        closes = decrease > 0
-        return float(np.min(np.where(closes, gap / np.where(closes, decrease, 1.0), inf)))
+        is_closing = decrease > 0
+        return float(np.min(np.where(is_closing, gap / np.where(is_closing, decrease, 1.0), inf)))
 
-    def __call__(self, x: Array) -> tuple[Array, Array]:
-        """Return the residual, (n + 1,), and the Jacobian, (n + 1, n + 1)."""
+    def residual_and_jacobian(self, x: Array) -> tuple[Array, Array]:
+        """Return the residual R, (n + 1,), and the Jacobian dR/dx, (n + 1, n + 1).
+
+        R contains h^3 dp/ds - h + f/rho in the cells, then int d ds.  p and rho of a cell depend on
+        the pressures of its two nodes, h on all.
+        """
         p, h = self.pressure_and_gap(x)
-        n, slope = h.size, np.diff(p) / self.width
+        n, slope = h.size, np.diff(p) / self.cell_lengths
         rho = 1 + (p[1:] + p[:-1]) / (2 * self.beta)
         flow = x[-1] / rho
         residual = np.append(h**3 * slope - h + flow, self.weights @ (p - self.dry_pressure))
-        by_h = 3 * h**2 * slope - 1
-        by_p = by_h[:, None] * self.deformation
-        by_slope, by_rho = h**3 / self.width, flow / rho / (2 * self.beta)
+        dR_dh = 3 * h**2 * slope - 1
+        dR_dp = dR_dh[:, None] * self.deformation
+        slope_term, density_term = h**3 / self.cell_lengths, flow / rho / (2 * self.beta)
         cell = np.arange(n)
-        by_p[cell, cell] -= by_slope + by_rho
-        by_p[cell, cell + 1] += by_slope - by_rho
+        dR_dp[cell, cell] -= slope_term + density_term
+        dR_dp[cell, cell + 1] += slope_term - density_term
         jacobian = np.zeros((n + 1, n + 1))
-        jacobian[:n, :-2], jacobian[:n, -2], jacobian[:n, -1] = by_p[:, 1:-1], by_h, 1 / rho
+        jacobian[:n, :-2], jacobian[:n, -2], jacobian[:n, -1] = dR_dp[:, 1:-1], dR_dh, 1 / rho
         jacobian[n, :-2] = self.weights[1:-1]
         return residual, jacobian
 

@@ -67,19 +67,19 @@ def state_of(result: Any, equations: NipEquations) -> NipState:
     ValueError
         If the number of nodes is not that of the mesh.
     """
-    at, web, problem = equations.layout, result.problem.web, equations.problem
-    if result.x.size != at.end + 1:
-        raise ValueError(f"{result.x.size} nodes; the mesh of this nip has {at.end + 1}")
-    u = np.empty(at.size)
-    u[at.drum_p] = result.drum_pressure[at.p_nodes[at.drum_p]]
-    u[at.wrap_p] = result.roll_pressure[at.p_nodes[at.wrap_p]]
-    u[at.shift] = result.offset / problem.contact_radius
+    layout, web, problem = equations.layout, result.problem.web, equations.problem
+    if result.x.size != layout.end + 1:
+        raise ValueError(f"{result.x.size} nodes; the mesh of this nip has {layout.end + 1}")
+    u = np.empty(layout.size)
+    u[layout.drum_p] = result.drum_pressure[layout.p_nodes[layout.drum_p]]
+    u[layout.wrap_p] = result.roll_pressure[layout.p_nodes[layout.wrap_p]]
+    u[layout.shift] = result.offset / problem.contact_radius
     # the creepage of the equations refers to the web's strain at the end
-    u[at.xi] = result.drum_creepage + web.compliance.c11 / web.thickness * result.tension[-1]
-    u[at.ln_a] = np.log(result.half_width)
-    u[at.roll_q], u[at.drum_q] = (
-        result.roll_traction[at.roll_nodes],
-        result.drum_traction[at.drum_nodes],
+    u[layout.xi] = result.drum_creepage + web.compliance.c11 / web.thickness * result.tension[-1]
+    u[layout.ln_a] = np.log(result.half_width)
+    u[layout.roll_q], u[layout.drum_q] = (
+        result.roll_traction[layout.roll_nodes],
+        result.drum_traction[layout.drum_nodes],
     )
     return equations.evaluate(u)
 
@@ -99,16 +99,18 @@ def certificate(result: Any, equations: NipEquations) -> Residuals:
         state = state_of(result, equations)
     except ValueError:
         return Residuals(mesh=inf)
-    at, f = equations.layout, state.fields
-    zones = np.concatenate([result.roll_zone[at.roll_nodes], result.drum_zone[at.drum_nodes]])
-    # the arrays of a result, recomputed from its unknowns
-    implied = web_arrays(equations, state, zones.astype(np.int8))
-    conditions = _equations_and_friction(result, equations, state, implied, zones)
-    conditions |= _reported_arrays(result, equations, state, implied)
-    conditions |= _wrap_conditions(result, equations, state, implied)
-    conditions |= _surface_loads(result, f, implied)
-    on_roll = f.p_roll[at.first :], f.q_roll[at.first :]
-    on_drum = f.p_drum[: at.last + 1], f.q_drum[: at.last + 1]
+    layout, f = equations.layout, state.fields
+    zones = np.concatenate(
+        [result.roll_zone[layout.roll_nodes], result.drum_zone[layout.drum_nodes]]
+    )
+    # the arrays that follow from the unknowns of the result
+    expected = web_arrays(equations, state, zones.astype(np.int8))
+    conditions = _equations_and_friction(result, equations, state, expected, zones)
+    conditions |= _reported_arrays(result, equations, state, expected)
+    conditions |= _wrap_conditions(result, equations, state, expected)
+    conditions |= _surface_loads(result, f, expected)
+    on_roll = f.p_roll[layout.first :], f.q_roll[layout.first :]
+    on_drum = f.p_drum[: layout.last + 1], f.q_drum[: layout.last + 1]
     surfaces = f.geometry.roll.surface, f.geometry.drum.surface
     conditions |= body_equilibrium(problem, surfaces, (on_roll, on_drum))
     if result.air is not None:
@@ -116,83 +118,88 @@ def certificate(result: Any, equations: NipEquations) -> Residuals:
     return Residuals(**conditions)
 
 
-Implied = Mapping[str, Array]
+Arrays = Mapping[str, Array]
 
 
 def _equations_and_friction(
-    result: Any, equations: NipEquations, state: NipState, implied: Implied, zones: Array
+    result: Any, equations: NipEquations, state: NipState, expected: Arrays, zones: Array
 ) -> dict[str, float]:
-    """Return the residuals of gap slope, resultants and friction law."""
-    f, top, rounding = state.fields, equations.slope_scale, strain_rounding(equations, state)
+    """Return the residuals of gap slope, resultants and friction law.
+
+    Slips below the rounding error of a difference of strains count as zero.
+    """
+    f, slope_scale = state.fields, equations.slope_scale
+    rounding = strain_rounding(equations, state)
     # gap over a cell instead of slope: on the short cells at the edges slopes have rounding errors
     cells = f.geometry.mesh.cells[f.geometry.mesh.nip_cells]
     gap = np.abs(state.equilibrium[: cells.size]) * cells / cells.max()
-    slip = np.sign(state.slip) * np.maximum(np.abs(state.slip * top) - rounding, 0.0)
+    slip = np.sign(state.slip) * np.maximum(np.abs(state.slip * slope_scale) - rounding, 0.0)
     unit = np.full(zones.size, float(np.abs(state.bound).max()))
     differences = [
-        difference(getattr(result, name), implied[name]) for name in ("roll_slip", "drum_slip")
+        difference(getattr(result, name), expected[name]) for name in ("roll_slip", "drum_slip")
     ]
     return {
         "gap_slope": largest(gap),
         "positive_pressure": negative_pressure(f.p_roll, f.p_drum),
-        **friction_law(zones, state.traction, slip, state.bound, unit=unit, slip_scale=top),
-        "slip_velocity": largest([max(value - rounding, 0.0) for value in differences]) / top,
+        **friction_law(zones, state.traction, slip, state.bound, unit=unit, slip_scale=slope_scale),
+        "slip_velocity": largest([max(value - rounding, 0.0) for value in differences])
+        / slope_scale,
         "winding_force": abs(float(state.equilibrium[-2])),
         "load": abs(float(state.equilibrium[-1])),
     }
 
 
 def _reported_arrays(
-    result: Any, equations: NipEquations, state: NipState, implied: Implied
+    result: Any, equations: NipEquations, state: NipState, expected: Arrays
 ) -> dict[str, float]:
-    """Return the differences of the reported arrays from values recomputed from the tractions."""
+    """Return the differences of the reported arrays from the expected ones."""
     f, P = state.fields, equations.problem.nip_load
     # the rounding error of large tensions is accepted
     tension_scale = P + ROUNDING * float(np.abs(f.tension).max()) / ACCEPTED_RESIDUAL
     extent = result.half_width * float(np.abs(f.geometry.mesh.nodes).max())
-    positions = [difference(getattr(result, name), implied[name]) for name in ("x", "slip_x")]
-    strain = difference(result.roll_strain, implied["roll_strain"])
+    positions = [difference(getattr(result, name), expected[name]) for name in ("x", "slip_x")]
+    strain = difference(result.roll_strain, expected["roll_strain"])
     return {
         "tension": difference(result.tension, f.tension) / tension_scale,
-        "zones": 0.0 if _zones_are_valid(result, implied) else inf,
+        "zones": 0.0 if _are_zones_valid(result, expected) else inf,
         "mesh": max(positions) / extent,
         "roll_strain": strain / equations.slope_scale,
     }
 
 
 def _wrap_conditions(
-    result: Any, equations: NipEquations, state: NipState, implied: Implied
+    result: Any, equations: NipEquations, state: NipState, expected: Arrays
 ) -> dict[str, float]:
     """Return the residual of the normal equilibrium on the wraps, and that of the curvature."""
-    problem, at, f = equations.problem, equations.layout, state.fields
+    problem, layout, f = equations.problem, equations.layout, state.fields
     if not problem.is_wrapped:
-        return {"curvature": difference(result.curvature, implied["curvature"])}
+        return {"curvature": difference(result.curvature, expected["curvature"])}
     # nodal forces and changes of slope over a cell instead of pressures and curvatures: on short
     # cells curvatures are differences of nearly equal slopes
     lengths = f.geometry.a * f.geometry.mesh.weights
-    upstream = lengths[: at.first + 1] if problem.drum_wrap else lengths[:0]
-    downstream = lengths[at.last :] if problem.roll_wrap else lengths[:0]
-    forces = np.abs(state.equilibrium[at.last - at.first : -2])
+    upstream = lengths[: layout.first + 1] if problem.drum_wrap else lengths[:0]
+    downstream = lengths[layout.last :] if problem.roll_wrap else lengths[:0]
+    forces = np.abs(state.equilibrium[layout.last - layout.first : -2])
     forces = forces * np.append(upstream, downstream) * equations.pressure_scale
     lengths = lengths if result.curvature.shape == lengths.shape else np.ones(())
-    turn = difference(lengths * result.curvature, lengths * implied["curvature"])
+    turn = difference(lengths * result.curvature, lengths * expected["curvature"])
     return {
         "hoop_pressure": largest(forces) / problem.nip_load,
         "curvature": turn / equations.slope_scale,
     }
 
 
-def _surface_loads(result: Any, f: Fields, implied: Implied) -> dict[str, float]:
+def _surface_loads(result: Any, f: Fields, expected: Arrays) -> dict[str, float]:
     """Return the differences of pressures and tractions from those of the state."""
     pressures = {
         "drum_pressure": f.p_drum,
         "roll_pressure": f.p_roll,
-        "hoop_pressure": implied["hoop_pressure"],
+        "hoop_pressure": expected["hoop_pressure"],
     }
     tractions = {"roll_traction": f.q_roll, "drum_traction": f.q_drum}
     peak = float(np.abs(f.p_drum).max())
 
-    def largest_difference(arrays: Implied) -> float:
+    def largest_difference(arrays: Arrays) -> float:
         return max(difference(getattr(result, name), value) for name, value in arrays.items())
 
     return {
@@ -201,7 +208,7 @@ def _surface_loads(result: Any, f: Fields, implied: Implied) -> dict[str, float]
     }
 
 
-def _zones_are_valid(result: Any, implied: Mapping[str, Array]) -> bool:
+def _are_zones_valid(result: Any, expected: Mapping[str, Array]) -> bool:
     """Return True if all zones are -1, 0 or 1 and equal the recomputed ones.
 
     At the ends of a face and outside of it zones follow from those of the neighbouring nodes.
@@ -209,7 +216,7 @@ def _zones_are_valid(result: Any, implied: Mapping[str, Array]) -> bool:
     names = "roll_zone", "drum_zone"
     return all(
         np.isin(getattr(result, name), (-1, 0, 1)).all()
-        and np.array_equal(getattr(result, name), implied[name])
+        and np.array_equal(getattr(result, name), expected[name])
         for name in names
     )
 
@@ -223,14 +230,14 @@ def consistency_defects(equations: NipEquations, state: NipState) -> dict[str, f
     f, problem, mesh = state.fields, equations.problem, state.fields.geometry.mesh
     nip, a = mesh.nip_nodes, f.geometry.a
     theta = np.linspace(0.0, np.pi, nip.stop - nip.start)
-    by_theta = a * np.sin(theta) * (theta[1] - theta[0])
-    load = float(by_theta @ f.p_drum[nip])
-    tension = float(by_theta[1:-1] @ (f.q_roll + f.q_drum)[nip][1:-1])
-    gained = float(f.tension[mesh.last] - f.tension[mesh.first])
+    weights = a * np.sin(theta) * (theta[1] - theta[0])  # dx = a sin(theta) dtheta
+    load = float(weights @ f.p_drum[nip])
+    tension_change = float(weights[1:-1] @ (f.q_roll + f.q_drum)[nip][1:-1])
+    expected = float(f.tension[mesh.last] - f.tension[mesh.first])
     return {
         "power_balance": power_balance(equations, state),
         "load": load / problem.nip_load - 1,
-        "tension": (tension - gained) / (problem.roll_friction * problem.nip_load),
+        "tension": (tension_change - expected) / (problem.roll_friction * problem.nip_load),
     }
 
 
@@ -264,21 +271,21 @@ def inconsistencies(meshes: Sequence[MeshSolution]) -> list[str]:
 
 
 def recomputed(result: Any) -> dict[str, tuple[float, float]]:
-    """Recompute the scalars without a contact condition of their own; with tolerances."""
+    """Return (recomputed value, tolerance) of the scalars that no contact condition determines."""
     equations = equations_of(result)
     state = state_of(result, equations)
     arrays = {name: value for name, value in vars(result).items() if isinstance(value, np.ndarray)}
     ratios = slip_ratios(equations.problem, arrays, result.in_nip)
-    indented = approach(equations, state)
-    of_roll = roll_wound_on_tension(equations, state)
+    indentation = approach(equations, state)
+    WOT_of_roll = roll_wound_on_tension(equations, state)
     values = {
-        "approach": (indented, 1e-8 * abs(indented)),
-        "roll_wound_on_tension": (of_roll, 1e-8 * abs(of_roll)),
+        "approach": (indentation, 1e-8 * abs(indentation)),
+        "roll_wound_on_tension": (WOT_of_roll, 1e-8 * abs(WOT_of_roll)),
     }
     values |= {name: (ratios[name], 1e-8) for name in SLIP_RATIOS}
     if not isnan(result.rolling_resistance) or result.problem.viscoelastic:
-        lost = rolling_resistance(equations, state)
-        values["rolling_resistance"] = lost, 1e-7 * abs(lost)
+        dissipation = rolling_resistance(equations, state)
+        values["rolling_resistance"] = dissipation, 1e-7 * abs(dissipation)
     return values
 
 
@@ -288,8 +295,10 @@ def solutions(result: Any) -> list[MeshSolution]:
         meshes: list[MeshSolution] = result.refinement.meshes
         return meshes
     equations = equations_of(result)
-    at = equations.layout
-    active = np.concatenate([result.roll_zone[at.roll_nodes], result.drum_zone[at.drum_nodes]])
+    layout = equations.layout
+    active = np.concatenate(
+        [result.roll_zone[layout.roll_nodes], result.drum_zone[layout.drum_nodes]]
+    )
     state = state_of(result, equations)
     solver = SemismoothNewton(equations)
     return [MeshSolution(result.nodes, equations, state, active.astype(np.int8), solver)]

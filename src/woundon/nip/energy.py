@@ -49,7 +49,7 @@ class BodyWork(NamedTuple):
     q: Array
     slope: Array
     lengths: Array
-    turned: float
+    curvature_work: float
     work: float
 
 
@@ -58,20 +58,20 @@ def body_work(side: Side, deformation: Deformation, p: Array, q: Array, a: float
     face, lengths = side.face, a * side.face.cells
     slope, strain = deformation.slope[:-2], deformation.strain[:-2]
     p_cell, q_cell = (face.hats[:-2] @ part for part in (p, q))
-    turned = 0.0
+    curvature_work = 0.0
     if side.flattening and q.any():
         end = side.surface.end_displacement(p, q)
         v = face.displacement_at_nodes(deformation.slope, end, a)
-        turned = float(lengths @ (q_cell * (v[:-1] + v[1:]) / 2)) / side.radius
-    work = float(lengths @ (q_cell * strain - p_cell * slope)) - turned
-    return BodyWork(p_cell, q_cell, slope, lengths, turned, work)
+        curvature_work = float(lengths @ (q_cell * (v[:-1] + v[1:]) / 2)) / side.radius
+    work = float(lengths @ (q_cell * strain - p_cell * slope)) - curvature_work
+    return BodyWork(p_cell, q_cell, slope, lengths, curvature_work, work)
 
 
-def _works(equations: NipEquations, state: NipState) -> tuple[BodyWork, BodyWork]:
+def _work_on_bodies(equations: NipEquations, state: NipState) -> tuple[BodyWork, BodyWork]:
     """Return the work on both bodies."""
-    at, f = equations.layout, state.fields
+    layout, f = equations.layout, state.fields
     a, _, roll, drum = f.geometry
-    on_roll, on_drum = slice(at.first, None), slice(0, at.last + 1)
+    on_roll, on_drum = slice(layout.first, None), slice(0, layout.last + 1)
     return (
         body_work(roll, f.roll, f.p_roll[on_roll], f.q_roll[on_roll], a),
         body_work(drum, f.drum, f.p_drum[on_drum], f.q_drum[on_drum], a),
@@ -80,34 +80,35 @@ def _works(equations: NipEquations, state: NipState) -> tuple[BodyWork, BodyWork
 
 def rolling_resistance(equations: NipEquations, state: NipState) -> float:
     """Return the dissipation of the viscoelastic bodies per length rolled and width [N/m]."""
-    bodies = zip(equations.problem.bodies, _works(equations, state), strict=True)
+    bodies = zip(equations.problem.bodies, _work_on_bodies(equations, state), strict=True)
     return sum(work.work for body, work in bodies if body.viscoelastic)
 
 
 def power_balance(equations: NipEquations, state: NipState) -> float:
     """Return the signed defect of the balance of power, relative to P a/R*."""
-    at, f, problem = equations.layout, state.fields, equations.problem
+    layout, f, problem = equations.layout, state.fields, equations.problem
     a, mesh = f.geometry.a, f.geometry.mesh
-    web, first, last = problem.web, at.first, at.last
+    web, first, last = problem.web, layout.first, layout.last
     c11, c12 = web.compliance.c11 / web.thickness, web.compliance.c12
-    roll, drum = _works(equations, state)
-    slip_roll, slip_drum = equations.slip_velocities(state.u[at.xi], f)
+    roll, drum = _work_on_bodies(equations, state)
+    slip_roll, slip_drum = equations.slip_velocities(state.u[layout.xi], f)
     tension = problem.web_tension + a * mesh.integral_to_points @ (f.q_roll + f.q_drum)
-    # strains of the web relative to the roll at the end, less the slip of the friction
+    # traction times strain of the web, less the friction work
     reference = f.roll.strain[-1] + c12 * f.p_roll[-1] - c11 * f.tension[-1]
-    creepage = state.u[at.xi] - c11 * f.tension[-1]
+    creepage = state.u[layout.xi] - c11 * f.tension[-1]
     supplied = (roll.lengths * roll.q) @ (c11 * tension[first:] + reference - slip_roll)
     supplied += (drum.lengths * drum.q) @ (c11 * tension[:last] + creepage - slip_drum)
     wrap = slice(last - first, None)
     supplied -= c12 * (roll.lengths[wrap] * roll.q[wrap]) @ roll.p[wrap]
-    # T kappa moves with the web along a path that is not a circle
+    # wraps: the hoop pressure T kappa does work along the deformed path of the web
     hoop = a * mesh.cells * mesh.at_points(f.p_roll - f.p_drum)
     supplied += hoop[:last] @ drum.slope - hoop[last:] @ roll.slope[wrap]
     nip = slice(0, last - first)
-    lever = state.u[at.shift] - a * mesh.points[first:last] / problem.contact_radius
+    # moment of the pressure about the line of centres, and the compression of the web
+    lever = state.u[layout.shift] - a * mesh.points[first:last] / problem.contact_radius
     thinning = np.diff(web.thinned(f.p_roll[first : last + 1])[0])
     supplied += roll.p[nip] @ (roll.lengths[nip] * lever - thinning)
-    supplied -= roll.turned + drum.turned
-    # an elastic body takes no work: what the cells leave of it is a defect
-    lost = rolling_resistance(equations, state)
-    return float((lost - supplied) / (problem.nip_load * a / problem.contact_radius))
+    supplied -= roll.curvature_work + drum.curvature_work
+    # the work on an elastic body is zero; its discretisation error is part of the defect
+    dissipation = rolling_resistance(equations, state)
+    return float((dissipation - supplied) / (problem.nip_load * a / problem.contact_radius))

@@ -43,14 +43,14 @@ __all__ = [
 Array = np.ndarray
 
 # Smallest friction coefficient with a film: a nip without any friction has no unique solution.
-LEAST_FRICTION = 1e-6
+MIN_FRICTION = 1e-6
 # Smallest pressure of the inlet relative to the largest one, so that its logarithm exists.
-LEAST_PRESSURE = 1e-6
-LENGTHS = 1e-12, 1e3  # bracket of the length of the inlet [m]
+MIN_PRESSURE = 1e-6
+LENGTH_BRACKET = 1e-12, 1e3  # bracket of the length of the inlet [m]
 # Node from which, and share of the half width up to which, K is taken: on the first two nodes a
 # piecewise linear Hertz pressure is 9 and 1 % off.
-FIRST, FARTHEST = 3, 0.5
-LONG = 0.3  # of the half width: up to there the film is accurate to 2 % (tests/verification)
+FIRST_NODE, FARTHEST_SHARE = 3, 0.5
+LONG_INLET = 0.3  # of the half width: up to there the film is accurate to 2 % (tests/verification)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -127,7 +127,10 @@ def _body_compliance(body: Body, speed: float | None, length: float) -> float:
 
 
 def _inlet_length(problem: NipProblem, gradient: Callable[[float], float]) -> float:
-    """Return the length l of the inlet, at which K is evaluated [m]; 0 without speed."""
+    """Return the length l of the inlet, at which K is evaluated [m]; 0 without speed.
+
+    Root of l = (12 mu V/(C(l)^2 K(l)^3))^(2/5).
+    """
     V, air = problem.web_speed, problem.air
     assert air is not None
     if not V:
@@ -137,11 +140,12 @@ def _inlet_length(problem: NipProblem, gradient: Callable[[float], float]) -> fl
     drag = 12 * air.viscosity * V
 
     def defect(ln_length: float) -> float:
+        """Return the residual of the logarithm of this equation."""
         length = exp(ln_length)
         C, K = _compliance(problem, length), gradient(length)
         return ln_length - 0.4 * log(drag / (C**2 * K**3))
 
-    low, high = map(log, LENGTHS)
+    low, high = map(log, LENGTH_BRACKET)
     return exp(float(brentq(defect, low, high, xtol=1e-14, rtol=1e-14)))
 
 
@@ -160,13 +164,14 @@ def inlet_gradient(problem: NipProblem, x: Array, pressure: Array, half_width: f
     half_width : float
         a [m].
     """
-    s, p = x[FIRST:] + half_width, pressure[FIRST:]
-    gradient = np.maximum(p, LEAST_PRESSURE * p.max()) / np.sqrt(s)
+    s, p = x[FIRST_NODE:] + half_width, pressure[FIRST_NODE:]
+    gradient = np.maximum(p, MIN_PRESSURE * p.max()) / np.sqrt(s)
 
-    def at(length: float) -> float:
-        return float(np.interp(min(length, FARTHEST * half_width), s, gradient))
+    def gradient_at(length: float) -> float:
+        """Return K at the distance s = length."""
+        return float(np.interp(min(length, FARTHEST_SHARE * half_width), s, gradient))
 
-    return at(_inlet_length(problem, at))
+    return gradient_at(_inlet_length(problem, gradient_at))
 
 
 def films_of(problem: NipProblem, gradient: float, half_width: float) -> dict[str, float]:
@@ -189,32 +194,33 @@ def films_of(problem: NipProblem, gradient: float, half_width: float) -> dict[st
     air, V, R, T = problem.air, problem.web_speed, problem.roll.radius, problem.web_tension
     assert air is not None
     assert V is not None
-    p_a, mean = air.ambient_pressure, problem.nip_load / (2 * half_width)
+    p_a, mean_pressure = air.ambient_pressure, problem.nip_load / (2 * half_width)
     compliance = _compliance(problem, _inlet_length(problem, lambda _: gradient))
     try:
-        passing = nip_film(gradient, compliance, V, air.viscosity, p_a)
+        film_at_inlet = nip_film(gradient, compliance, V, air.viscosity, p_a)
     except ValueError as reason:
         text = f"of {V:.6g} m/s is out of range: in the inlet of the nip {reason}"
         raise InvalidProblem.at("web_speed", text) from None
-    downstream = passing.film * p_a / (p_a + T / R)
+    film_under_layer = film_at_inlet.film * p_a / (p_a + T / R)
     # without web tension only the nip limits the film
-    foil = float(foil_film(R, V, T, air.viscosity)) if T > 0 else downstream
-    wound_in = min(downstream, foil)
-    in_nip = passing.film * p_a / (p_a + mean)
+    foil = float(foil_film(R, V, T, air.viscosity)) if T > 0 else film_under_layer
+    wound_in_film = min(film_under_layer, foil)
+    film_in_nip = film_at_inlet.film * p_a / (p_a + mean_pressure)
 
     def reduced(friction: float, film: float) -> float:
+        """Return a friction coefficient reduced by a film."""
         share = friction_share(film, air.roughness, air.full_friction, air.no_friction)
-        return float(max(friction * share, min(LEAST_FRICTION, friction)))
+        return float(max(friction * share, min(MIN_FRICTION, friction)))
 
-    friction = reduced(problem.roll_friction, in_nip)
+    friction = reduced(problem.roll_friction, film_in_nip)
     return {
         "foil_film": foil,
-        "nip_film": downstream,
-        "film_in_nip": in_nip,
-        "inlet_length": passing.length,
-        "film": float(escaped_film(wound_in, air.permeance, T, V)),
+        "nip_film": film_under_layer,
+        "film_in_nip": film_in_nip,
+        "inlet_length": film_at_inlet.length,
+        "film": float(escaped_film(wound_in_film, air.permeance, T, V)),
         "roll_friction": friction,
-        "wrap_friction": reduced(problem.friction_on_wrap, wound_in),
+        "wrap_friction": reduced(problem.friction_on_wrap, wound_in_film),
         "friction_share": friction / problem.roll_friction,
     }
 
@@ -223,7 +229,7 @@ def air_film(problem: NipProblem, x: Array, pressure: Array, half_width: float) 
     """Return the film of a nip; parameters as of :func:`inlet_gradient`."""
     gradient = inlet_gradient(problem, x, pressure, half_width)
     films = films_of(problem, gradient, half_width)
-    thickness = _thickness(problem, pressure, half_width, films["film_in_nip"])
+    thickness = _film_thickness(problem, pressure, half_width, films["film_in_nip"])
     return AirFilm(gradient=gradient, thickness=thickness, **films)
 
 
@@ -234,11 +240,13 @@ def film_of_state(problem: NipProblem, equations: NipEquations, state: NipState)
     return air_film(problem, a * f.geometry.mesh.nodes[nip], f.p_roll[nip], a)
 
 
-def _thickness(problem: NipProblem, pressure: Array, half_width: float, in_nip: float) -> Array:
+def _film_thickness(
+    problem: NipProblem, pressure: Array, half_width: float, film_in_nip: float
+) -> Array:
     """Return m/(p_a + p), the film of a constant mass flow under the pressure."""
     assert problem.air is not None
     p_a = problem.air.ambient_pressure
-    mass = in_nip * (p_a + problem.nip_load / (2 * half_width))
+    mass = film_in_nip * (p_a + problem.nip_load / (2 * half_width))
     return np.asarray(mass / (p_a + pressure))
 
 
@@ -253,7 +261,7 @@ def air_conditions(result: Any) -> dict[str, float]:
     arrays = result.x[nip], result.roll_pressure[nip]
     gradient = inlet_gradient(result.problem, *arrays, result.half_width)
     films = films_of(result.problem, air.gradient, result.half_width)
-    profile = _thickness(result.problem, arrays[1], result.half_width, air.film_in_nip)
+    profile = _film_thickness(result.problem, arrays[1], result.half_width, air.film_in_nip)
     return {
         "air_inlet": abs(air.gradient - gradient) / gradient,
         "air_film": largest(
@@ -273,18 +281,18 @@ def air_conditions(result: Any) -> dict[str, float]:
 
 def air_warnings(problem: NipProblem, film: AirFilm, half_width: float) -> tuple[str, ...]:
     """Return warnings about the air film of a nip."""
-    texts: list[str] = []
-    if film.inlet_length > LONG * half_width:
-        texts.append(
+    warnings: list[str] = []
+    if film.inlet_length > LONG_INLET * half_width:
+        warnings.append(
             f"the inlet in which the air film forms is {film.inlet_length * 1e3:.3g} mm long, "
             f"{film.inlet_length / half_width:.2g} of the half width; the model assumes that it is "
             "much shorter: the film changes the pressure of the nip"
         )
     air: Any = problem.air
     if film.film_in_nip >= air.no_friction * air.roughness:
-        texts.append(
+        warnings.append(
             f"the air film in the nip is {film.film_in_nip * 1e6:.3g} um thick, more than "
             f"{air.no_friction:.3g} roughnesses: web and roll do not touch, and the nip adds "
             "no tension"
         )
-    return tuple(texts)
+    return tuple(warnings)

@@ -154,18 +154,18 @@ class NipEquations:
     @cached_property
     def friction(self) -> Array:
         """Friction coefficient at each traction node, roll then drum."""
-        at, problem = self.layout, self.problem
+        layout, problem = self.layout, self.problem
         mu = problem.roll_friction
-        roll = np.where(at.roll_nodes >= at.last, problem.friction_on_wrap, mu)
-        return np.append(roll, np.full(at.drum_nodes.size, problem.drum_friction))
+        roll = np.where(layout.roll_nodes >= layout.last, problem.friction_on_wrap, mu)
+        return np.append(roll, np.full(layout.drum_nodes.size, problem.drum_friction))
 
     @cached_property
     def scales(self) -> Array:
         """Scales of the unknowns."""
-        at = self.layout
-        out = np.full(at.size, self.pressure_scale)
-        out[[at.shift, at.xi]], out[at.ln_a] = self.slope_scale, 1.0
-        out[at.q] = self.friction * self.pressure_scale
+        layout = self.layout
+        out = np.full(layout.size, self.pressure_scale)
+        out[[layout.shift, layout.xi]], out[layout.ln_a] = self.slope_scale, 1.0
+        out[layout.q] = self.friction * self.pressure_scale
         return out
 
     @property
@@ -203,9 +203,11 @@ class NipEquations:
 
     def node_names(self, tractions: Array) -> list[str]:
         """Return the names of traction nodes for messages."""
-        at, k = self.layout, self.layout.roll_nodes.size
+        layout, k = self.layout, self.layout.roll_nodes.size
         return [
-            f"roll node {at.roll_nodes[i]}" if i < k else f"drum node {at.drum_nodes[i - k]}"
+            f"roll node {layout.roll_nodes[i]}"
+            if i < k
+            else f"drum node {layout.drum_nodes[i - k]}"
             for i in tractions.tolist()
         ]
 
@@ -249,35 +251,38 @@ class NipEquations:
 
     def evaluate(self, u: Array, geometry: Geometry | None = None) -> NipState:
         """Evaluate fields, residuals, slip velocities and friction bounds of the unknowns u."""
-        at = self.layout
-        f = self._fields(u, geometry or self.geometry(exp(u[at.ln_a])))
-        rows = [self._gap_slope(u, f), *self._wraps(f), self._force_and_load(u, f)]
-        p = np.append(f.p_roll[at.roll_nodes], f.p_drum[at.drum_nodes])
+        layout = self.layout
+        f = self._fields(u, geometry or self.geometry(exp(u[layout.ln_a])))
+        rows = [self._gap_slope(u, f), *self._normal_equilibrium(f), self._force_and_load(u, f)]
+        p = np.append(f.p_roll[layout.roll_nodes], f.p_drum[layout.drum_nodes])
         # the slip velocity of a traction node is that of the cell upstream of it
-        slip = np.concatenate([v[:-1] for v in self.slip_velocities(u[at.xi], f)])
-        traction = u[at.q] / self.scales[at.q]
+        slip = np.concatenate([v[:-1] for v in self.slip_velocities(u[layout.xi], f)])
+        traction = u[layout.q] / self.scales[layout.q]
         return NipState(
             u, f, np.concatenate(rows), slip / self.slope_scale, traction, p / self.pressure_scale
         )
 
     def _fields(self, u: Array, g: Geometry) -> Fields:
         """Evaluate pressures, tractions, tension and the deformation of both bodies."""
-        at, a, mesh = self.layout, g.a, g.mesh
-        p_roll, p_drum, q_roll, q_drum = np.zeros((4, at.end + 1))
-        p_drum[at.p_nodes[at.drum_p]], p_roll[at.p_nodes[at.wrap_p]] = u[at.drum_p], u[at.wrap_p]
-        q_roll[at.roll_nodes], q_drum[at.drum_nodes] = u[at.roll_q], u[at.drum_q]
+        layout, a, mesh = self.layout, g.a, g.mesh
+        p_roll, p_drum, q_roll, q_drum = np.zeros((4, layout.end + 1))
+        p_drum[layout.p_nodes[layout.drum_p]], p_roll[layout.p_nodes[layout.wrap_p]] = (
+            u[layout.drum_p],
+            u[layout.wrap_p],
+        )
+        q_roll[layout.roll_nodes], q_drum[layout.drum_nodes] = u[layout.roll_q], u[layout.drum_q]
         q = q_roll + q_drum
         transfer = np.cumsum(mesh.weights * q)
         T = self.problem.web_tension + a * (transfer - q * np.append(mesh.cells, 0.0) / 2)
-        on_drum = p_drum[: at.last + 1], q_drum[: at.last + 1]
+        on_drum = p_drum[: layout.last + 1], q_drum[: layout.last + 1]
         drum = g.drum.surface.deform(*on_drum)
         kappa_roll, kappa_drum = np.zeros(0), np.zeros(0)
         if self.roll_wrap or self.drum_wrap:
             kappa_drum = g.drum.curvature(drum.slope, *on_drum, a)
         nip = self._hoop_nodes
-        p_roll[at.first + 1 : at.last] = p_drum[at.first + 1 : at.last]
+        p_roll[layout.first + 1 : layout.last] = p_drum[layout.first + 1 : layout.last]
         p_roll[nip] = p_drum[nip] - T[nip] * kappa_drum[nip]
-        on_roll = p_roll[at.first :], q_roll[at.first :]
+        on_roll = p_roll[layout.first :], q_roll[layout.first :]
         roll = g.roll.surface.deform(*on_roll)
         if self.roll_wrap:
             kappa_roll = g.roll.curvature(roll.slope, *on_roll, a)
@@ -301,15 +306,20 @@ class NipEquations:
         gap -= np.diff(thinning) / (a * mesh.cells[nip])
         return (gap - mesh.points[nip] * (a / self.problem.contact_radius)) / self.slope_scale
 
-    def _wraps(self, f: Fields) -> list[Array]:
-        """Return the residual of the normal equilibrium of the web at the nodes of the wraps."""
-        at, T, rows = self.layout, f.tension, []
+    def _normal_equilibrium(self, f: Fields) -> list[Array]:
+        """Return the residual p+ - p- - T kappa of the normal equilibrium on the wraps.
+
+        One array for each wrap; one of the pressures is zero there.
+        """
+        layout, T, rows = self.layout, f.tension, []
         if self.drum_wrap:
-            on = slice(0, at.first + 1)
-            rows.append((f.p_drum[on] - T[on] * f.drum_curvature[on]) / self.pressure_scale)
+            nodes = slice(0, layout.first + 1)
+            rows.append(
+                (f.p_drum[nodes] - T[nodes] * f.drum_curvature[nodes]) / self.pressure_scale
+            )
         if self.roll_wrap:
-            on, kappa = slice(at.last, None), f.roll_curvature[at.last - at.first :]
-            rows.append((f.p_roll[on] - T[on] * kappa) / self.pressure_scale)
+            nodes, kappa = slice(layout.last, None), f.roll_curvature[layout.last - layout.first :]
+            rows.append((f.p_roll[nodes] - T[nodes] * kappa) / self.pressure_scale)
         return rows
 
     def _force_and_load(self, u: Array, f: Fields) -> Array:
@@ -319,8 +329,8 @@ class NipEquations:
         force = a * (f.geometry.mesh.weights @ f.q_drum)
         P, F = problem.nip_load, problem.winding_force
         # the force of an iterate varies with its load: else a small load could not transmit F
-        imbalance = force - F - self._force_by_load * (load - P)
-        return np.array([imbalance / (problem.drum_friction * P), load / P - 1])
+        force_residual = force - F - self._force_by_load * (load - P)
+        return np.array([force_residual / (problem.drum_friction * P), load / P - 1])
 
     @cached_property
     def _force_by_load(self) -> float:
@@ -329,13 +339,16 @@ class NipEquations:
         return float(np.clip(self.problem.winding_force / self.problem.nip_load, -mu, mu))
 
     def slip_velocities(self, xi: float, f: Fields) -> tuple[Array, Array]:
-        """Return v+ in the cells of the roll face and v- in those of the drum face."""
-        at, (a, mesh, *_), web = self.layout, f.geometry, self.problem.web
+        """Return v+ in the cells of the roll face and v- in those of the drum face.
+
+        v+ is relative to the end of the roll face, where the web is held to the roll.
+        """
+        layout, (a, mesh, *_), web = self.layout, f.geometry, self.problem.web
         stretch = a * web.compliance.c11 / web.thickness * (f.transfer[:-1] - f.transfer[-1])
         strain = stretch - web.compliance.c12 * mesh.at_points(f.p_roll)
-        at_end = -web.compliance.c12 * f.p_roll[-1] - f.roll.strain[-1]
-        roll = strain[at.first :] - f.roll.strain[:-2] - at_end
-        return roll, strain[: at.last] - f.drum.strain[:-2] + xi
+        reference = -web.compliance.c12 * f.p_roll[-1] - f.roll.strain[-1]
+        roll = strain[layout.first :] - f.roll.strain[:-2] - reference
+        return roll, strain[: layout.last] - f.drum.strain[:-2] + xi
 
     # ---- Jacobian ------------------------------------------------------------------------------
 
@@ -349,10 +362,10 @@ class NipEquations:
         The surfaces of an earlier half width are used if it is near: an error of 1 % in this column
         only slows the convergence of one step.
         """
-        a, near = state.fields.geometry.a, self._neighbour
-        if near is None or not NEAREST < abs(log(near.a / a)) < FARTHEST:
-            near = self._neighbour = self.geometry(a * exp(DIFFERENCE))
-        shifted, step = self.evaluate(state.u, near), log(near.a / a)
+        a, neighbour = state.fields.geometry.a, self._neighbour
+        if neighbour is None or not NEAREST < abs(log(neighbour.a / a)) < FARTHEST:
+            neighbour = self._neighbour = self.geometry(a * exp(DIFFERENCE))
+        shifted, step = self.evaluate(state.u, neighbour), log(neighbour.a / a)
         return (
             (shifted.equilibrium - state.equilibrium) / step,
             (shifted.slip - state.slip) / step,
@@ -363,17 +376,19 @@ class NipEquations:
 
     def prolong(self, state: NipState, active: Array, coarse: NipEquations) -> tuple[Array, Array]:
         """Interpolate the unknowns of a coarse mesh; zones are those of the nearest node."""
-        at, old_at, f = self.layout, coarse.layout, state.fields
+        layout, coarse_layout, f = self.layout, coarse.layout, state.fields
         old, new = f.geometry.mesh.nodes, self.mesh(f.geometry.a).nodes
-        u = np.empty(at.size)
-        pressure = np.where(np.arange(old.size) < old_at.last, f.p_drum, f.p_roll)
-        u[at.p] = np.interp(new[at.p_nodes], old, pressure)
-        u[[at.shift, at.xi, at.ln_a]] = state.u[[old_at.shift, old_at.xi, old_at.ln_a]]
-        u[at.roll_q] = np.interp(new[at.roll_nodes], old, f.q_roll)
-        u[at.drum_q] = np.interp(new[at.drum_nodes], old, f.q_drum)
-        k = old_at.roll_nodes.size
-        roll = nearest(old[old_at.roll_nodes], active[:k], new[at.roll_nodes])
-        drum = nearest(old[old_at.drum_nodes], active[k:], new[at.drum_nodes])
+        u = np.empty(layout.size)
+        pressure = np.where(np.arange(old.size) < coarse_layout.last, f.p_drum, f.p_roll)
+        u[layout.p] = np.interp(new[layout.p_nodes], old, pressure)
+        u[[layout.shift, layout.xi, layout.ln_a]] = state.u[
+            [coarse_layout.shift, coarse_layout.xi, coarse_layout.ln_a]
+        ]
+        u[layout.roll_q] = np.interp(new[layout.roll_nodes], old, f.q_roll)
+        u[layout.drum_q] = np.interp(new[layout.drum_nodes], old, f.q_drum)
+        k = coarse_layout.roll_nodes.size
+        roll = nearest(old[coarse_layout.roll_nodes], active[:k], new[layout.roll_nodes])
+        drum = nearest(old[coarse_layout.drum_nodes], active[k:], new[layout.drum_nodes])
         return u, np.append(roll, drum)
 
 
@@ -383,12 +398,22 @@ def nearest(old: Array, values: Array, new: Array) -> Array:
 
 
 class _Assembly:
-    """Assembly of the Jacobian at a state, block by block."""
+    """Assembly of the Jacobian at a state, block by block.
+
+    Attributes
+    ----------
+    roll, drum : SurfaceTangent
+        Derivatives of slopes and strains by the pressures and tractions of the faces.
+    kappa_roll, kappa_drum : pair of arrays, or None
+        Derivatives of the curvatures by pressures and by tractions.
+    dp_roll : (n, size) array
+        Derivative dp+/du of the pressure at the nodes of the roll's face by all unknowns.
+    """
 
     def __init__(self, equations: NipEquations, state: NipState) -> None:
         self.equations, self.problem = equations, equations.problem
-        self.at, self.fields = equations.layout, state.fields
-        f, first, last = state.fields, self.at.first, self.at.last
+        self.layout, self.fields = equations.layout, state.fields
+        f, first, last = state.fields, self.layout.first, self.layout.last
         self.a, self.mesh, roll, drum = f.geometry
         on_roll = f.p_roll[first:], f.q_roll[first:]
         on_drum = f.p_drum[: last + 1], f.q_drum[: last + 1]
@@ -398,125 +423,147 @@ class _Assembly:
             self.kappa_roll = roll.curvature_tangent(self.roll, *on_roll, self.a)
         if f.drum_curvature.size:
             self.kappa_drum = drum.curvature_tangent(self.drum, *on_drum, self.a)
-        self.p_roll = self._p_roll()
+        self.dp_roll = self._derivative_of_p_roll()
 
     def jacobian(self) -> Jacobian:
         """Assemble all blocks."""
-        at, equations = self.at, self.equations
-        gap = self._gap_slope() / equations.slope_scale
-        wraps = [rows / equations.pressure_scale for rows in self._wraps()]
-        slip = self._slip() / equations.slope_scale
-        bound = np.zeros((at.q.stop - at.q.start, at.size))
-        k = at.roll_nodes.size
-        bound[:k] = self.p_roll[1:-1]
-        bound[k + np.arange(at.drum_nodes.size), at.drum_nodes - at.p_nodes[0]] = 1.0
-        rows = np.concatenate([gap, *wraps, self._force_and_load()])
+        layout, equations = self.layout, self.equations
+        gap = self._gap_slope_rows() / equations.slope_scale
+        wraps = [rows / equations.pressure_scale for rows in self._wrap_rows()]
+        slip = self._slip_rows() / equations.slope_scale
+        bound = np.zeros((layout.q.stop - layout.q.start, layout.size))
+        k = layout.roll_nodes.size
+        bound[:k] = self.dp_roll[1:-1]
+        bound[k + np.arange(layout.drum_nodes.size), layout.drum_nodes - layout.p_nodes[0]] = 1.0
+        rows = np.concatenate([gap, *wraps, self._force_and_load_rows()])
         return Jacobian(rows, slip, bound / equations.pressure_scale)
 
-    def _p_roll(self) -> Array:
-        """Return the derivative of p+ at the nodes of the roll's face; p+ = p- + T kappa inside."""
-        at, n = self.at, self.at.last - self.at.first
-        out, k = np.zeros((at.end + 1 - at.first, at.size)), np.arange(1, n)
-        out[k, at.drum_p.stop - n + k] = 1.0
+    def _derivative_of_p_roll(self) -> Array:
+        """Return dp+/du at the nodes of the roll's face.
+
+        In the nip p+ = p- + T kappa; on the roll wrap p+ is an unknown.
+        """
+        layout, n = self.layout, self.layout.last - self.layout.first
+        out, k = np.zeros((layout.end + 1 - layout.first, layout.size)), np.arange(1, n)
+        out[k, layout.drum_p.stop - n + k] = 1.0
         if self.equations.roll_wrap:
             nodes = self.equations._hoop_nodes
             self._subtract_hoop(out[1:n], nodes, self.fields.drum_curvature[nodes], self.kappa_drum)
-        k = np.arange(at.wrap_p.stop - at.wrap_p.start)
-        out[n + k, at.wrap_p.start + k] = 1.0
+        k = np.arange(layout.wrap_p.stop - layout.wrap_p.start)
+        out[n + k, layout.wrap_p.start + k] = 1.0
         return out
 
     def _subtract_hoop(
         self, rows: Array, nodes: slice, kappa: Array, tangent: tuple[Array, Array] | None
     ) -> None:
-        """Subtract the derivatives of T kappa at nodes, with kappa and its tangent, from rows."""
-        at = self.at
+        """Subtract the derivatives of T kappa at ``nodes`` from rows, dT kappa + T dkappa.
+
+        ``tangent`` holds the derivatives of kappa by p- and q-; None for a rigid body.
+        """
+        layout = self.layout
         by_q = self.a * self.mesh.integral_to_nodes[nodes]
-        rows[:, at.roll_q] -= kappa[:, None] * by_q[:, at.roll_nodes]
-        rows[:, at.drum_q] -= kappa[:, None] * by_q[:, at.drum_nodes]
+        rows[:, layout.roll_q] -= kappa[:, None] * by_q[:, layout.roll_nodes]
+        rows[:, layout.drum_q] -= kappa[:, None] * by_q[:, layout.drum_nodes]
         if tangent is not None:
             T = self.fields.tension[nodes, None]
-            rows[:, at.drum_p] -= T * tangent[0][nodes, at.p_nodes[at.drum_p]]
-            rows[:, at.drum_q] -= T * tangent[1][nodes, 1:-1]
+            rows[:, layout.drum_p] -= T * tangent[0][nodes, layout.p_nodes[layout.drum_p]]
+            rows[:, layout.drum_q] -= T * tangent[1][nodes, 1:-1]
 
-    def _by_p_roll(self, matrix: Array) -> Array:
-        """Return the product of a matrix, by p+ on the nodes of the roll's face, with dp+/du."""
-        at, n = self.at, self.at.last - self.at.first
+    def _chain_p_roll(self, matrix: Array) -> Array:
+        """Return the derivatives by u from those by p+: matrix @ dp+/du (chain rule).
+
+        Without a roll wrap p+ = p- in the nip, so that columns are copied.
+        """
+        layout, n = self.layout, self.layout.last - self.layout.first
         if self.equations.roll_wrap:
-            out: Array = matrix[:, 1:n] @ self.p_roll[1:n]
+            out: Array = matrix[:, 1:n] @ self.dp_roll[1:n]
         else:
-            out = np.zeros((len(matrix), at.size))
-            out[:, at.drum_p.stop - n + 1 : at.drum_p.stop] = matrix[:, 1:n]
-        out[:, at.wrap_p] += matrix[:, n : n + at.wrap_p.stop - at.wrap_p.start]
+            out = np.zeros((len(matrix), layout.size))
+            out[:, layout.drum_p.stop - n + 1 : layout.drum_p.stop] = matrix[:, 1:n]
+        out[:, layout.wrap_p] += matrix[:, n : n + layout.wrap_p.stop - layout.wrap_p.start]
         return out
 
-    def _gap_slope(self) -> Array:
-        """Return the rows of the gap slope."""
-        at, mesh, web, nip = self.at, self.mesh, self.problem.web, self.mesh.nip_cells
-        n = at.last - at.first
+    def _gap_slope_rows(self) -> Array:
+        """Return the rows of the gap slope, v+' + v-' + c12 (q+ + q-) - 2h F(p+)' + Delta/R*."""
+        layout, mesh, web, nip = self.layout, self.mesh, self.problem.web, self.mesh.nip_cells
+        n = layout.last - layout.first
         by_p = self.roll.slope_p[:n].copy()
         _, thinning = web.thinned(self.fields.p_roll[mesh.nip_nodes])
         k, h = np.arange(n), self.a * mesh.cells[nip]
         by_p[k, k] += thinning[:-1] / h
         by_p[k, k + 1] -= thinning[1:] / h
-        rows = self._by_p_roll(by_p)
-        value = web.compliance.c12 * mesh.hats[nip]
-        rows[:, at.roll_q] += value[:, at.roll_nodes] + self.roll.slope_q[:n, 1:-1]
-        rows[:, at.drum_q] += value[:, at.drum_nodes] + self.drum.slope_q[nip, 1:-1]
-        rows[:, at.drum_p] += self.drum.slope_p[nip, at.p_nodes[at.drum_p]]
-        rows[:, at.shift] = 1.0
+        rows = self._chain_p_roll(by_p)
+        # c12 (q+ + q-)
+        thickening = web.compliance.c12 * mesh.hats[nip]
+        rows[:, layout.roll_q] += thickening[:, layout.roll_nodes] + self.roll.slope_q[:n, 1:-1]
+        rows[:, layout.drum_q] += thickening[:, layout.drum_nodes] + self.drum.slope_q[nip, 1:-1]
+        rows[:, layout.drum_p] += self.drum.slope_p[nip, layout.p_nodes[layout.drum_p]]
+        rows[:, layout.shift] = 1.0
         return rows
 
-    def _wraps(self) -> list[Array]:
-        """Return the rows of the normal equilibrium on the wraps."""
-        at, equations, f, blocks = self.at, self.equations, self.fields, []
+    def _wrap_rows(self) -> list[Array]:
+        """Return the rows of the normal equilibrium p+ - p- - T kappa on the wraps."""
+        layout, equations, f, blocks = self.layout, self.equations, self.fields, []
         if equations.drum_wrap:
-            on, k = slice(0, at.first + 1), np.arange(at.first + 1)
-            rows = np.zeros((k.size, at.size))
+            nodes, k = slice(0, layout.first + 1), np.arange(layout.first + 1)
+            rows = np.zeros((k.size, layout.size))
             rows[k, k] = 1.0
-            self._subtract_hoop(rows, on, f.drum_curvature[on], self.kappa_drum)
+            self._subtract_hoop(rows, nodes, f.drum_curvature[nodes], self.kappa_drum)
             blocks.append(rows)
         if equations.roll_wrap:
-            on, wrap = slice(at.last, at.end + 1), slice(at.last - at.first, None)
-            k = np.arange(at.end + 1 - at.last)
-            rows = np.zeros((k.size, at.size))
+            nodes, wrap = (
+                slice(layout.last, layout.end + 1),
+                slice(layout.last - layout.first, None),
+            )
+            k = np.arange(layout.end + 1 - layout.last)
+            rows = np.zeros((k.size, layout.size))
             if self.kappa_roll is not None:
-                T = f.tension[on, None]
-                rows = self._by_p_roll(-T * self.kappa_roll[0][wrap])
-                rows[:, at.roll_q] -= T * self.kappa_roll[1][wrap, 1:-1]
-            rows[k, at.wrap_p.start + k] += 1.0
-            self._subtract_hoop(rows, on, f.roll_curvature[wrap], None)
+                T = f.tension[nodes, None]
+                rows = self._chain_p_roll(-T * self.kappa_roll[0][wrap])
+                rows[:, layout.roll_q] -= T * self.kappa_roll[1][wrap, 1:-1]
+            rows[k, layout.wrap_p.start + k] += 1.0
+            self._subtract_hoop(rows, nodes, f.roll_curvature[wrap], None)
             blocks.append(rows)
         return blocks
 
-    def _force_and_load(self) -> Array:
-        """Return the rows of winding force and nip load."""
-        at, problem = self.at, self.problem
-        rows, weights = np.zeros((2, at.size)), self.a * self.mesh.nip_weights[at.p_nodes]
-        rows[0, at.p] = -self.equations._force_by_load * weights
-        rows[0, at.drum_q] = self.a * self.mesh.weights[at.drum_nodes]
+    def _force_and_load_rows(self) -> Array:
+        """Return the rows of winding force int q- dx and nip load int_nip p- dx."""
+        layout, problem = self.layout, self.problem
+        rows, weights = np.zeros((2, layout.size)), self.a * self.mesh.nip_weights[layout.p_nodes]
+        rows[0, layout.p] = -self.equations._force_by_load * weights
+        rows[0, layout.drum_q] = self.a * self.mesh.weights[layout.drum_nodes]
         rows[0] /= problem.drum_friction
-        rows[1, at.p] = weights
+        rows[1, layout.p] = weights
         return rows / problem.nip_load
 
-    def _slip(self) -> Array:
-        """Return the rows of the slip velocities, roll then drum."""
-        at, mesh, web = self.at, self.mesh, self.problem.web
+    def _slip_rows(self) -> Array:
+        """Return the rows of the slip velocities, roll then drum.
+
+        The strain of the web, c11 (T - T(end))/2h - c12 p+, minus that of the roll, relative to the
+        end, or of the drum.
+        """
+        layout, mesh, web = self.layout, self.mesh, self.problem.web
         stretch = mesh.integral_to_points - mesh.weights
         stretch *= self.a * web.compliance.c11 / web.thickness
-        on_roll, on_drum = slice(at.first, at.end - 1), slice(0, at.last - 1)
-        n, m = at.end - 1 - at.first, at.last - 1
-        # the web's strain by its pressure p+ in the cells
-        through = np.zeros((mesh.cells.size, at.size))
-        part, c12 = mesh.fraction[at.first :, None], web.compliance.c12
-        through[at.first :] = (c12 * (part - 1)) * self.p_roll[:-1] - (c12 * part) * self.p_roll[1:]
+        on_roll, on_drum = slice(layout.first, layout.end - 1), slice(0, layout.last - 1)
+        n, m = layout.end - 1 - layout.first, layout.last - 1
+        # derivatives of -c12 p+ in the cells
+        pressure_strain = np.zeros((mesh.cells.size, layout.size))
+        fraction, c12 = mesh.fraction[layout.first :, None], web.compliance.c12
+        pressure_strain[layout.first :] = (c12 * (fraction - 1)) * self.dp_roll[:-1] - (
+            c12 * fraction
+        ) * self.dp_roll[1:]
         strain_p, strain_q = (s[:n] - s[-1] for s in (self.roll.strain_p, self.roll.strain_q))
-        roll, drum = through[on_roll] - self._by_p_roll(strain_p), through[on_drum]
-        roll += c12 * self.p_roll[-1]
+        roll, drum = (
+            pressure_strain[on_roll] - self._chain_p_roll(strain_p),
+            pressure_strain[on_drum],
+        )
+        roll += c12 * self.dp_roll[-1]
         for rows, cells in ((roll, on_roll), (drum, on_drum)):
-            rows[:, at.roll_q] += stretch[cells, at.first + 1 : at.end]
-            rows[:, at.drum_q] += stretch[cells, 1 : at.last]
-        roll[:, at.roll_q] -= strain_q[:, 1:-1]
-        drum[:, at.drum_p] -= self.drum.strain_p[:m, at.p_nodes[at.drum_p]]
-        drum[:, at.drum_q] -= self.drum.strain_q[:m, 1:-1]
-        drum[:, at.xi] = 1.0
+            rows[:, layout.roll_q] += stretch[cells, layout.first + 1 : layout.end]
+            rows[:, layout.drum_q] += stretch[cells, 1 : layout.last]
+        roll[:, layout.roll_q] -= strain_q[:, 1:-1]
+        drum[:, layout.drum_p] -= self.drum.strain_p[:m, layout.p_nodes[layout.drum_p]]
+        drum[:, layout.drum_q] -= self.drum.strain_q[:m, 1:-1]
+        drum[:, layout.xi] = 1.0
         return np.concatenate([roll, drum])

@@ -59,32 +59,32 @@ def main_outputs(equations: NipEquations, state: NipState) -> dict[str, float]:
 
 def roll_wound_on_tension(equations: NipEquations, state: NipState) -> float:
     """Return the wound-on tension reduced to the closed layer of a wound roll [N/m]."""
-    at, f, problem = equations.layout, state.fields, equations.problem
+    layout, f, problem = equations.layout, state.fields, equations.problem
     mesh, a, R = f.geometry.mesh, f.geometry.a, problem.roll.radius
     s = EVALUATION_ANGLE * R / a  # in units of the half width
     if s < mesh.points[-1]:
         T = float(np.interp(s, mesh.nodes, f.tension))
-        strain = float(np.interp(s, mesh.points[at.first :], f.roll.strain[:-2]))
+        strain = float(np.interp(s, mesh.points[layout.first :], f.roll.strain[:-2]))
     else:  # a shorter wrap: at its end
         T, strain = float(f.tension[-1]), float(f.roll.strain[-1])
-    closed = problem.roll.uniform_strain(T / R)
-    return T + problem.web.thickness / problem.web.compliance.c11 * (closed - strain)
+    closed_strain = problem.roll.uniform_strain(T / R)  # under a closed layer
+    return T + problem.web.thickness / problem.web.compliance.c11 * (closed_strain - strain)
 
 
 def nip_outputs(equations: NipEquations, state: NipState, active: Array) -> dict[str, float]:
     """Return all outputs whose discretisation error is estimated, by name, in SI units."""
-    at, f = equations.layout, state.fields
+    layout, f = equations.layout, state.fields
     a, mesh, T = f.geometry.a, f.geometry.mesh, f.tension
     out = {
         **main_outputs(equations, state),
         "roll_wound_on_tension": roll_wound_on_tension(equations, state),
-        "inlet_tension": float(T[at.first]),
-        "outlet_tension": float(T[at.last]),
+        "inlet_tension": float(T[layout.first]),
+        "outlet_tension": float(T[layout.last]),
         "half_width": a,
         "nip_width": 2 * a,
         "peak_pressure": float(f.p_drum.max()),
         "drum_creepage": drum_creepage(equations, state),
-        "offset": float(state.u[at.shift] * equations.problem.contact_radius),
+        "offset": float(state.u[layout.shift] * equations.problem.contact_radius),
         "approach": approach(equations, state),
         **slip_ratios(equations.problem, web_arrays(equations, state, active), mesh.nip_nodes),
     }
@@ -99,16 +99,16 @@ def approach(equations: NipEquations, state: NipState) -> float:
     Thesis eq. 82: the gap closes there, v+ + v- + change of the web's thickness + Delta a/R* =
     a^2/(2 R*) - delta.
     """
-    at, f, problem = equations.layout, state.fields, equations.problem
+    layout, f, problem = equations.layout, state.fields, equations.problem
     a, _, roll, drum = f.geometry
-    v = roll.surface.end_displacement(f.p_roll[at.first :], f.q_roll[at.first :])
-    v += drum.surface.end_displacement(f.p_drum[: at.last + 1], f.q_drum[: at.last + 1])
-    v += problem.web.compliance.c12 * f.tension[at.last]
-    v -= problem.web.thinned(f.p_roll[at.last : at.last + 1])[0][0]
-    return float(a**2 / (2 * problem.contact_radius) - v - state.u[at.shift] * a)
+    v = roll.surface.end_displacement(f.p_roll[layout.first :], f.q_roll[layout.first :])
+    v += drum.surface.end_displacement(f.p_drum[: layout.last + 1], f.q_drum[: layout.last + 1])
+    v += problem.web.compliance.c12 * f.tension[layout.last]
+    v -= problem.web.thinned(f.p_roll[layout.last : layout.last + 1])[0][0]
+    return float(a**2 / (2 * problem.contact_radius) - v - state.u[layout.shift] * a)
 
 
-def _on_nodes(values: Array, first: int, size: int, fill: float = np.nan) -> Array:
+def _extend_to_nodes(values: Array, first: int, size: int, fill: float = np.nan) -> Array:
     """Extend values in the cells of a face to all nodes: a node has that of the cell upstream.
 
     The first node of the face repeats the next one; nodes outside of the face are filled.
@@ -120,32 +120,36 @@ def _on_nodes(values: Array, first: int, size: int, fill: float = np.nan) -> Arr
 
 
 def web_arrays(equations: NipEquations, state: NipState, active: Array) -> dict[str, Array]:
-    """Return the fields along the web on all nodes, by the names of the results."""
-    at, f = equations.layout, state.fields
-    a, mesh, n = f.geometry.a, f.geometry.mesh, at.end + 1
-    roll_slip, drum_slip = equations.slip_velocities(float(state.u[at.xi]), f)
+    """Return the fields along the web at all nodes, by the names of the results.
+
+    Slips and strains, which belong to cells, are those of the cell upstream of each node; the
+    points at which they are evaluated are ``slip_x``.
+    """
+    layout, f = equations.layout, state.fields
+    a, mesh, n = f.geometry.a, f.geometry.mesh, layout.end + 1
+    roll_slip, drum_slip = equations.slip_velocities(float(state.u[layout.xi]), f)
     zones = np.zeros((2, n), dtype=np.int8)
-    k = at.roll_nodes.size
-    zones[0, at.roll_nodes], zones[1, at.drum_nodes] = active[:k], active[k:]
+    k = layout.roll_nodes.size
+    zones[0, layout.roll_nodes], zones[1, layout.drum_nodes] = active[:k], active[k:]
     # nodes without an upstream cell, and that where the web is held, repeat their neighbour
-    zones[0, at.first], zones[0, -1], zones[1, 0] = (
-        zones[0, at.first + 1],
+    zones[0, layout.first], zones[0, -1], zones[1, 0] = (
+        zones[0, layout.first + 1],
         zones[0, -2],
         zones[1, 1],
     )
-    # where a face ends at the trailing edge, p = q = 0 there: the friction law admits the direction
-    # of the slip, which shows a zone that is shorter than the last cell
+    # where a face ends at the trailing edge, p = q = 0 and the friction law permits either zone:
+    # the sign of the slip tells whether a slip zone shorter than the last cell ends there
     rounding = strain_rounding(equations, state)
-    zones[1, at.last] = _direction(drum_slip[-1], rounding)
+    zones[1, layout.last] = _slip_direction(drum_slip[-1], rounding)
     if not equations.roll_wrap:
-        zones[0, at.last] = _direction(roll_slip[-1], rounding)
+        zones[0, layout.last] = _slip_direction(roll_slip[-1], rounding)
     slip_x = np.append(mesh.points[:1], mesh.points)
-    slip_x[at.first] = slip_x[at.first + 1]
+    slip_x[layout.first] = slip_x[layout.first + 1]
     kappa = np.zeros(n)
     if f.drum_curvature.size:
-        kappa[: at.last + 1] = -f.drum_curvature
+        kappa[: layout.last + 1] = -f.drum_curvature
     if f.roll_curvature.size:
-        kappa[at.last :] = f.roll_curvature[at.last - at.first :]
+        kappa[layout.last :] = f.roll_curvature[layout.last - layout.first :]
     wrapped = slice(None) if equations.problem.is_wrapped else slice(0, 0)
     return {
         "x": a * mesh.nodes,
@@ -156,16 +160,16 @@ def web_arrays(equations: NipEquations, state: NipState, active: Array) -> dict[
         "curvature": kappa[wrapped],
         "roll_traction": f.q_roll,
         "drum_traction": f.q_drum,
-        "roll_slip": _on_nodes(roll_slip, at.first, n),
-        "drum_slip": _on_nodes(drum_slip, 0, n),
+        "roll_slip": _extend_to_nodes(roll_slip, layout.first, n),
+        "drum_slip": _extend_to_nodes(drum_slip, 0, n),
         "roll_zone": zones[0],
         "drum_zone": zones[1],
         "tension": f.tension,
-        "roll_strain": _on_nodes(f.roll.strain[:-2], at.first, n),
+        "roll_strain": _extend_to_nodes(f.roll.strain[:-2], layout.first, n),
     }
 
 
-def _direction(slip: float, rounding: float) -> int:
+def _slip_direction(slip: float, rounding: float) -> int:
     """Return the sign of a slip velocity, 0 if it is due to rounding."""
     return int(np.sign(slip)) if abs(slip) > rounding else 0
 
@@ -178,7 +182,7 @@ def strain_rounding(equations: NipEquations, state: NipState) -> float:
 
 
 def drum_creepage(equations: NipEquations, state: NipState) -> float:
-    """Return the creepage of web and drum relative to the unstrained web."""
+    """Return the creepage between web and drum, both unstrained: xi of the equations - c11 T/2h."""
     web = equations.problem.web
     xi, T_end = state.u[equations.layout.xi], state.fields.tension[-1]
     return float(xi - web.compliance.c11 / web.thickness * T_end)
@@ -202,9 +206,11 @@ def slip_ratios(problem: Any, arrays: Mapping[str, Array], nip: slice) -> dict[s
     ):
         zone, slip, q = (arrays[f"{face}_{name}"][nip] for name in ("zone", "slip", "traction"))
         lengths.append(slip_lengths(x, zone, slip, friction * pressure[nip] - np.abs(q)))
-    (leading, trailing), (_, drum) = lengths
-    dual = min(trailing, drum, key=abs) if trailing * drum > 0 else 0.0
-    values = np.array([leading, trailing, dual]) / (x[-1] - x[0])
+    (leading_roll, trailing_roll), (_, trailing_drum) = lengths
+    # dual slip: both faces slip in the same direction at the trailing edge
+    same_direction = trailing_roll * trailing_drum > 0
+    dual = min(trailing_roll, trailing_drum, key=abs) if same_direction else 0.0
+    values = np.array([leading_roll, trailing_roll, dual]) / (x[-1] - x[0])
     return dict(zip(SLIP_RATIOS, values.tolist(), strict=True))
 
 
@@ -248,20 +254,23 @@ def error_estimates(refinement: Refinement, arrays: Mapping[str, Array]) -> dict
     if any(has_traction_jump(zone) for zone in zones):
         errors["drum_creepage"] = refinement.errors(order=1)["drum_creepage"]
     last = refinement.last
-    unresolved = _unresolved_strain(last.system, last.state.fields.geometry)
-    errors["drum_creepage"] = max(errors["drum_creepage"], unresolved)
+    unresolved_strain = _unresolved_wrap_strain(last.system, last.state.fields.geometry)
+    errors["drum_creepage"] = max(errors["drum_creepage"], unresolved_strain)
     return errors
 
 
 def _reverses_at_edge(arrays: Mapping[str, Array], name: str, nip: slice) -> bool:
-    """Return True if a slip changes its direction between the last cell and the trailing edge."""
-    (x, y), (u, v) = arrays["slip_x"][nip][-2:], arrays[name][nip][-2:]
-    at_edge = v + (v - u) * (arrays["x"][nip][-1] - y) / (y - x)
-    return bool(v * at_edge < 0)
+    """Return True if the slip, extrapolated linearly to the trailing edge, changes its sign."""
+    (x1, x2), (v1, v2) = arrays["slip_x"][nip][-2:], arrays[name][nip][-2:]
+    v_edge = v2 + (v2 - v1) * (arrays["x"][nip][-1] - x2) / (x2 - x1)
+    return bool(v2 * v_edge < 0)
 
 
-def _unresolved_strain(equations: NipEquations, geometry: Geometry) -> float:
-    """Return the change of the drum strain at the start of its wrap, unresolved by the mesh."""
+def _unresolved_wrap_strain(equations: NipEquations, geometry: Geometry) -> float:
+    """Return the change of the drum strain under T/R at the start of its wrap.
+
+    It is zero if the first cell resolves this change, which extends over a length of about T C.
+    """
     drum, T = equations.problem.drum, equations.problem.web_tension
     first_cell = geometry.a * float(geometry.mesh.cells[0])
     if not equations.drum_wrap or first_cell <= T * drum.compliance:

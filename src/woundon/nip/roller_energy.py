@@ -34,37 +34,44 @@ class SurfaceWork(NamedTuple):
     """Work on a body, and its part int q v/R dx that belongs to the torque [N/m]."""
 
     work: float
-    turned: float
+    curvature_work: float
 
 
-def work_on(
-    body: Any, surface: SurfaceResponse, mesh: Mesh, a: float, of: Deformation, p: Array, q: Array
+def _work_on_body(
+    body: Any,
+    surface: SurfaceResponse,
+    mesh: Mesh,
+    a: float,
+    deformation: Deformation,
+    p: Array,
+    q: Array,
 ) -> SurfaceWork:
-    """Return the work of nodal pressures and tractions on the surface of a body."""
-    h, turned = a * mesh.cells, 0.0
+    """Return the work W of nodal pressures p and tractions q on the surface of a body."""
+    h, curvature_work = a * mesh.cells, 0.0
     if body.rigid:
         return SurfaceWork(0.0, 0.0)
     if body.curvature and q.any():
         end = surface.end_displacement(p, q)
-        v = mesh.roll_face.displacement_at_nodes(of.slope, end, a)
-        turned = float(body.curvature * h @ (mesh.at_points(q) * mesh.at_points(v)))
-    density = mesh.at_points(q) * of.strain[:-2] - mesh.at_points(p) * of.slope[:-2]
-    return SurfaceWork(float(h @ density) - turned, turned)
+        v = mesh.roll_face.displacement_at_nodes(deformation.slope, end, a)
+        curvature_work = float(body.curvature * h @ (mesh.at_points(q) * mesh.at_points(v)))
+    slope, strain = deformation.slope[:-2], deformation.strain[:-2]  # in the cells
+    density = mesh.at_points(q) * strain - mesh.at_points(p) * slope
+    return SurfaceWork(float(h @ density) - curvature_work, curvature_work)
 
 
 def surface_work(problem: Any, mesh: Mesh, state: Any) -> tuple[SurfaceWork, SurfaceWork]:
     """Return the work on the upper and on the lower roller."""
     (a, upper, lower), (one, two) = state.surfaces, problem.bodies
     return (
-        work_on(one, upper, mesh, a, state.upper, state.p, state.q),
-        work_on(two, lower, mesh, a, state.lower, state.p, -state.q),
+        _work_on_body(one, upper, mesh, a, state.upper, state.p, state.q),
+        _work_on_body(two, lower, mesh, a, state.lower, state.p, -state.q),
     )
 
 
 def dissipation(problem: Any, bodies: tuple[SurfaceWork, SurfaceWork]) -> float:
     """Return the dissipation of the viscoelastic bodies per length rolled and width [N/m]."""
     pairs = zip(problem.bodies, bodies, strict=True)
-    return sum(of.work for body, of in pairs if body.viscoelastic)
+    return sum(surface.work for body, surface in pairs if body.viscoelastic)
 
 
 def roller_power_balance(result: Any, bodies: tuple[SurfaceWork, SurfaceWork]) -> float:
@@ -81,8 +88,8 @@ def roller_power_balance(result: Any, bodies: tuple[SurfaceWork, SurfaceWork]) -
     load = float(h @ (p[:-1] + p[1:])) / 2
     moment = float(h @ (x[:-1] * (2 * p[:-1] + p[1:]) + x[1:] * (p[:-1] + 2 * p[1:]))) / 6
     middle = result.slip_x[1:]
-    share = (middle - x[:-1]) / h
-    friction = float(h @ (((1 - share) * q[:-1] + share * q[1:]) * result.slip[1:]))
+    fraction = (middle - x[:-1]) / h
+    friction = float(h @ (((1 - fraction) * q[:-1] + fraction * q[1:]) * result.slip[1:]))
     supplied = (load * result.offset - moment) / R + result.creepage * result.tangential_load
-    supplied -= friction + sum(of.turned for of in bodies)
+    supplied -= friction + sum(surface.curvature_work for surface in bodies)
     return abs(result.rolling_resistance - supplied) / (load * result.half_width / R)

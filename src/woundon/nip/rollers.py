@@ -211,6 +211,7 @@ class RollerEquations:
 
     @property
     def _force_by_load(self) -> float:
+        """dQ/dP for an iterate whose load differs from P: Q/P."""
         return (self.problem.tangential_load or 0.0) / self.problem.load
 
     def _slip(
@@ -258,21 +259,22 @@ class RollerEquations:
         inner, size = slice(1, -1), self.q.stop
         k = size - self.q.start
         gap, slip, bound = np.zeros((n + 1, size)), np.zeros((k, size)), np.zeros((k, size))
-        for which, (surface, sign) in enumerate(zip(pair, (1.0, -1.0), strict=True)):
+        for number, (surface, sign) in enumerate(zip(pair, (1.0, -1.0), strict=True)):
             if surface.rigid:
                 continue
-            of = surface.tangent(state.p, sign * state.q)
-            gap[:, self.p] += of.slope_p[:-2, inner]
+            tangent = surface.tangent(state.p, sign * state.q)
+            gap[:, self.p] += tangent.slope_p[:-2, inner]
             if not k:
                 continue
-            gap[:, self.q] += sign * of.slope_q[:-2, inner]
-            by_p, by_q = of.strain_p, of.strain_q
+            gap[:, self.q] += sign * tangent.slope_q[:-2, inner]
+            by_p, by_q = tangent.strain_p, tangent.strain_q
             if self.static:
                 ends = np.zeros((2, self.size))
-                if self._is_curved(which):
+                if self._is_curved(number):
                     ends = np.array(surface.end_tangent(state.p, sign * state.q))
-                by_p = self._displacement(which, a, of.slope_p, of.strain_p, ends[0])[inner]
-                by_q = self._displacement(which, a, of.slope_q, of.strain_q, ends[1])[inner]
+                by_p = self._displacement(number, a, tangent.slope_p, tangent.strain_p, ends[0])
+                by_q = self._displacement(number, a, tangent.slope_q, tangent.strain_q, ends[1])
+                by_p, by_q = by_p[inner], by_q[inner]
             slip[:, self.p] -= sign * by_p[:k, inner]
             slip[:, self.q] -= by_q[:k, inner]
         gap[:, self.shift] = 1.0
@@ -295,10 +297,10 @@ class RollerEquations:
 
         The surfaces of an earlier half width are used if it is near.
         """
-        a, near = state.surfaces.a, self._neighbour
-        if near is None or not NEAREST < abs(log(near.a / a)) < FARTHEST:
-            near = self._neighbour = self.surfaces(a * exp(DIFFERENCE))
-        shifted, step = self.evaluate(state.u, near), log(near.a / a)
+        a, neighbour = state.surfaces.a, self._neighbour
+        if neighbour is None or not NEAREST < abs(log(neighbour.a / a)) < FARTHEST:
+            neighbour = self._neighbour = self.surfaces(a * exp(DIFFERENCE))
+        shifted, step = self.evaluate(state.u, neighbour), log(neighbour.a / a)
         return (
             (shifted.equilibrium - state.equilibrium) / step,
             (shifted.slip - state.slip) / step,

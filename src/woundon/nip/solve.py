@@ -218,10 +218,10 @@ def _check_taut(problem: Any, mesh: MeshSolution, permitted: float = 0.0) -> Non
         Slackness that counts as an error of a coarse mesh, relative to the largest tension.
     """
     equations: NipEquations = mesh.system
-    at, T, T_in = equations.layout, mesh.state.fields.tension, problem.web_tension
+    layout, T, T_in = equations.layout, mesh.state.fields.tension, problem.web_tension
     for name, tension, wrapped in (
-        ("downstream of the nip", T[at.last :], problem.roll_wrap > 0),
-        ("upstream of the nip", T[: at.first + 1], problem.drum_wrap > 0),
+        ("downstream of the nip", T[layout.last :], problem.roll_wrap > 0),
+        ("upstream of the nip", T[: layout.first + 1], problem.drum_wrap > 0),
     ):
         least = float(tension.min())
         if wrapped and least <= -permitted * float(np.abs(T).max()):
@@ -234,10 +234,10 @@ def _check_taut(problem: Any, mesh: MeshSolution, permitted: float = 0.0) -> Non
 
 def _check_pressed(problem: Any, mesh: MeshSolution) -> None:
     """Raise where a body is deformed so that it is concave on its wrap: the web lifts off it."""
-    at, f = mesh.system.layout, mesh.state.fields
+    layout, f = mesh.system.layout, mesh.state.fields
     for name, pressure, wrapped in (
-        ("roll", f.p_roll[at.last :], problem.roll_wrap > 0),
-        ("drum", f.p_drum[: at.first + 1], problem.drum_wrap > 0),
+        ("roll", f.p_roll[layout.last :], problem.roll_wrap > 0),
+        ("drum", f.p_drum[: layout.first + 1], problem.drum_wrap > 0),
     ):
         least = float(pressure.min())
         if wrapped and least < -ACCEPTED_RESIDUAL * f.p_drum.max():

@@ -60,14 +60,14 @@ def solve_with_air(
         If the friction coefficients do not converge.
     """
     frictions = frictions or (problem.roll_friction, problem.friction_on_wrap)
-    finest, chooses_nodes = 0, options.get("nodes") is None and options.get("rtol") is None
+    largest_mesh, chooses_nodes = 0, options.get("nodes") is None and options.get("rtol") is None
     for iteration in range(MAX_ITERATIONS):
         if chooses_nodes and iteration >= FREE_ITERATIONS:
-            options["nodes"] = finest
+            options["nodes"] = largest_mesh
         solved = solve(problem.without_air(*frictions), **options)
         nip = solved.in_nip
         if iteration:
-            finest = max(finest, solved.nodes)
+            largest_mesh = max(largest_mesh, solved.nodes)
         film = air_film(problem, solved.x[nip], solved.roll_pressure[nip], solved.half_width)
         reduced = film.roll_friction, film.wrap_friction
         if np.allclose(reduced, frictions, rtol=tolerance, atol=0):
