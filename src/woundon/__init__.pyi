@@ -1,6 +1,7 @@
 """The public names, listed once: lazy_loader and type checkers read them here."""
 
 from . import kinds as kinds
+from . import parallel as parallel
 from . import plugins as plugins
 from . import theories as theories
 from .errors import InputWarning as InputWarning
@@ -17,7 +18,6 @@ from .kinds import solve as solve
 from .nip.entrained_air import AirFilm as AirFilm
 from .nip.result import NipResult as NipResult
 from .nip.roller_result import RollerResult as RollerResult
-from .nip.sensitivity import Sensitivity as Sensitivity
 from .problems.air import Air as Air
 from .problems.air_law import AirBetween as AirBetween
 from .problems.bodies import Body as Body
@@ -60,6 +60,7 @@ from .results import Zone as Zone
 from .roll.design import TensionDesign as TensionDesign
 from .roll.design import design_tension as design_tension
 from .roll.result import RollResult as RollResult
+from .sensitivity import Sensitivity as Sensitivity
 from .studies.api import fit as fit
 from .studies.api import global_sensitivity as global_sensitivity
 from .studies.api import sweep as sweep

@@ -51,6 +51,7 @@ from .results import Result
 from .roll.result import RollResult
 from .roll.solve import check_options as check_roll_options
 from .roll.solve import solve_wound_roll
+from .winding.margins import margins
 from .winding.result import WindingResult
 from .winding.solve import check_options as check_winding_options
 from .winding.solve import solve_winding
@@ -89,6 +90,8 @@ class Kind(Generic[ProblemT, ResultT]):
         (**options): rejects options before anything is solved.
     report, plot : callable or None
         (result) -> parts of a report, and panels of a figure by name, of a plug-in's kind.
+    margins : callable or None
+        (result, limits) -> margins of a wound roll.
     """
 
     name: str
@@ -99,6 +102,7 @@ class Kind(Generic[ProblemT, ResultT]):
     check: Callable[..., Any] | None = None
     report: Callable[..., Any] | None = None
     plot: Callable[..., Any] | None = None
+    margins: Callable[..., Any] | None = None
 
     def example(self) -> ProblemT:
         """Return an example problem.
@@ -169,6 +173,7 @@ _KINDS: dict[str, Kind[Any, Any]] = {
             solve_wound_roll,
             RollResult,
             check_roll_options,
+            margins=margins,
         ),
         Kind(
             "winding",
@@ -177,6 +182,7 @@ _KINDS: dict[str, Kind[Any, Any]] = {
             solve_winding,
             WindingResult,
             check_winding_options,
+            margins=margins,
         ),
     )
 }
@@ -192,6 +198,7 @@ def register(
     report: Callable[..., Any] | None = None,
     plot: Callable[..., Any] | None = None,
     check: Callable[..., Any] | None = None,
+    margins: Callable[..., Any] | None = None,
 ) -> None:
     """Register a kind of problem.
 
@@ -209,19 +216,20 @@ def register(
         By default the class of the problem in snake case without "Problem": ``capstan`` of
         ``CapstanProblem``.
     about : str
-        A sentence for the help of the command line; by default the first line of the docstring.
+        A sentence for the help of the command line; by default the name of the class.
     report, plot : callable
         (result) -> parts of a report, and panels of a figure by name; by default all outputs and
         all arrays.
     check : callable
         Checks options before anything is solved: ``(**options)``.
+    margins : callable
+        (result, limits) -> :class:`~woundon.Margins` of a wound roll, which
+        :func:`woundon.optimise_schedule` keeps.
     """
     title = problem.__name__
     snake = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", title.removesuffix("Problem")).lower()
     name = name or snake
-    # python -OO removes docstrings
-    about = about or (vars(problem).get("__doc__") or title).strip().partition("\n")[0]
-    _KINDS[name] = Kind(name, about, problem, solver, result, check, report, plot)
+    _KINDS[name] = Kind(name, about or title, problem, solver, result, check, report, plot, margins)
 
 
 def every() -> tuple[Kind[Any, Any], ...]:

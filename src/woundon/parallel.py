@@ -8,6 +8,10 @@
 A worker is a loky executor of joblib with a single process: it is known which item a process died
 over, and one that is stopped does not affect the others.  Work that is defined in a script is
 pickled by value; the script itself is not imported, so that it needs no main guard.
+
+>>> progress(0.5)  # outside of a worker, or if its work was not cancelled
+>>> usable_cores() >= 1
+True
 """
 
 from __future__ import annotations

@@ -9,9 +9,10 @@ from pathlib import Path
 
 import pytest
 
+import woundon as wo
 from woundon import plugins
 from woundon.cli import commands as cli
-from woundon.jorkama2001 import catalogue, plugin, publication
+from woundon.jorkama2001 import catalogue, plugin
 from woundon.jorkama2001.command import thesis
 
 PROJECT = Path(__file__).parents[2] / "pyproject.toml"
@@ -26,7 +27,7 @@ def test_the_project_declares_its_plug_in():
 
 
 def test_the_command_line_alone_does_not_import_the_reproduction():
-    code = "import sys; import woundon.cli.commands; sys.exit('jorkama2001' in sys.modules)"
+    code = "import sys; import woundon.cli.commands; sys.exit('woundon.jorkama2001' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
@@ -64,7 +65,7 @@ def test_two_processes_do_the_same(tmp_path, capsys: Capture):
 @pytest.mark.slow
 def test_all_are_summed_up(tmp_path, capsys: Capture, monkeypatch):
     monkeypatch.setattr(catalogue, "NAMES", ("fig5", "table4"))
-    monkeypatch.delattr(publication, "in_processes")  # one process is this one
+    monkeypatch.delattr(wo.parallel, "in_processes")  # one process is this one
     assert cli.main(["thesis", "--all", "--jobs", "1", "--out", str(tmp_path)]) == 0
     said = capsys.readouterr().out
     assert "Table 4  5 statements: 5 hold" in said

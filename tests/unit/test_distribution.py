@@ -30,7 +30,13 @@ def run(*command: str | Path, **how: object) -> str:
 
 @pytest.fixture(scope="module")
 def built(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
-    """Build the sdist, and the wheel from it, as ``pip install`` of a release does."""
+    """Build the sdist, and the wheel from it, as ``pip install`` of a release does.
+
+    The folder DISTRIBUTION, if it is set, holds both: the release tests the files that it uploads.
+    """
+    if "DISTRIBUTION" in os.environ:
+        folder = ROOT / os.environ["DISTRIBUTION"]
+        return next(folder.glob("*.tar.gz")), next(folder.glob("*.whl"))
     if find_spec("hatchling") is None:
         pytest.skip("needs hatchling (pip install 'woundon[dev]')")
     folder = tmp_path_factory.mktemp("dist")

@@ -104,10 +104,11 @@ def test_the_fields_of_a_file_give_its_kind_away(
 def test_a_kind_needs_three_things(registry: dict[str, kinds.Kind]) -> None:
     with pytest.raises(wo.InvalidProblem):
         kinds.of(HAMMOCK)
-    kinds.register(HammockProblem, solve_hammock, HammockResult)
+    about = "A web that hangs between two rollers."
+    kinds.register(HammockProblem, solve_hammock, HammockResult, about=about)
     kind = kinds.named("hammock")
     assert [k.name for k in kinds.every()] == [*OWN, "hammock"]
-    assert (kind.name, kind.about) == ("hammock", "A web that hangs between two rollers.")
+    assert (kind.name, kind.about) == ("hammock", about)
     result = wo.solve(HAMMOCK)
     assert result.sag == pytest.approx(5e-3)
     assert wo.solve(HAMMOCK, terms=2).sag == pytest.approx(1e-2)

@@ -56,7 +56,7 @@ def test_a_result_comes_back_bit_for_bit(solved, tmp_path, name, ending):
     computed = solved(name).replace(warnings=("4 nodes in the dual-slip zone",))
     path = tmp_path / f"result.{ending}"
     computed.save(path)
-    loaded = wo.load_result(path, verify=True)
+    loaded = wo.load_result(path)
     assert loaded == computed
     for place in outputs(computed):
         one, other = value_of(computed, place.path), value_of(loaded, place.path)
@@ -220,12 +220,12 @@ def springs(monkeypatch) -> SpringResult:
 def test_a_kind_from_outside_is_saved_and_loaded(springs, tmp_path, ending):
     path = tmp_path / f"springs.{ending}"
     springs.save(path)
-    assert wo.load_result(path, verify=True) == springs
+    assert wo.load_result(path) == springs
     springs.replace(push=np.ones(3)).save(path)
     with pytest.raises(
         wo.InvalidProblem, match=r"the contents of the file do not match: .*balance 3"
     ):
-        wo.load_result(path, verify=True)
+        wo.load_result(path)
 
 
 def test_what_no_file_holds_is_rejected_by_name(springs, tmp_path):
@@ -354,7 +354,7 @@ def test_verifying_finds_what_no_shape_tells(solved, tmp_path, name, place, valu
     path = tmp_path / "result.json"
     path.write_text(damaged(solved(name), place, value))
     with pytest.raises(wo.InvalidProblem, match="the contents of the file do not match"):
-        wo.load_result(path, verify=True)
+        wo.load_result(path)
 
 
 @pytest.mark.parametrize(
@@ -383,9 +383,8 @@ def test_verifying_finds_what_no_shape_tells(solved, tmp_path, name, place, valu
 def test_verifying_compares_scalars_with_the_arrays(solved, tmp_path, name, place, value, said):
     path = tmp_path / "result.json"
     path.write_text(damaged(solved(name), place, value))
-    wo.load_result(path)
     with pytest.raises(wo.InvalidProblem) as refusal:
-        wo.load_result(path, verify=True)
+        wo.load_result(path)
     assert f"the contents of the file do not match: {said}" in str(refusal.value)
 
 

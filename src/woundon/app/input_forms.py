@@ -124,9 +124,8 @@ def _add_form(model: type[Any], forms: dict[str, Any]) -> None:
     name = model.__name__
     if name in forms:
         return
-    about = (vars(model).get("__doc__") or "").strip().partition("\n")[0]
     start = {n: list(f.examples[0]) for n, f in model.model_fields.items() if f.examples}
-    forms[name] = {"title": _spoken(_snake(name)), "about": about, "fields": [], "start": start}
+    forms[name] = {"title": _spoken(_snake(name)), "fields": [], "start": start}
     for field_name, field in model.model_fields.items():
         forms[name]["fields"].append(_field(field_name, field))
         for member in members_of(field.annotation):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Generator, Iterable, Sequence
 from contextlib import closing
 from dataclasses import replace
@@ -13,9 +12,10 @@ from pathlib import Path
 from time import perf_counter
 from typing import NamedTuple
 
+import woundon as wo
+
 from .catalogue import NAMES, chosen, modules
 from .judgement import Judged, judged
-from .processes import in_processes
 from .verdicts import Outcome
 
 __all__ = ["Published", "known_counts", "publish", "summary"]
@@ -74,11 +74,11 @@ def publish(
     folder.mkdir(parents=True, exist_ok=True)
     work = partial(_write_module, names=names, folder=folder, solver=solver, dpi=dpi)
     makers = modules(names)
-    jobs = min(jobs or os.cpu_count() or 1, len(makers))
+    jobs = min(jobs or wo.parallel.usable_cores(), len(makers))
     if jobs == 1:  # another process would take as long to start as a figure takes
         yield from chain.from_iterable(map(work, makers))
         return
-    with closing(in_processes(work, makers, jobs)) as parts:
+    with closing(wo.parallel.in_processes(work, makers, jobs)) as parts:
         for _, done in parts:
             yield from done
 

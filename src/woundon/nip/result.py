@@ -23,7 +23,7 @@ from .entrained_air import AirFilm
 from .layer_slip import LayerSlip, layer_slip
 
 if TYPE_CHECKING:
-    from .sensitivity import Sensitivity
+    from ..sensitivity import Sensitivity
 
 __all__ = ["Dissipation", "NipResult", "SlipRatios"]
 

@@ -17,7 +17,7 @@ from .result import Dissipation
 from .zones import boundary_positions
 
 if TYPE_CHECKING:
-    from .sensitivity import Sensitivity
+    from ..sensitivity import Sensitivity
 
 __all__ = ["RollerResult"]
 

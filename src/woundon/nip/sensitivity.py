@@ -17,7 +17,6 @@ and slip lengths have a kink.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -28,16 +27,13 @@ from ..contact.refinement import CHANGES, MeshSolution, error_estimate
 from ..errors import InvalidProblem, did_you_mean
 from ..parallel import one_thread
 from ..quantities import scalar_outputs, value_of, walk
-from ..results import Presented, ReadOnly
+from ..sensitivity import Sensitivity
 from .entrained_air import AirFilm, film_of_state
 
 if TYPE_CHECKING:
-    import pandas as pd
-    import xarray
-
     from ..problems.nip import NipProblem
 
-__all__ = ["Sensitivity", "contact_sensitivity", "continuous_fields"]
+__all__ = ["contact_sensitivity", "continuous_fields"]
 
 Array = np.ndarray
 
@@ -52,104 +48,6 @@ STEPS = 2
 AIR_ITERATIONS = 4
 # Margin of a node's inequality, relative to the largest value, below which its zone may change.
 NEAR_CHANGE = 1e-6
-# Parameters in the one-line representation.
-MOST_SHOWN = 3
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Sensitivity(Presented, ReadOnly):
-    """First derivatives of the outputs of a nip or of rollers at one problem.
-
-    Attributes
-    ----------
-    outputs : tuple of str
-        Those asked for; by default ``wound_on_tension``, ``nip_induced_tension``,
-        ``outlet_tension``, ``half_width``, ``nip_width`` and ``drum_creepage``.
-    parameters : tuple of str
-        Dotted names of the fields.
-    derivatives : (outputs, parameters) array
-        SI units of output per SI unit of field.
-    values, fields : (outputs,), (parameters,) arrays
-        Where they were taken; values are those of which they are the derivatives.
-    zone_change : str
-        Empty, or the nodes that are about to change between stick and slip: there the
-        derivatives to both sides differ.
-    errors : (outputs, parameters) array
-        Estimated discretisation errors of the derivatives; nan where they are not known.
-
-    Examples
-    --------
-    >>> import woundon as wo
-    >>> nip = wo.solve(wo.NipProblem.example(), nodes=41)
-    >>> slopes = nip.sensitivity("roll_friction", "nip_load", outputs=["wound_on_tension"])
-    >>> print(slopes.elasticities.round(2))
-    [[0.07 0.34]]
-    """
-
-    outputs: tuple[str, ...]
-    parameters: tuple[str, ...]
-    derivatives: Array
-    values: Array
-    fields: Array
-    zone_change: str = ""
-    errors: Array | None = None
-
-    def derivative(self, output: str, parameter: str) -> float:
-        """Return d output / d parameter."""
-        at = self.outputs.index(output), self.parameters.index(parameter)
-        return float(self.derivatives[at])
-
-    @property
-    def elasticities(self) -> Array:
-        """Percent of output per percent of field, (outputs, parameters); 0 for a field at 0.
-
-        nan for an output that is 0.
-        """
-        values = np.where(self.values == 0, np.nan, self.values)
-        return self.derivatives * self.fields / values[:, None]
-
-    def to_xarray(self) -> xarray.Dataset:
-        """Return derivatives [SI] and elasticities along ``output`` and ``parameter``."""
-        import xarray
-
-        dims = ("output", "parameter")
-        tables = {
-            "derivative": (dims, self.derivatives, {"long_name": "d output / d parameter, SI"}),
-            "elasticity": (dims, self.elasticities, {"units": "1"}),
-        }
-        variables = {"value": ("output", self.values), "field": ("parameter", self.fields)}
-        places = {"output": list(self.outputs), "parameter": list(self.parameters)}
-        return xarray.Dataset(tables, places | variables, {"zone_change": self.zone_change})
-
-    def to_dataframe(self) -> pd.DataFrame:
-        """Return a row for each parameter: its value [SI] and the outputs' elasticities [1]."""
-        import pandas as pd
-
-        columns = {"value": self.fields, **dict(zip(self.outputs, self.elasticities, strict=True))}
-        return pd.DataFrame(columns, index=pd.Index(self.parameters, name="parameter"))
-
-    def __repr__(self) -> str:
-        first = self.sorted()
-        largest = zip(first.parameters[:MOST_SHOWN], first.elasticities[0], strict=False)
-        shown = ", ".join(f"{name} {value:+.2f}" for name, value in largest)
-        counts = f"{len(self.parameters)} parameters; {len(self.outputs)} outputs"
-        return f"Sensitivity({self.outputs[0]}: {shown} of {counts})"
-
-    def _repr_html_(self) -> str:
-        head = "Elasticities: percent of output per percent of parameter"
-        remarks = [f"At a zone change: {self.zone_change}"] if self.zone_change else []
-        return self._html_of_table(head, self.sorted().to_dataframe(), remarks)
-
-    def sorted(self) -> Sensitivity:
-        """Return a copy with the parameters sorted by their elasticity of the first output."""
-        order = np.argsort(-np.abs(np.nan_to_num(self.elasticities[0])), kind="stable")
-        return replace(
-            self,
-            parameters=tuple(self.parameters[k] for k in order),
-            derivatives=self.derivatives[:, order],
-            fields=self.fields[order],
-            errors=None if self.errors is None else self.errors[:, order],
-        )
 
 
 def air_outputs() -> tuple[str, ...]:

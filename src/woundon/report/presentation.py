@@ -9,8 +9,8 @@ from collections.abc import Callable, Iterable
 from functools import singledispatch
 from typing import TYPE_CHECKING, Any
 
-from ..nip.sensitivity import Sensitivity
 from ..results import Result
+from ..sensitivity import Sensitivity
 from ..winding.margins import Margins
 from .html import parts_html, table_html
 from .margins_report import margins_html, margins_text

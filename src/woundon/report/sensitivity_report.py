@@ -14,7 +14,7 @@ from ..problems.nip import NipProblem
 from .terminal import plain_console, print_columns
 
 if TYPE_CHECKING:
-    from ..nip.sensitivity import Sensitivity
+    from ..sensitivity import Sensitivity
 
 
 __all__ = ["print_sensitivity", "sensitivity_text"]

@@ -11,9 +11,9 @@ import numpy as np
 from .. import kinds
 from ..arguments import check_type
 from ..errors import InvalidProblem, NoSteadyState, NotConverged, unwarned
-from ..nip.sensitivity import Sensitivity
 from ..quantities import walk
 from ..results import Result
+from ..sensitivity import Sensitivity
 
 __all__ = ["derivatives"]
 

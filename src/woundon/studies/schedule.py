@@ -19,12 +19,12 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import InvalidProblem, NotConverged
+from .. import kinds
+from ..errors import InvalidProblem, NotConverged, one_of
 from ..problems.messages import quote
 from ..problems.problem import Problem
 from ..quantities import Quantity, value_of
 from ..results import Presented, ReadOnly
-from ..winding.margins import margins
 from .api import in_si
 from .kind_model import KindModel, field_quantity, get_field, model_of
 from .progress import Progress, reported
@@ -299,6 +299,11 @@ class _Search:
         ):
             text = f"{quote(evaluations)} is out of range; must be >= {MIN_EVALUATIONS}"
             raise InvalidProblem.at("evaluations", text)
+        if model.kind.margins is None:
+            known = one_of(kind.problem.__name__ for kind in kinds.every() if kind.margins)
+            text = f"{quote(model.problem)} is out of place; must be a {known}"
+            raise InvalidProblem.at("problem", text)
+        self.margins = model.kind.margins
         self.model, self.limits, self.goal, self.sign = model, limits, *goal
         self.names = tuple(ranges)
         self.low, self.high = np.array(list(ranges.values())).T
@@ -325,7 +330,7 @@ class _Search:
     def _solved(self, problem: Any, values: tuple[float, ...] | None = None) -> tuple[Any, Any]:
         """Solve a winding with a warm start; return its result and margins."""
         result = self.model.solve(problem, self._nearest(values))
-        return result, margins(result, self.limits)
+        return result, self.margins(result, self.limits)
 
     def _nearest(self, values: tuple[float, ...] | None) -> Any:
         """Return the computed winding with the nearest values, relative to the ranges."""

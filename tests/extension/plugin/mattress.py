@@ -181,7 +181,8 @@ def solve_capstan(problem: CapstanProblem, *, nodes: int = 33) -> CapstanResult:
     return result.replace(residuals=result.certified()).checked().warned()
 
 
-wo.kinds.register(CapstanProblem, solve_capstan, CapstanResult)
+about = "A web that slips over a bar, all of the wrap one way."
+wo.kinds.register(CapstanProblem, solve_capstan, CapstanResult, about=about)
 # [kind end]
 
 
