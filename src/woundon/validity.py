@@ -19,7 +19,7 @@ from .problems.bodies import Body, half_width_guess
 from .problems.contact_problem import ContactProblem
 from .results import Zone
 
-__all__ = ["LIMITS", "Limit", "far_outside", "pair_warnings", "past", "zone_warnings"]
+__all__ = ["LIMITS", "Limit", "far_outside", "limit_warning", "pair_warnings", "zone_warnings"]
 
 Array = np.ndarray
 
@@ -27,7 +27,7 @@ Array = np.ndarray
 class Limit(NamedTuple):
     """Largest admissible value of a ratio, and the assumption that is violated beyond it."""
 
-    most: float
+    maximum: float
     reason: str
 
 
@@ -48,20 +48,21 @@ FEW_NODES = 4
 NARROW_ZONE = 0.02
 
 
-def past(name: str, share: float, template: str, *values: object) -> tuple[str, ...]:
+def limit_warning(name: str, ratio: float, template: str, *values: object) -> tuple[str, ...]:
     """Return a warning if the size of a ratio exceeds the named limit.
 
     In the template ``{}`` is replaced by the ratio, ``{0}`` and so on by the values.
     """
     limit = LIMITS[name]
-    if not abs(share) > limit.most:
+    if not abs(ratio) > limit.maximum:
         return ()
-    text = template.replace("{}", _percent(share)).format(*values)
-    return (f"{text} (limit {_percent(limit.most)}): {limit.reason}",)
+    text = template.replace("{}", _percent(ratio)).format(*values)
+    return (f"{text} (limit {_percent(limit.maximum)}): {limit.reason}",)
 
 
-def _percent(share: float) -> str:
-    return f"{100 * share:.3g}%"
+def _percent(ratio: float) -> str:
+    """Return a ratio as text in percent."""
+    return f"{100 * ratio:.3g}%"
 
 
 def pair_warnings(result: Any, tractions: Mapping[str, Array]) -> Iterator[str]:
@@ -76,16 +77,16 @@ def pair_warnings(result: Any, tractions: Mapping[str, Array]) -> Iterator[str]:
     """
     problem, a, approach = result.problem, result.half_width, result.approach
     radius = min(body.radius for body in problem.bodies)
-    yield from past(
+    yield from limit_warning(
         "half width", a / radius, "the half width {0:.3g} mm is {} of the smaller radius", a * 1e3
     )
     for name in problem.pair:
         body = getattr(problem, name)
         warnings = filter(None, (material.validity_warning for material in body.materials))
         yield from dict.fromkeys(f"the {name}: {text}" for text in warnings)
-        if approach > LIMITS["indentation"].most * body.thickness:  # an upper bound
+        if approach > LIMITS["indentation"].maximum * body.thickness:  # an upper bound
             depth = _indentation(result, body, tractions[name])
-            yield from past(
+            yield from limit_warning(
                 "indentation",
                 depth / body.thickness,
                 "the {0}'s indentation {1:.3g} mm is {} of its elastic layer, {2:.3g} mm",
@@ -93,7 +94,7 @@ def pair_warnings(result: Any, tractions: Mapping[str, Array]) -> Iterator[str]:
                 depth * 1e3,
                 body.thickness * 1e3,
             )
-        yield from _surface(name, body, float(result.peak_pressure), tractions[name])
+        yield from _stiffness_warnings(name, body, float(result.peak_pressure), tractions[name])
 
 
 def _indentation(result: Any, body: Body, traction: Array) -> float:
@@ -124,13 +125,13 @@ def far_outside(problem: ContactProblem, load: float) -> Iterator[str]:
                 )
 
 
-def _surface(name: str, body: Body, peak: float, traction: Array) -> Iterator[str]:
+def _stiffness_warnings(name: str, body: Body, peak: float, traction: Array) -> Iterator[str]:
     """Yield warnings about peak pressure and traction relative to the stiffness of a body."""
     if body.surface_material is None:
         return
     stiffness = body.surface_material.stiffness
     modulus, shear = min(stiffness.rr, stiffness.tt), float(np.abs(traction).max())
-    yield from past(
+    yield from limit_warning(
         "peak pressure",
         peak / modulus,
         "the peak pressure {0:.3g} MPa is {} of the {1}'s stiffness {2:.3g} MPa",
@@ -138,7 +139,7 @@ def _surface(name: str, body: Body, peak: float, traction: Array) -> Iterator[st
         name,
         modulus / 1e6,
     )
-    yield from past(
+    yield from limit_warning(
         "shear strain",
         shear / stiffness.shear,
         "the {0}'s surface shear strain is {} at a traction of {1:.3g} MPa",
@@ -168,12 +169,13 @@ def zone_warnings(x: Array, faces: Mapping[str, Array], slips: str = "the web") 
             width = float(x[end + 1] - x[first])
             if end - first >= FEW_NODES or width <= NARROW_ZONE * float(x[-1] - x[0]):
                 continue
-            where = f"a {_named(Zone(int(inner[first])), slips)} at the {face}"
+            where = f"a {_zone_name(Zone(int(inner[first])), slips)} at the {face}"
             if dual and end == inner.size:
                 where = "the dual-slip zone"
             nodes = "1 node" if end - first == 1 else f"{end - first} nodes"
             yield f"{RESOLUTION}{nodes} in {where}; use nodes={2 * x.size - 1}"
 
 
-def _named(zone: Zone, slips: str) -> str:
+def _zone_name(zone: Zone, slips: str) -> str:
+    """Return the name of a zone, with the surface that slips in it."""
     return f"zone with {slips} {zone.word}" if zone else "stick zone"

@@ -14,7 +14,7 @@ from thesis_cases import newsprint_nip, paper_nip
 import woundon as wo
 from woundon import validity
 from woundon.elasticity.mesh import Wrap, nip_mesh
-from woundon.nip.validity import _bodies_strains, _web_strain
+from woundon.nip.validity import _body_surface_strains, _web_strain
 
 NODES = 33  # warnings do not wait for accuracy
 
@@ -155,7 +155,7 @@ def test_the_drums_surface_strain_is_that_of_its_own_response(thickness: float) 
     direct = surface.deform(result.drum_pressure, result.drum_traction).strain[:-1]
     # tensions are interpolated to the cells' middles: second order in the cells
     np.testing.assert_allclose(
-        _bodies_strains(result, _web_strain(result))["drum"][1:],
+        _body_surface_strains(result, _web_strain(result))["drum"][1:],
         direct[:-1],
         atol=1e-3 * np.abs(direct).max(),
     )
@@ -271,4 +271,4 @@ def test_every_limit_stands_in_the_documentation() -> None:
     rows = [line.split("|")[1:-1] for line in page.splitlines() if line.startswith("| ")]
     computed = {name.strip(): limit.strip() for name, limit, *_ in rows}
     for name, limit in validity.LIMITS.items():
-        assert computed[name] == f"{100 * limit.most:g} %"
+        assert computed[name] == f"{100 * limit.maximum:g} %"

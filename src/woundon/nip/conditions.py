@@ -33,13 +33,13 @@ def friction_law(
     """
     stuck, slips = zones == 0, zones != 0
     direction, sliding = zones[slips], slip[slips]
-    unknown = 0.0 if (np.abs(direction) == 1).all() else inf
+    invalid_zone = 0.0 if (np.abs(direction) == 1).all() else inf
     excess = (np.abs(traction) - bound)[stuck] / unit[stuck]
     off_bound = np.abs(traction[slips] - direction * bound[slips]) / unit[slips]
     return {
         "stick": largest(np.abs(slip[stuck])) / slip_scale,
         "friction_bound": largest(excess),
-        "slip_traction": unknown + largest(off_bound),
+        "slip_traction": invalid_zone + largest(off_bound),
         "slip_direction": largest(-direction * sliding) / slip_scale,
     }
 
@@ -59,8 +59,8 @@ def difference(one: Array, two: Array) -> float:
     """Return the largest difference; inf unless nan stand at the same places."""
     if one.shape != two.shape or not np.array_equal(np.isnan(one), np.isnan(two)):
         return inf
-    both = ~np.isnan(one)
-    return largest(np.abs(one[both] - two[both]))
+    defined = ~np.isnan(one)
+    return largest(np.abs(one[defined] - two[defined]))
 
 
 def body_equilibrium(

@@ -44,15 +44,15 @@ Array = np.ndarray
 
 # All interfaces down to this layer are evaluated, then as many layers are skipped as this share of
 # those above: the curves are smooth functions of ln z, and the index changes by less than 0.1 %.
-FIRST_LAYERS, SKIPPED = 12, 0.08
-# Evaluated together; the search ends after a block without slip below SEARCHED nip half widths.
+FIRST_LAYERS, SKIPPED_SHARE = 12, 0.08
+# Evaluated together; the search ends after a block without slip below SEARCH_DEPTH nip half widths.
 # There the shear falls with the depth, and the pressure between the layers does not.
-BLOCK, SEARCHED = 24, 4.0
+BLOCK, SEARCH_DEPTH = 24, 4.0
 # Share of the radius down to which the layers of a half-plane are counted: it has no core.
 HALF_PLANE = 0.5
 # Share of the wrap on which its pressure and traction are reduced to zero.  A wrap ends abruptly at
 # a load cell, but not in a roll, where that end would add shear to the outermost layers.
-TAPERED = 0.1
+TAPERED_SHARE = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,39 +140,36 @@ def layer_slip(result: Any) -> LayerSlip | None:
     ratio 2.39, 69 layers
     """
     h, mu = result.problem.web.thickness, result.problem.roll_friction
-    rows, ends, layer = [], [], np.zeros(0, dtype=int)
+    maxima, extents, layer = [], [], np.zeros(0, dtype=int)
     for block in _blocks(result):
         sections = interior_stress(result, block * h)
         if sections is None:
             return None
-        P0 = wound_in_pressure(result, block * h)
-        excesses = [
-            np.abs(s.shear) - mu * (P - s.normal) for s, P in zip(sections, P0, strict=True)
-        ]
-        rows += [
-            (np.abs(s.shear).max(), -s.normal.min(), P, excess.max())
-            for s, P, excess in zip(sections, P0, excesses, strict=True)
-        ]
-        ends += [_extent(s.x, e) for s, e in zip(sections, excesses, strict=True) if e.max() > 0]
+        for section, P0 in zip(sections, wound_in_pressure(result, block * h), strict=True):
+            excess = np.abs(section.shear) - mu * (P0 - section.normal)
+            maxima.append((np.abs(section.shear).max(), -section.normal.min(), P0, excess.max()))
+            if excess.max() > 0:
+                extents.append(_slipping_extent(section.x, excess))
         layer = np.append(layer, block)
-        if layer[-1] * h > SEARCHED * result.half_width and rows[-1][-1] <= 0:
+        if layer[-1] * h > SEARCH_DEPTH * result.half_width and maxima[-1][-1] <= 0:
             break
-    if not rows:
+    if not maxima:
         return None
-    shear, pressure, wound, excess = np.array(rows).T
+    shear, pressure, wound_pressure, excess = np.array(maxima).T
     all_layers = np.arange(1, layer[-1] + 1)
-    slips = all_layers[np.interp(all_layers, layer, excess) > 0]
+    slipping = all_layers[np.interp(all_layers, layer, excess) > 0]
+    width = max(end for _, end in extents) - min(start for start, _ in extents) if extents else 0.0
     return LayerSlip(
-        ratio=float((shear / (mu * (wound + pressure))).max()),
-        layers=int(slips.size),
-        depth=float(h * slips.max(initial=0)),
-        width=float(max(end for _, end in ends) - min(start for start, _ in ends)) if ends else 0.0,
+        ratio=float((shear / (mu * (wound_pressure + pressure))).max()),
+        layers=int(slipping.size),
+        depth=float(h * slipping.max(initial=0)),
+        width=float(width),
         friction=mu,
         layer=layer,
         interface_depth=layer * h,
         largest_shear=shear,
         largest_pressure=pressure,
-        wound_in_pressure=wound,
+        wound_in_pressure=wound_pressure,
         excess=excess,
     )
 
@@ -199,7 +196,7 @@ def interior_stress(result: Any, depths: Array) -> tuple[Section, ...] | None:
     x, q = result.x[nodes], result.roll_traction[nodes]
     p = result.roll_pressure[nodes]
     if x[-1] > a:
-        tapered = np.clip((x[-1] - x) / (TAPERED * (x[-1] - a)), 0.0, 1.0)
+        tapered = np.clip((x[-1] - x) / (TAPERED_SHARE * (x[-1] - a)), 0.0, 1.0)
         p, q = p * tapered, q * tapered
     return result.problem.roll.interior_stress(x, p, q, np.asarray(depths), a)
 
@@ -221,25 +218,31 @@ def wound_in_pressure(result: Any, depths: Array) -> Array:
 
 
 def _blocks(result: Any) -> list[Array]:
-    """Return the numbers of the interfaces to be evaluated, from the surface, in blocks."""
+    """Return the numbers of the interfaces to be evaluated, from the surface, in blocks.
+
+    The spacing grows with the depth: max(1, SKIPPED_SHARE n) below interface n.
+    """
     roll, h = result.problem.roll, result.problem.web.thickness
     deepest = HALF_PLANE * roll.radius if isinf(roll.thickness) else roll.thickness
     last = ceil(deepest / h) - 1
     layers = [*range(1, min(FIRST_LAYERS, last) + 1)]
     while layers and layers[-1] < last:
-        layers.append(min(last, layers[-1] + max(1, round(SKIPPED * layers[-1]))))
+        layers.append(min(last, layers[-1] + max(1, round(SKIPPED_SHARE * layers[-1]))))
     return [np.array(layers[k : k + BLOCK]) for k in range(0, len(layers), BLOCK)]
 
 
-def _extent(x: Array, excess: Array) -> tuple[float, float]:
-    """Return the first and the last zero of a function that is positive between them."""
-    positive = np.nonzero(excess > 0)[0]
-    first, last = int(positive[0]), int(positive[-1])
-    ends = []
+def _slipping_extent(x: Array, excess: Array) -> tuple[float, float]:
+    """Return the extent in x over which a layer slips: first and last zero of the excess [m].
+
+    Zeros are interpolated linearly; at the ends of x there is none.
+    """
+    slipping = np.nonzero(excess > 0)[0]
+    first, last = int(slipping[0]), int(slipping[-1])
+    zeros = []
     for node, outer in ((first, first - 1), (last, last + 1)):
         if not 0 <= outer < x.size:
-            ends.append(float(x[node]))
+            zeros.append(float(x[node]))
             continue
         t = excess[node] / (excess[node] - excess[outer])
-        ends.append(float(x[node] + t * (x[outer] - x[node])))
-    return ends[0], ends[1]
+        zeros.append(float(x[node] + t * (x[outer] - x[node])))
+    return zeros[0], zeros[1]

@@ -31,14 +31,14 @@ Array = np.ndarray
 NODES = 17
 # Half widths of an open tube that are examined, in geometric progression: their number, and the
 # smallest one relative to the largest.
-WIDTHS, NARROWEST = 60, 1e-3
+WIDTH_COUNT, SMALLEST_WIDTH = 60, 1e-3
 # Half widths without friction lie within a factor of a million of Hertz's.
 DOUBLINGS = 20
 # Share of its bending load up to which an open tube carries the load like a solid body.
 BENDING_SHARE = 0.5
 # Smallest pressure in the middle half of a contact in one piece, relative to the largest: friction
 # and the tension of the web may reduce it by so much.
-LEAST_MIDDLE = 0.05
+MIN_MIDDLE = 0.05
 
 
 def check_load(problem: ContactProblem, load_field: str) -> None:
@@ -62,23 +62,23 @@ def check_load(problem: ContactProblem, load_field: str) -> None:
     if not problem.linear:
         return
     load, R = float(getattr(problem, load_field)), problem.contact_radius
-    tubes = [
+    bending_tubes = [
         name
         for name, body in zip(problem.pair, problem.bodies, strict=True)
         if load > BENDING_SHARE * body.bending_load(R)
     ]
     # a contact of twice Hertz's half width usually carries the load: influence functions of larger
     # distances are not needed then
-    wide = min(2 * half_width_guess(load, *problem.bodies), largest_half_width(problem))
-    if not tubes and load <= frictionless_load(problem, wide):
+    trial_half_width = min(2 * half_width_guess(load, *problem.bodies), largest_half_width(problem))
+    if not bending_tubes and load <= frictionless_load(problem, trial_half_width):
         return
-    largest = largest_load(problem, load if tubes else None)
+    largest = largest_load(problem, load if bending_tubes else None)
     if load <= largest:
         return
-    if tubes:
-        body = getattr(problem, tubes[0])
+    if bending_tubes:
+        body = getattr(problem, bending_tubes[0])
         reason = (
-            f"the {tubes[0]} is a tube, {body.thickness:.4g} m thick in all on an open bore, which "
+            f"the {bending_tubes[0]} is a tube, {body.thickness:.4g} m thick in all on an open bore, which "
             "a larger load bends instead of being carried by one contact; use a rigid core, or "
             "stiffer or thicker layers"
         )
@@ -105,9 +105,9 @@ def largest_load(problem: ContactProblem, sufficient: float | None = None) -> fl
         return frictionless_load(problem, widest)
     face, largest = nip_mesh(NODES, Wrap(), Wrap()).roll_face, 0.0
     middle = np.abs(face.nodes) < 0.5
-    for a in np.geomspace(NARROWEST, 1.0, WIDTHS) * widest:
+    for a in np.geomspace(SMALLEST_WIDTH, 1.0, WIDTH_COUNT) * widest:
         p = frictionless_pressure(problem, face, a)
-        if p[middle].min() <= LEAST_MIDDLE * p.max():
+        if p[middle].min() <= MIN_MIDDLE * p.max():
             break
         largest = max(largest, float(a * face.weights @ p))
         if largest >= sufficient:
@@ -138,17 +138,17 @@ def frictionless_half_width(
         Largest half width that is permitted [m].
     """
     a, P = guess, frictionless_load(problem, guess)
-    is_wider = load > P
+    is_increased = load > P
     for _ in range(DOUBLINGS):
         b, Q = a, P
-        a = min(2 * b, largest) if is_wider else b / 2
+        a = min(2 * b, largest) if is_increased else b / 2
         P = frictionless_load(problem, a)
-        if a == largest or (load > P) != is_wider:
+        if a == largest or (load > P) != is_increased:
             break
     if not 0 < min(P, Q) < max(P, Q):  # the load does not increase with the half width
         return guess
-    share = log(load / Q) / log(P / Q)
-    return b * (a / b) ** min(max(share, 0.0), 1.0)
+    exponent = log(load / Q) / log(P / Q)
+    return b * (a / b) ** min(max(exponent, 0.0), 1.0)
 
 
 def frictionless_load(problem: ContactProblem, a: float) -> float:

@@ -231,11 +231,11 @@ class NipResult(Dissipation, Result):
 
     @cached_property
     def in_nip(self) -> slice:
-        """Which nodes are the nip's."""
-        apart = np.abs(self.x - [[-self.half_width], [self.half_width]])
-        nearest = apart.argmin(axis=1)
-        if np.isnan(apart[[0, 1], nearest]).any():  # damaged: the others tell
-            nearest = np.nanargmin(apart, axis=1)
+        """The nodes of the nip: those between -a and a, edges included."""
+        distances = np.abs(self.x - [[-self.half_width], [self.half_width]])
+        nearest = distances.argmin(axis=1)
+        if np.isnan(distances[[0, 1], nearest]).any():  # damaged arrays: use the valid nodes
+            nearest = np.nanargmin(distances, axis=1)
         first, last = nearest.tolist()
         return slice(first, last + 1)
 
@@ -426,11 +426,11 @@ class NipResult(Dissipation, Result):
         if not (P >= 0).all():
             text = f"{quote(float(np.min(P)))} is out of range; must be >= 0 [Pa]"
             raise InvalidProblem.at("pressure", text)
-        air, dry = self.problem.air, self.problem.roll_friction
+        air, dry_friction = self.problem.air, self.problem.roll_friction
         if air is None or self.air is None:
-            return dry * np.ones(P.shape)[()]
+            return dry_friction * np.ones(P.shape)[()]
         share: float | Array = friction_between(self.air.film, pressure, air)
-        return dry * share
+        return dry_friction * share
 
     def wound(self, roll: RollProblem) -> RollProblem:
         """Return a roll with the film of this nip between its layers; see :class:`.AirBetween`.

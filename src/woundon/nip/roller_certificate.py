@@ -72,9 +72,9 @@ def certificate(result: Any) -> Residuals:
     surfaces = state.surfaces.upper, state.surfaces.lower
     conditions |= body_equilibrium(problem, surfaces, ((p, q), (p, -q)))
     if problem.viscoelastic:
-        lost = dissipation(problem, surface_work(problem, equations.mesh, state))
-        difference = abs(result.rolling_resistance - lost)
-        conditions["rolling_resistance"] = difference / (problem.load * slope_scale)
+        dissipated = dissipation(problem, surface_work(problem, equations.mesh, state))
+        deviation = abs(result.rolling_resistance - dissipated)
+        conditions["rolling_resistance"] = deviation / (problem.load * slope_scale)
     elif not isnan(result.rolling_resistance):
         conditions["rolling_resistance"] = inf
     return Residuals(**conditions)
@@ -86,9 +86,9 @@ def _slip_and_friction(
     """Return the residuals of slip, zones, creepage and the friction law."""
     problem, p, q, mu = result.problem, result.pressure, result.traction, result.problem.friction
     # xi is the creepage of rolling rollers, the relative displacement of static ones
-    xi, undefined = result.creepage, result.shift
+    xi, unused = result.creepage, result.shift
     if equations.static:
-        xi, undefined = result.shift - equations.rigid_displacement(state, 0.0), result.creepage
+        xi, unused = result.shift - equations.rigid_displacement(state, 0.0), result.creepage
     scale = result.half_width / problem.contact_radius
     scale *= result.half_width if equations.static else 1.0
     recomputed_xi, slip = equations.slip(state)
@@ -117,7 +117,7 @@ def _slip_and_friction(
         "creepage": 0.0 if prescribed is None else abs(xi - prescribed) / scale,
     }
     conditions["friction_bound"] += largest(np.abs(q[ends])) / unit
-    if not isnan(undefined):  # the creepage of static, the displacement of rolling rollers
+    if not isnan(unused):  # the creepage of static, the displacement of rolling rollers
         conditions["creepage"] = inf
     return conditions
 

@@ -164,7 +164,7 @@ class RollerResult(Dissipation, Result):
 
         outputs = (outputs,) if isinstance(outputs, str) else tuple(outputs)
         main = ("half_width", "peak_pressure", "approach", "offset", "tangential_load")
-        own = "shift" if self.problem.motion == "static" else "creepage"
-        lost = ("rolling_resistance",) if self.problem.viscoelastic else ()
-        default = (own, *main, *lost)
+        motion_output = "shift" if self.problem.motion == "static" else "creepage"
+        dissipation = ("rolling_resistance",) if self.problem.viscoelastic else ()
+        default = (motion_output, *main, *dissipation)
         return contact_sensitivity(self, solutions(self), parameters, outputs, default)

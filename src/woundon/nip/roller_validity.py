@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..validity import pair_warnings, past, zone_warnings
+from ..validity import limit_warning, pair_warnings, zone_warnings
 from .roller_result import RollerResult
 
 __all__ = ["roller_warnings"]
@@ -13,6 +13,6 @@ def roller_warnings(result: RollerResult) -> tuple[str, ...]:
     xi, mu = result.creepage, result.problem.friction  # xi is nan in static contact
     return (
         *pair_warnings(result, {"upper": result.traction, "lower": -result.traction}),
-        *past("creepage", xi, "the rollers' surface speeds differ by {}"),
+        *limit_warning("creepage", xi, "the rollers' surface speeds differ by {}"),
         *(zone_warnings(result.x, {"contact": result.zone}, "the lower surface") if mu else ()),
     )

@@ -117,7 +117,7 @@ def contact_sensitivity(
             raise InvalidProblem.at(name, excluded[name])
     names = parameters or tuple(name for name in known if name not in excluded)
     history = [
-        (mesh.size, _derivatives(mesh, problem, names, known, outputs))
+        (mesh.size, _derivatives_on_mesh(mesh, problem, names, known, outputs))
         for mesh in meshes[-CHANGES - 1 :]
     ]
     errors = {key: error_estimate(history, key) for key in history[-1][1]}
@@ -139,7 +139,7 @@ def contact_sensitivity(
     )
 
 
-def _derivatives(
+def _derivatives_on_mesh(
     mesh: MeshSolution,
     problem: Any,
     names: tuple[str, ...],
@@ -147,10 +147,10 @@ def _derivatives(
     outputs: tuple[str, ...],
 ) -> dict[str, float]:
     """Return the derivatives on one mesh by "output/parameter"."""
-    solved = _Perturbed(mesh, outputs)
+    solved = _PerturbedProblems(mesh, outputs)
     derivatives: dict[str, float] = {}
     for name in names:
-        derivative = _difference(solved, problem, name, known[name])
+        derivative = _central_difference(solved, problem, name, known[name])
         derivatives |= {
             f"{output}/{name}": value
             for output, value in zip(outputs, derivative.tolist(), strict=True)
@@ -158,8 +158,11 @@ def _derivatives(
     return derivatives
 
 
-class _Perturbed:
-    """Outputs of perturbed problems on one mesh, by Newton steps from its solution."""
+class _PerturbedProblems:
+    """Outputs of perturbed problems on one mesh, by Newton steps from its solution.
+
+    The Jacobian of the solution is factorised once, with its rows scaled to a maximum of one.
+    """
 
     def __init__(self, mesh: MeshSolution, outputs: tuple[str, ...]) -> None:
         self.mesh, self.outputs = mesh, outputs
@@ -184,14 +187,16 @@ class _Perturbed:
         return np.asarray(change / (2 * STEP))
 
     def _residual(self, state: Any) -> Array:
+        """Return the residual of all equations with the active set of the solution."""
         return np.append(state.equilibrium, friction_residual(state, self.mesh.active))
 
     def __call__(self, problem: Any) -> Array:
         """Return the outputs of a problem that differs slightly from the solved one."""
         has_air = getattr(problem, "air", None) is not None
-        system, u = (
-            self._solved_with_air(problem) if has_air else self._solved(problem, self.mesh.state.u)
-        )
+        if has_air:
+            system, u = self._solve_neighbour_with_air(problem)
+        else:
+            system, u = self._solve_neighbour(problem, self.mesh.state.u)
         state = system.evaluate(u)
         outputs = dict(system.outputs(state, self.mesh.active))
         if has_air:
@@ -199,48 +204,56 @@ class _Perturbed:
             outputs |= {name: value_of(film, name.partition(".")[2]) for name in air_outputs()}
         return np.array([outputs[name] for name in self.outputs])
 
-    def _solved(self, problem: Any, u: Array) -> tuple[Any, Array]:
-        """Return the system of a problem and its solution, from an initial guess."""
-        known, system = self.mesh.system, self.mesh.system.for_problem(problem)
+    def _solve_neighbour(self, problem: Any, u: Array) -> tuple[Any, Array]:
+        """Return the system of a problem and its solution u, by Newton steps from a guess.
+
+        The residual that the solution itself has on this mesh is subtracted.
+        """
+        scales, system = self.mesh.system.scales, self.mesh.system.for_problem(problem)
         for _ in range(STEPS):
             change = self._residual(system.evaluate(u)) - self.residual
-            u = (
-                u
-                - lu_solve(self.factors, change / self.row_size, check_finite=False) * known.scales
-            )
+            step = lu_solve(self.factors, change / self.row_size, check_finite=False) * scales
+            u = u - step
         return system, u
 
-    def _solved_with_air(self, problem: NipProblem) -> tuple[Any, Array]:
-        """Return the same for a problem with air: each iteration updates the friction."""
+    def _solve_neighbour_with_air(self, problem: NipProblem) -> tuple[Any, Array]:
+        """Return the system and the solution of a problem with air.
+
+        Each iteration updates the friction coefficients by the air film.
+        """
         system, u = self.mesh.system, self.mesh.state.u
         for _ in range(AIR_ITERATIONS):
             film = film_of_state(problem, system, system.evaluate(u))
             dry = problem.without_air(film.roll_friction, film.wrap_friction)
-            system, u = self._solved(dry, u)
+            system, u = self._solve_neighbour(dry, u)
         return system, u
 
 
-def _difference(solved: Callable[[Any], Array], problem: Any, name: str, value: float) -> Array:
+def _central_difference(
+    outputs_of: Callable[[Any], Array], problem: Any, name: str, value: float
+) -> Array:
     """Return the central difference of outputs by a field; one-sided at the end of its range."""
-    step = STEP * _size(problem, name, value)
+    step = STEP * _step_scale(problem, name, value)
 
-    def shifted(steps: int) -> Array | None:
+    def outputs_at(steps: int) -> Array | None:
+        """Return the outputs at a number of steps from the value; None if it is not permitted."""
         try:
-            return solved(problem.replace(**{name: value + steps * step}))
+            return outputs_of(problem.replace(**{name: value + steps * step}))
         except InvalidProblem:
             return None
 
-    above, below = shifted(1), shifted(-1)
+    above, below = outputs_at(1), outputs_at(-1)
     if above is not None and below is not None:
         return (above - below) / (2 * step)
     side = 1 if above is not None else -1
-    near, far, here = shifted(side), shifted(2 * side), shifted(0)
-    if near is None or far is None or here is None:
+    one_step, two_steps, unshifted = outputs_at(side), outputs_at(2 * side), outputs_at(0)
+    if one_step is None or two_steps is None or unshifted is None:
         raise InvalidProblem.at(name, "has no derivative: no neighbouring value is permitted")
-    return np.asarray((4 * near - far - 3 * here) / (2 * step * side))
+    # one-sided difference of order two
+    return np.asarray((4 * one_step - two_steps - 3 * unshifted) / (2 * step * side))
 
 
-def _size(problem: Any, name: str, value: float) -> float:
+def _step_scale(problem: Any, name: str, value: float) -> float:
     """Return the scale of the difference step of a field."""
     head, _, rest = name.partition(".")
     thickness = getattr(getattr(problem, head), "thickness", np.inf)
@@ -262,5 +275,5 @@ def near_zone_change(mesh: MeshSolution) -> str:
     state, active = mesh.state, mesh.active
     slack = (state.bound - np.abs(state.traction)) / np.abs(state.bound).max()
     slip = np.abs(state.slip) / max(np.abs(state.slip).max(), 1e-300)
-    close = np.nonzero(np.where(active == 0, slack, slip) < NEAR_CHANGE)[0]
-    return ", ".join(mesh.system.node_names(close))
+    nodes = np.nonzero(np.where(active == 0, slack, slip) < NEAR_CHANGE)[0]
+    return ", ".join(mesh.system.node_names(nodes))

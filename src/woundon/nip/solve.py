@@ -140,14 +140,14 @@ def _solve(
     """Solve a nip without air."""
     check_load(problem, "nip_load")
     default = RTOL if problem.linear else RTOL_NONLINEAR
-    most = MOST_NODES if problem.linear else MOST_NODES_NONLINEAR
+    max_nodes = MOST_NODES if problem.linear else MOST_NODES_NONLINEAR
     criterion = _criterion(problem, rtol or default)
     try:
         refinement = refine(
             lambda size: NipSystem(problem, size),
             nodes=nodes,
             criterion=criterion,
-            most_nodes=MOST_NODES_RTOL if rtol else most,
+            most_nodes=MOST_NODES_RTOL if rtol else max_nodes,
             progress=progress,
             start=getattr(start, "refinement", None),
             errors=errors,
@@ -189,13 +189,14 @@ def _criterion(
     problem: Any, rtol: float
 ) -> Callable[[Mapping[str, float], Mapping[str, float]], float]:
     """Return the ratio of the error estimates and their tolerances."""
-    least = LEAST_TENSION * problem.roll_friction * problem.nip_load
+    floor = LEAST_TENSION * problem.roll_friction * problem.nip_load
 
     def ratio(outputs: Mapping[str, float], errors: Mapping[str, float]) -> float:
+        """Return the larger of the ratios for the wound-on and the nip-induced tension."""
         WOT, NIT = outputs["wound_on_tension"], outputs["nip_induced_tension"]
-        by_WOT = errors["wound_on_tension"] / (rtol * max(abs(WOT), least))
-        by_NIT = errors["nip_induced_tension"] / (TENSION_RATIO * rtol * max(abs(NIT), least))
-        return max(by_WOT, by_NIT)
+        WOT_ratio = errors["wound_on_tension"] / (rtol * max(abs(WOT), floor))
+        NIT_ratio = errors["nip_induced_tension"] / (TENSION_RATIO * rtol * max(abs(NIT), floor))
+        return max(WOT_ratio, NIT_ratio)
 
     return ratio
 
@@ -223,12 +224,12 @@ def _check_taut(problem: Any, mesh: MeshSolution, permitted: float = 0.0) -> Non
         ("downstream of the nip", T[layout.last :], problem.roll_wrap > 0),
         ("upstream of the nip", T[: layout.first + 1], problem.drum_wrap > 0),
     ):
-        least = float(tension.min())
-        if wrapped and least <= -permitted * float(np.abs(T).max()):
+        min_tension = float(tension.min())
+        if wrapped and min_tension <= -permitted * float(np.abs(T).max()):
             raise NoSteadyState.at(
                 "web_tension",
-                f"{T_in:.6g} leaves the web slack {name}: its tension falls to {least:.4g} [N/m]; "
-                f"about {T_in - least:.4g} or more is needed",
+                f"{T_in:.6g} leaves the web slack {name}: its tension falls to {min_tension:.4g} "
+                f"[N/m]; about {T_in - min_tension:.4g} or more is needed",
             )
 
 
@@ -239,12 +240,12 @@ def _check_pressed(problem: Any, mesh: MeshSolution) -> None:
         ("roll", f.p_roll[layout.last :], problem.roll_wrap > 0),
         ("drum", f.p_drum[: layout.first + 1], problem.drum_wrap > 0),
     ):
-        least = float(pressure.min())
-        if wrapped and least < -ACCEPTED_RESIDUAL * f.p_drum.max():
+        min_pressure = float(pressure.min())
+        if wrapped and min_pressure < -ACCEPTED_RESIDUAL * f.p_drum.max():
             raise InvalidProblem.at(
                 name,
                 f"its deformed surface is concave on the wrap next to the nip: a web that followed "
-                f"it would need a pressure of {least:.3g} [Pa], so that it lifts off; use a "
+                f"it would need a pressure of {min_pressure:.3g} [Pa], so that it lifts off; use a "
                 "smaller nip_load, or a thicker or stiffer elastic layer",
             )
 
@@ -269,13 +270,13 @@ def result_of(
         rolling_resistance=outputs.get("rolling_resistance", nan),
         refinement=refinement,
     )
-    of_the_film = air_warnings(problem, film, result.half_width) if film else ()
+    film_warnings = air_warnings(problem, film, result.half_width) if film else ()
     return measured(
         result,
         errors=error_estimates(refinement, arrays),
         residuals=certificate(result, equations),
         warnings=(
-            *of_the_film,
+            *film_warnings,
             *nip_warnings(result),
             *inconsistencies(refinement.meshes[-REPORTED - 1 :]),
         ),

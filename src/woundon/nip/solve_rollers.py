@@ -160,14 +160,14 @@ class Criterion:
     def ratios(self, outputs: Mapping[str, float], errors: Mapping[str, float]) -> dict[str, float]:
         """Return the ratios by output; inf where there is no estimate."""
         problem, a = self.problem, outputs["half_width"]
-        least = {"half_width": 0.0, "peak_pressure": 0.0}
+        floors = {"half_width": 0.0, "peak_pressure": 0.0}
         if problem.friction and problem.creepage is not None:
-            least["tangential_load"] = FLOOR * problem.friction * problem.load
+            floors["tangential_load"] = FLOOR * problem.friction * problem.load
         elif "creepage" in outputs and problem.creepage is None:
-            least["creepage"] = FLOOR * (problem.friction or 1.0) * a / problem.contact_radius
+            floors["creepage"] = FLOOR * (problem.friction or 1.0) * a / problem.contact_radius
         ratios = {
             name: errors[name] / (self.rtol * max(abs(outputs[name]), floor))
-            for name, floor in least.items()
+            for name, floor in floors.items()
         }
         return {name: r if isfinite(r) else np.inf for name, r in ratios.items()}
 

@@ -8,16 +8,17 @@ import numpy as np
 
 from ..errors import RESOLUTION
 from ..problems.nip import NipProblem
-from ..validity import pair_warnings, past, zone_warnings
+from ..validity import limit_warning, pair_warnings, zone_warnings
 from .result import NipResult
 
 __all__ = ["nip_warnings", "web_far_outside"]
 
 Array = np.ndarray
 
-SERIES_ERROR = 1e-4
-FAR_STRAIN = 1.0
-FAR_THICKNESS = 10.0  # nip widths
+SERIES_ERROR = 1e-4  # truncation error of a Fourier series that is reported
+# A case that cannot be solved is far outside the model with a web strain, or a ratio of the web
+# thickness and the nip width, above these values.
+FAR_STRAIN, FAR_THICKNESS = 1.0, 10.0
 
 
 def nip_warnings(result: NipResult) -> tuple[str, ...]:
@@ -31,10 +32,10 @@ def nip_warnings(result: NipResult) -> tuple[str, ...]:
     return (
         *pair_warnings(result, tractions),
         *_body_warnings(result),
-        *_surface_strains(result, strain[nip]),
-        *_web(result, strain),
+        *_surface_strain_warnings(result, strain[nip]),
+        *_web_warnings(result, strain),
         *zone_warnings(result.x[nip], zones),
-        *_series(result),
+        *_series_warning(result),
     )
 
 
@@ -45,13 +46,15 @@ def _body_warnings(r: NipResult) -> Iterator[str]:
             yield f"of the {name}: {body.validity_warning}"
 
 
-def _surface_strains(r: NipResult, web: Array) -> Iterator[str]:
+def _surface_strain_warnings(r: NipResult, web: Array) -> Iterator[str]:
     """Yield warnings about large surface strains; ``web`` is the strain of the web."""
     x = r.x[r.in_nip]
-    for (name, strain), body in zip(_bodies_strains(r, web).items(), r.problem.bodies, strict=True):
+    for (name, strain), body in zip(
+        _body_surface_strains(r, web).items(), r.problem.bodies, strict=True
+    ):
         if not body.rigid:
             k = int(np.abs(strain).argmax())
-            yield from past(
+            yield from limit_warning(
                 "surface strain",
                 float(strain[k]),
                 "the {0}'s surface strain is {} at x = {1:.3g} mm",
@@ -60,7 +63,7 @@ def _surface_strains(r: NipResult, web: Array) -> Iterator[str]:
             )
 
 
-def _bodies_strains(r: NipResult, web: Array) -> dict[str, Array]:
+def _body_surface_strains(r: NipResult, web: Array) -> dict[str, Array]:
     """Return the surface strains of the bodies at the points of the slip velocities (eq. 133).
 
     ``web`` is the strain of the web in the nip.  The strain of the roll is relative to that at the
@@ -80,11 +83,11 @@ def _web_strain(r: NipResult) -> Array:
     return c.c11 / web.thickness * r.tension - c.c12 * p
 
 
-def _web(r: NipResult, strain: Array) -> Iterator[str]:
+def _web_warnings(r: NipResult, strain: Array) -> Iterator[str]:
     """Yield warnings about pressure, strain, thickness and slackness of the web."""
     web, peak = r.problem.web, float(r.drum_pressure.max())
     modulus = web.radial_modulus(peak)
-    yield from past(
+    yield from limit_warning(
         "pressure on the web",
         peak / modulus,
         "the peak pressure {0:.3g} MPa is {} of the web's radial stiffness {1:.3g} MPa",
@@ -92,25 +95,26 @@ def _web(r: NipResult, strain: Array) -> Iterator[str]:
         modulus / 1e6,
     )
     k = int(np.abs(strain).argmax())
-    yield from past(
+    yield from limit_warning(
         "web strain",
         float(strain[k]),
         "the web's strain is {} at a tension of {0:.4g} N/m",
         r.tension[k],
     )
-    yield from past(
+    yield from limit_warning(
         "web thickness",
         web.thickness / r.nip_width,
         "the web's thickness {0:.3g} um is {} of the nip width {1:.3g} mm",
         web.thickness * 1e6,
         r.nip_width * 1e3,
     )
-    slackest = float(np.min(r.tension))
-    if slackest < 0:
-        at = float(r.x[int(np.argmin(r.tension))])
+    min_tension = float(np.min(r.tension))
+    if min_tension < 0:
+        x = float(r.x[int(np.argmin(r.tension))])
+        needed = r.problem.web_tension - min_tension
         yield (
-            f"the web is slack: its tension falls to {slackest:.4g} N/m at x = {at * 1e3:.3g} mm; "
-            f"at least {r.problem.web_tension - slackest:.4g} N/m of web tension are needed"
+            f"the web is slack: its tension falls to {min_tension:.4g} N/m at x = "
+            f"{x * 1e3:.3g} mm; at least {needed:.4g} N/m of web tension are needed"
         )
 
 
@@ -142,7 +146,7 @@ def web_far_outside(problem: NipProblem, width: float) -> Iterator[str]:
         )
 
 
-def _series(r: NipResult) -> Iterator[str]:
+def _series_warning(r: NipResult) -> Iterator[str]:
     """Yield a warning if the Fourier series of a body is truncated too early."""
     if r.series_error > SERIES_ERROR:
         yield (

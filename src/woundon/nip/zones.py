@@ -59,15 +59,12 @@ def slip_lengths(x: Array, zones: Array, slip: Array, slack: Array) -> tuple[flo
 
     They have the sign of the slip, > 0 where the web is faster, and are 0 where the web sticks.
     """
-    leading, trailing, ends = (
-        int(zones[0]),
-        int(zones[-1]),
-        boundary_positions(x, zones, slip, slack),
-    )
-    if not ends:
+    leading, trailing = int(zones[0]), int(zones[-1])
+    boundaries = boundary_positions(x, zones, slip, slack)
+    if not boundaries:
         length = leading * float(x[-1] - x[0])
         return length, length
-    return leading * (ends[0] - float(x[0])), trailing * (float(x[-1]) - ends[-1])
+    return leading * (boundaries[0] - float(x[0])), trailing * (float(x[-1]) - boundaries[-1])
 
 
 def has_traction_jump(zones: Array) -> bool:
