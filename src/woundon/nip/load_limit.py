@@ -78,9 +78,9 @@ def check_load(problem: ContactProblem, load_field: str) -> None:
     if bending_tubes:
         body = getattr(problem, bending_tubes[0])
         reason = (
-            f"the {bending_tubes[0]} is a tube, {body.thickness:.4g} m thick in all on an open bore, which "
-            "a larger load bends instead of being carried by one contact; use a rigid core, or "
-            "stiffer or thicker layers"
+            f"the {bending_tubes[0]} is a tube, {body.thickness:.4g} m thick in all on an open "
+            "bore, which a larger load bends instead of being carried by one contact; use a rigid "
+            "core, or stiffer or thicker layers"
         )
     else:
         reason = _narrowest_body(problem)
