@@ -62,6 +62,46 @@ def test_the_main_answer_needs_no_scrolling_on_a_laptop(look):
         assert seen.page.locator(place).bounding_box()["y"] < 700, place
 
 
+def test_the_answer_is_the_first_line_in_the_units_of_the_page(look):
+    page = look().page
+    top = "place => document.querySelector(place).getBoundingClientRect().top"
+    assert page.evaluate(top, ".answer") < page.evaluate(top, ".certificate")
+    page.click("text=mill")
+    answer = "Wound-on tension 3.997 pli = web tension 1.999 pli + nip-induced tension 1.998 pli"
+    assert page.inner_text(".answer") == answer
+
+
+def test_a_nip_takes_the_value_at_the_core_of_a_schedule_and_gives_it_back(look):
+    seen = look()
+    page = seen.page
+    page.click("#tab-winding")
+    page.wait_for_selector(".schedule-plot")
+    page.select_option(".kind", "winding")
+    page.wait_for_selector("[id='f-tension_law']")
+    page.select_option("[id='f-tension_law']", label="friction")  # no nip is solved
+    page.wait_for_selector(".margins", timeout=60_000)
+    taper = seen.box("web_tension.taper")
+    for tab in ("study", "fit", "winding", "case"):  # each of them shows the kind of the case
+        page.click(f"#tab-{tab}")
+        assert page.input_value(".kind") == ("nip" if tab == "case" else "winding"), tab
+    seen.rest()
+    start = wo.WindingProblem.example().web_tension.start
+    assert float(seen.box("web_tension")) == start
+    assert page.locator(".notice").count() == 0
+    page.click("#tab-winding")
+    seen.rest()
+    page.select_option(".kind", "winding")
+    seen.rest()
+    assert seen.box("web_tension.taper") == taper
+
+
+def test_formulas_of_labels_are_typeset(look):
+    page = look().page
+    label = page.locator("[data-path=winding_force] label")
+    assert label.inner_text().replace("\xa0", " ").startswith("winding force (drum traction")
+    assert label.locator("sub").all_inner_texts() == ["2", "2"]  # of -M2/R2
+
+
 def test_a_limit_is_entered_next_to_its_margin_on_a_phone(look):
     seen = look(width=390, height=844)
     page = seen.page

@@ -2,7 +2,7 @@
 import { at, fieldsOf, groupsOf, held, memberOf, started, startedMember } from "./cases.js";
 import { isSchedule, profileOf } from "./schedules.js";
 import { html, useEffect, useMemo, useState } from "./html.js";
-import { Symbol } from "./symbols.js";
+import { Label, Symbol } from "./symbols.js";
 import { T } from "./texts.js";
 import { digits, parsed } from "./units.js";
 
@@ -13,12 +13,14 @@ const idOf = (path) => `f-${path.replaceAll(".", "-")}`;
 
 export function Form({ store }) {
   const { catalogue, kind } = store;
-  const narrow = matchMedia("(max-width: 820px)").matches; // there the first group alone is open
+  const narrow = matchMedia("(max-width: 820px)").matches;
+  // on a phone the first group alone is open, and none above a study, whose own fields come below
+  const shut = narrow && ["study", "fit", "window"].includes(store.state.tab);
   return html`<form class="form" aria-label=${T.form.name} onSubmit=${(event) => event.preventDefault()}>
     ${kind.has_grades && html`<label class="grade">${T.form.grade}<select id="grade" value=${store.grade} onChange=${(event) => event.target.value && store.fillGrade(event.target.value)}>
       <option value="" selected=${!store.grade}>${T.form.chooseGrade}</option>
       ${catalogue.grades.map(({ name, title }) => html`<option value=${name} selected=${name === store.grade}>${title.charAt(0).toUpperCase() + title.slice(1)}</option>`)}</select></label>`}
-    ${groupsOf(catalogue, kind, T.groups).map((group, k) => html`<${Group} key=${`${kind.name}.${group.name}`} ...${{ store, group, open: !narrow || k === 0 }} />`)}
+    ${groupsOf(catalogue, kind, T.groups).map((group, k) => html`<${Group} key=${`${kind.name}.${group.name}.${shut}`} ...${{ store, group, open: !narrow || (k === 0 && !shut) }} />`)}
   </form>`;
 }
 
@@ -102,7 +104,7 @@ function NumberField({ store, field, path }) {
   const differs = known && (error || value !== start);
 
   return html`<div class=${`field number${error ? " wrong" : ""}`} data-path=${path}>
-    <label for=${idOf(path)}>${field.label} <span class="symbol"><${Symbol} of=${field.symbol} /></span></label>
+    <label for=${idOf(path)}><${Label} of=${field.label} /> <span class="symbol"><${Symbol} of=${field.symbol} /></span></label>
     ${field.typical ? html`<${Slider} ...${{ store, field, path, value, unit }} />` : html`<span class="no-slider"></span>`}
     <input id=${idOf(path)} class="box" type="text" inputmode="decimal" autocomplete="off" spellcheck=${false}
       value=${typed ?? plain(units.shown(field, value))} placeholder=${field.optional ? T.form.none : ""}
@@ -209,7 +211,7 @@ function Member({ store, field, path, lone, holder }) {
   const inner = isNumber || named || isWord || !member ? [] : fieldsOf(catalogue, member.form);
   const body = html`
     ${choices && html`<div class="member-choice">
-      <label for=${idOf(path)} class=${lone ? "hidden" : ""}>${label}</label>
+      <label for=${idOf(path)} class=${lone ? "hidden" : ""}><${Label} of=${label} /></label>
       <select id=${idOf(path)} value=${chosen} onChange=${choose}>
         ${field.optional && html`<option value=${NONE} selected=${chosen === NONE}>${T.form.none}</option>`}
         ${field.number && html`<option value=${NUMBER} selected=${chosen === NUMBER}>${T.form.oneNumber}</option>`}
@@ -223,7 +225,7 @@ function Member({ store, field, path, lone, holder }) {
     ${inner.map((one) => html`<${Field} key=${one.name} ...${{ store, path: `${path}.${one.name}`, field: held(one, field), holder: field }} />`)}
     <${Fault} path=${path} text=${isNumber ? "" : store.faultAt(path)} />`;
   return lone ? html`<div class="member" data-path=${path}>${body}</div>`
-    : html`<fieldset class="member" data-path=${path}>${!choices && html`<legend>${label}</legend>`}${body}</fieldset>`;
+    : html`<fieldset class="member" data-path=${path}>${!choices && html`<legend><${Label} of=${label} /></legend>`}${body}</fieldset>`;
 }
 
 function numberOf(store, field, value) {

@@ -42,7 +42,7 @@ function Page({ store }) {
   }, [store]);
   const views = { case: Case, study: Study, fit: Fit, winding: Winding, window: Window, thesis: Thesis };
   // while a slider moves, the form does not wait for the answer, nor the answer for the form
-  const form = useMemo(() => html`<${Form} store=${store} />`, [state.kind, state.case, state.grade, state.faults, state.misread, state.system]);
+  const form = useMemo(() => html`<${Form} store=${store} />`, [state.kind, state.tab, state.case, state.grade, state.faults, state.misread, state.system]);
   return html`<a class="skip" href="#results" onClick=${(event) => { event.preventDefault(); document.getElementById("results").focus(); }}>${T.skip}</a>
     <${Patterns} />
     <${Header} store=${store} />
@@ -58,14 +58,15 @@ function Page({ store }) {
 
 function Header({ store }) {
   const { state, catalogue } = store;
-  const kinds = catalogue.kinds.filter((kind) => (["winding", "window"].includes(state.tab) ? ROLLS.includes(kind.name) : !ROLLS.includes(kind.name)));
+  const { tab } = state; // studies and fits are of any kind, figures of the thesis of none
+  const kinds = catalogue.kinds.filter(({ name }) => (tab === "case" ? !ROLLS.includes(name) : ["winding", "window"].includes(tab) ? ROLLS.includes(name) : true));
   return html`<header class="top">
     <h1><img src="/static/icon.svg" width="26" height="26" alt="" /><span>${T.title}</span></h1>
     <${Tabs} store=${store} />
     <div class="tools">
-      <label><span class="hidden">${T.header.kind}</span>
+      ${tab !== "thesis" && html`<label><span class="hidden">${T.header.kind}</span>
         <select class="kind" value=${state.kind} onChange=${(event) => store.goTo(event.target.value)}>
-          ${kinds.map((kind) => html`<option value=${kind.name} selected=${kind.name === state.kind}>${T.kinds[kind.name] ?? kind.title}</option>`)}</select></label>
+          ${kinds.map((kind) => html`<option value=${kind.name} selected=${kind.name === state.kind}>${T.kinds[kind.name] ?? kind.title}</option>`)}</select></label>`}
       <button type="button" onClick=${() => store.undo()} disabled=${!state.past.length} title=${`${T.header.undo} (Ctrl+Z)`} aria-label=${T.header.undo}>↶</button>
       <button type="button" onClick=${() => store.redo()} disabled=${!state.future.length} title=${`${T.header.redo} (Ctrl+Shift+Z)`} aria-label=${T.header.redo}>↷</button>
       <div class="segmented" role="group" aria-label=${T.header.units}>${Object.keys(catalogue.systems).map((name) => html`<button type="button"

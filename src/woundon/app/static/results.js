@@ -3,7 +3,7 @@ import { at, same } from "./cases.js";
 import { colourOf, Panel } from "./chart.js";
 import { Drawing } from "./drawing.js";
 import { Fragment, html, useEffect, useMemo, useRef, useState } from "./html.js";
-import { Symbol, symbolText } from "./symbols.js";
+import { Label, Symbol, symbolText } from "./symbols.js";
 import { T } from "./texts.js";
 import { digits } from "./units.js";
 
@@ -41,7 +41,7 @@ export function errorText(units, output, { value, error }) {
   return shown < last ? `± < ${digits(last, 1)}` : `± ${digits(shown, 2)}`;
 }
 
-/** The answer in one line: of a nip in the shown units, else as the reports have it. */
+/** The answer in the first line: of a nip in the shown units, else as the reports have it. */
 function answerText({ units, kind, state: { result } }) {
   const [total, added] = ["wound_on_tension", "nip_induced_tension"].map((name) => kind.outputs.find((output) => output.name === name && !output.array));
   const web = result.problem.web_tension;
@@ -56,16 +56,23 @@ function difference(units, output, from, to) {
   return (value > 0 ? "+" : "") + digits(Number(value.toPrecision(4)), 4);
 }
 
+/** The answer, and below it what to change in a winding, or what the entrained air reduces. */
+function Answer({ store }) {
+  const { answer, kind } = store.state.result;
+  const more = kind === "winding" ? answer.slice(1, -1) : answer.slice(1);
+  const shown = more.filter((line) => store.units.name === "SI" || !line.includes("N/m"));
+  return html`<p class="answer">${answerText(store)}</p>${shown.map((line) => html`<p class="advice" key=${line}>${line}</p>`)}`;
+}
+
 export function Numbers({ store }) {
   const { units, kind, state } = store;
   const { result } = state;
   return html`<section class="numbers" aria-label=${T.results.numbers}>
-    <p class="answer">${answerText(store)}</p>
     ${headlines(kind, result).map((output) => {
       const entry = result.outputs[output.name];
       return html`<div class=${`number-card${kind.main.includes(output.name) ? " main" : ""}`} key=${output.name} data-output=${output.name}
           title=${output.label}>
-        <div class="what"><span class="symbol"><${Symbol} of=${output.symbol} /></span> ${output.label}</div>
+        <div class="what"><span class="symbol"><${Symbol} of=${output.symbol} /></span> <${Label} of=${output.label} /></div>
         <div class="much"><output class="value" data-si=${entry.value}>${digits(units.shown(output, valueOf(entry)))}</output>
           <span class="unit">${units.text(output)}</span></div>
         <div class="error" title=${T.results.error}>${errorText(units, output, entry)}</div>
@@ -88,13 +95,14 @@ export function Pending({ store }) {
   return store.errors.length ? html`<${Errors} store=${store} consequence=${T.results.none} />` : html`<p class="quiet">${T.results.busy}</p>`;
 }
 
-/** Certificate and warnings; if the case has errors, those of the last valid case, marked as such. */
+/** Answer, certificate and warnings; if the case has errors, those of the last valid case, marked as such. */
 export function Verdict({ store }) {
   const { certificate, warnings } = store.state.result;
   const wrong = store.errors.length > 0;
   const [style, mark] = wrong ? ["earlier", "–"] : certificate.ok ? ["good", "✓"] : ["bad", "✗"];
   return html`<${Fragment}>
     ${wrong && html`<${Errors} store=${store} consequence=${T.results.shown} />`}
+    <${Answer} store=${store} />
     <details class=${`certificate ${style}`}>
       <summary><span class="mark" aria-hidden="true">${mark}</span> ${wrong && `${T.results.earlier} `}${certificate.text}</summary>
       <table><caption>${T.results.conditions}</caption><thead><tr><th scope="col">${T.results.condition}</th><th scope="col">${T.results.violation}</th></tr></thead>
@@ -253,7 +261,7 @@ export function Sections({ store }) {
   return useMemo(() => report && html`<details class=${`sections${stale ? " stale" : ""}`} open>
     <summary>${T.results.report}</summary>
     <div class="section-grid">${report.map((section) => html`<section key=${section.title}><h3>${section.title}</h3>
-      <table><tbody>${section.rows.map((row, k) => html`<tr key=${k}><th scope="row">${row.label}</th><td class="symbol"><${Symbol} of=${row.symbol} /></td>
+      <table><tbody>${section.rows.map((row, k) => html`<tr key=${k}><th scope="row"><${Label} of=${row.label} /></th><td class="symbol"><${Symbol} of=${row.symbol} /></td>
         <${SectionValue} store=${store} row=${row} /><td class="note">${row.note.replace(/^,\s*/, "")}</td></tr>`)}</tbody></table>
       ${section.text && store.units.name === "SI" && html`<p>${section.text}</p>`}</section>`)}</div>
   </details>`, [report, stale, store.units]);
@@ -307,7 +315,7 @@ export function Differences({ store }) {
       ${pinned.map((pin) => html`<${Fragment}><th scope="col" class=${`pin-${pin.label}`}><span class="dot"></span>${pin.label}</th><th scope="col">${T.compare.live} − ${pin.label}</th><//>`)}</tr></thead>
       <tbody>${headlines(kind, result).map((output) => {
         const now = result.outputs[output.name].value;
-        return html`<tr key=${output.name} data-difference=${output.name}><th scope="row"><${Symbol} of=${output.symbol} /> ${output.label}</th><td>${units.text(output)}</td><td>${digits(units.shown(output, now))}</td>
+        return html`<tr key=${output.name} data-difference=${output.name}><th scope="row"><${Symbol} of=${output.symbol} /> <${Label} of=${output.label} /></th><td>${units.text(output)}</td><td>${digits(units.shown(output, now))}</td>
           ${pinned.map((pin) => {
             const then = pin.result.outputs[output.name]?.value;
             return html`<${Fragment}><td>${digits(units.shown(output, then))}</td><td class="delta">${difference(units, output, then, now)}</td><//>`;

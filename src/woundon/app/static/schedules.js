@@ -11,6 +11,9 @@ export function schedulesOf(store) {
   return fields.filter((field) => field.members?.some((member) => isSchedule(member.form)));
 }
 
+/** The value of a schedule at the core; that of a number is the number. */
+export const atCore = (value) => (typeof value === "number" ? value : value?.start ?? value?.value?.[0] ?? NaN);
+
 /** From the core to the surface of the roll. */
 export function endsOf(tables) {
   return [tables.core?.radius ?? tables.roll?.core_radius ?? 0, tables.radius];

@@ -2,6 +2,7 @@
 import * as api from "./api.js";
 import { changed, fieldsOf, held, memberOf, same, started } from "./cases.js";
 import { useEffect, useState } from "./html.js";
+import { atCore } from "./schedules.js";
 import { Units, usual } from "./units.js";
 
 const PINS = 4;
@@ -180,13 +181,17 @@ export class Store {
     this.solve();
   }
 
-  /** Change the kind; values that both kinds have stay. */
+  /** Change the kind; values that both kinds have stay, a schedule with its value at the core. */
   goTo(name) {
     const { case: now, kind, others } = this.state;
     const next = this.kindOf(name);
-    const names = this.catalogue.forms[next.form].fields.map((field) => field.name);
+    const fields = new Map(fieldsOf(this.catalogue, next.form).map((field) => [field.name, field]));
     const before = others[name] ?? next.example;
-    const shared = Object.entries(now).filter(([field]) => names.includes(field) && field in before);
+    const carried = ([path, value]) => {
+      if (fields.get(path).type === "number" && typeof value === "object") return [path, atCore(value)];
+      return [path, value === atCore(before[path]) ? before[path] : value]; // a schedule from this value stays
+    };
+    const shared = Object.entries(now).filter(([field]) => fields.has(field) && field in before).map(carried);
     const related = shared.length >= 7; // a nip and a winding share eight fields, a roll and a winding five
     this.set({ others: { ...others, [kind]: now } });
     this.take(name, related ? { ...before, ...Object.fromEntries(shared) } : before);

@@ -25,6 +25,31 @@ export function Symbol({ of }) {
   });
 }
 
+/** A word of a label that is a symbol, or a quotient of symbols: "T_in", "-M2/R2", "WOT". */
+function isSymbol(word) {
+  return word.replace(/^-/, "").split("/").every((one) => {
+    const p = parts(one);
+    return p && (p.below || p.sign || one in GREEK || /^([A-Z]|WOT|NIT)$/.test(one));
+  });
+}
+
+const OPERATORS = { "=": "=", "-": "−", "+": "+" };
+
+/** A label whose formula is typeset: "nip-induced tension, WOT - T_in"; a formula is not broken. */
+export function Label({ of }) {
+  let inFormula = false;
+  return of.split(" ").map((word, k) => {
+    const [, text, end] = /^(.*?)([,;:]?)$/.exec(word);
+    const symbol = isSymbol(text);
+    const joined = inFormula && (symbol || text in OPERATORS);
+    inFormula = symbol || (inFormula && text in OPERATORS);
+    const space = k ? (joined ? "\u00a0" : " ") : "";
+    if (!symbol) return `${space}${joined ? OPERATORS[text] : text}${end}`;
+    const factors = text.replace(/^-/, "").split("/");
+    return html`${space}${text.startsWith("-") ? "−" : ""}${factors.map((one, n) => html`${n ? "/" : ""}<${Symbol} of=${one} />`)}${end}`;
+  });
+}
+
 const RAISED = { "+": "⁺", "-": "⁻" };
 
 /** The symbol as plain text. */

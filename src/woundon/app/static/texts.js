@@ -48,7 +48,7 @@ export const T = {
     sum: (total, web, added) => `Wound-on tension ${total} = web tension ${web} + nip-induced tension ${added}`, busy: "solving", shown: "The last valid result is shown.", earlier: "Last valid case.",
     none: "This case has no results.",
     conditions: "Contact conditions and their residuals", condition: "condition", violation: "residual", report: "All results and classical formulas",
-    warnings: "Outside the model's validity range", error: "estimated error",
+    warnings: "Warnings", error: "estimated error",
     value: "value", unit: "unit",
   },
   drawing: {

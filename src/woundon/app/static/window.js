@@ -2,15 +2,13 @@
 import * as api from "./api.js";
 import { at } from "./cases.js";
 import { html, useState } from "./html.js";
+import { atCore } from "./schedules.js";
 import { End, Map2 } from "./study.js";
 import { T } from "./texts.js";
 import { digits } from "./units.js";
 
 const NAMES = ["web_tension", "nip_load"];
 const PROBABILITY = { label: T.window.probability, unit: "1", shown_unit: "" };
-
-/** The value of a schedule at the core. */
-const atCore = (value) => (typeof value === "number" ? value : value?.start ?? value?.value?.[0] ?? NaN);
 
 export function Window({ store }) {
   const { state, units, catalogue } = store;
