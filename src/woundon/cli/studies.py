@@ -282,6 +282,7 @@ def fit(
 ) -> None:
     """Fit fields of a case to measured data (.csv or .xlsx, units in the header)."""
     from ..io.case_files import load_case
+    from ..io.files import write_whole
     from ..studies.api import fit as fit_problem
 
     problem = load_case(case, settings)
@@ -300,7 +301,7 @@ def fit(
         progress=True,
     )
     if save:
-        save.write_text(found.to_json(), encoding="utf-8")
+        write_whole(save, found.to_json().encode())
     if plot:
         found.plot(plot)
     for line in [found.to_json()] if as_json else found.lines():

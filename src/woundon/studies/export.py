@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Callable
 from importlib.util import find_spec
 from pathlib import Path
@@ -12,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import InvalidProblem
+from ..io.files import replaced_file
 from ..io.sheets import need_openpyxl, record_table, write_workbook
 from .table import Table
 
@@ -32,12 +32,11 @@ def export(table: Table, path: str | Path) -> None:
     """
     path = Path(path)
     write = check_export(path)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.part{path.suffix}")
-    try:
+    if path.suffix == ".xlsx" and table.design.size + 1 > EXCEL_ROWS:
+        text = f"{table.design.size} cases are more than an Excel sheet's rows"
+        raise InvalidProblem.at(str(path), text)
+    with replaced_file(path) as temporary:
         write(table, temporary)
-        os.replace(temporary, path)
-    finally:
-        temporary.unlink(missing_ok=True)
 
 
 def check_export(path: str | Path) -> Callable[[Table, Path], None]:
@@ -100,10 +99,6 @@ def _excel(table: Table, path: Path) -> None:
     """Write the cases to a sheet of an Excel file, and the design to a second sheet."""
     import pandas
 
-    if table.design.size + 1 > EXCEL_ROWS:
-        raise InvalidProblem(
-            [(str(path), f"{table.design.size} cases are more than an Excel sheet's rows")]
-        )
     about = record_table({"design": table.design.kind, **table.record})
     write_workbook(path, {"study": pandas.DataFrame(_columns(table)), "about": about})
 
