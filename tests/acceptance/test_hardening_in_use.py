@@ -46,9 +46,6 @@ def test_sensitivities_are_the_derivatives(name: str, value: float) -> None:
         assert derivatives.derivative(output, name) == pytest.approx(difference, rel=1e-3)
 
 
-# ---- the certificate ----------------------------------------------------------------------------
-
-
 # ---- refusals -----------------------------------------------------------------------------------
 
 

@@ -209,9 +209,6 @@ def test_a_scan_without_any_solution_says_why(curves):
         wo.find(problem.replace(shape="line"), "position", nothing=0.0)
 
 
-# ---- input --------------------------------------------------------------------------------------
-
-
 # ---- output -------------------------------------------------------------------------------------
 
 

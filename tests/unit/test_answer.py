@@ -103,6 +103,3 @@ def test_reserves_are_outputs_of_studies(winding: wo.WindingResult) -> None:
     found = wo.find(winding.problem, "web_tension", between=(150.0, 300.0),
                     **{"margins.blocking": goal})  # fmt: skip
     assert found.result.margins.blocking == pytest.approx(goal, rel=1e-2)
-
-
-# ---- studies ------------------------------------------------------------------------------------

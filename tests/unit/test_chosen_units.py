@@ -30,6 +30,3 @@ def test_files_for_programs_stay_si(nip, tmp_path: Path):
         nip.save(tmp_path / "nip.json")
         assert nip.to_xarray().half_width.attrs["units"] == "m"
     assert wo.load_result(tmp_path / "nip.json") == nip
-
-
-# ---- CSV of one result --------------------------------------------------------------------------

@@ -134,6 +134,3 @@ def test_errors_survive_pickling_with_their_faults(kind: type[wo.InvalidProblem]
     assert type(other) is kind
     assert other.faults == (("case.web.thickness", "66 is out of range"), ("case", "odd"))
     assert str(other) == str(error) == "case.web.thickness: 66 is out of range\ncase: odd"
-
-
-# ---- words --------------------------------------------------------------------------------------

@@ -96,6 +96,3 @@ def test_a_cell_that_is_no_number_is_rejected_by_row_and_column(cells):
     assert where == "measured"
     assert "row 2, column 'nip_load'" in text
     assert len(text) < 1000
-
-
-# ---- what is a table ----------------------------------------------------------------------------

@@ -115,9 +115,6 @@ def _parsed(line: str, quantity: wo.Quantity) -> tuple[float, str, str]:
     return float(value), unit.strip(), error.split(",")[0].strip()
 
 
-# ---- the nip -------------------------------------------------------------------------------------
-
-
 # ---- the nip with its wraps ----------------------------------------------------------------------
 
 
@@ -128,9 +125,6 @@ def test_a_nip_that_is_none_without_its_wraps_says_why():
     assert text.startswith("No steady state exists: winding_force: 400 is out of range")
     # the closed forms of the tension know no drum wrap
     assert [line.split()[0] for line in said["Other theories"]] == ["Hertz", "Hertz"]
-
-
-# ---- any kind ------------------------------------------------------------------------------------
 
 
 # ---- what every report ends with -----------------------------------------------------------------

@@ -70,12 +70,6 @@ class Page(HTMLParser):
             self.cells[-1] += data
 
 
-# ---- printed
-
-
-# ---- in one line
-
-
 # ---- as HTML
 
 

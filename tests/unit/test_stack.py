@@ -201,6 +201,3 @@ def test_noise_does_not_make_the_modulus_jump() -> None:
     E = law.modulus(P) / (30 * (2e4 + P))
     assert 0.85 < E.min() < E.max() < 1.2  # neighbouring points would tell moduli 2 times off
     assert 1e-4 / e[-1] < law.misfit < 5e-4 / e[-1]
-
-
-# ---- what is refused ----------------------------------------------------------------------------

@@ -40,9 +40,6 @@ def dynamic_test(**known: Any) -> wo.DynamicTest:
     return wo.DynamicTest(**table | known, poissons_ratio=0.48)
 
 
-# ---- what is refused ----------------------------------------------------------------------------
-
-
 # ---- materials ----------------------------------------------------------------------------------
 
 

@@ -92,9 +92,6 @@ def test_the_rigid_displacement_of_a_static_contact(load: float, shift: float) -
     assert np.abs(result.slip[sticks]).max() < 1e-8 * np.abs(result.slip).max()
 
 
-# ---- open CONTACT ------------------------------------------------------------------------------
-
-
 # ---- conservation ------------------------------------------------------------------------------
 
 

@@ -119,6 +119,3 @@ def test_a_wrap_that_is_not_there_has_no_derivative() -> None:
         result.sensitivity("drum_wrap")
     with pytest.raises(wo.InvalidProblem, match="did you mean 'roll_wrap'"):
         result.sensitivity("roll_wrp")
-
-
-# ---- fits ---------------------------------------------------------------------------------------
