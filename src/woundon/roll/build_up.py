@@ -25,7 +25,7 @@ from typing import Protocol
 
 import numpy as np
 
-from .equations import CellSource, StageEquations, StageSolution, pressure_between
+from .equations import CellSource, StageEquations, StageSolution, interpolate_pressure
 from .growth import ORDER, Growth
 
 __all__ = [
@@ -34,7 +34,7 @@ __all__ = [
     "NotWoundError",
     "Tension",
     "cell_source",
-    "in_cells",
+    "evaluate_in_cells",
     "kinks_of",
     "nodes_between",
     "source_error",
@@ -217,11 +217,12 @@ class Layers:
         E_t, strain = self.equations.tangential, self.equations.strain
 
         def finite_part(x: Array, side: Array) -> Array:
+            """Return the change of C by the thickness of the layers."""
             # a layer has the tension of its inner radius over its full thickness
             difference = self.thickness / 2 * self.tension.slope(np.exp(x), side)
             return np.asarray(difference - E_t * strain(self.pressure(x)))
 
-        finite = in_cells(nodes, finite_part)
+        finite = evaluate_in_cells(nodes, finite_part)
         return CellSource(*(a + b for a, b in zip(thin, finite, strict=True)))
 
     def core_tension(self, start: float) -> float:
@@ -233,7 +234,20 @@ class Layers:
 
 
 class _Roll:
-    """A roll during winding: the previous stages, and the data common to all stages."""
+    """A roll during winding: the previous stages, and the data common to all stages.
+
+    Parameters
+    ----------
+    layers : Layers
+    core : float
+        Core radius [m].
+    cells : int
+        Cells of each stage.
+    layer : float
+        Depth of the layer below the surface, in ln r.
+    report : callable, optional
+        Is called with each stage's radius [m].
+    """
 
     def __init__(
         self,
@@ -250,28 +264,31 @@ class _Roll:
         self.last: BuildUp | None = None
 
     def stage(
-        self, surface: float, accepted_error: float, known: BuildUp | None = None
+        self, surface: float, accepted_error: float, reference: BuildUp | None = None
     ) -> tuple[BuildUp | None, float]:
         """Return the next stage, None if it cannot be solved, and the initial guess of its kappa.
 
-        The guess is extrapolated from the previous stages, or taken from ``known``, another
+        The guess is extrapolated from the previous stages, or taken from ``reference``, another
         solution of the same stage.
         """
         nodes = nodes_between(
             self.start, surface, self.cells, self.layer, *kinks_of(self.tension, self.growth)
         )
         previous = self.growth
-        if known is None:
-            kappa, guess = previous.extrapolate(surface), _initial_guess(self.last, nodes, self.T_c)
+        if reference is None:
+            kappa = previous.extrapolate(surface)
+            guess = _stretched_guess(self.last, nodes, self.T_c)
         else:
-            kappa = known.solved.growth
+            kappa = reference.solved.growth
             # finite layers approximately move the pressure outwards by half a layer at the surface
             t = (nodes - nodes[0]) / (nodes[-1] - nodes[0])
             shifted = nodes - t * self.layers.thickness / (2 * np.exp(nodes[-1]))
-            guess = pressure_between(known.x, known.solved.P, known.solved.Q, shifted)
+            guess = interpolate_pressure(
+                reference.x, reference.solved.P, reference.solved.Q, shifted
+            )
         source = self.layers.source(previous.with_stage(surface, kappa), nodes)
         surface_pressure = float(self.layers.pressure(nodes[-1:])[0])
-        source_by_kappa = in_cells(
+        source_by_kappa = evaluate_in_cells(
             nodes, lambda x, _: -self.tension.at(np.exp(x)) * previous.lagrange_basis(surface, x)
         )
         solved = self.equations.solve_with_growth(
@@ -334,28 +351,28 @@ def wind(
         If a stage cannot be solved.
     """
     roll = _Roll(Layers(equations, tension), core, cells, layer, report)
-    accepted = STAGE_TOLERANCE * tolerance
+    accepted_error = STAGE_TOLERANCE * tolerance
     x, end, step, last_kink = roll.start, log(radius), 0.1 * layer, -np.inf
     while x < end:
         kinks, changes = kinks_of(tension, roll.growth)
         kink = float(np.append(kinks[(kinks > x) & (changes > WEAK_KINK * tolerance)], end)[0])
         length = min(step, kink - x)
         surface = kink if kink - x - length < STEP_STRETCH * length else x + length
-        stage, guess = roll.stage(surface, accepted)
+        stage, guess = roll.stage(surface, accepted_error)
         error = _extrapolation_error(stage, guess)
         if stage is None or error > tolerance:
             step = (surface - x) * max(0.3, _step_factor(tolerance / error))
             if surface == kink:  # prevents a repetition of the same extended step
                 step = min(step, STRETCH_REDUCTION * (kink - x))
             if x == last_kink:  # start the polynomials of kappa at this kink
-                roll.growth.restart()
+                roll.growth.start_new_polynomial()
                 step, last_kink = min(step, layer), -np.inf
             if step < SMALLEST_STEP:
                 raise NotWoundError(_no_stage_beyond(x))
             if stage is None or step > KINK_STEP * layer:
                 continue
-            roll.growth.restart()  # an unknown kink, or the discretisation error
-            stage, _ = roll.stage(surface, accepted)
+            roll.growth.start_new_polynomial()  # an unknown kink, or the discretisation error
+            stage, _ = roll.stage(surface, accepted_error)
             if stage is None:
                 continue
         roll.append(stage)
@@ -379,48 +396,50 @@ def _step_factor(ratio: float) -> float:
 def wind_with_stages(
     equations: StageEquations,
     tension: Tension,
-    known: BuildUp,
+    reference: BuildUp,
     *,
     tolerance: float,
     cells: int,
     layer: float,
     report: Callable[[float], None] | None = None,
 ) -> BuildUp:
-    """Wind a roll with the stages of another build-up ``known``; parameters as of :func:`wind`."""
-    layers, all_stages = Layers(equations, tension), range(1, known.growth.x.size)
+    """Wind a roll with the stages of a reference build-up; other parameters as of :func:`wind`."""
+    layers, all_stages = Layers(equations, tension), range(1, reference.growth.x.size)
     return _wind_selected_stages(
-        layers, known, all_stages, STAGE_TOLERANCE * tolerance, cells, layer, report
+        layers, reference, all_stages, STAGE_TOLERANCE * tolerance, cells, layer, report
     )
 
 
-def wind_finite_layers(layers: Layers, known: BuildUp, *, cells: int, layer: float) -> Array:
+def wind_finite_layers(layers: Layers, reference: BuildUp, *, cells: int, layer: float) -> Array:
     """Return kappa with layers of finite thickness, at the stages of a build-up with thin ones.
 
     The difference is small and smooth.  It is computed at every second stage and at the kinks,
     usually with one Newton step, and interpolated.
     """
-    thin = known.growth
-    kinks = np.flatnonzero(thin.through == 2) - 1
-    which = np.union1d(np.arange(thin.x.size - 1, 0, -2), kinks[kinks > 0])
-    finite = _wind_selected_stages(layers, known, which, ONE_NEWTON_STEP, cells, layer, None).growth
+    thin = reference.growth
+    kinks = np.flatnonzero(thin.point_counts == 2) - 1
+    stage_numbers = np.union1d(np.arange(thin.x.size - 1, 0, -2), kinks[kinks > 0])
+    finite = _wind_selected_stages(
+        layers, reference, stage_numbers, ONE_NEWTON_STEP, cells, layer, None
+    ).growth
     return np.asarray(thin.kappa + np.interp(thin.x, finite.x, finite.kappa - thin(finite.x)))
 
 
 def _wind_selected_stages(
     layers: Layers,
-    known: BuildUp,
-    which: Iterable[int],
+    reference: BuildUp,
+    stage_numbers: Iterable[int],
     accepted_error: float,
     cells: int,
     layer: float,
     report: Callable[[float], None] | None,
 ) -> BuildUp:
-    """Solve the stages ``which`` of a known build-up, with its pressures as initial guesses."""
-    roll = _Roll(layers, exp(known.growth.x[0]), cells, layer, report)
-    stages, last = known.stages(), 0
-    for k in which:
-        if (known.growth.through[last + 1 : k + 1] == 2).any():  # a kink at the last stage
-            roll.growth.restart()
+    """Solve some stages of a reference build-up, with its pressures as initial guesses."""
+    roll = _Roll(layers, exp(reference.growth.x[0]), cells, layer, report)
+    stages, last = reference.stages(), 0
+    for k in stage_numbers:
+        if (reference.growth.point_counts[last + 1 : k + 1] == 2).any():  # a kink at the last stage
+            roll.growth.start_new_polynomial()
         stage, _ = roll.stage(stages[k - 1].x[-1], accepted_error, stages[k - 1])
         if stage is None:
             raise NotWoundError(_no_stage_beyond(stages[k - 1].x[-1]))
@@ -437,31 +456,34 @@ def _no_stage_beyond(x: float) -> str:
     )
 
 
-def _initial_guess(last: BuildUp | None, nodes: Array, T_c: float) -> tuple[Array, Array]:
+def _stretched_guess(last: BuildUp | None, nodes: Array, T_c: float) -> tuple[Array, Array]:
     """Return the initial guess: the previous stage, stretched linearly to the new surface."""
     if last is None:
         return T_c * (nodes[-1] - nodes), np.full_like(nodes, -T_c)
     t = (nodes - nodes[0]) / (nodes[-1] - nodes[0])
     stretched = nodes - (nodes[-1] - last.x[-1]) * t
-    return pressure_between(last.x, last.solved.P, last.solved.Q, stretched)
+    return interpolate_pressure(last.x, last.solved.P, last.solved.Q, stretched)
 
 
 def cell_source(tension: Tension, growth: Growth, nodes: Array) -> CellSource:
     """Return C = -r T' - T (2 + kappa) in every cell."""
 
     def source(x: Array, side: Array) -> Array:
+        """Return C; ``side`` is that of a kink."""
         r = np.exp(x)
         return -r * tension.slope(r, side) - tension.at(r) * (2 + growth(x))
 
-    return in_cells(nodes, source)
+    return evaluate_in_cells(nodes, source)
 
 
 def source_error(tension: Tension, growth: Growth, nodes: Array) -> CellSource:
     """Estimate the error of the source in every cell due to the interpolation of kappa."""
-    return in_cells(nodes, lambda x, _: -tension.at(np.exp(x)) * growth.interpolation_error(x))
+    return evaluate_in_cells(
+        nodes, lambda x, _: -tension.at(np.exp(x)) * growth.interpolation_error(x)
+    )
 
 
-def in_cells(nodes: Array, values: Callable[[Array, Array], Array]) -> CellSource:
+def evaluate_in_cells(nodes: Array, values: Callable[[Array, Array], Array]) -> CellSource:
     """Return values(x, side) at the left end, in the middle and at the right end of every cell."""
     x = np.concatenate([nodes[:-1], (nodes[1:] + nodes[:-1]) / 2, nodes[1:]])
     n = nodes.size - 1

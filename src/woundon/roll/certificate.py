@@ -8,7 +8,7 @@ import numpy as np
 
 from ..results import Residuals, largest
 from .build_up import cell_source
-from .finished import equations_of, final_changes, shifted
+from .finished import add_constant, equations_of, final_changes
 
 __all__ = ["certificate"]
 
@@ -30,7 +30,7 @@ def certificate(result: Any) -> Residuals:
     r, P, Q = result.radius, result.pressure, result.pressure_gradient
     x, T = np.log(r), curve.at(r)
     unit, (source_change, core_change) = float(T[0]), final_changes(problem)
-    source = shifted(cell_source(curve, result.kappa, x), source_change)
+    source = add_constant(cell_source(curve, result.kappa, x), source_change)
     residual, _ = equations_of(problem).residual(x, source, unit + core_change, P, Q)
     hoop = -(P + Q)
     strain = (hoop + nu * P) / E_t + problem.tangential_expansion * problem.temperature_change

@@ -28,8 +28,8 @@ from ..problems.roll import RollProblem
 from ..problems.schedules import Profile
 from ..problems.wound_roll import WoundRoll
 from ..quantities import find
-from .build_up import in_cells, nodes_between
-from .equations import StageSolution, pressure_between
+from .build_up import evaluate_in_cells, nodes_between
+from .equations import StageSolution, interpolate_pressure
 from .finished import equations_of
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ Array = np.ndarray
 CELLS = 160  # of each stage
 FIRST_RADII = 40  # radii of the tension before refinement
 MAX_RADII = 4000
-NUDGE = 1e-12  # of ln r
+ONE_SIDED = 1e-12  # of ln r
 INTERPOLATION_SHARE = 0.5  # of rtol: accepted interpolation error of the tension between radii
 
 
@@ -143,7 +143,7 @@ def design_tension(
         )
     (place,) = find(WoundRoll, "pressure")
     target = _TargetPressure(problem, _as_profile(problem, convert(pressure, place, Context())))
-    stages = _Stages(equations_of(problem), target)
+    stages = _TargetStages(equations_of(problem), target)
     x = _refined_radii(stages, rtol)
     WOT = np.array([stages.tension(s) for s in x]) * problem.web_thickness
     schedule = Profile(radius=_radii(problem, x).tolist(), value=WOT.tolist(), between="smooth")
@@ -202,7 +202,7 @@ class _TargetPressure:
         # monotone cubics with a continuous second derivative: C does not jump, T has no kinks
         cubics = PchipInterpolator(x, P)
         second = cubics.derivative(2)
-        inner, outer = second(np.append(x[0], x[1:] - NUDGE)), second(np.append(x[:-1], x[-1]))
+        inner, outer = second(np.append(x[0], x[1:] - ONE_SIDED)), second(np.append(x[:-1], x[-1]))
         smaller = np.where(np.abs(inner) < np.abs(outer), inner, outer)
         common = np.where(inner * outer > 0, smaller, 0.0)
         ends = np.stack([P, cubics.derivative()(x), common], axis=1)
@@ -233,8 +233,18 @@ class _TargetPressure:
         return np.asarray(self._curvature(x) + 2 * self.slope(x) + P - E_t * self.strain(P))
 
 
-class _Stages:
-    """The stages of a roll with a given source, solved on demand."""
+class _TargetStages:
+    """The stages of a roll with the source of a target pressure, solved on demand.
+
+    Attributes
+    ----------
+    T_c : float
+        T of the core condition, b P - r P' [Pa].
+    layer : float
+        Thickness of the layer below the surface in which the pressure rises, in ln r.
+    solved : dict
+        Nodes and solution of each solved stage by ln r of its surface.
+    """
 
     def __init__(self, equations: StageEquations, target: _TargetPressure) -> None:
         self.equations, self.target = equations, target
@@ -243,7 +253,7 @@ class _Stages:
         self.solved: dict[float, tuple[Array, StageSolution]] = {}
         law, E_t = target.problem.stack.radial, target.problem.stack.tangential
         E = float(law.modulus(0.0))
-        # as in :func:`.finished.layer_thickness`, with a tension that gives such a pressure
+        # as in finished.layer_thickness; T^2/(2 E_t) = W(P) <= F(P) P bounds the tension
         P = float(np.max(target.pressure(target.knots)))
         T = np.sqrt(2 * E_t * float(law.strain_at(P)) * P)
         self.layer = min(law.pressure_at_modulus(2 * E) / T, (E / E_t) ** 0.5, 0.3)
@@ -251,7 +261,7 @@ class _Stages:
     def tension(self, x: float) -> float:
         """Return the wound-on stress T of the layer at ln r = x [Pa]."""
         start = self.target.knots[0]
-        T = self.T_c if x <= start else -float(self._stage(x).Q[-1])
+        T = self.T_c if x <= start else -float(self._solve_stage(x).Q[-1])
         if T > 0:
             return T
         r, h = np.exp(x), self.target.problem.web_thickness
@@ -261,14 +271,14 @@ class _Stages:
             "raise the pressure there, or lower it at smaller radii",
         )
 
-    def _stage(self, x: float) -> StageSolution:
+    def _solve_stage(self, x: float) -> StageSolution:
         """Return the solved stage with the surface at ln r = x."""
         if x not in self.solved:
             knots = self.target.knots
-            more = knots[1:-1] if knots.size < CELLS else None
-            nodes = nodes_between(knots[0], x, CELLS, self.layer, more)
+            kinks = knots[1:-1] if knots.size < CELLS else None
+            nodes = nodes_between(knots[0], x, CELLS, self.layer, kinks)
             guess = self._guess(x, nodes)
-            source = in_cells(nodes, self.target.source)
+            source = evaluate_in_cells(nodes, self.target.source)
             solved = self.equations.solve(nodes, source, self.T_c, *guess)
             if solved is None:
                 raise NotConverged(f"no stage at the radius {np.exp(x):.6g} m has this pressure")
@@ -280,14 +290,14 @@ class _Stages:
         if not self.solved:
             T = self.T_c
             return T * (x - nodes), np.full_like(nodes, -T)
-        near = min(self.solved, key=lambda at: abs(at - x))
-        known_nodes, solved = self.solved[near]
-        share = (nodes - nodes[0]) / (x - nodes[0])
-        moved = nodes - (x - near) * share
-        return pressure_between(known_nodes, solved.P, solved.Q, moved)
+        nearest = min(self.solved, key=lambda surface: abs(surface - x))
+        other_nodes, solved = self.solved[nearest]
+        t = (nodes - nodes[0]) / (x - nodes[0])
+        stretched = nodes - (x - nearest) * t
+        return interpolate_pressure(other_nodes, solved.P, solved.Q, stretched)
 
 
-def _refined_radii(stages: _Stages, rtol: float) -> Array:
+def _refined_radii(stages: _TargetStages, rtol: float) -> Array:
     """Return ln r of the tension profile, refined until its interpolation error is accepted."""
     from scipy.interpolate import CubicSpline
 
@@ -297,14 +307,14 @@ def _refined_radii(stages: _Stages, rtol: float) -> Array:
     x = x[np.append(np.diff(x) > 1e-9, True)]
     x[0] = start
     T = np.array([stages.tension(s) for s in x.tolist()])
-    bad = np.ones(x.size - 1, dtype=bool)
-    while bad.any() and x.size < MAX_RADII:
-        curve, middle = CubicSpline(np.exp(x), T), (x[:-1][bad] + x[1:][bad]) / 2
-        more = np.array([stages.tension(s) for s in middle.tolist()])
-        off = np.abs(curve(np.exp(middle)) - more) > INTERPOLATION_SHARE * rtol * more
+    to_check = np.ones(x.size - 1, dtype=bool)
+    while to_check.any() and x.size < MAX_RADII:
+        curve, middle = CubicSpline(np.exp(x), T), (x[:-1][to_check] + x[1:][to_check]) / 2
+        T_middle = np.array([stages.tension(s) for s in middle.tolist()])
+        exceeds = np.abs(curve(np.exp(middle)) - T_middle) > INTERPOLATION_SHARE * rtol * T_middle
         # both halves of a cell with too large an error are checked again
         x, order = np.unique(np.concatenate([x, middle]), return_index=True)
-        T = np.concatenate([T, more])[order]
-        again = middle[off]
-        bad = np.isin(x[:-1], again) | np.isin(x[1:], again)
+        T = np.concatenate([T, T_middle])[order]
+        rejected = middle[exceeds]
+        to_check = np.isin(x[:-1], rejected) | np.isin(x[1:], rejected)
     return x

@@ -41,7 +41,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.linalg import lapack
 
-__all__ = ["CellSource", "StageEquations", "StageSolution", "pressure_between"]
+__all__ = ["CellSource", "StageEquations", "StageSolution", "interpolate_pressure"]
 
 Array = np.ndarray
 MAX_ITERATIONS = 60
@@ -94,11 +94,17 @@ class StageEquations:
         return np.asarray(self.tangential * self.strain(P) - P - 2 * Q)
 
     def residual(
-        self, x: Array, source: CellSource, tension: float, P: Array, Q: Array, top: float = 0.0
+        self,
+        x: Array,
+        source: CellSource,
+        tension: float,
+        P: Array,
+        Q: Array,
+        surface_pressure: float = 0.0,
     ) -> tuple[Array, Array]:
         """Return the residual of all equations, (2 n + 2,) [Pa], and P in mid-cell, (n,).
 
-        ``tension`` is T_c of the core condition, ``top`` the pressure P_s at the surface [Pa].
+        ``tension`` is T_c of the core condition, ``surface_pressure`` is P_s at the surface [Pa].
         """
         h = x[1:] - x[:-1]
         slope = self._slope_of_Q(P, Q)
@@ -107,7 +113,7 @@ class StageEquations:
         middle_Q = (Q[1:] + Q[:-1]) / 2 - h / 8 * (right - left)
         middle = self._slope_of_Q(middle_P, middle_Q) + source.middle
         out = np.empty(2 * x.size)
-        out[0], out[-1] = Q[0] - self.core * P[0] + tension, P[-1] - top
+        out[0], out[-1] = Q[0] - self.core * P[0] + tension, P[-1] - surface_pressure
         out[1:-1:2] = P[1:] - P[:-1] - h / 6 * (Q[:-1] + 4 * middle_Q + Q[1:])
         out[2:-1:2] = Q[1:] - Q[:-1] - h / 6 * (left + 4 * middle + right)
         return out, middle_P
@@ -131,7 +137,7 @@ class StageEquations:
         twelfth, third = h * h / 12, h / 3 * g_mid
         product = twelfth * g_mid
         band = np.zeros((3 * BAND + 1, 2 * (n + 1)), order="F")
-        diagonal = 2 * BAND  # entry (i, j) stands in row diagonal + i - j
+        diagonal = 2 * BAND  # entry (i, j) is in row diagonal + i - j
         for first, side, end in ((0, -1.0, g_node[:-1]), (2, 1.0, g_node[1:])):
             # the columns of P and Q at the left and at the right end of each cell
             for i, j, value in (
@@ -152,8 +158,8 @@ class StageEquations:
         tension: float,
         P: Array,
         Q: Array,
-        top: float,
-        *more: Array,
+        surface_pressure: float,
+        *right_hand_sides: Array,
     ) -> tuple[Array, Array] | None:
         """Solve the linearised equations for several right-hand sides; None if that fails.
 
@@ -165,15 +171,15 @@ class StageEquations:
         (n + 1,) array
             E_r at the nodes.
         """
-        residual, middle_P = self.residual(x, source, tension, P, Q, top)
+        residual, middle_P = self.residual(x, source, tension, P, Q, surface_pressure)
         E = self.modulus(np.concatenate([P, middle_P]))
         self.steps += 1
         factors, pivots, info = lapack.dgbtrf(self._matrix(x, E), BAND, BAND, overwrite_ab=1)
         if info != 0 or not np.isfinite(residual).all():
             return None
-        right = np.zeros((residual.size, 2 + len(more)), order="F")
+        right = np.zeros((residual.size, 2 + len(right_hand_sides)), order="F")
         right[:, 0], right[-1, 1] = residual, 1.0
-        for k, column in enumerate(more):
+        for k, column in enumerate(right_hand_sides):
             right[:, 2 + k] = column
         return lapack.dgbtrs(factors, BAND, BAND, right, pivots, overwrite_b=1)[0], E[: x.size]
 
@@ -212,13 +218,18 @@ class StageEquations:
         Q: Array,
         growth: float,
         accepted_error: float,
-        top: float = 0.0,
+        surface_pressure: float = 0.0,
     ) -> StageSolution | None:
         """Solve for pressure and kappa of a stage together; None if that does not converge.
 
         With g = E_t/E_r - 1, kappa(x) = D p/p satisfies the Riccati equation
         D kappa + kappa^2 + 2 kappa = g.  Hence a change dg(x) changes kappa at the surface by the
         integral of exp(2 (x - ln s)) p^2 dg, for p = 1 at s.
+
+        The unknowns (P, Q) and kappa are eliminated in turn.  For a change d of kappa the step of
+        (P, Q) is step + d by_kappa, and kappa must equal the D p of a further layer on it:
+
+            kappa + d = D p - kappa_by_P (step + d by_kappa).
 
         Parameters
         ----------
@@ -231,17 +242,19 @@ class StageEquations:
         accepted_error : float
             Accepted error of kappa, relative to kappa + 2.  Newton's method converges
             quadratically: the error after a step is about the square of the step.
-        top : float
+        surface_pressure : float
             P_s, the pressure at the surface [Pa].
         """
         residual_by_kappa = _source_residual(x, source_by_kappa)
         half = np.diff(x) / 2
         quadrature = np.exp(2 * (x - x[-1])) * (np.append(half, 0) + np.append(0, half))
         for _ in range(MAX_ITERATIONS):
-            solutions = self._solve_linearised(x, source, tension, P, Q, top, residual_by_kappa)
+            solutions = self._solve_linearised(
+                x, source, tension, P, Q, surface_pressure, residual_by_kappa
+            )
             if solutions is None:
                 return None
-            (step, layer, by_kappa), E = solutions[0].T, solutions[1]
+            (step, layer, by_kappa), E = solutions[0].T, solutions[1]  # P, Q -= step
             # some laws have an infinite slope at P = 0, where p has no effect
             E_slope = np.nan_to_num(self.modulus_slope(P), posinf=0.0)
             kappa_by_P = -quadrature * layer[::2] ** 2 * self.tangential * E_slope / E**2
@@ -260,7 +273,10 @@ class StageEquations:
     def linear_response(
         self, x: Array, P: Array, Q: Array, change: CellSource
     ) -> tuple[Array, Array]:
-        """Return the linear response of P and Q to a small change of the source [Pa]."""
+        """Return the linear response of P and Q to a small change of the source [Pa].
+
+        inf if the linearised equations are singular.
+        """
         middle = (P[1:] + P[:-1]) / 2 - np.diff(x) / 8 * np.diff(Q)
         band = self._matrix(x, self.modulus(np.concatenate([P, middle])))
         factors, pivots, info = lapack.dgbtrf(band, BAND, BAND, overwrite_ab=1)
@@ -280,11 +296,11 @@ def _source_residual(x: Array, source: CellSource) -> Array:
     return out
 
 
-def pressure_between(x: Array, P: Array, Q: Array, at: Array) -> tuple[Array, Array]:
+def interpolate_pressure(x: Array, P: Array, Q: Array, x_new: Array) -> tuple[Array, Array]:
     """Interpolate P and Q at any ln r by cubic Hermite polynomials (order four)."""
-    k = np.clip(np.searchsorted(x, at, side="right") - 1, 0, x.size - 2)
+    k = np.clip(np.searchsorted(x, x_new, side="right") - 1, 0, x.size - 2)
     h = x[k + 1] - x[k]
-    t = (at - x[k]) / h
-    rise, q0, q1 = (P[k + 1] - P[k]) / h, Q[k], Q[k + 1]
-    c2, c3 = 3 * rise - 2 * q0 - q1, q0 + q1 - 2 * rise
+    t = (x_new - x[k]) / h
+    chord, q0, q1 = (P[k + 1] - P[k]) / h, Q[k], Q[k + 1]
+    c2, c3 = 3 * chord - 2 * q0 - q1, q0 + q1 - 2 * chord
     return P[k] + h * t * (q0 + t * (c2 + t * c3)), q0 + t * (2 * c2 + 3 * t * c3)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from ..problems.roll import RollProblem
     from .growth import Growth
 
-__all__ = ["equations_of", "final_changes", "finished_arrays", "layer_thickness", "shifted"]
+__all__ = ["add_constant", "equations_of", "final_changes", "finished_arrays", "layer_thickness"]
 
 Array = np.ndarray
 
@@ -53,9 +53,9 @@ def final_changes(problem: RollProblem) -> tuple[float, float]:
     return source, core
 
 
-def shifted(source: CellSource, by: float) -> CellSource:
+def add_constant(source: CellSource, constant: float) -> CellSource:
     """Return a source with a constant added."""
-    return CellSource(*(part + by for part in source))
+    return CellSource(*(part + constant for part in source))
 
 
 def finished_arrays(
@@ -87,7 +87,7 @@ def finished_arrays(
     T = curve.at(r)
     r[0], r[-1] = problem.core.radius, problem.radius
     source_change, core_change = final_changes(problem)
-    source = shifted(cell_source(curve, growth, x), source_change)
+    source = add_constant(cell_source(curve, growth, x), source_change)
     final = equations.solve(x, source, float(T[0]) + core_change, solved.P, solved.Q)
     if final is None:
         raise NotConverged("no equilibrium after the change of temperature or core")
@@ -106,7 +106,7 @@ def finished_arrays(
         "pressure_gradient": Q,
         "stage_radius": np.exp(growth.x),
         "growth": growth.kappa,
-        "stage_order": growth.through,
+        "stage_order": growth.point_counts,
         "layer_growth": np.full_like(growth.kappa, np.nan),
         "surface_slope": float(-solved.Q[-1] / T[-1] - 1),
         "steps": equations.steps,

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..errors import NotConverged
 from .build_up import Layers
-from .finished import equations_of, final_changes, shifted
+from .finished import add_constant, equations_of, final_changes
 
 __all__ = ["finite_layer_effects", "finite_layer_stresses", "layers_of"]
 
@@ -30,7 +30,7 @@ def finite_layer_stresses(result: Any) -> tuple[Array, Array]:
     if np.isnan(result.layer_growth).any():
         return np.full(x.size, np.nan), np.full(x.size, np.nan)
     layers, (source_change, core_change) = layers_of(result), final_changes(result.problem)
-    source = shifted(layers.source(result.layer_kappa, x), source_change)
+    source = add_constant(layers.source(result.layer_kappa, x), source_change)
     T_c = layers.core_tension(x[0]) + core_change
     P, Q = result.pressure, result.pressure_gradient
     solved = layers.equations.solve(x, source, T_c, P, Q)

@@ -27,39 +27,40 @@ class Growth:
     ----------
     x, kappa : (J,) arrays
         The stages.
-    through : (J,) int array
+    point_counts : (J,) int array
         Number of stages that the polynomial ending at each stage interpolates.
     """
 
     def __init__(self, x: float, kappa: float) -> None:
         self.x, self.kappa = np.array([x]), np.array([kappa])
-        self.through = np.array([1])
+        self.point_counts = np.array([1])
         self.first = 0  # first stage of the next polynomials
-        self._pieces = np.zeros((ORDER + 1, 0))
+        self._coefficients = np.zeros((ORDER + 1, 0))
 
     @classmethod
-    def of(cls, x: Array, kappa: Array, through: Array) -> Growth:
+    def of(cls, x: Array, kappa: Array, point_counts: Array) -> Growth:
         """Create the function from stages; see the attributes."""
         growth = cls(float(x[0]), float(kappa[0]))
-        growth.x, growth.kappa, growth.through = x, kappa, through
-        growth.first = x.size - int(through[-1])
-        growth._pieces = np.zeros((ORDER + 1, x.size - 1))
+        growth.x, growth.kappa, growth.point_counts = x, kappa, point_counts
+        growth.first = x.size - int(point_counts[-1])
+        growth._coefficients = np.zeros((ORDER + 1, x.size - 1))
         for k in range(1, x.size):
-            stages = slice(k + 1 - int(through[k]), k + 1)
-            piece = _newton_polynomial(x[stages] - x[k - 1], kappa[stages])
-            growth._pieces[: len(piece), k - 1] = piece
+            stages = slice(k + 1 - int(point_counts[k]), k + 1)
+            coefficients = _newton_polynomial(x[stages] - x[k - 1], kappa[stages])
+            growth._coefficients[: len(coefficients), k - 1] = coefficients
         return growth
 
-    def until(self, x: float) -> Growth:
+    def truncate(self, x: float) -> Growth:
         """Return the same function up to x, with a last stage there."""
         n = int(np.searchsorted(self.x, x - 1e-12))
-        part = Growth.__new__(Growth)
-        part.x, part.kappa = self.x[:n], self.kappa[:n]
-        part.through, part._pieces = self.through[:n], self._pieces[:, : n - 1]
-        part.first = n + 1 - int(self.through[n])
-        return part.with_stage(x, float(self(np.array([x]))[0]))
+        truncated = Growth.__new__(Growth)
+        truncated.x, truncated.kappa = self.x[:n], self.kappa[:n]
+        truncated.point_counts = self.point_counts[:n]
+        truncated._coefficients = self._coefficients[:, : n - 1]
+        truncated.first = n + 1 - int(self.point_counts[n])
+        return truncated.with_stage(x, float(self(np.array([x]))[0]))
 
-    def restart(self) -> None:
+    def start_new_polynomial(self) -> None:
         """Start the next polynomials at the last stage, where the tension has a kink."""
         self.first = self.x.size - 1
 
@@ -81,15 +82,15 @@ class Growth:
 
     def with_stage(self, x: float, kappa: float) -> Growth:
         """Return a copy with one more stage."""
-        copy, start = Growth.__new__(Growth), self._last_stages().start
-        copy.x, copy.kappa = np.append(self.x, x), np.append(self.kappa, kappa)
-        copy.first = self.first
-        copy.through = np.append(self.through, copy.x.size - start)
-        c = np.zeros((ORDER + 1, 1))
-        piece = _newton_polynomial(copy.x[start:] - self.x[-1], copy.kappa[start:])
-        c[: len(piece), 0] = piece
-        copy._pieces = np.hstack([self._pieces, c])
-        return copy
+        extended, start = Growth.__new__(Growth), self._last_stages().start
+        extended.x, extended.kappa = np.append(self.x, x), np.append(self.kappa, kappa)
+        extended.first = self.first
+        extended.point_counts = np.append(self.point_counts, extended.x.size - start)
+        column = np.zeros((ORDER + 1, 1))
+        coefficients = _newton_polynomial(extended.x[start:] - self.x[-1], extended.kappa[start:])
+        column[: len(coefficients), 0] = coefficients
+        extended._coefficients = np.hstack([self._coefficients, column])
+        return extended
 
     def interpolation_error(self, x: Array) -> Array:
         """Estimate the interpolation error of kappa at x by polynomials of one degree more.
@@ -98,19 +99,21 @@ class Growth:
         """
         errors, interval = np.zeros(x.size), np.searchsorted(self.x, x, side="left")
         for j in range(1, self.x.size):
-            inside, start = interval == j, j + 1 - int(self.through[j])
-            additional = self._stage_after(j) or start - 1
-            if additional < 0 or not inside.any():
+            in_interval, start = interval == j, j + 1 - int(self.point_counts[j])
+            extra_stage = self._stage_after(j) or start - 1
+            if extra_stage < 0 or not in_interval.any():
                 continue
-            stages = [*range(start, j + 1), additional]
-            highest = _newton_polynomial(self.x[stages] - self.x[j], self.kappa[stages])[-1]
-            errors[inside] = highest * np.prod(x[inside, None] - self.x[stages[:-1]], axis=1)
+            stages = [*range(start, j + 1), extra_stage]
+            leading = _newton_polynomial(self.x[stages] - self.x[j], self.kappa[stages])[-1]
+            errors[in_interval] = leading * np.prod(
+                x[in_interval, None] - self.x[stages[:-1]], axis=1
+            )
         return errors
 
     def _stage_after(self, j: int) -> int:
         """Return a later stage before the next kink, not too close to stage j; 0 if none."""
         for k in range(j + 1, self.x.size):
-            if self.through[k] == 2:
+            if self.point_counts[k] == 2:
                 return 0
             if self.x[k] - self.x[j] > SMALLEST_SPACING * (self.x[j] - self.x[j - 1]):
                 return k
@@ -118,10 +121,10 @@ class Growth:
 
     def __call__(self, x: Array) -> Array:
         """Return kappa at any x."""
-        if not self._pieces.shape[1]:
+        if not self._coefficients.shape[1]:
             return np.full(np.shape(x), self.kappa[0])
-        k = np.clip(np.searchsorted(self.x, x, side="left") - 1, 0, self._pieces.shape[1] - 1)
-        t, c = x - self.x[k], self._pieces[:, k]
+        k = np.clip(np.searchsorted(self.x, x, side="left") - 1, 0, self._coefficients.shape[1] - 1)
+        t, c = x - self.x[k], self._coefficients[:, k]
         return np.asarray(c[0] + t * (c[1] + t * (c[2] + t * c[3])))
 
 

@@ -31,7 +31,7 @@ from .build_up import (
     wind_with_stages,
 )
 from .certificate import certificate
-from .equations import pressure_between
+from .equations import interpolate_pressure
 from .finished import equations_of, finished_arrays, layer_thickness
 from .finite_layers import finite_layer_effects, layers_of
 from .result import RollResult
@@ -161,9 +161,9 @@ def solve_thin_layers(
         build_up, result = _wind(problem, tolerance, cells, build_up, report)
         steps += result.steps
         _check_layers_in_contact(result, COARSE)
-        unit = max(result.peak_pressure, 1e-300)
+        peak = max(result.peak_pressure, 1e-300)
         stage_errors = _stage_errors(result)
-        excess = stage_errors["peak_pressure"] / unit / (STAGE_ERROR_SHARE * rtol)
+        excess = stage_errors["peak_pressure"] / peak / (STAGE_ERROR_SHARE * rtol)
         if excess > 1 and tolerance > smallest_tolerance:
             tolerance *= max(TOLERANCE_FACTOR**2, TOLERANCE_FACTOR**0.5 / excess)
             build_up = coarse = None
@@ -171,7 +171,7 @@ def solve_thin_layers(
         if coarse is not None:
             node_errors = _node_errors(coarse, result)
             errors = {name: node_errors[name] + stage_errors[name] for name in node_errors}
-            error = errors["peak_pressure"] / unit
+            error = errors["peak_pressure"] / peak
             if error <= rtol:
                 result = _check_stack_law(result.replace(steps=steps, errors=errors), build_up)
                 return ThinLayerRoll(result, build_up, cells)
@@ -197,7 +197,7 @@ def _wind(
     problem: RollProblem,
     tolerance: float,
     cells: int,
-    known: BuildUp | None,
+    reference: BuildUp | None,
     report: Report | None,
 ) -> tuple[BuildUp, RollResult]:
     """Wind a roll with adaptive stages, or with those of a known build-up, and finish it."""
@@ -205,10 +205,10 @@ def _wind(
     radii, layer = (problem.core.radius, problem.radius), layer_thickness(problem)
     options: Any = {"tolerance": tolerance, "cells": cells, "layer": layer, "report": report}
     try:
-        if known is None:
+        if reference is None:
             build_up = wind(equations, curve, *radii, **options)
         else:
-            build_up = wind_with_stages(equations, curve, known, **options)
+            build_up = wind_with_stages(equations, curve, reference, **options)
     except NotWoundError as stop:
         raise NotConverged(str(stop)) from None
     arrays = finished_arrays(problem, build_up.x, build_up.growth, build_up.solved)
@@ -233,7 +233,7 @@ def _node_errors(coarse: RollResult, fine: RollResult) -> dict[str, float]:
     """Estimate the errors due to the nodes from the change by refinement [Pa]."""
     x = _error_points(fine)
     (P0, Q0), (P1, Q1) = (
-        pressure_between(np.log(r.radius), r.pressure, r.pressure_gradient, x)
+        interpolate_pressure(np.log(r.radius), r.pressure, r.pressure_gradient, x)
         for r in (coarse, fine)
     )
     P, hoop = np.abs(P1 - P0), np.abs(P1 + Q1 - P0 - Q0)

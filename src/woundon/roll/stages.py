@@ -14,7 +14,7 @@ from ..problems.messages import quote
 from ..problems.roll import FEWEST_LAYERS, RollProblem
 from ..problems.schedules import Profile, Taper
 from .build_up import cell_source, kinks_of, nodes_between
-from .equations import StageSolution, pressure_between
+from .equations import StageSolution, interpolate_pressure
 from .finished import equations_of, finished_arrays, layer_thickness
 from .growth import Growth
 
@@ -42,14 +42,14 @@ class Stage(NamedTuple):
 
     def pressure_at(self, r: Array) -> Array:
         """Return P at radii [Pa]."""
-        return pressure_between(np.log(self.radius), self.pressure, self.gradient, np.log(r))[0]
+        return interpolate_pressure(np.log(self.radius), self.pressure, self.gradient, np.log(r))[0]
 
 
 def stresses_between(result: Any, radius: Any) -> dict[str, Any]:
     """Return pressure and hoop stress at radii [m]; see :meth:`RollResult.at_radius`."""
-    r = _checked(result, radius)
+    r = _radii_on_roll(result, radius)
     x = np.log(result.radius)
-    P, Q = pressure_between(x, result.pressure, result.pressure_gradient, np.log(r))
+    P, Q = interpolate_pressure(x, result.pressure, result.pressure_gradient, np.log(r))
     return {"pressure": P[()], "hoop_stress": (-(P + Q))[()]}
 
 
@@ -67,7 +67,7 @@ def stage_arrays(result: Any, radius: float) -> dict[str, Any]:
     InvalidProblem
         For a radius outside the roll, or of fewer than ten layers.
     """
-    r = _checked(result, radius)
+    r = _radii_on_roll(result, radius)
     if r.ndim:
         raise InvalidProblem.at("radius", f"{r.size} values; must be one radius [m]")
     surface, problem = float(r), result.problem
@@ -75,9 +75,9 @@ def stage_arrays(result: Any, radius: float) -> dict[str, Any]:
     if surface < smallest:
         text = f"{quote(surface)} is out of range; must be >= {smallest:.6g} [m]"
         raise InvalidProblem.at("radius", f"{text}, {FEWEST_LAYERS} layers")
-    stage, nodes, growth, solved = _solved_stage(result, surface, result.radius.size - 1)
+    stage, nodes, growth, solved = _solve_stage(result, surface, result.radius.size - 1)
     arrays = finished_arrays(stage, nodes, growth, solved)
-    layer_growth = result.layer_kappa.until(growth.x[-1]).kappa
+    layer_growth = result.layer_kappa.truncate(growth.x[-1]).kappa
     return {**arrays, "problem": stage, "layer_growth": layer_growth}
 
 
@@ -96,13 +96,13 @@ def stage_at(result: Any, radius: float) -> Stage:
         return Stage(result.radius, result.pressure, result.pressure_gradient, tension)
     # kinks are additional nodes
     cells = max(result.radius.size - 1 - result.problem.tension_curve.kinks.size, FEWEST_CELLS)
-    _, nodes, _, solved = _solved_stage(result, radius, cells)
+    _, nodes, _, solved = _solve_stage(result, radius, cells)
     r = np.exp(nodes)
     r[0], r[-1] = result.problem.core.radius, radius
     return Stage(r, solved.P, solved.Q, tension)
 
 
-def _checked(result: Any, radius: Any) -> Array:
+def _radii_on_roll(result: Any, radius: Any) -> Array:
     """Return radii on the roll [m].
 
     Raises
@@ -125,12 +125,12 @@ def _checked(result: Any, radius: Any) -> Array:
     return np.clip(r, core, surface)
 
 
-def _solved_stage(
+def _solve_stage(
     result: Any, surface: float, cells: int
 ) -> tuple[RollProblem, Array, Growth, StageSolution]:
     """Return problem, nodes, growth and pressure of a stage."""
     problem, core, x = result.problem, result.problem.core.radius, float(np.log(surface))
-    growth = result.kappa.until(x)
+    growth = result.kappa.truncate(x)
     stage = problem.replace(
         radius=surface,
         wound_on_tension=_schedule_until(problem, surface),

@@ -66,7 +66,7 @@ def constant_moduli(problem: RollProblem, radius: ArrayLike) -> RollStresses:
     g, b = float(np.sqrt(E_t / stack.radial.modulus(0.0))), equations_of(problem).core
     A = (g - 1 - b) / (g + 1 + b)
 
-    def shape(x: Array) -> tuple[Array, Array]:
+    def homogeneous_solution(x: Array) -> tuple[Array, Array]:
         """Return F and r F' over x = ln(r/rc), scaled by exp((1 - g) x) to prevent overflow."""
         small = A * np.exp(-2 * g * x)
         return 1 + small, (g - 1) - (g + 1) * small
@@ -81,9 +81,11 @@ def constant_moduli(problem: RollProblem, radius: ArrayLike) -> RollStresses:
         ends = np.concatenate([[x], grid[grid > x]])
         half = np.diff(ends)[:, None] / 2
         y = ends[:-1, None] + half * (1 + points)
-        integrand = curve.at(core * np.exp(y)) * np.exp(-(g - 1) * (y - x)) / shape(y)[0]
+        integrand = (
+            curve.at(core * np.exp(y)) * np.exp(-(g - 1) * (y - x)) / homogeneous_solution(y)[0]
+        )
         integral[k] = float(np.sum(half * weights * integrand)) if ends.size > 1 else 0.0
-    F, slope = shape(np.log(r / core))
+    F, slope = homogeneous_solution(np.log(r / core))
     P_changes, Q_changes = _final_changes(problem, g, b, r)
     hoop = curve.at(r) - (F + slope) * integral - P_changes - Q_changes
     return RollStresses(r, F * integral + P_changes, hoop)
@@ -104,13 +106,13 @@ def _final_changes(problem: RollProblem, g: float, b: float, r: Array) -> tuple[
         return np.full(r.shape, source / (1 - g**2)), np.zeros(r.shape)
 
     (P_core, P_surface), (Q_core, _) = particular(np.array([core, R]))
-    grows, decays = g - 1, -g - 1  # exponents of the homogeneous solutions
+    growing, decaying = g - 1, -g - 1  # exponents of the homogeneous solutions
     # (r/R)^grows and (r/core)^decays are at most 1
-    matrix = [[(grows - b) * (core / R) ** grows, decays - b], [1.0, (R / core) ** decays]]
+    matrix = [[(growing - b) * (core / R) ** growing, decaying - b], [1.0, (R / core) ** decaying]]
     c = np.linalg.solve(matrix, [-core_tension - Q_core + b * P_core, -P_surface])
-    up, down = c[0] * (r / R) ** grows, c[1] * (r / core) ** decays
+    growing_part, decaying_part = c[0] * (r / R) ** growing, c[1] * (r / core) ** decaying
     P, Q = particular(r)
-    return P + up + down, Q + grows * up + decays * down
+    return P + growing_part + decaying_part, Q + growing * growing_part + decaying * decaying_part
 
 
 def plateau_pressure(stack: Stack, tension: float) -> float:
