@@ -23,10 +23,10 @@ import numpy as np
 
 from ..problems.roll import FEWEST_LAYERS
 from ..problems.winding import LOADS, WindingProblem
-from .interpolation import FEWEST, Piece
+from .interpolation import MIN_POINTS, Piece
 
 __all__ = [
-    "MOST_PIECES",
+    "MAX_PIECES",
     "NOMINAL",
     "TensionCurve",
     "polyline_radii",
@@ -38,18 +38,18 @@ Array = np.ndarray
 
 NEAR_CORE = 0.05  # depth of the piece on the core, relative to the core radius
 AIR_FACTOR = 2.0  # largest thickness of ten layers with air, relative to the web alone
-FEWEST_NEAR_CORE = 4  # initial number of places of the piece on the core
+MIN_PLACES_NEAR_CORE = 4  # initial number of places of the piece on the core
 CORE_ERROR_FACTOR = 5  # accepted error of the piece on the core, in multiples of rtol
 MIN_DEPTH = 1.5  # minimum depth of the piece on the core, in multiples of ten layers
 # distance in x for the curvature at the first place, and step of the difference quotients
 CURVATURE_DISTANCE, STEP = 0.5, 1e-4
 MIN_TENSION = 0.2  # minimum tension of the first layers, relative to the tenth layer
 SHARP = 0.1  # strength of a kink, r |d slope|/value, above which the curve is split there
-MOST_PIECES = 6  # in addition to that on the core
+MAX_PIECES = 6  # in addition to that on the core
 SAMPLING_RADII = 200  # radii from which the radii of the curve are chosen
-STRAIGHT = 0.3  # accepted error of linear interpolation, relative to rtol
+LINEAR_SHARE = 0.3  # accepted error of linear interpolation, relative to rtol
 # number of intervals between core and surface times rtol^0.5, and factor of its increase
-LINES, FINER = 2.0, 1.25
+INTERVALS, INTERVAL_GROWTH = 2.0, 1.25
 NOMINAL = 0.6  # initial guess of the share
 
 
@@ -66,31 +66,35 @@ class TensionCurve:
     ----------
     pieces : list of Piece
         From the tenth layer to the surface; nips are solved at their places.
-    allowed : list of float
+    accepted_errors : list of float
         Accepted error of each piece, relative to the tension.
-    lines : int
+    interval_count : int
         Number of intervals, uniform in x, of the reported tension.
     """
 
     def __init__(self, problem: WindingProblem, rtol: float) -> None:
         self.problem, self.rtol = problem, rtol
-        self.lines = ceil(LINES / rtol**0.5)
+        self.interval_count = ceil(INTERVALS / rtol**0.5)
         core, R = problem.ends
         factor = AIR_FACTOR if problem.air is not None and problem.web_speed else 1 + 1e-9
-        self.least = FEWEST_LAYERS * problem.web.thickness * factor
-        inner = min(max(self.least, NEAR_CORE * core), max(self.least, 0.25 * (R - core)))
-        sharp = {r: bend for r, bend in sharp_kinks(problem).items() if core + inner < r < R}
-        cuts = sorted(sorted(sharp, key=sharp.__getitem__)[-MOST_PIECES + 1 :])
-        ends = [float(np.log(r - core)) for r in (core + inner, *cuts, R)]
-        self.pieces = [Piece(a, b, FEWEST) for a, b in pairwise(ends)]
-        if inner > MIN_DEPTH * self.least:
-            start = float(np.log(self.least))
-            self.pieces.insert(0, Piece(start, ends[0], FEWEST_NEAR_CORE))
+        self.min_depth = FEWEST_LAYERS * problem.web.thickness * factor
+        core_depth = min(
+            max(self.min_depth, NEAR_CORE * core), max(self.min_depth, 0.25 * (R - core))
+        )
+        # the curve is split at its sharpest kinks above the piece on the core
+        all_kinks = sharp_kinks(problem)
+        kinks = {r: all_kinks[r] for r in all_kinks if core + core_depth < r < R}
+        cuts = sorted(sorted(kinks, key=kinks.__getitem__)[-MAX_PIECES + 1 :])
+        ends = [float(np.log(r - core)) for r in (core + core_depth, *cuts, R)]
+        self.pieces = [Piece(a, b, MIN_POINTS) for a, b in pairwise(ends)]
+        if core_depth > MIN_DEPTH * self.min_depth:
+            start = float(np.log(self.min_depth))
+            self.pieces.insert(0, Piece(start, ends[0], MIN_PLACES_NEAR_CORE))
         self.on_core = len(self.pieces) >= len(ends)  # True if the first piece is on the core
         # the rest of rtol is for linear interpolation between the reported radii
-        self.allowed = [(1 - STRAIGHT) * rtol] * len(self.pieces)
+        self.accepted_errors = [(1 - LINEAR_SHARE) * rtol] * len(self.pieces)
         if self.on_core:
-            self.allowed[0] *= CORE_ERROR_FACTOR
+            self.accepted_errors[0] *= CORE_ERROR_FACTOR
 
     @property
     def places(self) -> list[float]:
@@ -103,7 +107,7 @@ class TensionCurve:
         return R if place == self.pieces[-1].end else core + float(np.exp(place))
 
     def shares(self, values: Mapping[float, float], r: Array, *, curved: bool = False) -> Array:
-        """Interpolate y at radii, from values at the places.
+        """Interpolate y at radii, from ``values``, which map each place to its y.
 
         Below ten layers y is extrapolated linearly in x, or with its curvature if ``curved``, and
         is constant below one layer.  It is limited to the value of the winding force alone, because
@@ -114,52 +118,59 @@ class TensionCurve:
         for piece in self.pieces:
             outside = x >= piece.start - 1e-12
             out[outside] = piece.at(np.clip(x[outside], piece.start, piece.end), values)
-        first = self.pieces[0]
-        below = x < first.start
-        dx = x[below] - first.start
+        first_piece = self.pieces[0]
+        below = x < first_piece.start
+        dx = x[below] - first_piece.start
         slope = self._slope(values, 0.0)
-        out[below] = values[first.start] + slope * dx
+        out[below] = values[first_piece.start] + slope * dx
         if curved:
             curvature = (self._slope(values, CURVATURE_DISTANCE) - slope) / CURVATURE_DISTANCE
             out[below] += curvature * dx**2 / 2
-        force_share = float(self._by_force(np.array(self.radius(first.start))))
-        limit = np.maximum if values[first.start] > force_share else np.minimum
-        out[below] = limit(out[below], self._by_force(r[below]))
+        force_share = float(self._share_of_winding_force(np.array(self.radius(first_piece.start))))
+        limit = np.maximum if values[first_piece.start] > force_share else np.minimum
+        out[below] = limit(out[below], self._share_of_winding_force(r[below]))
         return out
 
-    def _by_force(self, r: Array) -> Array:
-        """Return y at radii for a nip-induced tension equal to the winding force."""
-        at = self.problem.at
-        return np.asarray(at("winding_force", r) / (self.problem.roll_friction * at("nip_load", r)))
+    def _share_of_winding_force(self, r: Array) -> Array:
+        """Return y = F/(mu+ P) at radii: that of a nip-induced tension equal to the force F."""
+        schedule = self.problem.at
+        return np.asarray(
+            schedule("winding_force", r) / (self.problem.roll_friction * schedule("nip_load", r))
+        )
 
     def _slope(self, values: Mapping[float, float], distance: float) -> float:
         """Return dy/dx at a distance in x above the first place, by a difference quotient."""
-        first = self.pieces[0]
-        x = first.start + min(distance, first.end - first.start)
-        y, y_step = first.at(np.array([x, x + STEP]), values)
-        return float(y_step - y) / STEP
+        first_piece = self.pieces[0]
+        x = first_piece.start + min(distance, first_piece.end - first_piece.start)
+        y, y_next = first_piece.at(np.array([x, x + STEP]), values)
+        return float(y_next - y) / STEP
 
     def tension(self, values: Mapping[float, float], r: Array, *, curved: bool = False) -> Array:
         """Return WOT at radii [N/m], from shares at the places; see :meth:`shares`.
 
         A lower limit keeps the extrapolated tension of the first layers positive.
         """
-        WOT, first = self.wound_on(self.shares(values, r, curved=curved), r), self.pieces[0].start
-        r_first = np.array(self.radius(first))
-        WOT_first = float(self.wound_on(np.array(values[first]), r_first))
+        WOT, first_place = (
+            self.wound_on(self.shares(values, r, curved=curved), r),
+            self.pieces[0].start,
+        )
+        r_first = np.array(self.radius(first_place))
+        WOT_first = float(self.wound_on(np.array(values[first_place]), r_first))
         limit = min(WOT_first, MIN_TENSION * WOT_first)
         return np.where(r < r_first, np.maximum(WOT, limit), WOT)
 
     def wound_on(self, shares: Array, r: Array) -> Array:
-        """Convert shares at radii to WOT [N/m]."""
-        at = self.problem.at
-        return at("web_tension", r) + shares * self.problem.roll_friction * at("nip_load", r)
+        """Convert shares y at radii to WOT = T_in + y mu+ P [N/m]."""
+        schedule = self.problem.at
+        return schedule("web_tension", r) + shares * self.problem.roll_friction * schedule(
+            "nip_load", r
+        )
 
     def share(self, tension: float, r: float) -> float:
-        """Convert the tension at a radius to y."""
-        at = self.problem.at
-        NIT = tension - float(at("web_tension", r))
-        return NIT / (self.problem.roll_friction * float(at("nip_load", r)))
+        """Convert the tension WOT at a radius to y = (WOT - T_in)/(mu+ P)."""
+        schedule = self.problem.at
+        NIT = tension - float(schedule("web_tension", r))
+        return NIT / (self.problem.roll_friction * float(schedule("nip_load", r)))
 
     def knots(self) -> Array:
         """Return the radii at which the tension is reported, linear in between.
@@ -170,22 +181,22 @@ class TensionCurve:
         core, R = self.problem.ends
         r = sampling_radii(self.problem)
         nominal = self.wound_on(np.full(r.size, NOMINAL), r)
-        first = core + self.problem.web.thickness  # where the share begins to change
+        first_radius = core + self.problem.web.thickness  # where the share begins to change
         places = [self.radius(place) for place in self.places]
-        needed = polyline_radii(self.problem, r, nominal, self.rtol, [*places, first])
-        x = np.linspace(np.log(first - core), np.log(R - core), self.lines + 1)
-        near = np.abs(x[:, None] - np.log(needed[1:] - core)).min(axis=1) < (x[1] - x[0]) / 2
-        return np.union1d(needed, core + np.exp(x[~near]))
+        needed = polyline_radii(self.problem, r, nominal, self.rtol, [*places, first_radius])
+        x = np.linspace(np.log(first_radius - core), np.log(R - core), self.interval_count + 1)
+        is_near = np.abs(x[:, None] - np.log(needed[1:] - core)).min(axis=1) < (x[1] - x[0]) / 2
+        return np.union1d(needed, core + np.exp(x[~is_near]))
 
     def refine_radii(self, values: Mapping[float, float]) -> bool:
         """Add radii until linear interpolation is accurate; return True if any were added."""
-        before = self.lines
+        before = self.interval_count
         while True:
             r = self.knots()
             error, on_core = self._polyline_errors(values, r, self.tension(values, r))
-            if max(error, on_core / CORE_ERROR_FACTOR) <= STRAIGHT * self.rtol:
-                return self.lines > before
-            self.lines = ceil(FINER * self.lines)
+            if max(error, on_core / CORE_ERROR_FACTOR) <= LINEAR_SHARE * self.rtol:
+                return self.interval_count > before
+            self.interval_count = ceil(INTERVAL_GROWTH * self.interval_count)
 
     def _polyline_errors(
         self, values: Mapping[float, float], r: Array, tension: Array
@@ -196,8 +207,8 @@ class TensionCurve:
         """
         fine = sampling_radii(self.problem)
         error = np.abs(np.interp(fine, r, tension) / self.tension(values, fine) - 1)
-        first, outer = (self.radius(self.pieces[k].start) for k in (0, int(self.on_core)))
-        on_core = error[(fine >= first) & (fine < outer)]
+        first_radius, outer = (self.radius(self.pieces[k].start) for k in (0, int(self.on_core)))
+        on_core = error[(fine >= first_radius) & (fine < outer)]
         return float(np.max(error[fine >= outer])), float(np.max(on_core, initial=0.0))
 
     # ---- error estimates ------------------------------------------------------------------------
@@ -242,24 +253,24 @@ class TensionCurve:
         relative error of the share is at most half of it, because NIT varies as a power of the
         load between 1/2 and 1.
         """
-        at = self.problem.at
-        loads = {place: float(at("nip_load", self.radius(place))) for place in self.places}
-        error = np.abs(self.shares(loads, r) / at("nip_load", r) - 1) / 2
-        added = np.abs(tension - at("web_tension", r)) / tension
+        schedule = self.problem.at
+        loads = {place: float(schedule("nip_load", self.radius(place))) for place in self.places}
+        error = np.abs(self.shares(loads, r) / schedule("nip_load", r) - 1) / 2
+        added = np.abs(tension - schedule("web_tension", r)) / tension
         return float(np.max((error * added)[r >= self.radius(self.pieces[0].start)]))
 
 
 def sharp_kinks(problem: WindingProblem) -> dict[float, float]:
     """Return the radii of sharp kinks of the schedules [m], with the strength of each kink."""
-    return {r: bend for r, bend in problem.kinks.items() if bend > SHARP}
+    return {r: strength for r, strength in problem.kinks.items() if strength > SHARP}
 
 
 def sampling_radii(problem: WindingProblem) -> Array:
     """Return a fine set of radii, dense near the core, for choosing the reported ones [m]."""
     core, R = problem.ends
     layer = problem.web.thickness
-    deep = core + np.exp(np.linspace(np.log(layer), np.log(R - core), SAMPLING_RADII))
-    r = np.union1d(deep[:-1], problem.radii(SAMPLING_RADII))
+    near_core_radii = core + np.exp(np.linspace(np.log(layer), np.log(R - core), SAMPLING_RADII))
+    r = np.union1d(near_core_radii[:-1], problem.radii(SAMPLING_RADII))
     r = r[np.append(True, np.diff(r) > 1e-9 * R)]
     r[-1] = R
     return np.asarray(r)
@@ -280,7 +291,7 @@ def polyline_radii(
         Further radii, which the returned ones include [m].
     """
     curves = [tension, *(problem.at(name, r) for name in LOADS)]
-    selected = [_polyline_points(r, y, STRAIGHT * rtol * np.max(np.abs(y))) for y in curves]
+    selected = [_polyline_points(r, y, LINEAR_SHARE * rtol * np.max(np.abs(y))) for y in curves]
     chosen, R = r[np.any(selected, axis=0)], problem.radius
     is_new = np.abs(chosen[:, None] - np.array([*included, -R])).min(axis=1) > 1e-9 * R
     return np.union1d(chosen[is_new], list(included))
@@ -292,11 +303,13 @@ def _polyline_points(r: Array, values: Array, tolerance: float) -> Array:
     selected[[0, -1]] = True
     intervals = [(0, r.size - 1)]
     while intervals:
-        a, b = intervals.pop()
-        line = values[a] + (values[b] - values[a]) * (r[a : b + 1] - r[a]) / (r[b] - r[a])
-        error = np.abs(values[a : b + 1] - line)
-        k = a + int(np.argmax(error))
-        if error[k - a] > tolerance:
+        start, end = intervals.pop()
+        line = values[start] + (values[end] - values[start]) * (r[start : end + 1] - r[start]) / (
+            r[end] - r[start]
+        )
+        error = np.abs(values[start : end + 1] - line)
+        k = start + int(np.argmax(error))
+        if error[k - start] > tolerance:
             selected[k] = True
-            intervals += [(a, k), (k, b)]
+            intervals += [(start, k), (k, end)]
     return selected

@@ -16,8 +16,8 @@ import numpy as np
 __all__ = ["Piece", "leja"]
 
 Array = np.ndarray
-FINE = 4001
-FEWEST = 7  # points of a piece
+GRID = 4001
+MIN_POINTS = 7  # points of a piece
 TESTS = 2  # number of last points that give the error estimate
 UNTESTED = 3  # first points, for which a polynomial of low order gives no estimate
 
@@ -25,7 +25,7 @@ UNTESTED = 3  # first points, for which a polynomial of low order gives no estim
 @cache
 def leja(count: int) -> tuple[float, ...]:
     """Return the Leja points on [0, 1]; the first two are the ends."""
-    x = np.linspace(0, 1, FINE)
+    x = np.linspace(0, 1, GRID)
     chosen = [0.0, 1.0]
     product = np.abs(x * (x - 1))
     while len(chosen) < count:
@@ -45,7 +45,7 @@ class Piece:
         Initial number of points.
     """
 
-    def __init__(self, start: float, end: float, count: int = FEWEST) -> None:
+    def __init__(self, start: float, end: float, count: int = MIN_POINTS) -> None:
         self.start, self.end = start, end
         self.places = [start, end, *(start + t * (end - start) for t in leja(count)[2:])]
 

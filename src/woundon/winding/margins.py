@@ -252,6 +252,7 @@ class Margins(Presented, tuple[Margin, ...]):
         return self._reserve("gauge_band")
 
     def _reserve(self, name: str) -> float:
+        """Return the reserve of a margin."""
         return float(self[name].reserve)
 
     def __getitem__(self, key: Any) -> Any:
@@ -309,18 +310,21 @@ class WindingTorque:
         """Return the quantities of a winding; a roll alone is taken as centre-wound."""
         if not isinstance(result, RollResult):
             # moment balance of the roll about its axis: core torque / r = T_in + F
-            r, core = result.radius, result.web_tension + result.winding_force
+            r, core_tension = result.radius, result.web_tension + result.winding_force
             problem = result.problem
             if problem.air is None:
-                return cls(problem.roll_friction, r, core, result.web_tension)
+                return cls(problem.roll_friction, r, core_tension, result.web_tension)
             ratio = partial(_friction_ratio, result.air_film, air=problem.air)
-            return cls(problem.roll_friction, r, core, result.web_tension, friction_ratio=ratio)
-        r, nothing = result.radius, np.zeros(0)
+            return cls(
+                problem.roll_friction, r, core_tension, result.web_tension, friction_ratio=ratio
+            )
+        r, unknown = result.radius, np.zeros(0)
         tension = result.problem.web_thickness * result.problem.tension_curve.at(r)
-        return cls(None, r, tension, nothing, "taken as centre-wound without a nip")
+        return cls(None, r, tension, unknown, "taken as centre-wound without a nip")
 
 
 def _friction_ratio(film: float, P: Array, air: Air) -> Array:
+    """Return the friction under P with an air film, relative to that without air."""
     share: Array = friction_between(film, P, air)
     return share
 
@@ -346,9 +350,10 @@ def _states(roll: RollResult) -> list[_State]:
 
 
 def _state(roll: RollResult) -> _State:
+    """Return the stresses at a stage, at its nodes and at PLACES even radii."""
     r = np.unique([*roll.radius, *np.linspace(roll.radius[0], roll.radius[-1], PLACES)])
-    found = roll.at_radius(r)
-    return _State(float(roll.radius[-1]), r, found["pressure"], found["hoop_stress"])
+    worst = roll.at_radius(r)
+    return _State(float(roll.radius[-1]), r, worst["pressure"], worst["hoop_stress"])
 
 
 # ---- the margins --------------------------------------------------------------------------------
@@ -420,18 +425,18 @@ def margins(result: Any, limits: Limits | None = None) -> Margins:
             f"{limits.acceleration:g} is given, but the web has no density, which its inertia needs"
         )
         raise InvalidProblem.at("limits.acceleration", text)
-    pull, states = WindingTorque.of(result), _states(roll)
-    found = (
-        _slip(states, roll, limits, pull),
+    torque_data, states = WindingTorque.of(result), _states(roll)
+    worst = (
+        _slip(states, roll, limits, torque_data),
         _compression(states, roll, limits),
         _blocking(states[-1], limits),
         _core(states, roll.problem.core, limits),
-        _strength(states[-1], roll, limits, pull),
-        _slack(roll, limits, pull),
+        _strength(states[-1], roll, limits, torque_data),
+        _slack(roll, limits, torque_data),
         _gauge_band(roll, limits),
     )
     named_grade = result.problem.named_grade
-    return Margins(_with_source(margin, roll.problem, named_grade) for margin in found)
+    return Margins(_with_source(margin, roll.problem, named_grade) for margin in worst)
 
 
 def _with_source(margin: Margin, problem: Any, named_grade: Grade | None) -> Margin:
@@ -458,72 +463,87 @@ class _WorstValue(NamedTuple):
 
 def _margin(
     name: str,
-    found: _WorstValue,
+    worst: _WorstValue,
     limit: float | None,
     quantity: Quantity,
     note: str = "",
     scale: float = nan,
 ) -> Margin:
+    """Return the margin of a worst value; its scale is the limit, or ``scale`` if that is 0."""
     bound = nan if limit is None else limit
-    note = "; ".join(filter(None, (found.stage, note or NO_LIMIT * (limit is None))))
+    note = "; ".join(filter(None, (worst.stage, note or NO_LIMIT * (limit is None))))
     return Margin(
         name,
-        found.value,
+        worst.value,
         bound,
-        found.radius,
+        worst.radius,
         bound or scale,
         quantity,
         LEFT_OUT[name],
         note,
-        found.r,
-        found.values,
+        worst.r,
+        worst.values,
     )
 
 
 def _worst(states: list[_State], values: list[Array]) -> _WorstValue:
-    """Return the largest value over all states."""
-    state, own = max(zip(states, values, strict=True), key=lambda pair: pair[1].max())
-    final, last, largest = states[-1], values[-1], float(own.max())
-    # the place only: the value stays continuous; infinite if layers float on air
+    """Return the largest value over all stages, and the largest at each radius.
+
+    ``values`` holds an array for each stage, at its first radii.
+    """
+    state, values_of_worst = max(zip(states, values, strict=True), key=lambda pair: pair[1].max())
+    final, last, largest = states[-1], values[-1], float(values_of_worst.max())
+    # If the finished roll has the same value up to the error, its radius is reported, but not its
+    # value, which would make the margin discontinuous.  Values may be infinite: layers on air.
     if isclose(largest, last.max(), rel_tol=ALIKE):
-        state, own = final, last
-    k = int(np.argmax(own))
+        state, values_of_worst = final, last
+    k = int(np.argmax(values_of_worst))
     stage = "" if state is final else f"when the roll was {1e3 * state.surface:.4g} mm"
-    over = [
+    over_radius = [
         np.interp(final.r[: last.size], state.r[: v.size], v, right=-np.inf)
         for state, v in zip(states, values, strict=True)
     ]
     return _WorstValue(
-        largest, float(state.r[k]), stage, final.r[: last.size], np.max(over, axis=0)
+        largest, float(state.r[k]), stage, final.r[: last.size], np.max(over_radius, axis=0)
     )
 
 
-def _slip(states: list[_State], roll: RollResult, limits: Limits, pull: WindingTorque) -> Margin:
-    friction = limits.layer_friction or pull.friction
+def _slip(
+    states: list[_State], roll: RollResult, limits: Limits, torque_data: WindingTorque
+) -> Margin:
+    """Return the margin of the torque over the friction capacity, at all stages."""
+    friction = limits.layer_friction or torque_data.friction
     if friction is None:
-        nothing = _WorstValue(nan, nan, "", np.zeros(0), np.zeros(0))
-        return _margin("slip", nothing, nan, SHARE, "the friction between layers is not given")
+        unknown = _WorstValue(nan, nan, "", np.zeros(0), np.zeros(0))
+        return _margin("slip", unknown, nan, SHARE, "the friction between layers is not given")
     # Each stage is evaluated below the surface of the preceding one, because the outermost layers
     # are held by their own tension.
     tail, core = TAIL_LAYERS * float(roll.problem.web_thickness), float(roll.radius[0])
     R = states[-1].surface
-    reach = [core, *(state.surface for state in states[:-2]), R - min(tail, (R - core) / 2)]
+    evaluated_up_to = [
+        core,
+        *(state.surface for state in states[:-2]),
+        R - min(tail, (R - core) / 2),
+    ]
     shares = []
-    for (s, r, P, _), end in zip(states, reach[-len(states) :], strict=True):
-        tension = float(np.interp(s, pull.radius, pull.core))
+    for (s, r, P, _), end in zip(states, evaluated_up_to[-len(states) :], strict=True):
+        tension = float(np.interp(s, torque_data.radius, torque_data.core))
         torque = torque_carried(r, s, tension, roll.problem.density or 0, limits.acceleration)
         shares.append(
-            torque_share(r, P, friction * pull.friction_ratio(np.maximum(P, 0)), torque)[r <= end]
+            torque_share(r, P, friction * torque_data.friction_ratio(np.maximum(P, 0)), torque)[
+                r <= end
+            ]
         )
-    return _margin("slip", _worst(states, shares), limits.torque_share, SHARE, pull.assumed)
+    return _margin("slip", _worst(states, shares), limits.torque_share, SHARE, torque_data.assumed)
 
 
 def _compression(states: list[_State], roll: RollResult, limits: Limits) -> Margin:
-    found = _worst(states, [-state.hoop for state in states])
+    """Return the margin of the hoop compression, with a note on buckling, at all stages."""
+    worst = _worst(states, [-state.hoop for state in states])
     wound_on = float(np.max(roll.problem.tension_curve.at(roll.radius)))
     missing = NO_LIMIT * (limits.compression is None)
     note = "; ".join(filter(None, (missing, _buckling_note(states[-1], roll))))
-    return _margin("compression", found, limits.compression, COMPRESSION, note, scale=wound_on)
+    return _margin("compression", worst, limits.compression, COMPRESSION, note, scale=wound_on)
 
 
 def _buckling_note(final: _State, roll: RollResult) -> str:
@@ -541,45 +561,52 @@ def _buckling_note(final: _State, roll: RollResult) -> str:
 
 
 def _blocking(final: _State, limits: Limits) -> Margin:
+    """Return the margin of the pressure in the finished roll."""
     return _margin("blocking", _worst([final], [final.P]), limits.blocking_pressure, BLOCKING)
 
 
 def _core(states: list[_State], core: Core, limits: Limits) -> Margin:
-    found = _worst(states, [state.P[:1] for state in states])
-    limit, why, collapse = limits.core_pressure, "", collapse_pressure(core)
+    """Return the margin of the core pressure, by default against elastic collapse."""
+    worst = _worst(states, [state.P[:1] for state in states])
+    limit, note, collapse = limits.core_pressure, "", collapse_pressure(core)
     if limit is None and collapse == collapse:
-        limit, why = collapse, "its limit is the elastic collapse of a thin tube"
+        limit, note = collapse, "its limit is the elastic collapse of a thin tube"
     elif limit is None:
-        why = NO_LIMIT + ", and the core is not a thin tube"
-    return _margin("core", found, limit, CORE, why)
+        note = NO_LIMIT + ", and the core is not a thin tube"
+    return _margin("core", worst, limit, CORE, note)
 
 
-def _strength(final: _State, roll: RollResult, limits: Limits, pull: WindingTorque) -> Margin:
+def _strength(
+    final: _State, roll: RollResult, limits: Limits, torque_data: WindingTorque
+) -> Margin:
+    """Return the margin of the largest tension: web, wound-on and residual."""
     # at the surface the hoop stress equals the wound-on stress up to the discretisation error
     hoop = roll.problem.web_thickness * final.hoop[:-1]
-    found = _extreme(np.argmax, *_tensions(roll, pull), (final.r[:-1], hoop))
-    return _margin("strength", found, limits.web_strength, STRENGTH)
+    worst = _extreme(np.argmax, *_tensions(roll, torque_data), (final.r[:-1], hoop))
+    return _margin("strength", worst, limits.web_strength, STRENGTH)
 
 
-def _slack(roll: RollResult, limits: Limits, pull: WindingTorque) -> Margin:
-    found = _extreme(np.argmin, *_tensions(roll, pull))
-    return _margin("slack", found, limits.slack_tension, SLACK)
+def _slack(roll: RollResult, limits: Limits, torque_data: WindingTorque) -> Margin:
+    """Return the margin of the smallest tension, upstream and downstream of the nip."""
+    worst = _extreme(np.argmin, *_tensions(roll, torque_data))
+    return _margin("slack", worst, limits.slack_tension, SLACK)
 
 
 def _gauge_band(roll: RollResult, limits: Limits) -> Margin:
-    d, note = roll.problem.gauge_excess, "of a web of even thickness"
+    """Return the margin of the strain of the thickest lane, with a note on its ridge."""
+    excess, note = roll.problem.gauge_excess, "of a web of even thickness"
     try:
         strains = lane_strain(roll.problem, roll.radius)
     except InvalidProblem as fault:  # the law of the stack ends
-        nothing = _WorstValue(nan, nan, "", np.zeros(0), np.zeros(0))
-        return _margin("gauge_band", nothing, nan, BAND, str(fault))
+        unknown = _WorstValue(nan, nan, "", np.zeros(0), np.zeros(0))
+        return _margin("gauge_band", unknown, nan, BAND, str(fault))
     k = int(np.argmax(strains))
-    found = _WorstValue(float(strains[k]), float(roll.radius[k]), "", roll.radius, strains)
-    if d:
+    worst = _WorstValue(float(strains[k]), float(roll.radius[k]), "", roll.radius, strains)
+    if excess:
         ridge = RIDGE.shown(ridge_height(roll))
-        note = f"the lane is {100 * d:.3g} % thicker, with a ridge of {ridge:.3g} um"
+        note = f"the lane is {100 * excess:.3g} % thicker, with a ridge of {ridge:.3g} um"
     note = "; ".join(filter(None, (note, NO_LIMIT * (limits.yield_strain is None))))
-    return _margin("gauge_band", found, limits.yield_strain, BAND, note)
+    return _margin("gauge_band", worst, limits.yield_strain, BAND, note)
 
 
 def ridge_height(roll: RollResult) -> float:
@@ -595,20 +622,30 @@ def ridge_height(roll: RollResult) -> float:
     return float((gauge_band_over(roll.problem, roll.radius[-1:]).lead * roll.radius[-1:])[0])
 
 
-def _tensions(roll: RollResult, pull: WindingTorque) -> list[tuple[Array, Array]]:
+def _tensions(roll: RollResult, torque_data: WindingTorque) -> list[tuple[Array, Array]]:
     """Return radii and web tensions: wound-on, and upstream of the nip if it is known."""
     wound_on = roll.problem.web_thickness * roll.problem.tension_curve.at(roll.radius)
-    before = [(pull.radius, pull.web_tension)] if pull.web_tension.size else []
-    return [(roll.radius, wound_on), *before]
+    upstream = (
+        [(torque_data.radius, torque_data.web_tension)] if torque_data.web_tension.size else []
+    )
+    return [(roll.radius, wound_on), *upstream]
 
 
-def _extreme(where: Callable[..., Any], first: tuple[Array, Array], *more: Any) -> _WorstValue:
-    """Return the maximum or minimum of several functions of the radius."""
+def _extreme(argextreme: Callable[..., Any], first: tuple[Array, Array], *more: Any) -> _WorstValue:
+    """Return the maximum or minimum of several functions of the radius.
+
+    Parameters
+    ----------
+    argextreme : callable
+        ``np.argmax`` or ``np.argmin``.
+    first, more : (radii, values)
+        The functions ``more`` are interpolated at the radii of the first one.
+    """
     r = first[0]
     values = np.array([first[1], *(np.interp(r, *other) for other in more)])
-    row, k = np.unravel_index(where(values), values.shape)
-    over = values[where(values, axis=0), np.arange(r.size)]
-    return _WorstValue(float(values[row, k]), float(r[k]), "", r, over)
+    row, k = np.unravel_index(argextreme(values), values.shape)
+    over_radius = values[argextreme(values, axis=0), np.arange(r.size)]
+    return _WorstValue(float(values[row, k]), float(r[k]), "", r, over_radius)
 
 
 class WithMargins:

@@ -25,7 +25,7 @@ from ..problems.schedules import Profile
 from ..problems.winding import LOADS, WindingProblem
 from ..roll.result import RollResult
 from .bodies import PEAK_COEFFICIENT, NipSample, tension_on_roll
-from .curve import MOST_PIECES, TensionCurve, sampling_radii, sharp_kinks
+from .curve import MAX_PIECES, TensionCurve, sampling_radii, sharp_kinks
 from .nips import Nips
 
 __all__ = ["Departure", "largest_mismatch", "smoothed"]
@@ -41,20 +41,20 @@ CHECKS = 4  # nips under measured loads, one in each part of the radii
 
 def smoothed(problem: WindingProblem, rtol: float) -> WindingProblem | None:
     """Replace fluctuating schedules of a winding by smooth ones; return None if there are none."""
-    many = len(sharp_kinks(problem)) >= MOST_PIECES
+    has_many_kinks = len(sharp_kinks(problem)) >= MAX_PIECES
     r = np.linspace(*problem.ends, FIT_RADII)
     changes = {}
     for name in SCHEDULES:
         table = getattr(problem, name)
         if not isinstance(table, Profile):
             continue
-        if many if table.between == "lines" else len(table.radius) > MAX_SMOOTH_VALUES:
+        if has_many_kinks if table.between == "lines" else len(table.radius) > MAX_SMOOTH_VALUES:
             values = table.at(r)
             fitted = np.polynomial.Polynomial.fit(r, values, DEGREE)(r)
             if np.max(np.abs(fitted - values)) > rtol * np.max(np.abs(values)):
-                every = (FIT_RADII - 1) // (TABLE_RADII - 1)
-                bounded = np.clip(fitted, np.min(values), np.max(values))[::every]
-                changes[name] = Profile(radius=r[::every], value=bounded, between="smooth")
+                stride = (FIT_RADII - 1) // (TABLE_RADII - 1)
+                bounded = np.clip(fitted, np.min(values), np.max(values))[::stride]
+                changes[name] = Profile(radius=r[::stride], value=bounded, between="smooth")
     return problem.replace(**changes) if changes else None
 
 

@@ -54,20 +54,20 @@ def recomputed(
 
 def recompute_roll(result: Any) -> RollResult:
     """Recompute the roll of a result that was loaded from a file."""
-    thin = wind(
+    thin_layers = wind(
         result.problem, result.radius, result.wound_on_tension, result.roll_rtol, result.air_film
     )
-    return thin.with_finite_layers()
+    return thin_layers.with_finite_layers()
 
 
 def _roll_problem(problem: WindingProblem, r: Array, tension: Array, film: float) -> RollProblem:
     """Return the problem of the roll; reject a tension that is not positive."""
-    least = int(np.argmin(tension))
-    if not tension[least] > 0:
+    smallest = int(np.argmin(tension))
+    if not tension[smallest] > 0:
         raise NoSteadyState.at(
             "web_tension",
-            f"the wound-on tension falls to {tension[least]:.6g} [N/m] at the radius "
-            f"{r[least]:.6g} [m]; must be > 0, or no layer is wound on",
+            f"the wound-on tension falls to {tension[smallest]:.6g} [N/m] at the radius "
+            f"{r[smallest]:.6g} [m]; must be > 0, or no layer is wound on",
         )
     return problem.wound_roll(_schedule(r, tension), film)
 

@@ -125,14 +125,18 @@ def solve_winding(
     check_options(rtol=rtol, nodes=nodes, coupling_rtol=coupling_rtol)
     if start is not None:
         check_type("start", start, WindingResult)
-    within = COUPLING_RTOL[problem.roll_body] if coupling_rtol is None else coupling_rtol
+    coupling_tolerance = (
+        COUPLING_RTOL[problem.roll_body] if coupling_rtol is None else coupling_rtol
+    )
     with unwarned():  # reported once, with the radius
         if problem.tension_law != "nip":
-            result = _solve_prescribed(problem, rtol, nodes, within)
+            result = _solve_prescribed(problem, rtol, nodes, coupling_tolerance)
         elif (smooth := smoothed(problem, rtol)) is not None:
-            result = _Winder(smooth, rtol, nodes, within, start, progress).solve_measured(problem)
+            result = _Winder(
+                smooth, rtol, nodes, coupling_tolerance, start, progress
+            ).solve_measured(problem)
         else:
-            result = _Winder(problem, rtol, nodes, within, start, progress).solve()
+            result = _Winder(problem, rtol, nodes, coupling_tolerance, start, progress).solve()
     return result.replace(residuals=certificate(result)).checked().warned()
 
 
@@ -193,38 +197,42 @@ class _Winder:
         return self._assemble(self._converge())
 
     def _converge(self) -> _Iteration:
-        """Iterate until the tensions of nips and roll agree."""
+        """Iterate between nips and roll until their tensions agree.
+
+        On the way, the mesh of the nips and the tolerances are refined when the change falls below
+        ROUGH_CHANGE, and radii are added when it falls below REFINEMENT_CHANGE.
+        """
         shares, change = self._initial_shares()
-        before: _Iteration | None = None
+        previous: _Iteration | None = None
         slopes: dict[float, float] = {}
-        solve, certain = True, False
+        solves_nips, may_refine = True, False
         # warm starts from a neighbouring winding need no coarse mesh
         self.nips.coarse = change > ROUGH_CHANGE and not self.nips.before
         for number in range(MAX_ITERATIONS):
-            if solve and self.nips.coarse and change <= ROUGH_CHANGE:
-                self.nips.coarse, before = False, None
+            if solves_nips and self.nips.coarse and change <= ROUGH_CHANGE:
+                self.nips.coarse, previous = False, None
             rough = change > ROUGH_CHANGE
-            iteration = self._iterate(shares, rough, None if solve else before)
-            if solve:
-                known = (
+            iteration = self._iterate(shares, rough, None if solves_nips else previous)
+            if solves_nips:
+                is_close = (
                     iteration.change <= REFINEMENT_CHANGE[self.problem.roll_body]
                     or number >= MAX_UNREFINED_ITERATIONS
                 )
-                certain = known and not self.nips.coarse
-            added = solve and certain and self._refine(iteration)
+                may_refine = is_close and not self.nips.coarse
+            added = solves_nips and may_refine and self._refine(iteration)
             change = iteration.change
-            is_final = certain and not (added or rough)
+            is_final = may_refine and not (added or rough)
             if is_final and change <= STOP_FRACTION * self.coupling_rtol:
-                return iteration if solve else self._recompute_roll(iteration)
+                return iteration if solves_nips else self._recompute_roll(iteration)
             direct = self.problem.roll_body == "direct"
-            shares = _secant_update(iteration, before, slopes) if direct else iteration.nip_shares
-            before = iteration
+            shares = _secant_update(iteration, previous, slopes) if direct else iteration.nip_shares
+            previous = iteration
             # with effective rolls every second iteration solves no nips
-            solve = not (solve and self.problem.roll_body == "effective")
+            solves_nips = not (solves_nips and self.problem.roll_body == "effective")
         raise NotConverged(
             f"the nip-roll iteration does not converge: after {MAX_ITERATIONS} iterations the "
             f"relative change of the wound-on tension is still {change:.2g}",
-            self._assemble(before) if before else None,
+            self._assemble(previous) if previous else None,
         )
 
     def _initial_shares(self) -> tuple[dict[float, float], float]:
@@ -241,7 +249,7 @@ class _Winder:
         return shares, 0.0
 
     def _iterate(
-        self, shares: dict[float, float], rough: bool, before: _Iteration | None
+        self, shares: dict[float, float], rough: bool, previous: _Iteration | None
     ) -> _Iteration:
         """Compute the roll from the shares, and solve the nips on this roll.
 
@@ -252,11 +260,11 @@ class _Winder:
         film, r = self.nips.mean_film(), self.curve.knots()
         self.nips.rough = rough
         tension = self.curve.tension(shares, r)
-        if before is None:
+        if previous is None:
             roll = wind(self.problem, r, tension, max(self.rtol, COARSE_RTOL * rough), film)
             nip_shares = {place: self._nip_share(place, roll.result) for place in shares}
         else:
-            roll = recomputed(self.problem, before.roll, r, tension, film)
+            roll = recomputed(self.problem, previous.roll, r, tension, film)
             nip_shares = {place: self._predicted_share(place, roll.result) for place in shares}
         change = max(self._mismatch(place, share) for place, share in shares.items())
         # the change of the air film counts relative to the web thickness
@@ -319,7 +327,7 @@ class _Winder:
     def _worst_piece(self, nip_shares: dict[float, float]) -> Piece | None:
         """Return the piece with the largest error, or None if all errors are accepted."""
         curve = self.curve
-        errors = np.divide(curve.errors(nip_shares), curve.allowed)
+        errors = np.divide(curve.errors(nip_shares), curve.accepted_errors)
         worst = int(np.argmax(errors))
         piece = curve.pieces[worst]
         if errors[worst] <= 1:
@@ -334,6 +342,7 @@ class _Winder:
         return piece
 
     def _report_progress(self, solved: int) -> None:
+        """Report the fraction of the expected number of nips that is solved."""
         if self.progress is not None:
             self.progress(min(solved / (EXPECTED_ITERATIONS * len(self.curve.places)), 1.0))
 
@@ -363,6 +372,7 @@ class _Winder:
         departure = Departure(problem, self.problem, curve, self.nips)
 
         def tension(r: Array, *, curved: bool = False) -> Array:
+            """Return the tension under the measured schedules [N/m]."""
             return curve.tension(iteration.shares, r, curved=curved) + departure(r)
 
         fine = sampling_radii(problem)
@@ -401,13 +411,13 @@ class _Winder:
 
 
 def _secant_update(
-    iteration: _Iteration, before: _Iteration | None, slopes: dict[float, float]
+    iteration: _Iteration, previous: _Iteration | None, slopes: dict[float, float]
 ) -> dict[float, float]:
     """Return the next shares by a secant step at each place, neglecting their coupling.
 
     ``slopes`` stores the secant slope of each place; that of a new place is their median.
     """
-    last = before or iteration
+    last = previous or iteration
     for place, share in iteration.shares.items():
         step = share - last.shares.get(place, share)
         if abs(step) > MIN_SECANT_STEP:
@@ -425,14 +435,14 @@ def _solve_prescribed(
     problem: WindingProblem, rtol: float, nodes: int, coupling_rtol: float
 ) -> WindingResult:
     """Solve a winding whose wound-on tension needs no nips."""
-    law, at, r = problem.tension_law, problem.at, sampling_radii(problem)
+    law, schedule, r = problem.tension_law, problem.at, sampling_radii(problem)
     if isinstance(law, Profile):
         tension = problem.curve("tension_law").at(r)
     elif law == "fixed":
-        tension = at("web_tension", r) + at("nip_induced_tension", r)
+        tension = schedule("web_tension", r) + schedule("nip_induced_tension", r)
     else:
-        tension = at("web_tension", r) + at("winding_force", r)
-        tension = tension + problem.roll_friction * at("nip_load", r)
+        tension = schedule("web_tension", r) + schedule("winding_force", r)
+        tension = tension + problem.roll_friction * schedule("nip_load", r)
     radii = polyline_radii(problem, r, tension, rtol)
     reported = np.interp(radii, r, tension)
     difference = np.abs(np.interp(r, radii, reported) - tension)
