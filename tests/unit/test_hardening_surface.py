@@ -11,7 +11,6 @@ from hardening_cases import constant_rings, law_of, linear, nip, roll
 
 import woundon as wo
 from woundon.contact.newton import SemismoothNewton
-from woundon.contact.refinement import Refinement, refine
 from woundon.elasticity import cylinder, ring_equilibrium
 from woundon.elasticity.hardening_surface import HardeningSurface
 from woundon.elasticity.influence import InfluenceSurface
@@ -221,10 +220,3 @@ def test_a_ring_without_equilibrium_is_reported(monkeypatch: pytest.MonkeyPatch)
     face = FACES["nip"]
     with pytest.raises(ring_equilibrium.NoEquilibrium, match="residual"):
         roll().surface(face, A).deform(*loads(face))
-
-
-# ---- nips ---------------------------------------------------------------------------------------
-
-
-def solve(problem: Any, nodes: int) -> Refinement:
-    return refine(lambda size: NipSystem(problem, size), nodes=nodes)

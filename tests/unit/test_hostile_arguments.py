@@ -5,15 +5,19 @@ Evidence: every such argument is rejected with exit code 2 and short lines, with
 
 from __future__ import annotations
 
+import io
+import random
 import time
 from pathlib import Path
 
+import click
 import pytest
 from thesis_cases import newsprint_nip
 
 import woundon as wo
 from woundon.cli import commands as cli
 from woundon.io.case_files import template
+from woundon.studies.study_texts import study_template
 
 LONG = "a" * 5000
 DEEP = ".".join("a" * 2000)
@@ -122,3 +126,58 @@ def test_a_report_of_a_folder_is_rejected(
     assert said.out == ""
     assert len(said.err.splitlines()) == 1
     assert not list(tmp_path.iterdir())
+
+
+# ---- random command lines -----------------------------------------------------------------------
+
+COMMANDS = cli.commands.commands
+FILES = (
+    "nip.toml", "rollers.toml", "study.toml", "data.csv", "empty.toml", "binary.toml", "folder",
+    "missing.toml", "/dev/null", "-",
+)  # fmt: skip
+WORDS = (
+    "", "-", "--", "nan", "-inf", "1e999", "-1", "0", "9" * 400, "none", "\x07", "\x1b[31m",
+    "\N{GRINNING FACE}", "../../etc", "=", "nip_load=", "nip_load=nan", "nip_load=5 kg", "1:2:3",
+    "nip_load=2:1", "web.thickness=1e-30", "web=1", "drum.material=unob", "mill", "x.png",
+    "folder/x.nc", "/proc/x.csv", "[]", "{}", "'", "%s", "*", "wound_on_tension=1e9", "newsprint",
+)  # fmt: skip
+
+
+def random_arguments(draw: random.Random) -> list[str]:
+    """Return a command with random arguments and options that it has, and words anywhere."""
+    name = draw.choice(sorted({*COMMANDS, "nosuch"} - {"app"}))  # the server does not end
+    args, command = [name], COMMANDS.get(name)
+    for part in command.get_params(click.Context(command)) if command else ():
+        if isinstance(part, click.Argument):
+            args += draw.choices(FILES if draw.random() < 0.8 else WORDS, k=draw.choice([0, 1, 2]))
+        elif draw.random() < 0.3:
+            args += [draw.choice(part.opts), draw.choice(WORDS + FILES)]
+    for _ in range(draw.choice([0, 0, 1])):
+        args.insert(draw.randint(0, len(args)), draw.choice(WORDS))
+    return args
+
+
+@pytest.mark.parametrize(
+    "seeds",
+    [range(15), pytest.param(range(15, 515), marks=pytest.mark.slow)],
+)
+def test_random_command_lines_end_with_a_known_code(
+    seeds: range, tmp_path: Path, capsys: Capture, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.chdir(tmp_path)
+    Path("folder").mkdir()
+    for kind in ("nip", "rollers"):
+        Path(f"{kind}.toml").write_text(template(kind), encoding="utf-8")
+    Path("study.toml").write_text(study_template("rollers"), encoding="utf-8")
+    Path("data.csv").write_text("nip_load [kN/m],wound_on_tension [N/m]\n2,600\n3,650\n")
+    Path("empty.toml").touch()
+    Path("binary.toml").write_bytes(bytes(range(256)))
+    for seed in seeds:
+        args = random_arguments(random.Random(seed))
+        monkeypatch.setattr("sys.stdin", io.StringIO("garbage = ["))
+        start = time.process_time()
+        code, said = cli.main(args), capsys.readouterr()
+        assert code in (0, 2, 3), args
+        assert code == 0 or said.err, args
+        assert max(map(len, said.err.splitlines()), default=0) < LONGEST_LINE, args
+        assert time.process_time() - start < 15.0, args

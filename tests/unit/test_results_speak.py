@@ -1,8 +1,7 @@
-"""What results say of themselves: printed, in one line, as HTML, as tables; read-only arrays."""
+"""Results as HTML and as tables."""
 
 from __future__ import annotations
 
-from dataclasses import fields
 from html.parser import HTMLParser
 from typing import Any
 
@@ -41,15 +40,13 @@ def solutions() -> dict[str, Any]:
 
 
 class Page(HTMLParser):
-    """A page's tables and texts, its tags checked."""
+    """The tags and texts of a page, whose tags must match."""
 
     def __init__(self, html: str) -> None:
         super().__init__()
         self.open: list[str] = []
-        self.cells: list[str] = []
         self.texts: list[str] = []
         self.tags: set[str] = set()
-        self.styles: list[str] = []
         self.feed(html)
         self.close()
         assert self.open == []
@@ -57,17 +54,12 @@ class Page(HTMLParser):
     def handle_starttag(self, tag: str, attrs: Any) -> None:
         self.open.append(tag)
         self.tags.add(tag)
-        self.styles.append(dict(attrs).get("style", ""))
-        if tag in ("td", "th"):
-            self.cells.append("")
 
     def handle_endtag(self, tag: str) -> None:
         assert self.open.pop() == tag
 
     def handle_data(self, data: str) -> None:
         self.texts.append(data)
-        if "td" in self.open or "th" in self.open:
-            self.cells[-1] += data
 
 
 # ---- as HTML
@@ -113,11 +105,3 @@ def test_tables_of_studies_have_their_numbers(solutions) -> None:
     np.testing.assert_array_equal(frame["half_width"], column)
     one = slopes.to_xarray().derivative.sel(output="nip_width", parameter="nip_load")
     assert one == slopes.derivative("nip_width", "nip_load")
-
-
-# ---- read-only
-
-
-def arrays(thing: Any) -> list[np.ndarray]:
-    values = [getattr(thing, part.name) for part in fields(thing)]
-    return [value for value in values if isinstance(value, np.ndarray)]
