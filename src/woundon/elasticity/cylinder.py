@@ -127,11 +127,11 @@ def asymptotic_compliance(
     for j in range(2, orders + 1):
         # the terms of lower order; Y_j enters through F_1 and z_(j-1)
         z[j - 1] = Y[j - 1, :, 0]
-        known = shift[:, None] * Y[j - 1] + Y[j - 1] * shift
-        known -= D * (z[:j].T @ z[j - 1 :: -1])
-        y12 = known[0, 0] / (2 * r)
-        y22 = (y12 + known[1, 1] / 2) / DB
-        y11 = -known[0, 1] + r * y22 + DB * y12
+        lower_order = shift[:, None] * Y[j - 1] + Y[j - 1] * shift
+        lower_order -= D * (z[:j].T @ z[j - 1 :: -1])
+        y12 = lower_order[0, 0] / (2 * r)
+        y22 = (y12 + lower_order[1, 1] / 2) / DB
+        y11 = -lower_order[0, 1] + r * y22 + DB * y12
         Y[j] = [[y11, y12], [y12, y22]]
         z[j - 1] += Y[j, :, 1]
     Y.setflags(write=False)
@@ -185,6 +185,7 @@ def layered_kernels(radius: float, layers: Layers, free: bool = False) -> Surfac
     strain, strain_terms = displacement[:, 0] + slope[:, 1], Y[0] + n * Y[1]
 
     def harmonics(odd: bool, scale: float, a: Array, c: Array, mean: float = 0.0) -> HarmonicSum:
+        """Return the sum of scale c_n trig(n theta), c_n = a_0 + a_1/n + ... + remainder."""
         return HarmonicSum(odd, R, scale, mean, a, c - _powers(a, n.size))
 
     normal = HarmonicSums(
@@ -261,15 +262,15 @@ def _spectrum(layers: Layers, free: bool, factors: Factors | None = None) -> Spe
     depth = float(layers[0][0] or 0.0)
     stiffness: Stiffness = layers[0][1:]  # type: ignore[assignment]
     tail = asymptotic_compliance(HIGHEST_POWER + 2, *stiffness)
-    J = _closed_powers(tail)
-    decay, N = _decay(depth, stiffness), _terms(depth, tail, J, stiffness)
+    J = _highest_power(tail)
+    decay, N = _decay_over_depth(depth, stiffness), _harmonic_count(depth, tail, J, stiffness)
     if len(layers) > 1:
         N = min(N, MAX_LAYERED_TERMS)
     n = np.arange(N + 1.0)
     if len(layers) == 1 or N <= MAX_DIRECT:
         Y = _compliance(n, layers, free, factors)
     else:
-        Y = _interpolated(N, layers, free, factors)
+        Y = _interpolated_compliance(N, layers, free, factors)
     if len(layers) > 1:
         remainder = _remainder(Y, tail, J)
         if 20 / decay > N and remainder[-1] > MAX_REMAINDER:
@@ -289,7 +290,7 @@ def _compliance(n: Array, layers: Layers, free: bool, factors: Factors | None) -
     return Y if factors is None else Y * factors(n)[0]
 
 
-def _interpolated(N: int, layers: Layers, free: bool, factors: Factors | None) -> Array:
+def _interpolated_compliance(N: int, layers: Layers, free: bool, factors: Factors | None) -> Array:
     """Return Y_n, n = 0 ... N, with n Y_n interpolated by Chebyshev polynomials of ln n.
 
     The number of points is doubled until the last quarter of the coefficients is negligible.
@@ -297,18 +298,18 @@ def _interpolated(N: int, layers: Layers, free: bool, factors: Factors | None) -
     from scipy.fft import dct  # problems are read and written without SciPy
 
     n = np.arange(N + 1.0)
-    first = _compliance(n[:FIRST_SAMPLED], layers, free, factors)
-    Y = np.empty((2, 2, N + 1), dtype=first.dtype)
-    Y[..., :FIRST_SAMPLED] = first
+    unsampled = _compliance(n[:FIRST_SAMPLED], layers, free, factors)
+    Y = np.empty((2, 2, N + 1), dtype=unsampled.dtype)
+    Y[..., :FIRST_SAMPLED] = unsampled
     low, high, size = log(FIRST_SAMPLED), log(N), 32
-    coarse = np.zeros((2, 2, 0))  # values at the points of the previous polynomial
+    known_values = np.zeros((2, 2, 0))  # values at the points of the previous polynomial
     while size < N // 4:
         angle = np.pi * np.arange(size + 1) / size
-        new = slice(1, None, 2) if coarse.size else slice(None)
-        sampled = np.exp(low + (high - low) * (1 + np.cos(angle[new])) / 2)
+        new_points = slice(1, None, 2) if known_values.size else slice(None)
+        n_sampled = np.exp(low + (high - low) * (1 + np.cos(angle[new_points])) / 2)
         values = np.empty((2, 2, size + 1), dtype=Y.dtype)
-        values[..., ::2] = coarse if coarse.size else 0.0
-        values[..., new] = sampled * _compliance(sampled, layers, free, factors)
+        values[..., ::2] = known_values if known_values.size else 0.0
+        values[..., new_points] = n_sampled * _compliance(n_sampled, layers, free, factors)
         c = dct(values, type=1, axis=-1) / size
         c[..., [0, -1]] /= 2
         if np.abs(c[..., -size // 4 :]).max() < 1e-15 * np.abs(values).max():
@@ -318,7 +319,7 @@ def _interpolated(N: int, layers: Layers, free: bool, factors: Factors | None) -
                 k = FIRST_SAMPLED + block
                 Y[..., k] = np.polynomial.chebyshev.chebval(x[block], c) / n[k]
             return Y
-        coarse, size = values, 2 * size
+        known_values, size = values, 2 * size
     Y[..., FIRST_SAMPLED:] = _compliance(n[FIRST_SAMPLED:], layers, free, factors)
     return Y
 
@@ -336,13 +337,15 @@ def _truncated_spectrum(Y: Array, tail: Array, decay: float) -> Spectrum:
     Shorter waves, which are much shorter than any contact, are given the n Y_n of the last one.
     """
     N = Y.shape[-1] - 1
-    end = np.zeros((3, 2, 2), dtype=Y.dtype)
-    end[1] = N * Y[..., -1]
-    error = np.abs(end[1] - tail[1]).max() / max(np.abs(end[1]).max(), np.abs(tail[1]).max())
+    last_terms = np.zeros((3, 2, 2), dtype=Y.dtype)
+    last_terms[1] = N * Y[..., -1]
+    error = np.abs(last_terms[1] - tail[1]).max() / max(
+        np.abs(last_terms[1]).max(), np.abs(tail[1]).max()
+    )
     # A wave of N periods around the circumference takes polynomials of a degree above N a/R on
     # [-a, a].  With kappa = 6/N, as in _spectrum, their degree is 10 a/(kappa R) = 1.7 N a/R; with
     # a lower degree the response would jump with the half width.
-    return Spectrum(Y, end, 1, max(6 / N, decay), float(error) / N)
+    return Spectrum(Y, last_terms, 1, max(6 / N, decay), float(error) / N)
 
 
 def _powers(a: Array, terms: int) -> Array:
@@ -358,8 +361,11 @@ def _inverse_powers(count: int, terms: int) -> Array:
     return np.cumprod(powers, axis=0)
 
 
-def _closed_powers(tail: Array) -> int:
-    """Return the number of powers of 1/n to sum in closed form, limited by their coefficients."""
+def _highest_power(tail: Array) -> int:
+    """Return the highest power of 1/n to sum in closed form.
+
+    Coefficients that grow by a factor of more than 1e4 would cause cancellation.
+    """
     size = np.abs(tail).max(axis=(1, 2))
     for J in range(HIGHEST_POWER, 1, -1):
         if size[1 : J + 2].max() < 1e4 * size[1]:
@@ -367,8 +373,11 @@ def _closed_powers(tail: Array) -> int:
     return 1
 
 
-def _decay(depth: float, stiffness: Stiffness) -> float:
-    """Return kappa: the effect of the lower side of a layer decays as exp(-2 kappa n)."""
+def _decay_over_depth(depth: float, stiffness: Stiffness) -> float:
+    """Return kappa: the effect of the lower side of a layer decays as exp(-2 kappa n).
+
+    kappa is the rate of decay per unit of ln r times the depth of the layer.
+    """
     return _decay_rate(stiffness) * depth
 
 
@@ -382,12 +391,12 @@ def _decay_rate(stiffness: Stiffness) -> float:
     return slow / n
 
 
-def _terms(depth: float, tail: Array, J: int, stiffness: Stiffness) -> int:
+def _harmonic_count(depth: float, tail: Array, J: int, stiffness: Stiffness) -> int:
     """Return the number of harmonics at which the remainder is negligible.
 
     The remainder consists of the effect of the core, exp(-2 kappa n), and the next power of 1/n.
     """
-    core = 20 / _decay(depth, stiffness)
+    core = 20 / _decay_over_depth(depth, stiffness)
     size = np.abs(tail).max(axis=(1, 2))
     power = (size[J + 2] / (J * TOLERANCE * size[1])) ** (1 / J)
     return int(min(max(core, power, 32), MAX_TERMS))
@@ -402,5 +411,7 @@ def _truncation_error(
     """
     N = terms.shape[-1]
     last = terms[..., -max(4, N // 16) :]
-    neglected = max(N / J, 0.5 / _decay(depth, stiffness))  # equivalent number of such terms
+    neglected = max(
+        N / J, 0.5 / _decay_over_depth(depth, stiffness)
+    )  # equivalent number of such terms
     return float(np.abs(last).max() / np.abs(tail[1]).max() * neglected * min(depth, 1.0))

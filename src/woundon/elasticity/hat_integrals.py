@@ -20,7 +20,7 @@ __all__ = ["by_second_integral", "gauss_points", "singular_integrals"]
 Array = np.ndarray
 
 # Ratio of a cell to its distance below which the difference of two logarithms is taken as log1p.
-FAR = 0.2
+LOG1P_BELOW = 0.2
 # A cell has three Gauss points for each length on which the function varies, at most MAX_POINTS.
 MAX_POINTS = 150
 
@@ -58,29 +58,33 @@ def singular_integrals(points: Array, nodes: Array) -> Array:
     L = logs[:, :-1] - logs[:, 1:]
     with np.errstate(divide="ignore"):
         ratio = h / t[:, 1:]
-    np.log1p(ratio, out=L, where=np.abs(ratio) < FAR)
-    first = d * L - h
-    _hats_from_moments(out[0], L / 2, first / h)
+    np.log1p(ratio, out=L, where=np.abs(ratio) < LOG1P_BELOW)
+    moment_1 = d * L - h
+    _hats_from_moments(out[0], L / 2, moment_1 / h)
     # in-place operations: these matrices take most of the time of a new mesh
-    zeroth = logs[:, :-1] + logs[:, 1:]
-    zeroth *= h / 2
-    zeroth += first
-    first *= d
+    moment_0 = logs[:, :-1] + logs[:, 1:]
+    moment_0 *= h / 2
+    moment_0 += moment_1
+    moment_1 *= d
     L *= h**2 / 4
-    first -= L
-    zeroth /= 2
-    first /= 2 * h
-    _hats_from_moments(out[2], zeroth, first)
+    moment_1 -= L
+    moment_0 /= 2
+    moment_1 /= 2 * h
+    _hats_from_moments(out[2], moment_0, moment_1)
     _integrate_dirac_and_sign(out[1], out[3], t, points, nodes)
     return out
 
 
-def _hats_from_moments(out: Array, zeroth: Array, first: Array) -> None:
-    """Write integrals against the hats, from moments of the cells: zeroth / 2, first / h."""
-    np.subtract(zeroth, first, out=out[:, :-1])
+def _hats_from_moments(out: Array, moment_0: Array, moment_1: Array) -> None:
+    """Write integrals against the hats, from moments of the cells.
+
+    ``moment_0`` is half the integral of the function over a cell, ``moment_1`` that of its product
+    with (s - s_m)/h: their difference belongs to the left node, their sum to the right one.
+    """
+    np.subtract(moment_0, moment_1, out=out[:, :-1])
     out[:, -1] = 0.0
-    zeroth += first
-    out[:, 1:] += zeroth
+    moment_0 += moment_1
+    out[:, 1:] += moment_0
 
 
 def _integrate_dirac_and_sign(
@@ -100,8 +104,8 @@ def _integrate_dirac_and_sign(
 
 
 def by_second_integral(
-    second: Callable[[Array], Array],
-    first: Callable[[Array], Array] | None,
+    K: Callable[[Array], Array],
+    K_slope: Callable[[Array], Array] | None,
     points: Array,
     nodes: Array,
 ) -> Array:
@@ -109,9 +113,9 @@ def by_second_integral(
 
     Parameters
     ----------
-    second : callable
+    K : callable
         t -> K(t), (..., k, n) for t (k, n).
-    first : callable or None
+    K_slope : callable or None
         t -> K'(t), (..., k) for t (k,); if None, the columns of the end nodes are zero.
     points, nodes : arrays
         [m].
@@ -121,12 +125,12 @@ def by_second_integral(
     (..., k, n) array
     """
     t = points[:, None] - nodes
-    slopes = np.diff(second(t), axis=-1) / np.diff(nodes)
-    if first is None:
+    slopes = np.diff(K(t), axis=-1) / np.diff(nodes)
+    if K_slope is None:
         out = np.zeros((*slopes.shape[:-1], nodes.size))
         out[..., 1:-1] = np.diff(slopes, axis=-1)
         return out
-    start, end = (-np.asarray(first(points - node))[..., None] for node in nodes[[0, -1]])
+    start, end = (-np.asarray(K_slope(points - node))[..., None] for node in nodes[[0, -1]])
     return np.diff(np.concatenate([start, slopes, end], axis=-1), axis=-1)
 
 

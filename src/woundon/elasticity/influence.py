@@ -90,7 +90,7 @@ class InfluenceSurface:
 
     def deform(self, p: Array, q: Array) -> Deformation:
         """Return the deformation; matrix-free unless the influence matrices exist already."""
-        if "_matrices" in vars(self) or self.kernels.lag is not None or self._is_short:
+        if "_matrices" in vars(self) or self.kernels.lag is not None or self._is_unresolved:
             values = self._matrices @ np.array([p, q])[:, :, None]
             slope, strain = values[..., 0].sum(axis=1)
             return Deformation(slope, strain)
@@ -111,11 +111,11 @@ class InfluenceSurface:
 
     def end_displacement(self, p: Array, q: Array) -> float:
         """Return v at the trailing edge of the nip [m]."""
-        return float(self._end[0] @ p + self._end[1] @ q)
+        return float(self._end_values[0] @ p + self._end_values[1] @ q)
 
     def end_tangent(self, p: Array, q: Array) -> tuple[Array, Array]:
         """Return the influence functions of v at the trailing edge."""
-        return self._end[0], self._end[1]
+        return self._end_values[0], self._end_values[1]
 
     def end_tangential_displacement(self, p: Array, q: Array) -> float:
         """Return u at the last node [m]."""
@@ -140,7 +140,7 @@ class InfluenceSurface:
         if self._smooth_values is not None:
             parts = self._smooth_parts
             out += parts.to_points @ (self._smooth_values @ parts.moments)
-        if self._is_short:
+        if self._is_unresolved:
             for part, kernel in zip(out.reshape(4, n + 1, n), kernels.gradients, strict=True):
                 if kernel.second_integral is None:
                     continue
@@ -153,7 +153,7 @@ class InfluenceSurface:
         return out
 
     @cached_property
-    def _end(self) -> Array:
+    def _end_values(self) -> Array:
         """v at the trailing edge by p and by q, (2, n) [m/Pa]."""
         kernels = self.kernels
         return self._displacement((kernels.normal_p, kernels.normal_q), kernels.normal_smooth, -2)
@@ -176,7 +176,7 @@ class InfluenceSurface:
 
     @cached_property
     def _factors(self) -> Array:
-        """Coefficients of the singular parts: (slope or strain, by p or q, part)."""
+        """Coefficients of 1/t, Dirac, ln|t| and sgn: (slope or strain, by p or q, part)."""
         return _factors(self.kernels.gradients, self.a).reshape(2, 2, 4)
 
     @cached_property
@@ -186,7 +186,7 @@ class InfluenceSurface:
 
     @cached_property
     def _singular(self) -> Array:
-        """Integrals of the singular parts, (4, points, nodes)."""
+        """Integrals of 1/t, Dirac, ln|t| and sgn against the hats, (4, points, nodes)."""
         face = self.face
         if face.is_nip:
             return _nip_integrals(face.size)
@@ -200,7 +200,7 @@ class InfluenceSurface:
         return max(MIN_RANK, round(RANK_FACTOR / asinh(self.kernels.length / self.a)))
 
     @cached_property
-    def _is_short(self) -> bool:
+    def _is_unresolved(self) -> bool:
         """True if the smooth parts vary too rapidly for polynomials."""
         return self._rank > min(MAX_RANK, 8 * (self.face.size - 1))
 
@@ -219,7 +219,7 @@ class InfluenceSurface:
         """Chebyshev points in the nip; on the wraps the points of the face and Gauss points."""
         face, a, length = self.face, self.a, self.kernels.length
         points, nodes, cells = face.points, face.nodes, face.nip_cells
-        if self._is_short:
+        if self._is_unresolved:
             gauss, hats = gauss_points(nodes, a, length)
             return SmoothParts(points, gauss, np.eye(points.size), hats)
         rank = self._rank
@@ -254,12 +254,12 @@ class InfluenceSurface:
         longest = self.a * max(points[-1] - sources[0], sources[-1] - points[0])
         if self.face.is_nip and longest <= self.max_distance:
             return smooth(t)
-        far = np.abs(t) > self.max_distance
-        long = t[far]
-        t[far] = short = long - np.sign(long) * self.period
+        on_longer_arc = np.abs(t) > self.max_distance
+        t_long = t[on_longer_arc]
+        t[on_longer_arc] = t_short = t_long - np.sign(t_long) * self.period
         values = smooth(t)
-        if long.size:
-            values[:, far] += singular(kernels, short) - singular(kernels, long)
+        if t_long.size:
+            values[:, on_longer_arc] += singular(kernels, t_short) - singular(kernels, t_long)
         return values
 
 
@@ -270,7 +270,7 @@ def surface_strain(
     nodes: Array,
     p: Array,
     q: Array,
-    at: Array,
+    s: Array,
 ) -> Array:
     """Return the surface strain of a body outside of a contact.
 
@@ -281,26 +281,29 @@ def surface_strain(
         Circumference, and the distance above which the shorter arc is used [m].
     nodes, p, q : (n,) arrays
         Nodes [m], pressures and tractions [Pa].
-    at : (k,) array
+    s : (k,) array
         Positions along the surface [m], outside of the nodes or at their ends.
 
     Returns
     -------
     (k,) array
     """
-    out, singular_parts = np.zeros(at.size), singular_integrals(at, nodes)
+    out, singular_parts = np.zeros(s.size), singular_integrals(s, nodes)
     sources, hats = gauss_points(nodes, 1.0, kernels.length)
-    t = at[:, None] - sources
-    far = np.abs(t) > max_distance
-    short = np.where(far, t - np.sign(t) * period, t)
+    t = s[:, None] - sources
+    on_longer_arc = np.abs(t) > max_distance
+    t_short = np.where(on_longer_arc, t - np.sign(t) * period, t)
     for kernel, load in ((kernels.strain_p, p), (kernels.strain_q, q)):
         out += np.tensordot(_factors((kernel,), 1.0)[0], singular_parts, axes=1) @ load
         if kernel.smooth is not None:
-            values = kernel.smooth(short)
-            values[far] += singular((kernel,), short[far])[0] - singular((kernel,), t[far])[0]
+            values = kernel.smooth(t_short)
+            values[on_longer_arc] += (
+                singular((kernel,), t_short[on_longer_arc])[0]
+                - singular((kernel,), t[on_longer_arc])[0]
+            )
             out += values @ (hats @ load)
         if kernel.lag is not None:
-            out += _lag_integrals(kernel.lag, at, nodes)[0] @ load
+            out += _lag_integrals(kernel.lag, s, nodes)[0] @ load
     return out
 
 
@@ -308,6 +311,7 @@ def _lag_integrals(lag: Lag, points: Array, nodes: Array) -> Array:
     """Return the integrals of lags against the hat functions, (kernels, points, nodes)."""
 
     def second_integral(t: Array) -> Array:
+        """Return the second integrals of the lags at t."""
         return lag.second_integral(t < 0, np.log(np.maximum(np.abs(t), 1e-300)))
 
     return by_second_integral(second_integral, partial(lag.evaluate, order=1), points, nodes)
@@ -349,15 +353,17 @@ def _nip_interpolation(size: int, rank: int) -> tuple[Array, Array]:
     """
     chebyshev = np.polynomial.chebyshev.chebvander
     nodes = _chebyshev_points(rank)
+    # values at the Chebyshev points -> coefficients of the Chebyshev polynomials
     transform = np.cos(np.outer(np.arange(rank), np.arccos(nodes))) * (2 / rank)
     transform[0] /= 2
     x = cosine_nodes(size)
-    s, w = np.polynomial.legendre.leggauss(8 + ceil(rank * pi / (size - 1) / 2))
-    cells, part = np.diff(x[0::2]), (s + 1) / 2
-    at = x[0:-2:2, None] + cells[:, None] * part
-    lagrange = (chebyshev(at.ravel(), rank - 1) @ transform).reshape(*at.shape, rank)
-    weighted = lagrange * (cells[:, None] * w / 2)[..., None]
-    left, right = ((weighted * hat[:, None]).sum(axis=1).T for hat in (1 - part, part))
+    s, weights = np.polynomial.legendre.leggauss(8 + ceil(rank * pi / (size - 1) / 2))
+    cells, fraction = np.diff(x[0::2]), (s + 1) / 2
+    gauss = x[0:-2:2, None] + cells[:, None] * fraction
+    lagrange = (chebyshev(gauss.ravel(), rank - 1) @ transform).reshape(*gauss.shape, rank)
+    weighted = lagrange * (cells[:, None] * weights / 2)[..., None]
+    # against the halves of the hat functions of the left and of the right node of each cell
+    left, right = ((weighted * hat[:, None]).sum(axis=1).T for hat in (1 - fraction, fraction))
     moments = np.zeros((rank, size))
     moments[:, :-1] += left
     moments[:, 1:] += right

@@ -31,7 +31,7 @@ GRADED_LENGTH = 0.1
 LARGEST_CELL = 0.1
 # Cells at the far end of a wrap relative to those next to the nip: the hoop pressure ends there
 # abruptly, but only the outputs at the end depend on it.
-FAR_END = 2.0
+FAR_END_RATIO = 2.0
 # Distance from a node at which one-sided values are evaluated, relative to the cell.
 ONE_SIDED = 1e-9
 
@@ -291,11 +291,19 @@ def _wrap_points(wrap: Wrap, step: float, cells: int) -> Array:
     if not wrap.graded_end:
         grading = _Grading(wrap.length, step, largest)
         return grading.points(cells or grading.cells)
-    near = _Grading(wrap.length / 2, step, largest)
-    far = _Grading(wrap.length / 2, FAR_END * step, largest)
-    n_far = far.cells if not cells else max(1, round(cells * far.cells / (near.cells + far.cells)))
-    n_near = near.cells if not cells else cells - n_far
-    return np.concatenate([near.points(n_near), wrap.length - far.points(n_far)[-2::-1]])
+    graded_near_nip = _Grading(wrap.length / 2, step, largest)
+    graded_far_end = _Grading(wrap.length / 2, FAR_END_RATIO * step, largest)
+    n_far = (
+        graded_far_end.cells
+        if not cells
+        else max(
+            1, round(cells * graded_far_end.cells / (graded_near_nip.cells + graded_far_end.cells))
+        )
+    )
+    n_near = graded_near_nip.cells if not cells else cells - n_far
+    return np.concatenate(
+        [graded_near_nip.points(n_near), wrap.length - graded_far_end.points(n_far)[-2::-1]]
+    )
 
 
 class _Grading:

@@ -117,6 +117,7 @@ def layered_kernels(
     sums = ViscoelasticSums(R, creep(relaxations[0]), n.size)
 
     def harmonics(odd: bool, scale: float, a: Array, c: Array, mean: float = 0.0) -> SplitSum:
+        """Return the sum of scale J_n c_n trig(n theta), c_n = a_0 + a_1/n + ... + remainder."""
         return sums.split(odd, scale, a, c - sums.powers(a)[: n.size], mean)
 
     # the same sums as in cylinder.layered_kernels
