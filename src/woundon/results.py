@@ -128,6 +128,7 @@ class Residuals:
         return Residuals(**self._values | values)
 
     def __getattr__(self, name: str) -> float:
+        """Return the violation of the condition with this name."""
         if name.startswith("_"):
             raise AttributeError(name)
         try:
@@ -157,25 +158,29 @@ class Presented:
 
     Results, margins, sensitivities, fits and tables of studies inherit from it.
 
-    The packages ``show`` and ``io`` are imported when they are used; they depend on all others.
+    The packages ``report`` and ``io`` are imported when they are used; they depend on all others.
     """
 
     def __str__(self) -> str:
+        """Return the report as text."""
         from .report.presentation import text_of
 
         return text_of(self)
 
     def _repr_html_(self) -> str:
+        """Return the report as HTML, which notebooks display."""
         from .report.presentation import html_of
 
         return html_of(self)
 
     def _html_of_table(self, head: str, frame: pd.DataFrame, remarks: Iterable[str] = ()) -> str:
+        """Return a table with a heading and remarks as HTML."""
         from .report.presentation import html_of_table
 
         return html_of_table(head, frame, remarks)
 
     def _figure(self, *options: Any) -> Any:
+        """Draw the figure of this object; options as of its method ``plot``."""
         from .report.presentation import figure_of
 
         return figure_of(self, *options)
@@ -185,11 +190,13 @@ class ReadOnly:
     """A dataclass whose arrays are read-only, also those of a copy or of a pickle."""
 
     def __post_init__(self) -> None:
+        """Make all arrays read-only."""
         for value in vars(self).values():
             if isinstance(value, np.ndarray):
                 value.setflags(write=False)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
+        """Restore a copy or a pickle, whose arrays would be writable."""
         self.__dict__.update(state)
         self.__post_init__()
 
@@ -410,13 +417,14 @@ class Result(Presented, ReadOnly):
         return to_frame(self)
 
     def __dir__(self) -> list[str]:
-        # completion offers neither internal fields nor names that have been replaced
+        """Return the names for completion, without internal fields and replaced names."""
         unsaved = {part.name for part in fields(self) if not part.metadata.get("saved", True)}
         hidden = {*unsaved, *self.REPLACED, "relabelled"}
         names = set(super().__dir__()) - hidden
         return sorted(name for name in names if not name.startswith("_") and not name.isupper())
 
     def __repr__(self) -> str:
+        """Return the class with up to three outputs, the main ones first, and the residual."""
         known, texts = scalar_outputs(self), []
         del known["residual"]  # it comes last
         for name in dict.fromkeys((*filter(known.get, self.MAIN), *known)):
@@ -428,6 +436,7 @@ class Result(Presented, ReadOnly):
         return f"{type(self).__name__}({', '.join(texts)}, residual={self.residual:.1e})"
 
     def __eq__(self, other: object) -> bool:
+        """Return True for a result of the same class with equal fields; nan equals nan."""
         if type(other) is not type(self):
             return NotImplemented
         names = [part.name for part in fields(self) if part.compare]
@@ -438,7 +447,8 @@ class Result(Presented, ReadOnly):
         return hash((type(self), self.problem))
 
     def __getstate__(self) -> dict[str, Any]:
-        # as in a file: meshes and their matrices, a hundred times as large, are recomputed
+        """Return the state of a pickle, without the fields that files do not contain."""
+        # meshes and their matrices, a hundred times as large, are recomputed on demand
         unsaved = [part for part in fields(self) if not part.metadata.get("saved", True)]
         defaults = {part.name: part.default for part in unsaved if part.default is not MISSING}
         return {**self.__dict__, "errors": dict(self.errors), **defaults}
@@ -457,10 +467,10 @@ def measured(
     residuals : Residuals
     warnings : tuple of str
     """
-    found = object.__new__(type(result))  # __post_init__ has already treated the other fields
-    vars(found).update(vars(result), residuals=residuals, warnings=warnings)
-    vars(found)["errors"] = MappingProxyType(dict(errors))
-    return found
+    copy = object.__new__(type(result))  # __post_init__ has already treated the other fields
+    vars(copy).update(vars(result), residuals=residuals, warnings=warnings)
+    vars(copy)["errors"] = MappingProxyType(dict(errors))
+    return copy
 
 
 def _same(one: Any, two: Any) -> bool:

@@ -1,4 +1,4 @@
-"""Rival theories and closed forms, to compare the solved contact with.
+"""Closed forms and other theories, for comparison with the solved contact.
 
 Pure functions of a problem; none of them solves anything.  All bodies are taken as half-planes of
 their material (a :class:`~woundon.Cylinder` loses its core, a :class:`~woundon.Rigid` has no
@@ -153,6 +153,7 @@ def hertz(problem: NipProblem | RollerProblem) -> Hertz:
 
 
 def _load(problem: NipProblem | RollerProblem) -> float:
+    """Return the normal load P [N/m]."""
     return problem.nip_load if isinstance(problem, NipProblem) else problem.load
 
 
