@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import csv
 import json
-from dataclasses import dataclass
+import time
+from dataclasses import dataclass, fields
 from typing import Annotated, Any
 
 import numpy as np
@@ -386,6 +387,23 @@ def test_verifying_compares_scalars_with_the_arrays(solved, tmp_path, name, plac
     with pytest.raises(wo.InvalidProblem) as refusal:
         wo.load_result(path)
     assert f"the contents of the file do not match: {said}" in str(refusal.value)
+
+
+@pytest.mark.parametrize("name", ["nip", "wrapped", "rolling"])
+def test_a_file_with_too_many_nodes_is_rejected_before_its_matrices_are_computed(
+    solved, tmp_path, name
+):
+    result, size = solved(name), 50_000  # a matrix would take 20 GB
+    arrays = {part.name: value for part in fields(result)
+              if isinstance(value := getattr(result, part.name), np.ndarray)}  # fmt: skip
+    grown = {key: np.interp(np.linspace(0, 1, size), np.linspace(0, 1, value.size), value)
+             for key, value in arrays.items() if value.size}  # fmt: skip
+    grown = {key: value.astype(arrays[key].dtype) for key, value in grown.items()}
+    result.replace(**grown).save(tmp_path / "large.nc")
+    start = time.process_time()
+    with pytest.raises(wo.InvalidProblem, match="the contents of the file do not match"):
+        wo.load_result(tmp_path / "large.nc")
+    assert time.process_time() - start < 5.0  # of the parser
 
 
 # ---- the seal -----------------------------------------------------------------------------------

@@ -19,7 +19,7 @@ from ..contact.newton import SemismoothNewton
 from ..contact.refinement import MeshSolution, error_estimate
 from ..errors import RESOLUTION
 from ..results import ACCEPTED_RESIDUAL, Residuals, largest
-from .conditions import body_equilibrium, difference, friction_law, negative_pressure
+from .conditions import LARGEST_MESH, body_equilibrium, difference, friction_law, negative_pressure
 from .energy import power_balance, rolling_resistance
 from .entrained_air import air_conditions
 from .outputs import (
@@ -55,7 +55,15 @@ INCONSISTENT, MIN_REDUCTION = 3.0, 0.3
 
 
 def equations_of(result: Any) -> NipEquations:
-    """Return the equations on the mesh of a result."""
+    """Return the equations on the mesh of a result.
+
+    Raises
+    ------
+    ValueError
+        If it has more nodes than the largest mesh.
+    """
+    if result.nodes > LARGEST_MESH:
+        raise ValueError(f"{result.nodes} nodes; must be at most {LARGEST_MESH}")
     return NipSystem(result.without_air, result.nodes)
 
 

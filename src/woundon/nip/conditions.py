@@ -10,9 +10,19 @@ import numpy as np
 from ..errors import InvalidProblem
 from ..results import largest
 
-__all__ = ["body_equilibrium", "difference", "friction_law", "integral", "negative_pressure"]
+__all__ = [
+    "LARGEST_MESH",
+    "body_equilibrium",
+    "difference",
+    "friction_law",
+    "integral",
+    "negative_pressure",
+]
 
 Array = np.ndarray
+
+# Nodes of the contact.  A file with more is rejected before matrices of their square are allocated.
+LARGEST_MESH = 2049
 
 
 def friction_law(

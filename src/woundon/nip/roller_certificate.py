@@ -15,7 +15,7 @@ import numpy as np
 from ..contact.newton import SemismoothNewton
 from ..contact.refinement import MeshSolution
 from ..results import Residuals, largest
-from .conditions import body_equilibrium, friction_law, integral, negative_pressure
+from .conditions import LARGEST_MESH, body_equilibrium, friction_law, integral, negative_pressure
 from .roller_energy import dissipation, roller_power_balance, surface_work
 from .rollers import RollerEquations, RollerState
 
@@ -28,7 +28,9 @@ def state_of(result: Any) -> tuple[RollerEquations, RollerState] | None:
     """Return equations and state from the arrays of a result; None if the arrays are invalid."""
     a, size = result.half_width, result.x.size
     arrays = result.x, result.pressure, result.traction, result.slip_x, result.slip, result.zone
-    if size < 3 or {array.shape for array in arrays} != {(size,)} or not isfinite(a):
+    if not 3 <= size <= LARGEST_MESH or not isfinite(a):
+        return None
+    if {array.shape for array in arrays} != {(size,)}:
         return None
     equations = RollerEquations(result.problem, size)
     if not a > 0 or log(a) > equations.largest_ln_a + 1e-9:

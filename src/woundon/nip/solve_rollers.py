@@ -18,6 +18,7 @@ from ..problems.messages import quote
 from ..problems.rollers import RollerProblem
 from ..results import Residuals, measured
 from ..validity import far_outside
+from .conditions import LARGEST_MESH
 from .load_limit import check_load
 from .roller_certificate import certificate, consistency
 from .roller_result import RollerResult
@@ -32,8 +33,8 @@ Array = np.ndarray
 DEFAULT_RTOL = 1e-3
 # The solver's tolerance of 1e-9 would contribute to smaller ones.
 LEAST_RTOL, MOST_RTOL = 1e-5, 0.1
-# Largest meshes: by default, with an explicit rtol, and with an explicit number of nodes.
-DEFAULT_NODES, MOST_NODES, LARGEST_MESH = 257, 1025, 2049
+# Largest meshes: by default, and with an explicit rtol.
+DEFAULT_NODES, MOST_NODES = 257, 1025
 LEAST_NODES = 7
 NODES_OPTION = Option("Number of nodes on the last mesh.", "7 to 2049.")
 RTOL_OPTION = Option(
