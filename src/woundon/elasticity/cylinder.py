@@ -163,7 +163,7 @@ def surface_kernels(
 
 
 @lru_cache(maxsize=16)
-def layered_kernels(radius: float, layers: Layers, free: bool = False) -> SurfaceKernels:
+def layered_kernels(radius: float, layers: Layers, open_bore: bool = False) -> SurfaceKernels:
     """Return the influence functions of a cylinder of layers, defined on the complete circle.
 
     Parameters
@@ -173,11 +173,11 @@ def layered_kernels(radius: float, layers: Layers, free: bool = False) -> Surfac
     layers : sequence of (depth, A_rr, A_tt, A_rt, G, D)
         Outermost first: ln of the ratio of their radii, and plane-strain stiffness [Pa]; D may be
         omitted, or None.
-    free : bool
+    open_bore : bool
         True for an open bore, False for a rigid core.
     """
     R = float(radius)
-    Y, tail, J, decay, error = _elastic_spectrum(layers, free)
+    Y, tail, J, decay, error = _elastic_spectrum(layers, open_bore)
     n = np.arange(1.0, Y.shape[-1])
     mean, Y = Y[..., 0] / 2, Y[..., 1:]
     # coefficients of 1/n^j of the displacements Y_n, the slopes n Y_n and the strains (1, n) Y_n
@@ -249,15 +249,15 @@ class Spectrum(NamedTuple):
 
 
 @lru_cache(maxsize=2)
-def _elastic_spectrum(layers: Layers, free: bool) -> Spectrum:
+def _elastic_spectrum(layers: Layers, open_bore: bool) -> Spectrum:
     """Return the spectrum of elastic layers.
 
     It is also that of a single viscoelastic layer, relative to its creep compliance.
     """
-    return _spectrum(layers, free)
+    return _spectrum(layers, open_bore)
 
 
-def _spectrum(layers: Layers, free: bool, factors: Factors | None = None) -> Spectrum:
+def _spectrum(layers: Layers, open_bore: bool, factors: Factors | None = None) -> Spectrum:
     """Return the spectrum of layers; with ``factors``, relative to the outermost compliance."""
     depth = float(layers[0][0] or 0.0)
     stiffness: Stiffness = layers[0][1:]  # type: ignore[assignment]
@@ -268,9 +268,9 @@ def _spectrum(layers: Layers, free: bool, factors: Factors | None = None) -> Spe
         N = min(N, MAX_LAYERED_TERMS)
     n = np.arange(N + 1.0)
     if len(layers) == 1 or N <= MAX_DIRECT:
-        Y = _compliance(n, layers, free, factors)
+        Y = _compliance(n, layers, open_bore, factors)
     else:
-        Y = _interpolated_compliance(N, layers, free, factors)
+        Y = _interpolated_compliance(N, layers, open_bore, factors)
     if len(layers) > 1:
         remainder = _remainder(Y, tail, J)
         if 20 / decay > N and remainder[-1] > MAX_REMAINDER:
@@ -284,13 +284,15 @@ def _spectrum(layers: Layers, free: bool, factors: Factors | None = None) -> Spe
     return Spectrum(Y, tail, J, decay, _truncation_error(terms, tail, depth, stiffness, J))
 
 
-def _compliance(n: Array, layers: Layers, free: bool, factors: Factors | None) -> Array:
+def _compliance(n: Array, layers: Layers, open_bore: bool, factors: Factors | None) -> Array:
     """Return Y_n, for viscoelastic layers relative to the compliance of the outermost one."""
-    Y = stacked_compliance(n, layers, free, factors)
+    Y = stacked_compliance(n, layers, open_bore, factors)
     return Y if factors is None else Y * factors(n)[0]
 
 
-def _interpolated_compliance(N: int, layers: Layers, free: bool, factors: Factors | None) -> Array:
+def _interpolated_compliance(
+    N: int, layers: Layers, open_bore: bool, factors: Factors | None
+) -> Array:
     """Return Y_n, n = 0 ... N, with n Y_n interpolated by Chebyshev polynomials of ln n.
 
     The number of points is doubled until the last quarter of the coefficients is negligible.
@@ -298,7 +300,7 @@ def _interpolated_compliance(N: int, layers: Layers, free: bool, factors: Factor
     from scipy.fft import dct  # problems are read and written without SciPy
 
     n = np.arange(N + 1.0)
-    unsampled = _compliance(n[:FIRST_SAMPLED], layers, free, factors)
+    unsampled = _compliance(n[:FIRST_SAMPLED], layers, open_bore, factors)
     Y = np.empty((2, 2, N + 1), dtype=unsampled.dtype)
     Y[..., :FIRST_SAMPLED] = unsampled
     low, high, size = log(FIRST_SAMPLED), log(N), 32
@@ -309,7 +311,7 @@ def _interpolated_compliance(N: int, layers: Layers, free: bool, factors: Factor
         n_sampled = np.exp(low + (high - low) * (1 + np.cos(angle[new_points])) / 2)
         values = np.empty((2, 2, size + 1), dtype=Y.dtype)
         values[..., ::2] = known_values if known_values.size else 0.0
-        values[..., new_points] = n_sampled * _compliance(n_sampled, layers, free, factors)
+        values[..., new_points] = n_sampled * _compliance(n_sampled, layers, open_bore, factors)
         c = dct(values, type=1, axis=-1) / size
         c[..., [0, -1]] /= 2
         if np.abs(c[..., -size // 4 :]).max() < 1e-15 * np.abs(values).max():
@@ -320,7 +322,7 @@ def _interpolated_compliance(N: int, layers: Layers, free: bool, factors: Factor
                 Y[..., k] = np.polynomial.chebyshev.chebval(x[block], c) / n[k]
             return Y
         known_values, size = values, 2 * size
-    Y[..., FIRST_SAMPLED:] = _compliance(n[FIRST_SAMPLED:], layers, free, factors)
+    Y[..., FIRST_SAMPLED:] = _compliance(n[FIRST_SAMPLED:], layers, open_bore, factors)
     return Y
 
 

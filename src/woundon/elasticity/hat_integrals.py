@@ -59,9 +59,11 @@ def singular_integrals(points: Array, nodes: Array) -> Array:
     with np.errstate(divide="ignore"):
         ratio = h / t[:, 1:]
     np.log1p(ratio, out=L, where=np.abs(ratio) < LOG1P_BELOW)
+    # 1/t: L and d L - h
     moment_1 = d * L - h
     _hats_from_moments(out[0], L / 2, moment_1 / h)
-    # in-place operations: these matrices take most of the time of a new mesh
+    # ln|t|: d L - h + h (ln|t0| + ln|t1|)/2 and [d (d L - h) - h^2 L/4]/2, by operations in place,
+    # because these matrices take most of the time of a new mesh
     moment_0 = logs[:, :-1] + logs[:, 1:]
     moment_0 *= h / 2
     moment_0 += moment_1
@@ -93,6 +95,7 @@ def _integrate_dirac_and_sign(
     """Write the integrals of Dirac(t) and sgn(t) against the hats."""
     h = np.diff(nodes)
     dirac[:] = 0.0
+    # hats on one side of y: plus or minus their integral
     np.multiply(np.sign(t), hat_weights(h), out=sign)
     # the two hats of the cell that contains y
     k = np.nonzero((points >= nodes[0]) & (points <= nodes[-1]))[0]

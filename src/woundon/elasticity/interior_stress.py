@@ -158,7 +158,13 @@ def half_plane_sections(
 
 
 def cylinder_sections(
-    x: Array, p: Array, q: Array, depths: Array, radius: float, layers: Layers, free: bool = False
+    x: Array,
+    p: Array,
+    q: Array,
+    depths: Array,
+    radius: float,
+    layers: Layers,
+    open_bore: bool = False,
 ) -> tuple[Section, ...]:
     """Return the stresses in a cylinder of orthotropic layers on a core.
 
@@ -172,7 +178,7 @@ def cylinder_sections(
         R [m].
     layers : sequence of (depth, A_rr, A_tt, A_rt, G, D)
         As of :func:`.layers.stacked_compliance`.
-    free : bool
+    open_bore : bool
         True for an open bore, False for a rigid core.
     """
     from scipy.interpolate import CubicSpline  # problems are read and written without SciPy
@@ -184,7 +190,7 @@ def cylinder_sections(
         n = np.arange(loads.harmonics_needed(roots.slowest_decay * radius * y) + 1)
         # B of the half-plane at all harmonics, plus the difference interpolated between the sampled
         B, k = roots.transfer(n * y), _sampled_harmonics(n.size - 1)
-        difference = traction_transfer(k, *_split_layers(layers, y), free) - B[:, :, k]
+        difference = traction_transfer(k, *_split_layers(layers, y), open_bore) - B[:, :, k]
         B[:, :, 0] += difference[:, :, 0]
         B[:, :, 1:] += CubicSpline(np.log(k[1:]), difference[:, :, 1:], axis=2)(np.log(n[1:]))
         sections.append(loads.section(z, B * (radius / (radius - z))))

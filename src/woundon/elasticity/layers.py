@@ -66,7 +66,7 @@ Factors = Callable[[Array], Array]
 
 
 def stacked_compliance(
-    n: Array, layers: Layers, free: bool = False, factors: Factors | None = None
+    n: Array, layers: Layers, open_bore: bool = False, factors: Factors | None = None
 ) -> Array:
     """Return Y_n [1/Pa], shape (2, 2) + n.shape, of the outer surface of layers on a core.
 
@@ -77,7 +77,7 @@ def stacked_compliance(
     layers : sequence of (depth, A_rr, A_tt, A_rt, G, D)
         Outermost first: ln of the ratio of their radii, and plane-strain stiffness [Pa]; D may be
         omitted, or None.
-    free : bool
+    open_bore : bool
         True for an open bore, False for a rigid core.
     factors : callable, optional
         n -> factors of the moduli of viscoelastic layers, (L, n) complex.
@@ -85,7 +85,9 @@ def stacked_compliance(
     n = np.asarray(n, dtype=float)
     system = LayerSystems.of(*layers)
     parts = [
-        _compliance_on_core(system.stack_matrices(block, factors and factors(block)), block, free)
+        _compliance_on_core(
+            system.stack_matrices(block, factors and factors(block)), block, open_bore
+        )
         for block in _blocks(n.ravel(), layers)
     ]
     return np.concatenate(parts, axis=-1).reshape((2, 2, *n.shape))
@@ -96,7 +98,7 @@ def _blocks(n: Array, layers: Layers) -> list[Array]:
     return np.array_split(n, max(1, n.size * len(layers) // 4096))
 
 
-def traction_transfer(n: Array, upper: Layers, lower: Layers, free: bool = False) -> Array:
+def traction_transfer(n: Array, upper: Layers, lower: Layers, open_bore: bool = False) -> Array:
     """Return B, t = B t1, from the outer surface to a boundary between layers, (2, 2, n).
 
     Parameters
@@ -105,7 +107,7 @@ def traction_transfer(n: Array, upper: Layers, lower: Layers, free: bool = False
         Harmonics, >= 0.
     upper, lower : sequence of (depth, A_rr, A_tt, A_rt, G, D)
         Layers above and below the boundary, as of :func:`stacked_compliance`.
-    free : bool
+    open_bore : bool
         True for an open bore, False for a rigid core.
 
     Notes
@@ -114,20 +116,20 @@ def traction_transfer(n: Array, upper: Layers, lower: Layers, free: bool = False
     B = (I + H Y)^-1 A'.
     """
     n = np.asarray(n, dtype=float)
-    Y, system = stacked_compliance(n, lower, free), LayerSystems.of(*upper)
+    Y, system = stacked_compliance(n, lower, open_bore), LayerSystems.of(*upper)
     stacks = (system.stack_matrices(block) for block in _blocks(n, upper))
     E, _, H = (np.concatenate(parts, axis=-1) for parts in zip(*stacks, strict=True))
     return _product(_inverse_of_identity_plus(_product(H, Y)), _identity_plus(E).swapaxes(0, 1))
 
 
-def _compliance_on_core(stack: SectionMatrices, n: Array, free: bool) -> Array:
+def _compliance_on_core(stack: SectionMatrices, n: Array, open_bore: bool) -> Array:
     """Return Y_n of a stack on a rigid core, Y = Q, or with an open bore, Y = Q + A X A'.
 
     X = H^-1 for n >= 2.  For the rigid motions n = 0 and n = 1, X = f f'/(f' H f) with f = (1, 0)
     and f = (1, 1)/sqrt(2).
     """
     E, Q, H = stack
-    if not free:
+    if not open_bore:
         return Q
     A = _identity_plus(E)
     (a, b), (c, d) = H

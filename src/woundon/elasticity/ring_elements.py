@@ -106,14 +106,14 @@ class Topology:
         n, ids = self.size, self.unknowns
         i = np.broadcast_to(ids[:, :, None], (*ids.shape, 18)).ravel()
         j = np.broadcast_to(ids[:, None, :], (*ids.shape, 18)).ravel()
-        free = np.nonzero((i >= 0) & (j >= 0))[0]
-        flat, slot = np.unique(j[free] * n + i[free], return_inverse=True)
-        return free, slot, flat % n, np.searchsorted(flat, np.arange(n + 1) * n)
+        assembled = np.nonzero((i >= 0) & (j >= 0))[0]
+        flat, slot = np.unique(j[assembled] * n + i[assembled], return_inverse=True)
+        return assembled, slot, flat % n, np.searchsorted(flat, np.arange(n + 1) * n)
 
     def matrix(self, elements: Array) -> sparse.csc_matrix:
         """Assemble element matrices (e, 18, 18)."""
-        free, slot, indices, pointers = self._entries
-        data = np.bincount(slot, elements.ravel()[free], indices.size)
+        assembled, slot, indices, pointers = self._entries
+        data = np.bincount(slot, elements.ravel()[assembled], indices.size)
         return sparse.csc_matrix((data, indices, pointers), shape=(self.size,) * 2)
 
     def vector(self, elements: Array) -> Array:

@@ -62,15 +62,21 @@ def half_plane_kernels(
     relaxation : tuple of (g_k, c_k)
     max_distance : float
         Largest distance |t| at which they are evaluated [m].
+
+    Notes
+    -----
+    An elastic slope or strain k(t) becomes j_0 k(t) plus a lag, sum_m j_m (1 + l_m d/dt)^-1 k.  An
+    elastic displacement, whose derivative is k, becomes sum_m j_m (1 + l_m d/dt)^-1 int k = int k
+    minus a lag of amplitude l_m, with j_0 + sum_m j_m = 1.
     """
     A, B, C = coefficients(*stiffness)
     j_0, j, length = creep(relaxation)
-    # delayed 1/t and Dirac pulses of the elastic slopes and strains, times 1/pi
+    # amplitudes g of Re(g Phi) for the lag of 1/(pi t), and of -Dirac(t)
     pole, pulse = j / pi + 0j, -1j * j / pi
-    of_gradients = np.array([C * pole, A * pulse, A * pulse, -B * pole])
-    of_displacements = -length * np.array([C * pole, -A * pulse, -A * pulse, -B * pole])
-    gradients = Lag(length, of_gradients, max_distance)
-    displacements = Lag(length, of_displacements, max_distance)
+    gradient_amplitudes = np.array([C * pole, A * pulse, A * pulse, -B * pole])
+    displacement_amplitudes = -length * np.array([C * pole, -A * pulse, -A * pulse, -B * pole])
+    gradients = Lag(length, gradient_amplitudes, max_distance)
+    displacements = Lag(length, displacement_amplitudes, max_distance)
     return SurfaceKernels(
         normal_p=Kernel(log=C / pi, lag=displacements.select(0)),
         normal_q=Kernel(sign=-A / 2, lag=displacements.select(1)),
@@ -87,13 +93,13 @@ def half_plane_kernels(
 
 @lru_cache(maxsize=16)
 def layered_kernels(
-    radius: float, layers: Layers, relaxations: tuple[Relaxation, ...], free: bool = False
+    radius: float, layers: Layers, relaxations: tuple[Relaxation, ...], open_bore: bool = False
 ) -> SurfaceKernels:
     """Return the influence functions of a rolling cylinder of layers, some of them viscoelastic.
 
     Parameters
     ----------
-    radius, layers, free
+    radius, layers, open_bore
         As of :func:`.cylinder.layered_kernels`; relaxed stiffness.
     relaxations : tuple of tuples of (g_k, c_k)
         Of each layer, empty if elastic.
@@ -107,7 +113,7 @@ def layered_kernels(
     # all compliances of a single layer vary as J_n: X_n is elastic
     single = len(layers) == 1
     X, tail, J, decay, error = (
-        _elastic_spectrum(layers, free) if single else _spectrum(layers, free, moduli)
+        _elastic_spectrum(layers, open_bore) if single else _spectrum(layers, open_bore, moduli)
     )
     n = np.arange(1.0, X.shape[-1])
     mean, X = X[..., 0].real / 2, X[..., 1:]

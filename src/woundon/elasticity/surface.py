@@ -77,12 +77,12 @@ class RigidSurface:
 
     def __init__(self, face: Face) -> None:
         n = face.nodes.size
-        self._none = np.zeros(n + 1)
+        self._zero = np.zeros(n + 1)
         self._matrix, self._vector = np.zeros((n + 1, n)), np.zeros(n)
 
     def deform(self, p: Array, q: Array) -> Deformation:
         """Return zeros."""
-        return Deformation(self._none, self._none)
+        return Deformation(self._zero, self._zero)
 
     def tangent(self, p: Array, q: Array) -> SurfaceTangent:
         """Return zeros."""

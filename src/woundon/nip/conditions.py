@@ -41,16 +41,16 @@ def friction_law(
     slip_scale : float
         Slip to which slips are relative.
     """
-    stuck, slips = zones == 0, zones != 0
-    direction, sliding = zones[slips], slip[slips]
+    sticks, slips = zones == 0, zones != 0
+    direction = zones[slips]
     invalid_zone = 0.0 if (np.abs(direction) == 1).all() else inf
-    excess = (np.abs(traction) - bound)[stuck] / unit[stuck]
-    off_bound = np.abs(traction[slips] - direction * bound[slips]) / unit[slips]
+    excess = (np.abs(traction) - bound)[sticks] / unit[sticks]
+    deviation = np.abs(traction[slips] - direction * bound[slips]) / unit[slips]
     return {
-        "stick": largest(np.abs(slip[stuck])) / slip_scale,
+        "stick": largest(np.abs(slip[sticks])) / slip_scale,
         "friction_bound": largest(excess),
-        "slip_traction": invalid_zone + largest(off_bound),
-        "slip_direction": largest(-direction * sliding) / slip_scale,
+        "slip_traction": invalid_zone + largest(deviation),
+        "slip_direction": largest(-direction * slip[slips]) / slip_scale,
     }
 
 

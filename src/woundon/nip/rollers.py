@@ -142,8 +142,8 @@ class RollerEquations:
     @property
     def creep_nodes(self) -> Array:
         """All traction nodes, unless the creepage is given."""
-        given = self.problem.creepage is not None
-        return np.arange(0 if given else self.q.stop - self.q.start)
+        is_given = self.problem.creepage is not None
+        return np.arange(0 if is_given else self.q.stop - self.q.start)
 
     def for_problem(self, problem: RollerProblem) -> RollerEquations:
         """Return the equations of a neighbouring problem on the same mesh."""

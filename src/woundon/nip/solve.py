@@ -124,8 +124,8 @@ def solve_with_film(problem: NipProblem, **options: Any) -> NipResult:
     """
     solved, film = solve_with_air(problem, _solve, **options)
     result = result_of(problem, solved.refinement, film).checked()
-    more = [text for text in solved.warnings if text not in result.warnings]
-    return result.replace(warnings=(*result.warnings, *more))
+    dry_warnings = [text for text in solved.warnings if text not in result.warnings]
+    return result.replace(warnings=(*result.warnings, *dry_warnings))
 
 
 def _solve(
@@ -154,8 +154,8 @@ def _solve(
             check=lambda mesh: _check_taut(problem, mesh, CERTAINLY_SLACK),
         )
     except NewtonFailed as failed:
-        outside = _outside_model(problem)
-        raise NotConverged("; ".join(filter(None, (f"no solution: {failed}", outside)))) from None
+        reason = _outside_model(problem)
+        raise NotConverged("; ".join(filter(None, (f"no solution: {failed}", reason)))) from None
     _check_taut(problem, refinement.last)
     _check_pressed(problem, refinement.last)
     result = result_of(problem, refinement).checked()

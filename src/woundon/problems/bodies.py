@@ -526,7 +526,7 @@ class Layered(LayeredBody):
         """
         if not self._is_open:
             return inf
-        Y_2 = float(stacked_compliance(np.array([2.0]), self._stack, free=True)[0, 0, 0])
+        Y_2 = float(stacked_compliance(np.array([2.0]), self._stack, open_bore=True)[0, 0, 0])
         return 4 * pi * self.radius**2 / (27 * Y_2 * contact_radius)
 
     @property

@@ -170,8 +170,8 @@ def _as_profile(problem: RollProblem, pressure: float | Profile) -> Profile:
     if not isinstance(pressure, Profile):
         check_type("pressure", pressure, float, int, Profile)
         if not 0 < pressure < limit:
-            top = f" and < {limit:.6g}" if np.isfinite(limit) else ""
-            text = f"{quote(pressure)} is out of range; must be > 0{top} [Pa]"
+            upper_bound = f" and < {limit:.6g}" if np.isfinite(limit) else ""
+            text = f"{quote(pressure)} is out of range; must be > 0{upper_bound} [Pa]"
             raise InvalidProblem.at("pressure", text)
         pressure = Profile(radius=[core, R], value=[pressure, pressure])
     for k, edge, name in ((0, core, "core.radius"), (-1, R, "radius")):
@@ -183,10 +183,10 @@ def _as_profile(problem: RollProblem, pressure: float | Profile) -> Profile:
             )
     for k, P in enumerate(pressure.value):
         if not 0 <= P < limit or (P == 0 and k + 1 < len(pressure.value)):
-            top = f" and < {limit:.6g}" if np.isfinite(limit) else ""
+            upper_bound = f" and < {limit:.6g}" if np.isfinite(limit) else ""
             raise InvalidProblem.at(
                 f"pressure.value.{k}",
-                f"{quote(P)} is out of range; must be > 0{top} [Pa], or 0 at the surface",
+                f"{quote(P)} is out of range; must be > 0{upper_bound} [Pa], or 0 at the surface",
             )
     return pressure
 

@@ -134,17 +134,17 @@ class StageEquations:
         n, h = x.size - 1, x[1:] - x[:-1]
         g = self.tangential / E - 1
         g_node, g_mid = g[: n + 1], g[n + 1 :]
-        twelfth, third = h * h / 12, h / 3 * g_mid
-        product = twelfth * g_mid
+        twelfth_h2, third_h = h * h / 12, h / 3 * g_mid
+        product = twelfth_h2 * g_mid
         band = np.zeros((3 * BAND + 1, 2 * (n + 1)), order="F")
         diagonal = 2 * BAND  # entry (i, j) is in row diagonal + i - j
         for first, side, end in ((0, -1.0, g_node[:-1]), (2, 1.0, g_node[1:])):
             # the columns of P and Q at the left and at the right end of each cell
             for i, j, value in (
-                (1, first, side + side * twelfth * end),
-                (1, first + 1, -h / 2 - side * 2 * twelfth),
-                (2, first, -h / 6 * (1 + side * h) * end - third),
-                (2, first + 1, side + h + side * (4 * twelfth + product)),
+                (1, first, side + side * twelfth_h2 * end),
+                (1, first + 1, -h / 2 - side * 2 * twelfth_h2),
+                (2, first, -h / 6 * (1 + side * h) * end - third_h),
+                (2, first + 1, side + h + side * (4 * twelfth_h2 + product)),
             ):
                 band[diagonal + i - j, j : j + 2 * n : 2] = value
         band[diagonal, 0], band[diagonal - 1, 1] = -self.core, 1.0

@@ -68,8 +68,8 @@ def constant_moduli(problem: RollProblem, radius: ArrayLike) -> RollStresses:
 
     def homogeneous_solution(x: Array) -> tuple[Array, Array]:
         """Return F and r F' over x = ln(r/rc), scaled by exp((1 - g) x) to prevent overflow."""
-        small = A * np.exp(-2 * g * x)
-        return 1 + small, (g - 1) - (g + 1) * small
+        decaying_term = A * np.exp(-2 * g * x)
+        return 1 + decaying_term, (g - 1) - (g + 1) * decaying_term
 
     # int_r^R T/(s F(s)) ds over y = ln(s/rc); the scaled integrand decays as exp(-(g-1)(y - x))
     curve = problem.tension_curve

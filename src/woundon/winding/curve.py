@@ -115,9 +115,9 @@ class TensionCurve:
         """
         x = np.log(np.maximum(r - self.problem.core.radius, self.problem.web.thickness))
         out = np.empty(x.shape)
-        for piece in self.pieces:
-            outside = x >= piece.start - 1e-12
-            out[outside] = piece.at(np.clip(x[outside], piece.start, piece.end), values)
+        for piece in self.pieces:  # a later piece replaces the values beyond its start
+            beyond = x >= piece.start - 1e-12
+            out[beyond] = piece.at(np.clip(x[beyond], piece.start, piece.end), values)
         first_piece = self.pieces[0]
         below = x < first_piece.start
         dx = x[below] - first_piece.start
@@ -190,12 +190,12 @@ class TensionCurve:
 
     def refine_radii(self, values: Mapping[float, float]) -> bool:
         """Add radii until linear interpolation is accurate; return True if any were added."""
-        before = self.interval_count
+        initial_count = self.interval_count
         while True:
             r = self.knots()
             error, on_core = self._polyline_errors(values, r, self.tension(values, r))
             if max(error, on_core / CORE_ERROR_FACTOR) <= LINEAR_SHARE * self.rtol:
-                return self.interval_count > before
+                return self.interval_count > initial_count
             self.interval_count = ceil(INTERVAL_GROWTH * self.interval_count)
 
     def _polyline_errors(

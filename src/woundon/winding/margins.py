@@ -444,8 +444,8 @@ def _with_source(margin: Margin, problem: Any, named_grade: Grade | None) -> Mar
     field = FIELDS.get(margin.name)
     if field is None or not margin.checked:
         return margin
-    thickness, along = float(problem.web_thickness), float(problem.stack.tangential)
-    source = source_of_limit(field, margin.limit, thickness, along, named_grade)
+    thickness, modulus = float(problem.web_thickness), float(problem.stack.tangential)
+    source = source_of_limit(field, margin.limit, thickness, modulus, named_grade)
     if not source:
         return margin
     return replace(margin, note="; ".join(filter(None, (f"limit of the {source}", margin.note))))
