@@ -19,6 +19,8 @@ CASES = {
     "roll": wo.RollProblem.example(),
     # no nip is solved, which takes seconds
     "winding": wo.WindingProblem.example().replace(tension_law="friction"),
+    # with all limits and their sources
+    "grade": wo.WindingProblem.example().replace(tension_law="friction", grade="uncoated-fine"),
 }
 
 
@@ -26,6 +28,7 @@ CASES = {
 def test_a_report_has_at_most_two_pages(browser, name: str) -> None:
     with unwarned():
         report = report_file([wo.solve(CASES[name])])
+    assert ("drawing to scale" in report) == (name in ("nip", "air", "rollers"))
     page = browser.new_page()
     page.set_content(report)
     printed = page.pdf(format="A4", prefer_css_page_size=True)

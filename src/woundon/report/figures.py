@@ -31,6 +31,8 @@ from .report_parts import GREEK, SYMBOL, ZoneStrips
 
 __all__ = [
     "COLOURS",
+    "ZONE_COLOURS",
+    "ZONE_HATCHES",
     "Picture",
     "along_contact",
     "axis_label",
@@ -52,8 +54,8 @@ Array = np.ndarray
 
 # Palette of Okabe and Ito, distinguishable with any colour vision; in grey by line style
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000")
-_ZONES = {-1: "#E69F00", 0: "#F0F0F0", 1: "#56B4E9"}
-_ZONE_HATCH = {-1: "\\\\\\\\", 0: "", 1: "////"}
+ZONE_COLOURS = {-1: "#E69F00", 0: "#F0F0F0", 1: "#56B4E9"}
+ZONE_HATCHES = {-1: "\\\\\\\\", 0: "", 1: "////"}
 
 _STYLE: Any = {
     "font.family": "DejaVu Sans",
@@ -276,8 +278,8 @@ def draw_zones(
                 right - left,
                 left=left,
                 height=0.7,
-                color=_ZONES[zone],
-                hatch=_ZONE_HATCH[zone],
+                color=ZONE_COLOURS[zone],
+                hatch=ZONE_HATCHES[zone],
                 edgecolor="#666666",
                 linewidth=0.6,
             )
@@ -290,6 +292,8 @@ def draw_zones(
     axes.tick_params(axis="y", length=0)
     words = {0: "stick", 1: f"slip, {strips[0].faster}", -1: f"slip, {strips[0].slower}"}
     return [
-        Patch(facecolor=_ZONES[zone], hatch=_ZONE_HATCH[zone], edgecolor="#666666", label=word)
+        Patch(
+            facecolor=ZONE_COLOURS[zone], hatch=ZONE_HATCHES[zone], edgecolor="#666666", label=word
+        )
         for zone, word in words.items()
     ]

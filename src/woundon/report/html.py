@@ -6,6 +6,7 @@ marks have one, of zones and of a limit that is not kept.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 from html import escape
 from typing import TYPE_CHECKING
@@ -16,7 +17,7 @@ from .report_parts import GREEK, SYMBOL, Line, Part, Row, Section, Verdict, Verd
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["parts_html", "symbol_html", "table_html"]
+__all__ = ["label_html", "parts_html", "symbol_html", "table_html", "unit_html"]
 
 LEFT = "text-align:left"
 RIGHT = "text-align:right"
@@ -50,7 +51,7 @@ def _part(part: Part) -> str:
 
 
 def _paragraph(text: str, style: str = "") -> str:
-    return f'<p style="margin:0.3em 0;{style}">{escape(text)}</p>'
+    return f'<p style="margin:0.3em 0;{style}">{label_html(text)}</p>'
 
 
 def _line(line: Line) -> str:
@@ -66,31 +67,76 @@ def _section(section: Section) -> str:
 
 
 def symbol_html(symbol: str) -> str:
-    """Return a symbol with Greek letters, index and exponent.
+    """Return a symbol with Greek letters, index and exponent; quotients have a symbol on each side.
 
     >>> symbol_html("mu+ p"), symbol_html("T_in")
-    ('&mu;<sup>+</sup> p', 'T<sub>in</sub>')
+    ('<i>&mu;</i><sup>+</sup> <i>p</i>', '<i>T</i><sub>in</sub>')
     """
-    words = []
-    for word in symbol.split(" "):
-        found = SYMBOL.fullmatch(word)
-        if found is None:
-            words.append(escape(word))
-            continue
-        factor, base, number, index, sign = found.groups()
-        letter = f"&{base.replace('eps', 'epsilon')};" if base in GREEK else base
-        below = number + (index or "")
-        below, above = below and f"<sub>{below}</sub>", sign and f"<sup>{sign}</sup>"
-        words.append(f"{factor}{letter}{below}{above}")
-    return " ".join(words)
+    return " ".join("/".join(map(_symbol, word.split("/"))) for word in symbol.split(" "))
+
+
+def _symbol(word: str) -> str:
+    """Return a single symbol; a word that is none as it is."""
+    found = SYMBOL.fullmatch(word)
+    if found is None:
+        return escape(word)
+    factor, base, number, index, sign = found.groups()
+    letter = f"&{base.replace('eps', 'epsilon')};" if base in GREEK else base
+    letter = f"<i>{letter}</i>" if base in GREEK or len(base) == 1 else letter
+    index = f"&{index};" if index in GREEK else index
+    below = number + (index or "")
+    below, above = below and f"<sub>{below}</sub>", sign and f"<sup>{sign}</sup>"
+    return f"{factor}{letter}{below}{above}"
+
+
+# A symbol within words: "T_in", "mu+", "M2", "F"; not the article "A", units as in "2 N" and "N/m",
+# or names as "web_tension".
+_LETTER = r"(?<!\d )[B-Z]\d?(?!\w|/[a-z])"
+_ONE = rf"(?:[A-Za-z]_\w{{1,3}}\b|(?:{'|'.join(sorted(GREEK))})\b[+-]?|{_LETTER})"
+_TERM = rf"-?{_ONE}(?:/{_ONE})?"
+# symbols on their own, or with operators between them: "WOT - T_in", "F = -M2/R2"
+_FORMULA = re.compile(rf"(?<![\w.'=/-])(?:(?:{_TERM}|WOT|NIT) [=+-] )*{_TERM}")
+
+
+def label_html(text: str) -> str:
+    """Return a text whose formulas are typeset, and not broken.
+
+    >>> label_html("nip-induced tension, WOT - T_in")
+    'nip-induced tension, <span style="white-space:nowrap">WOT - <i>T</i><sub>in</sub></span>'
+    >>> label_html("winding force, F = -M2/R2")[15:]
+    '<span style="white-space:nowrap"><i>F</i> = -<i>M</i><sub>2</sub>/<i>R</i><sub>2</sub></span>'
+    """
+    return _FORMULA.sub(lambda found: _formula(found[0]), escape(text))
+
+
+def _formula(text: str) -> str:
+    signed = [("-" if word[0] == "-" and len(word) > 1 else "", word) for word in text.split(" ")]
+    words = " ".join(sign + symbol_html(word.removeprefix(sign)) for sign, word in signed)
+    return f'<span style="white-space:nowrap">{words}</span>' if " " in text else words
+
+
+# units as they are printed
+_UNITS = (("um", "µm"), ("**0.5", "<sup>1/2</sup>"), ("*", "·"))
+
+
+def unit_html(unit: str) -> str:
+    """Return a unit as it is printed.
+
+    >>> unit_html("um"), unit_html("kg/m^3"), unit_html("Pa/m**0.5")
+    ('µm', 'kg/m<sup>3</sup>', 'Pa/m<sup>1/2</sup>')
+    """
+    text = escape(unit)
+    for name, printed in _UNITS:
+        text = text.replace(name, printed)
+    return re.sub(r"\^(\d)", r"<sup>\1</sup>", text)
 
 
 def _row(row: Row) -> str:
     """Return the HTML of a row: meaning, symbol, value, unit and error."""
     error = f" ± {row.error_text}" if row.error_text else ""
-    unit = f'<span style="white-space:nowrap">{escape(row.unit + error)}</span>'
+    unit = f'<span style="white-space:nowrap">{unit_html(row.unit)}{escape(error)}</span>'
     cells = [
-        (escape(row.meaning), LEFT),
+        (label_html(row.meaning), LEFT),
         (symbol_html(row.symbol), f"{LEFT};white-space:nowrap"),
         (row.value_text, RIGHT),
         (unit + escape(row.note), LEFT),
@@ -99,9 +145,9 @@ def _row(row: Row) -> str:
 
 
 def _verdicts(part: Verdicts) -> str:
-    """Return the HTML of a table of limits."""
-    names = ("", "value", "limit", "", "worst at", "", "")
-    sides = (LEFT, RIGHT, RIGHT, *[LEFT] * 4)
+    """Return the HTML of a table of limits; the remarks on each are below it."""
+    names = ("", "value", "limit", "", "worst at", "")
+    sides = (LEFT, RIGHT, RIGHT, *[LEFT] * 3)
     head = "".join(f'<th style="{s}">{name}</th>' for name, s in zip(names, sides, strict=True))
     rows = "\n".join(map(_verdict, part.rows))
     caption = f'<caption style="{LEFT};font-weight:bold">{escape(part.title)}</caption>'
@@ -109,20 +155,21 @@ def _verdicts(part: Verdicts) -> str:
 
 
 def _verdict(row: Verdict) -> str:
-    """Return the HTML of a row of a table of limits."""
+    """Return the HTML of a row of a table of limits, and of the remarks below it."""
     word = escape(row.word)
     word = f'<span style="{ALARM}">{word}</span>' if row.tone == "bad" else word
-    left, right = (f"{side};white-space:nowrap" for side in (LEFT, RIGHT))
+    left, right = (f"{side};white-space:nowrap;border-bottom:0" for side in (LEFT, RIGHT))
     cells = [
-        (escape(row.meaning), LEFT),
+        (escape(row.meaning), f"{LEFT};border-bottom:0"),
         (escape(row.value), right),
         (escape(row.limit), right),
-        (escape(row.unit), left),
+        (unit_html(row.unit), left),
         (escape(row.place), left),
         (word, left),
-        (escape(row.below), f"{LEFT};{QUIET};max-width:28em"),
     ]
-    return "<tr>{}</tr>".format("".join(f'<td style="{s}">{c}</td>' for c, s in cells))
+    values = "".join(f'<td style="{s}">{c}</td>' for c, s in cells)
+    below = f'<td colspan="{len(cells)}" style="{LEFT};{QUIET}">{escape(row.below)}</td>'
+    return f"<tr>{values}</tr>\n<tr>{below}</tr>"
 
 
 def _strips(part: ZoneStrips) -> str:

@@ -14,6 +14,8 @@ from html import escape
 from math import isnan
 from typing import Any
 
+from matplotlib.figure import Figure
+
 from .. import __version__, kinds
 from ..errors import InvalidProblem
 from ..problems.description import Description
@@ -21,14 +23,17 @@ from ..problems.materials import MATERIALS
 from ..quantities import Place, scalar_outputs, walk
 from ..results import Result
 from .figures import figure_bytes
-from .html import parts_html, symbol_html
+from .html import label_html, parts_html, symbol_html, unit_html
 from .outputs_report import LEFT_OUT
 from .plots import panel_columns, plotted
 from .report_parts import Line, Row, Section, output_row, row_of
 from .result_report import report_parts
+from .scale_drawing import scale_drawing
 
 __all__ = ["report_file"]
 
+# A column of panels is printed at half of its width; in a smaller figure its letters are larger.
+PRINTED = 0.82
 # of a drawing, what is no part of the picture
 _APART = re.compile(r"<metadata>.*?</metadata>|<!--.*?-->", re.DOTALL)
 _STYLE = """\
@@ -58,6 +63,7 @@ div.columns p { font-size: 7.5pt; }
 thead { display: table-header-group; }
 figure { margin: 3mm 0; }
 figure svg { width: 100%; height: auto; max-height: 92mm; }
+i { font-family: "STIX Two Text", "Times New Roman", "DejaVu Serif", serif; font-size: 1.08em; }
 tr.differs td { background: #FFF3D6; }
 p.source { margin: 0; font-size: 7.5pt; color: #444; }
 * { print-color-adjust: exact; -webkit-print-color-adjust: exact; }
@@ -257,8 +263,9 @@ def _table(
         # a dotted name may go on in the next line behind a dot or an underscore
         name, *middle, symbol = words
         name = re.sub(r"([._])", r"\1<wbr>", escape(name))
-        cells = "".join(f"<td>{c}</td>" for c in (name, *map(escape, middle), symbol_html(symbol)))
-        cells += "".join(f'<td class="n">{escape(number)}</td>' for number in numbers)
+        meanings = map(label_html, middle)
+        cells = "".join(f"<td>{c}</td>" for c in (name, *meanings, symbol_html(symbol)))
+        cells += "".join(f'<td class="n">{unit_html(number)}</td>' for number in numbers)
         body += f"<tr{mark}>{cells}</tr>\n"
     return f"<table><thead><tr>{head}</tr></thead><tbody>\n{body}</tbody></table>"
 
@@ -273,14 +280,24 @@ def _figure(results: Sequence[Result], names: Sequence[str] | None) -> Iterator[
     except InvalidProblem as fault:
         yield f"<p>{escape(str(fault))}</p>"
         return
+    drawing = scale_drawing(results[0]) if len(results) == 1 else None
+    if drawing is not None:
+        yield _inline(drawing, "drawing to scale", 0)
     yield '<div class="figures">'
-    for number, panels in enumerate(columns):
-        drawn = figure_bytes(plotted(results, labels=names, panels=panels), ".svg").decode()
-        svg = _APART.sub("", drawn[drawn.index("<svg") :])
-        # two drawings of one page may not name their parts alike
-        svg = re.sub(r'(id="|url\(#|href="#)', rf"\g<1>f{number}-", svg)
-        yield f'<figure role="img" aria-label="{escape(", ".join(panels))}">{svg}</figure>'
+    for number, panels in enumerate(columns, 1):
+        figure = plotted(results, labels=names, panels=panels, lettered=False)
+        width, height = figure.get_size_inches()
+        figure.set_size_inches(PRINTED * width, PRINTED * height)
+        yield _inline(figure, ", ".join(panels), number)
     yield "</div>"
+
+
+def _inline(figure: Figure, label: str, number: int) -> str:
+    """Return a figure as SVG; two figures of one page may not name their parts alike."""
+    drawn = figure_bytes(figure, ".svg").decode()
+    svg = _APART.sub("", drawn[drawn.index("<svg") :])
+    svg = re.sub(r'(id="|url\(#|href="#)', rf"\g<1>f{number}-", svg)
+    return f'<figure role="img" aria-label="{escape(label)}">{svg}</figure>'
 
 
 def _footer(results: Sequence[Result]) -> str:

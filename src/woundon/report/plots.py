@@ -115,10 +115,12 @@ def plotted(
     *,
     labels: Sequence[str] | None = None,
     panels: str | Sequence[str] | None = None,
+    lettered: bool = True,
 ) -> Figure:
     """Return the figure of :func:`plot` for a file: not registered with a window or notebook."""
     given, cases = _cases(results, labels)
-    figure: Figure = drawn(_common_panels(given), cases, choice=panels, registered=False)
+    options: Any = {"choice": panels, "lettered": lettered, "registered": False}
+    figure: Figure = drawn(_common_panels(given), cases, **options)
     return figure
 
 

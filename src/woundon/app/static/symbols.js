@@ -11,7 +11,7 @@ function parts(symbol) {
   const found = FORM.exec(symbol);
   if (!found) return null;
   const [, factor, base, number, index, sign] = found;
-  return { factor, base: GREEK[base] ?? base, below: number + (index ?? ""), sign };
+  return { factor, base: GREEK[base] ?? base, below: number + (GREEK[index] ?? index ?? ""), sign };
 }
 
 /** The symbol as markup, words apart ("mu+ p"). */

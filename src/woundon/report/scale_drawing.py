@@ -1,0 +1,185 @@
+"""The contact drawn to scale: both bodies with the web, and the nip enlarged.
+
+Between the edges of the nip the surfaces lie on each other, as round as the stiffer body; outside,
+the gap is that of Hertz.  The directions are those of the page: the web runs to the right, between
+the roll above and the drum below.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import pi
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle, Polygon
+
+from ..results import zone_runs
+from .figures import ZONE_COLOURS, ZONE_HATCHES, Picture, quantity_of, shown, style
+from .report_parts import zone_strips
+
+__all__ = ["scale_drawing"]
+
+Array = np.ndarray
+
+NAMES = {"roll": "wound roll", "drum": "winding drum", "upper": "upper", "lower": "lower"}
+FILL = ("#DCEBF5", "#FBE6D8")  # of the upper and the lower body
+LINE, WEB = "#555555", "#222222"
+WIDTH, HEIGHT, WHOLE = 7.3, 1.75, 2.2  # inches; the last is the width of the whole bodies
+REACH = 1.25  # half widths of the nip that the enlarged part shows
+BAND = 0.055  # height of a zone, of the width of the enlarged part
+LEAST_WEB = 0.012  # a thinner web is drawn as thick as this, of the same width
+ARC = 60
+
+
+def scale_drawing(result: Any) -> Figure | None:
+    """Return the drawing of the contact of two bodies; None for other kinds of results."""
+    if len(getattr(result.problem, "pair", ())) != 2 or zone_strips(result) is None:
+        return None
+    with style():
+        figure = Picture.new((WIDTH, HEIGHT), registered=False)
+        ratios = (WHOLE, WIDTH - WHOLE)
+        whole, nip = figure.subplots(1, 2, gridspec_kw={"width_ratios": ratios})
+        for axes in (whole, nip):
+            axes.set_aspect("equal")
+            axes.axis("off")
+        _draw_bodies(whole, result)
+        _draw_nip(nip, result)
+    return figure
+
+
+# ---- both bodies --------------------------------------------------------------------------------
+
+
+def _draw_bodies(axes: Axes, result: Any) -> None:
+    """Draw both bodies with their layers and cores, and the web on them."""
+    problem = result.problem
+    upper, lower = problem.bodies
+    for name, body, side, fill in zip(problem.pair, problem.bodies, (1, -1), FILL, strict=True):
+        centre = (0.0, side * body.radius)
+        for radius in _radii(body):
+            axes.add_patch(_circle(centre, radius, fill, hatch="//////" if body.rigid else ""))
+        if core := _core_radius(body):
+            axes.add_patch(_circle(centre, core, "white"))
+        axes.plot(*centre, "+", color=LINE, markersize=5, markeredgewidth=0.7)
+        size = f"$R$ {quantity_of(result, 'half_width').shown(body.radius):.4g} mm"
+        text = f"{NAMES[name]}\n{size}{', rigid' * body.rigid}"
+        axes.annotate(text, (1.1 * body.radius, centre[1]), va="center", fontsize=7)
+    if hasattr(problem, "web"):
+        axes.plot(*_web_path(upper.radius, lower.radius, problem), color=WEB, linewidth=1.3)
+    widest = max(upper.radius, lower.radius)
+    axes.set_xlim(-1.5 * widest, 2.6 * widest)
+    axes.set_ylim(-2.06 * lower.radius, 2.06 * upper.radius)
+
+
+def _circle(centre: tuple[float, float], radius: float, fill: str, hatch: str = "") -> Circle:
+    return Circle(centre, radius, facecolor=fill, edgecolor=LINE, linewidth=0.7, hatch=hatch)
+
+
+def _radii(body: Any) -> list[float]:
+    """Return the outer radii of a body's layers, the outermost first."""
+    thicknesses = [layer.thickness for layer in getattr(body, "layers", ())]
+    return list(body.radius - np.concatenate([[0.0], np.cumsum(thicknesses[:-1])]))
+
+
+def _core_radius(body: Any) -> float:
+    """Return the inner radius of the elastic part of a body; 0 if it has none."""
+    return 0.0 if body.rigid else max(0.0, float(body.radius - body.thickness))
+
+
+def _web_path(roll: float, drum: float, problem: Any) -> tuple[Array, Array]:
+    """Return the web's path: straight onto the drum, through the nip, around the roll."""
+    on_drum = np.linspace(problem.drum_wrap, 0.0, ARC)
+    on_roll = np.linspace(0.0, problem.roll_wrap, ARC)
+    x = np.concatenate([-drum * np.sin(on_drum), roll * np.sin(on_roll)])
+    y = np.concatenate([-drum * (1 - np.cos(on_drum)), roll * (1 - np.cos(on_roll))])
+    length = 1.4 * max(roll, drum) - drum * np.sin(min(problem.drum_wrap, pi / 2))
+    start = problem.drum_wrap
+    x = np.concatenate([[x[0] - length * np.cos(start)], x])
+    y = np.concatenate([[y[0] - length * np.sin(start)], y])
+    if not problem.roll_wrap:
+        x, y = np.append(x, 1.4 * roll), np.append(y, 0.0)
+    return x, y
+
+
+# ---- the nip ------------------------------------------------------------------------------------
+
+
+def _draw_nip(axes: Axes, result: Any) -> None:
+    """Draw the nip with its zones, its width and a scale bar [mm]."""
+    problem = result.problem
+    upper, lower = problem.bodies
+    a = float(shown(result, "half_width"))
+    reach = REACH * a
+    height = reach * HEIGHT / (WIDTH - WHOLE)  # half of it
+    web = quantity_of(result, "half_width").shown(problem.web.thickness) if _has_web(result) else 0
+    drawn = max(web, LEAST_WEB * 2 * reach) if web else 0.0
+    x = np.linspace(-reach, reach, 201)
+    above, below = _surfaces(x, a, problem, drawn)
+    for surface, side, body, fill in ((above, 1, upper, FILL[0]), (below, -1, lower, FILL[1])):
+        outline = np.column_stack([x, surface])
+        corners = [[reach, side * height], [-reach, side * height]]
+        hatch = "////" if body.rigid else ""
+        face = Polygon([*outline, *corners], facecolor=fill, edgecolor="none", hatch=hatch)
+        axes.add_patch(face)
+        axes.plot(x, surface, color=LINE, linewidth=0.7)
+    if web:
+        axes.fill_between(x, below, above, color=WEB, linewidth=0)
+    _draw_zones(axes, result, x, above, below, BAND * 2 * reach)
+    _draw_dimensions(axes, a, reach, height)
+    if web:
+        thicker = " (drawn thicker)" if drawn > web else ""
+        text = rf"web {1e3 * web:.4g} $\mathrm{{\mu m}}${thicker}"
+        axes.annotate(text, (-0.97 * reach, -0.93 * height), fontsize=7)
+    axes.set_xlim(-reach, reach)
+    axes.set_ylim(-height, height)
+
+
+def _has_web(result: Any) -> bool:
+    return hasattr(result.problem, "web")
+
+
+def _surfaces(x: Array, a: float, problem: Any, web: float) -> tuple[Array, Array]:
+    """Return the heights of both surfaces at the positions x, all lengths in mm."""
+    upper, lower = problem.bodies
+    curvatures = [1 / (1e3 * body.radius) for body in (upper, lower)]
+    # share of the upper body's roundness in the contact
+    share = 0.5 if upper.rigid == lower.rigid else float(upper.rigid)
+    contact = (share * curvatures[0] - (1 - share) * curvatures[1]) * x**2 / 2
+    t = np.maximum(np.abs(x) / a, 1.0)
+    gap = a * a * sum(curvatures) / 2 * (t * np.sqrt(t * t - 1) - np.arccosh(t))
+    return contact + (1 - share) * gap + web / 2, contact - share * gap - web / 2
+
+
+def _draw_zones(axes: Axes, result: Any, x: Array, above: Array, below: Array, band: float) -> None:
+    """Draw the zones of each face as a band along its surface."""
+    strips = zone_strips(result)
+    assert strips is not None
+    faces: Sequence[tuple[Array, int]] = ((above, 1), (below, -1))
+    positions = quantity_of(result, "x").shown(strips.x)
+    for (surface, side), zones in zip(faces, strips.faces.values(), strict=False):
+        for zone, first, last in zone_runs(positions, zones):
+            ends = np.linspace(first, last, 9)
+            inner = np.interp(ends, x, surface)
+            outline = [*zip(ends, inner, strict=True)]
+            outline += [*zip(ends[::-1], inner[::-1] + side * band, strict=True)]
+            patch = Polygon(outline, facecolor=ZONE_COLOURS[zone], hatch=ZONE_HATCHES[zone])
+            patch.set(edgecolor="#666666", linewidth=0.5)
+            axes.add_patch(patch)
+
+
+def _draw_dimensions(axes: Axes, a: float, reach: float, height: float) -> None:
+    """Draw the width of the nip and a bar of a round length [mm]."""
+    arrow = {"arrowstyle": "<->", "color": LINE, "linewidth": 0.7, "shrinkA": 0, "shrinkB": 0}
+    level = 0.62 * height
+    axes.annotate("", (-a, level), (a, level), arrowprops=arrow)
+    axes.vlines([-a, a], 0.3 * height, 0.75 * height, color=LINE, linewidth=0.5)
+    centred: Any = {"ha": "center", "fontsize": 7, "textcoords": "offset points"}
+    axes.annotate(f"$2a$ = {2 * a:.4g} mm", (0, level), (0, 2), va="bottom", **centred)
+    power = 10.0 ** np.floor(np.log10(0.4 * reach))
+    length = max(n * power for n in (1, 2, 5) if n * power <= 0.4 * reach)
+    end, level = 0.95 * reach, -0.72 * height
+    axes.plot([end - length, end], [level, level], "|-", color=LINE, linewidth=0.8)
+    axes.annotate(f"{length:.4g} mm", (end - length / 2, level), (0, -3), va="top", **centred)
