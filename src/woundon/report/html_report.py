@@ -33,7 +33,7 @@ from .scale_drawing import scale_drawing
 __all__ = ["report_file"]
 
 # A column of panels is printed at half of its width; in a smaller figure its letters are larger.
-PRINTED = 0.82
+PRINTED = 0.88
 # of a drawing, what is no part of the picture
 _APART = re.compile(r"<metadata>.*?</metadata>|<!--.*?-->", re.DOTALL)
 _STYLE = """\
