@@ -30,7 +30,12 @@ SOLVED = [case for case in golden() if not case.is_rejected]
 REJECTED = [case for case in golden() if case.is_rejected]
 EVERY = {"windings": 5}  # one of so many cases is solved where that takes seconds
 # Outputs that differ from version 0.2 by more than three times the sum of the error estimates
-EXPLAINED: dict[tuple[str, str], str] = {}
+EXPLAINED: dict[tuple[str, str], str] = {
+    ("viscoelastic: random viscoelastic nip, seed 3", "approach"): (
+        "in version 0.2 the lag of the normal displacement of a half-plane under tractions has the "
+        "wrong sign: its derivative is not the slope (tests/verification/test_viscoelastic.py)"
+    ),
+}
 # Sampled values that differ by more than compare_samples allows
 AT_A_JUMP = {
     # the stick-slip boundary lies at 0.8 a, where the traction has an infinite slope

@@ -330,6 +330,23 @@ def test_a_viscoelastic_roll_downstream_of_the_nip() -> None:
         assert miss <= 2 * coarse.errors[name]
 
 
+@pytest.mark.parametrize(
+    ("displacement", "gradient"),
+    [("normal_p", "slope_p"), ("normal_q", "slope_q"),
+     ("tangent_p", "strain_p"), ("tangent_q", "strain_q")],
+)  # fmt: skip
+def test_slopes_of_a_half_plane_are_derivatives_of_its_displacements(
+    displacement: str, gradient: str
+) -> None:
+    """Closed form: dv/dx and du/dx by a central difference, on either side of the line load."""
+    material = wo.Isotropic(youngs_modulus=1e6, poissons_ratio=0.3, prony=[(1.5e6, 0.01)])
+    kernels = rolling.half_plane_kernels(material.stiffness, material.relaxation(1.0), 0.1)
+    w, slope = getattr(kernels, displacement), getattr(kernels, gradient)
+    t, h = np.array([-0.02, -0.005, 0.005, 0.02]), 1e-7
+    difference = (w.singular(t + h) - w.singular(t - h)) / (2 * h)
+    np.testing.assert_allclose(difference, slope.singular(t), rtol=1e-7, atol=1e-15)
+
+
 def test_half_plane_and_deep_cylinder_agree() -> None:
     """A small load on a large solid cylinder sees a half-plane, its lags too."""
     material = rubber()

@@ -74,9 +74,8 @@ def half_plane_kernels(
     # amplitudes g of Re(g Phi) for the lag of 1/(pi t), and of -Dirac(t)
     pole, pulse = j / pi + 0j, -1j * j / pi
     gradient_amplitudes = np.array([C * pole, A * pulse, A * pulse, -B * pole])
-    displacement_amplitudes = -length * np.array([C * pole, -A * pulse, -A * pulse, -B * pole])
     gradients = Lag(length, gradient_amplitudes, max_distance)
-    displacements = Lag(length, displacement_amplitudes, max_distance)
+    displacements = Lag(length, -length * gradient_amplitudes, max_distance)
     return SurfaceKernels(
         normal_p=Kernel(log=C / pi, lag=displacements.select(0)),
         normal_q=Kernel(sign=-A / 2, lag=displacements.select(1)),
