@@ -22,6 +22,7 @@ import sys
 import threading
 import time
 import types
+import warnings
 from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager, suppress
@@ -216,6 +217,8 @@ class Worker:
                 return self._executor.submit(work, *args)
         from joblib.externals.loky import ProcessPoolExecutor
 
+        # a process that has grown ends between two tasks, and the next task starts another one
+        warnings.filterwarnings("ignore", "A worker stopped while some jobs", UserWarning)
         with _interrupts_masked():
             self._executor = ProcessPoolExecutor(
                 1,

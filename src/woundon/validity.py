@@ -173,7 +173,11 @@ def zone_warnings(x: Array, faces: Mapping[str, Array], slips: str = "the web") 
             if dual and end == inner.size:
                 where = "the dual-slip zone"
             nodes = "1 node" if end - first == 1 else f"{end - first} nodes"
-            yield f"{RESOLUTION}{nodes} in {where}; use nodes={2 * x.size - 1}"
+            cell = 1e3 * float(np.diff(x[first : end + 2]).max())
+            yield (
+                f"{RESOLUTION}{nodes} in {where}, the ends of which are known to {cell:.2g} mm; "
+                f"use nodes={2 * x.size - 1}"
+            )
 
 
 def _zone_name(zone: Zone, slips: str) -> str:

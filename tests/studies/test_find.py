@@ -68,6 +68,14 @@ def test_a_value_is_recovered_from_the_output_that_it_gives(field, value):
     assert single.wound_on_tension == pytest.approx(tension, rel=2e-7)
 
 
+def test_the_target_may_be_a_total_force_and_a_symbol_is_recognised():
+    problem = wo.NipProblem.example().replace(width=2.0)
+    found = wo.find(problem, "nip_load", wound_on_tension="1.4 kN", points=5, nodes=33)
+    assert found.target == 700.0
+    with pytest.raises(wo.InvalidProblem, match="did you mean 'wound_on_tension'"):
+        wo.find(problem, "nip_load", WOT=700.0)
+
+
 @pytest.mark.slow
 def test_all_solutions_are_found():
     """The wound-on tension has a maximum over the angle of a short wrap."""

@@ -37,6 +37,16 @@ def test_every_row_is_what_a_single_solve_gives():
     assert (found.failure == "").all()
 
 
+def test_forces_are_divided_by_the_width_of_the_web():
+    totals = {"nip_load [kN]": [4.0, 5.0], "Web tension [N]": [600.0, 700.0]}
+    found = solved(totals, NIP.replace(width=2.0))
+    per_width = {"nip_load [N/m]": [2000.0, 2500.0], "Web tension [N/m]": [300.0, 350.0]}
+    np.testing.assert_allclose(found[WOT], solved(per_width)[WOT], rtol=1e-10)
+    assert found["nip_load [kN]"].tolist() == [4.0, 5.0]
+    with pytest.raises(wo.InvalidProblem, match="a force is divided by the width of the web"):
+        solved(totals)
+
+
 def test_a_faulty_row_is_explained_and_the_others_are_solved():
     table = {
         "nip_load [N/m]": [2000.0, "abc", -5.0, 3000.0, 3000.0],

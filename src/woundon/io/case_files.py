@@ -122,6 +122,8 @@ def tables_of_text(content: bytes, where: str) -> dict[str, Any]:
         case = tomllib.loads(text)
     except UnicodeDecodeError as fault:
         why = f"is not UTF-8 text, from byte {fault.start}; save it as UTF-8"
+        if content.startswith(b"PK"):  # a zip archive, as Excel files are
+            why = "is an Excel file, not a case file; 'woundon table' solves the cases of a table"
         raise InvalidProblem.at(where, why) from None
     except RecursionError:
         raise InvalidProblem.at(where, "is not a case file: it is nested too deeply") from None

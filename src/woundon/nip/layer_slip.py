@@ -109,7 +109,7 @@ class LayerSlip(ReadOnly):
         if self.ratio <= 1:
             return ""
         return (
-            f"the shear between the layers of the roll is up to {self.ratio:.2g} times what "
+            f"the shear between the layers of the roll is up to {self.ratio:.3g} times what "
             f"friction can carry, down to {self.depth * 1e3:.3g} mm ({self.layers} layers): the "
             "tension holds only if the layers below the web do not slide"
         )

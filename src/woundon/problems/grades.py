@@ -435,8 +435,8 @@ def with_grade(
         found = grade(given.pop("grade"))
     except InvalidProblem as fault:
         faults += fault.faults
-        faults += [(name, "") for name in model.graded]  # They are not missing.
-        return given
+        faults += [(name, "") for name in model.graded]  # They are neither missing nor incomplete.
+        return {name: value for name, value in given.items() if name not in model.graded}
     if not model.graded:
         faults.append(("grade", f"a {model.__name__} has no web; must be left out"))
         return given

@@ -36,6 +36,7 @@ __all__ = [
     "conversion_order",
     "convert",
     "convert_fields",
+    "convert_number",
     "is_basis_weight",
     "is_word",
 ]
@@ -284,7 +285,7 @@ def _convert_value(
             return value
         if any(is_word(value, p.field.annotation) for p in places):
             return value
-        return _convert_number(text, quantity, path, context)
+        return convert_number(text, quantity, path, context)
     except InvalidProblem as fault:
         faults += fault.faults
         return value
@@ -341,7 +342,7 @@ def _value_with_unit(text: str, path: str) -> FloatWithUnit:
 # ---- one number ---------------------------------------------------------------------------------
 
 
-def _convert_number(text: str, quantity: Quantity, path: str, context: Context) -> float:
+def convert_number(text: str, quantity: Quantity, path: str, context: Context) -> float:
     """Return text as a number in the SI unit of a quantity."""
     unit = quantity.unit
     if unit == "N/m" and has_dimension(text, "N"):

@@ -81,6 +81,7 @@ _SPELLINGS = {
     "inches": "in",
     '"': "in",
     "\N{DOUBLE PRIME}": "in",
+    "thou": "mil",
     "foot": "ft",
     "feet": "ft",
     "mic": "um",
@@ -378,7 +379,9 @@ def _factor(text: str, unit: str, field: str, value: str) -> Fraction:
             raise _fault(field, value, f"has the unknown unit {name!r}", unit, _nearest(name))
     factor = _converted(text, unit)
     if factor is None:
-        raise _fault(field, value, "has the wrong dimension", unit)
+        total = unit == "N/m" and _converted(text, "N") is not None
+        hint = "; a force is divided by the width of the web" if total else ""
+        raise _fault(field, value, "has the wrong dimension", unit, hint)
     return factor
 
 

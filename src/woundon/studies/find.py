@@ -18,6 +18,7 @@ import numpy as np
 
 from ..arguments import whole_number
 from ..errors import InvalidProblem, NoSolution, NotConverged, warn
+from ..problems.inputs import conversion_context, convert_number
 from ..problems.messages import quote
 from ..problems.permitted import admissible, bounds
 from ..problems.problem import Problem
@@ -257,7 +258,7 @@ def find(
     base = get_field(problem, name)
     if name not in quantities or not isinstance(base, float | None):
         raise InvalidProblem.at(name, f"{quote(base)} is not a number, so it cannot be found")
-    aim = parse(value, quantities[output].unit, output)
+    aim = _target_in_si(value, quantities[output], output, problem)
     if not isfinite(aim):
         raise InvalidProblem.at(output, f"the target {quote(aim)} is not a finite number")
     count = whole_number("points", points, 3, 1000)
@@ -295,6 +296,13 @@ def find(
 
 
 # ---- input --------------------------------------------------------------------------------------
+
+
+def _target_in_si(value: float | str, quantity: Quantity, output: str, problem: Problem) -> float:
+    """Return the target in SI; with the width of the web a total force is one per width."""
+    if isinstance(value, str):
+        return convert_number(value, quantity, output, conversion_context(problem))
+    return parse(value, quantity.unit, output)
 
 
 def _one_target(target: Mapping[str, float | str]) -> tuple[str, float | str]:

@@ -140,6 +140,8 @@ def _estimates(fit: Any) -> Iterator[str]:
             text += f" ({error / abs(value):.0%})" if value else ""
         if name in profiles:
             text += f"; 95 % profile interval {_interval(fit, profiles[name])}"
+            if not (isfinite(profiles[name].low) or isfinite(profiles[name].high)):
+                text += ": the data do not determine it within its bounds"
         if name in fit.at_bound:
             text += "; at its bound: widen the bounds, or the data do not determine it"
         yield text

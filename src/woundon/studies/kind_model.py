@@ -450,7 +450,11 @@ def _no_output(problem: Problem, name: str) -> str:
     instead = replaced(problem)
     if name in instead:
         return f"no such output: {instead[name]}"
-    return f"not a scalar output{did_you_mean(name, scalar_outputs(kinds.of(problem).result))}"
+    known = scalar_outputs(kinds.of(problem).result)
+    symbols = {quantity.symbol.lower(): output for output, quantity in known.items()}
+    if name.lower() in symbols:
+        return f"not a scalar output; did you mean {symbols[name.lower()]!r}?"
+    return f"not a scalar output{did_you_mean(name, known)}"
 
 
 def _value(result: Any, name: str) -> Any:
