@@ -18,8 +18,10 @@ from woundon.cli.commands import main
 from woundon.io.case_files import to_toml
 from woundon.studies.window_map import (
     MarginMap,
+    expansion_of,
     fitted,
     from_reserve,
+    linear_expansion,
     lobatto,
     standard_normal,
     to_reserve,
@@ -105,10 +107,44 @@ def test_the_probability_of_linear_margins(slopes, expected):
     """Closed form: margins 0.5 + s_1 z and 1 + s_2 z of standard normal z."""
     centre = np.zeros((1, 2))
     nominal = fitted(centre, np.array([[0.5, 1.0]]), [0, 0])
-    parts = tuple(fitted(centre, np.array([column]), [0, 0]) for column in np.array(slopes).T)
-    mapped = MarginMap(nominal, parts, np.zeros((2, 2)), standard_normal(2, 4096, 0))
+    expansion = linear_expansion(np.array(slopes).T, 2)
+    mapped = MarginMap(nominal, expansion, standard_normal(2, 4096, 0))
     # 0.003: Sobol points err by less than 1/5 of the standard deviation of independent draws
     assert mapped.probability(centre)[0] == pytest.approx(expected, abs=0.003)
+
+
+def test_an_expansion_of_second_order_is_found_exactly():
+    """Closed form: f = (2 + x_1) z_1 + 0.5 z_1 z_2 + z_2^2 + 0.1 z_3.
+
+    Its mean is 1 and its variance (2 + x_1)^2 + 0.25 + 2 + 0.01; the product counts half for z_1.
+    """
+    rng = np.random.default_rng(0)
+    x, z = rng.uniform(-1, 1, (60, 2)), rng.standard_normal((60, 3))
+
+    def f(x, z):
+        return ((2 + x[:, 0]) * z[:, 0] + 0.5 * z[:, 0] * z[:, 1] + z[:, 1] ** 2
+                + 0.1 * z[:, 2])[:, None]  # fmt: skip
+
+    expansion = expansion_of(x, z, f(x, z), [1, 0])
+    mapped = MarginMap(fitted(np.zeros((1, 2)), np.zeros((1, 1)), [0, 0]), expansion, z)
+    x, z = rng.uniform(-1, 1, (20, 2)), rng.standard_normal((20, 3))
+    # 1e-12: rounding of a least-squares solution
+    np.testing.assert_allclose(mapped.margins(x, z), f(x, z), atol=1e-12)
+    mean, deviation = mapped.moments(x)
+    np.testing.assert_allclose(mean, 1.0, atol=1e-12)
+    parts = np.stack([(2 + x[:, 0]) ** 2 + 0.125, 0 * x[:, 0] + 2.125, 0 * x[:, 0] + 0.01], axis=-1)
+    np.testing.assert_allclose(mapped.variances(x)[:, 0], parts, atol=1e-12)
+    np.testing.assert_allclose(deviation[:, 0] ** 2, parts.sum(axis=-1), atol=1e-12)
+
+
+def test_few_points_permit_few_quadratic_terms():
+    """Invariance: with too few points for all inputs, linear changes remain exact."""
+    rng = np.random.default_rng(0)
+    x, z = rng.uniform(-1, 1, (24, 2)), rng.standard_normal((24, 6))
+    slopes = np.arange(6.0)[:, None]
+    expansion = expansion_of(x, z, z @ slopes, list(range(6)))
+    assert len(expansion.products) < 24 / 2
+    np.testing.assert_allclose(expansion.variances(x)[:, 0], [slopes[:, 0] ** 2] * 24, atol=1e-12)
 
 
 def test_schedules_keep_their_shape():

@@ -69,6 +69,7 @@ def _compute(asked: Mapping[str, Any], send: Callable[[Mapping[str, Any]], None]
                     problem_of(asked["case"]),
                     asked["web_tension"],
                     asked["nip_load"],
+                    asked["torque_split"],
                     uncertain=asked["uncertain"],
                     # at least two: a single one would solve in the server itself
                     workers=max(2, min(usable_cores(), MOST_WORKERS)),
@@ -88,13 +89,19 @@ def _compute(asked: Mapping[str, Any], send: Callable[[Mapping[str, Any]], None]
 
 
 def _content(window: OperatingWindow) -> dict[str, Any]:
-    """Return a window for JSON, SI units; the map by rows of equal web tension."""
+    """Return a window for JSON, SI units; the map by rows of equal web tension.
+
+    With a torque split its levels are innermost.  ``binding`` and ``dominant`` are numbers of
+    margins and inputs, -1 if there is none.
+    """
     return {
         "names": list(window.names),
         "axes": [axis.tolist() for axis in window.axes],
         "probability": window.probability.ravel().tolist(),
         "binding": window.binding.ravel().tolist(),
         "margins": list(window.margins),
+        "dominant": window.dominant.ravel().tolist(),
+        "inputs": list(window.uncertain),
         "best": _point(window.best),
         "errors": dict(window.errors),
         "windings": window.windings,

@@ -84,8 +84,10 @@ def _draw_window(axes: Axes, cases: Sequence[Case]) -> list[Any]:
         )
         handles.append(Patch(facecolor=NONE, label="no steady state, or not solved"))
     for value, line in zip(LEVELS, STYLES, strict=True):
-        if np.nanmin(probability) < value < np.nanmax(probability):
-            axes.contour(x, y, probability.T, [value], colors="black", linestyles=[line])
+        if not np.nanmin(probability) < value < np.nanmax(probability):
+            continue
+        contour = axes.contour(x, y, probability.T, [value], colors="black", linestyles=[line])
+        if any(len(path.vertices) for path in contour.get_paths()):  # none next to a gap
             handles.append(Line2D([], [], color="black", linestyle=line, label=f"P = {value:g}"))
     handles += axes.plot(
         tension.shown(best.values["web_tension"]),

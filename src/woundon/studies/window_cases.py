@@ -140,6 +140,9 @@ def share_polynomials(
 ) -> Shares:
     """Return the friction shares as a function of set point and inputs.
 
+    Polynomials interpolate their arcsine transform: shares are at most 1 and, near the core, where
+    the roll is hard, little more than 0, which sums of effects would pass.
+
     Parameters
     ----------
     windings : Windings
@@ -150,19 +153,31 @@ def share_polynomials(
         Largest degree along each coordinate.
     steps : sequence of Case
         One for each input, which is one standard deviation higher, all at the same solved point.
-        The dependence on an input is linear and the same at all set points.
+        The effect of an input on the transform is linear and the same at all set points.
     """
     median = (0.0,) * len(steps)
-    y = np.array([windings.shares[x, median] for x in points])
-    nominal = fitted(np.array(points), y, degrees)
-    slopes = np.zeros((len(steps), y.shape[1]))
+    angles = np.array([_angle(windings.shares[x, median]) for x in points])
+    nominal = fitted(np.array(points), angles, degrees)
+    slopes = np.zeros((len(steps), angles.shape[1]))
     for k, (x, inputs) in enumerate(steps):
         if windings.is_solved((x, inputs)):
-            slopes[k] = windings.shares[x, inputs] - windings.shares[x, median]
+            slopes[k] = _angle(windings.shares[x, inputs]) - _angle(windings.shares[x, median])
 
     def shares(case: Case) -> tuple[float, ...]:
         x, inputs = case
-        found = nominal(np.array([x]))[0] + np.array(inputs) @ slopes
-        return tuple(found.tolist())
+        angle = nominal(np.array([x]))[0] + np.array(inputs) @ slopes
+        return tuple(_share(angle).tolist())
 
     return shares
+
+
+def _angle(share: Array) -> Array:
+    """Return the arcsine transform of shares in [-1, 1], an odd function."""
+    size = np.minimum(np.abs(share), 1.0)
+    return np.asarray(np.sign(share) * np.arcsin(np.sqrt(size)))
+
+
+def _share(angle: Array) -> Array:
+    """Return the shares of their arcsine transforms."""
+    size = np.minimum(np.abs(angle), np.pi / 2)
+    return np.asarray(np.sign(angle) * np.sin(size) ** 2)

@@ -1,7 +1,7 @@
 r"""Margins over the operating point and the probability that all of them hold.
 
     y_i = asinh(a) - asinh(a (1 - m_i)),     a = 5,     y_i >= 0 if and only if m_i >= 0
-    y_i(x, z) = M_i(x) + sum_j [ G_ij(x) z_j + C_ij z_j^2 / 2 ],     z_j ~ N(0, 1)
+    y_i(x, z) = M_i(x) + sum_t c_it(x) psi_t(z),     z_j ~ N(0, 1)
 
 m_i is a reserve as a share of its limit, so that 1 - m_i is the ratio of value and limit.  Values
 are about powers of the set points and of the inputs, and the logarithm of a power is linear: asinh
@@ -9,26 +9,35 @@ is a logarithm for large ratios that also admits values of zero and of the other
 
 x are the coordinates of the operating point, each scaled to [-1, 1], and z_j the logarithms of the
 uncertain inputs in standard deviations from their medians.  M is a Chebyshev interpolant at
-Chebyshev-Lobatto points, G is bilinear in the first two coordinates, C is constant.  One sample of
-z is common to all points, so that the probability is continuous in x and the margins stay
-correlated.
+Chebyshev-Lobatto points.  The changes with z are a polynomial chaos expansion of second order:
+psi_t are products of normalised Hermite polynomials, 1, z_j, z_j z_k and (z_j^2 - 1)/sqrt(2), and
+their factors c_t are linear in x, found by least squares.  One sample of z is common to all points,
+so that the probability is continuous in x and the margins stay correlated.
+
+Reference: B. Sudret, Global sensitivity analysis using polynomial chaos expansions, Reliability
+Engineering and System Safety 93 (2008) 964-979.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import product
+from itertools import combinations_with_replacement, product
 
 import numpy as np
 from numpy.polynomial import chebyshev
 
 __all__ = [
+    "NEGLIGIBLE",
+    "Expansion",
     "MarginMap",
+    "Polynomial",
     "SetPoints",
     "distance",
+    "expansion_of",
     "fitted",
     "from_reserve",
+    "linear_expansion",
     "lobatto",
     "standard_normal",
     "to_reserve",
@@ -38,9 +47,9 @@ Array = np.ndarray
 # Share of the points that polynomials may have as coefficients if points are missing: least squares
 # through scattered points oscillate when there are as many coefficients as points.
 USED_SHARE = 0.7
-
-
+POINTS_PER_TERM = 2  # of an expansion by least squares, the usual number
 RATIO = 5.0  # a: logarithmic from a fifth of the limit
+NEGLIGIBLE = 1e-6  # standard deviation of y below which a margin is certain
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +91,7 @@ class SetPoints:
 
 def distance(mean: Array, deviation: Array) -> Array:
     """Return means in standard deviations; without a deviation a large multiple of the mean."""
-    return np.asarray(mean / np.maximum(deviation, 1e-6))
+    return np.asarray(mean / np.maximum(deviation, NEGLIGIBLE))
 
 
 def from_reserve(m: Array) -> Array:
@@ -170,6 +179,112 @@ def _terms(powers: tuple[tuple[int, ...], ...], x: Array) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
+class Expansion:
+    """Changes of the margins with the uncertain inputs: sum_t c_t(x) psi_t(z).
+
+    Attributes
+    ----------
+    products : tuple of tuple of int
+        Inputs of each psi: () of 1, (j,) of z_j, (j, k) of z_j z_k, (j, j) of
+        (z_j^2 - 1)/sqrt(2).  They are orthonormal for z of the standard normal distribution.
+    factors : (products, 1 + d, margins) array
+        Of 1, x_1, ..., x_d in c.
+    inputs : int
+    """
+
+    products: tuple[tuple[int, ...], ...]
+    factors: Array
+    inputs: int
+
+    def at(self, x: Array) -> Array:
+        """Return c at set points, (points, margins, products)."""
+        return np.einsum("pk,tkm->pmt", _with_one(x), self.factors)
+
+    def basis(self, z: Array) -> Array:
+        """Return psi of inputs, (draws, products)."""
+        return _hermite(self.products, z)
+
+    def mean(self, x: Array) -> Array:
+        """Return the mean change, (points, margins)."""
+        is_one = [product == () for product in self.products]
+        return np.asarray(self.at(x)[..., is_one].sum(axis=-1))
+
+    def variances(self, x: Array) -> Array:
+        """Return the contributions of the inputs to the variance, (points, margins, inputs).
+
+        The variance of a product is divided equally among its inputs (Shapley effects).
+        """
+        shares = np.zeros((len(self.products), self.inputs))
+        for t, inputs in enumerate(self.products):
+            for j in inputs:
+                shares[t, j] += 1 / len(inputs)
+        return np.asarray(self.at(x) ** 2 @ shares)
+
+
+def linear_expansion(differences: Array, d: int) -> Expansion:
+    """Return the expansion of changes that are linear in the inputs.
+
+    Parameters
+    ----------
+    differences : (inputs, margins) array
+        For one standard deviation of each input; those that are nan count as zero.
+    d : int
+        Number of coordinates of the set points.
+    """
+    inputs, margins = differences.shape
+    factors = np.zeros((inputs, 1 + d, margins))
+    factors[:, 0] = np.nan_to_num(differences)
+    return Expansion(tuple((j,) for j in range(inputs)), factors, inputs)
+
+
+def expansion_of(x: Array, z: Array, changes: Array, important: Sequence[int]) -> Expansion:
+    """Return the expansion of changes that are known at set points with inputs, by least squares.
+
+    Parameters
+    ----------
+    x : (points, d) array
+    z : (points, inputs) array
+    changes : (points, margins) array
+        y(x, z) - M(x).
+    important : sequence of int
+        Inputs, the most important one first.  Their linear effects depend on the set point, and
+        their squares and products are included, of as many of them as the points permit.
+    """
+    (d, inputs), important = (x.shape[1], z.shape[1]), list(important)
+    while important and POINTS_PER_TERM * _terms_of(inputs, len(important), d) > len(x):
+        important.pop()
+    products: list[tuple[int, ...]] = [(), *((j,) for j in range(inputs))]
+    products += combinations_with_replacement(sorted(important), 2)
+    # which of 1, x_1, ..., x_d are factors of each product
+    varies = [len(p) == 0 or (len(p) == 1 and p[0] in important) for p in products]
+    used = np.array([[True, *([v] * d)] for v in varies])
+    rows = _hermite(products, z)[:, :, None] * _with_one(x)[:, None, :]
+    factors = np.zeros((*used.shape, changes.shape[1]))
+    factors[used] = np.linalg.lstsq(rows[:, used], changes, rcond=1e-10)[0]
+    return Expansion(tuple(products), factors, inputs)
+
+
+def _terms_of(inputs: int, important: int, d: int) -> int:
+    """Return the number of coefficients of an expansion."""
+    return 1 + d + inputs + important * d + important * (important + 1) // 2
+
+
+def _with_one(x: Array) -> Array:
+    return np.column_stack([np.ones(len(x)), x])
+
+
+def _hermite(products: Sequence[tuple[int, ...]], z: Array) -> Array:
+    """Return products of normalised Hermite polynomials, (points, products)."""
+    values = np.ones((len(z), len(products)))
+    for t, p in enumerate(products):
+        is_square = len(p) == 2 and p[0] == p[1]
+        values[:, t] = (
+            (z[:, p[0]] ** 2 - 1) / np.sqrt(2) if is_square else np.prod(z[:, list(p)], axis=1)
+        )
+    return values
+
+
+@dataclass(frozen=True, eq=False)
 class MarginMap:
     """The margins as functions of the operating point and the uncertain inputs.
 
@@ -177,28 +292,18 @@ class MarginMap:
     ----------
     nominal : Polynomial
         M, of (margins,) coefficients.
-    slopes : tuple of Polynomial
-        G of each input, in the first two coordinates.
-    curvature : (margins, inputs) array
-        C.
+    expansion : Expansion
     sample : (draws, inputs) array
         z.
     """
 
     nominal: Polynomial
-    slopes: tuple[Polynomial, ...]
-    curvature: Array
+    expansion: Expansion
     sample: Array
-
-    def slopes_at(self, x: Array) -> Array:
-        """Return G, (points, margins, inputs)."""
-        if not self.slopes:
-            return np.zeros((len(x), len(self.curvature), 0))
-        return np.stack([slope(x[:, :2]) for slope in self.slopes], axis=-1)
 
     def moments(self, x: Array) -> tuple[Array, Array]:
         """Return mean and standard deviation of y, (points, margins) each."""
-        mean = self.nominal(x) + self.curvature.sum(axis=1) / 2
+        mean = self.nominal(x) + self.expansion.mean(x)
         return mean, np.sqrt(self.variances(x).sum(axis=-1))
 
     def reserves(self, x: Array) -> tuple[Array, Array]:
@@ -208,12 +313,12 @@ class MarginMap:
 
     def variances(self, x: Array) -> Array:
         """Return the contributions to the variance of y, (points, margins, inputs)."""
-        return self.slopes_at(x) ** 2 + self.curvature**2 / 2
+        return self.expansion.variances(x)
 
     def margins(self, x: Array, z: Array) -> Array:
         """Return y at set points with inputs z, one for each point, (points, margins)."""
-        change = np.einsum("pmi,pi->pm", self.slopes_at(x), z)
-        return np.asarray(self.nominal(x) + change + z**2 @ self.curvature.T / 2)
+        change = np.einsum("pmt,pt->pm", self.expansion.at(x), self.expansion.basis(z))
+        return np.asarray(self.nominal(x) + change)
 
     def probability(self, x: Array, shift: Array | float = 0.0) -> Array:
         """Return the probability that all margins hold, (points,).
@@ -228,10 +333,9 @@ class MarginMap:
 
     def holds(self, x: Array, shift: Array | float = 0.0) -> Array:
         """Return a mask of the margins that hold for each draw, (points, margins, draws)."""
-        mean, slopes = self.nominal(x) + shift, self.slopes_at(x)
+        mean, factors = self.nominal(x) + shift, self.expansion.at(x)
+        basis = self.expansion.basis(self.sample).T
         found = np.empty((len(x), mean.shape[1], len(self.sample)), dtype=bool)
-        squares = self.sample.T**2 / 2
-        for k, curvature in enumerate(self.curvature):
-            change = slopes[:, k] @ self.sample.T + curvature @ squares
-            found[:, k] = mean[:, k, None] + change >= 0
+        for k in range(mean.shape[1]):
+            found[:, k] = mean[:, k, None] + factors[:, k] @ basis >= 0
         return found

@@ -18,7 +18,7 @@ from .design import make_design
 from .engine import Progress, run_study
 from .kind_model import get_field
 from .runners import runner_for
-from .window_map import MarginMap, SetPoints, distance, standard_normal
+from .window_map import NEGLIGIBLE, MarginMap, SetPoints, distance, standard_normal
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -93,11 +93,11 @@ class OperatingWindow(Presented, ReadOnly):
         The reserves there with median inputs; nan where the winding failed.
     failures : tuple of (point, reason)
     errors : mapping of str to float
-        Largest error of the probability over the map from ``interpolation``, ``expansion`` in the
-        uncertain inputs, and ``sampling``; nan if unknown.
+        Estimated error of the probability, the largest of the map, from ``interpolation``,
+        ``expansion`` in the uncertain inputs, and ``sampling``; nan if unknown.
     interpolation, expansion : (margins,) arrays
-        Largest difference of each mapped margin from windings at other set points, with median
-        inputs and with inputs one standard deviation off, as a share of its limit near the limit.
+        Root mean square difference of each mapped margin from windings at other set points, with
+        median inputs and with inputs one standard deviation off, as a share of its limit near it.
     windings : int
         Windings whose nips were solved.
     is_coarse : bool
@@ -156,6 +156,20 @@ class OperatingWindow(Presented, ReadOnly):
         return np.where(np.isnan(self.probability), -1, np.argmin(self.index, axis=-1))
 
     @property
+    def dominant(self) -> Array:
+        """Number of the input that contributes most to the variance of the binding margin.
+
+        Over the map; -1 where no steady state exists or no input matters.
+        """
+        mesh = np.stack(np.meshgrid(*self.axes, indexing="ij"), axis=-1)
+        x = self.set_points.coordinates(mesh.reshape(-1, len(self.names)))
+        binding = self.binding.ravel()
+        variances = self.map.variances(x)[np.arange(len(x)), binding]
+        known = (binding >= 0) & (variances.sum(axis=-1) > NEGLIGIBLE**2)
+        numbers = np.where(known, np.argmax(variances, axis=-1), -1)
+        return np.asarray(numbers.reshape(self.probability.shape))
+
+    @property
     def best(self) -> OperatingPoint:
         """The point of the map with the highest probability.
 
@@ -187,7 +201,7 @@ class OperatingWindow(Presented, ReadOnly):
         k = int(np.argmin(distance(*self.map.moments(x))[0]))
         reserves, deviations = (part[0].tolist() for part in self.map.reserves(x))
         variances = self.map.variances(x)[0, k]
-        shares = variances / (variances.sum() or 1.0)
+        shares = variances / max(float(variances.sum()), NEGLIGIBLE**2)
         ranked = sorted(zip(self.uncertain, shares.tolist(), strict=True), key=lambda p: -p[1])
         return OperatingPoint(
             values=dict(zip(self.names, point.tolist(), strict=True)),

@@ -2,8 +2,8 @@
 
     nips     windings with nips at 3 x 3 set points, and at the centre with each input one standard
              deviation higher: the friction shares as polynomials of set point and inputs
-    rolls    windings with these shares, which need no nips: 5 x 5 set points, and differences in
-             the inputs at the centre and at four more points
+    rolls    windings with these shares, which need no nips: at 5 x 5 set points with median inputs,
+             and at set points and inputs drawn from their distributions
     checks   windings with nips at eight other set points, four of them with other inputs: errors
 
 If shares are of no help, the windings of the second stage are solved like those of the first.
@@ -12,16 +12,20 @@ If shares are of no help, the windings of the second stage are solved like those
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import cached_property
 
 import numpy as np
 
 from ..errors import InvalidProblem, NotConverged
 from .window_cases import Case, CaseSolver, Point, Shares, Windings, share_polynomials
 from .window_map import (
+    Expansion,
     MarginMap,
     Polynomial,
     distance,
+    expansion_of,
     fitted,
+    linear_expansion,
     lobatto,
     standard_normal,
     to_reserve,
@@ -33,9 +37,13 @@ __all__ = ["WindowStudy"]
 
 Array = np.ndarray
 GRID = 33  # points of the map along web tension and nip load
-IMPORTANT = 0.01  # of the variance of a margin at the centre, from which its slope is mapped
+# of the variance of some margin at the centre, from which an input has quadratic effects as well
+IMPORTANT = 0.01
+# windings with drawn inputs: of rolls, which are fast, and with nips
+DRAWN, DRAWN_WITH_NIPS = 128, 48
 FEWEST = 4  # solved windings from which a map is made
-INNER = 0.5**0.5  # coordinate of the second and fourth of five Lobatto points
+FEWEST_DRAWN = 2  # for each coefficient of an expansion that is linear in the inputs
+INNER = 0.5**0.5  # torque split of the checks, between two of its three levels
 # off all lines of the 5 x 5 points, halfway between them in the angle
 OUTER, MIDDLE = 0.92387953, 0.38268343
 CHECKS = ((OUTER, MIDDLE), (-MIDDLE, OUTER), (-OUTER, -MIDDLE), (MIDDLE, -OUTER))
@@ -70,9 +78,10 @@ class WindowStudy:
         self.uses_shares = bool(solver.model.depths)
         self.nips = Windings()
         self.rolls = Windings() if self.uses_shares else self.nips
+        self.has_nips = solver.model.problem.tension_law == "nip"
         self.expected = len(self.rough) + self.inputs + len(CHECKS) + len(CHECKS_OF_INPUTS)
-        if not self.uses_shares:  # four more slopes for three inputs are expected to be mapped
-            self.expected += len(self.fine) - len(self.rough) + 5 * min(3, self.inputs)
+        if not self.uses_shares:
+            self.expected += len(self.fine) - len(self.rough) + self._draws()
 
     # ---- stages ---------------------------------------------------------------------------------
 
@@ -89,14 +98,9 @@ class WindowStudy:
         return self._window(self.nips, self.rough, [2, 2, *self.degrees], is_coarse=True)
 
     def complete(self) -> OperatingWindow:
-        """Solve all points, the slopes of the inputs that matter, and the checks."""
+        """Solve all points, the windings with drawn inputs, and the checks."""
         shares = self._shares() if self.uses_shares else None
-        up = self._steps(range(self.inputs), 1.0)
-        down = self._steps(self._important(self.nips), -1.0)
-        self._solve("rolls", self.rolls, [*self._nominal(self.fine), *up, *down], shares)
-        important = self._important(self.rolls)
-        slopes = [(x, self._step(k, 1.0)) for k in important for x in self._outer()]
-        self._solve("slopes", self.rolls, slopes, shares)
+        self._solve("rolls", self.rolls, [*self._nominal(self.fine), *self._drawn], shares)
         self._solve("checks", self.nips, [*self._checks(), *self._checks_of_inputs()])
         return self._window(self.rolls, self.fine, [4, 4, *self.degrees], is_coarse=False)
 
@@ -131,11 +135,25 @@ class WindowStudy:
         """Return the cases at the reference point with one input changed."""
         return [(self.reference, self._step(k, size)) for k in numbers]
 
-    def _outer(self) -> list[Point]:
-        """Return the four other points at which slopes are computed."""
-        third = (0.0,) * len(self.degrees)
-        places = [(u, v, *third) for u in (-INNER, INNER) for v in (-INNER, INNER)]
-        return [_nearest(place, self.fine) for place in places]
+    def _draws(self) -> int:
+        """Return the number of windings with drawn inputs."""
+        if self.inputs == 0:
+            return 0
+        return DRAWN_WITH_NIPS if self.has_nips and not self.uses_shares else DRAWN
+
+    @cached_property
+    def _drawn(self) -> list[Case]:
+        """Cases at admissible set points, even in x, with inputs of their distribution."""
+        from scipy.stats import norm, qmc
+
+        d = len(self.set_points.names)
+        # more than needed, because some set points may not be admissible
+        points = qmc.Sobol(d + self.inputs, rng=0).random(4 * DRAWN)
+        x = 2 * points[:, :d] - 1
+        z = norm.ppf(np.clip(points[:, d:], 1e-12, 1 - 1e-12))  # 0 is possible after rounding
+        admissible = self._admissible(x)
+        places, inputs = (part[admissible][: self._draws()].tolist() for part in (x, z))
+        return list(zip(map(tuple, places), map(tuple, inputs), strict=True))
 
     def _checks(self) -> list[Case]:
         """Return cases with median inputs at set points between those of the polynomials."""
@@ -151,58 +169,47 @@ class WindowStudy:
         """Return the torque split of a check, between two of its three levels."""
         return [(-1) ** k * INNER] * len(self.degrees)
 
-    # ---- differences in the inputs --------------------------------------------------------------
-
-    def _important(self, windings: Windings) -> list[int]:
-        """Return the inputs that matter at the reference point, or whose effect is unknown."""
-        checked = self._checked()
-        slopes, curvature = (part[checked] for part in self._differences(windings))
-        variance = slopes**2 + curvature**2 / 2
-        total = np.nansum(variance, axis=1, keepdims=True)
-        share = variance / np.where(total > 0, total, 1.0)
-        return np.nonzero(~(share <= IMPORTANT).all(axis=0))[0].tolist()
+    # ---- effects of the inputs ------------------------------------------------------------------
 
     def _checked(self) -> Array:
         """Return the margins that have a limit: those that are a number in any winding."""
         return np.isfinite(np.array(list(self.nips.margins.values()))).any(axis=0)
 
-    def _differences(self, windings: Windings) -> tuple[Array, Array]:
-        """Return slopes and curvatures at the reference point, (margins, inputs), nan if unknown.
+    def _differences(self, checked: Array) -> Array:
+        """Return the changes at the reference point, (inputs, margins), nan if unknown."""
+        base = self.nips.margins[self.reference, self.median]
+        steps = self._steps(range(self.inputs), 1.0)
+        changes = [self.nips.margins[case] - base for case in steps]
+        return np.reshape(changes, (self.inputs, len(self.names)))[:, checked]
 
-        Central differences, or differences to one side with zero curvature.
+    def _important(self, checked: Array) -> list[int]:
+        """Return the inputs that matter for some margin, the most important one first.
+
+        Inputs of an unknown effect are among them.
         """
-        unknown = np.full(len(self.names), np.nan)
-        base = windings.margins.get((self.reference, self.median), unknown)
-        up, down = (
-            np.array([windings.margins.get(case, unknown) - base for case in self._steps_to(side)])
-            for side in (1.0, -1.0)
-        )
-        both = np.isfinite(up) & np.isfinite(down)
-        slopes = np.where(both, (up - down) / 2, np.where(np.isfinite(up), up, -down))
-        return slopes.T, np.where(both, up + down, 0.0).T
+        variance = self._differences(checked) ** 2
+        total = np.nansum(variance, axis=0)
+        share = (variance / np.where(total > 0, total, 1.0)).max(axis=1)
+        share[np.isnan(share)] = 1.0
+        order = np.argsort(-share, kind="stable")
+        return [k for k in order.tolist() if share[k] > IMPORTANT]
 
-    def _steps_to(self, side: float) -> list[Case]:
-        return self._steps(range(self.inputs), side)
+    def _expansion(self, windings: Windings, nominal: Polynomial, checked: Array) -> Expansion:
+        """Return the effects of the inputs by all windings with other than median inputs.
 
-    def _expansion(
-        self, windings: Windings, checked: Array
-    ) -> tuple[tuple[Polynomial, ...], Array]:
-        """Return slopes as functions of the set point, and curvatures."""
-        parts = self._differences(windings)
-        at_reference, curvature = (np.nan_to_num(part[checked]) for part in parts)
-        slopes = []
-        for k in range(self.inputs):
-            points, values = [self.reference[:2]], [at_reference[:, k]]
-            for x in self._outer():
-                up, base = (x, self._step(k, 1.0)), (x, self.median)
-                if windings.is_solved(up) and windings.is_solved(base):
-                    change = (windings.margins[up] - windings.margins[base])[checked]
-                    points.append(x[:2])
-                    # a difference to one side contains half of the curvature
-                    values.append(change - curvature[:, k] / 2)
-            degree = 1 if len(points) == 5 else 0
-            slopes.append(fitted(np.array(points), np.array(values), [degree, degree]))
-        return tuple(slopes), curvature
+        Without drawn inputs, in the preview, these are the differences at the reference point.
+        """
+        cases = [*self._steps(range(self.inputs), 1.0), *self._drawn]
+        rows = []
+        for case in cases:
+            solved = windings if windings.is_solved(case) else self.nips
+            if solved.is_solved(case) and np.isfinite(solved.margins[case][checked]).all():
+                rows.append((*case, solved.margins[case][checked]))
+        d = len(self.set_points.names)
+        if len(rows) < FEWEST_DRAWN * (self.inputs + d + 1):
+            return linear_expansion(self._differences(checked), d)
+        x, z, margins = (np.array(part) for part in zip(*rows, strict=True))
+        return expansion_of(x, z, margins - nominal(x), self._important(checked))
 
     # ---- maps -----------------------------------------------------------------------------------
 
@@ -264,7 +271,7 @@ class WindowStudy:
             raise NotConverged(f"{text}: {self._reasons(windings)}")
         nominal = fitted(x[solved], margins[solved], degrees)
         draws = standard_normal(self.inputs, *self.sampling)
-        return MarginMap(nominal, *self._expansion(windings, checked), draws)
+        return MarginMap(nominal, self._expansion(windings, nominal, checked), draws)
 
     def _reject(self) -> None:
         """Raise the error for a study without any solved winding or without limits."""
@@ -308,13 +315,13 @@ class WindowStudy:
         return tuple(zip(map(tuple, points), reasons.values(), strict=True))
 
     def _deviation(self, mapped: MarginMap, checked: Array, cases: Sequence[Case]) -> Array:
-        """Return the largest differences of the margins from windings, nan without windings."""
+        """Return root mean square differences of the margins from windings, nan without any."""
         solved = [case for case in cases if self.nips.is_solved(case)]
         if not solved:
             return np.full(int(checked.sum()), np.nan)
         x, z = (np.array(part) for part in zip(*solved, strict=True))
         margins = np.array([self.nips.margins[case][checked] for case in solved])
-        return np.asarray(np.abs(mapped.margins(x, z) - margins).max(axis=0))
+        return np.asarray(np.sqrt(np.mean((mapped.margins(x, z) - margins) ** 2, axis=0)))
 
 
 def _probability_errors(

@@ -107,6 +107,7 @@ export const T = {
   window: {
     title: "Operating window", about: "The probability that the roll keeps all its limits, over the set points at the core. Schedules become constant values when a point is used.",
     probability: "Probability that all margins hold", spreads: "Spread of the inputs: as of the grade", run: "Compute", take: "Use this point",
+    split: "also over the torque split", mainly: (name) => `uncertain mainly by ${name}`,
     onlyWindings: "An operating window needs a winding: choose the kind Winding.",
     atCore: (label) => `${label}, at the core`, progress: (done, of) => (of ? `${done} of about ${of} windings` : ""),
     best: (probability, point) => `Highest probability ${probability} at ${point}`, binding: (name) => `binding margin: ${name}`, none: "no steady state",

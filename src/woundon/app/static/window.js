@@ -8,24 +8,28 @@ import { T } from "./texts.js";
 import { digits } from "./units.js";
 
 const NAMES = ["web_tension", "nip_load"];
+const SPLIT = "torque_split"; // a third range, if it is chosen
+const USUAL_SPLIT = [0, 0.5];
 const PROBABILITY = { label: T.window.probability, unit: "1", shown_unit: "" };
 
 export function Window({ store }) {
   const { state, units, catalogue } = store;
   const [ends, setEnds] = useState({});
   const [grade, setGrade] = useState("");
+  const [withSplit, setWithSplit] = useState(false);
   if (state.kind !== "winding") return html`<p class="quiet">${T.window.onlyWindings}</p>`;
   const found = state.window; // it goes on while other tabs are shown
-  const rangeOf = (name) => ends[name] ?? [0.5, 1.5].map((factor) => Number((factor * atCore(at(state.case, name))).toPrecision(3)));
+  const rangeOf = (name) => ends[name] ?? (name === SPLIT ? USUAL_SPLIT : [0.5, 1.5].map((factor) => Number((factor * atCore(at(state.case, name))).toPrecision(3))));
+  const names = withSplit ? [...NAMES, SPLIT] : NAMES;
   const chosen = grade || store.grade || catalogue.grades[0].name;
-  const ready = NAMES.every((name) => { const [low, high] = rangeOf(name); return low > 0 && high > low; });
+  const ready = names.every((name) => { const [low, high] = rangeOf(name); return (name === SPLIT ? low >= 0 : low > 0) && high > low; });
   const run = async () => {
     const abort = new AbortController();
     const outcome = { done: 0, of: 0, running: true, abort };
     const put = (patch) => { Object.assign(outcome, patch); store.set({ window: { ...outcome } }); };
     put({});
     try {
-      const body = { case: state.case, uncertain: chosen, ...Object.fromEntries(NAMES.map((name) => [name, rangeOf(name)])) };
+      const body = { case: state.case, uncertain: chosen, ...Object.fromEntries(names.map((name) => [name, rangeOf(name)])) };
       await api.operatingWindow(body, (event) => {
         if (event.event === "progress") put({ done: event.done, of: event.of });
         else if (event.event === "window") put({ map: event });
@@ -39,9 +43,10 @@ export function Window({ store }) {
   const box = (name, k) => html`<${End} ...${{ units, id: `window-${name}-${k}`, words: k ? T.study.to : T.study.from, field: store.fieldAt(name), value: rangeOf(name)[k],
     put: (value) => setEnds({ ...ends, [name]: rangeOf(name).map((end, n) => (n === k ? value : end)) }) }} />`;
   return html`<section class="tab-card window"><h2>${T.window.title}</h2><p class="quiet">${T.window.about}</p>
-    <div class="study-form">${NAMES.map((name) => html`<div class="axis-row" key=${name}><span class="stacked whole">${T.window.atCore(store.fieldAt(name).label)}</span>${box(name, 0)}${box(name, 1)}</div>`)}
+    <div class="study-form">${names.map((name) => html`<div class="axis-row" key=${name}><span class="stacked whole">${T.window.atCore(store.fieldAt(name).label)}</span>${box(name, 0)}${box(name, 1)}</div>`)}
       <div class="axis-row"><label class="stacked">${T.window.spreads}<select id="window-grade" value=${chosen} onChange=${(event) => setGrade(event.target.value)}>
         ${catalogue.grades.map(({ name, title }) => html`<option value=${name} selected=${name === chosen}>${title}</option>`)}</select></label>
+        <label class="check"><input type="checkbox" id="window-split" checked=${withSplit} onChange=${(event) => setWithSplit(event.target.checked)} /> ${T.window.split}</label>
         <div class="study-run"><button type="button" class="primary" id="window-run" disabled=${!ready || found?.running} onClick=${run}>${T.window.run}</button>
           <button type="button" id="window-cancel" disabled=${!found?.running} onClick=${() => found.abort.abort()}>${T.study.cancel}</button></div></div></div>
     ${found && html`<div class="study-state" role="status"><progress max=${found.of || 1} value=${found.done} aria-label=${T.window.title}></progress>
@@ -51,11 +56,24 @@ export function Window({ store }) {
   ${found?.map && html`<${WindowMap} store=${store} map=${found.map} />`}`;
 }
 
+/** Values over the first two axes at one level of the third, if there is one. */
+const atLevel = (values, levels, level) => values.filter((_, k) => k % levels === level);
+
 function WindowMap({ store, map }) {
   const { units } = store;
+  const levels = map.axes[2] ?? [0];
+  const bestLevel = Math.max(0, levels.indexOf(map.best.values[map.names[2]]));
+  const [chosen, choose] = useState(null); // the level of the highest probability until another one is chosen
+  const level = chosen ?? bestLevel;
+  const [probabilities, bound, dominant] = [map.probability, map.binding, map.dominant].map((values) => atLevel(values, levels.length, level));
   const axis = (k) => ({ path: map.names[k], field: { ...store.fieldAt(map.names[k]), label: T.window.atCore(store.fieldAt(map.names[k]).label) }, values: map.axes[k] });
   const titleOf = (name) => store.state.result?.margins?.find((margin) => margin.name === name)?.title ?? name.replaceAll("_", " ");
-  const binding = (i, j) => { const k = map.binding[i * map.axes[1].length + j]; return k < 0 ? `; ${T.window.none}` : `; ${T.window.binding(titleOf(map.margins[k]))}`; };
+  const binding = (i, j) => {
+    const place = i * map.axes[1].length + j;
+    if (bound[place] < 0) return `; ${T.window.none}`;
+    const input = dominant[place] < 0 ? "" : `, ${T.window.mainly(map.inputs[dominant[place]])}`;
+    return `; ${T.window.binding(titleOf(map.margins[bound[place]]))}${input}`;
+  };
   const { values, probability, binding: least, contributions } = map.best;
   const best = map.names.map((name) => `${store.fieldAt(name).label} ${digits(units.shown(store.fieldAt(name), values[name]), 4)} ${units.text(store.fieldAt(name))}`).join(", ");
   const [input, share] = Object.entries(contributions)[0] ?? [];
@@ -63,5 +81,7 @@ function WindowMap({ store, map }) {
   return html`<section class="tab-card"><p class="answer">${T.window.best(digits(probability, 2), best)} <button type="button" onClick=${take}>${T.window.take}</button></p>
     <p>${T.window.binding(titleOf(least)).replace(/^b/, "B")}${input ? `; ${T.window.contributes(input, digits(100 * share, 2))}` : ""}</p>
     <p class="quiet">${T.window.errors(Object.entries(map.errors).filter(([, value]) => value != null).map(([name, value]) => `${name} ${digits(value, 2)}`).join(", "))} ${T.window.windings(map.windings, map.failed)}${map.is_coarse ? ` ${T.window.preview}` : ""}</p></section>
-    <${Map2} ...${{ store, x: axis(0), y: axis(1), values: map.probability, quantity: PROBABILITY, note: binding, range: [0, 1] }} />`;
+    ${map.names.length > 2 && html`<label class="stacked">${store.fieldAt(SPLIT).label}<select id="window-level" value=${level} onChange=${(event) => choose(Number(event.target.value))}>
+      ${levels.map((value, k) => html`<option value=${k} selected=${k === level}>${digits(value, 3)}</option>`)}</select></label>`}
+    <${Map2} ...${{ store, x: axis(0), y: axis(1), values: probabilities, quantity: PROBABILITY, note: binding, range: [0, 1] }} />`;
 }
