@@ -10,6 +10,8 @@ __all__ = ["of_nip", "of_roll", "of_rollers", "of_winding"]
 PLANE = "Steady state, small strains, plane strain."
 FRICTION = "Coulomb friction with constant coefficients."
 UNIFORM = "The web has a uniform thickness and tension across its width."
+UNIFORM_THICKNESS = "The web has a uniform thickness across its width."
+LANE = "The thickest lane does not change the stresses in the rest of the roll."
 BONDED = "The layers of the roll are bonded: they do not slip on each other."
 AIR = (
     "The air film is isothermal, as wide as the web, and escapes only through the web; friction "
@@ -67,7 +69,7 @@ def of_roll(problem: Any) -> tuple[str, ...]:
     changes = problem.temperature_change or problem.core_shrinkage
     return (
         axisymmetric,
-        "The web has a uniform thickness across its width.",
+        UNIFORM_THICKNESS if problem.gauge_excess == 0 else LANE,
         "The radial stiffness depends on the pressure alone, loading and unloading alike.",
         "The layers neither slip nor creep.",
         *([change] if changes else []),
@@ -98,6 +100,6 @@ def of_winding(problem: Any) -> tuple[str, ...]:
     return (
         *of,
         "The roll is axisymmetric, its layers elastic, and without creep.",
-        UNIFORM,
+        UNIFORM if problem.gauge_excess == 0 else LANE,
         *([AIR] if problem.air is not None else []),
     )

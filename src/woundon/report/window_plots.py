@@ -87,7 +87,7 @@ def _draw_window(axes: Axes, cases: Sequence[Case]) -> list[Any]:
         if not np.nanmin(probability) < value < np.nanmax(probability):
             continue
         contour = axes.contour(x, y, probability.T, [value], colors="black", linestyles=[line])
-        if any(len(path.vertices) for path in contour.get_paths()):  # none next to a gap
+        if any(np.size(path.vertices) for path in contour.get_paths()):  # none next to a gap
             handles.append(Line2D([], [], color="black", linestyle=line, label=f"P = {value:g}"))
     handles += axes.plot(
         tension.shown(best.values["web_tension"]),

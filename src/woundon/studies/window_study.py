@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -78,7 +79,8 @@ class WindowStudy:
         self.uses_shares = bool(solver.model.depths)
         self.nips = Windings()
         self.rolls = Windings() if self.uses_shares else self.nips
-        self.has_nips = solver.model.problem.tension_law == "nip"
+        problem: Any = solver.model.problem
+        self.has_nips = problem.tension_law == "nip"
         self.expected = len(self.rough) + self.inputs + len(CHECKS) + len(CHECKS_OF_INPUTS)
         if not self.uses_shares:
             self.expected += len(self.fine) - len(self.rough) + self._draws()
