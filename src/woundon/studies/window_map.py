@@ -40,6 +40,7 @@ __all__ = [
     "linear_expansion",
     "lobatto",
     "standard_normal",
+    "terms_of",
     "to_reserve",
 ]
 
@@ -251,7 +252,7 @@ def expansion_of(x: Array, z: Array, changes: Array, important: Sequence[int]) -
         their squares and products are included, of as many of them as the points permit.
     """
     (d, inputs), important = (x.shape[1], z.shape[1]), list(important)
-    while important and POINTS_PER_TERM * _terms_of(inputs, len(important), d) > len(x):
+    while important and POINTS_PER_TERM * terms_of(inputs, len(important), d) > len(x):
         important.pop()
     products: list[tuple[int, ...]] = [(), *((j,) for j in range(inputs))]
     products += combinations_with_replacement(sorted(important), 2)
@@ -264,7 +265,7 @@ def expansion_of(x: Array, z: Array, changes: Array, important: Sequence[int]) -
     return Expansion(tuple(products), factors, inputs)
 
 
-def _terms_of(inputs: int, important: int, d: int) -> int:
+def terms_of(inputs: int, important: int, d: int) -> int:
     """Return the number of coefficients of an expansion."""
     return 1 + d + inputs + important * d + important * (important + 1) // 2
 

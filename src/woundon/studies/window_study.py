@@ -29,6 +29,7 @@ from .window_map import (
     linear_expansion,
     lobatto,
     standard_normal,
+    terms_of,
     to_reserve,
 )
 from .window_model import margin_names
@@ -40,8 +41,9 @@ Array = np.ndarray
 GRID = 33  # points of the map along web tension and nip load
 # of the variance of some margin at the centre, from which an input has quadratic effects as well
 IMPORTANT = 0.01
-# windings with drawn inputs: of rolls, which are fast, and with nips
-DRAWN, DRAWN_WITH_NIPS = 128, 48
+# windings with drawn inputs: for each coefficient of an expansion in which all inputs matter, but at
+# most so many of rolls, which are fast, or with nips
+DRAWN_PER_TERM, DRAWN, DRAWN_WITH_NIPS = 3, 128, 48
 FEWEST = 4  # solved windings from which a map is made
 FEWEST_DRAWN = 2  # for each coefficient of an expansion that is linear in the inputs
 INNER = 0.5**0.5  # torque split of the checks, between two of its three levels
@@ -141,7 +143,9 @@ class WindowStudy:
         """Return the number of windings with drawn inputs."""
         if self.inputs == 0:
             return 0
-        return DRAWN_WITH_NIPS if self.has_nips and not self.uses_shares else DRAWN
+        terms = terms_of(self.inputs, self.inputs, len(self.set_points.names))
+        most = DRAWN_WITH_NIPS if self.has_nips and not self.uses_shares else DRAWN
+        return min(most, DRAWN_PER_TERM * terms)
 
     @cached_property
     def _drawn(self) -> list[Case]:
