@@ -41,8 +41,8 @@ Array = np.ndarray
 GRID = 33  # points of the map along web tension and nip load
 # of the variance of some margin at the centre, from which an input has quadratic effects as well
 IMPORTANT = 0.01
-# windings with drawn inputs: for each coefficient of an expansion in which all inputs matter, but at
-# most so many of rolls, which are fast, or with nips
+# windings with drawn inputs: for each coefficient of an expansion in which all inputs matter, but
+# at most so many of rolls, which are fast, or with nips
 DRAWN_PER_TERM, DRAWN, DRAWN_WITH_NIPS = 3, 128, 48
 FEWEST = 4  # solved windings from which a map is made
 FEWEST_DRAWN = 2  # for each coefficient of an expansion that is linear in the inputs
