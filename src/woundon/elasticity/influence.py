@@ -131,7 +131,10 @@ class InfluenceSurface:
 
     @cached_property
     def _matrices(self) -> Array:
-        """Influence matrices: (slope or strain, by p or q, n+1, n) [1/Pa]."""
+        """Influence matrices: (slope or strain, by p or q, n+1, n) [1/Pa].
+
+        The sum of the singular parts, the smooth parts and the lags.
+        """
         n, a, face, kernels = self.face.nodes.size, self.a, self.face, self.kernels
         out: Array = (self._factors.reshape(4, 4) @ self._singular.reshape(4, -1)).reshape(
             2, 2, n + 1, n
@@ -141,13 +144,12 @@ class InfluenceSurface:
             parts = self._smooth_parts
             out += parts.to_points @ (self._smooth_values @ parts.moments)
         if self._is_unresolved:
-            for part, kernel in zip(out.reshape(4, n + 1, n), kernels.gradients, strict=True):
-                if kernel.second_integral is None:
-                    continue
+            # replace the columns of the inner nodes by second differences of the second integrals
+            for matrix, kernel in zip(out.reshape(4, n + 1, n), kernels.gradients, strict=True):
                 K = kernel.second_integral
-                part[:, 1:-1] = by_second_integral(K, None, a * face.points, a * face.nodes)[
-                    :, 1:-1
-                ]
+                if K is not None:
+                    exact = by_second_integral(K, None, a * face.points, a * face.nodes)
+                    matrix[:, 1:-1] = exact[:, 1:-1]
         if kernels.lag is not None:
             out += _lag_integrals(kernels.lag, a * face.points, a * face.nodes).reshape(out.shape)
         return out
@@ -216,22 +218,26 @@ class InfluenceSurface:
 
     @cached_property
     def _smooth_parts(self) -> SmoothParts:
-        """Chebyshev points in the nip; on the wraps the points of the face and Gauss points."""
+        """Targets and sources of the smooth parts, with interpolation and integration.
+
+        Both are the Chebyshev points in the nip; on the wraps the targets are the points of the
+        face, and the sources Gauss points.
+        """
         face, a, length = self.face, self.a, self.kernels.length
         points, nodes, cells = face.points, face.nodes, face.nip_cells
         if self._is_unresolved:
             gauss, hats = gauss_points(nodes, a, length)
             return SmoothParts(points, gauss, np.eye(points.size), hats)
-        rank = self._rank
+        rank, chebyshev = self._rank, _chebyshev_points(self._rank)
         at_points, nip_moments = _nip_interpolation(face.size, rank)
         if face.is_nip:
-            chebyshev = _chebyshev_points(rank)
             return SmoothParts(chebyshev, chebyshev, at_points, a * nip_moments)
+        # rows: points in the nip interpolate the Chebyshev points, others are targets themselves
         on_wraps = np.r_[0 : cells.start, cells.stop : points.size]
         to_points = np.zeros((points.size, rank + on_wraps.size))
         to_points[cells, :rank] = at_points[:-2]
         to_points[on_wraps, rank + np.arange(on_wraps.size)] = 1.0
-        sources, moments = [_chebyshev_points(rank)], [np.zeros((rank, nodes.size))]
+        sources, moments = [chebyshev], [np.zeros((rank, nodes.size))]
         moments[0][:, face.first : face.last + 1] = a * nip_moments
         for wrap in (slice(0, face.first + 1), slice(face.last, None)):
             if nodes[wrap].size > 1:
@@ -239,7 +245,7 @@ class InfluenceSurface:
                 sources.append(gauss)
                 moments.append(np.zeros((gauss.size, nodes.size)))
                 moments[-1][:, wrap] = hats
-        targets = np.append(_chebyshev_points(rank), points[on_wraps])
+        targets = np.append(chebyshev, points[on_wraps])
         return SmoothParts(targets, np.concatenate(sources), to_points, np.concatenate(moments))
 
     def _smooth_between(

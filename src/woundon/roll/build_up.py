@@ -132,13 +132,16 @@ def nodes_between(
     """
     length = surface - core
     layer = min(layer, length)
+    # fine distances y from the core, at which the cumulative number of nodes is tabulated
     even = np.linspace(0, length, 2 * cells)
     graded = layer * np.expm1(np.log1p(length / layer) / length * even)
     y = np.sort(np.concatenate([graded, length - graded, even]))
-    # node density: 1/(distance + layer) from both ends, plus a constant with the same integral
-    unit = np.log1p(length / layer)
-    count = unit * y / length + np.log1p(y / layer) - np.log1p((length - y) / layer)
-    nodes = core + np.interp(np.linspace(-unit, 2 * unit, cells + 1), count, y)
+    # node density: 1/(distance + layer) from both ends, plus a constant with the same integral;
+    # the nodes are at even steps of the integral of this density
+    end_integral = np.log1p(length / layer)
+    cumulative = end_integral * y / length + np.log1p(y / layer) - np.log1p((length - y) / layer)
+    steps = np.linspace(-end_integral, 2 * end_integral, cells + 1)
+    nodes = core + np.interp(steps, cumulative, y)
     nodes[0], nodes[-1] = core, surface
     if kinks is None:
         return nodes
@@ -163,6 +166,7 @@ def _kink_nodes(ends: Array, counts: Array, layer: float) -> list[Array]:
     layer : float
         Distance on which they are dense, in ln r.
     """
+    # rows: kinks; t from 0 at the kink to 1 at half the distance, larger values are not used
     t = np.arange(1, int(counts.max(initial=0)) + 1) / (counts[:, None] + 1)
     used, kinks = t < 1, ends[1:-1, None]
     nodes = []

@@ -199,7 +199,8 @@ class _TargetPressure:
 
         x, P = np.log(pressure.radius), np.array(pressure.value)
         x[0], x[-1] = np.log([problem.core.radius, problem.radius])
-        # monotone cubics with a continuous second derivative: C does not jump, T has no kinks
+        # Monotone cubics, made quintics with one second derivative at each value: the smaller
+        # one of both sides, or 0 if they differ in sign.  Then C does not jump, and T has no kinks.
         cubics = PchipInterpolator(x, P)
         second = cubics.derivative(2)
         inner, outer = second(np.append(x[0], x[1:] - ONE_SIDED)), second(np.append(x[:-1], x[-1]))
@@ -210,6 +211,7 @@ class _TargetPressure:
         self._curve = CubicSpline(x, P) if smooth else BPoly.from_derivatives(x, ends)
         self._slope, self._curvature = self._curve.derivative(), self._curve.derivative(2)
         self.knots, self.problem, self.strain = x, problem, problem.stack.radial.strain_at
+        # the pressure may be negative between the values
         dense = np.concatenate([np.linspace(a, b, 9)[:-1] for a, b in pairwise(x)])
         k = int(np.argmin(self.pressure(dense)))
         if self.pressure(dense)[k] <= 0:

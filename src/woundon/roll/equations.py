@@ -134,7 +134,7 @@ class StageEquations:
         n, h = x.size - 1, x[1:] - x[:-1]
         g = self.tangential / E - 1
         g_node, g_mid = g[: n + 1], g[n + 1 :]
-        twelfth_h2, third_h = h * h / 12, h / 3 * g_mid
+        twelfth_h2, mid_term = h * h / 12, h / 3 * g_mid
         product = twelfth_h2 * g_mid
         band = np.zeros((3 * BAND + 1, 2 * (n + 1)), order="F")
         diagonal = 2 * BAND  # entry (i, j) is in row diagonal + i - j
@@ -143,7 +143,7 @@ class StageEquations:
             for i, j, value in (
                 (1, first, side + side * twelfth_h2 * end),
                 (1, first + 1, -h / 2 - side * 2 * twelfth_h2),
-                (2, first, -h / 6 * (1 + side * h) * end - third_h),
+                (2, first, -h / 6 * (1 + side * h) * end - mid_term),
                 (2, first + 1, side + h + side * (4 * twelfth_h2 + product)),
             ):
                 band[diagonal + i - j, j : j + 2 * n : 2] = value

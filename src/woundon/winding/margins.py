@@ -341,11 +341,10 @@ class _State(NamedTuple):
 def _states(roll: RollResult) -> list[_State]:
     """Return stages of the build-up, the finished roll last."""
     core, radius = float(roll.radius[0]), float(roll.radius[-1])
-    least = (
-        core + 2 * TAIL_LAYERS * roll.problem.web_thickness
-    )  # with layers below the excluded outermost ones
+    # smaller rolls would have few layers below the excluded outermost ones
+    smallest = core + 2 * TAIL_LAYERS * roll.problem.web_thickness
     surfaces = np.linspace(core, radius, STAGES + 1)[1:-1]
-    stages = [roll.at(s) for s in surfaces[surfaces >= least].tolist()]
+    stages = [roll.at(s) for s in surfaces[surfaces >= smallest].tolist()]
     return [_state(stage) for stage in (*stages, roll)]
 
 

@@ -48,13 +48,16 @@ def smoothed(problem: WindingProblem, rtol: float) -> WindingProblem | None:
         table = getattr(problem, name)
         if not isinstance(table, Profile):
             continue
-        if has_many_kinks if table.between == "lines" else len(table.radius) > MAX_SMOOTH_VALUES:
-            values = table.at(r)
-            fitted = np.polynomial.Polynomial.fit(r, values, DEGREE)(r)
-            if np.max(np.abs(fitted - values)) > rtol * np.max(np.abs(values)):
-                stride = (FIT_RADII - 1) // (TABLE_RADII - 1)
-                bounded = np.clip(fitted, np.min(values), np.max(values))[::stride]
-                changes[name] = Profile(radius=r[::stride], value=bounded, between="smooth")
+        has_many_values = len(table.radius) > MAX_SMOOTH_VALUES
+        may_fluctuate = has_many_kinks if table.between == "lines" else has_many_values
+        if not may_fluctuate:
+            continue
+        values = table.at(r)
+        fitted = np.polynomial.Polynomial.fit(r, values, DEGREE)(r)
+        if np.max(np.abs(fitted - values)) > rtol * np.max(np.abs(values)):
+            stride = (FIT_RADII - 1) // (TABLE_RADII - 1)
+            bounded = np.clip(fitted, np.min(values), np.max(values))[::stride]
+            changes[name] = Profile(radius=r[::stride], value=bounded, between="smooth")
     return problem.replace(**changes) if changes else None
 
 
