@@ -285,8 +285,8 @@ def for_fields(names: Iterable[str]) -> Kind[Any, Any]:
     'rollers'
     """
     kinds = every()
-    chosen = best_match(names, [kind.problem for kind in kinds])
-    return next(kind for kind in kinds if kind.problem is chosen)
+    problem = best_match(names, [kind.problem for kind in kinds])
+    return next(kind for kind in kinds if kind.problem is problem)
 
 
 @overload

@@ -85,6 +85,7 @@ def one_thread(solve: Function) -> Function:
 
     @wraps(solve)
     def limited(*args: Any, **options: Any) -> Any:
+        """Call the solver with one BLAS thread."""
         keep_freed_memory()
         if all(os.environ.get(name) == "1" for name in VARIABLES):
             return solve(*args, **options)
@@ -233,7 +234,7 @@ class Worker:
         self._flag.touch()
 
     def kill(self) -> None:
-        """End the process, whatever it does, and wait for its end."""
+        """Kill the process and wait for its end."""
         executor, self._executor = self._executor, None
         if executor is not None:
             # loky's thread fails on an item that it has not taken from its queue yet
@@ -263,11 +264,11 @@ def _interrupts_masked() -> Iterator[None]:
     from joblib.externals.loky.backend import resource_tracker
 
     resource_tracker.ensure_running()  # which would lift the mask
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
     finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
 
 
 def in_processes(
@@ -317,6 +318,7 @@ def in_processes(
     with stoppable(finishing) as stopped:
 
         def hand_out() -> None:
+            """Submit waiting items to idle workers."""
             while todo and idle and not stopped():
                 number, worker = todo.popleft(), idle.pop()
                 busy[worker.submit(work, items[number])] = number, worker
@@ -356,13 +358,18 @@ def stoppable(finishing: str) -> Iterator[Callable[[], bool]]:
     pressed: list[int] = []
 
     def note(number: int, frame: types.FrameType | None) -> None:
+        """Count the signal; the next Ctrl-C raises KeyboardInterrupt."""
         pressed.append(number)
         signal.signal(signal.SIGINT, signal.default_int_handler)
         with suppress(RuntimeError):  # pressed while this stream was being written to
             print(finishing, file=sys.stderr, flush=True)
 
-    here = threading.current_thread() is threading.main_thread()
-    if not (finishing and here and signal.getsignal(signal.SIGINT) is signal.default_int_handler):
+    in_main_thread = threading.current_thread() is threading.main_thread()
+    if not (
+        finishing
+        and in_main_thread
+        and signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    ):
         yield lambda: False
         return
     signal.signal(signal.SIGINT, note)

@@ -89,13 +89,13 @@ def register_output(kind: str, output: Callable[[Any], Any], *, on_request: bool
     kind : str
         Name of the kind.  Its classes are not imported by this call.
     output : callable
-        (result) -> value, with the :class:`~woundon.quantities.Quantity` of the value in the
-        annotation of what it returns.  The output has the name of the function.
+        (result) -> value, with the :class:`~woundon.quantities.Quantity` of the value in its return
+        annotation.  The output has the name of the function.
     on_request : bool
         Whether the output is computed only where it is named, and is not part of reports and files.
     """
-    made = quantities.on_request(output) if on_request else property(output)
-    _OUTPUTS.append((kind, output.__name__, made))
+    descriptor = quantities.on_request(output) if on_request else property(output)
+    _OUTPUTS.append((kind, output.__name__, descriptor))
 
 
 def take_outputs() -> Iterator[tuple[str, str, property | quantities.on_request]]:

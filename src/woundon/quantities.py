@@ -1,7 +1,7 @@
-"""A quantity is one thing: its symbol, units and meaning stand once, on the field that holds it.
+"""Quantities: symbol, unit and meaning of each field and output, defined once, in its annotation.
 
-A :class:`Quantity` is metadata of an annotation: of a description's field, of a result's field, or
-of what a result's property or method returns:
+A :class:`Quantity` is metadata in the annotation of a field of a description or a result, or in the
+return annotation of a property or method of a result:
 
     nip_load: Annotated[Number, line_load("P", "nip load"), Field(ge=1e-12, le=1e7)]
     half_width: Annotated[float, length("a", "half-width of the nip")]
@@ -9,8 +9,8 @@ of what a result's property or method returns:
     @property
     def nip_width(self) -> Annotated[float, length("2a", "nip width")]: ...
 
-and one function, :func:`walk`, goes over all of them: case files, ``--set``, studies, reports, plot
-labels, result files and the tables of the documentation read them there; none keeps its own list.
+The function :func:`walk` yields all of them.  Case files, ``--set``, studies, reports, plot labels,
+result files and the tables of the documentation use it.
 """
 
 from __future__ import annotations
@@ -80,13 +80,13 @@ class Quantity:
     unit : str
         SI; "1" for a pure number.
     meaning : str
-        A few words, the sign convention where there is one.
+        Description in a few words, with the sign convention if there is one.
     shown_unit : str
-        In which people see it; as ``unit`` where empty.
+        Unit for display; empty if it is ``unit``.
     typical : (low, high), optional
-        The range met in practice, SI; a slider's ends, not a limit.
+        Range met in practice, SI: the ends of a slider, not a limit.
     shown_in_si : float, optional
-        How many of ``unit`` the ``shown_unit`` is, where somebody chose it (:func:`shown_in`).
+        Size of ``shown_unit`` in ``unit`` if the user has chosen it (:func:`shown_in`).
     other_form : "", "stress" or "basis weight"
         Another form in which the quantity may be entered: a web tension as a stress, a web
         thickness or density as a basis weight (:mod:`woundon.problems.inputs`).
@@ -111,6 +111,14 @@ class Quantity:
         """The unit for display, '' for a pure number."""
         unit = self.shown_unit or self.unit
         return "" if unit == "1" else unit
+
+    def text(self, value: float, form: str = ".4g") -> str:
+        """Return an SI value as text in the unit for display.
+
+        >>> Quantity("P", "N/m", "nip load").text(2500.0)
+        '2500 N/m'
+        """
+        return f"{self.shown(float(value)):{form}} {self.display}".rstrip()
 
     def in_table(self, value: Any) -> tuple[str, Any]:
         """Return unit and value for a table: SI, or the chosen unit."""
@@ -183,9 +191,9 @@ _CHOSEN: ContextVar[Chosen] = ContextVar("chosen units", default=MappingProxyTyp
 
 
 @contextmanager
-def shown_in(chosen: Chosen) -> Iterator[None]:
-    """Show fields and outputs in other units, wherever they are asked for here."""
-    token = _CHOSEN.set({**_CHOSEN.get(), **chosen})
+def shown_in(units: Chosen) -> Iterator[None]:
+    """Display fields and outputs in other units within a context."""
+    token = _CHOSEN.set({**_CHOSEN.get(), **units})
     try:
         yield
     finally:
@@ -193,20 +201,20 @@ def shown_in(chosen: Chosen) -> Iterator[None]:
 
 
 def pattern(path: str) -> str:
-    """Return a path as a class's has it, with ``*`` for the numbers of items."""
+    """Return the path in the class of the path in an instance: ``*`` for the numbers of items."""
     return ".".join("*" if part.isdigit() else part for part in path.split("."))
 
 
 def _as_chosen(path: str, quantity: Quantity | None) -> Quantity | None:
     """Return a quantity with the unit for display that the user has chosen."""
-    chosen = _CHOSEN.get()
-    if quantity is None or (path, quantity.unit) not in chosen:
+    units = _CHOSEN.get()
+    if quantity is None or (path, quantity.unit) not in units:
         return quantity
-    unit, size = chosen[path, quantity.unit]
+    unit, size = units[path, quantity.unit]
     return dataclasses.replace(quantity, shown_unit=unit, shown_in_si=size)
 
 
-# ---- the one walk -------------------------------------------------------------------------------
+# ---- fields -------------------------------------------------------------------------------------
 
 
 class Place(NamedTuple):
@@ -215,15 +223,15 @@ class Place(NamedTuple):
     Attributes
     ----------
     path : str
-        Dotted name; items of a list by their number, or ``*`` where a class is walked.
+        Dotted name; items of a list by their number, or by ``*`` in a class.
     quantity : Quantity or None
-        None for a field that is no number: a word, a name, a curve's law.
+        None for a field that is not a number: a word, a name, the law of a curve.
     field : object
-        A description's pydantic ``FieldInfo``; of a result's output, what its annotation says.
+        Pydantic ``FieldInfo`` of a field of a description; annotation of an output of a result.
     owner : type
-        The class that has it.
+        Class of the field or output.
     value : object
-        Its value where an instance is walked, else None.
+        Value in an instance; None in a class.
     """
 
     path: str
@@ -244,24 +252,24 @@ def walk(thing: Any, prefix: str = "", of_field: Quantity | None = None) -> Iter
     Parameters
     ----------
     thing : class or instance
-        Of a description (nested ones and lists of them are entered; of a class, all members of an
-        open set) or of a result (fields, then properties and methods that take no argument).
+        A description, with nested ones and lists of them (in a class with all members of a family),
+        or a result (fields, then properties and methods without arguments).
     prefix : str
-        Put before every path.
+        Beginning of every path.
     of_field : Quantity, optional
-        That of the field which holds the description, for what is marked ``OF_FIELD``.
+        Quantity of the field that contains the description, for fields marked ``OF_FIELD``.
     """
-    of = thing if isinstance(thing, type) else type(thing)
-    if not hasattr(of, "model_fields"):
-        yield from _walk_outputs(thing, of, prefix)
+    cls = thing if isinstance(thing, type) else type(thing)
+    if not hasattr(cls, "model_fields"):
+        yield from _walk_outputs(thing, cls, prefix)
         return
-    for name, field in of.model_fields.items():
+    for name, field in cls.model_fields.items():
         path = f"{prefix}{name}"
         quantity = quantity_of(field, of_field)
-        if thing is of:
-            yield from _walk_annotation(Place(path, quantity, field, of))
+        if thing is cls:
+            yield from _walk_annotation(Place(path, quantity, field, cls))
         else:
-            yield from _walk_value(Place(path, quantity, field, of, getattr(thing, name)))
+            yield from _walk_value(Place(path, quantity, field, cls, getattr(thing, name)))
 
 
 def _walk_value(place: Place) -> Iterator[Place]:
@@ -272,7 +280,7 @@ def _walk_value(place: Place) -> Iterator[Place]:
     elif isinstance(value, tuple) and any(hasattr(type(v), "model_fields") for v in value):
         for k, item in enumerate(value):
             yield from _walk_value(place._replace(path=f"{path}.{k}", value=item))
-    else:  # a word in a number's place is none
+    else:  # a word in place of a number has no quantity
         quantity = None if isinstance(value, str) else place.quantity
         yield place._replace(quantity=_as_chosen(path, quantity))
 
@@ -291,34 +299,39 @@ def _walk_annotation(place: Place) -> Iterator[Place]:
 def find(thing: Any, path: str, of_field: Quantity | None = None) -> tuple[Place, ...]:
     """Return the places of a dotted name below a description's class or instance; () if none.
 
-    A field that only another body or material than the present one has is found too, and so is one
-    of any item of a list; a path that ends at a description gives the places of its field.  The
-    diameter of what has a radius is found with the field of the radius.
+    Fields of other bodies and materials than the present ones are included, and those of all items
+    of a list.  A path that ends at a description gives the places of its field, and a diameter that
+    of the field of the radius.
     """
-    of = thing if isinstance(thing, type) else type(thing)
-    models: tuple[tuple[Any, Quantity | None], ...] = ((of, of_field),)
-    found: tuple[Place, ...] = ()
+    cls = thing if isinstance(thing, type) else type(thing)
+    models: tuple[tuple[Any, Quantity | None], ...] = ((cls, of_field),)
+    places: tuple[Place, ...] = ()
     parts = path.split(".")
     for k, name in enumerate(parts):
-        if found and name.isascii() and name.isdecimal() and is_list(found[0].field.annotation):
+        if places and name.isascii() and name.isdecimal() and is_list(places[0].field.annotation):
             continue
-        below = ".".join(parts[: k + 1])
-        fields = [(m, m.model_fields[name], above) for m, above in models if name in m.model_fields]
-        found = tuple(
-            Place(below, _as_chosen(below, quantity_of(field, above)), field, m)
-            for m, field, above in fields
+        prefix = ".".join(parts[: k + 1])
+        fields = [
+            (m, m.model_fields[name], holder) for m, holder in models if name in m.model_fields
+        ]
+        places = tuple(
+            Place(prefix, _as_chosen(prefix, quantity_of(field, holder)), field, m)
+            for m, field, holder in fields
         )
         radius = counterpart(name, "diameter")
-        if radius and not found:
-            found = tuple(
+        if radius and not places:
+            places = tuple(
                 Place(
-                    below, _diameter(quantity_of(m.model_fields[radius])), m.model_fields[radius], m
+                    prefix,
+                    _diameter(quantity_of(m.model_fields[radius])),
+                    m.model_fields[radius],
+                    m,
                 )
                 for m, _ in models
                 if radius in m.model_fields
             )
-        models = tuple((m, p.quantity) for p in found for m in members_of(p.field.annotation))
-    return found
+        models = tuple((m, p.quantity) for p in places for m in members_of(p.field.annotation))
+    return places
 
 
 def counterpart(name: str, word: str) -> str:
@@ -330,9 +343,9 @@ def counterpart(name: str, word: str) -> str:
     word : "diameter" or "radius"
         The word that is replaced.
     """
-    other = {"diameter": "radius", "radius": "diameter"}[word]
-    head, found, tail = name.rpartition(word)
-    return head + other if found and not tail and (not head or head.endswith("_")) else ""
+    opposite = {"diameter": "radius", "radius": "diameter"}[word]
+    head, match, tail = name.rpartition(word)
+    return head + opposite if match and not tail and (not head or head.endswith("_")) else ""
 
 
 def _diameter(radius: Quantity | None) -> Quantity | None:
@@ -346,9 +359,9 @@ def _diameter(radius: Quantity | None) -> Quantity | None:
 
 
 def quantity_of(field: Any, of_field: Quantity | None = None) -> Quantity | None:
-    """Return the quantity in a pydantic field's metadata.
+    """Return the quantity in the metadata of a pydantic field.
 
-    What is marked ``OF_FIELD``, as a profile's values, has that of the field which holds it all.
+    Fields marked ``OF_FIELD``, such as the values of a profile, have that of the containing field.
     """
     if OF_FIELD in field.metadata:
         return of_field
@@ -356,12 +369,12 @@ def quantity_of(field: Any, of_field: Quantity | None = None) -> Quantity | None
 
 
 def members_of(annotation: Any) -> tuple[type, ...]:
-    """Return the descriptions that an annotation admits, all members of an open set."""
+    """Return the descriptions that an annotation admits, with all members of a family."""
     if isinstance(annotation, type) and hasattr(annotation, "model_fields"):
         members: Mapping[str, type] | None = getattr(annotation, "members", lambda: None)()
         return (annotation,) if members is None else tuple(members.values())
-    found = (model for part in get_args(annotation) for model in members_of(part))
-    return tuple(dict.fromkeys(found))
+    models = (model for part in get_args(annotation) for model in members_of(part))
+    return tuple(dict.fromkeys(models))
 
 
 def is_item(name: str, count: int) -> bool:
@@ -387,8 +400,8 @@ def output(thing: Any, name: str) -> Place | None:
 
 def outputs(thing: Any) -> tuple[Place, ...]:
     """Return the outputs of a result's class or instance, without values."""
-    of = thing if isinstance(thing, type) else type(thing)
-    return tuple(_walk_outputs(thing, of, "", values=False))
+    cls = thing if isinstance(thing, type) else type(thing)
+    return tuple(_walk_outputs(thing, cls, "", values=False))
 
 
 def scalar_outputs(thing: Any) -> dict[str, Quantity]:
@@ -401,13 +414,13 @@ def scalar_outputs(thing: Any) -> dict[str, Quantity]:
 
 
 class on_request(cached_property[Any]):  # noqa: N801
-    """An output, or a part with outputs, that is computed when it is used: not in every report."""
+    """An output, or a part with outputs, that is computed when it is used, not in every report."""
 
 
 def value_of(thing: Any, name: str) -> Any:
     """Return an output's value; a method without arguments is called.
 
-    An output of a part that the result does not have, as ``air.film`` without air, is nan.
+    An output of a missing part, such as ``air.film`` without air, is nan.
     """
     head, _, rest = name.partition(".")
     value = getattr(thing, head)
@@ -416,67 +429,76 @@ def value_of(thing: Any, name: str) -> Any:
     return value() if callable(value) else value
 
 
-def _walk_outputs(thing: Any, of: type, prefix: str, values: bool = True) -> Iterator[Place]:
+def _walk_outputs(thing: Any, cls: type, prefix: str, values: bool = True) -> Iterator[Place]:
     """Yield the outputs of a result or a class of results, with those of its parts."""
-    own = {} if thing is of else getattr(thing, "relabelled", {})
-    for name, (quantity, hint) in _annotated(of, _version(of)).items():
+    relabelled = {} if thing is cls else getattr(thing, "relabelled", {})
+    for name, (quantity, hint) in _annotated(cls, _version(cls)).items():
         part = name.partition(".")[0]
-        missing = part != name and thing is not of and vars(thing).get(part, "") is None
-        if missing or (thing is not of and is_on_request(of, part)):
+        missing = part != name and thing is not cls and vars(thing).get(part, "") is None
+        if missing or (thing is not cls and is_on_request(cls, part)):
             continue
-        value = value_of(thing, name) if values and thing is not of else None
-        yield Place(f"{prefix}{name}", _as_chosen(name, own.get(name, quantity)), hint, of, value)
+        value = value_of(thing, name) if values and thing is not cls else None
+        yield Place(
+            f"{prefix}{name}", _as_chosen(name, relabelled.get(name, quantity)), hint, cls, value
+        )
 
 
-def is_on_request(of: type, name: str) -> bool:
+def is_on_request(cls: type, name: str) -> bool:
     """Return True if an output of a class, or the part that has it, is computed on request."""
-    return isinstance(getattr(of, name.partition(".")[0], None), on_request)
+    return isinstance(getattr(cls, name.partition(".")[0], None), on_request)
 
 
-def _version(of: type) -> tuple[tuple[str, int], ...]:
+def _version(cls: type) -> tuple[tuple[str, int], ...]:
     """Return the identity of the outputs of a class, for caching."""
     return tuple(
-        (name, id(made))
-        for base in of.__mro__
-        for name, made in vars(base).items()
-        if isinstance(made, property) or callable(made)
+        (name, id(attribute))
+        for base in cls.__mro__
+        for name, attribute in vars(base).items()
+        if isinstance(attribute, property) or callable(attribute)
     )
 
 
 @cache
-def _annotated(of: type, version: object) -> Mapping[str, tuple[Quantity, Any]]:
+def _annotated(cls: type, version: object) -> Mapping[str, tuple[Quantity, Any]]:
     """Return the outputs of a class by name with what their annotation says."""
-    found: dict[str, Any] = {}
-    if dataclasses.is_dataclass(of):
-        hints = get_type_hints(of, include_extras=True)
-        for field in dataclasses.fields(of):
+    annotations: dict[str, Any] = {}
+    if dataclasses.is_dataclass(cls):
+        hints = get_type_hints(cls, include_extras=True)
+        for field in dataclasses.fields(cls):
             hint = hints[field.name]
-            found[field.name] = hint
+            annotations[field.name] = hint
             for part in get_args(hint):
                 if getattr(part, "part_of_result", False):
                     inner = _annotated(part, version)
-                    found |= {f"{field.name}.{name}": each for name, (_, each) in inner.items()}
-    for base in reversed(of.__mro__):
-        for name, made in vars(base).items():
-            hint = _returned(made)
+                    annotations |= {
+                        f"{field.name}.{name}": inner_hint
+                        for name, (_, inner_hint) in inner.items()
+                    }
+    for base in reversed(cls.__mro__):
+        for name, attribute in vars(base).items():
+            hint = _returned(attribute)
             parts = [h for h in (hint, *get_args(hint)) if getattr(h, "part_of_result", False)]
             if parts:
                 inner = _annotated(parts[0], version)
-                found |= {f"{name}.{each}": part for each, (_, part) in inner.items()}
+                annotations |= {
+                    f"{name}.{inner_hint}": part for inner_hint, (_, part) in inner.items()
+                }
             elif hint is not None and not name.startswith("_"):
-                found[name] = hint
+                annotations[name] = hint
     return {
         name: (quantity, hint)
-        for name, hint in found.items()
+        for name, hint in annotations.items()
         if (quantity := _quantity_in(hint)) is not None
     }
 
 
-def _returned(made: Any) -> Any:
+def _returned(attribute: Any) -> Any:
     """Return the annotation of a property, or of a method that needs no argument."""
-    if isinstance(made, cached_property):
-        made = property(made.func)
-    function: Callable[..., Any] | None = made.fget if isinstance(made, property) else made
+    if isinstance(attribute, cached_property):
+        attribute = property(attribute.func)
+    function: Callable[..., Any] | None = (
+        attribute.fget if isinstance(attribute, property) else attribute
+    )
     hint = getattr(function, "__annotations__", {}).get("return")
     if function is None or hint is None:
         return None
@@ -486,11 +508,12 @@ def _returned(made: Any) -> Any:
         except NameError:  # a name that type checkers alone import: no quantity
             return None
     parameters = list(signature(function).parameters.values())[1:]
-    needed = [p for p in parameters if p.default is p.empty and p.kind in _POSITIONAL]
-    return None if needed else hint
+    required = [p for p in parameters if p.default is p.empty and p.kind in _POSITIONAL]
+    return None if required else hint
 
 
 def _quantity_in(hint: Any) -> Quantity | None:
+    """Return the quantity in the metadata of an annotation; None if there is none."""
     if get_origin(hint) is not Annotated:
         return None
     return next((part for part in get_args(hint) if isinstance(part, Quantity)), None)

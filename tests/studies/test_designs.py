@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from woundon.studies.design import make_design
-from woundon.studies.order import bisected, serpentine, tour
+from woundon.studies.order import bisection_order, serpentine, tour
 from woundon.studies.sobol import saltelli_design
 
 
@@ -24,7 +24,7 @@ def test_a_grid_is_walked_one_step_at_a_time(shape, random):
 @given(st.integers(1, 200), st.integers(1, 4), st.integers(0, 99))
 def test_orders_of_a_table_take_every_row_once(rows, columns, seed):
     points = np.random.default_rng(seed).random((rows, columns))
-    for order in (bisected(points), tour(points)):
+    for order in (bisection_order(points), tour(points)):
         assert sorted(order) == list(range(rows))
 
 

@@ -9,11 +9,11 @@ import pytest
 
 import woundon as wo
 from woundon.studies.bars import bar
-from woundon.studies.progress import reported
+from woundon.studies.progress import progress_reporter
 
 
 def test_a_bar_says_what_is_done(capsys: pytest.CaptureFixture[str]):
-    with reported(True, "drawing", unit="figures/min", done=4) as report:
+    with progress_reporter(True, "drawing", unit="figures/min", done=4) as report:
         report(10, 10)
     assert re.search(r"drawing .*10/10 \S+ figures/min", capsys.readouterr().err)
     with bar("solving", "cases/s") as report:

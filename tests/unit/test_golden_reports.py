@@ -43,7 +43,8 @@ def without_estimates(text: str) -> str:
 @pytest.mark.parametrize("name", CASES)
 def test_the_report_is_that_of_the_golden_file(name: str) -> None:
     text = without_estimates(str(coarse_solution(CASES[name], 33)))
-    assert_golden(f"report_{name}.txt", text, rtol=2e-3)
+    # atol: the offset of two like rollers is zero but for the rounding, about 1e-17 mm
+    assert_golden(f"report_{name}.txt", text, rtol=2e-3, atol=1e-12)
 
 
 def test_the_report_of_sensitivities_is_that_of_the_golden_file() -> None:

@@ -21,7 +21,7 @@ from woundon.io.case_files import to_toml
 from woundon.problems.two_drums import drum_loads, rider_load_for, roll_weight
 from woundon.problems.units import parse
 from woundon.studies.api import study_of
-from woundon.studies.kind_model import columns_of, measurable
+from woundon.studies.kind_model import columns_of, measurable_outputs
 from woundon.studies.measured import read_measured
 from woundon.studies.studyfile import load_study
 
@@ -79,7 +79,7 @@ def written(text: str, name: str) -> str:
 
 def measured(text: str) -> Any:
     """Read measured values of a nip."""
-    return read_measured(written(text, "rig.csv"), columns_of(NIP), measurable(NIP))
+    return read_measured(written(text, "rig.csv"), columns_of(NIP), measurable_outputs(NIP))
 
 
 def cases(text: str) -> Any:

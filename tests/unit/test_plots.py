@@ -17,7 +17,7 @@ from thesis_cases import film_nip, newsprint_nip
 import woundon as wo
 from woundon import kinds, quantities
 from woundon.quantities import line_load, stress
-from woundon.report.panels import Case, drawn
+from woundon.report.panels import Case, draw_panels
 from woundon.report.plots import output_panels
 from woundon.report.study_plots import plot_sweep
 
@@ -34,7 +34,7 @@ def _closed():
 
 def plot_outputs(result: Any) -> Any:
     """Draw a result of any kind as one is drawn whose kind does not say how."""
-    return drawn(output_panels(result), [Case(result)])
+    return draw_panels(output_panels(result), [Case(result)])
 
 
 @pytest.fixture(scope="module")

@@ -16,14 +16,14 @@ import woundon as wo
 from woundon.errors import InvalidProblem
 from woundon.io import sheets
 from woundon.studies.export import check_export
-from woundon.studies.kind_model import columns_of, measurable
+from woundon.studies.kind_model import columns_of, measurable_outputs
 from woundon.studies.measured import Measured, read_measured
 
 NIP = wo.NipProblem.example()
 
 
 def read(data, columns=None) -> Measured:
-    return read_measured(data, columns_of(NIP), measurable(NIP), columns)
+    return read_measured(data, columns_of(NIP), measurable_outputs(NIP), columns)
 
 
 def written(folder: Path, text: str | bytes, name: str = "rig.csv", code: str = "utf-8") -> Path:

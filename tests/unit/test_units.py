@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from woundon.errors import InvalidProblem
-from woundon.problems.units import known_units, parse, written
+from woundon.problems.units import known_units, parse, text_with_unit
 
 
 @pytest.mark.parametrize(
@@ -80,4 +80,4 @@ def test_every_known_unit_is_of_a_dimension_that_is_used():
     st.sampled_from(["", "mm", "MPa", "deg", "%"]),
 )
 def test_what_is_written_is_read_as_the_same_number(value, unit, shown):
-    assert parse(written(value, unit, shown), unit) == value
+    assert parse(text_with_unit(value, unit, shown), unit) == value

@@ -1,1 +1,1 @@
-"""The nip and the roll in the browser: ``woundon app``, and what it answers over HTTP."""
+"""The interactive page in the browser, ``woundon app``, and its HTTP API."""

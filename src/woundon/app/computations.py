@@ -33,7 +33,7 @@ from ..report.result_report import report_parts
 from ..results import ACCEPTED_RESIDUAL, Result, zone_runs
 from ..roll.design import design_tension
 from ..studies.find import find as find_values
-from ..studies.kind_model import KindModel, field_quantity, get_field, measurable, model_of
+from ..studies.kind_model import KindModel, field_quantity, get_field, measurable_outputs, model_of
 from .input_forms import quantity_schema, tables_of
 from .limits import LIMITS
 from .plot_data import panels_of
@@ -109,11 +109,11 @@ def solve(
     began = time.perf_counter()
     problem = problem_of(tables)
     result, solution_of = _LAST.get(session, (None, None))
-    asked = None if warm else (problem, options)
-    if result is None or asked is None or asked != solution_of:
+    request = None if warm else (problem, options)
+    if result is None or request is None or request != solution_of:
         result = solved(problem, options, result if warm else None, warm=warm)
     if session:
-        _LAST[session] = result, asked
+        _LAST[session] = result, request
         _LAST.move_to_end(session)
         while len(_LAST) > MOST_SESSIONS:
             _LAST.popitem(last=False)
@@ -140,7 +140,7 @@ def solved(
         return model.solve(problem, start)
 
 
-def checked_options(kind: kinds.Kind, given: Mapping[str, Any]) -> dict[str, Any]:
+def checked_options(kind: kinds.Kind, options: Mapping[str, Any]) -> dict[str, Any]:
     """Return options of a kind's solver, converted from text.
 
     Raises
@@ -148,20 +148,20 @@ def checked_options(kind: kinds.Kind, given: Mapping[str, Any]) -> dict[str, Any
     InvalidProblem
         For an unknown option, or a text that is not a number.
     """
-    if not given:
+    if not options:
         return {}
-    known, read = kind.solver_options(), dict[str, Any]()
-    for name, value in given.items():
+    known, converted = kind.solver_options(), dict[str, Any]()
+    for name, value in options.items():
         if name not in known:
             text = f"no option of the kind {kind.name!r}; it has {', '.join(known) or 'none'}"
             raise InvalidProblem.at(name, text)
-        of = known[name].type
+        number_type = known[name].type
         try:
-            read[name] = of(value) if isinstance(value, str) else value
+            converted[name] = number_type(value) if isinstance(value, str) else value
         except ValueError:
-            text = f"must be a {'whole ' * (of is int)}number, got {quote(value)}"
+            text = f"must be a {'whole ' * (number_type is int)}number, got {quote(value)}"
             raise InvalidProblem.at(name, text) from None
-    return read
+    return converted
 
 
 def state_of(result: Result, report: bool = False, drawn: bool = False) -> dict[str, Any]:
@@ -212,8 +212,9 @@ LIMIT_FIELDS = {
 
 
 def _margin(margin: Any) -> dict[str, Any]:
-    shown = ("name", "title", "hint", "value", "limit", "radius", "ok", "note")
-    values = {name: getattr(margin, name) for name in shown}
+    """Return a margin of a winding for JSON."""
+    names = ("name", "title", "hint", "value", "limit", "radius", "ok", "note")
+    values = {name: getattr(margin, name) for name in names}
     field = LIMIT_FIELDS.get(margin.name)
     return values | {"quantity": quantity_schema(margin.quantity), "limit_field": field}
 
@@ -245,9 +246,9 @@ def _along_the_contact(result: Any) -> dict[str, Any]:
     strips = zone_strips(result)
     if strips is None:
         return {"nip": None, "zones": [], "zone_words": {}, "bounds": []}
-    own = getattr(result, "in_nip", slice(0, len(strips.x)))
+    nip = getattr(result, "in_nip", slice(0, len(strips.x)))
     return {
-        "nip": [own.start, own.stop - 1],
+        "nip": [nip.start, nip.stop - 1],
         "zones": [
             {"name": face, "runs": zone_runs(strips.x, zones)}
             for face, zones in strips.faces.items()
@@ -264,13 +265,13 @@ def _geometry(result: Any) -> dict[str, Any]:
     """Return the geometry for a drawing to scale [m, rad]."""
     problem = result.problem
     web = getattr(problem, "web", None)
-    drawn = {name: getattr(result, name, None) for name in ("half_width", "offset", "approach")}
+    scalars = {name: getattr(result, name, None) for name in ("half_width", "offset", "approach")}
     wraps = {name: getattr(problem, name, None) for name in ("roll_wrap", "drum_wrap")}
     return {
         "bodies": [_body(name, getattr(problem, name)) for name in getattr(problem, "pair", ())],
         "web": None if web is None else {"thickness": web.thickness},
         **wraps,
-        **drawn,
+        **scalars,
     }
 
 
@@ -304,28 +305,28 @@ def with_grade(tables: Any, name: str) -> bytes:
 def design(tables: Any, pressure: Any, rtol: float) -> bytes:
     """Return the tension over the radius that gives a wound roll a target pressure, as JSON."""
     problem: Any = problem_of(tables)  # design_tension rejects other kinds
-    found = design_tension(problem, _target_pressure(pressure), rtol=rtol)
+    solution = design_tension(problem, _target_pressure(pressure), rtol=rtol)
     return as_json(
         {
-            "tension": tables_of(found.tension),
-            "radius": found.radius.tolist(),
-            "target_pressure": found.target_pressure.tolist(),
-            "pressure": found.pressure.tolist(),
-            "outer_layer": found.outer_layer,
-            "surface_deviation": found.surface_deviation,
+            "tension": tables_of(solution.tension),
+            "radius": solution.radius.tolist(),
+            "target_pressure": solution.target_pressure.tolist(),
+            "pressure": solution.pressure.tolist(),
+            "outer_layer": solution.outer_layer,
+            "surface_deviation": solution.surface_deviation,
         }
     )
 
 
-def _target_pressure(given: Any) -> float | Profile:
+def _target_pressure(pressure: Any) -> float | Profile:
     """Return a pressure, or one over the radius, in SI."""
-    if not isinstance(given, Mapping):
-        return parse(given, "Pa", "pressure")
-    columns = dict(given)
+    if not isinstance(pressure, Mapping):
+        return parse(pressure, "Pa", "pressure")
+    columns = dict(pressure)
     for name, unit in (("radius", "m"), ("value", "Pa")):
         if isinstance(columns.get(name), list):
             columns[name] = [
-                parse(one, unit, f"pressure.{name}.{k}") for k, one in enumerate(columns[name])
+                parse(item, unit, f"pressure.{name}.{k}") for k, item in enumerate(columns[name])
             ]
     try:
         return Profile(**columns)
@@ -341,26 +342,26 @@ def find(
     ``solutions`` are in ascending order; ``values`` and ``outputs`` are the points of the search.
     """
     problem = problem_of(tables)
-    if output not in (known := measurable(problem)):
+    if output not in (known := measurable_outputs(problem)):
         text = f"{quote(output)} is not an output{did_you_mean(output, known)}"
         raise InvalidProblem.at("output", text)
     aim: dict[str, Any] = {output: target}
     with unwarned():
-        found = find_values(problem, field, between=between, **aim)
-    values = [value for value, _ in found.solutions]
-    columns = (values, found.reached, found.uncertainties, found.slopes)
+        outcome = find_values(problem, field, between=between, **aim)
+    values = [value for value, _ in outcome.solutions]
+    columns = (values, outcome.reached, outcome.uncertainties, outcome.slopes)
     names = ("value", "reached", "uncertainty", "slope")
     return as_json(
         {
             "field": field,
             "output": output,
-            "target": found.target,
+            "target": outcome.target,
             "solutions": [
                 dict(zip(names, map(float, row), strict=True)) for row in zip(*columns, strict=True)
             ],
-            "values": found.values.tolist(),
-            "outputs": found.outputs.tolist(),
-            "failures": [{"value": value, "why": why} for value, why in found.failures],
+            "values": outcome.values.tolist(),
+            "outputs": outcome.outputs.tolist(),
+            "failures": [{"value": value, "why": why} for value, why in outcome.failures],
         }
     )
 
@@ -382,34 +383,34 @@ def curve(
     Each solve starts from the previous one.  By default from 0.5 to 1.5 times the field's value.
     """
     problem = problem_of(tables)
-    at = get_field(problem, field)
+    base = get_field(problem, field)
     quantity = field_quantity(problem, field)
-    if quantity is None or isinstance(at, bool) or not isinstance(at, int | float):
-        raise InvalidProblem.at(field, f"{quote(at)} is not a number, so it cannot be varied")
+    if quantity is None or isinstance(base, bool) or not isinstance(base, int | float):
+        raise InvalidProblem.at(field, f"{quote(base)} is not a number, so it cannot be varied")
     if not 2 <= points <= LIMITS["curve_points"]:
         text = f"{points} is out of range; must be >= 2 and <= {LIMITS['curve_points']}"
         raise InvalidProblem.at("points", text)
     kind = kinds.of(problem)
     named = tuple(outputs) or _usual_outputs(problem)
     model = model_of(problem, named, {}, checked_options(kind, options))
-    values = _spread(problem, field, float(at), points, low, high)
-    found: list[tuple[float, ...]] = []
+    values = _spread(problem, field, float(base), points, low, high)
+    rows: list[tuple[float, ...]] = []
     failures, start = [], None
     for value in values:
         try:
             answer = model.run({field: value}, start)
         except (InvalidProblem, NotConverged, ArithmeticError) as fault:
             failures.append({"value": value, "why": str(fault)})
-            found.append((np.nan,) * len(named))
+            rows.append((np.nan,) * len(named))
             continue
-        found.append(answer.values)
+        rows.append(answer.values)
         start = answer.state
-    columns = zip(*found, strict=True)
+    columns = zip(*rows, strict=True)
     return as_json(
         {
             "field": field,
             "unit": quantity.unit,
-            "at": at,
+            "at": base,
             "values": values,
             "outputs": dict(zip(named, columns, strict=True)),
             "failures": failures,
@@ -419,15 +420,15 @@ def curve(
 
 def _usual_outputs(problem: Problem) -> tuple[str, ...]:
     """Return the main outputs of a problem's kind, and of a nip's its tensions; at least some."""
-    known = measurable(problem)
+    known = measurable_outputs(problem)
     tensions = ("nip_induced_tension", "outlet_tension")
     main = kinds.of(problem).result.MAIN
-    named = dict.fromkeys((*main, *(name for name in tensions if name in known)))
-    return tuple(named or list(known)[:MOST_OUTPUTS])
+    names = dict.fromkeys((*main, *(name for name in tensions if name in known)))
+    return tuple(names or list(known)[:MOST_OUTPUTS])
 
 
 def _spread(
-    problem: Problem, field: str, at: float, points: int, low: float | None, high: float | None
+    problem: Problem, field: str, base: float, points: int, low: float | None, high: float | None
 ) -> list[float]:
     """Return values between ``low`` and ``high``, within the range that the field permits.
 
@@ -436,24 +437,27 @@ def _spread(
     InvalidProblem
         If ``low`` is not less than ``high``, or both are out of the permitted range.
     """
-    span = max(abs(at) / 2, 0.0) or _typical_span(problem, field)
-    ends = [at - span if low is None else low, at + span if high is None else high]
+    span = max(abs(base) / 2, 0.0) or _typical_span(problem, field)
+    ends = [base - span if low is None else low, base + span if high is None else high]
     if not ends[0] < ends[1]:
         text = f"{quote(ends[0])} is out of range; must be < high = {quote(ends[1])}"
         raise InvalidProblem.at("low", text)
-    asked = ends
+    requested = ends
     for place in find_places(problem, field)[:1]:
         for sign, bound in bounds(place.field):
             pick = max if sign.startswith(">") else min
             ends = [pick(end, bound) for end in ends]
         if not ends[0] < ends[1]:
-            name, value = ("high", asked[1]) if ends[1] > asked[1] else ("low", asked[0])
+            name, value = (
+                ("high", requested[1]) if ends[1] > requested[1] else ("low", requested[0])
+            )
             text = f"{quote(value)} is out of range of {field}; must be {admissible(place.field)}"
             raise InvalidProblem.at(name, text)
     return [float(value) for value in np.linspace(ends[0], ends[1], points)]
 
 
 def _typical_span(problem: Problem, field: str) -> float:
+    """Return half of the usual range of a field; 1 without a usual range."""
     quantity = field_quantity(problem, field)
     low, high = (quantity.typical if quantity else None) or (-1.0, 1.0)
     return (high - low) / 2
@@ -467,15 +471,15 @@ def sensitivities(tables: Any, options: Mapping[str, Any]) -> bytes:
     problem = problem_of(tables)
     result = solved(problem, options)
     if hasattr(result, "sensitivity"):
-        found = result.sensitivity().sorted()
+        derivatives = result.sensitivity().sorted()
         return as_json(
             {
                 "method": "exact",
-                "outputs": found.outputs,
-                "parameters": found.parameters,
-                "elasticities": found.elasticities.tolist(),
-                "derivatives": found.derivatives.tolist(),
-                "zone_change": found.zone_change,
+                "outputs": derivatives.outputs,
+                "parameters": derivatives.parameters,
+                "elasticities": derivatives.elasticities.tolist(),
+                "derivatives": derivatives.derivatives.tolist(),
+                "zone_change": derivatives.zone_change,
             }
         )
     return as_json(_differences(problem, result, options))
@@ -484,12 +488,12 @@ def sensitivities(tables: Any, options: Mapping[str, Any]) -> bytes:
 def _differences(problem: Problem, result: Any, options: Mapping[str, Any]) -> dict[str, Any]:
     """Return derivatives by central differences on one mesh, for JSON."""
     kind = kinds.of(problem)
-    named = _usual_outputs(problem)
-    given = dict(options)
-    if "nodes" in kind.solver_options() and not given.keys() & {"nodes", "rtol"}:
-        given["nodes"] = result.nodes  # on different grids the outputs differ by their errors
-    model = model_of(problem, named, {}, checked_options(kind, given))
-    here = np.array(model.run({}, None).values)
+    outputs = _usual_outputs(problem)
+    settings = dict(options)
+    if "nodes" in kind.solver_options() and not settings.keys() & {"nodes", "rtol"}:
+        settings["nodes"] = result.nodes  # on different grids the outputs differ by their errors
+    model = model_of(problem, outputs, {}, checked_options(kind, settings))
+    base = np.array(model.run({}, None).values)
     fields = {
         place.path: place.value
         for place in walk(problem)
@@ -499,16 +503,16 @@ def _differences(problem: Problem, result: Any, options: Mapping[str, Any]) -> d
     for name, value in fields.items():
         with suppress(InvalidProblem, NotConverged, ArithmeticError):  # at an end of its range
             ends = [
-                np.array(model.run({name: value * (1 + way * STEP)}, result).values)
-                for way in (-1, 1)
+                np.array(model.run({name: value * (1 + sign * STEP)}, result).values)
+                for sign in (-1, 1)
             ]
             slopes[name] = (ends[1] - ends[0]) / (2 * STEP * value)
     with np.errstate(divide="ignore", invalid="ignore"):
-        shares = {n: slope * fields[n] / here for n, slope in slopes.items()}
+        shares = {n: slope * fields[n] / base for n, slope in slopes.items()}
     order = sorted(slopes, key=lambda name: -abs(np.nan_to_num(shares[name][0])))
     return {
         "method": "differences",
-        "outputs": named,
+        "outputs": outputs,
         "parameters": order,
         "elasticities": np.transpose([shares[name] for name in order]).tolist(),
         "derivatives": np.transpose([slopes[name] for name in order]).tolist(),

@@ -57,24 +57,26 @@ def result_file(tables: Any, ending: str, options: Mapping[str, Any]) -> bytes:
     return writer_for(f"result.{ending}")(solved(problem_of(tables), options))
 
 
-def figure(asked: Mapping[str, Any], ending: str, panels: Sequence[str]) -> bytes:
-    """Return a figure of solved cases; ``asked`` as :class:`.request_models.Cases`."""
+def figure(request: Mapping[str, Any], ending: str, panels: Sequence[str]) -> bytes:
+    """Return a figure of solved cases; ``request`` as :class:`.request_models.Cases`."""
     from ..report.figures import figure_bytes
-    from ..report.plots import plotted
+    from ..report.plots import figure_for_file
 
-    results, labels = _solved_cases(asked["cases"])
-    with _units(asked["units"]):
-        drawn = plotted(results, labels=labels if len(labels) > 1 else None, panels=panels or None)
-        return figure_bytes(drawn, f".{ending}")
+    results, labels = _solved_cases(request["cases"])
+    with _units(request["units"]):
+        plot = figure_for_file(
+            results, labels=labels if len(labels) > 1 else None, panels=panels or None
+        )
+        return figure_bytes(plot, f".{ending}")
 
 
-def report(asked: Mapping[str, Any]) -> bytes:
-    """Return the report of solved cases, one HTML file; ``asked`` as for :func:`figure`."""
+def report(request: Mapping[str, Any]) -> bytes:
+    """Return the report of solved cases, one HTML file; ``request`` as for :func:`figure`."""
     from ..report.html_report import report_file
 
-    results, labels = _solved_cases(asked["cases"])
-    with _units(asked["units"]):
-        page = report_file(results, labels, title=asked["title"], remarks=asked["remarks"])
+    results, labels = _solved_cases(request["cases"])
+    with _units(request["units"]):
+        page = report_file(results, labels, title=request["title"], remarks=request["remarks"])
         return page.encode()
 
 
@@ -97,5 +99,5 @@ def _solved_cases(cases: Sequence[Mapping[str, Any]]) -> tuple[list[Any], list[s
     return results, [entry["label"] or "ABCD"[k] for k, entry in enumerate(cases)]
 
 
-def _units(chosen: Mapping[str, str]) -> AbstractContextManager[None]:
-    return units(chosen) if chosen else nullcontext()
+def _units(names: Mapping[str, str]) -> AbstractContextManager[None]:
+    return units(names) if names else nullcontext()

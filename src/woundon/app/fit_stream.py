@@ -34,8 +34,8 @@ RANK = 5  # after the shorter requests of a page, as studies
 # ---- in the worker ----------------------------------------------------------------------------
 
 
-def fit_table(asked: Mapping[str, Any], progress_file: str) -> bytes:
-    """Return the fit of a table as an event; ``asked`` as :class:`.request_models.FitRequest`.
+def fit_table(request: Mapping[str, Any], progress_file: str) -> bytes:
+    """Return the fit of a table as an event; ``request`` as :class:`.request_models.FitRequest`.
 
     Raises
     ------
@@ -44,26 +44,26 @@ def fit_table(asked: Mapping[str, Any], progress_file: str) -> bytes:
     RequestError
         If the table has more rows than a fit of the page may have.
     """
-    problem, sheet = problem_of(asked["case"]), _sheet_of(asked)
+    problem, sheet = problem_of(request["case"]), _sheet_of(request)
 
-    def report(done: int, of: int) -> None:
-        event = as_json({"event": "progress", "done": done, "of": of})
+    def report(done: int, expected: int) -> None:
+        event = as_json({"event": "progress", "done": done, "of": expected})
         Path(progress_file).write_bytes(event + b"\n")
 
     with unwarned():
-        found = fit(problem, sheet, asked["vary"], workers=1, progress=report)
-    return as_json({"event": "fitted"} | _content(found)) + b"\n"
+        result = fit(problem, sheet, request["vary"], workers=1, progress=report)
+    return as_json({"event": "fitted"} | _content(result)) + b"\n"
 
 
-def _sheet_of(asked: Mapping[str, Any]) -> Sheet:
+def _sheet_of(request: Mapping[str, Any]) -> Sheet:
     """Return the table of measured values in a request."""
-    content = asked["table"].encode()
-    if asked["is_workbook"]:
+    content = request["table"].encode()
+    if request["is_workbook"]:
         try:
             content = b64decode(content, validate=True)
         except binascii.Error:
             raise InvalidProblem.at("table", "is not an .xlsx file in base64") from None
-    sheet = sheet_of_content(content, "table", excel=asked["is_workbook"])
+    sheet = sheet_of_content(content, "table", excel=request["is_workbook"])
     if len(sheet.numbers) > LIMITS["fit_rows"]:
         text = (
             f"{len(sheet.numbers)} rows are too many for the page, which fits at most "
@@ -73,9 +73,9 @@ def _sheet_of(asked: Mapping[str, Any]) -> Sheet:
     return sheet
 
 
-def _content(found: FitResult) -> dict[str, Any]:
+def _content(result: FitResult) -> dict[str, Any]:
     """Return a fit for JSON, SI units."""
-    intervals = {profile.name: [profile.low, profile.high] for profile in found.profiles}
+    intervals = {profile.name: [profile.low, profile.high] for profile in result.profiles}
     return {
         "parameters": [
             {
@@ -83,23 +83,26 @@ def _content(found: FitResult) -> dict[str, Any]:
                 "estimate": estimate,
                 "standard_error": error,
                 "interval": intervals.get(name),
-                "is_identified": name not in found.not_identified,
-                "is_at_bound": name in found.at_bound,
+                "is_identified": name not in result.not_identified,
+                "is_at_bound": name in result.at_bound,
             }
             for name, estimate, error in zip(
-                found.names, found.estimates.tolist(), found.standard_errors.tolist(), strict=True
+                result.names,
+                result.estimates.tolist(),
+                result.standard_errors.tolist(),
+                strict=True,
             )
         ],
-        "rms": found.rms,
-        "is_weighted": found.weighted,
-        "remarks": found.lines()[1 + len(found.names) :],
+        "rms": result.rms,
+        "is_weighted": result.weighted,
+        "remarks": result.lines()[1 + len(result.names) :],
         "rows": [
             {"row": row, "output": output, "measured": measured, "fitted": fitted}
             for row, output, measured, fitted in zip(
-                found.row_numbers,
-                found.row_outputs,
-                found.measured.tolist(),
-                found.fitted.tolist(),
+                result.row_numbers,
+                result.row_outputs,
+                result.measured.tolist(),
+                result.fitted.tolist(),
                 strict=True,
             )
         ],
@@ -111,7 +114,7 @@ def _content(found: FitResult) -> dict[str, Any]:
 
 async def events(
     pool: Pool,
-    asked: Mapping[str, Any],
+    request: Mapping[str, Any],
     session: Hashable,
     is_disconnected: Callable[[], Awaitable[bool]],
     stopped: asyncio.Event,
@@ -122,12 +125,12 @@ async def events(
     ----------
     pool, session, is_disconnected, stopped
         As of :func:`.study_stream.events`.
-    asked : mapping
+    request : mapping
         As :class:`.request_models.FitRequest`.
     """
     with TemporaryDirectory(prefix="woundon-fit-") as folder:
         file, sent = Path(folder, "progress"), b""
-        work = pool.run(fit_table, asked, str(file), rank=RANK, session=session)
+        work = pool.run(fit_table, request, str(file), rank=RANK, session=session)
         task = asyncio.create_task(work)
         yield as_json({"event": "started"}) + b"\n"
         try:

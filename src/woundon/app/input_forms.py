@@ -31,21 +31,21 @@ __all__ = ["catalogue", "quantity_schema", "tables_of"]
 def catalogue() -> dict[str, Any]:
     """Return kinds, forms, materials, units and limits, for JSON."""
     forms: dict[str, Any] = {}
-    described = []
+    descriptions = []
     for kind in kinds.every():
         _add_form(kind.problem, forms)
-        described.append(_kind(kind))
+        descriptions.append(_kind(kind))
     return {
         "version": __version__,
         "schema": SCHEMA,
-        "kinds": described,
+        "kinds": descriptions,
         "forms": forms,
         "materials": [
             {"name": name, "source": known.source, "material": tables_of(known.material)}
             for name, known in MATERIALS.items()
         ],
-        "grades": [{"name": name, "title": one.title} for name, one in grades().items()],
-        "units": _units(forms, described),
+        "grades": [{"name": name, "title": grade.title} for name, grade in grades().items()],
+        "units": _units(forms, descriptions),
         "unit_definitions": definitions(),
         "systems": {"SI": {}, "mill": MILL},
         "exhibits": [figure for group in plugins.figures() for figure in group.list()],
@@ -95,13 +95,13 @@ def _outputs(result: type[Any]) -> Iterator[dict[str, Any]]:
     """Yield name, quantity and type of each output of a class of results."""
     for place in outputs(result):
         if place.quantity is not None:
-            of, *marks = get_args(place.field)
+            kind, *marks = get_args(place.field)
             yield {
                 "name": place.path,
                 **quantity_schema(place.quantity),
-                "array": of is np.ndarray,
+                "array": kind is np.ndarray,
                 # whole numbers have another type in addition to their quantity: zones, counts
-                "whole": of is int
+                "whole": kind is int
                 or any(isinstance(m, type) and issubclass(m, int) for m in marks),
             }
 
@@ -146,7 +146,7 @@ def _field(name: str, field: Any) -> dict[str, Any]:
         "unit": "",
         "shown_unit": "",
         "typical": None,
-        "limits": _marked(field, gt="gt", ge="ge", lt="lt", le="le"),
+        "limits": _constraints(field, gt="gt", ge="ge", lt="lt", le="le"),
     }
     if not field.is_required():
         default = field.get_default(call_default_factory=True)
@@ -172,7 +172,7 @@ def _field(name: str, field: Any) -> dict[str, Any]:
     if words:
         entry["choices"] = words
     if is_list(annotation):
-        entry |= _marked(field, min_length="min_items", max_length="max_items")
+        entry |= _constraints(field, min_length="min_items", max_length="max_items")
     return entry
 
 
@@ -187,8 +187,8 @@ def _type(annotation: Any) -> str:
     return "number" if _admits(annotation, float) else "text"
 
 
-def _admits(annotation: Any, wanted: type) -> bool:
-    return annotation is wanted or any(_admits(part, wanted) for part in get_args(annotation))
+def _admits(annotation: Any, kind: type) -> bool:
+    return annotation is kind or any(_admits(part, kind) for part in get_args(annotation))
 
 
 def _words(annotation: Any) -> Iterator[str]:
@@ -200,32 +200,32 @@ def _words(annotation: Any) -> Iterator[str]:
             yield from _words(part)
 
 
-def _marked(field: Any, **names: str) -> dict[str, float]:
+def _constraints(field: Any, **names: str) -> dict[str, float]:
     """Return constraints of a field from its metadata, by their names in the form."""
     return {
-        ours: getattr(part, theirs)
-        for theirs, ours in names.items()
+        form_name: getattr(part, name)
+        for name, form_name in names.items()
         for part in field.metadata
-        if hasattr(part, theirs)
+        if hasattr(part, name)
     }
 
 
 # ---- words and units --------------------------------------------------------------------------
 
 
-def _units(forms: Mapping[str, Any], described: list[Any]) -> dict[str, Any]:
+def _units(forms: Mapping[str, Any], descriptions: list[Any]) -> dict[str, Any]:
     """Return the units in which each SI unit can be displayed, the smallest first."""
     places = [f for form in forms.values() for f in form["fields"]]
-    places += [output for kind in described for output in kind["outputs"]]
-    shown: dict[str, list[str]] = {}
+    places += [output for kind in descriptions for output in kind["outputs"]]
+    names_of: dict[str, list[str]] = {}
     for place in places:
         if place["unit"] not in ("", "holder"):
-            shown.setdefault(place["unit"], []).append(place["shown_unit"] or "1")
+            names_of.setdefault(place["unit"], []).append(place["shown_unit"] or "1")
     return {
         unit: [
             {"name": name, "factor": size} for name, size in compatible_units(unit, *names).items()
         ]
-        for unit, names in shown.items()
+        for unit, names in names_of.items()
     }
 
 

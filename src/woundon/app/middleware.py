@@ -55,8 +55,8 @@ def middleware(names: Iterable[str], token: str) -> list[Middleware]:
     names : iterable of str
         Host names by which the server may be called, in addition to those of the loopback.
     token : str
-        What a request must carry, in a cookie, as ``Authorization: Bearer`` or as ``?token=``;
-        "" for none.
+        Token that a request must contain, in a cookie, as ``Authorization: Bearer`` or as
+        ``?token=``; "" for none.
     """
     hosts = {f"[{name}]" if ":" in name else name for name in {*LOOPBACK, *names} if name}
     layers = [
@@ -73,7 +73,7 @@ def middleware(names: Iterable[str], token: str) -> list[Middleware]:
 
 
 class SecurityHeaders:
-    """Adds headers that forbid browsers what the page does not need."""
+    """Adds headers that switch off browser features that the page does not need."""
 
     def __init__(self, app: ASGIApp) -> None:
         self.app = app
@@ -82,6 +82,7 @@ class SecurityHeaders:
         """Forward a request; add the headers to its answer."""
 
         async def with_headers(message: Message) -> None:
+            """Add the missing security headers to the start of a response."""
             if message["type"] == "http.response.start":
                 headers = MutableHeaders(scope=message)
                 for name, value in HEADERS.items():
@@ -108,7 +109,7 @@ class SameOrigin:
         """Return the reason to reject a request from another site; '' if it is accepted."""
         host = headers.get("host", "").lower()
         origins = headers.getlist("origin")
-        if any(one.lower() not in (f"http://{host}", f"https://{host}") for one in origins):
+        if any(origin.lower() not in (f"http://{host}", f"https://{host}") for origin in origins):
             return f"Origin {origins[0][:80]!r} is that of another site"
         site = headers.get("sec-fetch-site", "none")
         follows_link = scope["path"] == "/" and headers.get("sec-fetch-mode") == "navigate"
@@ -131,12 +132,12 @@ class TokenBackend(AuthenticationBackend):
         AuthenticationError
             Without the token.
         """
-        given = (
+        tokens = (
             conn.query_params.get("token", ""),
             conn.headers.get("authorization", "").removeprefix("Bearer "),
             conn.cookies.get(COOKIE, ""),
         )
-        if not any(hmac.compare_digest(one.encode(), self.token.encode()) for one in given):
+        if not any(hmac.compare_digest(token.encode(), self.token.encode()) for token in tokens):
             raise AuthenticationError("open the address that 'woundon app' printed")
         return AuthCredentials(["authenticated"]), SimpleUser("client")
 

@@ -5,14 +5,14 @@ kinds that are not named below, arrays are drawn over the first one.
 
 A panel is a dict of
 
-- ``name``, ``column`` (panels of one column share what runs along x), ``x``, ``y``, ``right``: the
+- ``name``, ``column`` (panels of one column share their x axis), ``x``, ``y``, ``right``: the
   axes, each ``{"label", "quantity"}``; x also ``log`` and ``range``, y also ``floor``
 - ``curves``: ``{"name", "symbol", "label", "role", "dash", "side", "x", "y"}``
 - ``areas``: ``{"label", "shade", "x", "low", "high"}``, shaded behind them
 - ``marks``: ``{"along", "value", "label"}``, lines across
 - ``strips``: ``{"label", "runs": [[zone, from, to], ...]}`` in place of curves, and ``words``
 
-Numbers are SI; what is not finite is None.
+Numbers are in SI units; None stands for nan and infinity.
 """
 
 from __future__ import annotations
@@ -56,6 +56,7 @@ def _numbers(values: Array) -> list[float | None]:
 
 
 def _quantity(result: Any, name: str) -> Quantity:
+    """Return the quantity of an output."""
     place = quantities.output(result, name)
     assert place is not None
     assert place.quantity is not None
@@ -69,13 +70,13 @@ def _curve(
     role: str,
     *,
     x: Array,
-    own: slice = slice(None),
+    part: slice = slice(None),
     dash: str = "solid",
     side: str = "left",
     y: Array | None = None,
 ) -> dict[str, Any]:
     """Return a curve of an output, or of values ``y`` instead."""
-    values = getattr(result, name)[own] if y is None else y
+    values = getattr(result, name)[part] if y is None else y
     return {
         "name": name,
         "symbol": _quantity(result, name).symbol,
@@ -88,12 +89,12 @@ def _curve(
     }
 
 
-def _axis(label: str, quantity: Quantity, **more: Any) -> dict[str, Any]:
-    return {"label": label, "quantity": quantity, **more}
+def _axis(label: str, quantity: Quantity, **settings: Any) -> dict[str, Any]:
+    return {"label": label, "quantity": quantity, **settings}
 
 
-def _panel(name: str, column: str, x: Any, y: Any, curves: list[Any], **more: Any) -> Panel:
-    return {"name": name, "column": column, "x": x, "y": y, "curves": curves} | more
+def _panel(name: str, column: str, x: Any, y: Any, curves: list[Any], **settings: Any) -> Panel:
+    return {"name": name, "column": column, "x": x, "y": y, "curves": curves} | settings
 
 
 # ---- the nip ------------------------------------------------------------------------------------
@@ -109,38 +110,37 @@ def _nip_panels(result: Any) -> list[Panel]:
 
 def _panels_in_nip(result: Any) -> list[Panel]:
     """Return the panels of tractions, zones, slips and pressure in the nip."""
-    own = result.in_nip
-    x, slip_x = result.x[own], result.slip_x[own]
+    nip = result.in_nip
+    x, slip_x = result.x[nip], result.slip_x[nip]
 
-    def along() -> dict[str, Any]:
-        return _along_the_nip(result)
-
-    def axis(label: str, name: str, **more: Any) -> dict[str, Any]:
-        return _axis(label, _quantity(result, name), **more)
+    def axis(label: str, name: str, **settings: Any) -> dict[str, Any]:
+        return _axis(label, _quantity(result, name), **settings)
 
     tractions = [
-        _curve(result, "roll_traction", "on the roll", "roll", x=x, own=own),
-        _curve(result, "drum_traction", "on the drum", "drum", x=x, own=own, dash="dashed"),
+        _curve(result, "roll_traction", "on the roll", "roll", x=x, part=nip),
+        _curve(result, "drum_traction", "on the drum", "drum", x=x, part=nip, dash="dashed"),
     ]
     slips = [
-        _curve(result, "roll_slip", "at the roll", "roll", x=slip_x, own=own),
-        _curve(result, "drum_slip", "at the drum", "drum", x=slip_x, own=own, dash="dashed"),
-        _curve(result, "tension", "web tension", "web", x=x, own=own, dash="dashdot", side="right"),
+        _curve(result, "roll_slip", "at the roll", "roll", x=slip_x, part=nip),
+        _curve(result, "drum_slip", "at the drum", "drum", x=slip_x, part=nip, dash="dashed"),
+        _curve(
+            result, "tension", "web tension", "web", x=x, part=nip, dash="dashdot", side="right"
+        ),
     ]
     return [
         _panel(
             "tractions",
             "nip",
-            along(),
+            _along_the_nip(result),
             axis("Tangential traction", "roll_traction"),
             tractions,
-            areas=_bounds(result, own),
+            areas=_bounds(result, nip),
         ),
-        _zones(result, along(), axis("", "roll_zone")),
+        _zones(result, _along_the_nip(result), axis("", "roll_zone")),
         _panel(
             "slips",
             "nip",
-            along(),
+            _along_the_nip(result),
             axis("Relative slip speed", "roll_slip"),
             slips,
             right=axis("Web tension", "tension"),
@@ -148,9 +148,9 @@ def _panels_in_nip(result: Any) -> list[Panel]:
         _panel(
             "pressure",
             "nip",
-            along(),
+            _along_the_nip(result),
             axis("Pressure", "drum_pressure", floor=0),
-            _pressures(result, x, own),
+            _pressures(result, x, nip),
         ),
     ]
 
@@ -179,30 +179,30 @@ def _film_panel(result: Any) -> Panel:
     )
 
 
-def _pressures(result: Any, x: Array, own: slice) -> list[Any]:
+def _pressures(result: Any, x: Array, nip: slice) -> list[Any]:
     """Return the curves of the pressure in the nip, on roll and drum."""
     if not result.problem.is_wrapped:
-        return [_curve(result, "drum_pressure", "in the nip", "web", x=x, own=own)]
+        return [_curve(result, "drum_pressure", "in the nip", "web", x=x, part=nip)]
     return [
-        _curve(result, "roll_pressure", "on the roll", "roll", x=x, own=own),
-        _curve(result, "drum_pressure", "on the drum", "drum", x=x, own=own, dash="dashed"),
+        _curve(result, "roll_pressure", "on the roll", "roll", x=x, part=nip),
+        _curve(result, "drum_pressure", "on the drum", "drum", x=x, part=nip, dash="dashed"),
     ]
 
 
-def _bounds(result: Any, own: slice = slice(None)) -> list[dict[str, Any]]:
+def _bounds(result: Any, nip: slice = slice(None)) -> list[dict[str, Any]]:
     """Return the friction bounds, the wider one first."""
     labels = {"roll_traction": "mu+ p", "drum_traction": "mu- p", "traction": "mu p"}
-    found = [(labels[name], values[own]) for name, values in friction_bounds(result).items()]
-    found.sort(key=lambda one: -float(np.max(one[1])))
+    bounds = [(labels[name], values[nip]) for name, values in friction_bounds(result).items()]
+    bounds.sort(key=lambda bound: -float(np.max(bound[1])))
     return [
         {
             "label": label,
             "shade": shade,
-            "x": _numbers(result.x[own]),
+            "x": _numbers(result.x[nip]),
             "low": _numbers(-values),
             "high": _numbers(values),
         }
-        for shade, (label, values) in enumerate(found)
+        for shade, (label, values) in enumerate(bounds)
     ]
 
 
@@ -226,28 +226,28 @@ def _zones(result: Any, x: Any, y: Any) -> Panel:
 def _wrap_panels(result: Any) -> list[Panel]:
     """Return the panels of tension and pressure on the wraps, over the angle from the nip."""
     problem = result.without_air
-    a, own, angle = result.half_width, result.in_nip, _quantity(result, "slip_angle")
+    a, nip, angle = result.half_width, result.in_nip, _quantity(result, "slip_angle")
     tensions, pressures = [], []
     faces = [
         (
             "roll",
-            slice(own.stop, None),
+            slice(nip.stop, None),
             result.x - a,
             result.roll_pressure,
             problem.friction_on_wrap,
         ),
-        ("drum", slice(0, own.start), -a - result.x, result.drum_pressure, problem.drum_friction),
+        ("drum", slice(0, nip.start), -a - result.x, result.drum_pressure, problem.drum_friction),
     ]
-    for face, part, away, pressure, mu in faces:
+    for face, part, distance, pressure, mu in faces:
         if not getattr(problem, f"{face}_wrap"):
             continue
         dash = "dashdot" if face == "roll" else "dotted"
         line = "solid" if face == "roll" else "dashed"
-        theta = away[part] / getattr(problem, face).radius
+        theta = distance[part] / getattr(problem, face).radius
         name = "roll_pressure" if face == "roll" else "drum_pressure"
-        needed = np.abs(getattr(result, f"{face}_traction")[part]) / mu
+        friction_pressure = np.abs(getattr(result, f"{face}_traction")[part]) / mu
         tensions.append(
-            _curve(result, "tension", f"on the {face}", "web", x=theta, own=part, dash=dash)
+            _curve(result, "tension", f"on the {face}", "web", x=theta, part=part, dash=dash)
         )
         pressures += [
             _curve(result, name, f"on the {face}", face, x=theta, y=pressure[part], dash=line),
@@ -257,12 +257,12 @@ def _wrap_panels(result: Any) -> list[Panel]:
                 f"from friction on the {face}",
                 face,
                 x=theta,
-                y=needed,
+                y=friction_pressure,
                 dash="dotted",
             ),
         ]
     words = "Angle from the edge of the nip"
-    shown = [
+    panels = [
         ("wrap_tension", "Web tension", "tension", tensions, _wrap_marks(result)),
         ("wrap_pressure", "Pressure", "drum_pressure", pressures, []),
     ]
@@ -271,11 +271,11 @@ def _wrap_panels(result: Any) -> list[Panel]:
             name,
             "wraps",
             _axis(words, angle, log=True),
-            _axis(label, _quantity(result, of)),
+            _axis(label, _quantity(result, output)),
             curves,
             marks=marks,
         )
-        for name, label, of, curves, marks in shown
+        for name, label, output, curves, marks in panels
     ]
 
 
@@ -305,7 +305,7 @@ def _roller_panels(result: Any) -> list[Panel]:
         _panel(
             "tractions",
             "nip",
-            along(),
+            _along_the_nip(result),
             _axis("Pressure, traction", pressure),
             [
                 _curve(result, "pressure", "pressure", "web", x=x, dash="dashdot"),
@@ -313,11 +313,11 @@ def _roller_panels(result: Any) -> list[Panel]:
             ],
             areas=_bounds(result),
         ),
-        _zones(result, along(), _axis("", _quantity(result, "zone"))),
+        _zones(result, _along_the_nip(result), _axis("", _quantity(result, "zone"))),
         _panel(
             "slip",
             "nip",
-            along(),
+            _along_the_nip(result),
             _axis("Relative slip speed" if rolling else "Slip", _quantity(result, "slip")),
             [_curve(result, "slip", "lower surface faster", "roll", x=slip_x)],
         ),
@@ -328,13 +328,13 @@ def _roll_panels(result: Any) -> list[Panel]:
     """Return the panels of a wound roll over the radius."""
     radius, curve = _quantity(result, "radius"), result.problem.tension_curve
     r = np.linspace(result.radius[0], result.radius[-1], POINTS)
-    between = result.at_radius(r)
+    values = result.at_radius(r)
     stages = np.unique(np.concatenate([result.stage_radius, curve.kinks]))
-    wound = quantities.find(type(result.problem), "wound_on_tension")[0].quantity
-    assert wound is not None
+    wound_on_tension = quantities.find(type(result.problem), "wound_on_tension")[0].quantity
+    assert wound_on_tension is not None
     tension = {
         "name": "wound_on_tension",
-        "symbol": wound.symbol,
+        "symbol": wound_on_tension.symbol,
         "label": "",
         "role": "web",
         "dash": "solid",
@@ -342,18 +342,18 @@ def _roll_panels(result: Any) -> list[Panel]:
         "x": _numbers(stages),
         "y": _numbers(curve.at(stages) * result.problem.web_thickness),
     }
-    shown = [
+    rows = [
         (
             "pressure",
             "Pressure",
             {"floor": 0},
-            _curve(result, "pressure", "", "roll", x=r, y=between["pressure"]),
+            _curve(result, "pressure", "", "roll", x=r, y=values["pressure"]),
         ),
         (
             "hoop_stress",
             "Hoop stress",
             {},
-            _curve(result, "hoop_stress", "", "drum", x=r, y=between["hoop_stress"]),
+            _curve(result, "hoop_stress", "", "drum", x=r, y=values["hoop_stress"]),
         ),
         (
             "radial_modulus",
@@ -367,14 +367,14 @@ def _roll_panels(result: Any) -> list[Panel]:
             name,
             "radius",
             _axis("Radius", radius),
-            _axis(label, _quantity(result, name), **more),
+            _axis(label, _quantity(result, name), **settings),
             [line],
         )
-        for name, label, more, line in shown
+        for name, label, settings, line in rows
     ]
-    panels[2:2] = _compression(result, r, between["hoop_stress"])
-    along = _axis("Wound-on tension", wound, floor=0)
-    return [*panels, _panel("tension", "radius", _axis("Radius", radius), along, [tension])]
+    panels[2:2] = _compression(result, r, values["hoop_stress"])
+    y_axis = _axis("Wound-on tension", wound_on_tension, floor=0)
+    return [*panels, _panel("tension", "radius", _axis("Radius", radius), y_axis, [tension])]
 
 
 def _compression(result: Any, r: Array, hoop_stress: Array) -> list[Panel]:
@@ -382,19 +382,19 @@ def _compression(result: Any, r: Array, hoop_stress: Array) -> list[Panel]:
 
     The web has its wound-on stress at both ends of the roll, many times the compression inside.
     """
-    (inside,) = np.nonzero(hoop_stress < 0)
-    if inside.size < 2:
+    (compressed,) = np.nonzero(hoop_stress < 0)
+    if compressed.size < 2:
         return []
-    part = slice(inside[0], inside[-1] + 1)
+    part = slice(compressed[0], compressed[-1] + 1)
     ends = [float(r[part][0]), float(r[part][-1])]
-    along = _axis("Radius", _quantity(result, "radius"), range=ends)
+    x_axis = _axis("Radius", _quantity(result, "radius"), range=ends)
     stress = _curve(result, "hoop_stress", "", "drum", x=r[part], y=hoop_stress[part])
     # a column of its own: its part of the radius is not that of the other panels
     return [
         _panel(
             "compression",
             "compression",
-            along,
+            x_axis,
             _axis("Hoop stress", _quantity(result, "hoop_stress")),
             [stress],
         )
@@ -408,8 +408,8 @@ def _winding_panels(result: Any) -> list[Panel]:
         """Return a panel of several outputs over the radius."""
         first = next(iter(names))
         curves = [
-            _curve(result, of, words, role, x=result.radius, dash=dash)
-            for of, (words, role, dash) in names.items()
+            _curve(result, output, words, role, x=result.radius, dash=dash)
+            for output, (words, role, dash) in names.items()
         ]
         return _panel(
             name,

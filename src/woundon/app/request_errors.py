@@ -75,7 +75,7 @@ def request_error_of(fault: Exception) -> RequestError | None:
         return fault
     if isinstance(fault, InvalidProblem):
         kind = {NoSteadyState: "no-steady-state", NoSolution: "no-solution"}
-        errors = tuple(_error_at(*one) for one in fault.faults[:MOST_LINES])
+        errors = tuple(_error_at(*entry) for entry in fault.faults[:MOST_LINES])
         return RequestError(422, kind.get(type(fault), "invalid"), str(fault), errors)
     if isinstance(fault, NotConverged):
         return RequestError(422, "not-converged", f"not converged: {fault}")

@@ -69,7 +69,7 @@ class Workers:
     def __init__(self) -> None:
         size, warm_up = max(2, min(usable_cores(), MOST_SOLVERS)), computations.warm_up
         self.solvers = Pool(size, warm_up, seconds=LIMITS["solve_seconds"])
-        # neither a slider nor what is drawn around it waits for a study, whose priority is lower
+        # studies have a lower priority and processes of their own, so that no slider waits for them
         self.others = Pool(1, warm_up, seconds=LIMITS["document_seconds"], nice=1)
         self.cases = Pool(size, warm_up, seconds=LIMITS["study_seconds"], nice=10)
         self.studies: dict[str, asyncio.Event] = {}
@@ -139,6 +139,7 @@ def application(names: Iterable[str] = (), token: str = "") -> FastAPI:
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        """Start the workers with the server, and stop them at its end."""
         opening = asyncio.create_task(workers.open())  # the page is served before they are ready
         yield
         opening.cancel()
@@ -183,10 +184,12 @@ async def _rejected_by_starlette(request: Request, error: Any) -> Response:
 async def _invalid(request: Request, error: Any) -> Response:
     """Return the response to a request of invalid form."""
     errors = tuple(
-        {"field": ".".join(map(str, one["loc"][1:])), "message": one["msg"]}
-        for one in error.errors()
+        {"field": ".".join(map(str, entry["loc"][1:])), "message": entry["msg"]}
+        for entry in error.errors()
     )
-    detail = "\n".join(f"{one['field']}: {one['message']}".removeprefix(": ") for one in errors)
+    detail = "\n".join(
+        f"{entry['field']}: {entry['message']}".removeprefix(": ") for entry in errors
+    )
     return RequestError(422, "invalid", detail, errors).response()
 
 
@@ -200,8 +203,8 @@ def _session_of(request: Request) -> str:
 
 def _options(request: Request, *known: str) -> dict[str, Any]:
     """Return the options of the solver: the fields of the query except those of the route."""
-    own = {"token", *known}
-    return {name: value for name, value in request.query_params.items() if name not in own}
+    excluded = {"token", *known}
+    return {name: value for name, value in request.query_params.items() if name not in excluded}
 
 
 async def _computed(
@@ -241,6 +244,7 @@ def _add_pages(app: FastAPI, secret: str) -> None:
 
     @app.get("/", include_in_schema=False)
     async def page(token: str = "") -> Response:
+        """Return the page; with a valid token, set the cookie that carries it."""
         response = FileResponse(STATIC / "index.html")
         if secret and token == secret:  # the requests of the page carry it from then on
             response.set_cookie(COOKIE, secret, httponly=True, samesite="strict")
@@ -280,15 +284,15 @@ def _add_states(app: FastAPI, workers: Workers) -> None:
         return _json(await _computed(workers.solvers, request, computations.solve, *args))
 
     @app.post("/api/grade", tags=["states"])
-    async def grade(request: Request, asked: GradeRequest) -> Response:
+    async def grade(request: Request, body: GradeRequest) -> Response:
         """Return the tables of a case with the web, friction and limits of a grade."""
-        args = (asked.case, asked.grade)
+        args = (body.case, body.grade)
         return _json(await _computed(workers.solvers, request, computations.with_grade, *args))
 
     @app.post("/api/design", tags=["states"])
-    async def design(request: Request, asked: DesignRequest) -> Response:
+    async def design(request: Request, body: DesignRequest) -> Response:
         """Find the tension over the radius that gives a wound roll a target pressure."""
-        args = (asked.case, asked.pressure, asked.rtol)
+        args = (body.case, body.pressure, body.rtol)
         return _json(await _computed(workers.solvers, request, computations.design, *args))
 
 
@@ -307,8 +311,8 @@ def _add_variations(app: FastAPI, workers: Workers) -> None:
     ) -> Response:
         """Return outputs against one field around a case."""
         options = _options(request, "field", "points", "low", "high", "outputs")
-        named = [name for name in outputs.split(",") if name]
-        args = (case, field, options, points, low, high, named)
+        names = [name for name in outputs.split(",") if name]
+        args = (case, field, options, points, low, high, names)
         return _json(await _computed(workers.others, request, computations.curve, *args))
 
     @app.post("/api/sensitivities", tags=["states"])
@@ -318,16 +322,16 @@ def _add_variations(app: FastAPI, workers: Workers) -> None:
         return _json(await _computed(workers.others, request, call, *args, rank=1))
 
     @app.post("/api/find", tags=["states"])
-    async def find(request: Request, asked: FindRequest) -> Response:
+    async def find(request: Request, body: FindRequest) -> Response:
         """Find the values of a field for which an output reaches a target."""
-        args = (asked.case, asked.field, asked.output, asked.target, asked.between)
+        args = (body.case, body.field, body.output, body.target, body.between)
         return _json(await _computed(workers.others, request, computations.find, *args))
 
 
 def _add_studies(app: FastAPI, workers: Workers) -> None:
     """Add the routes of studies, which stream their events."""
 
-    def streamed(request: Request, events: Callable[..., AsyncIterator[bytes]], asked: Any) -> Any:
+    def streamed(request: Request, events: Callable[..., AsyncIterator[bytes]], tables: Any) -> Any:
         """Return the events of a study; a running study of the same session is stopped."""
         session, studies, stopped = _session_of(request), workers.studies, asyncio.Event()
         if session in studies:
@@ -337,7 +341,7 @@ def _add_studies(app: FastAPI, workers: Workers) -> None:
 
         async def lines() -> AsyncIterator[bytes]:
             try:
-                args = (workers.cases, asked, session, request.is_disconnected, stopped)
+                args = (workers.cases, tables, session, request.is_disconnected, stopped)
                 async for line in events(*args):
                     yield line
             finally:
@@ -354,19 +358,19 @@ def _add_studies(app: FastAPI, workers: Workers) -> None:
         return streamed(request, study_stream.events, started)
 
     @app.post("/api/fit", tags=["studies"])
-    async def fit(request: Request, asked: FitRequest) -> Response:
+    async def fit(request: Request, body: FitRequest) -> Response:
         """Fit one or two fields to a table of measured values; events as those of a study."""
-        return streamed(request, fit_stream.events, asked.model_dump())
+        return streamed(request, fit_stream.events, body.model_dump())
 
     @app.post("/api/window", tags=["studies"])
-    async def window(request: Request, asked: WindowRequest) -> Response:
+    async def window(request: Request, body: WindowRequest) -> Response:
         """Map the probability that a roll keeps its limits; events as those of a study."""
         if workers.window.locked():
             raise RequestError(503, "busy", "another operating window is being computed")
 
         async def lines() -> AsyncIterator[bytes]:
             async with workers.window:
-                events = window_stream.events(asked.model_dump(), request.is_disconnected)
+                events = window_stream.events(body.model_dump(), request.is_disconnected)
                 async for line in events:
                     yield line
 
@@ -416,21 +420,21 @@ def _add_documents(app: FastAPI, workers: Workers) -> None:
         return _file(body, f"result.{format}")
 
     @app.post("/api/report", tags=["documents"])
-    async def report(request: Request, asked: Cases) -> Response:
+    async def report(request: Request, cases: Cases) -> Response:
         """Return the report of solved cases as a self-contained HTML file."""
-        body = await written(request, documents.report, asked.model_dump())
+        body = await written(request, documents.report, cases.model_dump())
         return Response(body, media_type="text/html")
 
     @app.post("/api/figure", tags=["documents"])
     async def figure(
         request: Request,
-        asked: Cases,
+        cases: Cases,
         format: Annotated[str, Query(pattern="^(svg|png|pdf)$")] = "svg",
         panels: str = "",
     ) -> Response:
         """Return a figure of one case or of several cases."""
-        chosen = [name for name in panels.split(",") if name]
-        body = await written(request, documents.figure, asked.model_dump(), format, chosen)
+        panel_names = [name for name in panels.split(",") if name]
+        body = await written(request, documents.figure, cases.model_dump(), format, panel_names)
         return _file(body, f"figure.{format}")
 
     @app.get("/api/thesis/{name}", tags=["documents"])
@@ -445,7 +449,7 @@ def _description(document: dict[str, Any]) -> str:
     rows = "".join(
         f"<tr><td><code>{method.upper()} {escape(path)}</code></td>"
         f"<td>{escape(route.get('description', ''))}</td>"
-        f"<td><code>{escape(', '.join(one['name'] for one in route.get('parameters', ())))}</code>"
+        f"<td><code>{escape(', '.join(p['name'] for p in route.get('parameters', ())))}</code>"
         "</td></tr>"
         for path, routes in document["paths"].items()
         for method, route in routes.items()

@@ -79,9 +79,9 @@ def start_study(tables: Any) -> tuple[bytes, KindModel, list[Chunk]]:
 def _check_size(tables: Mapping[str, Any]) -> None:
     """Reject a study of too many cases before they are created."""
     over, design = tables.get("over"), tables.get("design", {})
-    drawn = design.get("samples") if isinstance(design, Mapping) else None
+    samples = design.get("samples") if isinstance(design, Mapping) else None
     entries = list(_entries(over)) if isinstance(over, Mapping) else []
-    cases = drawn if isinstance(drawn, int) else prod(max(entry, 1) for entry in entries)
+    cases = samples if isinstance(samples, int) else prod(max(entry, 1) for entry in entries)
     if cases > LIMITS["sweep_cases"]:
         text = (
             f"{cases} cases are too many for the page, which solves {LIMITS['sweep_cases']} "
@@ -92,13 +92,13 @@ def _check_size(tables: Mapping[str, Any]) -> None:
 
 def _entries(over: Mapping[str, Any]) -> Any:
     """Yield the number of values of each varied field."""
-    for given in over.values():
-        if isinstance(given, list):
-            yield len(given)
-        elif isinstance(given, Mapping) and isinstance(given.get("count"), int):
-            yield given["count"]
-        elif isinstance(given, Mapping):
-            yield from _entries(given)
+    for values in over.values():
+        if isinstance(values, list):
+            yield len(values)
+        elif isinstance(values, Mapping) and isinstance(values.get("count"), int):
+            yield values["count"]
+        elif isinstance(values, Mapping):
+            yield from _entries(values)
 
 
 def solve_cases(model: KindModel, chunk: Chunk) -> tuple[int, bytes]:

@@ -49,11 +49,13 @@ class _TimeoutProtocol(H11Protocol):
         super().connection_lost(exc)
 
     def _start_timeout(self) -> None:
+        """Close the connection if the head of a request is not complete in time."""
         if self._head_timeout is None:
             loop = asyncio.get_running_loop()
             self._head_timeout = loop.call_later(HEAD_SECONDS, self.transport.close)
 
     def _cancel_timeout(self) -> None:
+        """Cancel the time limit for the head of a request."""
         if self._head_timeout is not None:
             self._head_timeout.cancel()
             self._head_timeout = None
@@ -79,8 +81,8 @@ def listening(host: str, port: int) -> socket.socket:
         listener.listen(128)
     except (OSError, OverflowError) as fault:
         listener.close()
-        why = getattr(fault, "strerror", None) or str(fault)
-        text = f"cannot listen at {host}: {why}; take another port with --port"
+        reason = getattr(fault, "strerror", None) or str(fault)
+        text = f"cannot listen at {host}: {reason}; take another port with --port"
         raise InvalidProblem.at(f"port {port}", text) from None
     return listener
 
@@ -95,11 +97,11 @@ def interrupts_counted() -> Iterator[list[int]]:
     if threading.current_thread() is not threading.main_thread():
         yield pressed
         return
-    before = signal.signal(signal.SIGINT, lambda number, _: pressed.append(number))
+    handler = signal.signal(signal.SIGINT, lambda number, _: pressed.append(number))
     try:
         yield pressed
     finally:
-        signal.signal(signal.SIGINT, before)
+        signal.signal(signal.SIGINT, handler)
 
 
 class _Server(uvicorn.Server):
@@ -114,7 +116,7 @@ class _Server(uvicorn.Server):
 
 
 def serve(
-    at: socket.socket, names: Iterable[str] = (), token: str = "", *, pressed: list[int]
+    listener: socket.socket, names: Iterable[str] = (), token: str = "", *, pressed: list[int]
 ) -> None:
     """Serve until Ctrl-C; stop at once if it was ``pressed`` before."""
     config = uvicorn.Config(
@@ -132,4 +134,4 @@ def serve(
     )
     server = _Server(config)
     server.pressed = pressed
-    server.run(sockets=[at])
+    server.run(sockets=[listener])

@@ -26,13 +26,13 @@ MOST_WORKERS = 4
 
 
 async def events(
-    asked: Mapping[str, Any], is_disconnected: Callable[[], Awaitable[bool]]
+    request: Mapping[str, Any], is_disconnected: Callable[[], Awaitable[bool]]
 ) -> AsyncIterator[bytes]:
     """Yield the events of an operating window as they occur, one line of JSON each.
 
     Parameters
     ----------
-    asked : mapping
+    request : mapping
         As :class:`.request_models.WindowRequest`.
     is_disconnected : callable
         Whether the client has disconnected.
@@ -40,11 +40,12 @@ async def events(
     loop, queue, stopped = asyncio.get_running_loop(), asyncio.Queue[Any](), threading.Event()
 
     def send(event: Mapping[str, Any]) -> None:
+        """Queue an event; stop the computation if the client has disconnected."""
         if stopped.is_set():
             raise Cancelled
         loop.call_soon_threadsafe(queue.put_nowait, event)
 
-    threading.Thread(target=_compute, args=(asked, send), daemon=True).start()
+    threading.Thread(target=_compute, args=(request, send), daemon=True).start()
     try:
         while True:
             try:
@@ -60,20 +61,22 @@ async def events(
         stopped.set()
 
 
-def _compute(asked: Mapping[str, Any], send: Callable[[Mapping[str, Any]], None]) -> None:
+def _compute(request: Mapping[str, Any], send: Callable[[Mapping[str, Any]], None]) -> None:
     """Compute the window in this thread and send its events."""
     try:
         try:
             with unwarned():
                 window = operating_window(
-                    problem_of(asked["case"]),
-                    asked["web_tension"],
-                    asked["nip_load"],
-                    asked["torque_split"],
-                    uncertain=asked["uncertain"],
+                    problem_of(request["case"]),
+                    request["web_tension"],
+                    request["nip_load"],
+                    request["torque_split"],
+                    uncertain=request["uncertain"],
                     # at least two: a single one would solve in the server itself
                     workers=max(2, min(usable_cores(), MOST_WORKERS)),
-                    progress=lambda done, of: send({"event": "progress", "done": done, "of": of}),
+                    progress=lambda done, expected: send(
+                        {"event": "progress", "done": done, "of": expected}
+                    ),
                     preview=lambda coarse: send({"event": "window"} | _content(coarse)),
                 )
             send({"event": "window"} | _content(window))

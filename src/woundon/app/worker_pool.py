@@ -203,13 +203,13 @@ class Pool:
             self._newest[key] = request
         heappush(self._waiting, (rank, next(self._number), request))
         self._assign()
-        late = asyncio.get_running_loop().call_later(
+        timeout = asyncio.get_running_loop().call_later(
             seconds or self.seconds, self._time_out, request, seconds or self.seconds
         )
         try:
             return await request.answer
         finally:
-            late.cancel()
+            timeout.cancel()
             if self._newest.get(key) is request:
                 del self._newest[key]
             if not request.answer.done() or request.answer.cancelled():
@@ -221,10 +221,11 @@ class Pool:
             asyncio.get_running_loop().call_later(GRACE, self._drop, request)
             return
         self._drop(request)
-        self._waiting = [one for one in self._waiting if not one[2].answer.done()]
+        self._waiting = [entry for entry in self._waiting if not entry[2].answer.done()]
         heapify(self._waiting)
 
     def _drop(self, request: _Request) -> None:
+        """Reject a request that a newer one replaces."""
         if not request.answer.done():
             text = "a newer request of the same session took its place"
             request.answer.set_exception(RequestError(409, "superseded", text))
@@ -251,25 +252,26 @@ class Pool:
 
     def _assign(self) -> None:
         """Assign waiting requests to idle workers."""
-        held = list[tuple[int, int, _Request]]()
+        postponed = list[tuple[int, int, _Request]]()
         while self._idle and self._waiting:
             rank, number, request = heappop(self._waiting)
             if request.answer.done():
                 continue
             if request.key in self._active:  # one at a time of each key
-                held.append((rank, number, request))
+                postponed.append((rank, number, request))
                 continue
-            own = (s for s in self._idle if request.session and s.session == request.session)
-            slot = next(own, self._idle[0])
+            preferred = (s for s in self._idle if request.session and s.session == request.session)
+            slot = next(preferred, self._idle[0])
             self._idle.remove(slot)
             slot.session, request.slot = request.session, slot
             if request.key is not None:
                 self._active[request.key] = request
             self._create_task(self._serve(slot, request))
-        for one in held:
-            heappush(self._waiting, one)
+        for entry in postponed:
+            heappush(self._waiting, entry)
 
     def _create_task(self, work: Any) -> None:
+        """Start a task and keep a reference to it, which asyncio does not."""
         task = asyncio.get_running_loop().create_task(work)
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
@@ -290,6 +292,7 @@ class Pool:
             self._assign()
 
     def _time_out(self, request: _Request, seconds: float) -> None:
+        """Reject a request that takes too long."""
         if not request.answer.done():
             text = f"the request took longer than the limit of {seconds:g} s"
             request.answer.set_exception(RequestError(504, "too-slow", text))

@@ -81,6 +81,7 @@ def app(port: int, no_browser: bool, host: str, names: tuple[str, ...], token: s
 
 
 def _address(host: str, names: tuple[str, ...], port: int, token: str) -> str:
+    """Return the address of the page."""
     name = next(iter(names), host)
     name = f"[{name}]" if ":" in name else name  # IPv6
     return f"http://{name}:{port}/{f'?token={token}' if token else ''}"

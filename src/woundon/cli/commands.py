@@ -128,10 +128,10 @@ class _ClosedPipeError(Exception):
 class Commands(click.Group):
     """The commands in sections, and those of plug-ins."""
 
-    def make_context(self, *args: Any, **more: Any) -> click.Context:
+    def make_context(self, *args: Any, **kwargs: Any) -> click.Context:
         """Parse the arguments; --help and --version print here."""
         try:
-            return super().make_context(*args, **more)
+            return super().make_context(*args, **kwargs)
         except BrokenPipeError:
             raise _ClosedPipeError from None
 

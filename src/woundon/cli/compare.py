@@ -95,10 +95,10 @@ def compare(
         check_table_path(save)
     check_output_files(plot, save)
     problem = load_case(case, settings)
-    given = {name: tab[f"tab_{name}"] for name in TAB_OPTIONS}
+    values = {name: tab[f"tab_{name}"] for name in TAB_OPTIONS}
     calibration: dict[str, Any] = {
         name: as_number(value) if isinstance(value, str) else value
-        for name, value in given.items()
+        for name, value in values.items()
         if value is not None
     }
     comparison = compare_with(

@@ -73,9 +73,9 @@ def _field_tables(problem: type[Any]) -> Iterator[tuple[str, list[Row]]]:
         for member in members:
             for name, field in member.model_fields.items():
                 owners.setdefault(_field_row(name, field), []).append(member)
-        for row, having in owners.items():
-            only = "" if having == members else f"[{', '.join(map(_member_name, having))}] "
-            rows.append((row[0], row[1], row[2], only + row[3]))
+        for row, some in owners.items():
+            note = "" if some == members else f"[{', '.join(map(_member_name, some))}] "
+            rows.append((row[0], row[1], row[2], note + row[3]))
         yield f"Fields of {one_of(names, 'and')}", rows
 
 
@@ -107,6 +107,7 @@ def _member_name(member: Any) -> str:
 
 
 def _field_row(name: str, field: Any) -> Row:
+    """Return name, symbol, unit and meaning of a field."""
     from ..io.case_texts import field_comment, field_ranges
     from ..quantities import members_of, quantity_of
 
@@ -134,12 +135,14 @@ def _output_tables(result: type[Any]) -> Iterator[tuple[str, list[Row]]]:
 
 
 def _output_row(place: Any) -> Row:
+    """Return name, symbol, unit and meaning of an output."""
     quantity = place.quantity
     unit = quantity.unit if quantity.unit != "1" else "-"
     return place.path, quantity.symbol, unit, quantity.meaning
 
 
 def _option_rows(kind: Kind[Any, Any]) -> Iterator[Row]:
+    """Yield name, type and description of the options of a solver."""
     for name, option in kind.solver_options().items():
         kind_of_value = "|".join(option.choices) or option.type.__name__
         text = f"{option.help} {option.details}".strip()
@@ -150,16 +153,16 @@ def _option_rows(kind: Kind[Any, Any]) -> Iterator[Row]:
 def materials() -> None:
     """List the named materials with their values and sources."""
     from ..problems.materials import MATERIALS
-    from ..problems.units import written
+    from ..problems.units import text_with_unit
     from ..quantities import walk
 
     for name, known in MATERIALS.items():
         values = []
         for place in walk(known.material):
             if place.value is not None and place.quantity is not None:
-                text = written(place.value, place.quantity.unit, place.quantity.shown_unit)
-                shown = f'"{text}"' if isinstance(text, str) else f"{text:g}"
-                values.append(f"{place.path} = {shown}")
+                text = text_with_unit(place.value, place.quantity.unit, place.quantity.shown_unit)
+                value = f'"{text}"' if isinstance(text, str) else f"{text:g}"
+                values.append(f"{place.path} = {value}")
         click.secho(name, bold=True)
         click.echo(f"  {{ {', '.join(values)} }}")
         click.secho(f"  {known.source}", dim=True)

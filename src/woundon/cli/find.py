@@ -102,7 +102,7 @@ def find(
     (name, between), (output, value) = vary, target
     outputs: dict[str, Any] = {output: as_number(value)}
     with unwarned():
-        found = find_values(
+        result = find_values(
             problem,
             name,
             between=between,
@@ -114,33 +114,33 @@ def find(
             **outputs,
         )
         if new_case:
-            write_whole(new_case, to_toml(found.problem).encode())
+            write_whole(new_case, to_toml(result.problem).encode())
         if plot:
-            found.plot(plot)
-        for line in [found.to_json()] if as_json else _lines(found):
+            result.plot(plot)
+        for line in [result.to_json()] if as_json else _lines(result):
             click.echo(line)
-    for text in () if as_json else found.result.warnings:
+    for text in () if as_json else result.result.warnings:
         click.secho(f"warning: {text}", fg="yellow", err=True)
 
 
-def _lines(found: FindResult) -> Iterator[str]:
+def _lines(result: FindResult) -> Iterator[str]:
     """Yield the solutions, then the table of all points, then the remarks."""
     from ..studies.find import remarks
 
-    yield from found.lines()[: len(found.solutions)]
+    yield from result.lines()[: len(result.solutions)]
     yield ""
-    field, output = found.quantities[found.name], found.quantities[found.output]
+    field, output = result.quantities[result.name], result.quantities[result.output]
     heads = [
         f"{name} [{quantity.display}]" if quantity.display else name
-        for name, quantity in ((found.name, field), (found.output, output))
+        for name, quantity in ((result.name, field), (result.output, output))
     ]
     yield "  ".join(heads)
-    reasons = dict(found.failures)
-    solutions = {value for value, _ in found.solutions}
-    for value, reached in zip(found.values.tolist(), found.outputs.tolist(), strict=True):
+    reasons = dict(result.failures)
+    solutions = {value for value, _ in result.solutions}
+    for value, reached in zip(result.values.tolist(), result.outputs.tolist(), strict=True):
         left = f"{field.shown(value):{len(heads[0])}.6g}"
         right = f"{output.shown(reached):.6g}" if isfinite(reached) else "-"
         note = "solution" if value in solutions else reasons.get(value, "")
         yield f"{left}  {right:>{len(heads[1])}}  {note}".rstrip()
     yield ""
-    yield from remarks(found)
+    yield from remarks(result)

@@ -64,8 +64,8 @@ class Numbers(click.ParamType):
 
     def __init__(self, form: str) -> None:
         self.form = form
-        most = form.count(":") + 1
-        self.counts = range(most - form.count("["), most + 1)
+        longest = form.count(":") + 1
+        self.counts = range(longest - form.count("["), longest + 1)
 
     def convert(self, value: Any, param: Any, ctx: Any) -> list[str | float]:
         """Split the text at its colons."""
@@ -110,13 +110,13 @@ class KindName(click.Choice[str]):
         pass  # set by the base class
 
 
-def _use_units(context: click.Context, option: Any, chosen: tuple[str, ...]) -> None:
+def _use_units(context: click.Context, option: Any, choices: tuple[str, ...]) -> None:
     """Display results in the chosen units until the command ends."""
-    if chosen:
+    if choices:
         # the units import the kinds of problem, with NumPy and pydantic
         from ..io.chosen_units import units_of
 
-        context.with_resource(units_of(chosen))
+        context.with_resource(units_of(choices))
 
 
 PATH = click.Path(path_type=Path)

@@ -86,15 +86,15 @@ def schedule(
     if not isinstance(problem, RollProblem):
         text = "is not a case of the kind roll; 'woundon new roll' writes one"
         raise InvalidProblem.at(str(case), text)
-    found = design_tension(problem, _target_pressure(target, smooth), rtol=rtol)
-    wound = solve_wound_roll(found.problem, rtol=max(rtol, 1e-8))
-    print_schedule(found, wound, console())
+    solution = design_tension(problem, _target_pressure(target, smooth), rtol=rtol)
+    roll = solve_wound_roll(solution.problem, rtol=max(rtol, 1e-8))
+    print_schedule(solution, roll, console())
     if out:
-        write_whole(out, _csv_text(found).encode())
+        write_whole(out, _csv_text(solution).encode())
     if new_case:
-        write_whole(new_case, to_toml(found.problem).encode())
+        write_whole(new_case, to_toml(solution.problem).encode())
     if plot:
-        plot_schedule(found, wound, plot)
+        plot_schedule(solution, roll, plot)
 
 
 def _target_pressure(text: str, smooth: bool) -> Any:
@@ -122,8 +122,8 @@ def _target_pressure(text: str, smooth: bool) -> Any:
         raise fault.under(text) from None
 
 
-def _csv_text(found: Any) -> str:
+def _csv_text(solution: Any) -> str:
     """Return the tension over the radius as the columns of a profile."""
-    rows = zip(found.tension.radius, found.tension.value, strict=True)
+    rows = zip(solution.tension.radius, solution.tension.value, strict=True)
     lines = [f"{1e3 * r:.9g},{T:.9g}" for r, T in rows]
     return "\n".join(["radius [mm],value [N/m]", *lines, ""])

@@ -26,8 +26,8 @@ class SolveCommand(click.Command):
 
     def get_params(self, ctx: click.Context) -> list[click.Parameter]:
         """Return arguments and options."""
-        own = super().get_params(ctx)
-        return [*own[:-1], *_solver_options(), *_wrap_options(), own[-1]]  # --help is the last
+        *others, help_option = super().get_params(ctx)
+        return [*others, *_solver_options(), *_wrap_options(), help_option]
 
 
 @click.command(
@@ -60,14 +60,18 @@ def solve(
     from ..io.case_files import load_case
     from ..io.result_files import to_json, writer_for
 
-    given = {name: value for name, value in options.items() if value is not None}
-    wraps = [f"{name}={given.pop(name)}" for name in list(given) if name in _wrap_fields()]
+    solver_options = {name: value for name, value in options.items() if value is not None}
+    wraps = [
+        f"{name}={solver_options.pop(name)}"
+        for name in list(solver_options)
+        if name in _wrap_fields()
+    ]
     problem = load_case(case, [*settings, *wraps])
-    _check_options(kinds.of(problem), given, sensitivity)
+    _check_options(kinds.of(problem), solver_options, sensitivity)
     if save:
         writer_for(save)
     check_output_files(plot, *([save] if save else []))
-    result = _solve(problem, given)
+    result = _solve(problem, solver_options)
     derivatives = result.sensitivity() if sensitivity else None
     if save:
         result.save(save)
@@ -94,12 +98,12 @@ def _solver_options() -> Iterator[click.Option]:
     for name in dict.fromkeys(name for _, options in known for name in options):
         owners = [kind.name for kind, options in known if name in options]
         option = next(options[name] for _, options in known if name in options)
-        only = "" if len(owners) == len(known) else f" Only for {one_of(owners, 'and')}."
+        note = "" if len(owners) == len(known) else f" Only for {one_of(owners, 'and')}."
         details = f"{option.help} See 'woundon describe'." if option.details else option.help
         yield click.Option(
             [_option_name(name)],
             type=click.Choice(option.choices) if option.choices else option.type,
-            help=f"{details}{only}".strip(),
+            help=f"{details}{note}".strip(),
         )
 
 
@@ -123,7 +127,7 @@ def _wrap_options() -> Iterator[click.Option]:
         yield click.Option([_option_name(name)], metavar="VALUE", help=field_comment(field))
 
 
-def _check_options(kind: Kind[Any, Any], given: Mapping[str, Any], sensitivity: bool) -> None:
+def _check_options(kind: Kind[Any, Any], options: Mapping[str, Any], sensitivity: bool) -> None:
     """Reject options that the solver of the kind does not have."""
     from ..kinds import every
 
@@ -131,7 +135,7 @@ def _check_options(kind: Kind[Any, Any], given: Mapping[str, Any], sensitivity: 
     text = f"not an option of the kind {kind.name!r}, which has " + (
         one_of(map(_option_name, known), "and") or "none"
     )
-    faults = [(_option_name(name), text) for name in given if name not in known]
+    faults = [(_option_name(name), text) for name in options if name not in known]
     if sensitivity and not hasattr(kind.result, "sensitivity"):
         others = one_of((k.name for k in every() if hasattr(k.result, "sensitivity")), "and")
         text = f"not available for the kind {kind.name!r}, but for {others}"
@@ -157,6 +161,7 @@ def _solve(problem: Any, options: Mapping[str, Any]) -> Any:
 
 
 def _print(result: Any, sensitivity: Any) -> None:
+    """Print the report of a result, and its sensitivities."""
     from ..report.result_report import print_report
     from ..report.sensitivity_report import print_sensitivity
 

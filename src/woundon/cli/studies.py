@@ -169,8 +169,8 @@ def _print_summary(table: Table, seconds: float) -> int:
     for name, values in table.outputs.items():
         if np.isfinite(values).any():
             quantity = table.quantities[name]
-            unit, shown = quantity.in_table(values)
-            text = f"{quantity.meaning}: {np.nanmin(shown):.5g} to {np.nanmax(shown):.5g}"
+            unit, converted = quantity.in_table(values)
+            text = f"{quantity.meaning}: {np.nanmin(converted):.5g} to {np.nanmax(converted):.5g}"
             click.echo(text if unit == "1" else f"{text} {unit}")
     return 3 if failed == size else 0
 
@@ -289,7 +289,7 @@ def fit(
     if save and save.suffix != ".json":
         raise InvalidProblem.at(str(save), f"the ending {save.suffix!r} is not .json")
     check_output_files(plot, save)
-    found = fit_problem(
+    result = fit_problem(
         problem,
         data,
         {name: _bounds_in_si(problem, name, bounds) for name, bounds in varied},
@@ -301,10 +301,10 @@ def fit(
         progress=True,
     )
     if save:
-        write_whole(save, found.to_json().encode())
+        write_whole(save, result.to_json().encode())
     if plot:
-        found.plot(plot)
-    for line in [found.to_json()] if as_json else found.lines():
+        result.plot(plot)
+    for line in [result.to_json()] if as_json else result.lines():
         click.echo(line)
 
 
@@ -360,10 +360,10 @@ def plan(
     check_output_files(plot, save)
     keywords = load_plan(study)
     settings = {name: v for name, v in (("count", count), ("draws", draws)) if v is not None}
-    found = next_experiment(**{**keywords, **settings})
+    plan_result = next_experiment(**{**keywords, **settings})
     if save:
-        write_table(found.to_dataframe().reset_index(), save)
+        write_table(plan_result.to_dataframe().reset_index(), save)
     if plot:
-        found.plot(plot)
-    for line in [found.to_json()] if as_json else found.lines():
+        plan_result.plot(plot)
+    for line in [plan_result.to_json()] if as_json else plan_result.lines():
         click.echo(line)

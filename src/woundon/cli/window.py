@@ -125,12 +125,12 @@ def window(
     uncertain: dict[str, Any] = {name: as_number(value) for name, value in spreads}
     problem: Any = load_case(case, settings)
 
-    def draw(found: Any) -> None:
+    def draw(result: Any) -> None:
         if plot:
-            found.plot(plot)
+            result.plot(plot)
 
     with unwarned():
-        found = operating_window(
+        result = operating_window(
             problem,
             **ranges,
             uncertain=uncertain or None,
@@ -141,9 +141,9 @@ def window(
             progress=not as_json,
             preview=draw,
         )
-        draw(found)
+        draw(result)
         if csv:
-            write_whole(csv, found.to_dataframe().to_csv(index=False).encode())
-        at_points = [found.at(*point) for point in points]
-        for line in [found.to_json()] if as_json else found.lines(*at_points):
+            write_whole(csv, result.to_dataframe().to_csv(index=False).encode())
+        at_points = [result.at(*point) for point in points]
+        for line in [result.to_json()] if as_json else result.lines(*at_points):
             click.echo(line)

@@ -128,8 +128,8 @@ def tables_of_text(content: bytes, where: str) -> dict[str, Any]:
     except RecursionError:
         raise InvalidProblem.at(where, "is not a case file: it is nested too deeply") from None
     except tomllib.TOMLDecodeError as fault:
-        why = f"is not valid TOML: {fault}{_line_at_fault(text, str(fault))}"
-        raise InvalidProblem.at(where, why) from None
+        reason = f"is not valid TOML: {fault}{_line_at_fault(text, str(fault))}"
+        raise InvalidProblem.at(where, reason) from None
     except ValueError:  # Python's limit on the digits of a whole number
         text = "is not a case file: it has a number of thousands of digits"
         raise InvalidProblem.at(where, text) from None
@@ -170,9 +170,9 @@ def _excess(case: Mapping[str, Any]) -> str:
 
 def _line_at_fault(text: str, fault: str) -> str:
     """Return the line of a TOML error, with a hint if it has a unit without quotes."""
-    found = re.search(r"line (\d+)", fault)
+    match = re.search(r"line (\d+)", fault)
     lines = text.rstrip().split("\n")
-    line = lines[min(int(found[1]), len(lines)) - 1 if found else -1].split("#")[0].strip()
+    line = lines[min(int(match[1]), len(lines)) - 1 if match else -1].split("#")[0].strip()
     hint = '; text with a unit needs quotes: "3.5 kN/m"' if _BARE.fullmatch(line) else ""
     return f": {line[:60]}{hint}"
 
@@ -254,9 +254,11 @@ def _check_exists(parts: list[str], model: type[Any]) -> None:
         if not places and k == 0:
             raise InvalidProblem.at(path, no_such_field(name, model))
         if not places:
-            known = {field for of in models for field in of.model_fields}
+            known = {field for model_class in models for field in model_class.model_fields}
             raise InvalidProblem.at(path, f"no such field{did_you_mean(name, known)}")
-        models = tuple(of for place in places for of in members_of(place.field.annotation))
+        models = tuple(
+            model_class for place in places for model_class in members_of(place.field.annotation)
+        )
 
 
 def _below(table: Any, name: str, path: str, places: tuple[Place, ...]) -> Any:
@@ -273,6 +275,7 @@ def _below(table: Any, name: str, path: str, places: tuple[Place, ...]) -> Any:
 
 
 def _place(items: list[Any], name: str, path: str) -> int:
+    """Return the index of an item of a list from its name."""
     if not is_item(name, len(items)):
         raise InvalidProblem.at(path, f"no item {name!r}; known: 0 to {len(items) - 1}")
     return int(name)
@@ -312,7 +315,7 @@ def make_problem(tables: Mapping[str, Any], kind: str | None = None) -> Problem:
     model = (kinds.named(kind) if kind else _kind_of(tables)).problem
     faults = list(_schema_faults(tables))
     fields = {name: value for name, value in tables.items() if name != "schema"}
-    fields = _ungrouped(fields, model, faults)
+    fields = _flatten_groups(fields, model, faults)
     try:
         problem = model(**fields)
     except InvalidProblem as report:
@@ -331,14 +334,14 @@ def _kind_of(names: Iterable[str]) -> kinds.Kind:
 
 def _schema_faults(case: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """Return the errors of a case whose tables have another form than required."""
-    given = case.get("schema")
-    if given is None:
+    schema = case.get("schema")
+    if schema is None:
         yield "schema", f"missing; write 'schema = {SCHEMA}' at the top of the file"
-    elif isinstance(given, bool) or given != SCHEMA:
-        yield "schema", f"{given!r} is unknown; this version reads schema = {SCHEMA}"
+    elif isinstance(schema, bool) or schema != SCHEMA:
+        yield "schema", f"{schema!r} is unknown; this version reads schema = {SCHEMA}"
 
 
-def _ungrouped(fields: dict[str, Any], model: type[Any], faults: Faults) -> dict[str, Any]:
+def _flatten_groups(fields: dict[str, Any], model: type[Any], faults: Faults) -> dict[str, Any]:
     """Return the fields of all groups at the top level."""
     flat = dict(fields)
     for group, names in model.tables.items():

@@ -19,7 +19,7 @@ from ..problems.grades import grade
 from ..problems.materials import MATERIALS
 from ..problems.permitted import bounds
 from ..problems.problem import Problem
-from ..problems.units import written
+from ..problems.units import text_with_unit
 from ..quantities import Quantity, members_of, quantity_of
 
 __all__ = ["SCHEMA", "field_comment", "field_ranges", "grade_template", "template", "to_toml"]
@@ -87,14 +87,14 @@ _GRADE_ROWS = {
 }
 
 
-def grade_template(kind: str, named: str, file: str | None = None) -> str:
+def grade_template(kind: str, grade_name: str, file: str | None = None) -> str:
     """Return the text of a short case file of a grade: the inputs that depend on the winder.
 
     Parameters
     ----------
     kind : str
         "nip" or "winding".
-    named : str
+    grade_name : str
         Name of the grade.
     file : str, optional
         A TOML file with grades of your own.
@@ -108,17 +108,17 @@ def grade_template(kind: str, named: str, file: str | None = None) -> str:
         raise InvalidProblem.at(
             "kind", f"{kind!r} has no short case; must be {one_of(_GRADE_ROWS)}"
         )
-    found, about = grade(named, file), kinds.named(kind).about
+    grade_data, summary = grade(grade_name, file), kinds.named(kind).about
     # the nip adds about as much as the winder pulls
-    web_tension = written(float(f"{found.tension / 2:.2g}"), "N/m")
+    web_tension = text_with_unit(float(f"{grade_data.tension / 2:.2g}"), "N/m")
     rows = [
-        ("grade", named),
+        ("grade", grade_name),
         *([("grades", file)] if file else []),
         ("width", "1.2 m"),
         ("web_tension", str(web_tension)),
         *_GRADE_ROWS[kind],
         ("[web]",),
-        ("thickness", str(written(found.thickness, "m", "um"))),
+        ("thickness", str(text_with_unit(grade_data.thickness, "m", "um"))),
         ("[drum]",),
         ("kind", "rigid"),
         ("diameter", "0.8 m"),
@@ -126,7 +126,9 @@ def grade_template(kind: str, named: str, file: str | None = None) -> str:
     lines = [f"schema        = {SCHEMA}"]
     for name, *value in rows:
         lines.append(f"{name:<13} = {json.dumps(value[0])}" if value else f"\n{name}")
-    header = _GRADE_HEADER.format(about=about, grade=named, title=found.title, kind=kind)
+    header = _GRADE_HEADER.format(
+        about=summary, grade=grade_name, title=grade_data.title, kind=kind
+    )
     return header + "\n" + "\n".join(lines) + "\n"
 
 
@@ -162,14 +164,14 @@ def to_toml(problem: Problem, comments: bool = False, under: str = "") -> str:
 
 def _header(problem: Problem) -> list[str]:
     """Return the comment at the top of a case file, which explains its use."""
-    of = kinds.of(problem)
-    known = {n: quantity_of(about) for n, about in type(problem).model_fields.items()}
+    kind = kinds.of(problem)
+    known = {n: quantity_of(info) for n, info in type(problem).model_fields.items()}
     settings = [
         f"{n}={_value(q.typical[1], q)}"
         for n, q in known.items()
         if q and q.unit != "1" and q.typical
     ]
-    text = _HEADER.format(about=of.about, setting=[*settings, "FIELD=VALUE"][0])
+    text = _HEADER.format(about=kind.about, setting=[*settings, "FIELD=VALUE"][0])
     return [f"# {line}".rstrip() for line in text.split("\n")]
 
 
@@ -206,9 +208,11 @@ class Section(NamedTuple):
 
     def lines(self, keys: int, values: int) -> list[str]:
         """Return the lines of the section and an empty line."""
-        own = keys or max((len(row.key) for row in self.rows if row.value != "..."), default=0)
-        head = _commented(self.header, self.comment, own + 3 + values) if self.header else []
-        return [*head, *(line for row in self.rows for line in row.lines(own, values)), ""]
+        key_width = keys or max(
+            (len(row.key) for row in self.rows if row.value != "..."), default=0
+        )
+        head = _commented(self.header, self.comment, key_width + 3 + values) if self.header else []
+        return [*head, *(line for row in self.rows for line in row.lines(key_width, values)), ""]
 
 
 def _commented(text: str, comment: str, column: int) -> list[str]:
@@ -268,14 +272,17 @@ class _Writer:
         ]
         yield Section(header, rows, comment)
         for name, value in inner.items():
-            below = f"{path}{name}"
+            inner_path = f"{path}{name}"
             field = type(thing).model_fields[name]
-            about, quantity = self.comment(field.description or ""), quantity_of(field, of_field)
+            description, quantity = (
+                self.comment(field.description or ""),
+                quantity_of(field, of_field),
+            )
             members = members_of(field.annotation)
             for item in value if isinstance(value, tuple) else (value,):
-                head = f"[[{below}]]" if isinstance(value, tuple) else f"[{below}]"
+                head = f"[[{inner_path}]]" if isinstance(value, tuple) else f"[{inner_path}]"
                 yield from self.description(
-                    item, f"{below}.", head, set(), about, quantity, members
+                    item, f"{inner_path}.", head, set(), description, quantity, members
                 )
 
     def comment(self, comment: str) -> str:
@@ -298,13 +305,13 @@ class _Writer:
 
     def row(self, thing: Description, name: str, of_field: Quantity | None = None) -> Row:
         """Return the line of a field."""
-        value, about = getattr(thing, name), type(thing).model_fields[name]
-        quantity = quantity_of(about, of_field)
+        value, info = getattr(thing, name), type(thing).model_fields[name]
+        quantity = quantity_of(info, of_field)
         if isinstance(value, Description):
             comment = "a name ('woundon materials' lists them), or a table of its fields"
             return Row(name, json.dumps(_name_of(value)), self.comment(comment))
         text = "..." if value is None else _value(value, quantity) or _plain(value)
-        return Row(name, text, self.comment(field_comment(about)))
+        return Row(name, text, self.comment(field_comment(info)))
 
     def kind(self, thing: Family, alternatives: tuple[type[Any], ...]) -> Row:
         """Return the line with the kind of a description; the first one lists the alternatives."""
@@ -339,7 +346,7 @@ def _value(value: Any, quantity: Quantity | None) -> str | None:
         return None
     if isinstance(value, tuple):
         return f"[{', '.join(_value(item, quantity) or _plain(item) for item in value)}]"
-    text = written(float(value), quantity.unit, quantity.shown_unit)
+    text = text_with_unit(float(value), quantity.unit, quantity.shown_unit)
     return _plain(text) if isinstance(text, str) else None
 
 
@@ -390,11 +397,11 @@ def field_ranges(field: Any, quantity: Quantity, with_unit: bool = True) -> str:
 def _limits(field: Any, quantity: Quantity) -> str:
     """Return the permitted range: "0 to 10", "> 0", "0 to < 0.5"."""
     ends = dict(bounds(field))
-    shown = {sign: _number(quantity.shown(end)) for sign, end in ends.items()}
-    if len(shown) == 2:
+    ends_shown = {sign: _number(quantity.shown(end)) for sign, end in ends.items()}
+    if len(ends_shown) == 2:
         marks = {">": "> ", "<": "< "}
-        return " to ".join(f"{marks.get(sign, '')}{end}" for sign, end in shown.items())
-    return "".join(f"{sign} {end}" for sign, end in shown.items())
+        return " to ".join(f"{marks.get(sign, '')}{end}" for sign, end in ends_shown.items())
+    return "".join(f"{sign} {end}" for sign, end in ends_shown.items())
 
 
 def _number(value: float) -> str:

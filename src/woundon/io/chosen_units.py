@@ -44,18 +44,18 @@ def units(chosen: Mapping[str, str] | None = None, /, **more: str) -> Iterator[N
     ...     "um" in str(result)
     True
     """
-    asked = {**(chosen or {}), **more}
-    known = _known() if asked else {}
+    requested = {**(chosen or {}), **more}
+    known = _known() if requested else {}
     faults: list[tuple[str, str]] = []
     sizes: dict[tuple[str, str], tuple[str, float]] = {}
-    for name, unit in asked.items():
+    for name, unit in requested.items():
         if pattern(name) not in known:
             faults.append((name, f"no field or output{did_you_mean(name, known)}"))
             continue
         count, last = len(sizes), InvalidProblem("")
-        for of in known[pattern(name)]:
+        for si_unit in known[pattern(name)]:
             try:
-                sizes[name, of] = (unit, float(factor(unit, of, name)))
+                sizes[name, si_unit] = (unit, float(factor(unit, si_unit, name)))
             except InvalidProblem as fault:
                 last = fault
         if len(sizes) == count:
@@ -69,7 +69,7 @@ def units(chosen: Mapping[str, str] | None = None, /, **more: str) -> Iterator[N
 @contextmanager
 def units_of(settings: Iterable[str]) -> Iterator[None]:
     """Use the units of texts "NAME=UNIT" of the command line, and those of the system "mill"."""
-    chosen: dict[str, str] = {}
+    explicit: dict[str, str] = {}
     system: Sizes = {}
     for text in settings:
         if text in SYSTEMS:
@@ -82,8 +82,8 @@ def units_of(settings: Iterable[str]) -> Iterator[None]:
             raise InvalidProblem.at(
                 text, "must be written NAME=UNIT, e.g. nip_load='kN/m', or mill"
             )
-        chosen[name] = unit
-    with shown_in(system), units(chosen):
+        explicit[name] = unit
+    with shown_in(system), units(explicit):
         yield
 
 
@@ -185,18 +185,18 @@ def in_units(result: Result, chosen: Iterable[str], by_name: Mapping[str, str]) 
     ]
     sizes: Sizes = {}
     for unit in [chosen] if isinstance(chosen, str) else chosen:
-        found = (
+        matches = (
             _system(places, unit) if unit in SYSTEMS else _quantities_with_unit(places, unit, width)
         )
-        if not found:
+        if not matches:
             raise _no_such_unit(unit, width)
-        sizes |= found
+        sizes |= matches
     for name, unit in by_name.items():
-        found = _quantities_with_unit([p for p in places if p.path == name], unit, width)
-        if not found:
-            with units({name: unit}):  # names what is wrong
+        matches = _quantities_with_unit([p for p in places if p.path == name], unit, width)
+        if not matches:
+            with units({name: unit}):  # raises with the reason, if the name or the unit is unknown
                 raise _no_such_unit(unit, width)
-        sizes |= found
+        sizes |= matches
     return ResultInUnits(result, sizes)
 
 
@@ -218,9 +218,9 @@ def _quantities_with_unit(places: Iterable[Place], unit: str, width: float | Non
     for path, quantity in ((p.path, p.quantity) for p in places):
         assert quantity is not None
         total = _TOTALS.get(quantity.unit, "")
-        for of, scale in ((quantity.unit, 1.0), (total, 1 / width if width else 0.0)):
+        for si_unit, scale in ((quantity.unit, 1.0), (total, 1 / width if width else 0.0)):
             try:
-                size = scale * float(factor(unit, of, path)) if of else 0.0
+                size = scale * float(factor(unit, si_unit, path)) if si_unit else 0.0
             except InvalidProblem:
                 continue
             if size:

@@ -58,14 +58,14 @@ def _columns(path: Path) -> dict[str, list[str | float]]:
     if len(sheet.numbers) > MAX_ROWS:
         raise InvalidProblem.at(str(path), f"has too many rows; must be at most {MAX_ROWS}")
     sign = decimal_sign(sheet)
-    found: dict[str, list[str | float]] = {}
+    columns: dict[str, list[str | float]] = {}
     for header, cells in sheet.columns.items():
         match = _HEADER.fullmatch(header)
         name, unit = match.groups() if match else (header, None)
-        if name in found:
+        if name in columns:
             raise InvalidProblem.at(str(path), f"two columns are {name!r}")
-        found[name] = [_value(cell, unit or sheet.units.get(header), sign) for cell in cells]
-    return found
+        columns[name] = [_value(cell, unit or sheet.units.get(header), sign) for cell in cells]
+    return columns
 
 
 def _value(cell: Any, unit: str | None, sign: str) -> str | float:

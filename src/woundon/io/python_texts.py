@@ -56,6 +56,7 @@ def _expression(value: Any, depth: int) -> str:
 
 
 def _class(value: Description) -> str:
-    of = type(value)
-    own = of.__module__.partition(".")[0] == __name__.partition(".")[0]
-    return f"wo.{of.__name__}" if own else of.__name__
+    """Return the name of a class as a script writes it."""
+    cls = type(value)
+    is_of_woundon = cls.__module__.partition(".")[0] == __name__.partition(".")[0]
+    return f"wo.{cls.__name__}" if is_of_woundon else cls.__name__

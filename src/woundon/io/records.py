@@ -77,12 +77,12 @@ def saved_hints(cls: type[Any]) -> dict[str, Any]:
     """Return the types of the saved fields; those of parts have dotted names."""
     parts = _parts(cls)
     hints: dict[str, Any] = {}
-    for each in saved_fields(cls):
-        if each.name in parts:
-            inner = saved_hints(parts[each.name])
-            hints |= {f"{each.name}.{name}": hint for name, hint in inner.items()}
+    for item in saved_fields(cls):
+        if item.name in parts:
+            inner = saved_hints(parts[item.name])
+            hints |= {f"{item.name}.{name}": hint for name, hint in inner.items()}
         else:
-            hints[each.name] = each.type
+            hints[item.name] = item.type
     return hints
 
 
@@ -93,13 +93,13 @@ def saved_values(result: Result) -> dict[str, Any]:
     """
     values: dict[str, Any] = {}
     parts = _parts(type(result))
-    for each in saved_fields(type(result)):
-        value = getattr(result, each.name)
-        if each.name not in parts:
-            values[each.name] = value
+    for item in saved_fields(type(result)):
+        value = getattr(result, item.name)
+        if item.name not in parts:
+            values[item.name] = value
         elif value is not None:
-            values |= {f"{each.name}.{f.name}": getattr(value, f.name) for f in fields(value)}
-    required = {each.name for each in saved_fields(type(result)) if _is_required(each)}
+            values |= {f"{item.name}.{f.name}": getattr(value, f.name) for f in fields(value)}
+    required = {item.name for item in saved_fields(type(result)) if _is_required(item)}
     return {
         name: value
         for name, value in values.items()
@@ -144,12 +144,12 @@ def plain(value: Any, name: str) -> Any:
 def _dimensions(values: Mapping[str, Any]) -> dict[str, list[str]]:
     """Return the names of the dimensions of each array: the first array of each length."""
     arrays = {name: value for name, value in values.items() if isinstance(value, np.ndarray)}
-    named: dict[int, str] = {}
+    dimension_of: dict[int, str] = {}
     for name, array in arrays.items():
         if array.ndim == 1:
-            named.setdefault(array.size, name)
+            dimension_of.setdefault(array.size, name)
     return {
-        name: [named.setdefault(size, f"{name}_{k}") for k, size in enumerate(array.shape)]
+        name: [dimension_of.setdefault(size, f"{name}_{k}") for k, size in enumerate(array.shape)]
         for name, array in arrays.items()
     }
 
@@ -162,7 +162,7 @@ def from_record(record: Record) -> Result:
     kind = kinds.named(str(record.get("kind")))
     try:
         problem = kind.problem(**record["problem"])
-        values = dict(_restored_fields(kind.result, record["fields"], record["dimensions"]))
+        values = dict(_restore_fields(kind.result, record["fields"], record["dimensions"]))
         residuals = {
             str(name): number(value, f"residuals.{name}", False)
             for name, value in record["residuals"].items()
@@ -187,36 +187,36 @@ def from_record(record: Record) -> Result:
     return _accepted(result)
 
 
-def _restored_fields(
-    cls: type[Any], given: Mapping[str, Any], dimensions: Mapping[str, Any]
+def _restore_fields(
+    cls: type[Any], saved: Mapping[str, Any], dimensions: Mapping[str, Any]
 ) -> Iterator[tuple[str, Any]]:
     """Yield the fields of a result by name, with its parts."""
     parts = _parts(cls)
     sizes: dict[str, int] = {}
     for name, part in parts.items():
-        inside = {k.partition(".")[2]: v for k, v in given.items() if k.startswith(f"{name}.")}
+        part_values = {k.partition(".")[2]: v for k, v in saved.items() if k.startswith(f"{name}.")}
         inner = {k.partition(".")[2]: v for k, v in dimensions.items() if k.startswith(f"{name}.")}
-        if inside:
-            yield name, part(**dict(_restored_values(part, inside, inner, {})))
-    own = {k: v for k, v in given.items() if k.partition(".")[0] not in parts}
-    yield from _restored_values(cls, own, dimensions, sizes)
+        if part_values:
+            yield name, part(**dict(_restore_values(part, part_values, inner, {})))
+    direct = {k: v for k, v in saved.items() if k.partition(".")[0] not in parts}
+    yield from _restore_values(cls, direct, dimensions, sizes)
 
 
-def _restored_values(
-    cls: type[Any], given: Mapping[str, Any], dimensions: Mapping[str, Any], sizes: dict[str, int]
+def _restore_values(
+    cls: type[Any], saved: Mapping[str, Any], dimensions: Mapping[str, Any], sizes: dict[str, int]
 ) -> Iterator[tuple[str, Any]]:
     """Yield the values of a dataclass by name, except those of parts."""
     hints, parts = get_type_hints(cls, include_extras=True), _parts(cls)
-    known = {each.name: each for each in saved_fields(cls) if each.name not in parts}
+    known = {item.name: item for item in saved_fields(cls) if item.name not in parts}
     may_be_nan: frozenset[str] | None = getattr(cls, "MAY_BE_NAN", frozenset())
-    unknown = [str(name) for name in given if name not in known]
+    unknown = [str(name) for name in saved if name not in known]
     if unknown:
         text = f"not known to this version of woundon, ignored: {', '.join(unknown)}"
         warnings.warn(text, UserWarning, stacklevel=6)
     for name, part in known.items():
-        if name in given:
-            free = may_be_nan is None or name in may_be_nan
-            value = _restored(given[name], hints[name], name, free)
+        if name in saved:
+            admits_nan = may_be_nan is None or name in may_be_nan
+            value = _restore_field(saved[name], hints[name], name, admits_nan)
             if isinstance(value, np.ndarray):
                 _check_shape(value, dimensions[name], sizes, name)
             yield name, value
@@ -224,25 +224,25 @@ def _restored_values(
             raise InvalidProblem.at(name, "missing")
 
 
-def _check_shape(value: Array, named: Any, sizes: dict[str, int], name: str) -> None:
+def _check_shape(value: Array, dimensions: Any, sizes: dict[str, int], name: str) -> None:
     """Reject an array whose shape contradicts the named dimensions."""
-    if len(named) != value.ndim:
-        raise InvalidProblem.at(name, f"has {value.ndim} dimensions; must be {len(named)}")
-    for dimension, size in zip(named, value.shape, strict=True):
+    if len(dimensions) != value.ndim:
+        raise InvalidProblem.at(name, f"has {value.ndim} dimensions; must be {len(dimensions)}")
+    for dimension, size in zip(dimensions, value.shape, strict=True):
         expected = sizes.setdefault(str(dimension), size)
         if size != expected:
             text = f"has {size} values; must be {expected}, as {dimension}"
             raise InvalidProblem.at(name, text)
 
 
-def _restored(value: Any, hint: Any, name: str, free: bool) -> Any:
-    """Return a field of the type of its annotation; ``free`` ones may be nan."""
+def _restore_field(value: Any, hint: Any, name: str, admits_nan: bool) -> Any:
+    """Return a field of the type of its annotation; it may contain nan if ``admits_nan``."""
     marks = get_args(hint)[1:] if get_origin(hint) not in (None, tuple) else ()
     expected = get_args(hint)[0] if marks else hint
     if expected is np.ndarray:
-        return _zones(value, name) if Zone in marks else _array(value, name, free)
+        return _zones(value, name) if Zone in marks else _array(value, name, admits_nan)
     if expected is float:
-        return number(value, name, free)
+        return number(value, name, admits_nan)
     if expected in (int, str) and type(value) is not expected:
         word = "a whole number" if expected is int else "a word"
         raise InvalidProblem.at(name, f"{value!r:.40} is out of place; must be {word}")
@@ -258,32 +258,33 @@ def _items(value: Any, hint: Any) -> Any:
     return tuple(map(_items, value, hints))
 
 
-def number(value: Any, name: str, free: bool) -> float:
-    """Return a number of a record, null as nan if ``free``; reject other values.
+def number(value: Any, name: str, admits_nan: bool) -> float:
+    """Return a number of a record, null as nan if ``admits_nan``; reject other values.
 
-    >>> number(None, "half_width", free=True)
+    >>> number(None, "half_width", admits_nan=True)
     nan
     """
-    if value is None and free:
+    if value is None and admits_nan:
         return nan
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not isfinite(value):
         raise InvalidProblem.at(name, f"{value!r:.40} is not a finite number")
     return float(value)
 
 
-def _array(values: Any, name: str, free: bool) -> Array:
+def _array(values: Any, name: str, admits_nan: bool) -> Array:
     """Return a list as an array, null as nan."""
     parts = np.asarray(values)
     numeric = parts.dtype.kind in "iuf" or all(
         part is None or type(part) in (int, float) for part in parts.ravel().tolist()
     )
     array = np.asarray(values, dtype=float) if numeric and parts.ndim else None
-    if array is None or np.isinf(array).any() or (not free and np.isnan(array).any()):
+    if array is None or np.isinf(array).any() or (not admits_nan and np.isnan(array).any()):
         raise InvalidProblem.at(name, "must be a list of finite numbers")
     return array
 
 
 def _zones(values: Any, name: str) -> Array:
+    """Return an array of zones; reject other values."""
     parts = np.asarray(values)
     if parts.dtype.kind not in "iu" or not np.isin(parts, list(Zone)).all():
         raise InvalidProblem.at(name, "must be a list of zones, -1, 0 or 1")
@@ -291,6 +292,7 @@ def _zones(values: Any, name: str) -> Array:
 
 
 def _check_nodes(result: Result) -> None:
+    """Reject nodes that do not increase."""
     x = getattr(result, "x", None)
     if isinstance(x, np.ndarray) and not (x.size > 2 and np.all(np.diff(x) > 0)):
         raise InvalidProblem.at("x", "must be increasing, of three values or more")

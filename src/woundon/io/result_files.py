@@ -158,6 +158,7 @@ def _record_of_json(content: bytes) -> Record:
 
 
 def _check_units(record: Record, result: Result) -> None:
+    """Reject a file in which an output has another unit."""
     for name, quantity in _quantities(result).items():
         unit = record.get("units", {}).get(name, quantity.unit)
         if unit != quantity.unit:
@@ -190,12 +191,12 @@ def _check_scalars(record: Record, result: Result) -> None:
         if name in saved
     }
     expected |= {
-        name: (getattr(result, name), *given) for name, given in result.recomputed().items()
+        name: (getattr(result, name), *computed) for name, computed in result.recomputed().items()
     }
-    for name, (one, other, within) in expected.items():
+    for name, (stored, computed_value, tolerance) in expected.items():
         # other versions of NumPy may add in another order
-        if not np.isclose(one, other, rtol=1e-9, atol=within, equal_nan=True):
-            raise InvalidProblem.at(name, f"{one!r:.40}, but the arrays give {other!r}")
+        if not np.isclose(stored, computed_value, rtol=1e-9, atol=tolerance, equal_nan=True):
+            raise InvalidProblem.at(name, f"{stored!r:.40}, but the arrays give {computed_value!r}")
 
 
 # ---- JSON ---------------------------------------------------------------------------------------
@@ -219,6 +220,7 @@ def _sensitivity_record(sensitivity: Sensitivity) -> Record:
     ordered = sensitivity.sorted()
 
     def named(table: np.ndarray) -> dict[str, dict[str, float | None]]:
+        """Return a table with the names of outputs and fields."""
         return {
             output: dict(zip(ordered.parameters, plain(row, output), strict=True))
             for output, row in zip(ordered.outputs, table, strict=True)
@@ -271,16 +273,16 @@ def _csv(result: Result) -> bytes:
 
 def _write_scalar(table: Any, name: str, quantity: Quantity | None, value: Any) -> None:
     """Write a number or a text as a comment."""
-    header, shown = _in_table(name, quantity, value)
-    table.writerow([f"# {header}", shown])
+    header, converted = _in_table(name, quantity, value)
+    table.writerow([f"# {header}", converted])
 
 
 def _in_table(name: str, quantity: Quantity | None, value: Any) -> tuple[str, Any]:
     """Return the header of a column with its unit, and the values in this unit."""
     if quantity is None:
         return name, value
-    unit, shown = quantity.in_table(value)
-    return f"{name} [{unit}]", shown
+    unit, converted = quantity.in_table(value)
+    return f"{name} [{unit}]", converted
 
 
 # ---- netCDF -------------------------------------------------------------------------------------
@@ -330,6 +332,7 @@ def to_dataset(result: Result) -> xarray.Dataset:
 
 
 def _labels(quantity: Quantity | None) -> dict[str, str]:
+    """Return unit, meaning and symbol of a quantity as attributes."""
     if quantity is None:
         return {}
     return {"units": quantity.unit, "long_name": quantity.meaning, "symbol": quantity.symbol}
@@ -339,11 +342,12 @@ def _error(quantity: Quantity | None) -> dict[str, str]:
     """Return the labels of the error estimate of an output."""
     if quantity is None:
         return {}
-    about = f"estimated discretisation error: {quantity.meaning}"
-    return {"units": quantity.unit, "long_name": about, "symbol": f"{quantity.symbol} error"}
+    meaning = f"estimated discretisation error: {quantity.meaning}"
+    return {"units": quantity.unit, "long_name": meaning, "symbol": f"{quantity.symbol} error"}
 
 
 def _netcdf(result: Result) -> bytes:
+    """Return a result as the bytes of a netCDF file."""
     # the classic format can be read everywhere, needs SciPy only and is reproducible
     data = to_dataset(result).assign_attrs({seals.NAME: seals.BLANK})
     return seals.sealed_bytes(bytes(data.to_netcdf(engine="scipy")))
@@ -386,7 +390,7 @@ def _record_of_netcdf(content: bytes) -> Record:
         "fields": restored,
         "dimensions": dimensions,
         "outputs": {name: values[name] for name in known - set(restored) if name in values},
-        "errors": {name: values[of] for name, of in errors.items()},
+        "errors": {name: values[error_name] for name, error_name in errors.items()},
     }
 
 

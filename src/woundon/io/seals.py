@@ -40,15 +40,15 @@ def check_record(record: Mapping[str, Any]) -> bool:
     InvalidProblem
         If it is not that of the content.
     """
-    return NAME in record and _same(record[NAME], of_record(record))
+    return NAME in record and _check_same(record[NAME], of_record(record))
 
 
 def sealed_bytes(content: bytes) -> bytes:
     """Return a netCDF file with its SHA-256 in place of the placeholder."""
-    before, blank, after = _parts(content)
+    head, blank, tail = _parts(content)
     if blank != BLANK.encode("ascii"):
         raise AssertionError("the file has no place for its SHA-256")
-    return before + _sha256(content).encode("ascii") + after
+    return head + _sha256(content).encode("ascii") + tail
 
 
 def check_bytes(content: bytes) -> bool:
@@ -59,9 +59,9 @@ def check_bytes(content: bytes) -> bool:
     InvalidProblem
         If the SHA-256 does not match.
     """
-    before, seal, after = _parts(content)
+    head, seal, tail = _parts(content)
     blank = BLANK.encode("ascii")
-    return bool(seal) and _same(seal.decode("latin-1"), _sha256(before + blank + after))
+    return bool(seal) and _check_same(seal.decode("latin-1"), _sha256(head + blank + tail))
 
 
 def _parts(content: bytes) -> tuple[bytes, bytes, bytes]:
@@ -74,8 +74,9 @@ def _sha256(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()
 
 
-def _same(found: Any, expected: str) -> bool:
-    if found != expected:
+def _check_same(actual: Any, expected: str) -> bool:
+    """Reject a SHA-256 that differs from the expected one."""
+    if actual != expected:
         text = "its content has changed since it was saved; load an unchanged copy, "
         raise InvalidProblem.at(NAME, f"{text}or solve the problem again")
     return True

@@ -129,7 +129,7 @@ def sheet_of_content(content: bytes, where: str, *, excel: bool) -> Sheet:
         return _sheet(where, _excel_rows(content, where))
     if content[:4] in _BINARY:
         raise InvalidProblem.at(where, "is not a text file; save it as .xlsx or .csv")
-    rows, separator = _text_rows(_decoded(content, where), where)
+    rows, separator = _text_rows(_decode(content, where), where)
     return _sheet(where, rows)._replace(separator=separator)
 
 
@@ -164,7 +164,9 @@ def _listed(cells: Any, where: str) -> list[Any]:
 
 def _sheet(where: str, rows: Rows) -> Sheet:
     """Return the table of rows of cells: title rows are skipped, then header, units and values."""
-    filled = [(k, cells, texts) for k, cells in enumerate(rows, 1) if (texts := _filled(cells))]
+    filled = [
+        (k, cells, texts) for k, cells in enumerate(rows, 1) if (texts := _nonempty_cells(cells))
+    ]
     for number, cells, texts in filled:
         if max(map(len, texts)) > MAX_CELL:
             column, cell = max(enumerate(cells, 1), key=lambda place: len(str(place[1])))
@@ -175,28 +177,28 @@ def _sheet(where: str, rows: Rows) -> Sheet:
             del filled[0]
     if len(filled) < 2:
         raise InvalidProblem.at(where, "has no header with rows below it")
-    (number, header), *below = ((number, cells) for number, cells, _ in filled)
+    (number, header), *body = ((number, cells) for number, cells, _ in filled)
     names = [" ".join(str(cell).split()) for cell in header]
     while not names[-1]:
         names.pop()
-    found: set[str] = set()
+    headers: set[str] = set()
     for k, name in enumerate(names, 1):
         _check_header(name, k, where, number)
-        if name and name in found:
+        if name and name in headers:
             text = f"row {number}: two columns have the same header {name!r}"
             raise InvalidProblem.at(where, text)
-        found.add(name)
-    for number, cells in below:
-        if len(cells) < len(names) or _filled(cells[len(names) :]):
+        headers.add(name)
+    for number, cells in body:
+        if len(cells) < len(names) or _nonempty_cells(cells[len(names) :]):
             text = f"row {number} has {len(cells)} cells, the header {len(names)}"
             raise InvalidProblem.at(where, text)
     units: dict[str, str] = {}
-    first = below[0][1]
-    if len(below) > 1 and _are_units(first[: len(names)]):
+    first = body[0][1]
+    if len(body) > 1 and _are_units(first[: len(names)]):
         units = {name: str(unit).strip("[]() ") for name, unit in zip(names, first, strict=False)}
-        del below[0]
-    columns = {name: [cells[k] for _, cells in below] for k, name in enumerate(names) if name}
-    return Sheet(where, columns, [number for number, _ in below], units)
+        del body[0]
+    columns = {name: [cells[k] for _, cells in body] for k, name in enumerate(names) if name}
+    return Sheet(where, columns, [number for number, _ in body], units)
 
 
 def _check_header(header: str, column: int, where: str, row: int = 0) -> None:
@@ -210,24 +212,24 @@ def _check_header(header: str, column: int, where: str, row: int = 0) -> None:
         raise InvalidProblem.at(where, f"{place}: {text}")
 
 
-def _filled(cells: Iterable[Any]) -> list[str]:
+def _nonempty_cells(cells: Iterable[Any]) -> list[str]:
     """Return the texts of the cells that are not empty."""
     return [text for cell in cells if (text := str(cell).strip())]
 
 
 def _are_units(cells: Sequence[Any]) -> bool:
-    units = [text.strip("[]() ") for text in _filled(cells) if text != "-"]
+    units = [text.strip("[]() ") for text in _nonempty_cells(cells) if text != "-"]
     return bool(units) and all(map(is_unit, units))
 
 
 # ---- text ---------------------------------------------------------------------------------------
 
 
-def _decoded(content: bytes, where: str) -> str:
+def _decode(content: bytes, where: str) -> str:
     """Return the text of a file in UTF-8, UTF-16 (Excel's Unicode text) or Windows-1252."""
-    marked = content[:2] in (b"\xff\xfe", b"\xfe\xff")
+    has_mark = content[:2] in (b"\xff\xfe", b"\xfe\xff")
     # Windows-1252 matters for µ and ± in headers only
-    for code in ["utf-16"] if marked else ["utf-8-sig", "cp1252"]:
+    for code in ["utf-16"] if has_mark else ["utf-8-sig", "cp1252"]:
         try:
             return content.decode(code)
         except UnicodeDecodeError:
@@ -244,14 +246,14 @@ def _text_rows(text: str, where: str) -> tuple[Rows, str]:
         raise InvalidProblem.at(where, f"has too many rows; must be at most {MAX_ROWS}")
     # comments become blank lines, so that the rows keep their numbers
     text = re.sub("^#.*", "", text, flags=re.MULTILINE).rstrip("\n")
-    declared = re.match("sep=(.) *$", text, flags=re.MULTILINE)  # a line that Excel understands
-    if declared:
-        text = text[declared.end() :]
+    declaration = re.match("sep=(.) *$", text, flags=re.MULTILINE)  # a line that Excel understands
+    if declaration:
+        text = text[declaration.end() :]
     first = text.split("\n", 100)[:100]
     # the first one of equals: "1,5;2,5" could be three cells too
     separator = (
-        declared[1]
-        if declared
+        declaration[1]
+        if declaration
         else max(";\t,", key=lambda sign: sum(sign in line for line in first))
     )
     sizes = _sizes_of_rows(text, separator, where)
@@ -278,11 +280,11 @@ def _sizes_of_rows(text: str, separator: str, where: str) -> list[int]:
     sign, blank = re.escape(separator), " " if separator == "\t" else "[ \t]"
     opening = rf'(^|{sign}){blank}*"'
     # separators and ends of lines in quotes do not count; a quote in quotes is doubled
-    bare = re.sub(rf'{opening}(?:[^"]++|"")*+"', r"\1x", text, flags=re.MULTILINE)
-    if unclosed := re.search(opening, bare, flags=re.MULTILINE):
-        row = 1 + bare.count("\n", 0, unclosed.end())
+    unquoted = re.sub(rf'{opening}(?:[^"]++|"")*+"', r"\1x", text, flags=re.MULTILINE)
+    if unclosed := re.search(opening, unquoted, flags=re.MULTILINE):
+        row = 1 + unquoted.count("\n", 0, unclosed.end())
         raise InvalidProblem.at(where, f"row {row}: is not a table: a quote has no end")
-    sizes = [1 + line.count(separator) for line in bare.split("\n")]
+    sizes = [1 + line.count(separator) for line in unquoted.split("\n")]
     if max(sizes) > MAX_COLUMNS:
         _check_header("", max(sizes), where, 1 + sizes.index(max(sizes)))
     return sizes

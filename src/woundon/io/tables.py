@@ -65,7 +65,7 @@ class Names:
         self._by_key: dict[str, list[str]] = {}
         self._by_symbol: dict[str, list[str]] = {}
         for name, quantity in known.items():
-            self._by_key.setdefault(_normalised(name), []).append(name)
+            self._by_key.setdefault(_normalise(name), []).append(name)
             if quantity is not None:
                 self._by_symbol.setdefault(quantity.symbol, []).append(name)
 
@@ -75,8 +75,8 @@ class Names:
         Symbols are recognised too, if they are spelled exactly.
         """
         numbers = iter(part for part in _BETWEEN.split(text) if part.isdigit())
-        found = self._by_key.get(_normalised(text)) or self._by_symbol.get(text.strip(), [])
-        return [re.sub(r"\*", lambda _: next(numbers, "0"), name) for name in found]
+        names = self._by_key.get(_normalise(text)) or self._by_symbol.get(text.strip(), [])
+        return [re.sub(r"\*", lambda _: next(numbers, "0"), name) for name in names]
 
     def quantity(self, name: str) -> Quantity | None:
         """Return the quantity of a name."""
@@ -87,7 +87,7 @@ class Names:
         return nearest("_".join(_BETWEEN.split(text)), self.known)
 
 
-def _normalised(text: str) -> str:
+def _normalise(text: str) -> str:
     """Return a text without case, spaces and underscores, and with * for numbers."""
     parts = _BETWEEN.split(text.strip())
     return "".join("*" if part.isdigit() else part.casefold() for part in parts)
@@ -134,28 +134,28 @@ def match_columns(
     """
     _check_renaming(columns)
     faults: Faults = []
-    found: list[Column] = []
+    matched: list[Column] = []
     unknown: list[str] = []
-    left = {_normalised(header): (header, target) for header, target in (columns or {}).items()}
+    renaming = {_normalise(header): (header, target) for header, target in (columns or {}).items()}
     for header, cells in sheet.columns.items():
-        target, unit = _renamed(header, left)
+        target, unit = _rename_header(header, renaming)
         if target is None:
             continue
         try:
-            name, explicit, deviation = _interpreted(target, names)
+            name, explicit, deviation = _interpret_header(target, names)
         except InvalidProblem as fault:
             faults.append((sheet.where, f"column {header!r}: {fault}"))
             unknown.append(header)
             continue
         unit = explicit or unit or sheet.units.get(header, "")
-        found.append(Column(header, name, unit, deviation, cells))
+        matched.append(Column(header, name, unit, deviation, cells))
     if unknown:
         faults.append((sheet.where, _HELP.format(unknown[0])))
-    faults += [(sheet.where, f"has no column {header!r}") for header, _ in left.values()]
-    faults += _twice(found, sheet.where)
+    faults += [(sheet.where, f"has no column {header!r}") for header, _ in renaming.values()]
+    faults += _duplicate_columns(matched, sheet.where)
     if faults:
         raise InvalidProblem(faults)
-    return found
+    return matched
 
 
 def _check_renaming(columns: Any) -> None:
@@ -171,15 +171,17 @@ def _check_renaming(columns: Any) -> None:
             raise InvalidProblem.at("columns", text)
 
 
-def _renamed(header: str, left: dict[str, tuple[str, str | None]]) -> tuple[str | None, str]:
-    """Return the name that replaces a header, and its unit; remove it from ``left``."""
+def _rename_header(
+    header: str, renaming: dict[str, tuple[str, str | None]]
+) -> tuple[str | None, str]:
+    """Return the name that replaces a header, and its unit; remove it from ``renaming``."""
     for text, unit in _splits(header):
-        if _normalised(text) in left:
-            return left.pop(_normalised(text))[1] or None, unit
+        if _normalise(text) in renaming:
+            return renaming.pop(_normalise(text))[1] or None, unit
     return header, ""
 
 
-def _interpreted(text: str, names: Names) -> tuple[str, str, bool]:
+def _interpret_header(text: str, names: Names) -> tuple[str, str, bool]:
     """Return the name, the unit, and True for standard deviations.
 
     Raises
@@ -191,16 +193,18 @@ def _interpreted(text: str, names: Names) -> tuple[str, str, bool]:
         if deviation and header == text:
             break
         for name, unit in _splits(header):
-            found = [] if _DEVIATION.search(unit) else names.find(name)
-            if found and unit and not is_unit(unit) and names.quantity(found[0]) is None:
+            matches = [] if _DEVIATION.search(unit) else names.find(name)
+            if matches and unit and not is_unit(unit) and names.quantity(matches[0]) is None:
                 continue  # "web tenson" is not the field web
-            if len(found) > 1:
-                raise InvalidProblem(f"is ambiguous: {one_of(found)}")
-            if found:
-                return found[0], _without_symbol(unit, names.quantity(found[0])), deviation
+            if len(matches) > 1:
+                raise InvalidProblem(f"is ambiguous: {one_of(matches)}")
+            if matches:
+                return matches[0], _without_symbol(unit, names.quantity(matches[0])), deviation
     name = next((name for name, unit in _splits(text) if is_unit(unit)), text)
-    near = names.nearest(_DEVIATION.sub("", name))
-    raise InvalidProblem(f"no field or output{f'; did you mean {near!r}?' if near else ''}")
+    suggestion = names.nearest(_DEVIATION.sub("", name))
+    raise InvalidProblem(
+        f"no field or output{f'; did you mean {suggestion!r}?' if suggestion else ''}"
+    )
 
 
 def _without_symbol(unit: str, quantity: Quantity | None) -> str:
@@ -220,9 +224,9 @@ def _splits(header: str) -> Iterator[tuple[str, str]]:
         yield header[: match.start()], header[match.end() :]
 
 
-def _twice(found: list[Column], where: str) -> Faults:
+def _duplicate_columns(columns: list[Column], where: str) -> Faults:
     """Return the error for two columns with the same meaning."""
-    kinds = [(column.name, column.deviation) for column in found]
+    kinds = [(column.name, column.deviation) for column in columns]
     return [
         (where, f"two columns are {name}{' +-' * deviation}")
         for name, deviation in dict.fromkeys(kinds)
@@ -269,7 +273,7 @@ def numbers(
     for row, cell in enumerate(column.cells):
         if len(faults) >= MAX_COUNTED:
             break
-        if gaps and _missing(cell):
+        if gaps and _is_empty(cell):
             continue
         try:
             values[row] = _number(cell, scale, quantity.unit, sign)
@@ -284,24 +288,26 @@ def _scale(column: Column, quantity: Quantity, in_si: bool) -> Fraction | None:
     if column.unit in NO_UNIT:
         if in_si or quantity.unit == "1":
             return Fraction(1)
-        if all(_with_unit(cell) for cell in column.cells if not _missing(cell)):
+        if all(_has_unit(cell) for cell in column.cells if not _is_empty(cell)):
             return None
-        named = f"{column.name} [{quantity.unit}]"
+        header = f"{column.name} [{quantity.unit}]"
         raise InvalidProblem(
-            f"has no unit; write it into the header, as in {named!r}, into a row below the "
-            f"headers, or into columns, as in {{{column.header!r}: {named!r}}} or "
-            f"--column {f'{column.header}={named}'!r}"
+            f"has no unit; write it into the header, as in {header!r}, into a row below the "
+            f"headers, or into columns, as in {{{column.header!r}: {header!r}}} or "
+            f"--column {f'{column.header}={header}'!r}"
         )
     return factor(column.unit, quantity.unit, "")
 
 
-def _missing(cell: Any) -> bool:
+def _is_empty(cell: Any) -> bool:
+    """Return True for an empty cell."""
     if isinstance(cell, int):  # Python limits the digits of the text of one
         return False
     return cell is None or str(cell).strip() in ("", "nan", "<NA>")  # of pandas too
 
 
-def _with_unit(cell: Any) -> bool:
+def _has_unit(cell: Any) -> bool:
+    """Return True for a text that consists of a number and a unit."""
     short = isinstance(cell, str) and len(cell) <= MAX_NUMBER
     number = _NUMBER.match(cell.strip()) if short else None
     return number is not None and is_unit(cell.strip()[number.end() :].strip())
@@ -315,19 +321,19 @@ def _number(cell: Any, scale: Fraction | None, unit: str, sign: str) -> float:
     InvalidProblem
         Describes the error of the cell, without naming the field.
     """
-    if _missing(cell):
+    if _is_empty(cell):
         raise InvalidProblem("the cell is empty")
-    huge = isinstance(cell, int) and cell.bit_length() > 1024
-    text = "inf" if huge else str(cell).strip()
+    overflows = isinstance(cell, int) and cell.bit_length() > 1024
+    text = "inf" if overflows else str(cell).strip()
     if len(text) > MAX_NUMBER:
-        most = f"must have at most {MAX_NUMBER} characters"
-        raise InvalidProblem(f"{quote(cell)} is not a number; {most}")
+        limit = f"must have at most {MAX_NUMBER} characters"
+        raise InvalidProblem(f"{quote(cell)} is not a number; {limit}")
     if isinstance(cell, str):
         text = _with_point(text, sign)
     try:
         if _NUMBER.fullmatch(text) and scale is not None:
             return float(Fraction(text) * scale)
-        if _with_unit(text):
+        if _has_unit(text):
             return parse(text, unit)
     except OverflowError:
         text = "inf"
@@ -362,12 +368,12 @@ def decimal_sign(sheet: Sheet) -> str:
         if isinstance(cell, str) and len(cell) <= MAX_NUMBER
     )
     with_comma = [text for text in short if _COMMA.fullmatch(text)]
-    unlike = (
+    decimal_commas = (
         with_comma
         if sheet.separator == ";"
         else [text for text in with_comma if not _THOUSANDS.fullmatch(text)]
     )
-    return "," if unlike else "."
+    return "," if decimal_commas else "."
 
 
 def raise_faults(faults: Faults) -> None:
@@ -375,5 +381,5 @@ def raise_faults(faults: Faults) -> None:
     if not faults:
         return
     at_least = "at least " if len(faults) >= MAX_COUNTED else ""
-    more = [(faults[0][0], f"{at_least}{len(faults) - MAX_REPORTED} more errors")]
-    raise InvalidProblem(faults[:MAX_REPORTED] + more * (len(faults) > MAX_REPORTED))
+    remaining = [(faults[0][0], f"{at_least}{len(faults) - MAX_REPORTED} more errors")]
+    raise InvalidProblem(faults[:MAX_REPORTED] + remaining * (len(faults) > MAX_REPORTED))

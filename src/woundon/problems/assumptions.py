@@ -93,12 +93,18 @@ def of_winding(problem: Any) -> tuple[str, ...]:
     law = problem.tension_law
     if law == "nip":
         drum = "The drum is rigid." if problem.drum.rigid else ""
-        of = (PLANE, FRICTION, ROLL_BODIES[problem.roll_body], *filter(None, [drum]), BONDED)
+        assumptions = (
+            PLANE,
+            FRICTION,
+            ROLL_BODIES[problem.roll_body],
+            *filter(None, [drum]),
+            BONDED,
+        )
     else:
         text = LAWS.get(law, "") if isinstance(law, str) else ""
-        of = (text or "The wound-on tension is given over the radius.",)
+        assumptions = (text or "The wound-on tension is given over the radius.",)
     return (
-        *of,
+        *assumptions,
         "The roll is axisymmetric, its layers elastic, and without creep.",
         UNIFORM if problem.gauge_excess == 0 else LANE,
         *([AIR] if problem.air is not None else []),

@@ -173,8 +173,8 @@ class Body(Family):
     @property
     def surface_material(self) -> Material | None:
         """The linear elastic material at the surface; None if there is none."""
-        found = getattr(self, "material", None)
-        return found if isinstance(found, Material) else None
+        material = getattr(self, "material", None)
+        return material if isinstance(material, Material) else None
 
     @property
     def materials(self) -> tuple[Material, ...]:
@@ -310,6 +310,7 @@ class LayeredBody(KernelBody, abstract=True):
     def _sections(
         self, x: np.ndarray, p: np.ndarray, q: np.ndarray, depths: np.ndarray
     ) -> tuple[Section, ...]:
+        """Return the stresses in the layers of the cylinder."""
         return cylinder_sections(x, p, q, depths, self.radius, self._stack, self._is_open)
 
 
@@ -352,6 +353,7 @@ class HalfPlane(KernelBody):
     def _sections(
         self, x: np.ndarray, p: np.ndarray, q: np.ndarray, depths: np.ndarray
     ) -> tuple[Section, ...]:
+        """Return the stresses in the half-plane."""
         return half_plane_sections(x, p, q, depths, self.radius, self.material.stiffness)
 
 
@@ -410,12 +412,12 @@ def check_core(body: Any) -> None:
     ------
     InvalidProblem
     """
-    least, limit = body.radius * SMALLEST_CORE, body.radius * (1 - 1 / 2000)
-    if not least <= body.core_radius <= limit:
+    smallest, limit = body.radius * SMALLEST_CORE, body.radius * (1 - 1 / 2000)
+    if not smallest <= body.core_radius <= limit:
         raise InvalidProblem.at(
             "core_radius",
             f"{body.core_radius:.10g} is out of range; must be >= {SMALLEST_CORE:g} * radius "
-            f"= {least:.10g} and <= 0.9995 * radius = {limit:.10g} [m]",
+            f"= {smallest:.10g} and <= 0.9995 * radius = {limit:.10g} [m]",
         )
 
 
@@ -481,12 +483,12 @@ class Layered(LayeredBody):
     @model_validator(mode="after")
     def _layers_fit(self) -> Self:
         """Reject layers that are thicker than the radius or too thin for the solver."""
-        least, most = self.radius / 2000, self.radius * (1 - SMALLEST_CORE)
-        if not least <= self.thickness <= most:
+        smallest, largest = self.radius / 2000, self.radius * (1 - SMALLEST_CORE)
+        if not smallest <= self.thickness <= largest:
             raise InvalidProblem.at(
                 "layers",
                 f"a total thickness of {self.thickness:.10g} is out of range; must be >= radius "
-                f"/ 2000 = {least:.10g} and < radius = {self.radius:.10g} [m]",
+                f"/ 2000 = {smallest:.10g} and < radius = {self.radius:.10g} [m]",
             )
         return self
 
@@ -535,18 +537,18 @@ class Layered(LayeredBody):
         return tuple(layer.material for layer in self.layers)
 
 
-def contact_radius(one: Body, two: Body) -> float:
+def contact_radius(body_1: Body, body_2: Body) -> float:
     """Return R* of two bodies, 1/R* = 1/R1 + 1/R2 [m]."""
-    return 1 / (1 / one.radius + 1 / two.radius)
+    return 1 / (1 / body_1.radius + 1 / body_2.radius)
 
 
-def half_width_guess(load: float, one: Body, two: Body) -> float:
+def half_width_guess(load: float, body_1: Body, body_2: Body) -> float:
     """Return an initial guess of the half width [m]: Hertz's, or less for thin layers.
 
     Hertz's theory for half-planes, a = 2 sqrt(P R*/(pi E*)) with 1/E* = sum C/2 (thesis eqs. 101
     to 103), gives an upper bound, which is a poor guess for layers much thinner than a.
     """
-    C, radius = one.compliance + two.compliance, contact_radius(one, two)
+    C, radius = body_1.compliance + body_2.compliance, contact_radius(body_1, body_2)
     # Bodies without a compliance: any guess converges, because the load increases with the width.
     hertz = sqrt(2 * C * load * radius / pi) or 0.01 * radius
-    return min(hertz, 4 * one.thickness, 4 * two.thickness, 0.3 * radius)
+    return min(hertz, 4 * body_1.thickness, 4 * body_2.thickness, 0.3 * radius)

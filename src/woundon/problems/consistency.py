@@ -18,7 +18,7 @@ __all__ = ["different_moduli"]
 TOLERANCE = 0.01
 
 
-def different_moduli(web: Web, field: str, wound: Any) -> Iterator[str]:
+def different_moduli(web: Web, field: str, layers: Any) -> Iterator[str]:
     """Yield a sentence if web and roll have different moduli along the web.
 
     Parameters
@@ -26,13 +26,13 @@ def different_moduli(web: Web, field: str, wound: Any) -> Iterator[str]:
     web : Web
     field : str
         Name of the field that describes the layers in the roll.
-    wound : Stack, Material or other
+    layers : Stack, Material or other
         Stack or material of the layers.  An isotropic material describes the roll as a whole and is
         not compared.
     """
-    if not isinstance(wound, (Orthotropic, Stack)):
+    if not isinstance(layers, (Orthotropic, Stack)):
         return
-    E_web, E_roll = 1 / web.compliance.c11, _modulus_along(wound)
+    E_web, E_roll = 1 / web.compliance.c11, _modulus_along(layers)
     if abs(E_roll - E_web) > TOLERANCE * E_web:
         yield (
             f"web.material and {field} describe two papers: their moduli along the web are "
@@ -40,8 +40,9 @@ def different_moduli(web: Web, field: str, wound: Any) -> Iterator[str]:
         )
 
 
-def _modulus_along(wound: Orthotropic | Stack) -> float:
-    if isinstance(wound, Stack):
-        return wound.tangential
-    A = wound.stiffness
+def _modulus_along(layers: Orthotropic | Stack) -> float:
+    """Return the plane-strain modulus along the web [Pa]."""
+    if isinstance(layers, Stack):
+        return layers.tangential
+    A = layers.stiffness
     return A.tt - A.rt**2 / A.rr

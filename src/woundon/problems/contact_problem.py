@@ -37,8 +37,8 @@ class ContactProblem(Problem):
     @cached_property
     def bodies(self) -> tuple[Body, Body]:
         """Body 1 and body 2."""
-        one, two = (getattr(self, name) for name in self.pair)
-        return one, two
+        body_1, body_2 = (getattr(self, name) for name in self.pair)
+        return body_1, body_2
 
     @cached_property
     def contact_radius(self) -> float:
@@ -48,8 +48,8 @@ class ContactProblem(Problem):
     @cached_property
     def linear(self) -> bool:
         """True if both bodies are linear."""
-        one, two = self.bodies
-        return one.linear and two.linear
+        body_1, body_2 = self.bodies
+        return body_1.linear and body_2.linear
 
     @property
     def thinning(self) -> float:
@@ -66,8 +66,8 @@ class ContactProblem(Problem):
     def input_warnings(self) -> tuple[str, ...]:
         """Warnings about inputs that have no effect."""
         speed = getattr(self, self.speed_field)
-        used = speed is None or self.rolling_speed is not None
-        return super().input_warnings if used else (unused_speed(self.speed_field, speed),)
+        has_effect = speed is None or self.rolling_speed is not None
+        return super().input_warnings if has_effect else (unused_speed(self.speed_field, speed),)
 
     @cached_property
     def viscoelastic(self) -> bool:
@@ -92,8 +92,8 @@ class ContactProblem(Problem):
     @model_validator(mode="after")
     def _deforms(self) -> Self:
         """Reject two rigid bodies."""
-        one, two = self.bodies
-        if one.rigid and two.rigid:
+        body_1, body_2 = self.bodies
+        if body_1.rigid and body_2.rigid:
             first, second = self.pair
             raise InvalidProblem.at(
                 first, f"{first} and {second} are both Rigid; one must be elastic"

@@ -159,23 +159,24 @@ class Description(BaseModel, metaclass=DocumentedMeta):
 
     def _changes(self, changes: Mapping[str, Any], faults: list[tuple[str, str]]) -> dict[str, Any]:
         """Return changes by dotted name, with text converted to numbers in SI."""
-        found: dict[str, Any] = dict(changes)
+        converted: dict[str, Any] = dict(changes)
         if not any(isinstance(value, (str, FloatWithUnit)) for value in changes.values()):
-            return found
+            return converted
         context = conversion_context(self)
         for path in conversion_order(changes):
             name = path.removeprefix("web.")
             if isinstance(changes[path], (str, FloatWithUnit)):
                 try:
-                    found[path] = self._change(path, changes[path], context)
+                    converted[path] = self._change(path, changes[path], context)
                 except InvalidProblem as fault:
                     faults += fault.faults
-                    found.pop(path)
-            context = context.with_field(name, found.get(path))
+                    converted.pop(path)
+            context = context.with_field(name, converted.get(path))
         faults.sort(key=lambda fault: _position(fault[0], changes))
-        return found
+        return converted
 
     def _change(self, path: str, value: str | FloatWithUnit, context: Context) -> Any:
+        """Return the value of a field from a text with its unit."""
         places = find(type(self), path)
         place = next((p for p in places if p.quantity is not None), None)
         return value if place is None else convert(value, place, context)

@@ -77,17 +77,17 @@ def best_match(names: Iterable[str], models: Iterable[type[Any]]) -> type[Any]:
     The penalty is 2 for an unknown name (1 if it resembles a field that is not given) and 1 for a
     missing required field.  Ties are resolved by the smaller number of fields, then by order.
     """
-    given = [counterpart(str(name), "diameter") or str(name) for name in names]
-    has_grade = "grade" in given
-    given = [name for name in given if name not in ("grade", "grades")]
+    present = [counterpart(str(name), "diameter") or str(name) for name in names]
+    has_grade = "grade" in present
+    present = [name for name in present if name not in ("grade", "grades")]
 
     def penalty(model: type[Any]) -> tuple[int, int]:
         """Return the penalty of a class and its number of fields."""
         known = set(model.model_fields) | set(getattr(model, "tables", ()))
-        unknown = [name for name in given if name not in known]
-        meant = {nearest(name, known) for name in unknown} - {"", *given}
-        had = meant.union(given, getattr(model, "graded", ()) if has_grade else ())
-        missing = sum(f.is_required() and n not in had for n, f in model.model_fields.items())
-        return 2 * len(unknown) - len(meant) + missing, len(known)
+        unknown = [name for name in present if name not in known]
+        intended = {nearest(name, known) for name in unknown} - {"", *present}
+        available = intended.union(present, getattr(model, "graded", ()) if has_grade else ())
+        missing = sum(f.is_required() and n not in available for n, f in model.model_fields.items())
+        return 2 * len(unknown) - len(intended) + missing, len(known)
 
     return min(models, key=penalty)

@@ -57,8 +57,8 @@ def graded_layers(
     gauss = ends[:-1, None] + cells[:, None] * (0.5 + np.array([-0.5, 0.5]) / sqrt(3))
     P = at_radius(pressure, R * np.exp(-depth * gauss))
     A_rr, A_tt, A_rt, G = np.broadcast_arrays(*stack.tangent(P, P)[:4])
-    near, far = 0.5 + 1 / sqrt(3), 0.5 - 1 / sqrt(3)
-    average = np.array([[near, far], [far, near]])
+    w_near, w_far = 0.5 + 1 / sqrt(3), 0.5 - 1 / sqrt(3)
+    average = np.array([[w_near, w_far], [w_far, w_near]])
     coefficients = (1 / A_rr, 1 / G, A_rt / A_rr, A_tt - A_rt**2 / A_rr)
     c_rr, c_G, a, D = ((values @ average).ravel() for values in coefficients)
     layers = np.repeat(depth * cells / 2, 2), 1 / c_rr, D + a * a / c_rr, a / c_rr, 1 / c_G, D

@@ -35,7 +35,7 @@ from .messages import quote
 from .radial_laws import Pfeiffer
 from .schedules import Profile
 from .stack import Stack
-from .units import written
+from .units import text_with_unit
 from .web import Web
 from .wound_roll import WoundRoll
 
@@ -92,7 +92,7 @@ class Grade(Description):
     Raises
     ------
     InvalidProblem
-        Naming every field, value and range at fault.
+        Naming every invalid field with its value and permitted range.
 
     Examples
     --------
@@ -153,6 +153,7 @@ class Grade(Description):
         return self._orthotropic(self.roll_radial)
 
     def _orthotropic(self, radial: float) -> Orthotropic:
+        """Return the moduli of the layers for a radial modulus [Pa]."""
         return Orthotropic(
             radial=radial, tangential=self.tangential, cross=self.cross, shear=self.roll_shear
         )
@@ -195,24 +196,24 @@ class Grade(Description):
 
     def spread_of(self, problem: Any) -> dict[str, float]:
         """Return the relative standard deviations of the fields of a problem, by dotted name."""
-        found = {}
+        spreads = {}
         for path, name in _FIELDS:
             value = problem
             for part in path.split("."):
                 value = getattr(value, part, None)
             if value is not None and name in self.spread:
-                found[path] = self.spread[name]
-        return found
+                spreads[path] = self.spread[name]
+        return spreads
 
     def tied_fields(self, problem: Any) -> dict[str, str]:
         """Return the fields with the same value of the grade as another one: follower -> leader."""
-        leaders, found = dict[str, str](), dict[str, str]()
+        leaders, ties = dict[str, str](), dict[str, str]()
         names = dict(_FIELDS)
         for path in self.spread_of(problem):
             leader = leaders.setdefault(names[path], path)
             if path != leader:
-                found[path] = leader
-        return found
+                ties[path] = leader
+        return ties
 
     def __str__(self) -> str:
         rows = [f"{self.name}: {self.title}"]
@@ -241,7 +242,7 @@ def _text(value: Any, quantity: Quantity) -> str:
     if isinstance(value, tuple):
         return " to ".join(_text(item, quantity) for item in value)
     # a basis weight that was converted has rounding errors
-    text = written(float(f"{value:.6g}"), quantity.unit, quantity.shown_unit)
+    text = text_with_unit(float(f"{value:.6g}"), quantity.unit, quantity.shown_unit)
     return text if isinstance(text, str) else f"{text:.6g}"
 
 
@@ -302,14 +303,14 @@ def grades(path: str | Path | None = None) -> Grades:
     Raises
     ------
     InvalidProblem
-        If the file cannot be read, or a grade in it has a value at fault.
+        If the file cannot be read, or a grade in it has an invalid value.
     """
-    found = Grades()
+    known_grades = Grades()
     tables = [library()["grades"], *([] if path is None else [read_file(Path(path))])]
     for known in tables:
         for name, table in known.items():
-            found[name] = _made(name, table, found)
-    return found
+            known_grades[name] = _make_grade(name, table, known_grades)
+    return known_grades
 
 
 def grade(name: str | Grade | Mapping[str, Any], path: str | Path | None = None) -> Grade:
@@ -343,18 +344,18 @@ def grade(name: str | Grade | Mapping[str, Any], path: str | Path | None = None)
     if isinstance(name, Grade):
         return name
     if isinstance(name, Mapping):
-        return _made("own grade", name, grades())
+        return _make_grade("own grade", name, grades())
     known = library()["grades"]
     if path is None and isinstance(name, str) and name in known:
-        return _made(name, known[name], Grades())
-    found = grades(path)
-    if not isinstance(name, str) or name not in found:
-        text = f"{quote(name)} is not a known grade{did_you_mean(name, found)}"
+        return _make_grade(name, known[name], Grades())
+    known_grades = grades(path)
+    if not isinstance(name, str) or name not in known_grades:
+        text = f"{quote(name)} is not a known grade{did_you_mean(name, known_grades)}"
         raise InvalidProblem.at("grade", text)
-    return found[name]
+    return known_grades[name]
 
 
-def _made(name: str, table: Mapping[str, Any], known: Mapping[str, Grade]) -> Grade:
+def _make_grade(name: str, table: Mapping[str, Any], known: Mapping[str, Grade]) -> Grade:
     """Create the grade of a table; missing values are those of the grade named by ``like``."""
     try:
         entry = entry_of({key: value for key, value in table.items() if key != "like"})
@@ -363,17 +364,17 @@ def _made(name: str, table: Mapping[str, Any], known: Mapping[str, Grade]) -> Gr
         limits = values.get("limits", {})
         if isinstance(limits, Mapping):
             values["limits"] = {**base.values.get("limits", {}), **limits}
-        own = _names(entry.values)
-        kept = {
-            key: {k: v for k, v in getattr(base, key).items() if k not in own}
+        names = _names(entry.values)
+        inherited = {
+            key: {k: v for k, v in getattr(base, key).items() if k not in names}
             for key in ("spread", "sources")
         }
         return Grade(
             **{
                 "name": name,
                 **values,
-                "spread": kept["spread"] | entry.spread,
-                "sources": kept["sources"] | entry.sources,
+                "spread": inherited["spread"] | entry.spread,
+                "sources": inherited["sources"] | entry.sources,
             }
         )
     except InvalidProblem as fault:
@@ -382,11 +383,11 @@ def _made(name: str, table: Mapping[str, Any], known: Mapping[str, Grade]) -> Gr
 
 def _names(values: Mapping[str, Any], prefix: str = "") -> set[str]:
     """Return the dotted names of all values."""
-    found: set[str] = set()
+    names: set[str] = set()
     for name, value in values.items():
         inner = isinstance(value, Mapping)
-        found |= _names(value, f"{prefix}{name}.") if inner else {f"{prefix}{name}"}
-    return found
+        names |= _names(value, f"{prefix}{name}.") if inner else {f"{prefix}{name}"}
+    return names
 
 
 def _base(like: Any, known: Mapping[str, Grade]) -> Entry:
@@ -430,22 +431,22 @@ def with_grade(
     faults : list
         A grade that cannot be read is appended here, (field, text).
     """
-    given = dict(fields)
+    completed = dict(fields)
     try:
-        found = grade(given.pop("grade"))
+        named_grade = grade(completed.pop("grade"))
     except InvalidProblem as fault:
         faults += fault.faults
         faults += [(name, "") for name in model.graded]  # They are neither missing nor incomplete.
-        return {name: value for name, value in given.items() if name not in model.graded}
+        return {name: value for name, value in completed.items() if name not in model.graded}
     if not model.graded:
         faults.append(("grade", f"a {model.__name__} has no web; must be left out"))
-        return given
-    web = given.get("web")
+        return completed
+    web = completed.get("web")
     if isinstance(web, Mapping) and is_basis_weight(web.get("thickness")):
-        given["web"] = {"density": found.density, **web}
-    for name, value in _supplied(found, model, given).items():
-        given[name] = _merged(given[name], value) if name in given else value
-    return given
+        completed["web"] = {"density": named_grade.density, **web}
+    for name, value in _fields_of_grade(named_grade, model, completed).items():
+        completed[name] = _merge_tables(completed[name], value) if name in completed else value
+    return completed
 
 
 def changes_of_grade(grade: Grade, problem: Any, changes: Mapping[str, Any]) -> dict[str, Any]:
@@ -464,7 +465,7 @@ def changes_of_grade(grade: Grade, problem: Any, changes: Mapping[str, Any]) -> 
         if isinstance(part := getattr(problem, name, None), Description)
     }
     values: dict[str, Any] = {}
-    for name, value in _supplied(grade, type(problem), parts).items():
+    for name, value in _fields_of_grade(grade, type(problem), parts).items():
         nested = name in parts or name in ("web", "limits")
         values |= {f"{name}.{k}": v for k, v in value.items()} if nested else {name: value}
     replaced = {path for path in changes if "." not in path}
@@ -506,51 +507,53 @@ def _library() -> tuple[Grade, ...]:
     return tuple(grades().values())
 
 
-def warn_of_contradictions(found: Grade, problem: Any) -> None:
+def warn_of_contradictions(named_grade: Grade, problem: Any) -> None:
     """Warn of values of a problem that differ from those of its grade."""
     texts = []
     for path, name in _FIELDS:
         value = problem
         for part in path.split("."):
             value = getattr(value, part, None)
-        own = getattr(found, name)
-        if isinstance(value, float) and abs(value - own) > SAME * abs(own):
+        grade_value = getattr(named_grade, name)
+        if isinstance(value, float) and abs(value - grade_value) > SAME * abs(grade_value):
             quantity = quantity_of(Grade.model_fields[name])
             assert quantity is not None
             texts.append(
-                f"{path} = {_text(value, quantity)} replaces the {_text(own, quantity)} "
-                f"of the grade {found.name!r}"
+                f"{path} = {_text(value, quantity)} replaces the {_text(grade_value, quantity)} "
+                f"of the grade {named_grade.name!r}"
             )
     warn(texts, InputWarning)
 
 
-def _supplied(found: Grade, model: type[Any], given: Mapping[str, Any]) -> dict[str, Any]:
+def _fields_of_grade(
+    named_grade: Grade, model: type[Any], fields: Mapping[str, Any]
+) -> dict[str, Any]:
     """Return the fields of a problem that a grade supplies, as tables."""
     limits = {
         name: value
         for name in Limits.model_fields
-        if (value := getattr(found.limits, name)) is not None
+        if (value := getattr(named_grade.limits, name)) is not None
     }
     known: dict[str, Any] = {
-        "web": {"thickness": found.thickness, "material": _table(found.material)},
-        "web_thickness": found.thickness,
-        "density": found.density,
-        "stack": _table(found.stack),
+        "web": {"thickness": named_grade.thickness, "material": _table(named_grade.material)},
+        "web_thickness": named_grade.thickness,
+        "density": named_grade.density,
+        "stack": _table(named_grade.stack),
         "limits": limits,
-        "roll_friction": found.friction,
-        "drum_friction": found.drum_friction,
+        "roll_friction": named_grade.friction,
+        "drum_friction": named_grade.drum_friction,
     }
-    roll, air = given.get("roll"), given.get("air")
+    roll, air = fields.get("roll"), fields.get("air")
     if isinstance(roll, Mapping):
-        wound = roll.get("kind") == "wound_roll" or "pressure" in roll
-        plain = roll.get("kind", "cylinder") in ("cylinder", "half_plane")
-        if wound:
-            known["roll"] = {"stack": _table(found.stack)}
-        elif plain:
-            known["roll"] = {"material": _table(found.roll_material)}
+        is_wound = roll.get("kind") == "wound_roll" or "pressure" in roll
+        is_plain = roll.get("kind", "cylinder") in ("cylinder", "half_plane")
+        if is_wound:
+            known["roll"] = {"stack": _table(named_grade.stack)}
+        elif is_plain:
+            known["roll"] = {"material": _table(named_grade.roll_material)}
     supplied = {name: known[name] for name in model.graded if name in known}
     if isinstance(air, Mapping):
-        supplied["air"] = {"roughness": found.roughness}
+        supplied["air"] = {"roughness": named_grade.roughness}
     return supplied
 
 
@@ -558,14 +561,14 @@ def _table(part: Description) -> dict[str, Any]:
     return part.model_dump(exclude_none=True)
 
 
-def _merged(given: Any, supplied: Any) -> Any:
+def _merge_tables(explicit: Any, supplied: Any) -> Any:
     """Return the given values, completed by the supplied ones."""
-    if not isinstance(given, Mapping) or not isinstance(supplied, Mapping):
-        return given
-    kinds = {part.get("kind") for part in (given, supplied)} - {None}
+    if not isinstance(explicit, Mapping) or not isinstance(supplied, Mapping):
+        return explicit
+    kinds = {part.get("kind") for part in (explicit, supplied)} - {None}
     if len(kinds) > 1:
-        return given
-    both = dict(supplied)
-    for name, value in given.items():
-        both[name] = _merged(value, supplied[name]) if name in supplied else value
-    return both
+        return explicit
+    merged = dict(supplied)
+    for name, value in explicit.items():
+        merged[name] = _merge_tables(value, supplied[name]) if name in supplied else value
+    return merged

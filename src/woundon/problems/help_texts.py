@@ -35,9 +35,9 @@ def signature(model: Any) -> Signature:
 
 def documentation(model: Any) -> str:
     """Return a description's docstring with a table of its fields before its sections."""
-    own, fields = cleandoc(vars(model)["__doc__"] or ""), model.model_fields
+    docstring, fields = cleandoc(vars(model)["__doc__"] or ""), model.model_fields
     if not fields:
-        return own
+        return docstring
     width = max(map(len, fields)) + 2
     rows = [
         fill(
@@ -49,7 +49,7 @@ def documentation(model: Any) -> str:
         )
         for name, field in fields.items()
     ]
-    head, mark, sections = own.partition("\n\nParameters\n---")
+    head, mark, sections = docstring.partition("\n\nParameters\n---")
     return "\n".join([head, "", "Fields, SI units::", "", *rows]) + mark + sections
 
 

@@ -105,6 +105,7 @@ def conversion_order(changes: Mapping[str, Any]) -> list[str]:
     """Return the dotted names of changed fields in the order of their conversion."""
 
     def rank(path: str) -> int:
+        """Return the place of a field: those that others are converted with come first."""
         name = "thickness" if path in ("web.thickness", "web_thickness") else path
         if name == "density" and is_basis_weight(changes[path]):
             return len(_FIRST) - 1
@@ -149,10 +150,10 @@ def convert(value: Any, place: Place, context: Context) -> Any:
         For text that is not a value of the field.
     """
     faults: Faults = []
-    found = _convert_value(value, [place], place.path, faults, context)
+    converted = _convert_value(value, [place], place.path, faults, context)
     if faults:
         raise InvalidProblem(faults)
-    return found
+    return converted
 
 
 def _needs_conversion(value: Any) -> bool:
@@ -189,26 +190,28 @@ def _convert_table(
         Quantity of the field that contains the table, for the values of a schedule.
     """
     kind = table.get("kind")
-    named = [m for m in models if getattr(m, "member_name", str)() == kind]
-    models = tuple(named or models)
-    given = _diameters_to_radii(table, models, prefix, faults)
-    first = [name for name in _FIRST if name in given]
-    if is_basis_weight(given.get("density")):  # which the thickness converts
+    selected = [m for m in models if getattr(m, "member_name", str)() == kind]
+    models = tuple(selected or models)
+    values = _diameters_to_radii(table, models, prefix, faults)
+    first = [name for name in _FIRST if name in values]
+    if is_basis_weight(values.get("density")):  # which the thickness converts
         first = [*(name for name in first if name != "density"), "density"]
-    found: dict[str, Any] = {}
-    for name in dict.fromkeys((*first, *given)):
-        found[name] = given[name]
-        if _needs_conversion(given[name]):
+    converted: dict[str, Any] = {}
+    for name in dict.fromkeys((*first, *values)):
+        converted[name] = values[name]
+        if _needs_conversion(values[name]):
             places = [p for m in models for p in find(m, str(name), of_field)]
             places = places or [p for m in models for p in _input_only(m, str(name))]
-            found[name] = _convert_value(given[name], places, f"{prefix}{name}", faults, context)
-        context = context.with_field(name, found[name])
-    helpers = {name for m in models for name in getattr(m, "_input_only", ())} & found.keys()
+            converted[name] = _convert_value(
+                values[name], places, f"{prefix}{name}", faults, context
+            )
+        context = context.with_field(name, converted[name])
+    helpers = {name for m in models for name in getattr(m, "_input_only", ())} & converted.keys()
     for name in helpers:
-        if not is_basis_weight(given.get("thickness")):
+        if not is_basis_weight(values.get("thickness")):
             text = "converts a thickness that is given as a basis weight; must be left out here"
             faults.append((f"{prefix}{name}", text))
-    return {name: found[name] for name in given if name not in helpers}
+    return {name: converted[name] for name in values if name not in helpers}
 
 
 def _input_only(model: type[Any], name: str) -> Iterable[Place]:
@@ -222,24 +225,24 @@ def _diameters_to_radii(
     table: Mapping[str, Any], models: tuple[type[Any], ...], prefix: str, faults: Faults
 ) -> dict[str, Any]:
     """Replace diameters in a table by radii."""
-    given = dict(table)
+    radii = dict(table)
     for name in table:
         radius = counterpart(str(name), "diameter")
         if not radius or any(name in m.model_fields for m in models):
             continue
         if not any(radius in m.model_fields for m in models):
             continue
-        value = given.pop(name)
-        if radius in given:
+        value = radii.pop(name)
+        if radius in radii:
             text = f"is given together with {radius}; give one of the two"
             faults.append((f"{prefix}{name}", text))
             continue
-        before = len(faults)
-        given[radius] = _half(value, f"{prefix}{name}", faults)
-        if len(faults) > before:
-            given[radius] = None
+        count = len(faults)
+        radii[radius] = _half(value, f"{prefix}{name}", faults)
+        if len(faults) > count:
+            radii[radius] = None
             faults.append((f"{prefix}{radius}", ""))  # not missing
-    return given
+    return radii
 
 
 def _half(diameter: Any, path: str, faults: Faults) -> Any:
@@ -268,10 +271,10 @@ def _convert_value(
     if isinstance(value, (list, tuple)) and any(is_list(p.field.annotation) for p in places):
         if all(type(item) in (int, float) for item in value):
             return value
-        found = [
+        converted = [
             _convert_value(v, places, f"{path}.{k}", faults, context) for k, v in enumerate(value)
         ]
-        return type(value)(found) if type(value) in (list, tuple) else found
+        return type(value)(converted) if type(value) in (list, tuple) else converted
     if _has_units(value):
         return _convert_schedule(value, places, path, faults, context)
     if not isinstance(value, (str, FloatWithUnit)):
@@ -319,7 +322,7 @@ def _convert_schedule(
     changed = {
         name: _convert_value(
             getattr(value, name),
-            [p for of in places for p in find(type(value), name, of.quantity)],
+            [p for holder in places for p in find(type(value), name, holder.quantity)],
             f"{path}.{name}",
             faults,
             context,
@@ -383,14 +386,14 @@ def is_basis_weight(value: Any) -> bool:
 def _of_basis_weight(text: str, unit: str, path: str, context: Context) -> float:
     """Return the thickness of the web from its density, or the density from its thickness."""
     weight = parse(text, "kg/m^2", path)
-    known, needed, example = context.density, "density", "680 kg/m^3"
+    known, required, example = context.density, "density", "680 kg/m^3"
     if unit != "m":
-        known, needed, example = context.thickness, "thickness", "66 um"
+        known, required, example = context.thickness, "thickness", "66 um"
     if not known:
         raise InvalidProblem.at(
             path,
-            f"{text!r} is a basis weight; expected a value in {unit}. Give the {needed} of "
-            f"the web, e.g. {needed} = {example!r}, to convert it",
+            f"{text!r} is a basis weight; expected a value in {unit}. Give the {required} of "
+            f"the web, e.g. {required} = {example!r}, to convert it",
         )
     return weight / known
 
@@ -409,6 +412,7 @@ def is_word(value: Any, annotation: Any) -> bool:
 
 
 def _words_of(annotation: Any) -> tuple[str, ...]:
+    """Return the words that an annotation admits."""
     parts = get_args(annotation)
     if get_origin(annotation) is Literal:
         return parts

@@ -63,36 +63,36 @@ def entry_of(table: Mapping[str, Any]) -> Entry:
         For an entry without a value, an unknown name in it, or a spread that is not a number >= 0.
     """
     entry = Entry({}, {}, {})
-    for name, given in table.items():
-        if isinstance(given, Mapping) and "value" not in given:
+    for name, item in table.items():
+        if isinstance(item, Mapping) and "value" not in item:
             try:
-                inner = entry_of(given)
+                inner = entry_of(item)
             except InvalidProblem as fault:
                 raise fault.under(name) from None
             entry.values[name] = inner.values
             entry.spread.update({f"{name}.{k}": v for k, v in inner.spread.items()})
             entry.sources.update({f"{name}.{k}": v for k, v in inner.sources.items()})
-        elif isinstance(given, Mapping):
-            _add_entry(entry, name, given)
+        elif isinstance(item, Mapping):
+            _add_entry(entry, name, item)
         else:
-            entry.values[name] = given
+            entry.values[name] = item
     return entry
 
 
-def _add_entry(entry: Entry, name: str, given: Mapping[str, Any]) -> None:
+def _add_entry(entry: Entry, name: str, item: Mapping[str, Any]) -> None:
     """Add value, spread and source of an entry of the data file."""
     known = ("value", "spread", "source")
-    for key in given:
+    for key in item:
         if key not in known:
             raise InvalidProblem.at(f"{name}.{key}", f"no such field{did_you_mean(key, known)}")
-    entry.values[name] = given["value"]
-    spread = given.get("spread", 0.0)
+    entry.values[name] = item["value"]
+    spread = item.get("spread", 0.0)
     if isinstance(spread, bool) or not isinstance(spread, (int, float)) or not 0 <= spread <= 10:
         text = f"{spread!r} is not a number >= 0 and <= 10, a relative standard deviation"
         raise InvalidProblem.at(f"{name}.spread", text)
     if spread:
         entry.spread[name] = float(spread)
-    if not isinstance(given.get("source", ""), str):
-        raise InvalidProblem.at(f"{name}.source", f"{given['source']!r} is not text")
-    if given.get("source"):
-        entry.sources[name] = given["source"]
+    if not isinstance(item.get("source", ""), str):
+        raise InvalidProblem.at(f"{name}.source", f"{item['source']!r} is not text")
+    if item.get("source"):
+        entry.sources[name] = item["source"]

@@ -99,13 +99,13 @@ def not_one_of(value: Any, known: Iterable[str]) -> str:
     """Return the message for a value that is not one of the known words."""
     known = list(known)
     text = f"{quote(value)} is unknown; must be {one_of(map(repr, known))}"
-    near = nearest(value, known)
-    return f"{text}; did you mean {near!r}?" if near else text
+    suggestion = nearest(value, known)
+    return f"{text}; did you mean {suggestion!r}?" if suggestion else text
 
 
 def no_such_field(name: str, model: type[BaseModel]) -> str:
     """Return the message for an unknown field, with the class that has it or the intended name."""
-    own = model.model_fields
+    fields = model.model_fields
     family = getattr(model, "_members", {}).values()
     owners = [m.__name__ for m in family if name in m.model_fields]
     if name == "kind" and family:
@@ -113,17 +113,17 @@ def no_such_field(name: str, model: type[BaseModel]) -> str:
     if owners:
         return (
             f"no such field in {model.__name__}, but in {one_of(owners, 'and')}; "
-            f"known: {', '.join(own)}"
+            f"known: {', '.join(fields)}"
         )
     # The user may know the symbol ("P"), a word of the meaning, or a part of the name ("friction").
     similar = [
         known
-        for known, field in own.items()
+        for known, field in fields.items()
         if name in _words(field) or (len(name) > 2 and name.lower() in known)
     ]
     if similar:
         return f"no such field; did you mean {one_of(map(repr, similar))}?"
-    return f"no such field{did_you_mean(name, own)}"
+    return f"no such field{did_you_mean(name, fields)}"
 
 
 def _words(field: FieldInfo) -> list[str]:

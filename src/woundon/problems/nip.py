@@ -157,19 +157,20 @@ class NipProblem(ContactProblem):
 
     @model_validator(mode="after")
     def _web_is_elastic(self) -> Self:
+        """Reject a viscoelastic web."""
         if self.web.material.relaxes:
             raise InvalidProblem.at("web.material", "viscoelastic; must be elastic (no prony)")
         return self
 
     @model_validator(mode="before")
     @classmethod
-    def _has_friction(cls, given: Any) -> Any:
+    def _has_friction(cls, fields: Any) -> Any:
         """Reject a face without friction: its web speed is not determined."""
         for name in ("roll_friction", "drum_friction"):
             if (
-                isinstance(given, dict)
-                and type(given.get(name)) in (int, float)
-                and not given[name]
+                isinstance(fields, dict)
+                and type(fields.get(name)) in (int, float)
+                and not fields[name]
             ):
                 raise InvalidProblem.at(
                     name,
@@ -178,14 +179,14 @@ class NipProblem(ContactProblem):
                     f"{name.partition('_')[0]} is undetermined; use the smallest allowed value to "
                     "represent the frictionless limit",
                 )
-        return given
+        return fields
 
     @property
     def input_warnings(self) -> tuple[str, ...]:
         """Inputs that have no effect or contradict each other, as sentences."""
         name = "stack" if hasattr(self.roll, "stack") else "material"
-        wound = getattr(self.roll, name, None)
-        return (*super().input_warnings, *different_moduli(self.web, f"roll.{name}", wound))
+        layers = getattr(self.roll, name, None)
+        return (*super().input_warnings, *different_moduli(self.web, f"roll.{name}", layers))
 
     @model_validator(mode="after")
     def _has_steady_state(self) -> Self:

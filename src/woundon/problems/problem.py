@@ -44,12 +44,13 @@ class Problem(Description):
         """The grade that the problem was created with; None without one."""
         return self.__dict__.get("_grade")
 
-    def _set_grade(self, found: Grade) -> None:
-        self.__dict__["_grade"] = found
-        warn_of_contradictions(found, self)
+    def _set_grade(self, named_grade: Grade) -> None:
+        self.__dict__["_grade"] = named_grade
+        warn_of_contradictions(named_grade, self)
 
     @classmethod
     def _converted(cls, fields: dict[str, Any], faults: list[tuple[str, str]]) -> dict[str, Any]:
+        """Complete the fields by those of a grade before they are converted."""
         if "grade" in fields:
             fields = with_grade(cls, fields, faults)
         return super()._converted(fields, faults)
@@ -77,9 +78,9 @@ class Problem(Description):
         if not self.graded:
             text = f"a {type(self).__name__} has no web; must be left out"
             raise InvalidProblem.at("grade", text)
-        found = grade(changes.pop("grade"))
-        variant = super().replace(**{**changes_of_grade(found, self, changes), **changes})
-        variant._set_grade(found)
+        new_grade = grade(changes.pop("grade"))
+        variant = super().replace(**{**changes_of_grade(new_grade, self, changes), **changes})
+        variant._set_grade(new_grade)
         return variant
 
     @property

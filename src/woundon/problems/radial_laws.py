@@ -89,8 +89,8 @@ class RadialLaw(Family):
         P = np.asarray(P, dtype=float)
         if self._in_range(P):
             return self._modulus(P)[()]
-        E, slope, least = self._tangent_at_zero
-        tangent = E + slope * np.clip(P, least, 0.0)
+        E, slope, P_min = self._tangent_at_zero
+        tangent = E + slope * np.clip(P, P_min, 0.0)
         return np.where(P < 0, tangent, self._modulus(np.clip(P, 0.0, self.max_pressure)))[()]
 
     def modulus_slope(self, P: float | Array) -> Any:
@@ -98,22 +98,22 @@ class RadialLaw(Family):
         P = np.asarray(P, dtype=float)
         if self._in_range(P):
             return self._slope(P)[()]
-        _, slope, least = self._tangent_at_zero
+        _, slope, P_min = self._tangent_at_zero
         inner = self._slope(np.clip(P, 0.0, self.max_pressure))
         inner = np.where(self.max_pressure < P, 0.0, inner)
-        return np.where(P < 0, np.where(least > P, 0.0, slope), inner)[()]
+        return np.where(P < 0, np.where(P_min > P, 0.0, slope), inner)[()]
 
     def strain_at(self, P: float | Array) -> Any:
         """Return the compressive strain F(P) [1] at pressures P of any shape [Pa]."""
         P = np.asarray(P, dtype=float)
         if self._in_range(P):
             return self._strain(P)[()]
-        E, slope, least = self._tangent_at_zero
-        low, inner = np.clip(P, least, 0.0), np.clip(P, 0.0, self.max_pressure)
-        below = low / E if slope == 0 else np.log1p(slope * low / E) / slope
-        below = below + (np.minimum(P, low) - low) / (E * FLOOR)
-        above = np.maximum(P - inner, 0.0) / self._modulus(inner)
-        return np.where(P < 0, below, self._strain(inner) + above)[()]
+        E, slope, P_min = self._tangent_at_zero
+        low, inner = np.clip(P, P_min, 0.0), np.clip(P, 0.0, self.max_pressure)
+        below_zero = low / E if slope == 0 else np.log1p(slope * low / E) / slope
+        below_zero = below_zero + (np.minimum(P, low) - low) / (E * FLOOR)
+        beyond_max = np.maximum(P - inner, 0.0) / self._modulus(inner)
+        return np.where(P < 0, below_zero, self._strain(inner) + beyond_max)[()]
 
     def pressure_at(self, strain: float | Array) -> Any:
         """Return the pressure P at a compressive strain F(P) [Pa].
@@ -142,15 +142,17 @@ class RadialLaw(Family):
 
     def _extrapolate(self, strain: Array, P: Array) -> Array:
         """Return P, with closed forms at strains outside the range of the law."""
-        E, slope, least = self._tangent_at_zero
-        end = self.strain_at(least) if isfinite(least) else -inf
-        below = E * strain if slope == 0 else E / slope * np.expm1(slope * np.minimum(strain, 0.0))
+        E, slope, P_min = self._tangent_at_zero
+        end = self.strain_at(P_min) if isfinite(P_min) else -inf
+        below_zero = (
+            E * strain if slope == 0 else E / slope * np.expm1(slope * np.minimum(strain, 0.0))
+        )
         if slope > 0:
-            below = np.where(strain < end, least + (strain - end) * E * FLOOR, below)
+            below_zero = np.where(strain < end, P_min + (strain - end) * E * FLOOR, below_zero)
         if isfinite(self.max_pressure):
             last, top = self.strain_at(self.max_pressure), self.max_pressure
             P = np.where(strain > last, top + (strain - last) * self.modulus(top), P)
-        return np.where(strain < 0, below, np.where(strain == 0, 0.0, P))
+        return np.where(strain < 0, below_zero, np.where(strain == 0, 0.0, P))
 
     def pressure_at_modulus(self, modulus: float) -> float:
         """Return the smallest P >= 0 at which E_r is ``modulus`` [Pa]; inf if there is none."""
@@ -384,8 +386,8 @@ class PowerLaw(SolidLaw):
 
         m = self.m
         if self.E0 == 0:
-            start, above = self._start, np.maximum(P, self._start)
-            integral = ((above / 1e5) ** (1 - m) - (start / 1e5) ** (1 - m)) / (1 - m)
+            start, upper = self._start, np.maximum(P, self._start)
+            integral = ((upper / 1e5) ** (1 - m) - (start / 1e5) ** (1 - m)) / (1 - m)
             constant = np.minimum(P, start) / self._modulus(np.zeros(()))
             return constant + 1e5 / self.k * integral
         # E0 F = P1 int_0^(P/P1) dx/(1 + x^m), P1 the pressure that doubles the modulus:
@@ -393,10 +395,10 @@ class PowerLaw(SolidLaw):
         P1 = 1e5 * (self.E0 / self.k) ** (1 / m)
         low = np.minimum(P, P1)
         z = (low / P1) ** m
-        below = low * hyp2f1(1.0, 1.0, 1 + 1 / m, z / (1 + z)) / (1 + z)
+        lower = low * hyp2f1(1.0, 1.0, 1 + 1 / m, z / (1 + z)) / (1 + z)
         end = np.log(np.maximum(P / P1, 1.0))
-        above = P1 * _integral(lambda t: np.exp(t) / (1 + np.exp(m * t)), end)
-        return (below + above) / self.E0
+        upper = P1 * _integral(lambda t: np.exp(t) / (1 + np.exp(m * t)), end)
+        return (lower + upper) / self.E0
 
     def pressure_at_modulus(self, modulus: float) -> float:
         """Return P at which E_r is ``modulus`` [Pa]; 0 if E_r(0) is larger."""
@@ -451,9 +453,11 @@ class StackTest(SolidLaw):
             raise InvalidProblem.at("pressure.0", text)
         for name, unit in (("pressure", " [Pa]"), ("strain", "")):
             values = getattr(self, name)
-            for k, (before, value) in enumerate(pairwise(values), start=1):
-                if value <= before:
-                    text = f"{quote(value)} is out of range; must be > {quote(before)}{unit}, the "
+            for k, (previous, value) in enumerate(pairwise(values), start=1):
+                if value <= previous:
+                    text = (
+                        f"{quote(value)} is out of range; must be > {quote(previous)}{unit}, the "
+                    )
                     raise InvalidProblem.at(f"{name}.{k}", f"{text}previous value")
         return self
 
@@ -497,10 +501,10 @@ class StackTest(SolidLaw):
         """
         K1, spline = self._fit
         x, first = np.log1p(P / K1), spline.t[0]
-        inside = spline(np.maximum(x, first), order)
+        value = spline(np.maximum(x, first), order)
         if order > 1:
-            return np.where(x < first, 0.0, inside)
-        return inside + np.minimum(x - first, 0.0) * spline(first, 1) * (order == 0)
+            return np.where(x < first, 0.0, value)
+        return value + np.minimum(x - first, 0.0) * spline(first, 1) * (order == 0)
 
     def _modulus(self, P: Array) -> Array:
         return (self._fit[0] + P) / self._derivative(P, 1)

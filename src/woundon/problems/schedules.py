@@ -71,11 +71,11 @@ class Profile(Description):
         if len(self.radius) != len(self.value):
             text = f"{len(self.value)} values; must be as many as of radius, {len(self.radius)}"
             raise InvalidProblem.at("value", text)
-        for k, (before, radius) in enumerate(pairwise((0.0, *self.radius))):
-            if radius <= before:
-                what = "the previous radius" if k else "0"
-                text = f"{quote(radius)} is out of range; must be > {quote(before)} [m]"
-                raise InvalidProblem.at(f"radius.{k}", f"{text}, {what}" if k else text)
+        for k, (previous, radius) in enumerate(pairwise((0.0, *self.radius))):
+            if radius <= previous:
+                bound = "the previous radius" if k else "0"
+                text = f"{quote(radius)} is out of range; must be > {quote(previous)} [m]"
+                raise InvalidProblem.at(f"radius.{k}", f"{text}, {bound}" if k else text)
         return self
 
     @cached_property
@@ -102,8 +102,8 @@ class Profile(Description):
         """Return the derivatives [1/m]; at a kink the left (-1) or right (1) derivative."""
         x, _, steps = self._nodes_and_slopes
         if self.between == "smooth":
-            inside = self._smooth[1](np.clip(r, x[0], x[-1]))
-            return np.where((r < x[0]) | (r > x[-1]), 0.0, inside)
+            slope = self._smooth[1](np.clip(r, x[0], x[-1]))
+            return np.where((r < x[0]) | (r > x[-1]), 0.0, slope)
         # A node on a kink may differ from it by rounding.
         return np.asarray(steps[np.searchsorted(x, r * (1 + side * 1e-12))])
 
@@ -197,8 +197,8 @@ class Curve:
         self.schedule, self.core, self.radius, self.scale = schedule, core, radius, scale
         inner = schedule.kinks if isinstance(schedule, Profile) else ()
         self.kinks = np.array([r for r in inner if core < r < radius])
-        left, right = (self.slope(self.kinks, side) for side in (-1, 1))
-        self.bends = self.kinks * np.abs(right - left) / np.abs(self.at(self.kinks))
+        slope_left, slope_right = (self.slope(self.kinks, side) for side in (-1, 1))
+        self.bends = self.kinks * np.abs(slope_right - slope_left) / np.abs(self.at(self.kinks))
 
     def at(self, r: Array) -> Array:
         """Return the values at radii [m]."""

@@ -197,7 +197,7 @@ class Stack(Solid):
                 f"the law ends at {end:.4g} [Pa], below the pressure wound into the roll",
             )
 
-    def tangent(self, P: float | Array, wound: float | Array | None = None) -> Stiffness:
+    def tangent(self, P: float | Array, P0: float | Array | None = None) -> Stiffness:
         """Return the tangent stiffness A_rr, A_tt, A_rt, G without shear [Pa].
 
         Parameters
@@ -205,25 +205,25 @@ class Stack(Solid):
         P : array_like
             Pressure through the stack [Pa].  For iterates above :attr:`limit` E_r is at most 99.9 %
             of :attr:`stiffest`.
-        wound : array_like, optional
-            P0, at which G is ``shear``; by default P.
+        P0 : array_like, optional
+            Wound-in pressure, at which G is ``shear`` [Pa]; by default P.
         """
         E_t, nu = self.tangential, self.poissons_ratio
         E = np.minimum(self.radial.modulus(P), 0.999 * self.stiffest)
         D = 1 - nu * nu * E / E_t
-        return Stiffness(E / D, E_t / D, nu * E / D, self.shear_modulus(P, wound))
+        return Stiffness(E / D, E_t / D, nu * E / D, self.shear_modulus(P, P0))
 
-    def shear_modulus(self, P: float | Array, wound: float | Array | None = None) -> Any:
+    def shear_modulus(self, P: float | Array, P0: float | Array | None = None) -> Any:
         """Return G [Pa]; parameters as of :meth:`tangent`."""
-        if wound is None or self.shear_exponent == 0:
+        if P0 is None or self.shear_exponent == 0:
             return np.full(np.shape(P), self.shear)[()]
-        ratio = self.radial.modulus(P) / self.radial.modulus(wound)
+        ratio = self.radial.modulus(P) / self.radial.modulus(P0)
         return self.shear * ratio**self.shear_exponent
 
-    def shear_slope(self, P: float | Array, wound: float | Array | None = None) -> Any:
+    def shear_slope(self, P: float | Array, P0: float | Array | None = None) -> Any:
         """Return G' = dG/dP [1]; parameters as of :meth:`tangent`."""
         rate = self.shear_exponent * self.radial.modulus_slope(P) / self.radial.modulus(P)
-        return rate * self.shear_modulus(P, wound)
+        return rate * self.shear_modulus(P, P0)
 
 
 if TYPE_CHECKING:

@@ -83,8 +83,8 @@ def roll_weight(
         )
     )
     if np.any(rc > R):
-        least = quote(float(np.min(R)))
-        text = f"{least} is out of range; must be >= core_radius = {rc:.6g} [m]"
+        smallest = quote(float(np.min(R)))
+        text = f"{smallest} is out of range; must be >= core_radius = {rc:.6g} [m]"
         raise InvalidProblem.at("radius", text)
     return GRAVITY * (np.pi * rho * (R**2 - rc**2) + core)
 
@@ -180,8 +180,8 @@ def _shares(
     to_front = distance - to_rear
     if np.any((to_rear <= 0) | (to_front <= 0)):
         small, large = sorted((first, second))
-        most = (distance**2 + small**2 - large**2) / (2 * (large - small))
-        text = f"{quote(float(np.max(R)))} is out of range; must be < {most:.6g} [m]"
+        largest = (distance**2 + small**2 - large**2) / (2 * (large - small))
+        text = f"{quote(float(np.max(R)))} is out of range; must be < {largest:.6g} [m]"
         raise InvalidProblem.at("radius", f"{text}, or the roll rolls off the smaller drum")
     height = np.sqrt((R + first) ** 2 - to_rear**2)
     # sin b/sin(a + b) and sin a/sin(a + b): twice the area of the triangle of the three centres is

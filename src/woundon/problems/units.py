@@ -24,7 +24,7 @@ __all__ = [
     "is_unit",
     "known_units",
     "parse",
-    "written",
+    "text_with_unit",
 ]
 
 # One unit per line, defined by those above it; no prefixes, plurals or aliases.
@@ -198,7 +198,7 @@ def _definitions() -> dict[str, _Unit]:
             known[name] = _Unit(Fraction(number) * factor, powers)
         else:
             known[name] = _product(text, known)
-    return known | {name: known[of] for name, of in _SPELLINGS.items()}
+    return known | {name: known[standard] for name, standard in _SPELLINGS.items()}
 
 
 def _product(text: str, known: dict[str, _Unit]) -> _Unit:
@@ -229,7 +229,7 @@ def definitions() -> dict[str, dict[str, Any]]:
 def has_dimension(text: str, unit: str) -> bool:
     """Return True if text is a number with a unit of the dimension of ``unit``."""
     match = _QUANTITY.fullmatch(text) if len(text) <= _MAX_LENGTH else None
-    return bool(match and is_unit(match[2]) and _converted(match[2], unit) is not None)
+    return bool(match and is_unit(match[2]) and _conversion_factor(match[2], unit) is not None)
 
 
 def is_unit(text: str) -> bool:
@@ -239,7 +239,7 @@ def is_unit(text: str) -> bool:
     return bool(_UNIT.fullmatch(text)) and set(re.findall(_NAME, text)) <= set(known_units())
 
 
-def compatible_units(unit: str, *more: str) -> dict[str, float]:
+def compatible_units(unit: str, *further: str) -> dict[str, float]:
     """Return the units in which a quantity may be displayed, with their size in the SI ``unit``.
 
     These are the named units of the same dimension, the units for output, those of North American
@@ -256,10 +256,10 @@ def compatible_units(unit: str, *more: str) -> dict[str, float]:
             for name, definition in _definitions().items()
             if definition.powers == powers and name not in _SPELLINGS
         ]
-    names = dict.fromkeys((unit, *_OUTPUT_UNITS.get(unit, ()), *same_dimension, *more))
+    names = dict.fromkeys((unit, *_OUTPUT_UNITS.get(unit, ()), *same_dimension, *further))
     names |= dict.fromkeys(MILL[name] for name in list(names) if name in MILL)
     sizes = {
-        "" if name == "1" else name: Fraction(1) if name == "1" else _converted(name, unit)
+        "" if name == "1" else name: Fraction(1) if name == "1" else _conversion_factor(name, unit)
         for name in names
     }
     return dict(sorted(((n, float(s)) for n, s in sizes.items() if s), key=lambda item: item[1]))
@@ -310,7 +310,7 @@ def parse(value: str | float, unit: str, field: str = "value") -> float:
     return float(Fraction(number) * _factor(text, unit, field, value))
 
 
-def written(value: float, unit: str, shown_unit: str = "") -> str | float:
+def text_with_unit(value: float, unit: str, shown_unit: str = "") -> str | float:
     """Return a number in SI as readable text with a unit; the number itself if there is none.
 
     Parameters
@@ -358,12 +358,13 @@ def _short(number: Decimal) -> str:
 def _reading_penalty(text: str) -> tuple[int, int]:
     """Return a penalty for numbers that are hard to read: long, below 1, or above 10^4."""
     number = text.split()[0].lstrip("-")
-    before = len(number.partition(".")[0])
-    far = number.startswith("0") or before > 4
-    return len(number) + 2 * far + 4 * ("e" in number), before
+    digits = len(number.partition(".")[0])
+    is_hard = number.startswith("0") or digits > 4
+    return len(number) + 2 * is_hard + 4 * ("e" in number), digits
 
 
 def _as_float(value: float, unit: str, field: str) -> float:
+    """Return a number as float; reject one that is too large."""
     try:
         return float(value)
     except OverflowError:  # a whole number of more than 308 digits
@@ -377,23 +378,23 @@ def _factor(text: str, unit: str, field: str, value: str) -> Fraction:
     for name in re.findall(_NAME, text):
         if name not in known_units():
             raise _fault(field, value, f"has the unknown unit {name!r}", unit, _nearest(name))
-    factor = _converted(text, unit)
+    factor = _conversion_factor(text, unit)
     if factor is None:
-        total = unit == "N/m" and _converted(text, "N") is not None
+        total = unit == "N/m" and _conversion_factor(text, "N") is not None
         hint = "; a force is divided by the width of the web" if total else ""
         raise _fault(field, value, "has the wrong dimension", unit, hint)
     return factor
 
 
 @lru_cache(maxsize=256)
-def _converted(text: str, unit: str) -> Fraction | None:
+def _conversion_factor(text: str, unit: str) -> Fraction | None:
     """Return the conversion factor; "lb" may be a force, so that lb/in is lbf/in."""
     known = _definitions()
-    due = _product(unit, known)
+    target = _product(unit, known)
     for pound in ("lb", "lbf"):
-        given = _product(text, {**known, "lb": known[pound], "lbs": known[pound]})
-        if given.powers == due.powers:
-            return given.factor / due.factor
+        source = _product(text, {**known, "lb": known[pound], "lbs": known[pound]})
+        if source.powers == target.powers:
+            return source.factor / target.factor
     return None
 
 
@@ -404,32 +405,32 @@ def _nearest(name: str) -> str:
     if full:
         return f"; did you mean {full!r}?"
     names = [known for known in known_units() if known not in _SPELLINGS]
-    same = [known for known in names if known.lower() == word]
-    return f"; did you mean {same[0]!r}?" if same else did_you_mean(name, names)
+    matches = [known for known in names if known.lower() == word]
+    return f"; did you mean {matches[0]!r}?" if matches else did_you_mean(name, names)
 
 
-def _fault(field: str, value: Any, what: str, unit: str, hint: str = "") -> InvalidProblem:
+def _fault(field: str, value: Any, reason: str, unit: str, hint: str = "") -> InvalidProblem:
     """Return the error for a text that is not a number with a unit."""
-    due = "a plain number" if unit == "1" else f"a value in {unit}"
+    expected = "a plain number" if unit == "1" else f"a value in {unit}"
     example = _EXAMPLES.get(unit, "")
     if isinstance(value, str) and len(value) <= _MAX_LENGTH:
-        hint += _mistyped(value)
-    return InvalidProblem([(field, f"{value!r} {what}; expected {due}{example}{hint}")])
+        hint += _typing_hint(value)
+    return InvalidProblem([(field, f"{value!r} {reason}; expected {expected}{example}{hint}")])
 
 
-def _mistyped(value: str) -> str:
+def _typing_hint(value: str) -> str:
     """Return a hint for unsupported separators and dashes."""
     rule = "; write a decimal point, and no thousands separator"
-    if found := _THOUSANDS.match(value):
-        digits = re.sub(r"[^\d.+-]", "", found[1])
-        unit = found[2].strip()
+    if match := _THOUSANDS.match(value):
+        digits = re.sub(r"[^\d.+-]", "", match[1])
+        unit = match[2].strip()
         plain = f"{digits} {unit}".strip()
-        if "," in found[1] and found[1].count(",") == 1 and "." not in found[1]:
-            decimal = f"{found[1].replace(',', '.')} {unit}".strip()
+        if "," in match[1] and match[1].count(",") == 1 and "." not in match[1]:
+            decimal = f"{match[1].replace(',', '.')} {unit}".strip()
             return f"{rule}: {plain!r} or {decimal!r}"
         return f"{rule}: {plain!r}"
-    if found := _DECIMAL_COMMA.match(value):
-        decimal = f"{found[1]}.{found[2]} {found[3].strip()}".strip()
+    if match := _DECIMAL_COMMA.match(value):
+        decimal = f"{match[1]}.{match[2]} {match[3].strip()}".strip()
         return f"{rule}: {decimal!r}"
     if "," in value:
         return rule

@@ -147,10 +147,10 @@ class DynamicTest(OneModulus):
                 if not SOFTEST <= value <= STIFFEST:
                     text = f"{quote(value)} is out of range; must be >= 0.001 and <= 1e+14 [Pa]"
                     raise InvalidProblem.at(f"{name}.{k}", text)
-        for k, (before, value) in enumerate(pairwise((0.0, *self.frequency))):
-            if value <= before:
-                what = ", the previous value" if k else ""
-                text = f"{quote(value)} is out of range; must be > {quote(before)} [1/s]{what}"
+        for k, (previous, value) in enumerate(pairwise((0.0, *self.frequency))):
+            if value <= previous:
+                note = ", the previous value" if k else ""
+                text = f"{quote(value)} is out of range; must be > {quote(previous)} [1/s]{note}"
                 raise InvalidProblem.at(f"frequency.{k}", text)
         return self
 

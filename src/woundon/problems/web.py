@@ -76,8 +76,8 @@ class Web(Description):
     @cached_property
     def compliance(self) -> Compliance:
         """The plane-strain compliances [1/Pa]; c22, through the thickness, without pressure."""
-        rr, tt, rt, _, along = self.material.stiffness
-        return compliance(rr, tt, rt, along)
+        rr, tt, rt, _, zz = self.material.stiffness
+        return compliance(rr, tt, rt, zz)
 
     def thinned(self, p: Array) -> tuple[Array, Array]:
         """Return the thickness reduction [m] by pressures [Pa], and its derivative [m/Pa]."""

@@ -289,11 +289,11 @@ class WindingProblem(Problem):
     def _uncovered_ends(self, name: str, table: Profile) -> Iterator[tuple[str, str]]:
         """Yield (field, message) for each end of a profile that does not cover the roll."""
         core, R, last = self.core.radius, self.radius, len(table.radius) - 1
-        for k, beyond, must in (
+        for k, is_uncovered, must in (
             (0, table.radius[0] > core * (1 + 1e-9), f"<= core.radius = {core:.6g}"),
             (last, table.radius[-1] < R * (1 - 1e-9), f">= radius = {R:.6g}"),
         ):
-            if beyond:
+            if is_uncovered:
                 text = f"{quote(table.radius[k])} is out of range; must be {must} [m]: the "
                 yield f"{name}.radius.{k}", f"{text}schedule must cover the whole roll"
 

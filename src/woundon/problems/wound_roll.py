@@ -108,8 +108,8 @@ class WoundRoll(Body):
     @property
     def compliance(self) -> float:
         """C of the half-plane that the surface resembles near a line load [1/Pa]."""
-        wound = float(self.wound_pressure(self.radius))
-        return coefficients(*self.stack.tangent(wound, wound)[:4]).C
+        P0 = float(self.wound_pressure(self.radius))
+        return coefficients(*self.stack.tangent(P0, P0)[:4]).C
 
     @property
     def _kernels(self) -> SurfaceKernels:

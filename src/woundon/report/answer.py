@@ -15,7 +15,7 @@ from ..roll.result import RollResult
 from ..winding.result import WindingResult
 from .margins_report import verdict_lines
 from .outputs_report import LEAST_FRICTION
-from .report_parts import Line, Row, Section, output_row, row_of
+from .report_parts import Line, Section, output_row, row_of
 
 __all__ = ["answer", "answer_lines", "assumptions_section", "defaults_section"]
 
@@ -53,9 +53,11 @@ def _tensions(result: NipResult) -> str:
     size = abs(added) or abs(total) or 1.0
     digits = min(3, max(0, 2 - floor(log10(size))))  # three digits of the nip-induced tension
     # The difference of the rounded values: the printed sum is exact.
-    shown, web_shown = round(total, digits), round(web, digits)
+    total_shown, web_shown = round(total, digits), round(web, digits)
     unit = place.quantity.display
-    texts = [f"{value:.{digits}f} {unit}" for value in (shown, web_shown, shown - web_shown)]
+    texts = [
+        f"{value:.{digits}f} {unit}" for value in (total_shown, web_shown, total_shown - web_shown)
+    ]
     return f"Wound-on tension {texts[0]} = web tension {texts[1]} + nip-induced tension {texts[2]}"
 
 
@@ -76,19 +78,20 @@ def _air(result: NipResult) -> list[str]:
             dry: Any = kinds.solve(problem.without_air(), nodes=result.nodes)
     except (InvalidProblem, NoSteadyState, NotConverged):
         return [f"{text}.", "The same nip without air was not solved."]
-    row, without = output_row(result, "nip_induced_tension"), dry.nip_induced_tension
-    before = output_row(result, "nip_induced_tension", without)
-    change = result.nip_induced_tension - without
+    row, NIT_dry = output_row(result, "nip_induced_tension"), dry.nip_induced_tension
+    row_dry = output_row(result, "nip_induced_tension", NIT_dry)
+    change = result.nip_induced_tension - NIT_dry
     word = "reduces" if change < 0 else "increases"
-    by = f" ({abs(change / without):.1%})" if without else ""
+    share = f" ({abs(change / NIT_dry):.1%})" if NIT_dry else ""
     return [
         f"{text}.",
-        f"It {word} the nip-induced tension from {before.value:.4g} to "
-        f"{row.value:.4g} {row.unit}{by}.",
+        f"It {word} the nip-induced tension from {row_dry.value:.4g} to "
+        f"{row.value:.4g} {row.unit}{share}.",
     ]
 
 
 def _reduction(friction: float, dry: float) -> str:
+    """Return by how much air reduces a friction coefficient, as text."""
     return f"by {1 - friction / dry:.1%}" if friction >= LEAST_FRICTION else "to 0"
 
 
@@ -108,12 +111,10 @@ WINDING = {
 
 def _of_rollers(result: RollerResult) -> dict[str, str]:
     """Return the main outputs of rollers with their names."""
-    if result.problem.motion != "rolling":
-        head = {"tangential_load": "Tangential load"}
-    elif result.problem.creepage is None:
+    problem = result.problem
+    head = {"tangential_load": "Tangential load"}
+    if problem.motion == "rolling" and problem.creepage is None:
         head = {"creepage": "Creepage"}
-    else:
-        head = {"tangential_load": "Tangential load"}
     return {**head, "nip_width": "width of the contact", "peak_pressure": "largest pressure"}
 
 
@@ -123,16 +124,8 @@ def _values(result: Result, names: dict[str, str]) -> str:
     for name, label in names.items():
         row = output_row(result, name)
         if not isnan(float(row.value)):
-            label = label or (row.meaning if texts else _capital(row.meaning))
-            texts.append(f"{label} {_short(row)}")
-    return ", ".join(texts)
-
-
-def _short(row: Row) -> str:
-    return f"{float(row.value):.4g} {row.unit}".rstrip()
-
-
-def _capital(text: str) -> str:
+            texts.append(f"{label or row.meaning} {float(row.value):.4g} {row.unit}".rstrip())
+    text = ", ".join(texts)
     return text[:1].upper() + text[1:]
 
 

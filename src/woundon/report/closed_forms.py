@@ -71,15 +71,15 @@ def _partial_slip(result: RollerResult) -> Iterator[Row]:
     rolling = result.problem.motion == "rolling"
     name, theory = ("Carter", theories.carter) if rolling else ("Cattaneo", theories.cattaneo)
     try:
-        found = theory(result.problem)
+        solution = theory(result.problem)
     except InvalidProblem:
         return
     label = f"{name} (similar half-planes)"
     if rolling and result.problem.creepage is None:
-        yield output_row(result, "creepage", found.creepage, meaning=label)
+        yield output_row(result, "creepage", solution.creepage, meaning=label)
     if rolling and result.problem.creepage is not None:
-        yield output_row(result, "tangential_load", found.tangential_load, meaning=label)
-    share = 1 - found.stick_half_width / found.half_width
+        yield output_row(result, "tangential_load", solution.tangential_load, meaning=label)
+    share = 1 - solution.stick_half_width / solution.half_width
     yield output_row(result, "slip_share", share, meaning=label)
 
 
@@ -94,6 +94,6 @@ def _free_rolling(result: RollerResult) -> Iterator[Row]:
     except InvalidProblem:
         return
     if stick.oscillation:  # similar ones roll freely without creepage
-        for value, without in ((slip, "friction"), (stick.creepage, "slip")):
-            label = f"Bentall and Johnson (half-planes), without {without}"
+        for value, neglected in ((slip, "friction"), (stick.creepage, "slip")):
+            label = f"Bentall and Johnson (half-planes), without {neglected}"
             yield output_row(result, "creepage", value, meaning=label)

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from .figures import COLOURS, axis_label, unit_of
-from .panels import Case, Panel, drawn
+from .panels import Case, Panel, draw_panels
 
 if TYPE_CHECKING:
     from ..quantities import Quantity
@@ -33,8 +33,8 @@ def plot_comparison(
     ----------
     comparison : Comparison
     path, ax, panels
-        As of :func:`~woundon.report.panels.drawn`; a panel has the name of its output, the panel
-        of its residuals that name with "_residuals" appended.
+        As of :func:`~woundon.report.panels.draw_panels`; a panel has the name of its output,
+        and the panel of its residuals that name with "_residuals" appended.
     """
     known = {}
     for output in comparison.outputs:
@@ -43,7 +43,7 @@ def plot_comparison(
         known[output + RESIDUALS] = Panel(
             partial(_draw_residuals, output), output + RESIDUALS, 3.8, 3.2
         )
-    return drawn(known, [Case(comparison)], path, ax, panels, lettered=False)
+    return draw_panels(known, [Case(comparison)], path, ax, panels, lettered=False)
 
 
 def _draw_agreement(output: str, axes: Axes, cases: Sequence[Case]) -> list[Any]:
@@ -105,7 +105,7 @@ def _abscissa(comparison: Comparison, rows: np.ndarray) -> tuple[np.ndarray, str
     if np.isfinite(comparison.position[rows]).all():
         return 1e3 * comparison.position[rows], "radius [mm]"
     counts = {name: np.unique(values[rows]).size for name, values in comparison.inputs.items()}
-    name = max(counts, key=lambda each: counts[each], default="")
+    name = max(counts, key=lambda key: counts[key], default="")
     if counts.get(name, 0) < 2:
         return np.array(comparison.numbers)[rows], "row"
     quantity = comparison.quantities[name]

@@ -37,13 +37,13 @@ __all__ = [
     "along_contact",
     "axis_label",
     "check_format",
+    "display_values",
     "draw_zones",
     "figure_bytes",
     "legend_above",
     "letter",
     "quantity_of",
     "save_figure",
-    "shown",
     "style",
     "symbol_text",
     "unit_of",
@@ -83,12 +83,12 @@ _METADATA: dict[str, dict[str, Any]] = {
 def style() -> Iterator[None]:
     """Use woundon's figure style within a context; the global style does not change."""
     # not rc_context: it would take back what pyplot sets when a notebook first loads it
-    before = {name: mpl.rcParams[name] for name in _STYLE}
+    previous = {name: mpl.rcParams[name] for name in _STYLE}
     mpl.rcParams.update(_STYLE)
     try:
         yield
     finally:
-        mpl.rcParams.update(before)
+        mpl.rcParams.update(previous)
 
 
 class _Settled(ConstrainedLayoutEngine):
@@ -168,10 +168,10 @@ def save_figure(figure: Figure, path: str | Path, *, dpi: int | None = None) -> 
 
 def figure_bytes(figure: Figure, ending: str, *, dpi: int | None = None) -> bytes:
     """Return a figure in the format of an ending that :func:`check_format` admits."""
-    drawn = BytesIO()
+    buffer = BytesIO()
     with style():
-        figure.savefig(drawn, format=ending[1:], metadata=_METADATA[ending], dpi=dpi)
-    return drawn.getvalue()
+        figure.savefig(buffer, format=ending[1:], metadata=_METADATA[ending], dpi=dpi)
+    return buffer.getvalue()
 
 
 # ---- labels from quantities ---------------------------------------------------------------------
@@ -185,7 +185,7 @@ def quantity_of(result: Result, name: str) -> Quantity:
     return place.quantity
 
 
-def shown(result: Result, name: str) -> Any:
+def display_values(result: Result, name: str) -> Any:
     """Return an output's value or array in its unit for display."""
     return quantity_of(result, name).shown(quantities.value_of(result, name))
 
@@ -203,16 +203,18 @@ def axis_label(words: str, quantity: Quantity) -> str:
 
 def symbol_text(symbol: str) -> str:
     """Return a symbol as figures write it: "s_l+" as s with index l and superscript +."""
-    found = SYMBOL.fullmatch(symbol)
-    if found is None:
+    match = SYMBOL.fullmatch(symbol)
+    if match is None:
         return symbol
-    factor, base, number, index, sign = found.groups()
+    factor, base, number, index, sign = match.groups()
     if base in GREEK:
         base = rf"\{'varepsilon' if base == 'eps' else base}"
     elif len(base) > 1:
         base = rf"\mathrm{{{base}}}"
-    below = "".join(filter(None, (number, rf"\mathrm{{{index}}}" if index else "")))
-    return f"${factor}{base}{f'_{{{below}}}' if below else ''}{f'^{{{sign}}}' if sign else ''}$"
+    subscript = "".join(filter(None, (number, rf"\mathrm{{{index}}}" if index else "")))
+    lower = f"_{{{subscript}}}" if subscript else ""
+    upper = f"^{{{sign}}}" if sign else ""
+    return f"${factor}{base}{lower}{upper}$"
 
 
 def wrapped_text(text: str, width: int = 44) -> str:
@@ -261,7 +263,7 @@ def draw_zones(
     strips : sequence of ZoneStrips
         Of each case, below each other.
     x : Quantity
-        What runs along x.
+        Quantity along x.
     colours : sequence of str or None
         Of the names of each case's faces.
     """

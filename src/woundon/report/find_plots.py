@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from .figures import COLOURS, axis_label, wrapped_text
-from .panels import Case, Panel, drawn
+from .panels import Case, Panel, draw_panels
 
 if TYPE_CHECKING:
     from ..studies.find import FindResult
@@ -26,10 +26,10 @@ def plot_find(outcome: FindResult, path: Any = None, ax: Axes | None = None) -> 
     ----------
     outcome : FindResult
     path, ax
-        As of :func:`~woundon.report.panels.drawn`.
+        As of :func:`~woundon.report.panels.draw_panels`.
     """
     panels = {"scan": Panel(_draw_scan, "scan", 5.2, 3.4)}
-    return drawn(panels, [Case(outcome)], path, ax, None, lettered=False)
+    return draw_panels(panels, [Case(outcome)], path, ax, None, lettered=False)
 
 
 def _draw_scan(axes: Axes, cases: Sequence[Case]) -> list[Any]:

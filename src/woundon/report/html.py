@@ -60,10 +60,11 @@ def _line(line: Line) -> str:
 
 
 def _section(section: Section) -> str:
+    """Return the HTML of a section: a table, and a text below it."""
     caption = f'<caption style="{LEFT};font-weight:bold">{escape(section.title)}</caption>'
     rows = "\n".join(map(_row, section.rows))
-    below = _paragraph(section.text, QUIET) if section.text else ""
-    return f"<table>{caption}<tbody>\n{rows}\n</tbody></table>{below}"
+    paragraph = _paragraph(section.text, QUIET) if section.text else ""
+    return f"<table>{caption}<tbody>\n{rows}\n</tbody></table>{paragraph}"
 
 
 def symbol_html(symbol: str) -> str:

@@ -25,7 +25,7 @@ from ..results import Result
 from .figures import figure_bytes
 from .html import label_html, parts_html, symbol_html, unit_html
 from .outputs_report import LEFT_OUT
-from .plots import panel_columns, plotted
+from .plots import figure_for_file, panel_columns
 from .report_parts import Line, Row, Section, output_row, row_of
 from .result_report import report_parts
 from .scale_drawing import scale_drawing
@@ -108,12 +108,13 @@ def report_file(
     names = list(labels) or [f"State {k}" for k in range(1, len(results) + 1)]
     if len(names) != len(results):
         raise InvalidProblem.at("labels", f"{len(names)} labels; must be {len(results)}")
-    title = title or " and ".join(dict.fromkeys(_title(result) for result in results))
-    when = (written or datetime.now()).strftime("%Y-%m-%d %H:%M")
+    title = title or " and ".join(dict.fromkeys(kinds.of(r).about.rstrip(".") for r in results))
+    origin = f", from {escape(', '.join(sources))}" if sources else ""
+    date = (written or datetime.now()).strftime("%Y-%m-%d %H:%M")
     body = "\n".join(
         [
             f"<h1>{escape(title)}</h1>",
-            f'<p class="about">woundon {__version__}, {escape(when)}{_sources(sources)}</p>',
+            f'<p class="about">woundon {__version__}, {escape(date)}{origin}</p>',
             *_answers(results, names),
             *_figure(results, names if len(results) > 1 else None),
             *(_comparison(results, names) if len(results) > 1 else ()),
@@ -130,14 +131,6 @@ def report_file(
         f"<title>{escape(title)}</title><style>\n{_STYLE}</style></head>\n"
         f"<body>\n{body}\n</body></html>\n"
     )
-
-
-def _title(result: Result) -> str:
-    return kinds.of(result).about.rstrip(".")
-
-
-def _sources(sources: Sequence[str]) -> str:
-    return f", from {escape(', '.join(sources))}" if sources else ""
 
 
 def _answers(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
@@ -168,12 +161,12 @@ def _inputs(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
     fields = [{place.path: place for place in walk(result.problem)} for result in results]
     rows = []
     not_given = []
-    for path in dict.fromkeys(path for one in fields for path in one):
-        if all(path not in one or one[path].value is None for one in fields):
+    for path in dict.fromkeys(path for places in fields for path in places):
+        if all(path not in places or places[path].value is None for places in fields):
             not_given.append(path)
             continue
-        cells = [_row(one[path]) if path in one else Row("", "", "-") for one in fields]
-        known = next(_row(one[path]) for one in fields if path in one)
+        cells = [_row(places[path]) if path in places else Row("", "", "-") for places in fields]
+        known = next(_row(places[path]) for places in fields if path in places)
         values = [f"{row.value_text} {row.unit}".strip() for row in cells]
         mark = ' class="differs"' if len(set(values)) > 1 else ""
         rows.append((mark, [path, known.meaning, known.symbol], values))
@@ -181,7 +174,7 @@ def _inputs(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
     yield f'<div class="columns">{table}</div>' if len(names) == 1 else table
     if not_given:
         yield f'<p class="source">Not given: {escape(", ".join(not_given))}.</p>'
-    sources = dict.fromkeys(named for result in results for named in _named(result.problem))
+    sources = dict.fromkeys(material for result in results for material in _named(result.problem))
     for path, name in sources:
         source = f"{path}: the named material {name}; {MATERIALS[name].source}"
         yield f'<p class="source">{escape(source)}</p>'
@@ -192,8 +185,8 @@ def _row(place: Place) -> Row:
     quantity, value = place.quantity, place.value
     meaning, symbol = (quantity.meaning, quantity.symbol) if quantity else ("", "")
     if quantity is not None and isinstance(value, tuple):
-        shown = ", ".join(f"{quantity.shown(one):.5g}" for one in value)
-        return Row(meaning, symbol, shown, quantity.display)
+        values = ", ".join(f"{quantity.shown(item):.5g}" for item in value)
+        return Row(meaning, symbol, values, quantity.display)
     if quantity is not None and isinstance(value, int | float):
         return row_of(quantity, value)
     return Row(meaning, symbol, "not given" if value is None else str(value))
@@ -228,7 +221,7 @@ def _outputs(results: Sequence[Result]) -> Iterator[tuple[str, list[str], list[s
     left_out = LEFT_OUT | {f"{name}_error" for name in results[0].errors}
     # the kind's main outputs first
     for name in dict.fromkeys((*results[0].MAIN, *known[0])):
-        if name in left_out or not all(name in one for one in known):
+        if name in left_out or not all(name in outputs for outputs in known):
             continue
         first, *others = [output_row(result, name) for result in results]
         if isnan(float(first.value)):  # there is no such thing here, as losses of elastic bodies
@@ -260,7 +253,7 @@ def _table(
     head += "".join(f'<th class="n">{escape(name)}</th>' for name in names)
     body = ""
     for mark, words, numbers in rows:
-        # a dotted name may go on in the next line behind a dot or an underscore
+        # a dotted name may be broken after a dot or an underscore
         name, *middle, symbol = words
         name = re.sub(r"([._])", r"\1<wbr>", escape(name))
         meanings = map(label_html, middle)
@@ -285,7 +278,7 @@ def _figure(results: Sequence[Result], names: Sequence[str] | None) -> Iterator[
         yield _inline(drawing, "drawing to scale", 0)
     yield '<div class="figures">'
     for number, panels in enumerate(columns, 1):
-        figure = plotted(results, labels=names, panels=panels, lettered=False)
+        figure = figure_for_file(results, labels=names, panels=panels, lettered=False)
         width, height = figure.get_size_inches()
         figure.set_size_inches(PRINTED * width, PRINTED * height)
         yield _inline(figure, ", ".join(panels), number)

@@ -74,8 +74,8 @@ def _map(result: NipResult, slip: LayerSlip) -> tuple[Array, Array, Array]:
 
 def _deepest(slip: LayerSlip) -> float:
     """Return the largest depth of the plot [m]."""
-    deepest, drawn = float(slip.interface_depth[-1]), 1.5 * slip.depth
-    return min(deepest, max(drawn, 8 * float(slip.interface_depth[0])))
+    deepest, wanted = float(slip.interface_depth[-1]), 1.5 * slip.depth
+    return min(deepest, max(wanted, 8 * float(slip.interface_depth[0])))
 
 
 def draw_shear(axes: Axes, cases: Cases) -> Handles:
@@ -84,16 +84,16 @@ def draw_shear(axes: Axes, cases: Cases) -> Handles:
     stress, depth = quantity_of(result, "drum_pressure"), quantity_of(result, "half_width")
     handles: Handles = []
     for case, slip in known:
-        z, own = depth.shown(slip.interface_depth), []
+        z, lines = depth.shown(slip.interface_depth), []
         for values, line, colour, label in (
             (slip.largest_shear, "-", SHEAR, r"$\max|\tau|$"),
             (slip.friction_limit, "--", LIMIT, r"$\mu(P_0 + \max p)$"),
             (slip.excess, "-.", EXCESS, "largest excess"),
         ):
-            own += axes.plot(
+            lines += axes.plot(
                 stress.shown(values), z, line, color=case.colour_or(colour), label=label
             )
-        handles = handles or own
+        handles = handles or lines
     axes.axvline(0.0, color="#888888", linewidth=0.8)
     axes.set_xlabel(axis_label("Stress", stress))
     _format_depth_axis(axes, known, depth)
@@ -116,6 +116,6 @@ def _format_depth_axis(
 
 
 LAYER_SLIP = {
-    "layer_slip": Panel(draw_map, "layer_slip", width=6.6, height=3.6, shown=False),
-    "layer_shear": Panel(draw_shear, "layer_shear", width=4.6, height=3.6, shown=False),
+    "layer_slip": Panel(draw_map, "layer_slip", width=6.6, height=3.6, by_default=False),
+    "layer_shear": Panel(draw_shear, "layer_shear", width=4.6, height=3.6, by_default=False),
 }

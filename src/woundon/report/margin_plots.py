@@ -27,9 +27,9 @@ BAR = 0.12  # of a reserve at the core alone, of the build-up
 def draw_margins(axes: Axes, margins: Margins, colour: str | None = None) -> list[Any]:
     """Plot every margin over the radius, red below zero."""
     lines, deepest = [], 0.0
-    for margin, own in zip(margins, COLOURS, strict=False):
+    for margin, default in zip(margins, COLOURS, strict=False):
         if margin.checked:
-            lines.append(_draw_margin(axes, margin, margins, colour or own))
+            lines.append(_draw_margin(axes, margin, margins, colour or default))
             deepest = min(deepest, margin.reserve)
     low = 1.2 * deepest if deepest else LEAST
     axes.axhspan(low, 0, color=ALARM, alpha=0.12, linewidth=0)
@@ -84,8 +84,8 @@ class Disc:
         mesh = draw_disc(axes, roll, self.name, (0.0, 0.0), colour_scale(roll, self.name))
         figure = axes.get_figure()
         assert figure is not None
-        beyond = "max" if self.name == "hoop_stress" else "neither"
-        figure.colorbar(mesh, ax=axes, label=axis_label(self.words, quantity), extend=beyond)
+        extend = "max" if self.name == "hoop_stress" else "neither"
+        figure.colorbar(mesh, ax=axes, label=axis_label(self.words, quantity), extend=extend)
         axes.set_aspect("equal")
         axes.margins(0.03)
         axes.grid(False)
@@ -100,10 +100,10 @@ def colour_scale(roll: RollResult, name: str) -> tuple[float, float, str]:
     values = quantity_of(roll, name).shown(roll.at_radius(r)[name])
     if values.min() > -ROUNDING * values.max():
         return 0.0, float(values.max()), "viridis"
-    # the web's tension at both ends, many times what is inside, would pale all else
+    # the stress at both ends is many times that inside, which would have almost no colour
     high = min(float(values.max()), -2 * float(values.min()))
     high = max(high, -float(values.min()))
-    return -high, high, "RdBu"  # as much colour to either sign
+    return -high, high, "RdBu"  # symmetric about zero
 
 
 def draw_disc(
@@ -142,13 +142,13 @@ class Bars:
     def __call__(self, axes: Axes, cases: Sequence[Case]) -> list[Any]:
         """Plot the discs of all cases."""
         before, after = self.found.margins_before, self.found.margins_after
-        kept = [name for name in (m.name for m in after) if after[name].checked]
-        at = np.arange(len(kept))
+        names = [name for name in (m.name for m in after) if after[name].checked]
+        positions = np.arange(len(names))
         for margins, case, shift in zip((before, after), cases, (-0.2, 0.2), strict=True):
-            reserves = np.array([margins[name].reserve for name in kept])
-            axes.barh(at + shift, 100 * np.clip(reserves, -1, 1), 0.38, color=case.colour)
+            reserves = np.array([margins[name].reserve for name in names])
+            axes.barh(positions + shift, 100 * np.clip(reserves, -1, 1), 0.38, color=case.colour)
         axes.axvline(0, color=ALARM, linewidth=1.2)
-        axes.set_yticks(at, kept)
+        axes.set_yticks(positions, names)
         axes.invert_yaxis()
         axes.set_xlabel("Reserve, share of the limit, at most 100 [%]")
         return []

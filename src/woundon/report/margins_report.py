@@ -41,10 +41,10 @@ def verdict_lines(margins: Margins) -> list[Line]:
 
 def _verdict(margin: Margin) -> Verdict:
     """Return the row of a margin: value, limit, location and verdict."""
-    quantity = margin.quantity
+    quantity, sign = margin.quantity, ">= " if margin.name == "slack" else "<= "
     value, limit = (
-        "-" if number != number else f"{sign}{quantity.shown(number):.4g}"
-        for sign, number in (("", margin.value), (_sign(margin), margin.limit))
+        "-" if number != number else f"{prefix}{quantity.shown(number):.4g}"
+        for prefix, number in (("", margin.value), (sign, margin.limit))
     )
     place = "" if margin.radius != margin.radius else f"r = {1e3 * margin.radius:.4g} mm"
     return Verdict(
@@ -66,13 +66,11 @@ def _note(margin: Margin) -> str:
     return "; ".join(filter(None, (margin.note, f"to increase the margin: {margin.hint}" * small)))
 
 
-def _sign(margin: Margin) -> str:
-    return ">= " if margin.name == "slack" else "<= "
-
-
 def _verdict_text(margin: Margin) -> str:
     """Return the verdict with the distance from the limit."""
     if margin.ok is None:
         return margin.verdict
-    by = margin.distance
-    return f"{margin.verdict}, margin {by}" if margin.ok else f"{margin.verdict} by {by}"
+    distance = margin.distance
+    return (
+        f"{margin.verdict}, margin {distance}" if margin.ok else f"{margin.verdict} by {distance}"
+    )

@@ -9,7 +9,15 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from ..nip.result import NipResult
-from .figures import COLOURS, along_contact, axis_label, draw_zones, quantity_of, shown, unit_of
+from .figures import (
+    COLOURS,
+    along_contact,
+    axis_label,
+    display_values,
+    draw_zones,
+    quantity_of,
+    unit_of,
+)
 from .layer_slip_plots import LAYER_SLIP
 from .panels import NEUTRAL, Case, Panel
 from .report_parts import nip_zones
@@ -51,12 +59,14 @@ def draw_tractions(axes: Axes, cases: Cases) -> Handles:
     """Plot q+ and q- of nips along x; a single nip with shaded friction bounds."""
     handles: Handles = []
     for case in cases:
-        result, own = case.result, case.result.in_nip
-        x = shown(result, "x")[own]
+        result, nip = case.result, case.result.in_nip
+        x = display_values(result, "x")[nip]
         shades = _draw_bounds(axes, result) if case.alone else []
-        (roll,) = axes.plot(x, shown(result, "roll_traction")[own], color=case.colour_or(ROLL))
+        (roll,) = axes.plot(
+            x, display_values(result, "roll_traction")[nip], color=case.colour_or(ROLL)
+        )
         (drum,) = axes.plot(
-            x, shown(result, "drum_traction")[own], "--", color=case.colour_or(DRUM)
+            x, display_values(result, "drum_traction")[nip], "--", color=case.colour_or(DRUM)
         )
         roll.set_label("$q^{+}$ on roll")
         drum.set_label("$q^{-}$ on drum")
@@ -69,9 +79,9 @@ def draw_tractions(axes: Axes, cases: Cases) -> Handles:
 
 def _draw_bounds(axes: Axes, result: NipResult) -> Handles:
     """Shade the friction bounds, the narrower one on top."""
-    problem, own = result.without_air, result.in_nip
-    x, on_drum = shown(result, "x")[own], shown(result, "drum_pressure")[own]
-    wrapped, on_roll = problem.is_wrapped, shown(result, "roll_pressure")[own]
+    problem, nip = result.without_air, result.in_nip
+    x, on_drum = display_values(result, "x")[nip], display_values(result, "drum_pressure")[nip]
+    wrapped, on_roll = problem.is_wrapped, display_values(result, "roll_pressure")[nip]
     bounds = [
         (problem.roll_friction, on_roll, ROLL_BOUND, "+"),
         (problem.drum_friction, on_drum, DRUM_BOUND, "-"),
@@ -89,21 +99,23 @@ def draw_slips(axes: Axes, cases: Cases) -> Handles:
     handles: Handles = []
     tension_axes = axes.twinx()
     for case in cases:
-        result, own = case.result, case.result.in_nip
-        x, slip_x = shown(result, "x")[own], shown(result, "slip_x")[own]
-        (roll,) = axes.plot(slip_x, shown(result, "roll_slip")[own], color=case.colour_or(ROLL))
-        (drum,) = axes.plot(
-            slip_x, shown(result, "drum_slip")[own], "--", color=case.colour_or(DRUM)
+        result, nip = case.result, case.result.in_nip
+        x, slip_x = display_values(result, "x")[nip], display_values(result, "slip_x")[nip]
+        (roll,) = axes.plot(
+            slip_x, display_values(result, "roll_slip")[nip], color=case.colour_or(ROLL)
         )
-        T = shown(result, "tension")[own]
+        (drum,) = axes.plot(
+            slip_x, display_values(result, "drum_slip")[nip], "--", color=case.colour_or(DRUM)
+        )
+        T = display_values(result, "tension")[nip]
         (tension,) = tension_axes.plot(x, T, "-.", color=case.colour_or(TENSION))
         roll.set_label("$v^{+}$ at roll")
         drum.set_label("$v^{-}$ at drum")
         tension.set_label("$T$ (right axis)")
         handles = handles or [roll, drum, tension]
-    one = cases[0].result
-    axes.set_ylabel(axis_label("Relative slip speed $v$", quantity_of(one, "roll_slip")))
-    tension_axes.set_ylabel(axis_label("Web tension $T$", quantity_of(one, "tension")))
+    first = cases[0].result
+    axes.set_ylabel(axis_label("Relative slip speed $v$", quantity_of(first, "roll_slip")))
+    tension_axes.set_ylabel(axis_label("Web tension $T$", quantity_of(first, "tension")))
     tension_axes.grid(visible=False)
     _format_x_axis(axes, cases)
     return handles
@@ -120,8 +132,8 @@ def _draw_tension(axes: Axes, cases: Cases) -> Handles:
 def _draw_array(axes: Axes, cases: Cases, name: str, words: str, colour: str) -> Handles:
     """Plot one array between the edges of the nip."""
     for case in cases:
-        own = case.result.in_nip
-        x, values = shown(case.result, "x")[own], shown(case.result, name)[own]
+        nip = case.result.in_nip
+        x, values = display_values(case.result, "x")[nip], display_values(case.result, name)[nip]
         axes.plot(x, values, color=case.colour_or(colour))
     axes.set_ylabel(axis_label(words, quantity_of(cases[0].result, name)))
     _format_x_axis(axes, cases)
@@ -129,6 +141,7 @@ def _draw_array(axes: Axes, cases: Cases, name: str, words: str, colour: str) ->
 
 
 def _draw_zones(axes: Axes, cases: Cases) -> Handles:
+    """Plot the stick and slip zones of nips."""
     strips, colours = [nip_zones(case.result) for case in cases], [case.colour for case in cases]
     handles = draw_zones(axes, strips, quantity_of(cases[0].result, "x"), colours)
     _format_x_axis(axes, cases)
@@ -143,8 +156,8 @@ NIP = {
     "tractions": Panel(draw_tractions, "nip"),
     "slips": Panel(draw_slips, "nip", height=2.8),
     "zones": Panel(_draw_zones, "nip", height=0.5, strip=True),
-    "pressure": Panel(_draw_pressure, "nip", shown=False),
-    "tension": Panel(_draw_tension, "nip", shown=False),
+    "pressure": Panel(_draw_pressure, "nip", by_default=False),
+    "tension": Panel(_draw_tension, "nip", by_default=False),
 }
 
 
@@ -156,10 +169,10 @@ def _draw_wrap_tension(axes: Axes, cases: Cases) -> Handles:
     handles: Handles = []
     for case in cases:
         result = case.result
-        T, curves = shown(result, "tension"), []
-        for face, theta, own in _wraps(result):
+        T, curves = display_values(result, "tension"), []
+        for face, theta, nodes in _wraps(result):
             line, label = ("-.", "$T$ on roll") if face == "roll" else (":", "$T$ on drum")
-            (curve,) = axes.plot(theta, T[own], line, color=case.colour_or(TENSION), label=label)
+            (curve,) = axes.plot(theta, T[nodes], line, color=case.colour_or(TENSION), label=label)
             curves.append(curve)
         marks = _mark_wound_on(axes, result) if case.alone and result.problem.roll_wrap else []
         handles = handles or [*curves, *marks]
@@ -170,13 +183,13 @@ def _draw_wrap_tension(axes: Axes, cases: Cases) -> Handles:
 
 def _mark_wound_on(axes: Axes, result: NipResult) -> Handles:
     """Mark the wound-on tension and the end of the slip zone."""
-    wound = quantity_of(result, "wound_on_tension")
-    far = f"{wound.symbol} {wound.shown(result.wound_on_tension):.5g} {unit_of(wound)}"
+    WOT = quantity_of(result, "wound_on_tension")
+    label = f"{WOT.symbol} {WOT.shown(result.wound_on_tension):.5g} {unit_of(WOT)}"
     marks: Handles = [
-        axes.axhline(result.wound_on_tension, color="#888888", linewidth=0.8, label=far)
+        axes.axhline(result.wound_on_tension, color="#888888", linewidth=0.8, label=label)
     ]
     if result.slip_angle:
-        end = shown(result, "slip_angle")
+        end = display_values(result, "slip_angle")
         marks.append(axes.axvline(end, color=ROLL, linewidth=0.8, label="end of slip"))
     return marks
 
@@ -186,16 +199,16 @@ def _draw_wrap_pressure(axes: Axes, cases: Cases) -> Handles:
     handles: Handles = []
     for case in cases:
         curves, result = [], case.result
-        for face, theta, own in _wraps(result):
+        for face, theta, nodes in _wraps(result):
             roll = face == "roll"
             sign, colour, lines = ("+", ROLL, "-:") if roll else ("-", DRUM, ("--", "-."))
             problem = result.without_air
             friction = problem.friction_on_wrap if roll else problem.drum_friction
-            present = shown(result, "roll_pressure" if roll else "drum_pressure")[own]
-            needed = np.abs(shown(result, f"{face}_traction")[own]) / friction
-            needs = rf"$|q^{{{sign}}}|/\mu^{{{sign}}}$"
+            present = display_values(result, "roll_pressure" if roll else "drum_pressure")[nodes]
+            required = np.abs(display_values(result, f"{face}_traction")[nodes]) / friction
+            required_label = rf"$|q^{{{sign}}}|/\mu^{{{sign}}}$"
             for values, line, label in zip(
-                (present, needed), lines, (f"$p^{{{sign}}}$", needs), strict=True
+                (present, required), lines, (f"$p^{{{sign}}}$", required_label), strict=True
             ):
                 curves += axes.plot(theta, values, line, color=case.colour_or(colour), label=label)
         handles = handles or curves
@@ -206,19 +219,20 @@ def _draw_wrap_pressure(axes: Axes, cases: Cases) -> Handles:
 
 def _wraps(result: NipResult) -> list[tuple[str, Array, slice]]:
     """Return the faces on which the web is wrapped: angles from the nip [deg], nodes."""
-    problem, own, a = result.problem, result.in_nip, result.half_width
+    problem, nip, a = result.problem, result.in_nip, result.half_width
     angle, x = quantity_of(result, "slip_angle"), result.x
-    found = []
+    faces = []
     if problem.roll_wrap:
-        behind = slice(own.stop, None)
-        found.append(("roll", angle.shown((x[behind] - a) / problem.roll.radius), behind))
+        downstream = slice(nip.stop, None)
+        faces.append(("roll", angle.shown((x[downstream] - a) / problem.roll.radius), downstream))
     if problem.drum_wrap:
-        before = slice(0, own.start)
-        found.append(("drum", angle.shown((-a - x[before]) / problem.drum.radius), before))
-    return found
+        upstream = slice(0, nip.start)
+        faces.append(("drum", angle.shown((-a - x[upstream]) / problem.drum.radius), upstream))
+    return faces
 
 
 def _format_angle_axis(axes: Axes, cases: Cases) -> None:
+    """Label the axis of the angle from the nip, which is logarithmic."""
     angle = quantity_of(cases[0].result, "slip_angle")
     axes.set_xlabel(axis_label(r"Angle from the edge of the nip $\theta$", angle))
     axes.set_xscale("log")

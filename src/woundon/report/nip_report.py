@@ -62,7 +62,7 @@ def nip_report(result: NipResult) -> list[Part]:
     problem = result.problem
     rows, wraps = _tension_rows(result), tuple(_wraps(problem))
     return [
-        _solver_line(result),
+        Line(f"{result.nodes} nodes in the nip, {result.iterations} Newton iterations", "quiet"),
         *_hardening(problem),
         Section("Loads and wraps" if wraps else "Loads", (*_loads(result), *wraps)),
         Section(
@@ -89,7 +89,7 @@ def _wraps(problem: NipProblem) -> Iterator[Row]:
 
 def _tension_rows(result: NipResult) -> tuple[Row, ...]:
     """Return the rows of tensions, nip width, pressure and other main outputs."""
-    level = _approach_note(result)
+    level = approach_note(result.problem.roll, result.problem.drum)
     if not result.problem.is_wrapped:
         names = ["nip_induced_tension", "outlet_tension"]
         return rows_of(result, names + NIP, LEFT_OUT | OF_WRAPS, approach=level)
@@ -106,10 +106,6 @@ def _tension_rows(result: NipResult) -> tuple[Row, ...]:
     return rows_of(result, names + NIP, approach=level, slip_angle=way)
 
 
-def _solver_line(result: NipResult) -> Line:
-    return Line(f"{result.nodes} nodes in the nip, {result.iterations} Newton iterations", "quiet")
-
-
 def _hardening(problem: NipProblem) -> Iterator[Line]:
     """Yield a remark whether roll and web harden under the nip pressure, of nips with a stack."""
     if isinstance(problem.roll, WoundRoll) or isinstance(problem.web.material, Stack):
@@ -121,14 +117,10 @@ def _hardening(problem: NipProblem) -> Iterator[Line]:
 
 
 def _loads(result: NipResult) -> tuple[Row, ...]:
+    """Return the rows of the loads."""
     moving = [] if result.problem.web_speed is None else ["web_speed"]
     names = ("nip_load", "winding_force", "web_tension", *moving)
     return tuple(field_row(result.problem, name) for name in names)
-
-
-def _approach_note(result: NipResult) -> str:
-    """Return a remark on the approach, which half-planes determine up to a constant."""
-    return approach_note(result.problem.roll, result.problem.drum)
 
 
 LAYERS = "Interlayer slip in the roll (the model assumes bonded layers)"

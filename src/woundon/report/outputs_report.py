@@ -112,7 +112,7 @@ def outputs_report(result: Result) -> list[Part]:
 
 
 def field_rows(
-    problem: Description, under: str = "", of_field: Quantity | None = None
+    problem: Description, prefix: str = "", of_field: Quantity | None = None
 ) -> Iterator[Row]:
     """Yield every field of a description, nested ones by dotted name.
 
@@ -122,19 +122,19 @@ def field_rows(
         value = getattr(problem, name)
         quantity = quantities.find(problem, name, of_field)[0].quantity
         items = enumerate(value) if isinstance(value, tuple) else ()
-        inner = [(f"{under}{name}.{k}", v) for k, v in items if isinstance(v, Description)]
-        inner += [(f"{under}{name}", value)] if isinstance(value, Description) else []
+        inner = [(f"{prefix}{name}.{k}", v) for k, v in items if isinstance(v, Description)]
+        inner += [(f"{prefix}{name}", value)] if isinstance(value, Description) else []
         for path, part in inner:
             yield Row(path, "", type(part).__name__)
             yield from field_rows(part, f"{path}.", quantity)
         if not inner and value is not None:
-            yield _field(name, value, under, quantity)
+            yield _field(name, value, prefix, quantity)
 
 
-def _field(name: str, value: Any, under: str, quantity: Quantity | None) -> Row:
+def _field(name: str, value: Any, prefix: str, quantity: Quantity | None) -> Row:
     """Return the row of a field."""
     if quantity is None or not isinstance(value, (int, float)):
-        return Row(f"{under}{name}", "", str(value))
+        return Row(f"{prefix}{name}", "", str(value))
     row = row_of(quantity, value)
     # the name that --set takes; the meaning of a nested field would not say whose it is
-    return replace(row, meaning=f"{under}{name}") if under else row
+    return replace(row, meaning=f"{prefix}{name}") if prefix else row

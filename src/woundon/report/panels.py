@@ -1,8 +1,7 @@
 """Selection and layout of the panels of a figure.
 
-A kind's plot function returns its panels by name, as its report function returns parts; they say
-what is drawn, and know nothing of the figure around them.  A panel draws one case, or several in
-colours of their own.
+The plot function of a kind returns its panels by name; they do not depend on the figure that
+contains them.  A panel draws one case, or several cases in different colours.
 """
 
 from __future__ import annotations
@@ -20,14 +19,14 @@ from ..errors import InvalidProblem, nearest, one_of
 from ..problems.messages import quote
 from .figures import COLOURS, Picture, check_format, legend_above, letter, save_figure, style
 
-__all__ = ["Case", "Panel", "cases_of", "drawn"]
+__all__ = ["Case", "Panel", "cases_of", "draw_panels"]
 
 NEUTRAL = "#444444"
 
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """A result in a panel; with several results each has its colour."""
+    """A result in a panel; several results have different colours."""
 
     result: Any
     label: str = ""
@@ -44,7 +43,7 @@ class Case:
 
 
 def cases_of(results: Sequence[Any], labels: Sequence[str]) -> list[Case]:
-    """Return the cases of results, in colours of their own if there are several."""
+    """Return the cases of results, in different colours if there are several."""
     if len(results) == 1:
         return [Case(results[0], *labels)]
     colours = (COLOURS[k % len(COLOURS)] for k in range(len(results)))
@@ -60,15 +59,15 @@ class Panel:
     draw : callable
         (axes, cases) -> handles of its legend, those of the first case.
     column : str
-        Panels of one column stand below each other and share what runs along x.
+        Panels of one column are drawn below each other and share their x axis.
     width, height : float
-        Inches; the width counts once a column.
+        Inches; a column has the width of its widest panel.
     strip : bool
-        A strip of zones: no letter, and as much height for every case.
+        True for a strip of zones: it has no letter, and its height is that of one case.
     legend : {"above", "right", "below"}
-        Where it stands; "below" is below the whole figure, once.
-    shown : bool
-        Whether it is drawn where no panel is asked for.
+        Position of the legend; "below" is below the whole figure.
+    by_default : bool
+        Whether the panel is drawn by default.
     """
 
     draw: Callable[[Axes, Sequence[Case]], Sequence[Artist]]
@@ -77,13 +76,13 @@ class Panel:
     height: float = 3.2
     strip: bool = False
     legend: str = "above"
-    shown: bool = True
+    by_default: bool = True
 
 
 Panels = Mapping[str, Panel]
 
 
-def drawn(
+def draw_panels(
     panels: Panels,
     cases: Sequence[Case],
     path: str | Path | None = None,
@@ -98,19 +97,19 @@ def drawn(
     Parameters
     ----------
     panels : mapping of str to Panel
-        All there are.
+        All available panels.
     cases : sequence of Case
     path : path, optional
-        Where to save.  Without it, and without ``ax``, the figure is pyplot's: a notebook shows
-        it, in a script ``plt.show()`` does.
+        File to save.  Without ``path`` and ``ax`` the figure is registered with pyplot: a notebook
+        shows it, and a script shows it with ``plt.show()``.
     ax : Axes, optional
-        Into which one panel is drawn, the first one if none is chosen.
+        Axes for one panel, the first one by default.
     choice : str or sequence of str, optional
         The panels to draw, in this order.
     lettered : bool
         Whether several panels are lettered (a), (b), ...
     registered : bool, optional
-        Whether the figure is pyplot's; by default where it is not saved.
+        Whether the figure is registered with pyplot; by default if it is not saved.
 
     Returns
     -------
@@ -119,20 +118,19 @@ def drawn(
     Raises
     ------
     InvalidProblem
-        For a panel that there is not, for several into one ``ax``, for an ending of the path that
-        is not a known format.
+        For an unknown panel, several panels for one ``ax``, or an unknown file format.
     """
     if path is not None:
         check_format(path)
-    chosen = _selected_panels(panels, choice)
+    selection = _selected_panels(panels, choice)
     if ax is not None:
-        _draw_into(ax, chosen, choice, cases)
+        _draw_into(ax, selection, choice, cases)
         if path is not None:
             save_figure(ax.get_figure(root=True), path)  # type: ignore[arg-type]
         return ax
     with style():
         pyplots = path is None if registered is None else registered
-        figure = _figure(chosen, cases, registered=pyplots, lettered=lettered)
+        figure = _figure(selection, cases, registered=pyplots, lettered=lettered)
     if path is not None:
         save_figure(figure, path)
     return figure
@@ -141,27 +139,27 @@ def drawn(
 def _selected_panels(panels: Panels, choice: str | Sequence[str] | None) -> list[Panel]:
     """Return the chosen panels; by default those shown by default."""
     if choice is None:
-        return [panel for panel in panels.values() if panel.shown]
+        return [panel for panel in panels.values() if panel.by_default]
     names = [choice] if isinstance(choice, str) else list(choice)
     if not names:
         raise InvalidProblem.at("panels", f"none is chosen; must be {one_of(panels)}")
     for name in names:
         if name not in panels:
-            near = nearest(name, panels)
-            meant = f"; did you mean {near!r}?" if near else ""
-            text = f"{quote(name)} is unknown; must be {one_of(panels)}{meant}"
+            suggestion = nearest(name, panels)
+            hint = f"; did you mean {suggestion!r}?" if suggestion else ""
+            text = f"{quote(name)} is unknown; must be {one_of(panels)}{hint}"
             raise InvalidProblem.at("panels", text)
     return [panels[name] for name in names]
 
 
-def _draw_into(ax: Axes, chosen: list[Panel], choice: Any, cases: Sequence[Case]) -> None:
+def _draw_into(ax: Axes, selection: list[Panel], choice: Any, cases: Sequence[Case]) -> None:
     """Plot one panel in the user's axes, whose style and title do not change."""
     if not isinstance(ax, Axes):
         raise InvalidProblem.at("ax", f"{quote(ax)} is out of place; must be matplotlib's Axes")
-    if choice is not None and len(chosen) != 1:
-        text = f"{len(chosen)} panels are selected for one ax; select one panel, or omit ax"
+    if choice is not None and len(selection) != 1:
+        text = f"{len(selection)} panels are selected for one ax; select one panel, or omit ax"
         raise InvalidProblem.at("panels", text)
-    handles = [*_curve_legend(chosen[0].draw(ax, cases), cases), *_case_legend(cases)]
+    handles = [*_curve_legend(selection[0].draw(ax, cases), cases), *_case_legend(cases)]
     if handles:
         ax.legend(handles=handles)
         for twin in ax.get_shared_x_axes().get_siblings(ax):
@@ -171,16 +169,16 @@ def _draw_into(ax: Axes, chosen: list[Panel], choice: Any, cases: Sequence[Case]
 
 
 def _figure(
-    chosen: list[Panel], cases: Sequence[Case], *, registered: bool, lettered: bool
+    selection: list[Panel], cases: Sequence[Case], *, registered: bool, lettered: bool
 ) -> Picture:
     """Return a figure of panels."""
-    figure, placed = _empty_figure(chosen, len(cases), registered)
-    letters = iter("abcdefghijklmnopqrstuvwxyz" * (lettered and len(chosen) > 1))
-    below: list[Any] = []
+    figure, placed = _empty_figure(selection, len(cases), registered)
+    letters = iter("abcdefghijklmnopqrstuvwxyz" * (lettered and len(selection) > 1))
+    below_axes: list[Any] = []
     for axes, panel, lowest in placed:
         handles = _curve_legend(panel.draw(axes, cases), cases)
         if panel.legend == "below":
-            below = handles
+            below_axes = handles
         elif handles:
             _legend(axes, handles, panel)
         if not panel.strip and (mark := next(letters, "")):
@@ -188,8 +186,8 @@ def _figure(
         if not lowest:
             axes.set_xlabel("")
             axes.tick_params(labelbottom=False)
-    if below:
-        figure.legend(handles=below, loc="outside lower center", ncols=len(below))
+    if below_axes:
+        figure.legend(handles=below_axes, loc="outside lower center", ncols=len(below_axes))
     names = _case_legend(cases)
     if names:
         figure.legend(handles=names, loc="outside upper center", ncols=min(len(names), 3))
@@ -197,16 +195,16 @@ def _figure(
 
 
 def _empty_figure(
-    chosen: list[Panel], cases: int, registered: bool
+    selection: list[Panel], cases: int, registered: bool
 ) -> tuple[Picture, list[tuple[Axes, Panel, bool]]]:
     """Return an empty figure, and for each panel its axes and whether it is the lowest."""
     columns: dict[str, list[Panel]] = {}
-    for panel in chosen:
+    for panel in selection:
         columns.setdefault(panel.column, []).append(panel)
     heights = [[p.height * (cases if p.strip else 1) for p in c] for c in columns.values()]
     widths = [max(panel.width for panel in column) for column in columns.values()]
     # a single panel has labels above and below it too
-    size = (sum(widths), max(map(sum, heights)) + (0.1 if len(chosen) > 1 else 0.4))
+    size = (sum(widths), max(map(sum, heights)) + (0.1 if len(selection) > 1 else 0.4))
     figure = Picture.new(size, registered)
     grid = figure.add_gridspec(1, len(columns), width_ratios=widths)
     placed: list[tuple[Axes, Panel, bool]] = []
@@ -221,6 +219,7 @@ def _empty_figure(
 
 
 def _legend(axes: Axes, handles: list[Any], panel: Panel) -> None:
+    """Add the legend of a panel above its axes or to the right of them."""
     if panel.legend == "above":
         legend_above(axes, handles)
     else:

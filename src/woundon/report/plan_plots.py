@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from .figures import COLOURS, wrapped_text
-from .panels import Case, Panel, drawn
+from .panels import Case, Panel, draw_panels
 
 if TYPE_CHECKING:
     from ..studies.experiment import NextExperiment
@@ -25,11 +25,11 @@ def plot_plan(plan: NextExperiment, path: Any = None, ax: Axes | None = None) ->
     ----------
     plan : NextExperiment
     path, ax
-        As of :func:`~woundon.report.panels.drawn`.
+        As of :func:`~woundon.report.panels.draw_panels`.
     """
     height = 2.0 + 0.45 * len(plan.measurements)
     panels = {"plan": Panel(_draw_plan, "plan", 7.0, height)}
-    return drawn(panels, [Case(plan)], path, ax, None, lettered=False)
+    return draw_panels(panels, [Case(plan)], path, ax, None, lettered=False)
 
 
 def _draw_plan(axes: Axes, cases: Sequence[Case]) -> list[Any]:

@@ -21,14 +21,22 @@ from ..arguments import check_type
 from ..errors import InvalidProblem, one_of
 from ..problems.messages import quote
 from ..results import Result
-from .figures import COLOURS, axis_label, quantity_of, shown, symbol_text, unit_of, wrapped_text
+from .figures import (
+    COLOURS,
+    axis_label,
+    display_values,
+    quantity_of,
+    symbol_text,
+    unit_of,
+    wrapped_text,
+)
 from .nip_plots import nip_panels
-from .panels import Case, Panel, cases_of, drawn
+from .panels import Case, Panel, cases_of, draw_panels
 from .roll_plots import roll_panels
 from .roller_plots import roller_panels
 from .winding_plots import winding_panels
 
-__all__ = ["output_panels", "panel_columns", "panels_of", "plot", "plotted"]
+__all__ = ["figure_for_file", "output_panels", "panel_columns", "panels_of", "plot"]
 
 PANELS: Mapping[str, Callable[[Any], Mapping[str, Panel]]] = {
     "nip": nip_panels,
@@ -106,11 +114,11 @@ def plot(
     True
     >>> plt.close(figure)
     """
-    given, cases = _cases(results, labels)
-    return drawn(_common_panels(given), cases, path, ax, panels)
+    all_results, cases = _cases(results, labels)
+    return draw_panels(_common_panels(all_results), cases, path, ax, panels)
 
 
-def plotted(
+def figure_for_file(
     results: Sequence[Result] | Result,
     *,
     labels: Sequence[str] | None = None,
@@ -120,7 +128,7 @@ def plotted(
     """Return the figure of :func:`plot` for a file: not registered with a window or notebook."""
     given, cases = _cases(results, labels)
     options: Any = {"choice": panels, "lettered": lettered, "registered": False}
-    figure: Figure = drawn(_common_panels(given), cases, **options)
+    figure: Figure = draw_panels(_common_panels(given), cases, **options)
     return figure
 
 
@@ -128,23 +136,25 @@ def panel_columns(results: Sequence[Result]) -> list[list[str]]:
     """Return the names of the panels of a plot of results, by columns."""
     columns: dict[str, list[str]] = {}
     for name, panel in _common_panels(results).items():
-        if panel.shown:
+        if panel.by_default:
             columns.setdefault(panel.column, []).append(name)
     return list(columns.values())
 
 
 def _cases(results: Any, labels: Sequence[str] | None) -> tuple[list[Any], list[Case]]:
     """Return the results as a list, and as cases with labels and colours."""
-    given: list[Any] = list(results) if isinstance(results, list | tuple) else [results]
-    for result in given:
+    all_results: list[Any] = list(results) if isinstance(results, list | tuple) else [results]
+    for result in all_results:
         check_type("results", result, Result)
-    if not given:
+    if not all_results:
         raise InvalidProblem.at("results", "there is none to plot")
     if labels is None:
-        labels = _labels(given) if len(given) > 1 else [""]
-    elif isinstance(labels, str) or len(labels) != len(given):
-        raise InvalidProblem.at("labels", f"{quote(labels)} must be {len(given)}, one a result")
-    return given, cases_of(given, labels)
+        labels = _labels(all_results) if len(all_results) > 1 else [""]
+    elif isinstance(labels, str) or len(labels) != len(all_results):
+        raise InvalidProblem.at(
+            "labels", f"{quote(labels)} must be {len(all_results)}, one a result"
+        )
+    return all_results, cases_of(all_results, labels)
 
 
 def _common_panels(results: Sequence[Result]) -> dict[str, Panel]:
@@ -155,7 +165,7 @@ def _common_panels(results: Sequence[Result]) -> dict[str, Panel]:
         for name, panel in first.items()
         if all(other.get(name) == panel for other in others)
     }
-    if not any(panel.shown for panel in common.values()):
+    if not any(panel.by_default for panel in common.values()):
         names = sorted({kinds.of(result).name for result in results})
         text = f"results of {one_of(names, 'and')} have no panel in common"
         raise InvalidProblem.at("results", text)
@@ -171,11 +181,13 @@ def panels_of(result: Result) -> dict[str, Panel]:
 
 def _panels(result: Result) -> dict[str, Panel]:
     """Return the panels of the kind, then optional ones for every array."""
-    own = panels_of(result)
-    along, *names = _plotted_arrays(result) or [""]
+    panels = panels_of(result)
+    abscissa, *names = _plotted_arrays(result) or [""]
     for name in names:
-        own.setdefault(name, Panel(Curves(along, (name,)), "outputs", height=2.8, shown=False))
-    return own
+        panels.setdefault(
+            name, Panel(Curves(abscissa, (name,)), "outputs", height=2.8, by_default=False)
+        )
+    return panels
 
 
 def _labels(results: Sequence[Any]) -> list[str]:
@@ -224,7 +236,7 @@ class Curves:
         handles: list[Any] = []
         for case in cases:
             curves: list[Line2D] = []
-            at = shown(case.result, self.along)
+            at = display_values(case.result, self.along)
             for k, name in enumerate(self.names):
                 quantity, values = quantity_of(case.result, name), getattr(case.result, name)
                 whole = values.dtype.kind in "iub"
@@ -257,7 +269,7 @@ def output_panels(result: Result) -> dict[str, Panel]:
     InvalidProblem
         For a result without arrays.
     """
-    along, *names = _plotted_arrays(result) or [""]
+    abscissa, *names = _plotted_arrays(result) or [""]
     if not names:
         raise InvalidProblem.at("plot", f"a {type(result).__name__} has no arrays to draw")
     groups: dict[tuple[str, bool], list[str]] = {}
@@ -265,7 +277,7 @@ def output_panels(result: Result) -> dict[str, Panel]:
         whole = getattr(result, name).dtype.kind in "iub"
         groups.setdefault((quantity_of(result, name).display, whole), []).append(name)
     return {
-        ", ".join(group): Panel(Curves(along, tuple(group)), "outputs", 9.0, 2.1, legend="right")
+        ", ".join(group): Panel(Curves(abscissa, tuple(group)), "outputs", 9.0, 2.1, legend="right")
         for group in groups.values()
     }
 

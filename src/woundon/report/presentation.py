@@ -25,8 +25,8 @@ __all__ = ["figure_of", "html_of", "html_of_table", "text_of"]
 
 @singledispatch
 def text_of(thing: Any) -> str:
-    """Return a result, margins or a sensitivity as plain text."""
-    raise TypeError(f"a {type(thing).__name__} has no report")
+    """Return a result, margins or a sensitivity as plain text; the lines of all others."""
+    return "\n".join(thing.lines()) if hasattr(thing, "lines") else repr(thing)
 
 
 text_of.register(Result, report_text)

@@ -90,7 +90,7 @@ class Row:
         size = nan if isinstance(self.value, str) else abs(float(self.value))
         if not (isfinite(size) and isfinite(self.error)):
             return ""
-        if size == self.error == 0:  # e.g. of a zone that there is not
+        if size == self.error == 0:  # e.g. the length of a zone that does not exist
             return ""
         last = 10.0 ** (floor(log10(size)) - DIGITS + 1) if size else 0.0
         return f"<{last:.0g}" if self.error < last else f"{self.error:.2g}"
@@ -140,11 +140,11 @@ class Verdict:
     Attributes
     ----------
     meaning, value, limit, unit, place, word : str
-        What is judged, its value and limit, where it is worst, whether the limit is kept.
+        Name, value and limit of the quantity, location of its worst value, verdict.
     tone : str
-        Of the word, as of a :class:`Line`.
+        Tone of the verdict, as of a :class:`Line`.
     note, left_out : str
-        What is to be said of this one, and what the criterion does not know of.
+        Remark on this row, and effects that the criterion neglects.
     """
 
     meaning: str
@@ -177,14 +177,14 @@ Part = Section | ZoneStrips | Verdicts | Line
 # ---- rows from quantities -----------------------------------------------------------------------
 
 
-def row_of(quantity: Quantity, value: Any, error: float = nan, **more: str) -> Row:
+def row_of(quantity: Quantity, value: Any, error: float = nan, **texts: str) -> Row:
     """Return the row of a value and its error [SI]; ``more`` overrides texts of the quantity."""
-    shown, error = quantity.shown(value), abs(quantity.shown(error))
-    row = Row(quantity.meaning, quantity.symbol, shown, quantity.display, error)
-    return replace(row, **more)  # type: ignore[arg-type]
+    converted, error = quantity.shown(value), abs(quantity.shown(error))
+    row = Row(quantity.meaning, quantity.symbol, converted, quantity.display, error)
+    return replace(row, **texts)  # type: ignore[arg-type]
 
 
-def output_row(result: Result, name: str, value: float | None = None, **more: str) -> Row:
+def output_row(result: Result, name: str, value: float | None = None, **texts: str) -> Row:
     """Return the row of an output with its error estimate.
 
     Parameters
@@ -201,18 +201,18 @@ def output_row(result: Result, name: str, value: float | None = None, **more: st
     if place is None or place.quantity is None:
         raise AttributeError(f"{type(result).__name__} has no output {name!r}")
     if value is not None:
-        return row_of(place.quantity, value, nan, **more)
+        return row_of(place.quantity, value, nan, **texts)
     error = result.errors.get(name, nan)
-    return row_of(place.quantity, quantities.value_of(result, name), error, **more)
+    return row_of(place.quantity, quantities.value_of(result, name), error, **texts)
 
 
-def field_row(problem: Any, name: str, *, empty: float = nan, **more: str) -> Row:
+def field_row(problem: Any, name: str, *, empty: float = nan, **texts: str) -> Row:
     """Return the row of a problem's field; ``empty`` is the value of a field that is None."""
     quantity = quantities.find(problem, name)[0].quantity
     if quantity is None:
         raise AttributeError(f"{name} of a {type(problem).__name__} has no quantity")
     value = getattr(problem, name)
-    return row_of(quantity, empty if value is None else value, nan, **more)
+    return row_of(quantity, empty if value is None else value, nan, **texts)
 
 
 # ---- what every report ends with ----------------------------------------------------------------
@@ -257,9 +257,9 @@ def _readable(law: str) -> str:
 
 def nip_zones(result: NipResult) -> ZoneStrips:
     """Return the zones of a nip at roll and drum."""
-    own = result.in_nip
-    faces = {"roll": result.roll_zone[own], "drum": result.drum_zone[own]}
-    return ZoneStrips(result.x[own], faces)
+    nip = result.in_nip
+    faces = {"roll": result.roll_zone[nip], "drum": result.drum_zone[nip]}
+    return ZoneStrips(result.x[nip], faces)
 
 
 def roller_zones(result: RollerResult) -> ZoneStrips:
@@ -299,7 +299,7 @@ def zone_line(x: Array, zones: Array, width: int) -> list[tuple[int, int]]:
         (zone, max(1, round((right - left) / (x[-1] - x[0]) * width)))
         for zone, left, right in zone_runs(x, zones)
     ]
-    # rounding is made up for where it shows least
+    # the longest run absorbs the rounding
     longest = max(range(len(runs)), key=lambda i: runs[i][1])
     surplus = sum(length for _, length in runs) - width
     runs[longest] = (runs[longest][0], max(1, runs[longest][1] - surplus))

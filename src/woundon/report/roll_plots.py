@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from ..problems.roll import RollProblem
 from ..quantities import find
 from ..roll.result import RollResult
-from .figures import COLOURS, axis_label, quantity_of, shown
+from .figures import COLOURS, axis_label, display_values, quantity_of
 from .margin_plots import Disc
 from .panels import NEUTRAL, Case, Panel
 
@@ -42,20 +42,22 @@ def roll_panels(result: RollResult) -> dict[str, Panel]:
         "hardness": Panel(OverRadius("radial_modulus", "Hardness $E_r$"), "left", height=2.6),
         "hoop_stress": Panel(_draw_hoop, "right", height=2.8),
         "tension": Panel(_draw_tension, "right", height=2.6),
-        "residual_tension": Panel(_draw_residual, "right", height=2.8, shown=False),
+        "residual_tension": Panel(_draw_residual, "right", height=2.8, by_default=False),
         "density": Panel(
-            _draw_density, "left", height=2.6, shown=result.problem.density is not None
+            _draw_density, "left", height=2.6, by_default=result.problem.density is not None
         ),
         "displacement": Panel(
-            OverRadius("displacement", "Displacement $u$"), "left", height=2.6, shown=False
+            OverRadius("displacement", "Displacement $u$"), "left", height=2.6, by_default=False
         ),
-        "disc": Panel(Disc("pressure", "Pressure $P$"), "disc", width=5.4, height=4.4, shown=False),
+        "disc": Panel(
+            Disc("pressure", "Pressure $P$"), "disc", width=5.4, height=4.4, by_default=False
+        ),
         "hoop_disc": Panel(
             Disc("hoop_stress", r"Hoop stress $\sigma_t$"),
             "hoop",
             width=5.4,
             height=4.4,
-            shown=False,
+            by_default=False,
         ),
     }
 
@@ -70,7 +72,7 @@ class OverRadius:
     def __call__(self, axes: Axes, cases: Cases) -> Handles:
         """Plot the output over the radius."""
         for case in cases:
-            x, y = shown(case.result, "radius"), shown(case.result, self.name)
+            x, y = display_values(case.result, "radius"), display_values(case.result, self.name)
             axes.plot(x, y, color=case.colour_or(COLOURS[0]))
         axes.set_ylabel(axis_label(self.words, quantity_of(cases[0].result, self.name)))
         _format_x_axis(axes, cases)
@@ -106,7 +108,7 @@ def _draw_over_radius(axes: Axes, cases: Cases, name: str, words: str) -> Handle
     deepest = quantity.shown(
         min(_thickness(case.result, name) * case.result.least_hoop_stress for case in cases)
     )
-    if deepest < 0:  # at both ends the web has its wound-on stress, many times what is inside
+    if deepest < 0:  # without the wound-on stress at both ends, many times that inside
         axes.set_ylim(1.3 * deepest, min(axes.get_ylim()[1], -ABOVE * deepest))
     return handles
 
@@ -119,13 +121,15 @@ def _draw_density(axes: Axes, cases: Cases) -> Handles:
     """Plot the density of the finished roll and that as wound."""
     handles = []
     for case in cases:
-        x = shown(case.result, "radius")
+        x = display_values(case.result, "radius")
         for name, style, words in (
             ("density", "-", "in the roll"),
             ("density_as_wound", "--", "as wound"),
         ):
             colour = case.colour_or(COLOURS[0 if name == "density" else 1])
-            (line,) = axes.plot(x, shown(case.result, name), style, color=colour, label=words)
+            (line,) = axes.plot(
+                x, display_values(case.result, name), style, color=colour, label=words
+            )
             handles += [line] if case.alone else []
     axes.set_ylabel(axis_label("Density", quantity_of(cases[0].result, "density")))
     _format_x_axis(axes, cases)
@@ -158,6 +162,7 @@ def _draw_tension(axes: Axes, cases: Cases) -> Handles:
 
 
 def _format_x_axis(axes: Axes, cases: Cases) -> None:
+    """Label the axis of the radius from core to surface."""
     quantity = quantity_of(cases[0].result, "radius")
     ends = np.concatenate([case.result.radius[[0, -1]] for case in cases])
     axes.set_xlabel(axis_label("Radius $r$", quantity))

@@ -42,7 +42,7 @@ def roll_report(result: RollResult) -> list[Part]:
     """Return the report of a wound roll."""
     problem, r, hoop = result.problem, result.radius, result.hoop_stress
     stages, nodes = result.stage_radius.size - 1, r.size
-    how = f"{stages} stages, {nodes} nodes, {result.steps} linear systems"
+    cost = f"{stages} stages, {nodes} nodes, {result.steps} linear systems"
     names = [name for name in NAMES if problem.density is not None or name not in OF_DENSITY]
     changes = [field_row(problem, name) for name in CHANGES if getattr(problem, name)]
     notes = {
@@ -51,7 +51,7 @@ def roll_report(result: RollResult) -> list[Part]:
         "finite_layer_effect": ", included in the errors",
     }
     return [
-        Line(how, "quiet"),
+        Line(cost, "quiet"),
         Section(
             "Winding",
             (
@@ -60,7 +60,9 @@ def roll_report(result: RollResult) -> list[Part]:
                 *_tension(result),
             ),
         ),
-        Section("Wound roll", rows_of(result, names, leave=LEFT_OUT, **notes), _compressed(result)),
+        Section(
+            "Wound roll", rows_of(result, names, leave=LEFT_OUT, **notes), _compression_note(result)
+        ),
         *([Section("Changes of the finished roll", tuple(changes))] if changes else []),
         *_gauge_band(result),
         *_other_theories(result),
@@ -90,7 +92,7 @@ def _tension(result: RollResult) -> Iterator[Row]:
         )
 
 
-def _compressed(result: RollResult) -> str:
+def _compression_note(result: RollResult) -> str:
     """Return a remark on hoop compression, which makes rolls buckle and star."""
     share = result.compressed_share
     return f"Hoop compression on {100 * share:.3g} % of the build-up." if share else ""

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from .. import theories
 from ..errors import InvalidProblem
 from ..nip.roller_result import RollerResult
-from .figures import COLOURS, along_contact, axis_label, draw_zones, quantity_of, shown
+from .figures import COLOURS, along_contact, axis_label, display_values, draw_zones, quantity_of
 from .panels import NEUTRAL, Case, Panel
 from .report_parts import roller_zones
 
@@ -43,13 +43,15 @@ def _draw_roller_tractions(axes: Axes, cases: Cases) -> Handles:
     handles: Handles = []
     for case in cases:
         result, mu = case.result, case.result.problem.friction
-        x, p, marks = shown(result, "x"), shown(result, "pressure"), []
+        x, p, marks = display_values(result, "x"), display_values(result, "pressure"), []
         if case.alone:
             shade = axes.fill_between(x, -mu * p, mu * p, color="#DDDDDD", linewidth=0)
             shade.set_label(r"$\pm\mu p$")
             marks.append(shade)
         (pressure,) = axes.plot(x, p, "-.", color=case.colour_or(NEUTRAL), label="$p$")
-        (traction,) = axes.plot(x, shown(result, "traction"), color=case.colour_or(COLOURS[0]))
+        (traction,) = axes.plot(
+            x, display_values(result, "traction"), color=case.colour_or(COLOURS[0])
+        )
         traction.set_label("$q$ on upper roller")
         marks += _draw_closed_forms(axes, result) if case.alone else []
         handles = handles or [pressure, traction, *marks]
@@ -62,13 +64,13 @@ def _draw_roller_tractions(axes: Axes, cases: Cases) -> Handles:
 def _draw_closed_forms(axes: Axes, result: RollerResult) -> Handles:
     """Plot p and q of the applicable closed form; return its legend entry, if any."""
     name, forms = _closed_forms(result)
-    inside = -np.cos(np.linspace(0, np.pi, 42)) * result.half_width
+    x_marks = -np.cos(np.linspace(0, np.pi, 42)) * result.half_width
     x, p = quantity_of(result, "x"), quantity_of(result, "pressure")
     marks: Handles = []
     for form in forms:
         marks += axes.plot(
-            x.shown(inside),
-            p.shown(form(inside)),
+            x.shown(x_marks),
+            p.shown(form(x_marks)),
             "o",
             color=COLOURS[1],
             markersize=3.5,
@@ -89,25 +91,27 @@ def _closed_forms(result: RollerResult) -> tuple[str, tuple[Callable[[Array], Ar
             known.append(("Bentall-Johnson, no slip", theories.bentall_johnson_stick))
     for name, theory in known:
         try:
-            found = theory(problem)
+            solution = theory(problem)
         except InvalidProblem:  # not similar, or of no linear elastic material
             continue
-        return name, (found.pressure, found.traction)
+        return name, (solution.pressure, solution.traction)
     return "", ()
 
 
 def _draw_roller_slip(axes: Axes, cases: Cases) -> Handles:
     """Plot the slip of rollers along the contact."""
-    one = cases[0].result
-    rolling = one.problem.motion == "rolling"
+    first = cases[0].result
+    rolling = first.problem.motion == "rolling"
     if any((case.result.problem.motion == "rolling") != rolling for case in cases):
         text = "the slip of rolling rollers is a speed, of static ones a length; leave it out"
         raise InvalidProblem.at("panels", text)
-    quantity = quantity_of(one, "creepage" if rolling else "shift")
+    quantity = quantity_of(first, "creepage" if rolling else "shift")
     for case in cases:
         result = case.result
         axes.plot(
-            shown(result, "slip_x"), quantity.shown(result.slip), color=case.colour_or(COLOURS[0])
+            display_values(result, "slip_x"),
+            quantity.shown(result.slip),
+            color=case.colour_or(COLOURS[0]),
         )
     axes.set_ylabel(axis_label("Relative slip speed $v$" if rolling else "Slip $v$", quantity))
     _format_x_axis(axes, cases)
@@ -115,6 +119,7 @@ def _draw_roller_slip(axes: Axes, cases: Cases) -> Handles:
 
 
 def _draw_roller_zones(axes: Axes, cases: Cases) -> Handles:
+    """Plot the stick and slip zones of rollers."""
     strips, colours = [roller_zones(c.result) for c in cases], [case.colour for case in cases]
     handles = draw_zones(axes, strips, quantity_of(cases[0].result, "x"), colours)
     _format_x_axis(axes, cases)

@@ -22,13 +22,13 @@ __all__ = ["roller_report"]
 def roller_report(result: RollerResult) -> list[Part]:
     """Return the report of two rollers."""
     problem, rolling = result.problem, result.problem.motion == "rolling"
-    given = "creepage" if problem.creepage is not None else "tangential_load"
+    prescribed = "creepage" if problem.creepage is not None else "tangential_load"
     moving = [] if problem.speed is None else ["speed"]
-    names = ("load", given, "friction", *moving)
+    names = ("load", prescribed, "friction", *moving)
     loads = (field_row(problem, name, empty=0.0) for name in names)
-    how = f"{problem.motion} contact, {result.nodes} nodes, {result.iterations} linear systems"
+    summary = f"{problem.motion} contact, {result.nodes} nodes, {result.iterations} linear systems"
     return [
-        Line(how, "quiet"),
+        Line(summary, "quiet"),
         Section("Loads", tuple(loads)),
         Section("Rolling contact" if rolling else "Static contact", _roller_rows(result)),
         roller_zones(result),
@@ -39,9 +39,9 @@ def roller_report(result: RollerResult) -> list[Part]:
 def _roller_rows(result: RollerResult) -> tuple[Row, ...]:
     """Return the rows of the outputs of rollers."""
     problem = result.problem
-    found = "creepage" if problem.motion == "rolling" else "shift"
+    computed = "creepage" if problem.motion == "rolling" else "shift"
     names = [
-        "tangential_load" if problem.creepage is not None else found,
+        "tangential_load" if problem.creepage is not None else computed,
         "nip_width",
         "peak_pressure",
         "approach",

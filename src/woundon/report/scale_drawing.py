@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon
 
 from ..results import zone_runs
-from .figures import ZONE_COLOURS, ZONE_HATCHES, Picture, quantity_of, shown, style
+from .figures import ZONE_COLOURS, ZONE_HATCHES, Picture, display_values, quantity_of, style
 from .report_parts import zone_strips
 
 __all__ = ["scale_drawing"]
@@ -111,7 +111,7 @@ def _draw_nip(axes: Axes, result: Any) -> None:
     """Draw the nip with its zones, its width and a scale bar [mm]."""
     problem = result.problem
     upper, lower = problem.bodies
-    a = float(shown(result, "half_width"))
+    a = float(display_values(result, "half_width"))
     reach = REACH * a
     height = reach * HEIGHT / (WIDTH - WHOLE)  # half of it
     web = quantity_of(result, "half_width").shown(problem.web.thickness) if _has_web(result) else 0

@@ -24,38 +24,39 @@ SURFACE = stress("dP", "largest deviation in the outer layer")
 
 
 def _tension_quantity() -> Quantity:
+    """Return the quantity of the wound-on tension."""
     quantity = find(RollProblem, "wound_on_tension")[0].quantity
     assert quantity is not None
     return quantity
 
 
-def interior_deviation(found: TensionDesign, wound: RollResult) -> float:
+def interior_deviation(design: TensionDesign, roll: RollResult) -> float:
     """Return the largest deviation from the target below the outer layer, relative."""
-    inside = found.radius < found.radius[-1] - found.outer_layer
-    deviation = np.abs(wound.at_radius(found.radius)["pressure"] - found.target_pressure)[inside]
-    return float(deviation.max(initial=0.0) / found.target_pressure.max())
+    interior = design.radius < design.radius[-1] - design.outer_layer
+    deviation = np.abs(roll.at_radius(design.radius)["pressure"] - design.target_pressure)[interior]
+    return float(deviation.max(initial=0.0) / design.target_pressure.max())
 
 
-def print_schedule(found: TensionDesign, wound: RollResult, console: Console) -> None:
+def print_schedule(design: TensionDesign, roll: RollResult, console: Console) -> None:
     """Print a tension schedule and the pressure of the roll that is wound with it.
 
     Parameters
     ----------
-    found : TensionDesign
-    wound : RollResult
+    design : TensionDesign
+    roll : RollResult
         The roll that is wound with the schedule.
     console : Console
     """
     WOT = _tension_quantity()
     tensions = {
-        "at the core": found.tension.value[0],
-        "maximum": max(found.tension.value),
-        "at the surface": found.tension.value[-1],
+        "at the core": design.tension.value[0],
+        "maximum": max(design.tension.value),
+        "at the surface": design.tension.value[-1],
     }
     deviations = {
-        INSIDE: interior_deviation(found, wound),
-        LAYER: found.outer_layer,
-        SURFACE: found.surface_deviation,
+        INSIDE: interior_deviation(design, roll),
+        LAYER: design.outer_layer,
+        SURFACE: design.surface_deviation,
     }
     schedule = [
         Row(f"{WOT.meaning}, {place}", WOT.symbol, float(WOT.shown(value)), WOT.display)
@@ -66,47 +67,44 @@ def print_schedule(found: TensionDesign, wound: RollResult, console: Console) ->
         for quantity, value in deviations.items()
     ]
     parts = (
-        Line(f"{len(found.tension.radius)} radii", "quiet"),
+        Line(f"{len(design.tension.radius)} radii", "quiet"),
         Section("Tension schedule", tuple(schedule)),
         Section("Pressure", tuple(pressure)),
         Line("Over the radius"),
     )
     print_parts(parts, console)
-    _print_table(found, wound, console)
+    _print_table(design, roll, console)
 
 
-def _print_table(found: TensionDesign, wound: RollResult, console: Console) -> None:
+def _print_table(design: TensionDesign, roll: RollResult, console: Console) -> None:
     """Print tension, target and resulting pressure at evenly spaced radii."""
-    even = np.linspace(found.radius[0], found.radius[-1], ROWS)
-    nearest = np.unique([int(np.argmin(np.abs(found.radius - r))) for r in even])
-    r, target = found.radius[nearest], found.target_pressure[nearest]
-    T, P = found.tension.at(r), wound.at_radius(r)["pressure"]
+    even = np.linspace(design.radius[0], design.radius[-1], ROWS)
+    nearest = np.unique([int(np.argmin(np.abs(design.radius - r))) for r in even])
+    r, target = design.radius[nearest], design.target_pressure[nearest]
+    T, P = design.tension.at(r), roll.at_radius(r)["pressure"]
+    pressures = np.round(1e-3 * P, 3) + 0.0  # without a minus zero
     titles = ("radius", "", "tension", "", "target", "", "result", "")
     rows = [
         (f"{a:.2f}", "mm", f"{b:.2f}", "N/m", f"{c:.3f}", "kPa", f"{d:.3f}", "kPa")
-        for a, b, c, d in zip(1e3 * r, T, 1e-3 * target, _kilopascals(P), strict=True)
+        for a, b, c, d in zip(1e3 * r, T, 1e-3 * target, pressures, strict=True)
     ]
     print_columns([titles, *rows], (8, 2, 8, 3, 8, 3, 8, 3), "><" * 4, console)
 
 
-def _kilopascals(pressure: np.ndarray) -> np.ndarray:
-    return np.round(1e-3 * pressure, 3) + 0.0  # no minus zero
-
-
-def plot_schedule(found: TensionDesign, wound: RollResult, path: str | Path) -> None:
+def plot_schedule(design: TensionDesign, roll: RollResult, path: str | Path) -> None:
     """Plot the target pressure, the pressure of the roll wound with the schedule, the tension."""
-    P, r_of, WOT = quantity_of(wound, "pressure"), quantity_of(wound, "radius"), _tension_quantity()
-    r = np.linspace(found.radius[0], found.radius[-1], 801)
+    P, r_of, WOT = quantity_of(roll, "pressure"), quantity_of(roll, "radius"), _tension_quantity()
+    r = np.linspace(design.radius[0], design.radius[-1], 801)
     x = r_of.shown(r)
     with style():
         figure = Picture.new((8.4, 3.2), registered=False)
         left, right = figure.subplots(1, 2)
-        left.plot(x, P.shown(wound.at_radius(r)["pressure"]), color=COLOURS[0], label="result")
-        radius, target = r_of.shown(found.radius), P.shown(found.target_pressure)
+        left.plot(x, P.shown(roll.at_radius(r)["pressure"]), color=COLOURS[0], label="result")
+        radius, target = r_of.shown(design.radius), P.shown(design.target_pressure)
         left.plot(radius, target, "--", color=COLOURS[1], label="target")
         left.set_ylabel(axis_label("Pressure $P$", P))
         left.legend()
-        right.plot(x, WOT.shown(found.tension.at(r)), color=COLOURS[0])
+        right.plot(x, WOT.shown(design.tension.at(r)), color=COLOURS[0])
         right.set_ylabel(axis_label("Wound-on tension", WOT))
         for axes in (left, right):
             axes.set_xlabel(axis_label("Radius $r$", r_of))

@@ -36,10 +36,11 @@ def print_sensitivity(sensitivity: Sensitivity, console: Console) -> None:
     # the width's elasticities are the half width's
     columns = [k for k, name in enumerate(ordered.outputs) if name != "half_width"]
     head = ["", "value [SI]", *(known[ordered.outputs[k]].symbol for k in columns)]
+    elasticities = np.round(ordered.elasticities, 4) + 0.0  # without a minus zero
     table = [
-        [name, f"{field:.5g}", *(f"{_rounded(value):+.4f}" for value in values)]
+        [name, f"{field:.5g}", *(f"{value:+.4f}" for value in values)]
         for name, field, values in zip(
-            ordered.parameters, ordered.fields, ordered.elasticities[columns].T, strict=True
+            ordered.parameters, ordered.fields, elasticities[columns].T, strict=True
         )
         if field
     ]
@@ -57,7 +58,3 @@ def print_sensitivity(sensitivity: Sensitivity, console: Console) -> None:
     if ordered.zone_change:
         text = f"warning: at a zone change ({ordered.zone_change}): one-sided derivatives differ"
         console.print(Text(text, style="bold yellow"))
-
-
-def _rounded(value: float) -> float:
-    return float(np.round(value, 4)) + 0.0  # no minus zero

@@ -15,7 +15,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from ..quantities import Quantity
 from .figures import COLOURS, Picture, axis_label, save_figure, style, unit_of, wrapped_text
-from .panels import Case, Panel, drawn
+from .panels import Case, Panel, draw_panels
 
 if TYPE_CHECKING:
     from ..studies.fit import FitResult
@@ -64,20 +64,20 @@ def _grid_figure(table: Table, output: str, registered: bool) -> Figure:
     inputs = sorted(
         range(len(design.shape)), key=lambda k: (not design.columns[k].numeric, -design.shape[k])
     )
-    drawn, fixed = inputs[:3], {k: design.shape[k] // 2 for k in inputs[3:]}
+    axes_order, fixed = inputs[:3], {k: design.shape[k] // 2 for k in inputs[3:]}
     values = values[tuple(fixed.get(k, slice(None)) for k in range(len(design.shape)))]
-    values = np.transpose(values, [sorted(drawn).index(k) for k in drawn])
+    values = np.transpose(values, [sorted(axes_order).index(k) for k in axes_order])
     while values.ndim < 3:
         values = values[..., None]
     panels = _evenly_spaced(values.shape[2], _MOST_PANELS)
     figure = Picture.new((3.4 * len(panels) + 1.6, 3.6), registered)
     axes = figure.subplots(1, len(panels), sharey=True, squeeze=False)[0]
     for panel, k in zip(axes, panels, strict=True):
-        _draw_curves(panel, table, drawn, values[:, :, k])
-        if len(drawn) > 2:
-            panel.set_title(_value_label(table, drawn[2], k), fontsize=9)
+        _draw_curves(panel, table, axes_order, values[:, :, k])
+        if len(axes_order) > 2:
+            panel.set_title(_value_label(table, axes_order[2], k), fontsize=9)
     axes[0].set_ylabel(text)
-    if len(drawn) > 1:
+    if len(axes_order) > 1:
         axes[-1].legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     held_at = ", ".join(_value_label(table, k, place) for k, place in fixed.items())
     title = "; ".join(filter(None, [held_at, _omissions(values.shape)]))
@@ -89,28 +89,28 @@ def _grid_figure(table: Table, output: str, registered: bool) -> Figure:
 def _omissions(shape: tuple[int, ...]) -> str:
     """Return the number of curves and panels that are shown; '' if all are."""
     parts = [
-        f"{most} of {count} {name}"
-        for count, most, name in zip(
+        f"{limit} of {count} {name}"
+        for count, limit, name in zip(
             shape[1:], (_MOST_CURVES, _MOST_PANELS), ("curves", "panels"), strict=True
         )
-        if count > most
+        if count > limit
     ]
     return f"{' and '.join(parts)} shown" if parts else ""
 
 
-def _draw_curves(axes: Axes, table: Table, drawn: list[int], values: Array) -> None:
+def _draw_curves(axes: Axes, table: Table, axes_order: list[int], values: Array) -> None:
     """Plot one panel of a grid."""
-    x = table.design.columns[drawn[0]]
+    x = table.design.columns[axes_order[0]]
     numeric = x.numeric
-    at, text = np.arange(len(x.values)), x.name
+    positions, text = np.arange(len(x.values)), x.name
     if numeric:
-        at, text = _scaled(table.quantities.get(x.name), x.name, x.labels.astype(float))
-    order = np.argsort(at, kind="stable")
+        positions, text = _scaled(table.quantities.get(x.name), x.name, x.labels.astype(float))
+    order = np.argsort(positions, kind="stable")
     for place, k in enumerate(_evenly_spaced(values.shape[1], _MOST_CURVES)):
-        label = _value_label(table, drawn[1], k) if len(drawn) > 1 else None
-        mark = "." if at.size <= 30 else None
+        label = _value_label(table, axes_order[1], k) if len(axes_order) > 1 else None
+        mark = "." if positions.size <= 30 else None
         axes.plot(
-            at[order],
+            positions[order],
             values[order, k],
             _LINES[place % 4],
             color=COLOURS[place],
@@ -118,8 +118,8 @@ def _draw_curves(axes: Axes, table: Table, drawn: list[int], values: Array) -> N
             label=label,
         )
     if not numeric:
-        axes.set_xticks(at, [str(label) for label in x.labels], rotation=20)
-    elif _logarithmic(at):
+        axes.set_xticks(positions, [str(label) for label in x.labels], rotation=20)
+    elif _logarithmic(positions):
         _log_axis(axes.xaxis)
     axes.set_xlabel(text)
 
@@ -136,11 +136,15 @@ def _scatter(table: Table, output: str, registered: bool) -> Figure:
     values, text = _scaled(table.quantities.get(output), output, table.outputs[output])
     for axes, column in zip(panels.flat, columns, strict=False):
         quantity = table.quantities.get(column.name)
-        at, along = _scaled(quantity, column.name, column.labels.astype(float), words=False)
-        axes.plot(at, values, ".", color=COLOURS[0], markersize=3, alpha=0.6, rasterized=True)
-        if _logarithmic(at):
+        positions, x_label = _scaled(
+            quantity, column.name, column.labels.astype(float), words=False
+        )
+        axes.plot(
+            positions, values, ".", color=COLOURS[0], markersize=3, alpha=0.6, rasterized=True
+        )
+        if _logarithmic(positions):
             _log_axis(axes.xaxis)
-        axes.set_xlabel(along)
+        axes.set_xlabel(x_label)
     for axes in panels[:, 0]:
         axes.set_ylabel(text)
     return figure
@@ -158,13 +162,13 @@ def plot_fit(
     ----------
     fit : FitResult
     path, ax, panels
-        As of :func:`~woundon.report.panels.drawn`; a profile's panel has its parameter's name.
+        As of :func:`~woundon.report.panels.draw_panels`; a profile has the name of its parameter.
     """
     known = {"agreement": Panel(_draw_agreement, "agreement", 3.3, 3.2)}
     for profile in fit.profiles:
         draw = partial(_draw_profile, profile)
         known[profile.name] = Panel(draw, profile.name, 3.1, 3.2)
-    return drawn(known, [Case(fit)], path, ax, panels, lettered=False)
+    return draw_panels(known, [Case(fit)], path, ax, panels, lettered=False)
 
 
 def _draw_profile(profile: ProfileLikelihood, axes: Axes, cases: Sequence[Case]) -> list[Any]:
@@ -173,12 +177,12 @@ def _draw_profile(profile: ProfileLikelihood, axes: Axes, cases: Sequence[Case])
     label = "others refitted" if len(fit.names) > 1 else "profile"
     rms, text = _rms(fit)
     quantity = fit.quantities.get(profile.name)
-    at, along = _scaled(quantity, profile.name, profile.values, words=False)
-    axes.plot(at, rms * profile.rms, ".-", color=COLOURS[0], label=label)
+    positions, x_label = _scaled(quantity, profile.name, profile.values, words=False)
+    axes.plot(positions, rms * profile.rms, ".-", color=COLOURS[0], label=label)
     axes.axhline(rms * profile.rms_limit, color=COLOURS[1], linestyle="--", label="95 % limit")
-    if _logarithmic(at):
+    if _logarithmic(positions):
         _log_axis(axes.xaxis)
-    axes.set_xlabel(along)
+    axes.set_xlabel(x_label)
     axes.set_ylabel(text)
     axes.legend()
     return []
@@ -242,14 +246,14 @@ def plot_indices(
     ----------
     indices : SobolIndices
     path, ax, panels
-        As of :func:`~woundon.report.panels.drawn`; a panel has its output's name.
+        As of :func:`~woundon.report.panels.draw_panels`; a panel has its output's name.
     """
     height = 0.42 * len(indices.inputs) + 1.0
     known = {
         output: Panel(partial(_draw_shares, k), "shares", height=height, legend="below")
         for k, output in enumerate(indices.outputs)
     }
-    return drawn(known, [Case(indices)], path, ax, panels, lettered=False)
+    return draw_panels(known, [Case(indices)], path, ax, panels, lettered=False)
 
 
 def _draw_shares(k: int, axes: Axes, cases: Sequence[Case]) -> list[Any]:
@@ -279,9 +283,9 @@ def _draw_shares(k: int, axes: Axes, cases: Sequence[Case]) -> list[Any]:
     return handles
 
 
-def _evenly_spaced(count: int, most: int) -> list[int]:
-    """Return at most ``most`` evenly spaced indices below ``count``, including both ends."""
-    return sorted({round(k) for k in np.linspace(0, count - 1, min(count, most))})
+def _evenly_spaced(count: int, limit: int) -> list[int]:
+    """Return at most ``limit`` evenly spaced indices below ``count``, including both ends."""
+    return sorted({round(k) for k in np.linspace(0, count - 1, min(count, limit))})
 
 
 def _logarithmic(values: Array) -> bool:

@@ -47,9 +47,9 @@ def print_parts(parts: Iterable[Part], console: Console) -> None:
     rows = [row for part in parts if isinstance(part, Section) for row in part.rows]
     cells = [("", "", "", ""), *(_cells(r, "") for r in rows)]
     widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
-    before: Part | None = None
+    previous: Part | None = None
     for part in parts:
-        if before is not None and not (isinstance(part, Line) and isinstance(before, Line)):
+        if previous is not None and not (isinstance(part, Line) and isinstance(previous, Line)):
             console.print()
         if isinstance(part, Section):
             _print(Text(part.title, style="bold"), console)
@@ -62,7 +62,7 @@ def print_parts(parts: Iterable[Part], console: Console) -> None:
             _print_verdicts(part, console)
         else:
             _print(Text(part.text, style=TONES.get(part.tone, "")), console)
-        before = part
+        previous = part
 
 
 def _cells(row: Row, plus_minus: str) -> tuple[str, str, str, str]:

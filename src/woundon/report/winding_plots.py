@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from ..quantities import Quantity
 from ..roll.result import RollResult
 from ..winding.result import WindingResult
-from .figures import COLOURS, axis_label, quantity_of, shown
+from .figures import COLOURS, axis_label, display_values, quantity_of
 from .margin_plots import Disc, colour_scale, draw_disc, draw_margins
 from .panels import NEUTRAL, Case, Panel
 
@@ -22,7 +22,7 @@ Cases = Sequence[Case]
 STAGES = 6  # drawn, of which the last is the finished roll
 POINTS = 601
 ABOVE = 2.5  # times the depth of the compression
-# (output, what its curve is called, line style)
+# (output, label of its curve, line style)
 TENSIONS = (
     ("wound_on_tension", "wound on (WOT)", "-"),
     ("web_tension", "web ($T_{in}$)", "--"),
@@ -35,7 +35,7 @@ def winding_panels(result: WindingResult) -> dict[str, Panel]:
 
     - tension: T_in, NIT and WOT, the nips that were solved as dots
     - pressure, hoop_stress: at stages of the build-up, the later the darker
-    - reserves: what is left of each limit
+    - reserves: reserve of each margin
     - loads: nip load and winding force (if asked for)
     - disc, hoop_disc: the roll from its side, coloured by pressure and hoop stress (if asked for)
     - film: its pressure as it grows, on one scale (if asked for)
@@ -45,12 +45,16 @@ def winding_panels(result: WindingResult) -> dict[str, Panel]:
         "reserves": Panel(_draw_margins, "left", height=3.0),
         "pressure": Panel(Stages("pressure", "Pressure $P$"), "right", height=3.0),
         "hoop_stress": Panel(Stages("hoop_stress", r"Hoop stress $\sigma_t$"), "right", height=3.0),
-        "loads": Panel(_draw_loads, "left", height=2.6, shown=False),
-        "disc": Panel(Disc("pressure", "Pressure $P$", "roll"), "disc", 5.4, 4.4, shown=False),
+        "loads": Panel(_draw_loads, "left", height=2.6, by_default=False),
+        "disc": Panel(Disc("pressure", "Pressure $P$", "roll"), "disc", 5.4, 4.4, by_default=False),
         "hoop_disc": Panel(
-            Disc("hoop_stress", r"Hoop stress $\sigma_t$", "roll"), "hoop", 5.4, 4.4, shown=False
+            Disc("hoop_stress", r"Hoop stress $\sigma_t$", "roll"),
+            "hoop",
+            5.4,
+            4.4,
+            by_default=False,
         ),
-        "film": Panel(_draw_discs, "film", width=11.0, height=2.6, shown=False),
+        "film": Panel(_draw_discs, "film", width=11.0, height=2.6, by_default=False),
     }
 
 
@@ -59,17 +63,22 @@ def _draw_tension(axes: Axes, cases: Cases) -> list[Any]:
     handles: list[Any] = []
     for case in cases:
         result, lines = case.result, []
-        for (name, words, dashes), own in zip(TENSIONS, COLOURS, strict=False):
+        for (name, words, dashes), default in zip(TENSIONS, COLOURS, strict=False):
             (line,) = axes.plot(
-                shown(result, "radius"),
-                shown(result, name),
+                display_values(result, "radius"),
+                display_values(result, name),
                 dashes,
                 label=words,
-                color=case.colour_or(own),
+                color=case.colour_or(default),
             )
             lines.append(line)
-        at = quantity_of(result, "nip_radius").shown(result.nip_radius)
-        axes.plot(at, shown(result, "nip_wound_on_tension"), ".", color=case.colour_or(COLOURS[0]))
+        radius = quantity_of(result, "nip_radius").shown(result.nip_radius)
+        axes.plot(
+            radius,
+            display_values(result, "nip_wound_on_tension"),
+            ".",
+            color=case.colour_or(COLOURS[0]),
+        )
         handles = handles or lines
     axes.set_ylabel(axis_label("Tension", quantity_of(cases[0].result, "wound_on_tension")))
     axes.set_ylim(bottom=min(0, axes.get_ylim()[0]))
@@ -81,14 +90,17 @@ def _draw_loads(axes: Axes, cases: Cases) -> list[Any]:
     """Plot nip load and winding force over the radius."""
     handles: list[Any] = []
     for case in cases:
-        x, result = shown(case.result, "radius"), case.result
+        x, result = display_values(case.result, "radius"), case.result
         lines = [
             *axes.plot(
-                x, shown(result, "nip_load"), color=case.colour_or(COLOURS[0]), label="nip load $P$"
+                x,
+                display_values(result, "nip_load"),
+                color=case.colour_or(COLOURS[0]),
+                label="nip load $P$",
             ),
             *axes.plot(
                 x,
-                shown(result, "winding_force"),
+                display_values(result, "winding_force"),
                 "--",
                 color=case.colour_or(COLOURS[1]),
                 label="winding force $F$",
@@ -181,6 +193,7 @@ def _draw_discs(axes: Axes, cases: Cases) -> list[Any]:
 
 
 def _format_x_axis(axes: Axes, cases: Cases) -> None:
+    """Label the axis of the radius from core to surface."""
     quantity = quantity_of(cases[0].result, "radius")
     axes.set_xlabel(axis_label("Radius $r$", quantity))
     radii = [quantity.shown(case.result.radius[k]) for case in cases for k in (0, -1)]

@@ -56,7 +56,9 @@ BODIES = {
 def winding_report(result: WindingResult) -> list[Part]:
     """Return the report of a winding."""
     problem, nips = result.problem, result.nip_radius.size
-    how = f"{nips} radii, {result.nips_solved} nips of {result.nodes} nodes solved" if nips else ""
+    summary = (
+        f"{nips} radii, {result.nips_solved} nips of {result.nodes} nodes solved" if nips else ""
+    )
     law = problem.tension_law if isinstance(problem.tension_law, str) else "table"
     text = LAWS.get(law, "") if law != "nip" else BODIES[problem.roll_body]
     text = text or "Wound-on tension as prescribed over the radius." * (law == "table")
@@ -66,7 +68,7 @@ def winding_report(result: WindingResult) -> list[Part]:
     air = ["air_film"] if problem.air is not None else []
     ridge = ["ridge_height"] if problem.gauge_excess else []
     return [
-        *([Line(how, "quiet")] if how else []),
+        *([Line(summary, "quiet")] if summary else []),
         Section(
             "Winding",
             (

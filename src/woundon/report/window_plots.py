@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from .figures import COLOURS, axis_label, wrapped_text
-from .panels import Case, Panel, drawn
+from .panels import Case, Panel, draw_panels
 
 if TYPE_CHECKING:
     from ..studies.window_result import OperatingWindow
@@ -35,10 +35,10 @@ def plot_window(window: OperatingWindow, path: Any = None, ax: Axes | None = Non
     ----------
     window : OperatingWindow
     path, ax
-        As of :func:`~woundon.report.panels.drawn`.
+        As of :func:`~woundon.report.panels.draw_panels`.
     """
     panels = {"window": Panel(_draw_window, "window", 7.2, 4.2, legend="right")}
-    return drawn(panels, [Case(window)], path, ax, None, lettered=False)
+    return draw_panels(panels, [Case(window)], path, ax, None, lettered=False)
 
 
 def _draw_window(axes: Axes, cases: Sequence[Case]) -> list[Any]:

@@ -21,7 +21,7 @@ from .kind_model import (
     field_quantity,
     get_field,
     kind_of,
-    measurable,
+    measurable_outputs,
     model_of,
     number_in_si,
     options_of,
@@ -30,7 +30,7 @@ from .kind_model import (
 from .measured import Measured, read_cases, read_measured
 from .model import quantities_of
 from .predict import Parameter, Predictor
-from .progress import Progress, reported
+from .progress import Progress, progress_reporter
 from .runners import number_of_workers, runner_for
 from .sobol import SobolIndices, saltelli_design, sobol_indices_of
 
@@ -174,7 +174,7 @@ def study_of(
     if columns is not None or isinstance(over, (str, Path)) or hasattr(over, "iloc"):
         over, design = _cases(problem, over, columns, design), "table"
     return (
-        _varied(problem, over, outputs, tie, options or {}),
+        _model_of_study(problem, over, outputs, tie, options or {}),
         make_design(in_si(problem, over), design, samples, seed),
     )
 
@@ -193,7 +193,7 @@ def _cases(
     return read_cases(data, inputs, outputs, lambda *given: build(problem, *given), columns)
 
 
-def _varied(
+def _model_of_study(
     problem: Problem,
     over: Any,
     outputs: Sequence[str] | None,
@@ -212,10 +212,12 @@ def solver_options(nodes: Any, rtol: Any, options: Mapping[str, Any] | None) -> 
     >>> solver_options(65, None, {"progress": None})
     {'nodes': 65, 'progress': None}
     """
-    named = {name: value for name, value in (("nodes", nodes), ("rtol", rtol)) if value is not None}
-    for name in named.keys() & (options or {}).keys():
+    explicit = {
+        name: value for name, value in (("nodes", nodes), ("rtol", rtol)) if value is not None
+    }
+    for name in explicit.keys() & (options or {}).keys():
         raise InvalidProblem.at(name, "is given twice, also among the options")
-    return {**named, **(options or {})}
+    return {**explicit, **(options or {})}
 
 
 def in_si(problem: Problem, over: Any) -> Any:
@@ -227,18 +229,18 @@ def in_si(problem: Problem, over: Any) -> Any:
     """
     if not isinstance(over, Mapping):
         return over
-    return {name: _numbers(problem, name, given) for name, given in over.items()}
+    return {name: _numbers(problem, name, entry) for name, entry in over.items()}
 
 
-def _numbers(problem: Problem, name: str, given: Any) -> Any:
+def _numbers(problem: Problem, name: str, entry: Any) -> Any:
     """Return one value or the values of a field, with texts with units converted to SI."""
-    if isinstance(given, str) or not hasattr(given, "__len__"):
-        return given
-    texts = [isinstance(value, str) and value != "log" for value in given]
+    if isinstance(entry, str) or not hasattr(entry, "__len__"):
+        return entry
+    texts = [isinstance(value, str) and value != "log" for value in entry]
     quantity = field_quantity(problem, name) if any(texts) else None
     if quantity is None:
-        return given
-    values = zip(given, texts, strict=True)
+        return entry
+    values = zip(entry, texts, strict=True)
     return [number_in_si(problem, name, value) if text else value for value, text in values]
 
 
@@ -289,7 +291,7 @@ def global_sensitivity(
     >>> bool(indices.total_order[0, 0] > indices.total_order[0, 1])
     True
     """
-    model = _varied(problem, over, outputs, tie, solver_options(nodes, rtol, options))
+    model = _model_of_study(problem, over, outputs, tie, solver_options(nodes, rtol, options))
     cases = saltelli_design(in_si(problem, over), samples, seed)
     table = run_study(
         model, cases, runner_for(workers, scheduler), out=out, resume=resume, progress=progress
@@ -366,10 +368,10 @@ def fit(
     >>> round(found.estimate("upper.radius"), 2)  # m
     0.25
     """
-    outputs = measurable(problem)
+    outputs = measurable_outputs(problem)
     data = read_measured(measured, columns_of(problem), outputs, columns, replaced(problem))
-    given = _on_one_mesh(problem, solver_options(nodes, rtol, options))
-    model = model_of(problem, tuple(data.outputs), tie, given)
+    settings = _on_one_mesh(problem, solver_options(nodes, rtol, options))
+    model = model_of(problem, tuple(data.outputs), tie, settings)
     bounds = in_si(problem, _bounds(vary))
     parameters = tuple(_parameter(problem, name, ends) for name, ends in bounds.items())
     model.check_varied([*(p.name for p in parameters), *data.inputs])
@@ -377,10 +379,10 @@ def fit(
         _check_bounds(problem, parameter)
     _check_rows(problem, data)
     quantities = quantities_of(model, (*(p.name for p in parameters), *data.outputs))
-    _one_unit(quantities, data)
-    predictor, profiled = Predictor(model, data, parameters), _profiled(profiles, bounds)
-    with reported(progress, "fitting") as report:
-        found = fit_parameters(
+    _check_units(quantities, data)
+    predictor, profiled = Predictor(model, data, parameters), _names_of_profiles(profiles, bounds)
+    with progress_reporter(progress, "fitting") as report:
+        result = fit_parameters(
             predictor,
             starts=starts,
             seed=seed,
@@ -389,17 +391,17 @@ def fit(
             workers=number_of_workers(workers),
             progress=report,
         )
-    estimates = dict(zip(found.names, found.estimates, strict=True))
-    return replace(found, problem=model.variant(estimates))
+    estimates = dict(zip(result.names, result.estimates, strict=True))
+    return replace(result, problem=model.variant(estimates))
 
 
 def _on_one_mesh(problem: Problem, options: Mapping[str, Any]) -> dict[str, Any]:
     """Return the options with a fixed number of nodes and without error estimates."""
     known = options_of(problem)
-    found: dict[str, Any] = {"errors": False} if "errors" in known else {}
+    defaults: dict[str, Any] = {"errors": False} if "errors" in known else {}
     if known.get("nodes", ...) is None and not options.keys() & {"nodes", "rtol"}:
-        found["nodes"] = FIT_NODES
-    return found | dict(options)
+        defaults["nodes"] = FIT_NODES
+    return defaults | dict(options)
 
 
 def _bounds(vary: Any) -> dict[str, Any]:
@@ -408,13 +410,15 @@ def _bounds(vary: Any) -> dict[str, Any]:
     if not isinstance(names, (Mapping, Sequence)) or not all(isinstance(n, str) for n in names):
         text = f"{quote(vary)} is out of place; must be names of fields, or {{name: (low, high)}}"
         raise InvalidProblem.at("vary", text)
-    given = dict(names) if isinstance(names, Mapping) else dict.fromkeys(names)
-    if not given:
+    bounds = dict(names) if isinstance(names, Mapping) else dict.fromkeys(names)
+    if not bounds:
         raise InvalidProblem.at("vary", "nothing to fit: give fields and their bounds")
-    return given
+    return bounds
 
 
-def _profiled(profiles: bool | Sequence[str], varied: Mapping[str, Any]) -> tuple[str, ...]:
+def _names_of_profiles(
+    profiles: bool | Sequence[str], varied: Mapping[str, Any]
+) -> tuple[str, ...]:
     """Return the names of the parameters that get a profile."""
     if isinstance(profiles, bool):
         return tuple(varied) if profiles else ()
@@ -449,9 +453,9 @@ def _check_bounds(problem: Problem, parameter: Parameter) -> None:
         except NoSteadyState:
             continue
         except InvalidProblem as fault:
-            own = [text for field, text in fault.faults if field == parameter.name]
-            if own:
-                raise InvalidProblem.at(parameter.name, f"bounds: {own[0]}") from None
+            reasons = [text for field, text in fault.faults if field == parameter.name]
+            if reasons:
+                raise InvalidProblem.at(parameter.name, f"bounds: {reasons[0]}") from None
 
 
 def _check_rows(problem: Problem, data: Measured) -> None:
@@ -466,7 +470,7 @@ def _check_rows(problem: Problem, data: Measured) -> None:
             raise fault.under(f"{data.where}: row {number}") from None
 
 
-def _one_unit(quantities: Mapping[str, Quantity], data: Measured) -> None:
+def _check_units(quantities: Mapping[str, Quantity], data: Measured) -> None:
     """Reject outputs of different units without standard deviations."""
     units = {quantities[name].unit for name in data.outputs}
     if len(units) > 1 and set(data.deviations) != set(data.outputs):

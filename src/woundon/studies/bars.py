@@ -49,11 +49,11 @@ def bar(label: str, unit: str = "", done: int = 0) -> Iterator[Callable[[float, 
     Parameters
     ----------
     label : str
-        What is being done.
+        Name of the work.
     unit : str, optional
         Of the rate: ".../s" or ".../min"; without it the bar shows a percentage.
     done : int
-        What was done before, for the rate.
+        Number of cases finished before, which do not count for the rate.
     """
     counted = (
         MofNCompleteColumn(),
@@ -72,7 +72,7 @@ def bar(label: str, unit: str = "", done: int = 0) -> Iterator[Callable[[float, 
         transient=not unit,
     ) as progress:
         task = progress.add_task(label, total=None, completed=done, begun_with=done, unit=unit)
-        yield lambda now, expected: progress.update(task, completed=now, total=expected)
+        yield lambda completed, expected: progress.update(task, completed=completed, total=expected)
 
 
 @contextmanager

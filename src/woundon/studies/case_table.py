@@ -124,16 +124,16 @@ def solve_table(
         base.check_varied([column.name for column in inputs])
     cells, failure = _values(sheet, problem, inputs)
     model = _RowModel(**vars(base), complete=complete)
-    values, warnings = _solved(
+    values, warnings = _solve_rows(
         model,
         cells,
         failure,
-        {} if complete else _present(problem, cells),
+        {} if complete else _base_values(problem, cells),
         runner_for(workers, None),
         chunk,
         progress,
     )
-    frame = _joined(sheet, matched, problem, model, values, outputs is None)
+    frame = _join_outputs(sheet, matched, problem, model, values, outputs is None)
     frame["failure"], frame["warnings"] = failure, warnings
     frame.index = getattr(table, "index", frame.index)
     frame.attrs["about"] = {
@@ -164,8 +164,8 @@ class _RowModel(KindModel):
         fields = {name: value for name, value in inputs.items() if not _is_missing(value)}
         if not self.complete:
             return super().variant(fields)
-        problem = make_problem({"schema": SCHEMA, **_nested(fields)}, self.kind.name)
-        ties = {follower: get_field(problem, to) for follower, to in self.tie.items()}
+        problem = make_problem({"schema": SCHEMA, **_nest_tables(fields)}, self.kind.name)
+        ties = {follower: get_field(problem, leader) for follower, leader in self.tie.items()}
         return problem.replace(**ties) if ties else problem
 
 
@@ -188,7 +188,7 @@ def _is_missing(value: Any) -> bool:
     return value is None or (isinstance(value, float) and isnan(value))
 
 
-def _nested(fields: Mapping[str, Any]) -> dict[str, Any]:
+def _nest_tables(fields: Mapping[str, Any]) -> dict[str, Any]:
     """Return the tables of dotted names; items of a list, whose names are numbers, as a list."""
     tables: dict[str, Any] = {}
     # a body or material in a cell comes before its fields in further columns
@@ -202,14 +202,14 @@ def _nested(fields: Mapping[str, Any]) -> dict[str, Any]:
                 text = f"has no fields of its own in a table without case: {above} has a column"
                 raise InvalidProblem.at(path, text)
         inner[leaf] = value
-    return {name: _listed(value) for name, value in tables.items()}
+    return {name: _tables_to_lists(value) for name, value in tables.items()}
 
 
-def _listed(table: Any) -> Any:
+def _tables_to_lists(table: Any) -> Any:
     """Return tables with the names "0", "1", ... as lists."""
     if not isinstance(table, dict):
         return table
-    inner = {name: _listed(value) for name, value in table.items()}
+    inner = {name: _tables_to_lists(value) for name, value in table.items()}
     if inner and all(name.isdecimal() for name in inner):
         return [inner[name] for name in sorted(inner, key=int)]
     return inner
@@ -263,7 +263,7 @@ def _values(
         quantity = names.quantity(column.name)
         if quantity is None:
             fields[column.name] = [
-                _thing(problem, column, k, faults[k]) for k in range(len(sheet.numbers))
+                _read_cell(problem, column, k, faults[k]) for k in range(len(sheet.numbers))
             ]
             continue
         reasons: list[tuple[str, str]] = []
@@ -271,7 +271,7 @@ def _values(
         quantity = replace(quantity, unit="N") if width else quantity
         values = numbers(sheet, column, quantity, reasons, gaps=True, sign=sign)
         if any(f"column {column.header!r}" == text.partition(": ")[0] for _, text in reasons):
-            raise InvalidProblem(reasons)  # the header is at fault
+            raise InvalidProblem(reasons)  # the header is invalid
         for k, number in enumerate(sheet.numbers) if reasons else ():
             row, cell = sheet._replace(numbers=[number]), column._replace(cells=[column.cells[k]])
             cell_reasons: list[tuple[str, str]] = []
@@ -294,7 +294,7 @@ def _width_of_totals(
     return width
 
 
-def _thing(problem: Problem, column: Column, row: int, faults: list[str]) -> Any:
+def _read_cell(problem: Problem, column: Column, row: int, faults: list[str]) -> Any:
     """Convert a cell to a word, the name of a material, or a body (JSON); an empty cell to None."""
     cell = column.cells[row]
     if not isinstance(cell, str):
@@ -307,12 +307,15 @@ def _thing(problem: Problem, column: Column, row: int, faults: list[str]) -> Any
         return text or None
     try:
         return build(problem, column.name, json.loads(text))
-    except (ValueError, RecursionError) as fault:  # InvalidProblem and JSONDecodeError are such
+    except (
+        ValueError,
+        RecursionError,
+    ) as fault:  # InvalidProblem and JSONDecodeError are ValueErrors
         faults.append(f"column {column.header!r}: {fault}".replace("\n", "; "))
         return None
 
 
-def _present(problem: Problem, cells: Mapping[str, Sequence[Any]]) -> dict[str, Any]:
+def _base_values(problem: Problem, cells: Mapping[str, Sequence[Any]]) -> dict[str, Any]:
     """Return the numbers of the base case that replace empty cells of a column."""
     known: dict[str, Any] = {}
     for name in cells:
@@ -328,7 +331,7 @@ def _present(problem: Problem, cells: Mapping[str, Sequence[Any]]) -> dict[str, 
 # ---- solutions ----------------------------------------------------------------------------------
 
 
-def _solved(
+def _solve_rows(
     model: _RowModel,
     cells: Mapping[str, list[Any]],
     failure: list[str],
@@ -353,11 +356,11 @@ def _solved(
     for name, of_rows in solved.outputs.items():
         values[name][rows] = of_rows
     for k, reason, warning in zip(rows, solved.failure, solved.warnings, strict=True):
-        failure[k], warnings[k] = _readable(reason), warning
+        failure[k], warnings[k] = _reason_text(reason), warning
     return values, warnings
 
 
-def _readable(reason: str) -> str:
+def _reason_text(reason: str) -> str:
     """Return the reason of a failure without the name of the exception."""
     for name, text in (
         ("InvalidProblem: ", ""),
@@ -382,7 +385,7 @@ def _default_outputs(problem: Problem) -> tuple[str, ...]:
     return tuple(dict.fromkeys((*result.MAIN, *errors, *others)))
 
 
-def _joined(
+def _join_outputs(
     sheet: Sheet,
     matched: Sequence[Column],
     problem: Problem,
@@ -410,9 +413,9 @@ def _joined(
     for name, column_values in values.items():
         if drop_empty and np.isnan(column_values).all():
             continue
-        unit, shown = quantities[name].in_table(column_values)
+        unit, converted = quantities[name].in_table(column_values)
         header = name if unit == "1" else f"{name} [{unit}]"
-        cells_of[header], units[header] = shown, unit
+        cells_of[header], units[header] = converted, unit
     frame = pd.DataFrame(cells_of)
     frame.attrs["units"] = units
     return frame
@@ -447,5 +450,5 @@ def write_table(frame: pd.DataFrame, path: str | Path) -> None:
         if path.suffix == ".csv":
             frame.to_csv(temporary, index=False, lineterminator="\n")
             return
-        about = record_table(frame.attrs.get("about", {}))
-        write_workbook(temporary, {"results": frame, "about": about})
+        record = record_table(frame.attrs.get("about", {}))
+        write_workbook(temporary, {"results": frame, "about": record})

@@ -14,7 +14,6 @@ JCGM 100:2008, sec. 5.1.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import nan, sqrt
@@ -23,6 +22,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ..errors import InvalidProblem, NotConverged, unwarned
+from ..io.json_texts import json_text
 from ..problems.messages import quote
 from ..problems.problem import Problem
 from ..problems.units import parse
@@ -205,14 +205,13 @@ class Comparison(Presented, ReadOnly):
             texts += explanation.lines()
         return texts
 
-    def __str__(self) -> str:
-        return "\n".join(self.lines())
-
     def __repr__(self) -> str:
         texts = []
         for output in self.outputs:
-            of = self.agreement(output)
-            texts.append(f"{output}: {of.size} values, {100 * of.relative_bias:+.2g} %")
+            agreement = self.agreement(output)
+            texts.append(
+                f"{output}: {agreement.size} values, {100 * agreement.relative_bias:+.2g} %"
+            )
         return f"Comparison({'; '.join(texts)})"
 
     def _repr_html_(self) -> str:
@@ -258,12 +257,12 @@ class Comparison(Presented, ReadOnly):
         """Return the comparison as JSON, SI units."""
         rows = self.to_dataframe().to_dict(orient="records")
         table = {
-            "values": [{k: None if v != v else v for k, v in row.items()} for row in rows],
-            "agreement": {name: _finite(self.agreement(name)._asdict()) for name in self.outputs},
+            "values": rows,
+            "agreement": {name: self.agreement(name)._asdict() for name in self.outputs},
             "sources": list(self.sources),
             "explanations": [entry._asdict() for entry in self.explanations],
         }
-        return json.dumps(table, indent=1, default=float)
+        return json_text(table)
 
     def plot(self, path: Any = None, ax: Any = None, panels: Any = None) -> Any:
         """Draw measured against predicted values, and the residuals with their uncertainties.
@@ -343,9 +342,9 @@ def compare(
     model = model_of(problem, scalars or ("residual",), tie, settings)
     deviations = {name: _deviation(problem, name, value) for name, value in (spread or {}).items()}
     model.check_varied([*data.inputs, *deviations])
-    twice = sorted(set(data.inputs) & set(deviations))
-    if twice:
-        raise InvalidProblem.at(f"spread: {twice[0]}", "is measured in a column of the table")
+    repeated = sorted(set(data.inputs) & set(deviations))
+    if repeated:
+        raise InvalidProblem.at(f"spread: {repeated[0]}", "is measured in a column of the table")
     covariates = _covariates(problem, data)
     predicted, error, effects, failures = _predictions(model, data, covariates, deviations)
     effects[np.isnan(predicted)] = 0.0
@@ -406,7 +405,7 @@ def _predictions(
             error[k] = error_at(result, name, place)
         effects[rows] = _effects(model, result, inputs, places, deviations)
     if np.isnan(predicted).all():
-        reason = next((why for why in failures if why), "the predictions are nan")
+        reason = next((failure for failure in failures if failure), "the predictions are nan")
         text = f"no row of the table has a prediction; the first reason: {reason}"
         raise NotConverged(text) if converged else InvalidProblem.at(data.where, text)
     return predicted, error, effects, tuple(failures)
@@ -474,9 +473,7 @@ def _effects(
         if gradient is not None:
             rows = [model.outputs.index(name) for name, _ in places]
             return np.asarray(gradient[rows] * np.array(list(deviations.values())))
-    fixed = model
-    if isinstance(nodes := getattr(result, "nodes", None), int) and not model.options:
-        fixed = replace(model, options={"nodes": nodes})  # errors of one mesh cancel
+    fixed = model.on_mesh_of(result)
     base = np.array([_or_nan(result, *place) for place in places])
     for j, (name, deviation) in enumerate(deviations.items()):
         value = get_field(model.variant(inputs), name)
@@ -507,27 +504,20 @@ def _rms(values: Array) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
-def _finite(table: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a table with None in place of nan, for JSON."""
-    return {name: None if value != value else value for name, value in table.items()}
-
-
 def _agreement_text(comparison: Comparison, output: str) -> str:
     """Return the agreement of an output as a line."""
-    of, quantity = comparison.agreement(output), comparison.quantities[output]
-    if of.size == 0:
+    agreement, quantity = comparison.agreement(output), comparison.quantities[output]
+    if agreement.size == 0:
         return f"{output}: no value with a prediction"
 
-    def text(value: float, sign: str = "") -> str:
-        return f"{quantity.shown(value):{sign}.3g} {quantity.display}".rstrip()
-
     parts = [
-        f"{output}: {of.size} {'value' if of.size == 1 else 'values'}",
-        f"measured - predicted {text(of.bias, '+')} +- {text(of.bias_uncertainty)}"
-        f" ({100 * of.relative_bias:+.2g} %)",
-        f"RMS {text(of.rms)}",
+        f"{output}: {agreement.size} {'value' if agreement.size == 1 else 'values'}",
+        f"measured - predicted {quantity.text(agreement.bias, '+.3g')} +- "
+        f"{quantity.text(agreement.bias_uncertainty, '.3g')} "
+        f"({100 * agreement.relative_bias:+.2g} %)",
+        f"RMS {quantity.text(agreement.rms, '.3g')}",
     ]
-    if of.coverage == of.coverage:
-        parts.append(f"expected {text(of.expected_rms)}")
-        parts.append(f"{100 * of.coverage:.0f} % within two standard uncertainties")
+    if agreement.coverage == agreement.coverage:
+        parts.append(f"expected {quantity.text(agreement.expected_rms, '.3g')}")
+        parts.append(f"{100 * agreement.coverage:.0f} % within two standard uncertainties")
     return ", ".join(parts)

@@ -60,8 +60,8 @@ def derivatives(result: Any, *parameters: str, **options: Any) -> Sensitivity:
     check_type("result", result, Result)
     exact = getattr(result, "sensitivity", None)
     if exact is not None and not options:
-        found: Sensitivity = exact(*parameters)
-        return found
+        sensitivity: Sensitivity = exact(*parameters)
+        return sensitivity
     fields = _fields(result.problem, parameters)
     if not options and isinstance(nodes := getattr(result, "nodes", None), int):
         options = {"nodes": nodes}
@@ -69,6 +69,7 @@ def derivatives(result: Any, *parameters: str, **options: Any) -> Sensitivity:
     outputs = tuple(n for n, value in known.items() if isinstance(value, float) and isfinite(value))
 
     def solved_outputs(problem: Any) -> Array:
+        """Solve a problem; return its outputs."""
         with unwarned():
             solved = kinds.solve(problem, **options)
         return np.array([float(getattr(solved, name)) for name in outputs])
@@ -77,8 +78,8 @@ def derivatives(result: Any, *parameters: str, **options: Any) -> Sensitivity:
     columns = [
         _difference(solved_outputs, result.problem, name, value) for name, value in fields.items()
     ]
-    where = np.array(list(fields.values()))
-    return Sensitivity(outputs, tuple(fields), np.array(columns).T, values, where)
+    point = np.array(list(fields.values()))
+    return Sensitivity(outputs, tuple(fields), np.array(columns).T, values, point)
 
 
 def _fields(problem: Any, names: tuple[str, ...]) -> dict[str, float]:
@@ -108,5 +109,5 @@ def _difference(outputs: Callable[[Any], Array], problem: Any, name: str, value:
                 raise
         if len(sides) == 2:
             break
-    (one, above), (two, below) = sides
-    return (above - below) / (one - two)
+    (x1, f1), (x2, f2) = sides
+    return (f1 - f2) / (x1 - x2)

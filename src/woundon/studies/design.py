@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import InvalidProblem, did_you_mean
-from .order import bisected, serpentine, tour
+from .order import bisection_order, serpentine, tour
 
 __all__ = ["Column", "Design", "Range", "make_design"]
 
@@ -99,19 +99,19 @@ class Range:
     array([ 1., 10.])
     """
 
-    def __init__(self, name: str, given: Any) -> None:
-        parts = list(given) if isinstance(given, (list, tuple, np.ndarray)) else []
+    def __init__(self, name: str, ends: Any) -> None:
+        parts = list(ends) if isinstance(ends, (list, tuple, np.ndarray)) else []
         self.name, self.log = name, len(parts) == 3 and parts[2] == "log"
         if not (len(parts) == 2 or self.log) or not all(
             isinstance(v, (Real, np.number)) and np.isfinite(float(v)) for v in parts[:2]
         ):
             raise InvalidProblem.at(
-                name, f"{given!r} is not a range; write (low, high) or (low, high, 'log')"
+                name, f"{ends!r} is not a range; write (low, high) or (low, high, 'log')"
             )
         self.low, self.high = float(parts[0]), float(parts[1])
         if not self.low < self.high or (self.log and self.low <= 0):
             positive = "0 < " if self.log else ""
-            raise InvalidProblem.at(name, f"{given!r} is not a range: must be {positive}low < high")
+            raise InvalidProblem.at(name, f"{ends!r} is not a range: must be {positive}low < high")
 
     def scaled(self, unit: Array) -> Array:
         """Map [0, 1] onto the range."""
@@ -185,7 +185,7 @@ class Design:
             order = serpentine(self.shape, sorted(range(len(rank)), key=lambda k: rank[k]))
         elif numbers := [c.values for c in self.columns if isinstance(c.values, np.ndarray)]:
             points = np.column_stack(numbers)
-            order = bisected(points)
+            order = bisection_order(points)
         chunks = [order[k : k + size] for k in range(0, self.size, size)]
         return chunks if points is None else [rows[tour(points[rows])] for rows in chunks]
 
@@ -233,8 +233,8 @@ def make_design(
         if kind == "table" and len(lengths) > 1:
             raise InvalidProblem.at("over", f"columns of a table differ in length: {lengths}")
     else:
-        ranges = [Range(name, given) for name, given in over.items()]
-        unit = _drawn(kind, len(ranges), _checked_samples(kind, samples), seed)
+        ranges = [Range(name, ends) for name, ends in over.items()]
+        unit = _draw_points(kind, len(ranges), _check_samples(kind, samples), seed)
         columns = (Column(r.name, r.scaled(unit[:, k])) for k, r in enumerate(ranges))
         design = Design(kind, tuple(columns))
     if design.size > MOST_CASES:
@@ -242,19 +242,19 @@ def make_design(
     return design
 
 
-def _checked_samples(kind: str, samples: int | None) -> int:
+def _check_samples(kind: str, samples: int | None) -> int:
     """Return the number of samples; for Sobol points it must be a power of 2."""
     if isinstance(samples, bool) or not isinstance(samples, (int, np.integer)) or samples < 2:
         raise InvalidProblem.at("samples", f"{samples!r} is not a number of cases, at least 2")
     power = int(log2(samples))
     if kind == "sobol" and samples != 2**power:
-        near = f"{2**power} or {2 ** (power + 1)}"
-        text = f"{samples} is not a power of 2, which Sobol points require: {near}"
+        nearest = f"{2**power} or {2 ** (power + 1)}"
+        text = f"{samples} is not a power of 2, which Sobol points require: {nearest}"
         raise InvalidProblem.at("samples", text)
     return int(samples)
 
 
-def _drawn(kind: str, inputs: int, samples: int, seed: int) -> Array:
+def _draw_points(kind: str, inputs: int, samples: int, seed: int) -> Array:
     """Draw points of the unit cube, (samples, inputs)."""
     from scipy.stats import qmc
 

@@ -10,9 +10,9 @@ from ..errors import InvalidProblem
 from .design import Design
 from .evaluate import Chunk
 from .model import Model, quantities_of
-from .progress import Progress, reported
+from .progress import Progress, progress_reporter
 from .runners import Runner
-from .store import Store, opened
+from .store import Store, open_store
 from .table import Table
 
 __all__ = ["Progress", "run_study"]
@@ -79,8 +79,8 @@ def run_study(
     cases = design.chunks(chunk)
     storing: AbstractContextManager[Store | None] = nullcontext()
     if out is not None:
-        about = {"chunk": chunk, **record}
-        storing = opened(out, design, cases, model.outputs, about, resume=resume)
+        settings = {"chunk": chunk, **record}
+        storing = open_store(out, design, cases, model.outputs, settings, resume=resume)
     with storing as store:
         if store is not None:
             for text in store.messages:
@@ -92,9 +92,9 @@ def run_study(
             for number, rows in enumerate(cases)
             if store is None or number not in store.kept
         ]
-        left = sum(len(c.cases) for c in chunks)
-        done = design.size - left
-        reporting = reported(progress, "solving", unit="cases/s", done=done)
+        remaining = sum(len(c.cases) for c in chunks)
+        done = design.size - remaining
+        reporting = progress_reporter(progress, "solving", unit="cases/s", done=done)
         # closing ends the workers here, not when the garbage is collected
         with reporting as report, closing(runner.solved(model, chunks)) as blocks:
             for block in blocks:

@@ -73,8 +73,8 @@ class Block:
     def failed(cls, chunk: Chunk, outputs: int, reason: str) -> Block:
         """Return the block of a chunk that could not be solved at all."""
         k = len(chunk.cases)
-        why, none = np.full(k, reason, dtype=object), np.full(k, "", dtype=object)
-        return cls(chunk.number, chunk.cases, np.full((k, outputs), np.nan), why, none)
+        reasons, no_warnings = np.full(k, reason, dtype=object), np.full(k, "", dtype=object)
+        return cls(chunk.number, chunk.cases, np.full((k, outputs), np.nan), reasons, no_warnings)
 
 
 def solve_chunk(model: Model, chunk: Chunk) -> Block:

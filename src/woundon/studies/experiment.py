@@ -21,7 +21,6 @@ A. N. Donev, R. D. Tobias, Optimum Experimental Designs, with SAS, Oxford 2007, 
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -30,6 +29,7 @@ import numpy as np
 
 from ..arguments import check_type, whole_number
 from ..errors import InvalidProblem, NotConverged
+from ..io.json_texts import json_text
 from ..problems.messages import not_one_of, quote
 from ..problems.problem import Problem
 from ..problems.units import parse
@@ -164,9 +164,6 @@ class NextExperiment(Presented, ReadOnly):
             )
         return [*texts, *(f"warning: {text}" for text in self.warnings)]
 
-    def __str__(self) -> str:
-        return "\n".join(self.lines())
-
     def __repr__(self) -> str:
         errors = zip(self.names, self.standard_errors[[0, 1]].T, strict=True)
         change = ", ".join(f"{n} {_percent(a)} -> {_percent(b)}" for n, (a, b) in errors)
@@ -191,20 +188,17 @@ class NextExperiment(Presented, ReadOnly):
 
     def to_json(self) -> str:
         """Return the plan as JSON, SI units."""
-        steps = self.to_dataframe().reset_index().to_dict(orient="records")
+        names = [candidate.name for candidate in self.candidates]
         table = {
             "criterion": self.criterion,
-            "steps": [{k: None if v != v else v for k, v in row.items()} for row in steps],
-            "first_scores": {
-                m.name: float(score)
-                for m, score in zip(self.candidates, self.first_scores[0], strict=True)
-            },
-            "unidentified": list(self.unidentified),
-            "direction": dict(zip(self.names, self.direction.tolist(), strict=True)),
+            "steps": self.to_dataframe().reset_index().to_dict(orient="records"),
+            "first_scores": dict(zip(names, self.first_scores[0], strict=True)),
+            "unidentified": self.unidentified,
+            "direction": dict(zip(self.names, self.direction, strict=True)),
             "direction_error": self.direction_error,
-            "warnings": list(self.warnings),
+            "warnings": self.warnings,
         }
-        return json.dumps(table, indent=1, default=float)
+        return json_text(table)
 
     def plot(self, path: Any = None, ax: Any = None) -> Any:
         """Draw the expected standard errors after each measurement.
@@ -275,7 +269,7 @@ def next_experiment(
     Raises
     ------
     InvalidProblem
-        For names, units, values or standard deviations at fault.
+        For invalid names, units, values or standard deviations.
     NotConverged
         If a state cannot be solved.
 
@@ -305,11 +299,11 @@ def next_experiment(
     n = len(candidates)
     count = n if count is None else whole_number("count", count, 1, n)
     whole_number("draws", draws, 0, 1000)
-    given = solver_options(nodes, rtol, options)
+    settings = solver_options(nodes, rtol, options)
     target = Measurement(output or _main_output(base, candidates), operating_point or {}, 1.0)
 
     def planned(measurement: Measurement) -> Planned:
-        return plan_measurement(measurement, base, theta, tie or {}, given)
+        return plan_measurement(measurement, base, theta, tie or {}, settings)
 
     known, goal = [planned(m) for m in completed], planned(target)
     if goal.measurement.size != 1:
@@ -326,10 +320,10 @@ def next_experiment(
     order = local.select(count)
     scores, covariances = local.steps(order)
     everything = np.linalg.inv(local.J0 + local.information.sum(axis=0))
-    before = np.sqrt(np.diag(covariances[0]))
-    weak = np.sqrt(np.diag(everything)) > (1 - REDUCED) * before
+    initial_errors = np.sqrt(np.diag(covariances[0]))
+    weak = np.sqrt(np.diag(everything)) > (1 - REDUCED) * initial_errors
     variance, vectors = np.linalg.eigh(everything)
-    least = vectors[:, -1] / vectors[np.argmax(np.abs(vectors[:, -1])), -1]
+    weakest = vectors[:, -1] / vectors[np.argmax(np.abs(vectors[:, -1])), -1]
     others, failures = _others(study, theta, covariances[0], draws, seed)
     first = np.array([local.first_scores(), *(other.first_scores() for other in others)])
     quantities = {goal.output: goal.quantity}
@@ -350,7 +344,7 @@ def next_experiment(
             [np.diag(np.linalg.inv(local.J0 + each)) for each in local.information]
         ),
         unidentified=tuple(name for name, is_weak in zip(names, weak, strict=True) if is_weak),
-        direction=least,
+        direction=weakest,
         direction_error=float(np.sqrt(variance[-1])),
         criterion=criterion,
         warnings=tuple(_warnings(first, candidates, covariances[0], names, failures)),
@@ -403,8 +397,8 @@ def _start_information(prior: Mapping[str, float], fitted: FitResult | None) -> 
             )
             raise InvalidProblem.at("problem", text)
         names = list(prior)
-        at = [names.index(name) for name in fitted.names]
-        information[np.ix_(at, at)] += np.linalg.inv(relative)
+        indices = [names.index(name) for name in fitted.names]
+        information[np.ix_(indices, indices)] += np.linalg.inv(relative)
     return np.asarray(information)
 
 
@@ -467,32 +461,32 @@ class _Linearised(NamedTuple):
     def select(self, count: int) -> list[int]:
         """Return the selected candidates, best first."""
         n = len(self.cost)
-        chosen = self._greedy(range(n), count)
-        value = self._value(chosen)
+        selection = self._greedy(range(n), count)
+        value = self._value(selection)
         improved = count < n
         while improved:
             improved = False
             for i in range(count):
-                for k in set(range(n)) - set(chosen):
-                    trial = [*chosen[:i], k, *chosen[i + 1 :]]
+                for k in set(range(n)) - set(selection):
+                    trial = [*selection[:i], k, *selection[i + 1 :]]
                     # relative to rounding of the criterion, so that the loop ends
-                    if (found := self._value(trial)) > value * (1 + 1e-9):
-                        chosen, value, improved = trial, found, True
-        return self._greedy(chosen, count)
+                    if (trial_value := self._value(trial)) > value * (1 + 1e-9):
+                        selection, value, improved = trial, trial_value, True
+        return self._greedy(selection, count)
 
-    def _value(self, chosen: Sequence[int]) -> float:
+    def _value(self, selection: Sequence[int]) -> float:
         """Return the reduction of the criterion per total cost."""
-        J = self.J0 + self.information[list(chosen)].sum(axis=0)
+        J = self.J0 + self.information[list(selection)].sum(axis=0)
         reduction = self.criterion_of(self.J0) - self.criterion_of(J)
-        return reduction / float(self.cost[list(chosen)].sum())
+        return reduction / float(self.cost[list(selection)].sum())
 
     def _greedy(self, among: Sequence[int] | range, count: int) -> list[int]:
         """Return the indices of measurements, each the best one in addition to those before it."""
-        J, left, order = self.J0, list(among), []
+        J, remaining, order = self.J0, list(among), []
         for _ in range(count):
-            best = max(left, key=lambda k: self._score(J, k))
+            best = max(remaining, key=lambda k: self._score(J, k))
             J = J + self.information[best]
-            left.remove(best)
+            remaining.remove(best)
             order.append(best)
         return order
 
@@ -516,16 +510,16 @@ def _others(
     variance, vectors = np.linalg.eigh(C)
     widths = np.minimum(np.sqrt(np.maximum(variance, 0)), WIDEST / MOST_SIGMA)
     rng = np.random.default_rng(seed)
-    found: list[_Linearised] = []
+    studies: list[_Linearised] = []
     failures = 0
     for z in np.clip(rng.standard_normal((draws, len(theta))), -MOST_SIGMA, MOST_SIGMA):
         factors = np.exp(vectors @ (widths * z)).tolist()
         point = {name: v * f for (name, v), f in zip(theta.items(), factors, strict=True)}
         try:
-            found.append(study.at(point, np.linalg.inv(C)))
+            studies.append(study.at(point, np.linalg.inv(C)))
         except (InvalidProblem, NotConverged):
             failures += 1
-    return found, failures
+    return studies, failures
 
 
 def _warnings(

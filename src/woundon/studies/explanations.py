@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..quantities import Quantity
+from ..quantities import length, pure
 
 __all__ = ["Explanation", "explain"]
 
@@ -26,6 +26,7 @@ FEWEST = 5  # values of a trend
 LEAST_TREND = 0.01  # of the mean prediction, without standard deviations
 OUTLYING = 4.0  # standard uncertainties of a single value
 CONSTANT = 0.1  # relative scatter of a constant ratio
+RADIUS = length("r", "radius of the measurement")
 
 WIDTH, TENSION, PRESSURE, LENGTH = "width", "tension", "pressure", "length"
 _CLASSES = {
@@ -154,22 +155,23 @@ def explain(comparison: Any) -> tuple[Explanation, ...]:
 
 def _of_output(comparison: Any, output: str) -> Iterator[Explanation]:
     """Yield the findings on one output."""
-    of = comparison.agreement(output)
-    if of.size < 2:
+    agreement = comparison.agreement(output)
+    if agreement.size < 2:
         return
     rows = comparison.of(output)
     causes = list(_trends(comparison, output, rows))
     yield from causes
-    significant = abs(of.bias) > SIGNIFICANT * of.bias_uncertainty
+    significant = abs(agreement.bias) > SIGNIFICANT * agreement.bias_uncertainty
     if significant:
         yield _bias(comparison, output, rows)
     yield from _budget(comparison, output, rows, significant)
     yield from _outliers(comparison, output, rows)
-    if not significant and not causes and of.bias_uncertainty == of.bias_uncertainty:
+    if not significant and not causes and agreement.bias_uncertainty == agreement.bias_uncertainty:
         yield Explanation(output, "no systematic difference beyond the error budget")
 
 
 def _class_of(output: str) -> str:
+    """Return the class of an output: width, tension, pressure or length; empty for others."""
     return (
         TENSION if output.endswith("tension") or "tension_" in output else _CLASSES.get(output, "")
     )
@@ -177,17 +179,18 @@ def _class_of(output: str) -> str:
 
 def _bias(comparison: Any, output: str, rows: Array) -> Explanation:
     """Return the explanation of a mean difference."""
-    of, residual = comparison.agreement(output), comparison.residual[rows]
-    sign = 1 if of.bias > 0 else -1
-    same = int(np.sum(np.sign(residual) == sign))
+    agreement, residual = comparison.agreement(output), comparison.residual[rows]
+    sign = 1 if agreement.bias > 0 else -1
+    count = int(np.sum(np.sign(residual) == sign))
     word = "larger" if sign > 0 else "smaller"
-    share = f"by {100 * abs(of.relative_bias):.2g} % of the mean, in {same} of {of.size} values"
+    share = f"by {100 * abs(agreement.relative_bias):.2g} % of the mean"
+    share += f", in {count} of {agreement.size} values"
     causes = list(_BIAS.get((_class_of(output), sign), ()))
     if getattr(comparison.problem, "air", None) is not None:
         causes = [c.replace("entrained air", "more entrained air than assumed") for c in causes]
     ratio = comparison.measured[rows] / comparison.predicted[rows]
     constant = np.std(ratio) < CONSTANT * abs(np.mean(ratio))
-    if _class_of(output) == PRESSURE and constant and of.size >= FEWEST:
+    if _class_of(output) == PRESSURE and constant and agreement.size >= FEWEST:
         text = f"the ratio is nearly constant ({np.mean(ratio):.2g}): the calibration of the tab"
         causes.insert(0, f"{text}, its coefficient of friction or area")
     return Explanation(output, f"measured {word} than predicted {share}", tuple(causes))
@@ -203,9 +206,10 @@ def _trends(comparison: Any, output: str, rows: Array) -> Iterator[Explanation]:
     y, predicted = comparison.residual[rows], comparison.predicted[rows]
     mean = float(np.mean(predicted))
     budget = sqrt(float(np.mean(comparison.total[rows] ** 2)))
-    least = budget if budget > 0 else LEAST_TREND * abs(mean)
+    threshold = budget if budget > 0 else LEAST_TREND * abs(mean)
     # neither an offset nor a wrong factor is a trend: it must show in y and in y/predicted
     measures = [y, y * mean / predicted] if np.all(predicted * mean > 0) else [y]
+    quantities = {**comparison.quantities, "radius": RADIUS}
     for name, x in places.items():
         if x.size < FEWEST or np.unique(x).size < 3:
             continue
@@ -213,13 +217,14 @@ def _trends(comparison: Any, output: str, rows: Array) -> Iterator[Explanation]:
         changes = [float(line.slope) * float(np.ptp(x)) for line in lines]
         sign = 1 if changes[0] > 0 else -1
         if not all(
-            line.pvalue < P_VALUE and sign * change > least
+            line.pvalue < P_VALUE and sign * change > threshold
             for line, change in zip(lines, changes, strict=True)
         ):
             continue
         word = "rises" if sign > 0 else "falls"
-        ends = " to ".join(_shown(comparison.quantities.get(name), v) for v in (x.min(), x.max()))
-        text = _shown(comparison.quantities[output], abs(changes[0]))
+        quantity = quantities.get(name, pure("", name))
+        ends = " to ".join(quantity.text(end) for end in (x.min(), x.max()))
+        text = comparison.quantities[output].text(abs(changes[0]))
         finding = f"measured - predicted {word} by {text} with {name} from {ends}"
         causes = _TRENDS.get((_class_of(output), name.rpartition(".")[2], sign), ())
         yield Explanation(output, finding, causes)
@@ -227,28 +232,21 @@ def _trends(comparison: Any, output: str, rows: Array) -> Iterator[Explanation]:
 
 def _budget(comparison: Any, output: str, rows: Array, significant: bool) -> Iterator[Explanation]:
     """Yield findings from the parts of the error budget."""
-    of = comparison.agreement(output)
+    agreement = comparison.agreement(output)
     if np.isnan(comparison.deviation[rows]).any():
         text = (
             "no standard deviations of the measurement: the scatter of the rows stands in for them"
         )
         yield Explanation(output, text)
-    total2, error = (
-        float(np.sum(comparison.total[rows] ** 2)),
-        np.nan_to_num(comparison.error[rows]),
-    )
-    if (
-        float(np.sum(error**2)) > 0.5 * total2 > 0
-        and not np.isnan(comparison.deviation[rows]).any()
-    ):
+    elif np.nansum(comparison.error[rows] ** 2) > 0.5 * np.sum(comparison.total[rows] ** 2):
         text = (
             "the discretisation error is the largest part of the error budget: use a smaller rtol"
         )
         yield Explanation(output, text)
     common = comparison.effects[rows].mean(axis=0) if comparison.sources else np.zeros(0)
     if common.size and not significant:
-        rest2 = max(of.bias_uncertainty**2 - float(np.sum(common**2)), 0.0)
-        if abs(of.bias) > SIGNIFICANT * sqrt(rest2):
+        rest2 = max(agreement.bias_uncertainty**2 - float(np.sum(common**2)), 0.0)
+        if abs(agreement.bias) > SIGNIFICANT * sqrt(rest2):
             largest = comparison.sources[int(np.argmax(np.abs(common)))]
             text = (
                 "the mean difference lies within the spread of the inputs; the largest "
@@ -268,9 +266,3 @@ def _outliers(comparison: Any, output: str, rows: Array) -> Iterator[Explanation
     numbers = np.array(comparison.numbers)[rows][far]
     text = f"row {', '.join(map(str, numbers))}: more than {OUTLYING:g} standard uncertainties off"
     yield Explanation(output, text, ("the reading or the setting of this row is wrong",))
-
-
-def _shown(quantity: Any, value: float) -> str:
-    if not isinstance(quantity, Quantity):  # of the radius
-        return f"{1e3 * value:.4g} mm"
-    return f"{quantity.shown(value):.4g} {quantity.display}".rstrip()

@@ -43,14 +43,8 @@ def check_export(path: str | Path) -> Callable[[Table, Path], None]:
     """Return the function that writes the format of the suffix of a path; reject others."""
     ending = Path(path).suffix
     if ending not in _WRITERS:
-        raise InvalidProblem(
-            [
-                (
-                    str(path),
-                    f"the ending {ending!r} is not a known format; must be {', '.join(_WRITERS)}",
-                )
-            ]
-        )
+        text = f"the ending {ending!r} is not a known format; must be {', '.join(_WRITERS)}"
+        raise InvalidProblem.at(str(path), text)
     if ending == ".xlsx":
         need_openpyxl()
     if ending == ".parquet" and find_spec("pyarrow") is None:
@@ -63,24 +57,25 @@ def _columns(table: Table) -> dict[str, Any]:
 
     Bodies are written as JSON, so that the file can be used as the cases of another study.
     """
-    things = {column.name: column for column in table.design.columns if not column.numeric}
+    objects = {column.name: column for column in table.design.columns if not column.numeric}
     columns: dict[str, Any] = {}
     for name, values in table.columns().items():
-        unit, shown = (
+        unit, converted = (
             table.quantities[name].in_table(values) if name in table.quantities else ("", values)
         )
-        columns[f"{name} [{unit}]" if unit else name] = shown
+        columns[f"{name} [{unit}]" if unit else name] = converted
     cases = np.arange(table.design.size)
     columns |= {
-        name: [_text(thing) for thing in table.design.inputs(cases)[name]] for name in things
+        name: [_text(body) for body in table.design.inputs(cases)[name]] for name in objects
     }
     return columns
 
 
-def _text(thing: Any) -> str:
-    if hasattr(thing, "model_dump"):
-        return json.dumps(thing.model_dump(mode="json"))
-    return str(thing)
+def _text(value: Any) -> str:
+    """Return a body as JSON, and other objects as text."""
+    if hasattr(value, "model_dump"):
+        return json.dumps(value.model_dump(mode="json"))
+    return str(value)
 
 
 def _netcdf(table: Table, path: Path) -> None:
@@ -89,6 +84,7 @@ def _netcdf(table: Table, path: Path) -> None:
 
 
 def _csv(table: Table, path: Path) -> None:
+    """Write the cases to a CSV file."""
     import pandas
 
     frame = pandas.DataFrame(_columns(table))
@@ -99,8 +95,8 @@ def _excel(table: Table, path: Path) -> None:
     """Write the cases to a sheet of an Excel file, and the design to a second sheet."""
     import pandas
 
-    about = record_table({"design": table.design.kind, **table.record})
-    write_workbook(path, {"study": pandas.DataFrame(_columns(table)), "about": about})
+    record = record_table({"design": table.design.kind, **table.record})
+    write_workbook(path, {"study": pandas.DataFrame(_columns(table)), "about": record})
 
 
 def _parquet(table: Table, path: Path) -> None:

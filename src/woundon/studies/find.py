@@ -8,7 +8,6 @@ error e of the output, a value is uncertain by e / |d output / dx|.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from math import inf, isfinite, nan
@@ -18,6 +17,7 @@ import numpy as np
 
 from ..arguments import whole_number
 from ..errors import InvalidProblem, NoSolution, NotConverged, warn
+from ..io.json_texts import json_text
 from ..problems.inputs import conversion_context, convert_number
 from ..problems.messages import quote
 from ..problems.permitted import admissible, bounds
@@ -28,7 +28,7 @@ from ..quantities import find as find_places
 from ..results import Presented, ReadOnly
 from .kind_model import get_field, model_of
 from .model import quantities_of
-from .progress import Progress, reported
+from .progress import Progress, progress_reporter
 from .root_search import DECADE, Interval, RootSearch, Sample, error_of
 
 if TYPE_CHECKING:
@@ -130,9 +130,6 @@ class FindResult(Presented, ReadOnly):
         """Return the solutions as lines of text, the first one first."""
         return [_answer(self, k) for k in range(len(self.solutions))] + remarks(self)
 
-    def __str__(self) -> str:
-        return "\n".join(self.lines())
-
     def __repr__(self) -> str:
         outcome = ", ".join(_text(self, self.name, value) for value, _ in self.solutions)
         return f"FindResult({self.name} = {outcome} for {_target_text(self)})"
@@ -160,18 +157,12 @@ class FindResult(Presented, ReadOnly):
             "output": self.output,
             "target": self.target,
             "units": {name: quantity.unit for name, quantity in self.quantities.items()},
-            "solutions": [
-                {name: number if isfinite(number) else None for name, number in row.items()}
-                for row in self.to_dataframe().to_dict(orient="records")
-            ],
-            "scan": [
-                [x, y if isfinite(y) else None]
-                for x, y in zip(self.values.tolist(), self.outputs.tolist(), strict=True)
-            ],
-            "failures": [list(pair) for pair in self.failures],
-            "jumps": [list(pair) for pair in self.jumps],
+            "solutions": self.to_dataframe().to_dict(orient="records"),
+            "scan": np.column_stack([self.values, self.outputs]),
+            "failures": self.failures,
+            "jumps": self.jumps,
         }
-        return json.dumps(table, indent=1)
+        return json_text(table)
 
     def plot(self, path: Any = None, ax: Any = None) -> Any:
         """Draw the output over the field with the target and the solutions.
@@ -263,7 +254,7 @@ def find(
         raise InvalidProblem.at(output, f"the target {quote(aim)} is not a finite number")
     count = whole_number("points", points, 3, 1000)
     interval = _interval(problem, name, base, quantities[name], between)
-    with reported(progress, "finding") as report:
+    with progress_reporter(progress, "finding") as report:
         search = RootSearch(
             model, name, output, aim, interval, lambda done: report(done, max(done, count))
         )
@@ -345,15 +336,11 @@ def _ends(between: Any, quantity: Quantity, name: str) -> tuple[float, float]:
     pair = list(between) if isinstance(between, (list, tuple, np.ndarray)) else []
     if len(pair) != 2:
         raise InvalidProblem.at("between", f"{quote(between)} is not a range; write (low, high)")
-    low, high = (parse(_plain(end), quantity.unit, f"between: {name}") for end in pair)
+    numbers = [end.item() if isinstance(end, np.generic) else end for end in pair]
+    low, high = (parse(end, quantity.unit, f"between: {name}") for end in numbers)
     if not (isfinite(low) and isfinite(high) and low < high):
         raise InvalidProblem.at("between", f"{quote(between)} is not a range: must be low < high")
     return low, high
-
-
-def _plain(value: Any) -> Any:
-    """Return a number of NumPy as Python's own."""
-    return value.item() if isinstance(value, np.generic) else value
 
 
 def _admits(limits: Sequence[tuple[str, float]], value: float) -> bool:
@@ -408,7 +395,7 @@ def _no_solution(
     """Return the error that explains why there is no solution."""
     field_of, output_of = quantities[search.name], quantities[search.output]
     values, outputs = scan[:, 0].tolist(), scan[:, 1].tolist()
-    low, high = (_shown(field_of, end) for end in scan[[0, -1], 0])
+    low, high = (field_of.text(end, ".6g") for end in scan[[0, -1], 0])
     where = f"{search.name} from {low} to {high}"
     reasons = f"; the first reason: {failures[0][1]}" if failures else ""
     if len(failures) == len(scan):
@@ -417,25 +404,23 @@ def _no_solution(
             return NotConverged(text)
         return NoSolution([(search.name, text)], None, values, outputs, failures)
     reachable = (float(np.nanmin(scan[:, 1])), float(np.nanmax(scan[:, 1])))
-    ends = " to ".join(_shown(output_of, end) for end in reachable)
-    text = f"{_shown(output_of, search.target)} is not reached by {where}, which gives {ends}"
+    ends = " to ".join(output_of.text(end, ".6g") for end in reachable)
+    text = f"{output_of.text(search.target, '.6g')} is not reached by {where}, which gives {ends}"
     if search.jumps:
-        at = _shown(field_of, search.jumps[0][0])
-        text += f"; the output jumps across the target at {search.name} = {at}"
+        place = field_of.text(search.jumps[0][0], ".6g")
+        text += f"; the output jumps across the target at {search.name} = {place}"
     if failures:
         text += f"; {len(failures)} of {len(scan)} points have no solution{reasons}"
     return NoSolution([(search.output, text)], reachable, values, outputs, failures)
 
 
-def _shown(quantity: Quantity, value: float, digits: int = 6) -> str:
-    return f"{quantity.shown(float(value)):.{digits}g} {quantity.display}".rstrip()
-
-
-def _text(outcome: FindResult, name: str, value: float, digits: int = 6) -> str:
-    return _shown(outcome.quantities[name], value, digits)
+def _text(outcome: FindResult, name: str, value: float, form: str = ".6g") -> str:
+    """Return a value of the field or of the output with its unit."""
+    return outcome.quantities[name].text(value, form)
 
 
 def _target_text(outcome: FindResult) -> str:
+    """Return the output with its target value."""
     return f"{outcome.output} = {_text(outcome, outcome.output, outcome.target)}"
 
 
@@ -443,7 +428,7 @@ def _answer(outcome: FindResult, k: int) -> str:
     """Return a solution as a line: value, uncertainty, output."""
     value = outcome.solutions[k].value
     spread = outcome.uncertainties[k]
-    known = f" +- {_text(outcome, outcome.name, spread, 2)}" if isfinite(spread) else ""
+    known = f" +- {_text(outcome, outcome.name, spread, '.2g')}" if isfinite(spread) else ""
     reached = _text(outcome, outcome.output, outcome.reached[k])
     text = _text(outcome, outcome.name, value)
     return f"{outcome.name} = {text}{known}: {outcome.output} = {reached}"
@@ -465,8 +450,8 @@ def remarks(outcome: FindResult) -> list[str]:
     if outcome.failures:
         value, reason = outcome.failures[0]
         count = f"{len(outcome.failures)} of {len(outcome.values)} points"
-        at = _text(outcome, outcome.name, value)
-        texts.append(f"{count} have no solution, e.g. {at}: {reason}")
+        place = _text(outcome, outcome.name, value)
+        texts.append(f"{count} have no solution, e.g. {place}: {reason}")
     for jump in outcome.jumps:
         texts.append(
             f"{outcome.output} jumps across the target at {outcome.name} = "

@@ -19,6 +19,7 @@ from collections.abc import Collection, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field
 from functools import partial
+from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -136,9 +137,6 @@ class FitResult(Presented, ReadOnly):
         """Return the fit as lines of text."""
         return fitreport.lines(self)
 
-    def __str__(self) -> str:
-        return "\n".join(self.lines())
-
     def __repr__(self) -> str:
         return fitreport.line(self)
 
@@ -216,21 +214,23 @@ def fit_parameters(
         raise InvalidProblem.at("vary", text)
     began = time.perf_counter()
     tasks = _Tasks(predictor, (starts or 2) + 2 * len(profiles), progress)
-    minima, used = _minima(predictor, starts, seed, tasks)
+    minima, count = _minima(predictor, starts, seed, tasks)
     if not minima:
         raise NotConverged(f"no start of the fit could be solved: {predictor.fault}")
     if time.perf_counter() - began < WORTH_A_POOL:
         workers = 1
     for _ in range(MOST_STARTS):
-        found = _profiles(predictor, minima[0], profiles, tasks, workers)
-        best = min((profile.best for profile in found), key=_first, default=None)
+        likelihoods = _profiles(predictor, minima[0], profiles, tasks, workers)
+        best = min(
+            (profile.best for profile in likelihoods), key=lambda best: best[0], default=None
+        )
         if best is None or _is_least(minima[0].S, best[0], predictor):
             break
         # a profile has entered the basin of a deeper minimum that no start had found
         deeper = minimise(predictor, best[1])
-        minima = minima if deeper is None else sorted([deeper, *minima], key=_sum_of_squares)
+        minima = minima if deeper is None else sorted([deeper, *minima], key=attrgetter("S"))
     tasks.end()
-    return _result(predictor, minima, used, found, quantities)
+    return _result(predictor, minima, count, likelihoods, quantities)
 
 
 def _minima(
@@ -238,17 +238,17 @@ def _minima(
 ) -> tuple[list[Linearisation], int]:
     """Return the minima of the starts in ascending order, and the number of starts."""
     minima: list[Linearisation] = []
-    used = 0
+    count = 0
     for start in _starting_points(predictor.parameters, starts or MOST_STARTS, seed):
         minimum = minimise(predictor, start, minima[0] if minima else None)
-        used += 1
+        count += 1
         tasks.finish()
         if minimum is not None:
-            minima = sorted([*minima, minimum], key=_sum_of_squares)
-        agree = starts is None and _reached(predictor, minima) >= 2
+            minima = sorted([*minima, minimum], key=attrgetter("S"))
+        agree = starts is None and _count_best(predictor, minima) >= 2
         if agree and _is_conclusive(predictor, minima[0]):
             break
-    return minima, used
+    return minima, count
 
 
 def _is_conclusive(predictor: Predictor, minimum: Linearisation) -> bool:
@@ -273,8 +273,8 @@ def _starting_points(parameters: Sequence[Parameter], starts: int, seed: int) ->
 
     low, high = np.transpose([p.ends for p in parameters])
     base = np.array([p.start for p in parameters])
-    drawn = qmc.LatinHypercube(len(parameters), rng=seed).random(max(starts - 1, 0))
-    return [base, *(low + drawn * (high - low))]
+    samples = qmc.LatinHypercube(len(parameters), rng=seed).random(max(starts - 1, 0))
+    return [base, *(low + samples * (high - low))]
 
 
 def _profiles(
@@ -287,10 +287,10 @@ def _profiles(
     """Return the profiles of named parameters; none without degrees of freedom."""
     freedom = predictor.measured.size - len(predictor.parameters)
     limit = threshold(minimum.S, freedom, predictor.weighted)
-    chosen = [j for j, parameter in enumerate(predictor.parameters) if parameter.name in names]
+    indices = [j for j, parameter in enumerate(predictor.parameters) if parameter.name in names]
     if not np.isfinite(limit):
         return ()
-    places = [(j, sign) for j in chosen for sign in (-1, 1)]
+    places = [(j, sign) for j in indices for sign in (-1, 1)]
     ends: dict[tuple[int, int], End] = {}
     if workers > 1 and len(places) > 1:
         work = partial(_end_of_profile, predictor.remembering(minimum.u), minimum, limit)
@@ -303,7 +303,7 @@ def _profiles(
         predictor.solves += solves
         tasks.finish()
     return tuple(
-        profile_of(predictor, j, minimum, limit, [ends[j, -1], ends[j, 1]]) for j in chosen
+        profile_of(predictor, j, minimum, limit, [ends[j, -1], ends[j, 1]]) for j in indices
     )
 
 
@@ -322,10 +322,8 @@ class _Tasks:
 
     def __init__(self, predictor: Predictor, count: int, progress: Progress) -> None:
         # a minimisation takes about five iterations, and as many derivatives
-        self.each, self.expected = (
-            5 * (1 + predictor.low.size),
-            count * 5 * (1 + predictor.low.size),
-        )
+        self.each = 5 * (1 + predictor.low.size)
+        self.expected = count * self.each
         self.progress, self.finished, self.done = progress, 0, 0
         predictor.report = lambda: self._report(self.done + 1)
 
@@ -339,30 +337,23 @@ class _Tasks:
         self.progress(self.expected, self.expected)
 
     def _report(self, done: int) -> None:
-        most = min((self.finished + 1) * self.each, self.expected - 1)
-        self.done = max(self.done, min(done, most))
+        """Report a number of evaluations, which never decreases."""
+        limit = min((self.finished + 1) * self.each, self.expected - 1)
+        self.done = max(self.done, min(done, limit))
         self.progress(self.done, self.expected)
 
 
-def _first(pair: tuple[float, Any]) -> float:
-    return pair[0]
-
-
-def _sum_of_squares(minimum: Linearisation) -> float:
-    return minimum.S
-
-
-def _reached(predictor: Predictor, minima: Sequence[Linearisation]) -> int:
+def _count_best(predictor: Predictor, minima: Sequence[Linearisation]) -> int:
     """Return the number of starts that converged to the best minimum."""
     return sum(_is_least(end.S, minima[0].S, predictor) for end in minima)
 
 
-def _is_least(S: float, least: float, predictor: Predictor) -> bool:
+def _is_least(S: float, smallest: float, predictor: Predictor) -> bool:
     """Return True if S is the least sum of squares to the accuracy of minima."""
     freedom = max(predictor.measured.size - len(predictor.parameters), 1)
     rounding = 1e-12 * float(np.sum((predictor.measured / predictor.deviation) ** 2))
-    same = least * (1 + max(SAME_MINIMUM, (3 * ACCURACY) ** 2 / freedom)) + rounding
-    return same >= S
+    limit = smallest * (1 + max(SAME_MINIMUM, (3 * ACCURACY) ** 2 / freedom)) + rounding
+    return limit >= S
 
 
 def _covariance(predictor: Predictor, J: Array, S: float) -> Array:
@@ -407,7 +398,7 @@ def _result(
         joint_effect=float(tenth * np.linalg.norm(J @ (unit * direction)) / np.sqrt(m)),
         at_bound=tuple(_at_bound(parameters, u)),
         minima=tuple((end.S, tuple(predictor.inputs(end.u).values())) for end in minima),
-        reached=_reached(predictor, minima),
+        reached=_count_best(predictor, minima),
         starts=starts,
         solves=predictor.solves,
         measured=predictor.measured,
@@ -422,9 +413,9 @@ def _result(
 
 def _at_bound(parameters: Sequence[Parameter], u: Array) -> list[str]:
     """Return the names of the parameters whose estimates are at a bound."""
-    found = []
+    names = []
     for parameter, value in zip(parameters, u, strict=True):
         low, high = parameter.ends
         if min(value - low, high - value) < 1e-4 * (high - low):
-            found.append(parameter.name)
-    return found
+            names.append(parameter.name)
+    return names

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from math import expm1, isfinite, log, nan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+from ..io.json_texts import json_text
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -39,10 +40,12 @@ def lines(fit: Any) -> list[str]:
 
 def line(fit: Any) -> str:
     """Return the fit as one line of text."""
-    shown = ((n, *_in_table(fit, n, v)) for n, v in zip(fit.names, fit.estimates, strict=True))
-    texts = [f"{name}={value:.4g} {of}".rstrip() for name, of, value in list(shown)[:MOST_SHOWN]]
-    more = len(fit.names) - MOST_SHOWN
-    texts += [f"{more} more"] if more > 0 else []
+    entries = ((n, *_in_table(fit, n, v)) for n, v in zip(fit.names, fit.estimates, strict=True))
+    texts = [
+        f"{name}={value:.4g} {unit}".rstrip() for name, unit, value in list(entries)[:MOST_SHOWN]
+    ]
+    hidden = len(fit.names) - MOST_SHOWN
+    texts += [f"{hidden} more"] if hidden > 0 else []
     rms = f"RMS {_rms(fit, fit.rms):.4g}{_rms_unit(fit)} of {fit.measured.size} measured values"
     return f"FitResult({', '.join(texts)}; {rms})"
 
@@ -79,13 +82,13 @@ def to_dataset(fit: Any) -> xarray.Dataset:
     outputs = list(fit.row_outputs)
     units = [_unit(fit, name) for name in outputs]
     table = to_frame(fit).to_xarray()
-    both = ("parameter", "parameter_2")
+    dims = ("parameter", "parameter_2")
     rms_unit = "standard deviations" if fit.weighted else units[0]
     return (
         table.set_coords("unit")
         .assign(
-            covariance=(both, fit.covariance),
-            correlation=(both, fit.correlation),
+            covariance=(dims, fit.covariance),
+            correlation=(dims, fit.correlation),
             measured=("measurement", fit.measured),
             fitted=("measurement", fit.fitted),
         )
@@ -120,9 +123,9 @@ def _rms(fit: Any, value: float) -> float:
 
 def _in_table(fit: Any, name: str, value: Any) -> tuple[str, Any]:
     """Return unit (empty if dimensionless) and value, in SI or in chosen units."""
-    about = fit.quantities.get(name)
-    unit, shown = about.in_table(value) if about else ("", value)
-    return "" if unit == "1" else unit, shown
+    quantity = fit.quantities.get(name)
+    unit, converted = quantity.in_table(value) if quantity else ("", value)
+    return "" if unit == "1" else unit, converted
 
 
 def _estimates(fit: Any) -> Iterator[str]:
@@ -156,9 +159,9 @@ def _minima(fit: Any, unit: str) -> Iterator[str]:
     """Yield a line on the second-best local minimum, if there is one."""
     m = fit.measured.size
     for S, values in fit.minima[fit.reached : fit.reached + 1]:
-        shown = ((n, *_in_table(fit, n, v)) for n, v in zip(fit.names, values, strict=True))
-        where = ", ".join(f"{name} {value:.4g} {of}".rstrip() for name, of, value in shown)
-        yield f"second-best local minimum: RMS {_rms(fit, (S / m) ** 0.5):.4g}{unit} at {where}"
+        entries = ((n, *_in_table(fit, n, v)) for n, v in zip(fit.names, values, strict=True))
+        place = ", ".join(f"{name} {value:.4g} {label}".rstrip() for name, label, value in entries)
+        yield f"second-best local minimum: RMS {_rms(fit, (S / m) ** 0.5):.4g}{unit} at {place}"
 
 
 def _trade_offs(fit: Any, unit: str) -> Iterator[str]:
@@ -174,7 +177,7 @@ def _trade_offs(fit: Any, unit: str) -> Iterator[str]:
         yield f"+10 % of {fit.names[0]} changes the fitted values by {change}"
         return
     leading = int(np.argmax(np.abs(fit.direction)))
-    alone, joint = (_rms(fit, effect) for effect in (fit.effects[leading], fit.joint_effect))
+    single, joint = (_rms(fit, effect) for effect in (fit.effects[leading], fit.joint_effect))
     moves = [
         f"{name} {expm1(log(1.1) * part):+.1%}"
         for name, part in zip(fit.names, fit.direction, strict=True)
@@ -182,9 +185,9 @@ def _trade_offs(fit: Any, unit: str) -> Iterator[str]:
     ]
     text = (
         f"{' with '.join(moves)} together change the fitted values by "
-        f"{joint:.3g}{unit} (RMS); {fit.names[leading]} +10 % alone by {alone:.3g}{unit}"
+        f"{joint:.3g}{unit} (RMS); {fit.names[leading]} +10 % alone by {single:.3g}{unit}"
     )
-    if joint < 0.2 * alone:
+    if joint < 0.2 * single:
         text = f"nearly non-identifiable combination: {text}"
     yield f"{text}; condition number {fit.condition:.3g}"
 
@@ -199,17 +202,4 @@ def to_json(fit: Any) -> str:
     }
     if hasattr(fit.problem, "model_dump"):
         record["problem"] = fit.problem.model_dump()
-    return json.dumps(_plain(record), indent=1, allow_nan=False)
-
-
-def _plain(value: Any) -> Any:
-    """Return a value as JSON types; None in place of nan and inf."""
-    if isinstance(value, dict):
-        return {name: _plain(inner) for name, inner in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_plain(inner) for inner in value]
-    if isinstance(value, np.ndarray):
-        return _plain(value.tolist())
-    if isinstance(value, float):
-        return float(value) if isfinite(value) else None
-    return value
+    return json_text(record)

@@ -46,7 +46,7 @@ __all__ = [
     "field_quantity",
     "get_field",
     "kind_of",
-    "measurable",
+    "measurable_outputs",
     "model_of",
     "number_in_si",
     "options_of",
@@ -92,8 +92,8 @@ class KindModel:
         """
         self._check_outputs()
         self._check_options()
-        given: Mapping[Any, Any] = self.tie
-        for follower, leader in given.items():
+        ties: Mapping[Any, Any] = self.tie
+        for follower, leader in ties.items():
             if not isinstance(follower, str) or not isinstance(leader, str):
                 text = f"{leader!r} is not the name of a field; write FIELD = 'FIELD'"
                 raise InvalidProblem.at(f"tie.{follower}", text)
@@ -106,9 +106,9 @@ class KindModel:
         if not self.outputs:
             text = f"missing; known: {', '.join(known)}"
             raise InvalidProblem.at("outputs", text)
-        twice = [name for name in dict.fromkeys(self.outputs) if self.outputs.count(name) > 1]
-        if twice:
-            raise InvalidProblem.at("outputs", f"{twice[0]!r} is given twice")
+        repeated = [name for name in dict.fromkeys(self.outputs) if self.outputs.count(name) > 1]
+        if repeated:
+            raise InvalidProblem.at("outputs", f"{repeated[0]!r} is given twice")
         unknown = [name for name in self.outputs if str(name).removeprefix(_ERROR) not in known]
         if unknown:
             raise InvalidProblem((str(name), _no_output(self.problem, name)) for name in unknown)
@@ -147,7 +147,9 @@ class KindModel:
         problem = self.problem.replace(**inputs)
         if not self.tie:
             return problem
-        return problem.replace(**{path: get_field(problem, to) for path, to in self.tie.items()})
+        return problem.replace(
+            **{path: get_field(problem, leader) for path, leader in self.tie.items()}
+        )
 
     def solve(self, problem: Any, start: Any | None) -> Any:
         """Solve a problem; if a warm start does not converge, solve without it.
@@ -170,7 +172,14 @@ class KindModel:
             values = tuple(float(_value(result, name)) for name in self.outputs)
         return Answer(values, "; ".join(result.warnings), result)
 
-    # ---- derivatives ------------------------------------------------------------
+    # ---- derivatives ----------------------------------------------------------------------------
+
+    def on_mesh_of(self, result: Any) -> KindModel:
+        """Return the model with the nodes of a result, so that errors of differences cancel."""
+        nodes = getattr(result, "nodes", None)
+        if self.options or not isinstance(nodes, int):
+            return self
+        return replace(self, options={"nodes": nodes})
 
     def gradient(self, state: Any, names: tuple[str, ...]) -> np.ndarray | None:
         """Return exact derivatives of the outputs; None if one of them has none."""
@@ -179,10 +188,10 @@ class KindModel:
         paths = [(name, *self._followers(name)) for name in names]
         flat = dict.fromkeys(path for group in paths for path in group)
         try:
-            found = state.sensitivity(*flat, outputs=self.outputs)
+            sensitivity = state.sensitivity(*flat, outputs=self.outputs)
         except InvalidProblem:  # not of this problem, this field or this output
             return None
-        columns = dict(zip(found.parameters, found.derivatives.T, strict=True))
+        columns = dict(zip(sensitivity.parameters, sensitivity.derivatives.T, strict=True))
         return np.column_stack([sum(columns[path] for path in group) for group in paths])
 
     def _followers(self, name: str) -> list[str]:
@@ -201,8 +210,10 @@ class KindModel:
         known = scalar_outputs(self.kind.result)
         if output not in known:
             return field_quantity(self.problem, name)
-        of = known[output]
-        return of if output == name else replace(of, meaning=f"estimated error of: {of.meaning}")
+        base = known[output]
+        return (
+            base if output == name else replace(base, meaning=f"estimated error of: {base.meaning}")
+        )
 
     def record(self) -> dict[str, Any]:
         """Return all inputs that the results depend on, for JSON."""
@@ -220,8 +231,8 @@ class KindModel:
         """Return the names of this package and of the packages of plug-ins."""
         code = (self.kind.problem, self.kind.solver, self.kind.result)
         roots = {part.__module__.partition(".")[0] for part in code}
-        own = __name__.partition(".")[0]
-        return own, *sorted(name for name in roots - {own} if _is_package(name))
+        this_package = __name__.partition(".")[0]
+        return this_package, *sorted(name for name in roots - {this_package} if _is_package(name))
 
 
 def _is_package(name: str) -> bool:
@@ -251,8 +262,8 @@ def model_of(
     if outputs is None:
         outputs = kind_of(problem).result.MAIN
     names = (outputs,) if isinstance(outputs, str) else tuple(outputs)
-    given = {name: value for name, value in options.items() if value is not None}
-    return KindModel(problem, names, given, dict(tie or {})).checked()
+    settings = {name: value for name, value in options.items() if value is not None}
+    return KindModel(problem, names, settings, dict(tie or {})).checked()
 
 
 def kind_of(problem: Any) -> kinds.Kind:
@@ -281,9 +292,9 @@ def options_of(problem: Problem) -> dict[str, Any]:
     >>> "nodes" in options_of(wo.RollerProblem.example())
     True
     """
-    own = {"start", "progress", *type(problem).model_fields}
+    excluded = {"start", "progress", *type(problem).model_fields}
     keywords = _keywords(kind_of(problem).solver)
-    return {name: default for name, default in keywords.items() if name not in own}
+    return {name: default for name, default in keywords.items() if name not in excluded}
 
 
 # ---- fields and outputs by name -----------------------------------------------------------------
@@ -370,7 +381,7 @@ def field_quantity(base: Problem, path: str) -> Quantity | None:
     return next((place.quantity for place in places if place.quantity is not None), None)
 
 
-def measurable(problem: Problem) -> dict[str, Quantity]:
+def measurable_outputs(problem: Problem) -> dict[str, Quantity]:
     """Return the outputs that a column of measured data may contain.
 
     A quantity that is set in the problem, such as the tangential load of rollers, is an input.
@@ -422,7 +433,7 @@ def build(problem: Problem, path: str, table: Any) -> Any:
     Raises
     ------
     InvalidProblem
-        For what is no such table, and whatever the description finds at fault.
+        If it is not a table of fields, or for invalid fields.
     """
     models: list[Any] = [
         model for place in find(problem, path) for model in members_of(place.field.annotation)

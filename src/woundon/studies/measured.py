@@ -93,33 +93,33 @@ def read_measured(
     array([0.004])
     """
     sheet = read_sheet(data, "measured")
-    instead = replaced or {}
-    names = Names({**dict.fromkeys((*ANNOTATIONS, *instead)), **inputs, **outputs})
+    replacements = replaced or {}
+    names = Names({**dict.fromkeys((*ANNOTATIONS, *replacements)), **inputs, **outputs})
     matched = [c for c in match_columns(sheet, names, columns) if c.name not in ANNOTATIONS]
-    found: dict[str, dict[str, Array]] = {"inputs": {}, "outputs": {}, "deviations": {}}
+    groups: dict[str, dict[str, Array]] = {"inputs": {}, "outputs": {}, "deviations": {}}
     faults: list[tuple[str, str]] = []
     sign = decimal_sign(sheet)
     for column in matched:
-        if column.name in instead:
-            text = f"{column.name}: no such output: {instead[column.name]}"
+        if column.name in replacements:
+            text = f"{column.name}: no such output: {replacements[column.name]}"
             raise InvalidProblem.at(sheet.where, text)
         output = column.name in outputs
         kind = "deviations" if column.deviation else "outputs" if output else "inputs"
         quantity = names.quantity(column.name)
         values = numbers(sheet, column, quantity, faults, gaps=output, sign=sign)
-        found[kind][column.name] = values
+        groups[kind][column.name] = values
     raise_faults(faults)
-    _check(found, sheet.where)
-    return Measured(**found, where=sheet.where, numbers=sheet.numbers)
+    _check(groups, sheet.where)
+    return Measured(**groups, where=sheet.where, numbers=sheet.numbers)
 
 
-def _check(found: dict[str, dict[str, Array]], where: str) -> None:
+def _check(groups: dict[str, dict[str, Array]], where: str) -> None:
     """Reject measured data without outputs or with invalid standard deviations."""
-    if not found["outputs"]:
+    if not groups["outputs"]:
         raise InvalidProblem.at(where, "has no column that is an output of the model")
-    for name, deviation in found["deviations"].items():
-        known = np.isfinite(found["outputs"].get(name, deviation))
-        if name not in found["outputs"] or not np.all(deviation[known] > 0):
+    for name, deviation in groups["deviations"].items():
+        known = np.isfinite(groups["outputs"].get(name, deviation))
+        if name not in groups["outputs"] or not np.all(deviation[known] > 0):
             text = f"the standard deviations of {name} must be > 0 wherever it was measured"
             raise InvalidProblem.at(where, text)
 

@@ -23,7 +23,7 @@ import numpy as np
 from ..errors import InvalidProblem
 from ..problems.problem import Problem
 from ..quantities import Quantity, length, outputs, scalar_outputs, value_of
-from .kind_model import columns_of, kind_of, measurable, replaced
+from .kind_model import columns_of, kind_of, measurable_outputs, replaced
 from .measured import read_measured
 from .pull_tab import PullTab
 
@@ -84,12 +84,12 @@ def read_observations(
     """Return the measured values of a table; see :func:`~.measured.read_measured`."""
     fields = columns_of(problem)
     positioned = arrays_over_radius(kind_of(problem).result, set(fields))
-    known = {**positioned, **measurable(problem)}
+    known = {**positioned, **measurable_outputs(problem)}
     if positioned:
         places = dict.fromkeys(POSITIONS, length("r", "where it was measured"))
         known |= {**places, TAB_FORCE: FORCE}
-    instead = {name: text for name, text in replaced(problem).items() if name not in known}
-    table = read_measured(data, fields, known, columns, instead)
+    replacements = {name: text for name, text in replaced(problem).items() if name not in known}
+    table = read_measured(data, fields, known, columns, replacements)
     values_of, deviations = dict(table.outputs), dict(table.deviations)
     radius = _radius(values_of, table.where, len(table.numbers))
     common: dict[str, Array] = {}
@@ -105,7 +105,7 @@ def read_observations(
         if TAB_FORCE in deviations:
             deviations[PRESSURE] = tab.pressure_per_force * deviations.pop(TAB_FORCE)
     entries = []
-    scalars = measurable(problem)
+    scalars = measurable_outputs(problem)
     for name, values in values_of.items():
         nowhere = np.isnan(radius) & np.isfinite(values)
         if name not in scalars and nowhere.any():
@@ -171,7 +171,11 @@ def arrays_over_radius(result: type[Any], fields: set[str]) -> dict[str, Quantit
         and place.quantity is not None
         and np.ndarray in get_args(place.field)
     }
-    return {name: of for name, of in arrays.items() if name not in fields and name != "radius"}
+    return {
+        name: quantity
+        for name, quantity in arrays.items()
+        if name not in fields and name != "radius"
+    }
 
 
 # ---- predictions --------------------------------------------------------------------------------

@@ -90,8 +90,8 @@ class ReusedJacobian:
         if tolerance is None:
             tolerance = ON_THE_WAY if self.fixed is None else NEXT_TO_IT
         # a parameter's standard error changes the residuals by their standard deviation
-        most = tolerance * np.sqrt(self.predictor.variance(float(r @ r)))
-        if self.last is None or self.last.prediction_error(u, r) > most:
+        limit = tolerance * np.sqrt(self.predictor.variance(float(r @ r)))
+        if self.last is None or self.last.prediction_error(u, r) > limit:
             self.last = Linearisation(u.copy(), r, self.predictor.jacobian(u, self.fixed))
         return Linearisation(u.copy(), r, self.last.J)
 
@@ -150,19 +150,19 @@ def minimise(
             raise _EndError(known)
         return r
 
-    def is_converged(found: Linearisation) -> bool:
+    def is_converged(current: Linearisation) -> bool:
         """Return True if the next step would be shorter than the accuracy."""
-        decrease = found.expected_decrease(predictor, linearised.fixed)
-        return decrease <= accuracy**2 * predictor.variance(found.S)
+        decrease = current.expected_decrease(predictor, linearised.fixed)
+        return decrease <= accuracy**2 * predictor.variance(current.S)
 
     def jacobian(v: Array) -> Array:
         """Return the columns of the free parameters; stop at the minimum."""
-        found = linearised(place(v))
-        if is_converged(found) and at_end is not None:
-            found = linearised(place(v), at_end)
-        if is_converged(found):
-            raise _EndError(found)
-        return found.J[:, free]
+        current = linearised(place(v))
+        if is_converged(current) and at_end is not None:
+            current = linearised(place(v), at_end)
+        if is_converged(current):
+            raise _EndError(current)
+        return current.J[:, free]
 
     if not np.isfinite(predictor.residuals(start)).all():
         return None

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-__all__ = ["bisected", "serpentine", "tour"]
+__all__ = ["bisection_order", "serpentine", "tour"]
 
 Array = np.ndarray
 
@@ -43,7 +43,7 @@ def serpentine(shape: Sequence[int], axes: Sequence[int]) -> Array:
     return np.ravel_multi_index(tuple(index), tuple(shape))
 
 
-def bisected(points: Array) -> Array:
+def bisection_order(points: Array) -> Array:
     """Return an order of the rows of a table in which successive rows form compact groups.
 
     Recursive bisection: the column with the largest range is divided at its median.
@@ -56,7 +56,7 @@ def bisected(points: Array) -> Array:
     -------
     (cases,) int array
     """
-    unit = _scaled(points)
+    unit = _scale_columns(points)
     out = np.empty(len(points), dtype=np.intp)
     stack = [(np.arange(len(points)), 0)]
     while stack:
@@ -82,17 +82,17 @@ def tour(points: Array) -> Array:
     -------
     (cases,) int array
     """
-    unit = _scaled(points)
+    unit = _scale_columns(points)
     out = np.zeros(len(points), dtype=np.intp)
-    ahead = np.ones(len(points), dtype=bool)
+    unvisited = np.ones(len(points), dtype=bool)
     for k in range(1, len(points)):
-        ahead[out[k - 1]] = False
+        unvisited[out[k - 1]] = False
         distance = np.sum((unit - unit[out[k - 1]]) ** 2, axis=1)
-        out[k] = np.argmin(np.where(ahead, distance, np.inf))
+        out[k] = np.argmin(np.where(unvisited, distance, np.inf))
     return out
 
 
-def _scaled(points: Array) -> Array:
+def _scale_columns(points: Array) -> Array:
     """Return every column divided by its range."""
     spread = np.ptp(points, axis=0)
     return np.asarray(points / np.where(spread > 0, spread, 1.0))

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ..errors import InvalidProblem, did_you_mean
+from ..errors import InvalidProblem
 from ..io.case_files import read_case
 from .planned import Measurement
-from .studyfile import SCHEMA, base_case, flat_names, table_of
+from .studyfile import SCHEMA, base_case, check_names, flat_names, table_of
 
 __all__ = ["load_plan"]
 
@@ -34,30 +34,30 @@ def load_plan(path: str | Path) -> dict[str, Any]:
     Raises
     ------
     InvalidProblem
-        For a file that cannot be read, or fields at fault.
+        For a file that cannot be read, or invalid fields.
     """
     path = Path(path)
-    given = read_case(path)
-    _check_names(given, _KNOWN, "")
-    if given.get("schema") != SCHEMA:
+    content = read_case(path)
+    check_names(content, _KNOWN)
+    if content.get("schema") != SCHEMA:
         raise InvalidProblem.at("schema", f"write 'schema = {SCHEMA}' at the top of the file")
-    settings = table_of(given, "plan")
-    _check_names(settings, _PLAN, "plan.")
+    settings = table_of(content, "plan")
+    check_names(settings, _PLAN, "plan.")
     return {
-        "problem": base_case(given.get("case"), path.parent),
-        "unknown": flat_names(table_of(given, "unknown")),
-        "candidates": _measurements(given, "candidate", path.parent),
-        "completed": _measurements(given, "completed", path.parent),
-        "operating_point": flat_names(table_of(given, "operating_point")),
-        "tie": flat_names(table_of(given, "tie")),
-        "options": table_of(given, "solver"),
+        "problem": base_case(content.get("case"), path.parent),
+        "unknown": flat_names(table_of(content, "unknown")),
+        "candidates": _measurements(content, "candidate", path.parent),
+        "completed": _measurements(content, "completed", path.parent),
+        "operating_point": flat_names(table_of(content, "operating_point")),
+        "tie": flat_names(table_of(content, "tie")),
+        "options": table_of(content, "solver"),
         **settings,
     }
 
 
-def _measurements(given: Mapping[str, Any], name: str, folder: Path) -> list[Measurement]:
+def _measurements(content: Mapping[str, Any], name: str, folder: Path) -> list[Measurement]:
     """Return the measurements in an array of tables of a study file."""
-    tables = given.get(name, [])
+    tables = content.get(name, [])
     if not isinstance(tables, list) or not all(isinstance(table, Mapping) for table in tables):
         raise InvalidProblem.at(name, f"must be tables; write [[{name}]] above each")
     return [_measurement(table, f"{name}.{k}", folder) for k, table in enumerate(tables)]
@@ -65,7 +65,7 @@ def _measurements(given: Mapping[str, Any], name: str, folder: Path) -> list[Mea
 
 def _measurement(table: Mapping[str, Any], where: str, folder: Path) -> Measurement:
     """Return the measurement that a table of a study file describes."""
-    _check_names(table, _MEASUREMENT, f"{where}.")
+    check_names(table, _MEASUREMENT, f"{where}.")
     if "quantity" not in table:
         raise InvalidProblem.at(f"{where}.quantity", "missing; give the name of an output")
     keywords = {name: value for name, value in table.items() if name != "case"}
@@ -74,9 +74,3 @@ def _measurement(table: Mapping[str, Any], where: str, folder: Path) -> Measurem
     if "case" in table:
         keywords["problem"] = base_case(table["case"], folder)
     return Measurement(**keywords)
-
-
-def _check_names(table: Mapping[str, Any], known: tuple[str, ...], prefix: str) -> None:
-    for name in table:
-        if name not in known:
-            raise InvalidProblem.at(f"{prefix}{name}", f"no such field{did_you_mean(name, known)}")

@@ -9,7 +9,7 @@ differences for all other outputs.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from math import exp, isfinite, nan
 from typing import Any
 
@@ -27,7 +27,7 @@ from .kind_model import (
     field_quantity,
     get_field,
     kind_of,
-    measurable,
+    measurable_outputs,
     model_of,
     number_in_si,
 )
@@ -213,8 +213,8 @@ class Planned:
         return np.asarray(rows.T @ rows)
 
     def _variant(self, state: Mapping[str, float], theta: Mapping[str, float]) -> Any:
-        given = {path: theta[name] for name, paths in self.paths.items() for path in paths}
-        return self.model.variant({**given, **state})
+        parameters = {path: theta[name] for name, paths in self.paths.items() for path in paths}
+        return self.model.variant({**parameters, **state})
 
     def _values(self, result: Any, rows: list[int]) -> Array:
         return np.array([predict(result, self.output, float(self.position[k])) for k in rows])
@@ -228,18 +228,16 @@ class Planned:
     ) -> Array:
         """Return the derivatives by ln(theta) of the values at one state, (rows, p)."""
         slopes = np.zeros((len(rows), len(theta)))
-        paths = tuple(path for its in self.paths.values() for path in its)
+        paths = tuple(path for group in self.paths.values() for path in group)
         gradient = None
         if paths and np.isnan(self.position[rows]).all():
             gradient = self.model.gradient(result, paths)
-        fixed = self.model
-        if isinstance(nodes := getattr(result, "nodes", None), int) and not fixed.options:
-            fixed = replace(fixed, options={"nodes": nodes})  # errors of one mesh cancel
+        fixed = self.model.on_mesh_of(result)
         for j, (name, value) in enumerate(theta.items()):
-            its = self.paths.get(name, ())
+            group = self.paths.get(name, ())
             if gradient is not None:
-                slopes[:, j] = value * sum(float(gradient[0, paths.index(path)]) for path in its)
-            elif its:
+                slopes[:, j] = value * sum(float(gradient[0, paths.index(path)]) for path in group)
+            elif group:
                 above, below = (
                     self._values(self._moved(fixed, result, state, theta, name, step), rows)
                     for step in (STEP, -STEP)
@@ -284,14 +282,14 @@ def plan_measurement(
     Raises
     ------
     InvalidProblem
-        For names, values or units at fault.
+        For invalid names, values or units.
     """
     check_type("candidates", measurement, Measurement)
-    own = measurement.problem is not None
-    base = measurement.problem if own else problem
+    is_separate = measurement.problem is not None
+    base = measurement.problem if is_separate else problem
     kind = kind_of(base)
     arrays = arrays_over_radius(kind.result, set(columns_of(base)))
-    known = {**arrays, **measurable(base)}
+    known = {**arrays, **measurable_outputs(base)}
     output = PRESSURE if measurement.quantity == PULL_TAB else measurement.quantity
     where = measurement.quantity
     if output not in known:
@@ -299,17 +297,17 @@ def plan_measurement(
         text = f"is not an output of a {kind.name}{did_you_mean(measurement.quantity, names)}"
         raise InvalidProblem.at(where, text)
     state, position = _state(measurement, base, bool(arrays))
-    if output not in measurable(base) and np.isnan(position).any():
+    if output not in measurable_outputs(base) and np.isnan(position).any():
         raise InvalidProblem.at(f"{where}: at", 'missing; write at={"radius": ...}')
     paths = _paths(measurement, base, tuple(unknown))
     for name in state:
-        for unknown_name, its in paths.items():
-            if name in its:
+        for unknown_name, group in paths.items():
+            if name in group:
                 text = f"is unknown ({unknown_name}), so it cannot be part of a state"
                 raise InvalidProblem.at(f"{where}: at: {name}", text)
-    outputs = (output,) if output in measurable(base) else ("residual",)
-    model = model_of(base, outputs, {} if own else tie, {} if own else options)
-    model.check_varied([*state, *(path for its in paths.values() for path in its)])
+    outputs = (output,) if output in measurable_outputs(base) else ("residual",)
+    model = model_of(base, outputs, {} if is_separate else tie, {} if is_separate else options)
+    model.check_varied([*state, *(path for group in paths.values() for path in group)])
     n = measurement.size
     states = tuple({name: values[k] for name, values in state.items()} for k in range(n))
     deviation, is_relative = _deviation(measurement, known[output])
@@ -330,8 +328,8 @@ def _state(measurement: Measurement, base: Problem, has_radius: bool) -> tuple[A
     """Return the fields of all values by name, and their radii."""
     state: dict[str, list[float]] = {}
     position = np.full(measurement.size, nan)
-    for name, given in measurement.at.items():
-        values = list(given) if _is_series(given) else [given] * measurement.size
+    for name, entry in measurement.at.items():
+        values = list(entry) if _is_series(entry) else [entry] * measurement.size
         where = f"{measurement.quantity}: at: {name}"
         if has_radius and name in RADII:
             position = RADII[name] * np.array([parse(value, "m", where) for value in values])
@@ -357,17 +355,17 @@ def _paths(
             raise InvalidProblem.at(f"{measurement.quantity}: fields: {path}", text)
         get_field(base, path)
     return {
-        name: tuple(path for path, to in measurement.fields.items() if to == name)
+        name: tuple(path for path, target in measurement.fields.items() if target == name)
         for name in unknown
     }
 
 
 def _deviation(measurement: Measurement, quantity: Quantity) -> tuple[float, bool]:
     """Return the standard deviation, and whether it is relative to the predicted value."""
-    given = measurement.standard_deviation
-    is_relative = isinstance(given, str) and given.strip().endswith("%")
+    entry = measurement.standard_deviation
+    is_relative = isinstance(entry, str) and entry.strip().endswith("%")
     where = f"{measurement.quantity}: standard_deviation"
-    deviation = float(parse(given, "1" if is_relative else quantity.unit, where))
+    deviation = float(parse(entry, "1" if is_relative else quantity.unit, where))
     if not (isfinite(deviation) and deviation > 0):
-        raise InvalidProblem.at(where, f"{quote(given)} is out of range; must be > 0")
+        raise InvalidProblem.at(where, f"{quote(entry)} is out of range; must be > 0")
     return deviation, is_relative

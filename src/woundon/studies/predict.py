@@ -154,8 +154,8 @@ class Predictor:
         ValueError
             If a derivative cannot be solved on either side.
         """
-        here = self.values(u)
-        J = np.zeros((here.size, u.size))
+        base = self.values(u)
+        J = np.zeros((base.size, u.size))
         for k, parameter in enumerate(self.parameters):
             if k == fixed:
                 continue
@@ -164,8 +164,8 @@ class Predictor:
             step = min(step, (high - low) / 2)
             for end in (u[k] + step, u[k] - step):
                 if low <= end <= high:
-                    there = self.values(np.where(np.arange(u.size) == k, end, u))
-                    J[:, k] = (there - here) / (end - u[k]) / self.deviation
+                    shifted = self.values(np.where(np.arange(u.size) == k, end, u))
+                    J[:, k] = (shifted - base) / (end - u[k]) / self.deviation
                     if np.isfinite(J[:, k]).all():
                         break
             else:
@@ -199,8 +199,8 @@ class Predictor:
         except (ValueError, RuntimeError, ArithmeticError) as fault:
             evaluation = _Evaluation(np.array(u), np.full(self.of_case.size, np.nan), [])
             self.fault = f"{type(fault).__name__}: {fault}"
-        kept = max(MIN_KEPT, KEPT // len(self.cases))
-        self._evaluations = [*self._evaluations, evaluation][-kept:]
+        capacity = max(MIN_KEPT, KEPT // len(self.cases))
+        self._evaluations = [*self._evaluations, evaluation][-capacity:]
         self.report()
         return evaluation
 

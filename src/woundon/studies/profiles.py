@@ -157,10 +157,10 @@ class _Profile:
         self.points: list[tuple[float, Array]] = []
         self.known = {0.0: -self.reach}
         self.linearised = ReusedJacobian(predictor, minimum, fixed=j)
-        own, others = minimum.J[:, j], np.delete(minimum.J, j, axis=1)
+        J_j, J_others = minimum.J[:, j], np.delete(minimum.J, j, axis=1)
         # d(other u)/d(u_j) that keeps S least in the linear model, and the residuals' change
-        self.slope = -np.linalg.lstsq(others, own, rcond=None)[0]
-        self.change = float(np.linalg.norm(own + others @ self.slope))
+        self.slope = -np.linalg.lstsq(J_others, J_j, rcond=None)[0]
+        self.change = float(np.linalg.norm(J_j + J_others @ self.slope))
 
     def predicted_distance(self) -> float:
         """Return the distance of the end in the linear model, at most a tenth of the bounds'."""
@@ -170,24 +170,24 @@ class _Profile:
     def __call__(self, distance: float) -> float:
         """Return sqrt(S - S_min) - sqrt(limit - S_min); exactly 0 within the accuracy."""
         if distance not in self.known:  # Brent's method starts with points that are known
-            S = self._refitted(distance)
+            S = self._refit(distance)
             f = float(np.sqrt(max(S - self.minimum.S, 0.0))) - self.reach
             self.known[distance] = 0.0 if abs(f) <= ACCURACY * self.reach else f
         return self.known[distance]
 
-    def _refitted(self, distance: float) -> float:
+    def _refit(self, distance: float) -> float:
         """Return the least S over the other parameters, this one fixed; inf if not solved."""
         predictor, j, minimum = self.predictor, self.j, self.minimum
-        at = float(minimum.u[j]) + distance
+        u_j = float(minimum.u[j]) + distance
         known = [minimum.u, *(u for _, u in self.points)]
-        near, *farther = sorted(known, key=lambda u: abs(float(u[j]) - at))
-        others, slope = np.delete(near, j), self.slope
-        if farther:  # through two points of the profile
-            slope = (np.delete(farther[0], j) - others) / (farther[0][j] - near[j])
-        u = np.insert(others + slope * (at - near[j]), j, at)
-        found = minimise(predictor, u, linearised=self.linearised, accuracy=REFIT)
-        if found is None:
+        nearest, *farther = sorted(known, key=lambda u: abs(float(u[j]) - u_j))
+        others, slope = np.delete(nearest, j), self.slope
+        if farther:  # secant through the two nearest points of the profile
+            slope = (np.delete(farther[0], j) - others) / (farther[0][j] - nearest[j])
+        u = np.insert(others + slope * (u_j - nearest[j]), j, u_j)
+        refit = minimise(predictor, u, linearised=self.linearised, accuracy=REFIT)
+        if refit is None:
             return float("inf")
-        S = found.S - found.expected_decrease(predictor, j)
-        self.points.append((S, found.u))
+        S = refit.S - refit.expected_decrease(predictor, j)
+        self.points.append((S, refit.u))
         return S

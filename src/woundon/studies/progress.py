@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-__all__ = ["Progress", "reported"]
+__all__ = ["Progress", "progress_reporter"]
 
 Progress = Callable[[int, int], None]  # called with (done, expected)
 
 
 @contextmanager
-def reported(
+def progress_reporter(
     progress: bool | Progress, label: str, *, unit: str = "", done: int = 0
 ) -> Iterator[Progress]:
     """Provide a function that reports the numbers of finished and of all cases.
@@ -21,15 +21,17 @@ def reported(
     progress : bool or callable
         True shows a bar; a callable is called in its place.
     label : str
-        What is being done, for the bar.
+        Name of the work, for the bar.
     unit : str, optional
         Of the rate that the bar shows: ".../s" or ".../min"; without it the bar shows a percentage.
     done : int
-        What was done before, for the rate.
+        Number of cases finished before, which do not count for the rate.
 
     Examples
     --------
-    >>> with reported(lambda done, expected: print(f"{done} of {expected}"), "solving") as report:
+    >>> def show(done, expected):
+    ...     print(f"{done} of {expected}")
+    >>> with progress_reporter(show, "solving") as report:
     ...     report(1, 2)
     1 of 2
     """

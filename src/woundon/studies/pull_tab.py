@@ -61,11 +61,15 @@ class PullTab:
             value = getattr(self, name)
             if value is not None:
                 object.__setattr__(self, name, parse(value, unit, f"tab.{name}"))
-        given = [name for name in ("slope", "friction", "area") if getattr(self, name) is not None]
-        if given not in (["slope"], ["friction", "area"]):
-            text = f"{', '.join(given) or 'nothing'} given; must be slope, or friction and area"
+        calibration = [
+            name for name in ("slope", "friction", "area") if getattr(self, name) is not None
+        ]
+        if calibration not in (["slope"], ["friction", "area"]):
+            text = (
+                f"{', '.join(calibration) or 'nothing'} given; must be slope, or friction and area"
+            )
             raise InvalidProblem.at("tab", text)
-        for name in given:
+        for name in calibration:
             value = getattr(self, name)
             if not (isfinite(value) and value > 0):
                 raise InvalidProblem.at(

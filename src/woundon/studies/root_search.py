@@ -69,7 +69,7 @@ class Interval(NamedTuple):
         return sqrt(a * b) if self.geometric else (a + b) / 2
 
     def beyond(self, edge: float, outward: int) -> float:
-        """Return the next point outside the range, at most the limit of what is permitted."""
+        """Return the next point outside the range, within the permitted range."""
         if self.geometric:
             point = edge * 2.0**outward
         else:
@@ -125,9 +125,9 @@ class RootSearch:
     def evaluate(self, value: float, model: KindModel | None = None) -> Sample:
         """Return the sample at a value, solved from the nearest neighbour that is solved."""
         solved = [sample for sample in self.samples if sample.result is not None]
-        near = min(solved, key=lambda s: abs(s.value - value), default=None)
+        nearest = min(solved, key=lambda s: abs(s.value - value), default=None)
         try:
-            answer = (model or self.model).run({self.name: value}, near and near.result)
+            answer = (model or self.model).run({self.name: value}, nearest and nearest.result)
             output = answer.values[0]
             reason = "" if isfinite(output) else f"{self.output} is {output:g}"
             sample = Sample(value, output, None if reason else answer.state, reason)
@@ -222,12 +222,13 @@ class RootSearch:
                 continue
             sizes = [abs(self.f(sample)) for sample in (a, b, c)]
             one_sign = len({np.sign(self.f(sample)) for sample in (a, b, c)}) == 1
-            # |f| may fall between the points by no more than about what it rises to both sides
+            # between the points |f| decreases by no more than it increases to both sides
             if not one_sign or not sizes[1] <= min(sizes) or sizes[1] > max(sizes) - sizes[1]:
                 continue
             sign = np.sign(self.f(b))
 
             def height(value: float, sign: float = sign) -> float:
+                """Return |f|; stop at a change of sign, or where no solution exists."""
                 sample = self.evaluate(float(value))
                 if sample.result is None:
                     raise _UnsolvedError
@@ -276,17 +277,17 @@ class RootSearch:
             error = ROUGHNESS * abs(self.f(b) - self.f(a))
         if self.is_root(sample) or abs(self.f(sample)) <= error:
             return [sample]
-        near = [
+        opposite = [
             s.value for s in self.samples if s.result is not None and self.f(s) * self.f(sample) < 0
         ]
-        other = min(near, key=lambda x: abs(x - value))
+        other = min(opposite, key=lambda x: abs(x - value))
         self.jumps.append((min(value, other), max(value, other)))
         return []
 
     def _around_unsolved(self, low: float, high: float, depth: int) -> list[Sample]:
         """Return the solutions in the parts of a bracket next to a point that was not solved."""
-        inside = [pair for pair in self._pairs() if low <= pair[0].value and pair[1].value <= high]
-        for first, second in inside:
+        pairs = [pair for pair in self._pairs() if low <= pair[0].value and pair[1].value <= high]
+        for first, second in pairs:
             if (first.result is None) != (second.result is None):
                 self._approach_limit(
                     *((first, second) if first.result is not None else (second, first))
@@ -302,9 +303,9 @@ class RootSearch:
         sizes = [
             size for sample in (a, b) if isinstance(size := getattr(sample.result, "nodes", 0), int)
         ]
-        chosen = options_of(self.model.problem).get("nodes", ...) is None
+        is_adaptive = options_of(self.model.problem).get("nodes", ...) is None
         fixed = any(self.model.options.get(name) is not None for name in ("nodes", "rtol"))
-        if not chosen or fixed or min(sizes, default=0) < 2:
+        if not is_adaptive or fixed or min(sizes, default=0) < 2:
             return None
         return replace(self.model, options={**self.model.options, "nodes": max(sizes)})
 

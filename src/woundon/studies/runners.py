@@ -49,8 +49,8 @@ def runner_for(workers: int | None, scheduler: str | None) -> Runner:
     """
     if scheduler is not None:
         if workers is not None:
-            raise InvalidProblem(
-                [("workers", "cannot be combined with a scheduler, which has its own workers")]
+            raise InvalidProblem.at(
+                "workers", "cannot be combined with a scheduler, which has its own workers"
             )
         return DaskRunner(scheduler)
     count = number_of_workers(workers)
@@ -109,8 +109,8 @@ class Pool:
         work = partial(solve_chunk, model)
         with closing(
             in_processes(work, chunks, self.workers, finishing=FINISHING, died=died)
-        ) as found:
-            for _, block in found:
+        ) as results:
+            for _, block in results:
                 yield block
 
 
@@ -125,36 +125,36 @@ class DaskRunner:
         try:
             from distributed import Client, KilledWorker
         except ImportError:
-            raise InvalidProblem(
-                [("scheduler", "needs Dask: pip install 'woundon[dask]'")]
+            raise InvalidProblem.at(
+                "scheduler", "needs Dask: pip install 'woundon[dask]'"
             ) from None
         try:
             client = Client(self.address, timeout=self.timeout, set_as_default=False)
         except (OSError, ValueError) as fault:
-            raise InvalidProblem(
-                [("scheduler", f"{self.address!r} cannot be reached: {fault}")]
+            raise InvalidProblem.at(
+                "scheduler", f"{self.address!r} cannot be reached: {fault}"
             ) from None
         todo, running = deque(chunks), dict[Future[Block], Chunk]()
-        ahead = 4 * max(1, sum(client.nthreads().values()))
+        limit = 4 * max(1, sum(client.nthreads().values()))
         with stoppable(FINISHING) as stopped, client, client.get_executor(pure=False) as pool:
             while running or (todo and not stopped()):
-                while todo and len(running) < ahead and not stopped():
+                while todo and len(running) < limit and not stopped():
                     chunk = todo.popleft()
                     running[pool.submit(solve_chunk, model, chunk)] = chunk
                 for future in wait(running, return_when=FIRST_COMPLETED).done:
                     chunk = running.pop(future)
                     try:
-                        yield _checked(future.result())
+                        yield _check_version(future.result())
                     except KilledWorker:  # several workers died while they solved this chunk
                         yield Block.failed(chunk, len(model.outputs), DIED)
 
 
-def _checked(block: Block) -> Block:
+def _check_version(block: Block) -> Block:
     """Reject blocks of workers with another version of the program."""
     from .. import __version__
 
     if block.version != __version__:
-        raise InvalidProblem(
-            [("scheduler", f"workers run woundon {block.version}, not {__version__}")]
+        raise InvalidProblem.at(
+            "scheduler", f"workers run woundon {block.version}, not {__version__}"
         )
     return block

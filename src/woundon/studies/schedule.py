@@ -27,7 +27,7 @@ from ..quantities import Quantity, value_of
 from ..results import Presented, ReadOnly
 from .api import in_si
 from .kind_model import KindModel, field_quantity, get_field, model_of
-from .progress import Progress, reported
+from .progress import Progress, progress_reporter
 
 __all__ = ["OptimisedSchedule", "optimise_schedule"]
 
@@ -58,17 +58,17 @@ class OptimisedSchedule(Presented, ReadOnly):
     feasible : bool
         Whether all limits are kept.
     binding : tuple of str
-        The margins that hold it back: violated, or nearest to their limits.
+        The active margins: violated, or nearest to their limits.
     tried : (k, n) array
-        All that was wound, SI.
+        The values of all windings that were computed, SI.
     reserves : (k,) array
-        The smallest reserve of each; nan where it could not be wound.
+        The smallest reserve of each; nan where it could not be solved.
     goal : str
-        What was asked for.
+        The objective as text.
     goals : (k,) array
-        Its values, SI.
+        The values of the objective, SI.
     ended : str
-        How the search ended.
+        Reason of the termination.
     ranges : (n, 2) array
         Of the fields, SI.
     quantities : mapping of str to Quantity
@@ -107,9 +107,6 @@ class OptimisedSchedule(Presented, ReadOnly):
         """The winding with the best schedule."""
         return self.after.problem
 
-    def __str__(self) -> str:
-        return "\n".join(self.lines())
-
     def __repr__(self) -> str:
         values = ", ".join(f"{n}={v:.4g}" for n, v in zip(self.names, self.values, strict=True))
         return f"OptimisedSchedule({values}; {'feasible' if self.feasible else 'infeasible'})"
@@ -130,8 +127,10 @@ class OptimisedSchedule(Presented, ReadOnly):
         for old, new in zip(self.margins_before, self.margins_after, strict=True):
             if new.checked:
                 mark = "  binds" * (new.name in self.binding) + "  VIOLATED" * (new.ok is False)
-                then, now = 100 * old.reserve, 100 * new.reserve
-                texts.append(f"  {new.name:<24} {then:>12.4g} % -> {now:.4g} %{mark}")
+                reserve_before, reserve_after = 100 * old.reserve, 100 * new.reserve
+                texts.append(
+                    f"  {new.name:<24} {reserve_before:>12.4g} % -> {reserve_after:.4g} %{mark}"
+                )
             else:
                 texts.append(f"  {new.name:<24} not checked: {new.note}")
         return texts
@@ -193,7 +192,7 @@ def optimise_schedule(
     Raises
     ------
     InvalidProblem
-        For names or ranges at fault, or where no margin has a limit.
+        For invalid names or ranges, or if no margin has a limit.
     NotConverged
         If the winding that the search begins with cannot be solved.
 
@@ -209,13 +208,14 @@ def optimise_schedule(
     """
     model = model_of(problem, minimise or maximise, None, options or {})
     search = _Search(model, _ranges(problem, over), limits, _goal(minimise, maximise), evaluations)
-    with reported(progress, "winding", unit="windings/min") as search.report:
+    with progress_reporter(progress, "winding", unit="windings/min") as search.report:
         search.begin()
         ended = search.run()
     return search.found(ended)
 
 
 def _goal(minimise: str | None, maximise: str | None) -> tuple[str | None, float]:
+    """Return the output to optimise and the sign that makes it a minimisation."""
     if minimise is not None and maximise is not None:
         raise InvalidProblem.at(
             "maximise", "is given together with minimise; must be one of the two"
@@ -225,11 +225,11 @@ def _goal(minimise: str | None, maximise: str | None) -> tuple[str | None, float
 
 def _ranges(problem: Problem, over: Mapping[str, Any] | None) -> dict[str, tuple[float, float]]:
     """Return the ranges of the varied fields, SI."""
-    given = _usual(problem) if over is None else in_si(problem, over)
-    if not given:
+    ranges = _usual(problem) if over is None else in_si(problem, over)
+    if not ranges:
         text = "nothing to vary; must be a mapping of fields to (low, high)"
         raise InvalidProblem.at("over", text)
-    for name, ends in given.items():
+    for name, ends in ranges.items():
         if field_quantity(problem, name) is None or not isinstance(get_field(problem, name), float):
             raise InvalidProblem.at(
                 name,
@@ -244,8 +244,8 @@ def _ranges(problem: Problem, over: Mapping[str, Any] | None) -> dict[str, tuple
             raise InvalidProblem.at(
                 name, f"({low:g}, {high:g}) is out of range; must be low < high"
             )
-        given[name] = (low, high)
-    return given
+        ranges[name] = (low, high)
+    return ranges
 
 
 def _usual(problem: Problem) -> dict[str, tuple[float, float]]:
@@ -316,15 +316,15 @@ class _Search:
     def begin(self) -> None:
         """Solve the winding at the start of the search, and select its margins."""
         problem = self.model.problem
-        given = np.array([get_field(problem, name) for name in self.names])
-        self.first = np.clip(given, self.low, self.high)
+        initial = np.array([get_field(problem, name) for name in self.names])
+        self.first = np.clip(initial, self.low, self.high)
         self.before = self._solved(problem)
         self.checked = [m.name for m in self.before[1] if m.checked]
         if not self.checked:
             text = "none is given; must be one at least, or there is nothing to keep"
             raise InvalidProblem.at("limits", text)
         self.scale = abs(value_of(self.before[0], self.goal)) or 1.0 if self.goal else 1.0
-        if np.array_equal(given, self.first):
+        if np.array_equal(initial, self.first):
             self._keep(tuple(self.first.tolist()), *self.before)
 
     def _solved(self, problem: Any, values: tuple[float, ...] | None = None) -> tuple[Any, Any]:
@@ -371,15 +371,15 @@ class _Search:
         """Optimise; return the reason of the termination."""
         from scipy.optimize import Bounds, NonlinearConstraint, minimize
 
-        n, own = len(self.names), self.goal is not None
+        n, has_goal = len(self.names), self.goal is not None
         start = (self.first - self.low) / (self.high - self.low)
         try:
             first = self.at(start)
-            room = 0 if own else 1  # for t
-            begun = np.append(start, [] if own else np.clip(first.least, -1, 1))
+            room = 0 if has_goal else 1  # for t
+            v0 = np.append(start, [] if has_goal else np.clip(first.least, -1, 1))
             end = minimize(
                 self._objective,
-                begun,
+                v0,
                 method="COBYLA",
                 bounds=Bounds([0.0] * n + [-2.0] * room, [1.0] * n + [1.0] * room),
                 constraints=NonlinearConstraint(self._constraints, TOLERANCE, np.inf),
@@ -412,11 +412,11 @@ class _Search:
         done = [case for case in self.evaluations.values() if case.result is not None]
         if not done:
             raise NotConverged(f"no schedule in these ranges can be computed: {self.failure}")
-        holding = [case for case in done if case.least >= 0]
-        if holding and self.goal is not None:
-            best = min(holding, key=lambda case: self.sign * case.goal)
+        feasible = [case for case in done if case.least >= 0]
+        if feasible and self.goal is not None:
+            best = min(feasible, key=lambda case: self.sign * case.goal)
         else:
-            best = max(holding or done, key=lambda case: case.least)
+            best = max(feasible or done, key=lambda case: case.least)
         nearest = max(best.least, 0.0) + BINDING
         goal = (
             f"{'most' if self.sign < 0 else 'least'} {self.goal}"

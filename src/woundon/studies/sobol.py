@@ -96,14 +96,11 @@ class SobolIndices(Presented, ReadOnly):
         }
         return pd.DataFrame({name: v.ravel() for name, v in columns.items()}, index=index)
 
-    def __str__(self) -> str:
-        return "\n".join(self.lines())
-
     def __repr__(self) -> str:
         order = np.argsort(-self.total_order[0])[:MAX_SHOWN]
         texts = ", ".join(f"{self.inputs[j]} {self.total_order[0, j]:.2f}" for j in order)
-        more = f"; {len(self.outputs)} outputs" if len(self.outputs) > 1 else ""
-        return f"SobolIndices({self.outputs[0]}: {texts} of {len(self.inputs)} inputs{more})"
+        suffix = f"; {len(self.outputs)} outputs" if len(self.outputs) > 1 else ""
+        return f"SobolIndices({self.outputs[0]}: {texts} of {len(self.inputs)} inputs{suffix})"
 
     def _repr_html_(self) -> str:
         """Return the indices as an HTML table, the strongest input of each output first."""
@@ -160,8 +157,8 @@ class SobolIndices(Presented, ReadOnly):
         if not self.uncertain.any():
             return self.samples
         width = max(float(np.nanmax(np.ptp(ends, axis=0))) for ends in self._intervals)
-        needed = self.samples * max(2.0, (width / WIDE) ** 2)
-        return int(2 ** ceil(log2(needed)))
+        required = self.samples * max(2.0, (width / WIDE) ** 2)
+        return int(2 ** ceil(log2(required)))
 
     def remarks(self) -> list[str]:
         """Return a remark on the indices that the samples do not determine, if there are any."""
@@ -204,7 +201,7 @@ def saltelli_design(ranges: Mapping[str, Any], samples: int, seed: int) -> Desig
     Raises
     ------
     InvalidProblem
-        For a range or a number of samples that is none.
+        For an invalid range or number of samples.
     """
     from scipy.stats import qmc
 
@@ -218,8 +215,8 @@ def saltelli_design(ranges: Mapping[str, Any], samples: int, seed: int) -> Desig
     A, B = unit[:, :d], unit[:, d:]
     mixed = [np.where(np.arange(d) == k, B, A) for k in range(d)]
     points = np.concatenate([A, B, *mixed])
-    drawn = [Range(name, given) for name, given in ranges.items()]
-    columns = (Column(r.name, r.scaled(points[:, k])) for k, r in enumerate(drawn))
+    intervals = [Range(name, ends) for name, ends in ranges.items()]
+    columns = (Column(r.name, r.scaled(points[:, k])) for k, r in enumerate(intervals))
     return Design("table", tuple(columns))
 
 
@@ -254,11 +251,11 @@ def _indices(values: Array, samples: int) -> tuple[Array, Array]:
     """Return first and total order of (outputs, A | B | mixed, samples) values."""
     from scipy.stats import sobol_indices
 
-    found: Sequence[Any] = [
+    results: Sequence[Any] = [
         sobol_indices(func={"f_A": v[:1], "f_B": v[1:2], "f_AB": v[2:, None, :]}, n=samples)
         for v in values
     ]
     return (
-        np.array([np.ravel(f.first_order) for f in found]),
-        np.array([np.ravel(f.total_order) for f in found]),
+        np.array([np.ravel(f.first_order) for f in results]),
+        np.array([np.ravel(f.total_order) for f in results]),
     )

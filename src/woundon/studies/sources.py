@@ -22,7 +22,7 @@ def source_digest(*packages: str) -> str:
     """
     digest = hashlib.sha256()
     for package in packages:
-        for name, file in sorted(_code(files(package), package), key=lambda found: found[0]):
+        for name, file in sorted(_code(files(package), package), key=lambda entry: entry[0]):
             content = file.read_bytes().replace(b"\r\n", b"\n")  # the same on all systems
             digest.update(f"{name} {len(content)} ".encode() + content)
     return digest.hexdigest()[:16]

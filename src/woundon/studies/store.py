@@ -33,7 +33,7 @@ from ..errors import InvalidProblem
 from .design import Design
 from .evaluate import Block
 
-__all__ = ["FILE", "Store", "opened"]
+__all__ = ["FILE", "Store", "open_store"]
 
 FILE = "study.sqlite"
 FORMAT = "woundon-study"
@@ -62,7 +62,7 @@ SYSTEM = {
 
 
 @contextmanager
-def opened(
+def open_store(
     folder: str | Path,
     design: Design,
     chunks: Sequence[np.ndarray],
@@ -103,7 +103,7 @@ def opened(
 
 
 class Store:
-    """The store of a study; see :func:`opened`.
+    """The store of a study; see :func:`open_store`.
 
     Attributes
     ----------
@@ -197,19 +197,19 @@ class Store:
             pass
         return None
 
-    def _check(self, found: Mapping[str, Any], resume: bool) -> None:
+    def _check(self, record: Mapping[str, Any], resume: bool) -> None:
         """Reject another study, or a study if ``resume`` is not set."""
         if not resume:
             raise self._invalid("contains a study already; resume it, or use another folder")
-        if (found.get("format"), found.get("schema")) != (FORMAT, SCHEMA):
+        if (record.get("format"), record.get("schema")) != (FORMAT, SCHEMA):
             raise self._invalid(f"its {FILE} is not that of a study of this version")
-        own = json.loads(self.text)
-        differs = [name for name in own if found.get(name) != own[name]]
+        expected = json.loads(self.text)
+        differs = [name for name in expected if record.get(name) != expected[name]]
         if differs and set(differs) <= PROGRAM:
             raise self._invalid(
-                f"was solved by another program: {_program(found)}, this is {_program(own)}; the "
-                "results of two programs cannot be combined: solve the study in another folder, or "
-                "resume it with the same program"
+                f"was solved by another program: {_program(record)}, this is {_program(expected)}; "
+                "the results of two programs cannot be combined: solve the study in another "
+                "folder, or resume it with the same program"
             )
         if differs:
             raise self._invalid(f"contains another study: {', '.join(differs)} differs")
@@ -233,12 +233,12 @@ class Store:
                 damaged = True
                 continue
             if row is not None:
-                block = self._verified(number, *row)
+                block = self._verify_chunk(number, *row)
                 damaged |= block is None
                 self.kept |= {} if block is None else {number: block}
         return damaged
 
-    def _verified(
+    def _verify_chunk(
         self, number: int, outputs: Any, failure: Any, warnings: Any, sha256: Any
     ) -> Block | None:
         """Return a chunk; None if its SHA-256 is wrong."""
@@ -284,7 +284,7 @@ class Store:
             text = "cannot be written, and a write to it was interrupted; copy the folder to resume"
             raise OSError(errno.EROFS, text, str(self.folder))
         mode = "mode=rwc" if writable else "mode=ro&immutable=1"
-        self._connection = _connected(self.path, mode)
+        self._connection = _connect_file(self.path, mode)
 
     def _create(self, resume: bool) -> None:
         """Create the tables, unless another process was faster."""
@@ -297,6 +297,7 @@ class Store:
                 self._check(record or {}, resume)
 
     def _insert_study(self, connection: sqlite3.Connection) -> None:
+        """Create the tables and insert the record of the study."""
         for table in (STUDY, CHUNK):
             connection.execute(table)
         connection.execute("INSERT INTO study VALUES (?, ?)", (self.text, self.sha256))
@@ -316,7 +317,7 @@ class Store:
         repaired = self.path.with_name(f"repaired-{os.getpid()}.sqlite")
         shutil.copyfile(self.path, backup)
         repaired.unlink(missing_ok=True)
-        with closing(_connected(repaired, "mode=rwc")) as connection:
+        with closing(_connect_file(repaired, "mode=rwc")) as connection:
             connection.execute("BEGIN")
             with connection:
                 self._insert_study(connection)
@@ -343,7 +344,7 @@ class Store:
             raise OSError(number, f"{fault}; {RESUMABLE}", str(self.folder)) from None
 
 
-def _connected(path: Path, mode: str) -> sqlite3.Connection:
+def _connect_file(path: Path, mode: str) -> sqlite3.Connection:
     """Open a file in autocommit mode; texts are returned as bytes."""
     address = f"{path.absolute().as_uri()}?{mode}"
     connection = sqlite3.connect(address, timeout=PATIENCE, isolation_level=None, uri=True)

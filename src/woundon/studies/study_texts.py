@@ -11,7 +11,7 @@ from .. import kinds
 from ..errors import InvalidProblem
 from ..io.case_texts import SCHEMA, to_toml
 from ..problems.problem import Problem
-from ..problems.units import written
+from ..problems.units import text_with_unit
 from ..quantities import Quantity, find, scalar_outputs
 from .kind_model import options_of
 
@@ -55,12 +55,12 @@ def study_template(kind: str) -> str:
     InvalidProblem
         For an unknown kind, or one that has no example.
     """
-    chosen = kinds.named(kind.replace("-", "_"))
-    problem = chosen.example()
-    varied = dict(_varied(problem))
+    problem_kind = kinds.named(kind.replace("-", "_"))
+    problem = problem_kind.example()
+    varied = dict(_varied_fields(problem))
     width = max(map(len, varied), default=0)
-    known = [name for name in scalar_outputs(chosen.result) if name not in varied]
-    outputs = [*chosen.result.MAIN] or known[:1]
+    known = [name for name in scalar_outputs(problem_kind.result) if name not in varied]
+    outputs = [*problem_kind.result.MAIN] or known[:1]
     others = [name for name in known if name not in outputs]
     return _TEXT.format(
         schema=SCHEMA,
@@ -72,13 +72,13 @@ def study_template(kind: str) -> str:
     )
 
 
-def _varied(problem: Problem) -> Iterator[tuple[str, str]]:
+def _varied_fields(problem: Problem) -> Iterator[tuple[str, str]]:
     """Yield two fields, loads if possible, with values as TOML."""
     known = {name: find(problem, name)[0].quantity for name in type(problem).model_fields}
     loads = {
-        name: about
-        for name, about in known.items()
-        if about and getattr(problem, name) and isinstance(getattr(problem, name), (int, float))
+        name: quantity
+        for name, quantity in known.items()
+        if quantity and getattr(problem, name) and isinstance(getattr(problem, name), (int, float))
     }
     ranked = sorted(loads, key=lambda name: (loads[name].unit == "1", not loads[name].typical))
     other = {name: (getattr(problem, name) / 2, getattr(problem, name)) for name in ranked[1:2]}
@@ -86,7 +86,7 @@ def _varied(problem: Problem) -> Iterator[tuple[str, str]]:
         value = getattr(problem, name)
         ends = [loads[name].typical, (value / 2, 2 * value), (value, value)]
         low, high = next(
-            pair for pair in ends if pair and _admitted(problem, {name: pair, **other})
+            pair for pair in ends if pair and _is_admissible(problem, {name: pair, **other})
         )
         text = f"from = {_text(low, loads[name])}, to = {_text(high, loads[name])}"
         yield name, f"{{ {text}, count = 5 }}"
@@ -94,7 +94,7 @@ def _varied(problem: Problem) -> Iterator[tuple[str, str]]:
         yield name, f"[{', '.join(_text(value, loads[name]) for value in values)}]"
 
 
-def _admitted(problem: Problem, values: dict[str, tuple[float, float]]) -> bool:
+def _is_admissible(problem: Problem, values: dict[str, tuple[float, float]]) -> bool:
     """Return True if the problem is valid at all corners of the ranges."""
     try:
         for corner in product(*values.values()):
@@ -105,4 +105,4 @@ def _admitted(problem: Problem, values: dict[str, tuple[float, float]]) -> bool:
 
 
 def _text(value: float, quantity: Quantity) -> str:
-    return json.dumps(written(value, quantity.unit, quantity.shown_unit))
+    return json.dumps(text_with_unit(value, quantity.unit, quantity.shown_unit))

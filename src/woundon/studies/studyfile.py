@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -20,6 +20,7 @@ __all__ = [
     "SCHEMA",
     "StudyFile",
     "base_case",
+    "check_names",
     "flat_names",
     "load_study",
     "study_of_tables",
@@ -88,21 +89,19 @@ def study_of_tables(
     InvalidProblem
         As of :func:`load_study`.
     """
-    for name in content:
-        if name not in _KNOWN:
-            raise InvalidProblem.at(name, f"no such field{did_you_mean(name, _KNOWN)}")
+    check_names(content, _KNOWN)
     if content.get("schema") != SCHEMA:
         raise InvalidProblem.at("schema", f"write 'schema = {SCHEMA}' at the top of the file")
     problem = base_case(content.get("case"), folder)
     design = _design(table_of(content, "design"))
-    drawn = ranges or design.get("design", "grid") not in ("grid", "table")
+    is_drawn = ranges or design.get("design", "grid") not in ("grid", "table")
     over: Mapping[str, Any] | Path
-    if isinstance(content.get("over"), str) and not drawn and folder is not None:
+    if isinstance(content.get("over"), str) and not is_drawn and folder is not None:
         over = folder / content["over"]
     else:
         over = {
-            name: _values(problem, name, given, drawn)
-            for name, given in flat_names(table_of(content, "over")).items()
+            name: _values(problem, name, entry, is_drawn)
+            for name, entry in flat_names(table_of(content, "over")).items()
         }
     return StudyFile(
         problem,
@@ -137,6 +136,13 @@ def base_case(case: Any, folder: Path | None) -> Problem:
     raise InvalidProblem.at("case", "missing; give the path of a case file, or the case as [case]")
 
 
+def check_names(table: Mapping[str, Any], known: Sequence[str], prefix: str = "") -> None:
+    """Reject unknown names in a table of a study file."""
+    for name in table:
+        if name not in known:
+            raise InvalidProblem.at(f"{prefix}{name}", f"no such field{did_you_mean(name, known)}")
+
+
 def table_of(content: Mapping[str, Any], name: str) -> dict[str, Any]:
     """Return a table of a file, empty if it is missing."""
     table = content.get(name, {})
@@ -145,21 +151,19 @@ def table_of(content: Mapping[str, Any], name: str) -> dict[str, Any]:
     return dict(table)
 
 
-def _outputs(given: Any) -> tuple[str, ...] | None:
+def _outputs(outputs: Any) -> tuple[str, ...] | None:
     """Return the names of outputs in a study file as a tuple; None if there are none."""
-    if given is None:
+    if outputs is None:
         return None
-    names = [given] if isinstance(given, str) else given
+    names = [outputs] if isinstance(outputs, str) else outputs
     if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
-        raise InvalidProblem.at("outputs", f"{given!r} is not a list of names")
+        raise InvalidProblem.at("outputs", f"{outputs!r} is not a list of names")
     return tuple(names)
 
 
 def _design(table: dict[str, Any]) -> dict[str, Any]:
     """Return the design of a study file as keyword arguments of a sweep."""
-    for name in table:
-        if name not in ("kind", "samples", "seed"):
-            raise InvalidProblem.at(f"design.{name}", "no such field; known: kind, samples, seed")
+    check_names(table, ("kind", "samples", "seed"), "design.")
     kind = table.pop("kind", "grid")
     if kind not in DESIGNS:
         text = f"{kind!r} is unknown{did_you_mean(kind, DESIGNS)}"
@@ -182,20 +186,20 @@ def flat_names(table: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
     return flat
 
 
-def _values(problem: Problem, name: str, given: Any, drawn: bool) -> Any:
+def _values(problem: Problem, name: str, entry: Any, is_drawn: bool) -> Any:
     """Return an entry of [over] in SI: a list of values, or a range to draw from."""
     quantity = field_quantity(problem, name)
     unit = "" if quantity is None else quantity.unit
     where, number = f"over.{name}", partial(_finite, problem, name)
-    if isinstance(given, Mapping):
+    if isinstance(entry, Mapping):
         if not unit:
             text = "is not a number, so it has no range; write a list of values"
             raise InvalidProblem.at(where, text)
-        return _spread(given, number, where, drawn)
-    if not isinstance(given, list) or drawn:
-        wanted = "{ from = ..., to = ... }" if drawn else "a list, or { from, to, count }"
-        raise InvalidProblem.at(where, f"{given!r} is not a set of values; write {wanted}")
-    return [number(v, where) if unit else v for v in given]
+        return _spread(entry, number, where, is_drawn)
+    if not isinstance(entry, list) or is_drawn:
+        expected = "{ from = ..., to = ... }" if is_drawn else "a list, or { from, to, count }"
+        raise InvalidProblem.at(where, f"{entry!r} is not a set of values; write {expected}")
+    return [number(v, where) if unit else v for v in entry]
 
 
 def _finite(problem: Problem, name: str, value: Any, where: str) -> float:
@@ -207,24 +211,22 @@ def _finite(problem: Problem, name: str, value: Any, where: str) -> float:
 
 
 def _spread(
-    given: Mapping[str, Any], number: Callable[[Any, str], float], where: str, drawn: bool
+    entry: Mapping[str, Any], number: Callable[[Any, str], float], where: str, is_drawn: bool
 ) -> Any:
     """Return a range: a grid of ``count`` values, or (low, high) to draw samples from."""
-    known = ("from", "to", "spacing", *(() if drawn else ("count",)))
-    for name in given:
-        if name not in known:
-            raise InvalidProblem.at(f"{where}.{name}", f"no such field{did_you_mean(name, known)}")
+    known = ("from", "to", "spacing", *(() if is_drawn else ("count",)))
+    check_names(entry, known, f"{where}.")
     for name in set(known) - {"spacing"}:
-        if name not in given:
+        if name not in entry:
             raise InvalidProblem.at(f"{where}.{name}", "missing")
-    low, high = (number(given[end], f"{where}.{end}") for end in ("from", "to"))
-    spacing = given.get("spacing", "linear")
+    low, high = (number(entry[end], f"{where}.{end}") for end in ("from", "to"))
+    spacing = entry.get("spacing", "linear")
     if spacing not in _SPACING:
         text = f"{spacing!r} is unknown; must be linear or log"
         raise InvalidProblem.at(f"{where}.spacing", text)
-    if drawn:
+    if is_drawn:
         return (low, high, "log") if spacing == "log" else (low, high)
-    count = given["count"]
+    count = entry["count"]
     if isinstance(count, bool) or not isinstance(count, int) or not 2 <= count <= 1_000_000:
         raise InvalidProblem.at(f"{where}.count", f"{count!r} is not a whole number, 2 to 1000000")
     if spacing == "linear":

@@ -64,8 +64,8 @@ class Table(Presented):
         """Return a table to be filled by :meth:`put`."""
         n = design.size
         columns = {name: np.full(n, np.nan) for name in outputs}
-        why = np.full(n, "not solved", dtype=object)
-        return cls(design, columns, why, np.full(n, "", dtype=object), quantities, record)
+        reasons = np.full(n, "not solved", dtype=object)
+        return cls(design, columns, reasons, np.full(n, "", dtype=object), quantities, record)
 
     def put(self, block: Block) -> None:
         """Enter the rows of a solved chunk."""
@@ -136,9 +136,9 @@ class Table(Presented):
             name: (dims, values.reshape(design.shape), self._attributes(name))
             for name, values in self.outputs.items()
         }
-        for name, about in TEXTS.items():
+        for name, meaning in TEXTS.items():
             texts = getattr(self, name).reshape(design.shape)
-            variables[name] = (dims, texts, {"long_name": about})
+            variables[name] = (dims, texts, {"long_name": meaning})
         record = {k: v if isinstance(v, str) else json.dumps(v) for k, v in self.record.items()}
         return xarray.Dataset(variables, coordinates, {"design": design.kind, **record})
 
@@ -154,7 +154,7 @@ class Table(Presented):
         return self._figure(output, path)
 
 
-def failures(reasons: Array, most: int = 5) -> list[tuple[str, int]]:
+def failures(reasons: Array, limit: int = 5) -> list[tuple[str, int]]:
     """Return the most frequent reasons of failure with their counts, ignoring numbers in them.
 
     >>> failures(np.array(["load 1 N", "load 2 N", ""], dtype=object))
@@ -166,4 +166,4 @@ def failures(reasons: Array, most: int = 5) -> list[tuple[str, int]]:
     for reason in reasons[reasons != ""]:
         kinds.setdefault(re.sub(r"[-+]?\d[\d.eE+-]*", "#", reason), []).append(reason)
     ranked = sorted(kinds.values(), key=len, reverse=True)
-    return [(group[0], len(group)) for group in ranked[:most]]
+    return [(group[0], len(group)) for group in ranked[:limit]]

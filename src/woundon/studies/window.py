@@ -6,8 +6,7 @@ the probabilities.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,8 +18,8 @@ from ..problems.grades import Grade, grade
 from ..problems.messages import quote
 from ..problems.problem import Problem
 from .api import in_si
-from .engine import Progress
 from .kind_model import field_quantity, get_field
+from .progress import Progress, progress_reporter
 from .window_cases import CaseSolver
 from .window_map import SetPoints
 from .window_model import margin_names, window_model
@@ -88,7 +87,7 @@ def operating_window(
     Raises
     ------
     InvalidProblem
-        For ranges or names at fault, without limits, or without spreads.
+        For invalid ranges or names, without limits, or without spreads.
     NotConverged
         If too few windings can be solved.
 
@@ -118,7 +117,7 @@ def operating_window(
     ranges = _ranges(problem, web_tension, nip_load, torque_split)
     set_points = SetPoints(tuple(ranges), np.array(list(ranges.values())))
     solver = CaseSolver(model, set_points, spreads, workers, out, resume)
-    with _reported(progress) as report:
+    with progress_reporter(progress, "winding") as report:
         study = WindowStudy(solver, (samples, seed), report)
         coarse = study.coarse()
         if preview is not None:
@@ -189,17 +188,3 @@ def _number(name: str, value: Any) -> float:
     if isinstance(value, bool) or not isinstance(value, (int, float, np.floating, np.integer)):
         raise InvalidProblem.at(name, f"{quote(value)} is not a number")
     return float(value)
-
-
-@contextmanager
-def _reported(progress: bool | Progress) -> Iterator[Callable[[int, int], None]]:
-    """Provide the function that reports the progress: a bar, the given function, or none."""
-    if progress is True:
-        from .bars import fraction_bar
-
-        with fraction_bar("winding") as tell:
-            yield lambda done, expected: tell(done / expected)
-    elif progress:
-        yield progress
-    else:
-        yield lambda done, expected: None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import isfinite, log
@@ -11,6 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ..errors import InvalidProblem
+from ..io.json_texts import json_text
 from ..quantities import Quantity
 from ..results import Presented, ReadOnly
 from .api import in_si
@@ -228,15 +228,11 @@ class OperatingWindow(Presented, ReadOnly):
         best = self.best
         return f"OperatingWindow({self._text(best)}: probability {best.probability:.2f})"
 
-    def __str__(self) -> str:
-        return "\n".join(self.lines())
-
     def _text(self, point: OperatingPoint) -> str:
         """Return the set points of a point with units as text."""
         texts = []
         for name, value in point.values.items():
-            quantity = self.quantities[name]
-            texts.append(f"{name} {quantity.shown(value):.4g} {quantity.display}".rstrip())
+            texts.append(f"{name} {self.quantities[name].text(value)}")
         return ", ".join(texts)
 
     def lines(self, *points: OperatingPoint) -> list[str]:
@@ -290,15 +286,14 @@ class OperatingWindow(Presented, ReadOnly):
 
     def to_json(self) -> str:
         """Return the best point and the error estimates as JSON, SI units."""
-        best = self.best
         table = {
-            "best": {**best._asdict(), "margins": {k: list(v) for k, v in best.margins.items()}},
-            "errors": {k: v if isfinite(v) else None for k, v in self.errors.items()},
-            "uncertain": dict(self.uncertain),
+            "best": self.best._asdict(),
+            "errors": self.errors,
+            "uncertain": self.uncertain,
             "windings": self.windings,
-            "failures": [[list(point), reason] for point, reason in self.failures],
+            "failures": self.failures,
         }
-        return json.dumps(table, indent=1)
+        return json_text(table)
 
     def simulate(
         self,

@@ -334,14 +334,14 @@ def _probability_errors(
     mapped: MarginMap, x: Array, interpolation: Array, expansion: Array
 ) -> dict[str, float]:
     """Return the largest errors of the probability over the map, nan if unknown."""
-    some = x[::3]  # every third point: the errors vary slowly
-    reference = mapped.probability(some)
+    sample = x[::3]  # every third point: the errors vary slowly
+    reference = mapped.probability(sample)
     errors: dict[str, float] = {}
     for name, deviation in (("interpolation", interpolation), ("expansion", expansion)):
-        shifted = [mapped.probability(some, shift=side * deviation) for side in (-1, 1)]
+        shifted = [mapped.probability(sample, shift=side * deviation) for side in (-1, 1)]
         largest = float(np.abs(np.array(shifted) - reference).max())
         errors[name] = largest if np.isfinite(deviation).all() else np.nan
-    # of independent draws; that of Sobol points is smaller
+    # variance of independent draws; the error of Sobol points is smaller
     variance = reference * (1 - reference) / len(mapped.sample)
     return {**errors, "sampling": float(np.sqrt(variance).max())}
 
