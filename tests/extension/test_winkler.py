@@ -8,7 +8,7 @@ import pytest
 from pydantic import Field
 
 import woundon as wo
-from woundon.elasticity.mesh import Face
+from woundon.elasticity.mesh import Face, Wrap, nip_mesh
 from woundon.elasticity.surface import LinearSurface, SurfaceTangent
 from woundon.problems.fields import Number
 from woundon.quantities import Quantity
@@ -30,13 +30,13 @@ class Winkler(wo.Body, abstract=True):  # not registered: other tests list the k
     ]
 
     def surface(self, face: Face, half_width: float, speed: float | None = None) -> LinearSurface:
-        """Return the response dv/dx = -c dp/dx on a face."""
+        """Return the response dv/dx = -c dp/dx and the strain v/R on a face."""
         c = self.foundation_compliance
-        slope_p = -c * face.derivative / half_width
+        slope_p, strain_p = -c * face.derivative / half_width, -c * face.hats * self.curvature
         none = np.zeros_like(slope_p)
         end = np.zeros((2, face.nodes.size))
-        end[0, -1] = -c
-        return LinearSurface(SurfaceTangent(slope_p, none, none, none), end)
+        end[0, face.last] = -c
+        return LinearSurface(SurfaceTangent(slope_p, none, strain_p, none), end)
 
 
 # [body end]
@@ -54,3 +54,11 @@ def test_pressure_of_a_rigid_roller_is_a_parabola() -> None:
 
 
 # [test end]
+def test_displacement_at_the_end_is_that_of_the_trailing_edge_of_the_nip() -> None:
+    """Closed form: on a face with a roll wrap v = -c p at every node."""
+    a, c, foundation = 1e-3, 1e-8, Winkler(radius=0.1, foundation_compliance=1e-8)
+    face = nip_mesh(41, Wrap(), Wrap(length=40.0, radius=100.0)).roll_face
+    p, q = np.linspace(1e5, 2e5, face.nodes.size), np.zeros(face.nodes.size)
+    surface = foundation.surface(face, a)
+    slope, end = surface.deform(p, q).slope, surface.end_displacement(p, q)
+    np.testing.assert_allclose(face.displacement_at_nodes(slope, end, a), -c * p, rtol=1e-12)

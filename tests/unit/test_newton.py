@@ -39,7 +39,7 @@ class Row:
     P: float = 4.0
     largest_ln_a: float = 10.0
     evaluations: int = 0
-    creep_nodes: Array = field(default_factory=lambda: np.zeros(0, dtype=int))
+    creepage_nodes: Array = field(default_factory=lambda: np.zeros(0, dtype=int))
 
     def __post_init__(self) -> None:
         self.k = k = self.f.size
@@ -176,12 +176,12 @@ def test_too_many_iterations_fail(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_one_creepage_node_keeps_sticking() -> None:
     """If all nodes whose slip contains the creepage slipped, no equation would determine it."""
     system = row(6)
-    system.creep_nodes = np.arange(system.k)
+    system.creepage_nodes = np.arange(system.k)
     state, active = start(system)
     state.traction[:] = 10 * state.bound  # all exceed their bounds
     new = newton._next_active_set(system, state, active, newton._violates_inequality(state, active))
     assert np.count_nonzero(new == 0) == 1
-    system.creep_nodes = np.zeros(0, dtype=int)
+    system.creepage_nodes = np.zeros(0, dtype=int)
     assert (
         newton._next_active_set(system, state, active, newton._violates_inequality(state, active))
         == 1

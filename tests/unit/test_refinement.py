@@ -56,7 +56,7 @@ def test_two_meshes_are_no_estimate_and_no_change_is_the_tolerance_of_the_solver
 class Toy:
     """A system without unknown tractions: one unknown ln a, outputs of second order in the size."""
 
-    scales, traction_unknowns, creep_nodes = np.ones(1), slice(0, 0), np.zeros(0, dtype=int)
+    scales, traction_unknowns, creepage_nodes = np.ones(1), slice(0, 0), np.zeros(0, dtype=int)
     ln_a = load_row = 0
     largest_ln_a = 10.0
 

@@ -149,7 +149,7 @@ class StickSlip:
         return slice(2, 2 + self.limit.size)
 
     @property
-    def creep_nodes(self) -> Array:
+    def creepage_nodes(self) -> Array:
         return np.zeros(0, int) if self.creep is None else np.flatnonzero(self.creep)
 
     def evaluate(self, u: Array) -> Any:

@@ -37,7 +37,7 @@ Array = np.ndarray
 MAX_ITERATIONS = 60
 # An active set that returns more often cycles: then only the last violated node changes (Murty).
 MOST_VISITS = 2
-# A factorisation is reused as long as it reduces the step by this factor.
+# A factorisation is reused as long as it gains a digit in each iteration.
 CONTRACTION = 0.1
 # Change of ln a after which the matrices are assembled again; less changes them by about as much.
 REASSEMBLE = 0.02
@@ -45,7 +45,7 @@ REASSEMBLE = 0.02
 ROUNDING = 1e-6
 # Violation of an inequality, relative to the largest bound or slip, that is due to rounding.
 VIOLATION = 1e-10
-# Largest change of ln a in a step.
+# Largest change of ln a in a step, about a factor of two: the column by ln a is a linearisation.
 LARGEST_STEP = 0.7
 
 _getrf, _getrs = lapack.dgetrf, lapack.dgetrs
@@ -121,7 +121,7 @@ class System(Protocol):
         ...
 
     @property
-    def creep_nodes(self) -> Array:
+    def creepage_nodes(self) -> Array:
         """Traction nodes whose slip velocity contains an unknown creepage."""
         ...
 
@@ -275,14 +275,14 @@ def _next_active_set(system: System, state: Iterate, active: Array, violated: Ar
     creepage, and the Jacobian is singular.
     """
     new = np.where(violated, np.sign(state.traction) * (active == 0), active).astype(np.int8)
-    creep_nodes = system.creep_nodes
-    if creep_nodes.size and (new[creep_nodes] != 0).all():
-        sticking = creep_nodes[active[creep_nodes] == 0]
+    creepage_nodes = system.creepage_nodes
+    if creepage_nodes.size and (new[creepage_nodes] != 0).all():
+        sticking = creepage_nodes[active[creepage_nodes] == 0]
         # prefer a node between zones of opposite slip, where the slip velocity changes sign
         direction = np.sign(new[sticking].sum()) if sticking.size else 0
-        slipping = creep_nodes[active[creep_nodes] != 0]
+        slipping = creepage_nodes[active[creepage_nodes] != 0]
         reversals = slipping[new[slipping] * direction <= 0]
-        candidates = next(set_ for set_ in (reversals, slipping, creep_nodes) if set_.size)
+        candidates = next(set_ for set_ in (reversals, slipping, creepage_nodes) if set_.size)
         new[candidates[np.argmin(np.abs(state.slip[candidates]))]] = 0
     return new
 

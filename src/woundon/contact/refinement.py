@@ -27,7 +27,14 @@ import numpy as np
 
 from .newton import NewtonFailed, SemismoothNewton
 
-__all__ = ["FIRST_SIZES", "MeshSolution", "Refinement", "error_estimate", "refine"]
+__all__ = [
+    "FINAL_TOLERANCE",
+    "FIRST_SIZES",
+    "MeshSolution",
+    "Refinement",
+    "error_estimate",
+    "refine",
+]
 
 Array = np.ndarray
 
@@ -52,7 +59,8 @@ CHANGES, REPORTED = 2, 3
 TARGET_SHARE, MIN_GROWTH, MAX_GROWTH = 0.6, 1.3, 2.0
 # A mesh of SIZES that is smaller than the predicted one by up to this share is used.
 ROUNDED_DOWN = 0.03
-# Last Newton step, in the units of the unknowns: while meshes are refined, and on the last one.
+# Last Newton step, in the units of the unknowns: while meshes are refined, where the discretisation
+# error is larger, and on the last one, near the rounding error of 1e-14.
 COARSE_TOLERANCE, FINAL_TOLERANCE = 1e-5, 1e-11
 
 

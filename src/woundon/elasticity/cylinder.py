@@ -39,11 +39,12 @@ __all__ = [
 Array = np.ndarray
 Stiffness = tuple[float, float, float, float, float | None]  # A_rr, A_tt, A_rt, G, D
 
-MAX_TERMS = 1 << 18
+MAX_TERMS = 1 << 18  # of a sum: the memory of its Fourier transform is a few megabytes
 MAX_LAYERED_TERMS = 1 << 16  # shortest wave: a ten-thousandth of the radius
 TOLERANCE = 1e-12  # of the sums, relative to their leading term
 HIGHEST_POWER = 6  # of 1/n, summed in closed form
-# More than MAX_DIRECT harmonics are interpolated from FIRST_SAMPLED on.
+# More than MAX_DIRECT harmonics are interpolated from FIRST_SAMPLED on, where n Y_n is a smooth
+# function of ln n, known to ROUNDING.
 MAX_DIRECT, FIRST_SAMPLED = 2048, 64
 ROUNDING = 1e-13  # error of n Y_n by the interpolation
 MAX_REMAINDER = 1e-9  # of n Y_n at the last harmonic; else the outer layer is too thin for a series

@@ -39,9 +39,10 @@ __all__ = ["HardeningLaw", "RadialLaw", "StressState"]
 
 Array = np.ndarray
 
-MAX_MODULUS = 0.95  # largest E_r of iterates, relative to E_t/nu^2
+# Largest E_r of iterates, relative to E_t/nu^2, at which the stack would be incompressible.
+MAX_MODULUS = 0.95
 MIN_MODULUS = 0.05  # relative to zero pressure: a stack with a lower modulus is torn
-MAX_ITERATIONS = 50
+MAX_ITERATIONS = 50  # of Newton's method for the pressure
 LAST_STEP = 1e-9  # of the pressure: the error after a step of Newton's method is its square
 
 

@@ -144,6 +144,10 @@ class Face:
     points : (n+1,) array
         One in each cell, then one just downstream of the trailing edge of the nip, then the last
         node.  The last two coincide where the face ends at the trailing edge.
+    first, last : int
+        Nodes of the face at the leading and at the trailing edge of the nip.
+    cells : (n-1,) array
+        Cell lengths.
     nip_cells : slice
         The cells of the nip among those of the face.
     """

@@ -38,8 +38,8 @@ Array = np.ndarray
 # Largest residual of the nodal forces, relative to the sum of the loads: below the last step of the
 # Newton method of the contact.  With very thin rows of elements rounding may prevent the first one.
 TOLERANCE, ROUNDING = 1e-12, 5e-9
-MAX_ITERATIONS = 200
-# Largest change of ln E_r in a step.
+MAX_ITERATIONS = 200  # of Newton's method with reused factorisations
+# Largest change of ln E_r in a step: the tangent is that of the modulus before the step.
 LARGEST_CHANGE = 1.0
 # K is factorised again if a step reduces the residual by less than this factor.  A factorisation
 # costs about ten steps; factors of 0.05 to 0.5 take the same time.
@@ -48,7 +48,7 @@ SLOWEST_RATE = 0.3
 ACCURATE_RATE = 1e-2
 # Change of ln a up to which the compliance of the linear ring is reused in a tangent.
 REUSE_DISTANCE = 0.02
-CONJUGATE_GRADIENTS = 100
+CONJUGATE_GRADIENTS = 100  # iterations, before the linear ring of this half width is factorised
 # Initial nodes and relative tolerance of the ring under a uniform pressure, whose strain is a small
 # part of that of the web.
 UNIFORM_NODES, UNIFORM_TOLERANCE = 41, 1e-5

@@ -26,9 +26,22 @@ if TYPE_CHECKING:
     from ..elasticity.surface import Deformation
     from .equations import NipEquations, NipState, Side
 
-__all__ = ["body_work", "power_balance", "rolling_resistance"]
+__all__ = ["body_work", "power_balance", "pressure_resultant", "rolling_resistance"]
 
 Array = np.ndarray
+
+
+def pressure_resultant(x: Array, p: Array) -> tuple[float, float]:
+    """Return the resultant P of a piecewise linear pressure [N/m], and its position along x [m].
+
+    Examples
+    --------
+    >>> pressure_resultant(np.array([0.0, 3.0]), np.array([0.0, 2.0]))
+    (3.0, 2.0)
+    """
+    load = float(np.trapezoid(p, x))
+    moment = np.diff(x) @ (x[:-1] * (2 * p[:-1] + p[1:]) + x[1:] * (p[:-1] + 2 * p[1:])) / 6
+    return load, float(moment) / load
 
 
 class BodyWork(NamedTuple):

@@ -193,7 +193,7 @@ class NipEquations:
         return log(a)
 
     @property
-    def creep_nodes(self) -> Array:
+    def creepage_nodes(self) -> Array:
         """Indices of the tractions on the drum, whose slip velocity contains the creepage."""
         return np.arange(self.layout.roll_nodes.size, self.friction.size)
 

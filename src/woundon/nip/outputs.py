@@ -16,8 +16,8 @@ from typing import Any
 
 import numpy as np
 
-from ..contact.refinement import Refinement
-from .energy import rolling_resistance
+from ..contact.refinement import FINAL_TOLERANCE, Refinement
+from .energy import pressure_resultant, rolling_resistance
 from .equations import Geometry, NipEquations, NipState
 from .zones import has_traction_jump, slip_lengths
 
@@ -88,8 +88,16 @@ def nip_outputs(equations: NipEquations, state: NipState, active: Array) -> dict
         "approach": approach(equations, state),
         **slip_ratios(equations.problem, web_arrays(equations, state, active), mesh.nip_nodes),
     }
+    if equations.roll_wrap:
+        out["roll_wrap_traction"] = float(T[-1] - T[layout.last])
+    if equations.drum_wrap:
+        out["drum_wrap_traction"] = float(T[layout.first] - T[0])
     if equations.problem.viscoelastic:
         out["rolling_resistance"] = rolling_resistance(equations, state)
+        out["dissipated_power"] = equations.problem.rolling_speed * out["rolling_resistance"]
+        nip = mesh.nip_nodes
+        _, position = pressure_resultant(a * mesh.nodes[nip], f.p_drum[nip])
+        out["pressure_shift"] = position - out["offset"]
     return out
 
 
@@ -241,6 +249,10 @@ def error_estimates(refinement: Refinement, arrays: Mapping[str, Array]) -> dict
     """
     errors, mesh = refinement.errors(), refinement.last.state.fields.geometry.mesh
     half_cell = float(mesh.cells[mesh.nip_cells].max()) / 2  # relative to the nip width
+    # an offset may be zero: it is known to the solver's tolerance
+    errors["offset"] = max(
+        errors["offset"], FINAL_TOLERANCE * refinement.last.outputs["half_width"]
+    )
     for name in SLIP_RATIOS:
         errors[name] = max(errors[name], half_cell)
     nip = mesh.nip_nodes

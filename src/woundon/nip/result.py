@@ -19,6 +19,7 @@ from ..problems.roll import RollProblem
 from ..quantities import Quantity, angle, length, line_load, on_request, pure, strain, stress
 from ..results import Residuals, Result, Zone
 from .air_films import friction_between
+from .energy import pressure_resultant
 from .entrained_air import AirFilm
 from .layer_slip import LayerSlip, layer_slip
 
@@ -68,8 +69,7 @@ class Dissipation:
         if not result.problem.viscoelastic:
             return nan
         x, p = result.x[result.in_nip], getattr(result, result.CONTACT_PRESSURE)[result.in_nip]
-        moment = np.diff(x) @ (x[:-1] * (2 * p[:-1] + p[1:]) + x[1:] * (p[:-1] + 2 * p[1:])) / 6
-        return float(moment / np.trapezoid(p, x) - result.offset)
+        return float(pressure_resultant(x, p)[1] - result.offset)
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,7 @@ import numpy as np
 
 from ..elasticity.mesh import Mesh
 from ..elasticity.surface import Deformation, SurfaceResponse
+from .energy import pressure_resultant
 
 __all__ = ["SurfaceWork", "dissipation", "roller_power_balance", "surface_work"]
 
@@ -84,12 +85,10 @@ def roller_power_balance(result: Any, bodies: tuple[SurfaceWork, SurfaceWork]) -
     """
     problem, x, p, q = result.problem, result.x, result.pressure, result.traction
     h, R = np.diff(x), problem.contact_radius
-    # exact integrals of the piecewise linear pressure and of its moment
-    load = float(h @ (p[:-1] + p[1:])) / 2
-    moment = float(h @ (x[:-1] * (2 * p[:-1] + p[1:]) + x[1:] * (p[:-1] + 2 * p[1:]))) / 6
+    load, position = pressure_resultant(x, p)
     middle = result.slip_x[1:]
     fraction = (middle - x[:-1]) / h
     friction = float(h @ (((1 - fraction) * q[:-1] + fraction * q[1:]) * result.slip[1:]))
-    supplied = (load * result.offset - moment) / R + result.creepage * result.tangential_load
+    supplied = load * (result.offset - position) / R + result.creepage * result.tangential_load
     supplied -= friction + sum(surface.curvature_work for surface in bodies)
     return abs(result.rolling_resistance - supplied) / (load * result.half_width / R)

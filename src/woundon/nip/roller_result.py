@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from math import nan
 from types import MappingProxyType
@@ -14,7 +14,7 @@ from ..problems.rollers import RollerProblem
 from ..quantities import Quantity, length, line_load, pure, strain, stress
 from ..results import Residuals, Result, Zone
 from .result import Dissipation
-from .zones import boundary_positions
+from .zones import slip_share
 
 if TYPE_CHECKING:
     from ..sensitivity import Sensitivity
@@ -115,14 +115,8 @@ class RollerResult(Dissipation, Result):
     @property
     def slip_share(self) -> Annotated[float, strain("s_q", "slip length / width of the contact")]:
         """Share of the width on which the rollers slip [1]."""
-        return sum(right - left for zone, left, right in self._runs() if zone) / self.nip_width
-
-    def _runs(self) -> Iterator[tuple[int, float, float]]:
-        """Yield the zones with their ends [m]."""
         slack = self.problem.friction * self.pressure - np.abs(self.traction)
-        ends = boundary_positions(self.x, self.zone, self.slip, slack)
-        zones = self.zone[np.append(True, np.diff(self.zone) != 0)].tolist()
-        yield from zip(zones, [self.x[0], *ends], [*ends, self.x[-1]], strict=True)
+        return slip_share(self.x, self.zone, self.slip, slack)
 
     @property
     def in_nip(self) -> slice:
@@ -167,4 +161,6 @@ class RollerResult(Dissipation, Result):
         motion_output = "shift" if self.problem.motion == "static" else "creepage"
         dissipation = ("rolling_resistance",) if self.problem.viscoelastic else ()
         default = (motion_output, *main, *dissipation)
-        return contact_sensitivity(self, solutions(self), parameters, outputs, default)
+        text = "0 has no derivative: with friction the rollers transmit tractions"
+        excluded = {} if self.problem.friction else {"friction": text}
+        return contact_sensitivity(self, solutions(self), parameters, outputs, default, excluded)

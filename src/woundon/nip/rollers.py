@@ -53,9 +53,11 @@ from ..elasticity.mesh import Face, Wrap, nip_mesh
 from ..elasticity.surface import Deformation, SurfaceResponse
 from ..problems.bodies import half_width_guess
 from ..problems.rollers import RollerProblem
+from .energy import pressure_resultant
 from .equations import DIFFERENCE, FARTHEST, NEAREST, nearest
 from .load_limit import frictionless_half_width
 from .roller_energy import dissipation, surface_work
+from .zones import slip_share
 
 __all__ = ["RollerEquations", "RollerState", "pressure_median"]
 
@@ -140,7 +142,7 @@ class RollerEquations:
         return log(min(min(body.radius, body.max_half_width) for body in self.problem.bodies))
 
     @property
-    def creep_nodes(self) -> Array:
+    def creepage_nodes(self) -> Array:
         """All traction nodes, unless the creepage is given."""
         is_given = self.problem.creepage is not None
         return np.arange(0 if is_given else self.q.stop - self.q.start)
@@ -366,10 +368,24 @@ class RollerEquations:
             out["shift"] = self.rigid_displacement(state, xi)
         else:
             out["creepage"] = xi
+        slack = problem.friction * state.p - np.abs(state.q)
+        x = a * self.mesh.nodes
+        out["slip_share"] = slip_share(x, self.zones(state, active), self.slip(state)[1], slack)
         if problem.viscoelastic:
+            assert problem.rolling_speed is not None
             bodies = surface_work(problem, self.mesh, state)
             out["rolling_resistance"] = dissipation(problem, bodies)
+            out["dissipated_power"] = problem.rolling_speed * out["rolling_resistance"]
+            out["pressure_shift"] = pressure_resultant(x, state.p)[1] - out["offset"]
         return out
+
+    def zones(self, state: RollerState, active: Array) -> Array:
+        """Return the zones of all nodes; those at the edges have the zones of their neighbours.
+
+        Without friction all nodes slip.
+        """
+        inner = active if self.problem.friction else np.sign(self.slip(state)[1][1:-1])
+        return np.pad(inner, 1, mode="edge").astype(np.int8)
 
     # ---- transfer to another mesh --------------------------------------------------------------
 

@@ -273,6 +273,8 @@ def _step_scale(problem: Any, name: str, value: float) -> float:
 def near_zone_change(mesh: MeshSolution) -> str:
     """Return the names of the traction nodes that are close to a change of their zone."""
     state, active = mesh.state, mesh.active
+    if not active.size:  # without friction
+        return ""
     slack = (state.bound - np.abs(state.traction)) / np.abs(state.bound).max()
     slip = np.abs(state.slip) / max(np.abs(state.slip).max(), 1e-300)
     nodes = np.nonzero(np.where(active == 0, slack, slip) < NEAR_CHANGE)[0]

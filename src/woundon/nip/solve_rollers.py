@@ -11,7 +11,7 @@ import numpy as np
 
 from ..arguments import Option, check_type, nodes_or_rtol, tolerance, whole_number
 from ..contact.newton import NewtonFailed
-from ..contact.refinement import CHANGES, Refinement, refine
+from ..contact.refinement import CHANGES, FINAL_TOLERANCE, Refinement, refine
 from ..errors import RESOLUTION, NotConverged
 from ..parallel import one_thread
 from ..problems.messages import quote
@@ -195,9 +195,6 @@ def _result(problem: RollerProblem, refinement: Refinement, unmet: str) -> Rolle
     state, outputs = refinement.last.state, refinement.last.outputs
     a = state.surfaces.a
     xi, slip = equations.slip(state)
-    zone = refinement.last.active
-    if not problem.friction:
-        zone = np.sign(slip[1:-1]).astype(np.int8)
     result = RollerResult(
         problem=problem,
         creepage=nan if equations.static else xi,
@@ -211,7 +208,7 @@ def _result(problem: RollerProblem, refinement: Refinement, unmet: str) -> Rolle
         traction=state.q.copy(),
         slip_x=equations.slip_points(a),
         slip=slip,
-        zone=np.concatenate([zone[:1], zone, zone[-1:]]),
+        zone=equations.zones(state, refinement.last.active),
         residuals=Residuals(),
         traction_error=_traction_error(refinement),
         iterations=refinement.iterations,
@@ -219,6 +216,9 @@ def _result(problem: RollerProblem, refinement: Refinement, unmet: str) -> Rolle
         refinement=refinement,
     )
     errors = refinement.errors()
+    errors["offset"] = max(errors["offset"], FINAL_TOLERANCE * a)  # it may be zero
+    # the position of a zone boundary is known to the cell in which it lies
+    errors["slip_share"] = max(errors["slip_share"], float(equations.mesh.cells.max()) / 2)
     warnings = [*roller_warnings(result), *_inconsistent(result, errors)]
     if unmet:
         warnings.append(f"{RESOLUTION}{unmet}; use rtol={DEFAULT_RTOL:g}")

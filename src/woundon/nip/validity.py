@@ -15,10 +15,12 @@ __all__ = ["nip_warnings", "web_far_outside"]
 
 Array = np.ndarray
 
-SERIES_ERROR = 1e-4  # truncation error of a Fourier series that is reported
-# A case that cannot be solved is far outside the model with a web strain, or a ratio of the web
-# thickness and the nip width, above these values.
-FAR_STRAIN, FAR_THICKNESS = 1.0, 10.0
+# Accepted truncation error of a Fourier series: a tenth of the default criterion of the solver.
+SERIES_ERROR = 1e-4
+# Far outside the model, by which an unsolved case is explained: a web of twice its length, and one
+# that is ten nip widths thick.
+FAR_STRAIN = 1.0
+FAR_THICKNESS = 10.0
 
 
 def nip_warnings(result: NipResult) -> tuple[str, ...]:

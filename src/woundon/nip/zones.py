@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-__all__ = ["boundary_positions", "has_traction_jump", "slip_lengths"]
+__all__ = ["boundary_positions", "has_traction_jump", "slip_lengths", "slip_share"]
 
 Array = np.ndarray
 
@@ -65,6 +65,19 @@ def slip_lengths(x: Array, zones: Array, slip: Array, slack: Array) -> tuple[flo
         length = leading * float(x[-1] - x[0])
         return length, length
     return leading * (boundaries[0] - float(x[0])), trailing * (float(x[-1]) - boundaries[-1])
+
+
+def slip_share(x: Array, zones: Array, slip: Array, slack: Array) -> float:
+    """Return the share of the width of a contact on which the surfaces slip [1].
+
+    Parameters
+    ----------
+    x, zones, slip, slack : (n,) arrays
+        As for :func:`boundary_positions`.
+    """
+    ends = [x[0], *boundary_positions(x, zones, slip, slack), x[-1]]
+    slips = zones[np.append(True, np.diff(zones) != 0)] != 0
+    return float(np.diff(ends)[slips].sum() / (x[-1] - x[0]))
 
 
 def has_traction_jump(zones: Array) -> bool:

@@ -36,6 +36,7 @@ __all__ = [
     "effective_cylinder",
     "effective_pressure",
     "hardening_roll",
+    "linear_cylinder",
     "predicted_nip",
     "solved_nip",
     "tension_on_roll",
@@ -129,7 +130,7 @@ def solved_nip(
     known = previous or neighbour
     start = known.result if known else None
     if stage is None:
-        return NipSample(solve(_linear_cylinder(problem, radius), start))
+        return NipSample(solve(linear_cylinder(problem, radius), start))
     if problem.roll_body == "direct":
         return NipSample(solve(hardening_roll(problem, stage), start))
     return _effective(problem, stage, previous, neighbour, solve, coupling_rtol)
@@ -253,7 +254,7 @@ def effective_cylinder(problem: WindingProblem, radius: float, pressure: float) 
     return Cylinder(radius=radius, core_radius=problem.core.radius, material=material)
 
 
-def _linear_cylinder(problem: WindingProblem, radius: float) -> Cylinder:
+def linear_cylinder(problem: WindingProblem, radius: float) -> Cylinder:
     """Return a cylinder with the moduli of the web."""
     material = problem.web.material
     assert isinstance(material, Material)  # validated by the problem

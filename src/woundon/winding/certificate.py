@@ -2,16 +2,42 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
+from ..errors import unwarned
+from ..problems.bodies import Body
 from ..problems.schedules import Curve
+from ..problems.winding import WindingProblem
 from ..results import ACCEPTED_RESIDUAL, Residuals, largest, positive
+from ..roll.stages import stage_at
+from .bodies import effective_cylinder, effective_pressure, hardening_roll, linear_cylinder
+from .measured import smoothed
+from .nips import PRESSURE_TOLERANCE, Nips
 
-__all__ = ["LARGEST_COUPLING_RTOL", "certificate"]
+__all__ = ["LARGEST_COUPLING_RTOL", "certificate", "recomputed"]
+
+Array = np.ndarray
 
 LARGEST_COUPLING_RTOL = 1e-2  # largest tolerance that may be requested of nips and roll
+# Recomputed nips agree to this multiple of ``coupling_rtol``, with which the air film, the friction
+# and the pressure in the roll are known, and at least to the accuracy of a warm start.
+FACTOR, LEAST_DIFFERENCE = 10.0, 1e-6
+LOADS = "web_tension", "nip_load", "winding_force", "nip_induced_tension", "wound_on_tension"
+NIP_ARRAYS = (
+    "nip_radius",
+    "nip_wound_on_tension",
+    "nip_departure",
+    "nip_half_width",
+    "nip_peak_pressure",
+    "nip_effective_pressure",
+    "nip_air_film",
+    "nip_friction",
+    "nip_error",
+    "nip_residual",
+)
 
 
 def certificate(result: Any) -> Residuals:
@@ -24,7 +50,7 @@ def certificate(result: Any) -> Residuals:
         the largest.
     nips
         Largest residual of any nip; infinite unless half-widths, pressures and friction
-        coefficients are positive.
+        coefficients are positive, and all arrays of the nips have the same length.
     coupling
         Relative difference between the wound-on tension of each nip and the reported tension minus
         its departure under fluctuating schedules; scaled so that ``coupling_rtol`` is 1e-8.
@@ -36,7 +62,10 @@ def certificate(result: Any) -> Residuals:
     schedules
         Differences of T_in, P and F from the schedules, each relative to its largest value.
     reach
-        Relative difference of the end radii from core and roll radius; 1 unless radii increase.
+        Relative difference of the end radii from core and roll radius; infinite unless radii
+        increase and all arrays over the radius have the same length.
+
+    The nips themselves are solved again by :func:`recomputed`.
     """
     problem, r, roll = result.problem, result.radius, result.roll
     WOT = result.wound_on_tension
@@ -44,7 +73,6 @@ def certificate(result: Any) -> Residuals:
     tension = np.interp(result.nip_radius, r, WOT) - result.nip_departure
     mismatch = tension / result.nip_wound_on_tension - 1
     unit = max(float(np.max(np.abs(WOT))), 1e-300)
-    steps = np.diff(r)
     # tolerances outside this range cannot be requested
     rtol = result.coupling_rtol
     scale = ACCEPTED_RESIDUAL / rtol if 0 < rtol <= LARGEST_COUPLING_RTOL else np.inf
@@ -62,17 +90,28 @@ def certificate(result: Any) -> Residuals:
         tension_balance=largest(np.abs(WOT - result.web_tension - result.nip_induced_tension))
         / unit,
         schedules=largest(schedules),
-        reach=largest(
-            [largest(np.abs(r[[0, -1]] / problem.ends - 1)), 0.0 if (steps > 0).all() else 1.0]
-        ),
+        reach=_reach(result),
     )
+
+
+def _reach(result: Any) -> float:
+    """Return the difference of the end radii from those of the problem; inf for invalid arrays."""
+    r = result.radius
+    if not (np.diff(r) > 0).all() or any(getattr(result, name).shape != r.shape for name in LOADS):
+        return np.inf
+    return largest(np.abs(r[[0, -1]] / result.problem.ends - 1))
 
 
 def _positivity_residual(result: Any) -> float:
     """Return 0 if widths, pressures and friction of all nips are positive, else inf."""
+    expected = result.nip_radius.shape if result.problem.tension_law == "nip" else (0,)
+    if any(getattr(result, name).shape != expected for name in NIP_ARRAYS):
+        return np.inf
     quantities = [result.nip_half_width, result.nip_peak_pressure, result.nip_friction]
     if result.problem.roll_body == "effective":
         quantities.append(result.nip_effective_pressure)
+    elif not np.isnan(result.nip_effective_pressure).all():
+        return np.inf
     return largest([positive(*quantities), 0.0 if (result.nip_residual >= 0).all() else np.inf])
 
 
@@ -81,3 +120,45 @@ def _air_film_residual(result: Any) -> float:
     r, h = result.nip_radius, result.nip_air_film
     mean = float(np.trapezoid(h * r, r) / np.trapezoid(r, r)) if r.size > 1 else 0.0
     return abs(result.air_film - mean) / float(result.problem.web.thickness)
+
+
+def recomputed(result: Any) -> Mapping[str, tuple[Array, Array]]:
+    """Solve the nips of a result again; return their outputs by field, with tolerances.
+
+    A nip follows from the problem, its radius and the body of the roll: the effective pressure, or
+    the stage of the roll.  With a direct roll and fluctuating schedules the stages belong to the
+    roll of the smoothed schedules, which is not part of the result: nothing is recomputed then.
+    """
+    smooth = smoothed(result.problem, result.roll_rtol)
+    problem, roll = smooth or result.problem, result.roll
+    if not result.nip_radius.size or (smooth and problem.roll_body == "direct"):
+        return {}
+    nips, solved = Nips(problem, result.nodes, result.coupling_rtol, lambda _: None), None
+    rows, pressures = [], []
+    for radius, P_e in zip(result.nip_radius.tolist(), result.nip_effective_pressure, strict=True):
+        body = _roll_body(problem.replace(stack=roll.problem.stack), radius, P_e, roll)
+        with unwarned():
+            solved = nips.solve(body, solved)
+        outputs = solved.roll_wound_on_tension, solved.half_width, solved.peak_pressure
+        rows.append((*outputs, nips.films[radius], solved.without_air.roll_friction))
+        if problem.roll_body == "effective" and smooth is None:
+            pressures.append(effective_pressure(stage_at(roll, radius), *outputs))
+    names = "wound_on_tension", "half_width", "peak_pressure", "air_film", "friction"
+    within = max(FACTOR * result.coupling_rtol, LEAST_DIFFERENCE)
+    values = {
+        f"nip_{name}": (column, within * np.abs(column))
+        for name, column in zip(names, np.array(rows).T, strict=True)
+    }
+    if pressures:
+        P = np.array(pressures)
+        values["nip_effective_pressure"] = P, PRESSURE_TOLERANCE * P
+    return values
+
+
+def _roll_body(problem: WindingProblem, radius: float, P_e: float, roll: Any) -> Body:
+    """Return the roll at a radius as a body of the nip."""
+    if problem.roll_body == "effective":
+        return effective_cylinder(problem, radius, P_e)
+    if problem.roll_body == "direct":
+        return hardening_roll(problem, stage_at(roll, radius))
+    return linear_cylinder(problem, radius)

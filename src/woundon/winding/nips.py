@@ -18,7 +18,7 @@ from ..roll.result import RollResult
 from ..roll.stages import stage_at
 from .bodies import NipSample, predicted_nip, solved_nip
 
-__all__ = ["Nips", "warnings_of"]
+__all__ = ["PRESSURE_TOLERANCE", "Nips", "warnings_of"]
 
 COARSE_NODES = 33
 # relative tolerances of the effective pressure in one nip-roll iteration
@@ -92,7 +92,7 @@ class Nips:
                 stage,
                 previous,
                 self._nearest(radius),
-                self._solve,
+                self.solve,
                 COARSE_PRESSURE_TOLERANCE if self.rough else PRESSURE_TOLERANCE,
             )
         self.samples[radius] = sample
@@ -136,7 +136,7 @@ class Nips:
         nearest = min(known, key=lambda r: abs(np.log((r - core) / (radius - core))), default=None)
         return None if nearest is None else known[nearest]
 
-    def _solve(self, roll: Body, start: NipResult | None) -> NipResult:
+    def solve(self, roll: Body, start: NipResult | None) -> NipResult:
         """Solve the nip on a roll; without the warm start if it does not converge."""
         nodes = min(self.nodes, COARSE_NODES) if self.coarse else self.nodes
         nip = self.problem.nip(roll.radius, roll)

@@ -14,7 +14,7 @@ from ..quantities import Quantity, length, line_load, pure, strain, stress
 from ..results import Residuals, Result
 from ..roll.result import RollResult
 from .bodies import NipSample
-from .certificate import certificate
+from .certificate import certificate, recomputed
 from .margins import WithMargins
 from .roll import recompute_roll
 
@@ -107,8 +107,10 @@ class WindingResult(WithMargins, Result):
     ESTIMATES: ClassVar[frozenset[str]] = frozenset(
         {
             "core_interpolation_error",
+            "coupling_rtol",
             "interpolation_error",
             "nip_error",
+            "nip_residual",
             "nips_solved",
             "nodes",
             "roll_rtol",
@@ -218,3 +220,10 @@ class WindingResult(WithMargins, Result):
     def certified(self) -> Residuals:
         """Compute the residuals from problem and arrays."""
         return certificate(self)
+
+    def recomputed(self) -> Mapping[str, tuple[Array, Array]]:
+        """Return the outputs of the nips, solved again from the problem and the roll; tolerances.
+
+        This takes a few seconds.
+        """
+        return recomputed(self)

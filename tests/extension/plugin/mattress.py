@@ -82,6 +82,7 @@ class MattressSurface:
 
     def __init__(self, body: Mattress, face: Face, a: float) -> None:
         self.body, self.derivative, self.hats = body, face.derivative / a, face.hats
+        self.edge = face.last  # node at the trailing edge of the nip
 
     def deform(self, p: Array, q: Array) -> Deformation:
         """Return the slope v' = -dw/dx and the strain u' + v/R = -w/R."""
@@ -96,13 +97,13 @@ class MattressSurface:
         return SurfaceTangent(slope_p, none, -self.hats * (by_p * self.body.curvature), none)
 
     def end_displacement(self, p: Array, q: Array) -> float:
-        """Return v at the last node."""
-        return -float(self._depth(p)[0][-1])
+        """Return v at the trailing edge of the nip."""
+        return -float(self._depth(p)[0][self.edge])
 
     def end_tangent(self, p: Array, q: Array) -> tuple[Array, Array]:
-        """Return the derivatives of v at the last node."""
+        """Return the derivatives of v at the trailing edge of the nip."""
         by_p = np.zeros(p.size)
-        by_p[-1] = -self._depth(p)[1][-1]
+        by_p[self.edge] = -self._depth(p)[1][self.edge]
         return by_p, np.zeros(p.size)
 
     def end_tangential_displacement(self, p: Array, q: Array) -> float:
