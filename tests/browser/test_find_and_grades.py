@@ -95,6 +95,22 @@ def test_a_nip_takes_the_value_at_the_core_of_a_schedule_and_gives_it_back(look)
     assert seen.box("web_tension.taper") == taper
 
 
+def test_the_roll_of_a_nip_is_of_the_grade_that_was_filled_into_a_winding(look):
+    seen = look()
+    page = seen.page
+    page.click("#tab-winding")
+    page.wait_for_selector(".schedule-plot")
+    page.select_option("#grade", "lwc")
+    page.wait_for_function("() => document.querySelector('#f-web_thickness').value === '47'")
+    page.click("#tab-case")
+    page.wait_for_selector("[data-output=wound_on_tension]")
+    seen.rest()
+    assert page.input_value("#grade") == "lwc"
+    material = wo.NipProblem.example().replace(grade="lwc").roll.material
+    assert float(seen.box("roll.material.tangential")) == material.tangential / 1e6
+    assert page.locator(".warnings li", has_text="two papers").count() == 0
+
+
 def test_formulas_of_labels_are_typeset(look):
     page = look().page
     label = page.locator("[data-path=winding_force] label")
@@ -108,7 +124,7 @@ def test_a_limit_is_entered_next_to_its_margin_on_a_phone(look):
     page.click("#tab-winding")
     page.wait_for_selector(".schedule-plot")
     page.select_option(".kind", "winding")
-    page.wait_for_selector("[id='f-tension_law']")
+    page.click("[data-group=operation] summary")  # the form is shut, the answer above the fold
     page.select_option("[id='f-tension_law']", label="friction")  # no nip is solved
     page.wait_for_selector(".margins", timeout=60_000)
     seen.rest()
@@ -121,6 +137,7 @@ def test_a_limit_is_entered_next_to_its_margin_on_a_phone(look):
     margins = wo.solve(problem.replace(limits={"blocking_pressure": "10 MPa"})).margins
     (blocking,) = (one for one in margins if one.name == "blocking")
     row = page.locator(".margins tr", has=page.locator("#limit-blocking"))
+    assert page.evaluate("() => document.querySelector('.margins').scrollWidth") <= 390
     assert ("holds" if blocking.ok else "fails") in row.inner_text()
 
 

@@ -14,8 +14,8 @@ const idOf = (path) => `f-${path.replaceAll(".", "-")}`;
 export function Form({ store }) {
   const { catalogue, kind } = store;
   const narrow = matchMedia("(max-width: 820px)").matches;
-  // on a phone the first group alone is open, and none above a study, whose own fields come below
-  const shut = narrow && ["study", "fit", "window"].includes(store.state.tab);
+  // on a phone the first group of a nip alone is open: results and the fields of a study come below
+  const shut = narrow && store.state.tab !== "case";
   return html`<form class="form" aria-label=${T.form.name} onSubmit=${(event) => event.preventDefault()}>
     ${kind.has_grades && html`<label class="grade">${T.form.grade}<select id="grade" value=${store.grade} onChange=${(event) => event.target.value && store.fillGrade(event.target.value)}>
       <option value="" selected=${!store.grade}>${T.form.chooseGrade}</option>

@@ -182,11 +182,16 @@ export class Store {
   }
 
   /** Change the kind; values that both kinds have stay, a schedule with its value at the core. */
-  goTo(name) {
+  async goTo(name) {
     const { case: now, kind, others } = this.state;
     const next = this.kindOf(name);
+    const { grade } = this;
     const fields = new Map(fieldsOf(this.catalogue, next.form).map((field) => [field.name, field]));
-    const before = others[name] ?? next.example;
+    let before = others[name] ?? next.example;
+    if (grade && next.has_grades && !same(webOf(before), webOf(now))) { // else the roll would be of another paper
+      before = await api.withGrade(before, grade).then((answer) => answer.problem, () => before);
+      if (now !== this.state.case) return;
+    }
     const carried = ([path, value]) => {
       if (fields.get(path).type === "number" && typeof value === "object") return [path, atCore(value)];
       return [path, value === atCore(before[path]) ? before[path] : value]; // a schedule from this value stays
@@ -194,7 +199,9 @@ export class Store {
     const shared = Object.entries(now).filter(([field]) => fields.has(field) && field in before).map(carried);
     const related = shared.length >= 7; // a nip and a winding share eight fields, a roll and a winding five
     this.set({ others: { ...others, [kind]: now } });
-    this.take(name, related ? { ...before, ...Object.fromEntries(shared) } : before);
+    const tables = related ? { ...before, ...Object.fromEntries(shared) } : before;
+    this.take(name, tables);
+    if (grade && next.has_grades) this.set({ grade: { name: grade, web: webOf(tables) } });
   }
 
   // ---- the picture ----
