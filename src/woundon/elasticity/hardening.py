@@ -24,7 +24,8 @@ with f' = 1/M > 0 for E_r < E_t/nu^2.  Then s_t = E_t e_t - nu (P - P0), tau = G
     dtau   [ -M G' gamma  -nu M G' gamma      G + M (G' gamma)^2    ] dgamma.
 
 Iterates of Newton's method may leave the range of the law, where F and G continue along their
-tangents.  The converged solution is checked (:meth:`.hardening_surface.HardeningSurface.outside`).
+tangents.  The converged solution is checked by
+:meth:`.hardening_surface.HardeningSurface.range_message`.
 """
 
 from __future__ import annotations

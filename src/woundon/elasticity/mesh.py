@@ -157,6 +157,7 @@ class Face:
         self.first, self.last = mesh.first - start, mesh.last - start
         self.nip_cells = slice(self.first, self.last)
         self.size = mesh.last - mesh.first + 1
+        # one-sided: slopes and strains jump at the edge, and are infinite at the end of a wrap
         edge, end = self.nodes[self.last], self.nodes[-1]
         if self.extends_downstream:
             edge = edge + ONE_SIDED * self.cells[self.last]

@@ -206,6 +206,7 @@ class TensionCurve:
         Radii below ten layers are excluded.
         """
         fine = sampling_radii(self.problem)
+        # of the polyline through the reported tension, relative to the interpolating polynomials
         error = np.abs(np.interp(fine, r, tension) / self.tension(values, fine) - 1)
         first_radius, outer = (self.radius(self.pieces[k].start) for k in (0, int(self.on_core)))
         on_core = error[(fine >= first_radius) & (fine < outer)]
