@@ -391,8 +391,8 @@ def curve(
         text = f"{points} is out of range; must be >= 2 and <= {LIMITS['curve_points']}"
         raise InvalidProblem.at("points", text)
     kind = kinds.of(problem)
-    named = tuple(outputs) or _usual_outputs(problem)
-    model = model_of(problem, named, {}, checked_options(kind, options))
+    names = tuple(outputs) or _usual_outputs(problem)
+    model = model_of(problem, names, {}, checked_options(kind, options))
     values = _spread(problem, field, float(base), points, low, high)
     rows: list[tuple[float, ...]] = []
     failures, start = [], None
@@ -401,7 +401,7 @@ def curve(
             answer = model.run({field: value}, start)
         except (InvalidProblem, NotConverged, ArithmeticError) as fault:
             failures.append({"value": value, "why": str(fault)})
-            rows.append((np.nan,) * len(named))
+            rows.append((np.nan,) * len(names))
             continue
         rows.append(answer.values)
         start = answer.state
@@ -412,7 +412,7 @@ def curve(
             "unit": quantity.unit,
             "at": base,
             "values": values,
-            "outputs": dict(zip(named, columns, strict=True)),
+            "outputs": dict(zip(names, columns, strict=True)),
             "failures": failures,
         }
     )

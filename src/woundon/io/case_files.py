@@ -242,8 +242,8 @@ def _check_exists(parts: list[str], model: type[Any]) -> None:
     ------
     InvalidProblem
     """
-    head, *below = parts
-    if parts == ["schema"] or (head in model.tables and set(below) <= {*model.tables[head]}):
+    head, *inner = parts
+    if parts == ["schema"] or (head in model.tables and set(inner) <= {*model.tables[head]}):
         return
     path = ".".join(parts)
     models: tuple[type[Any], ...] = (model,)

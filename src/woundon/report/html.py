@@ -78,16 +78,16 @@ def symbol_html(symbol: str) -> str:
 
 def _symbol(word: str) -> str:
     """Return a single symbol; a word that is none as it is."""
-    found = SYMBOL.fullmatch(word)
-    if found is None:
+    match = SYMBOL.fullmatch(word)
+    if match is None:
         return escape(word)
-    factor, base, number, index, sign = found.groups()
+    factor, base, number, index, sign = match.groups()
     letter = f"&{base.replace('eps', 'epsilon')};" if base in GREEK else base
     letter = f"<i>{letter}</i>" if base in GREEK or len(base) == 1 else letter
     index = f"&{index};" if index in GREEK else index
-    below = number + (index or "")
-    below, above = below and f"<sub>{below}</sub>", sign and f"<sup>{sign}</sup>"
-    return f"{factor}{letter}{below}{above}"
+    subscript = number + (index or "")
+    subscript, superscript = subscript and f"<sub>{subscript}</sub>", sign and f"<sup>{sign}</sup>"
+    return f"{factor}{letter}{subscript}{superscript}"
 
 
 # A symbol within words: "T_in", "mu+", "M2", "F"; not the article "A", units as in "2 N" and "N/m",
@@ -107,7 +107,7 @@ def label_html(text: str) -> str:
     >>> label_html("winding force, F = -M2/R2")[15:]
     '<span style="white-space:nowrap"><i>F</i> = -<i>M</i><sub>2</sub>/<i>R</i><sub>2</sub></span>'
     """
-    return _FORMULA.sub(lambda found: _formula(found[0]), escape(text))
+    return _FORMULA.sub(lambda match: _formula(match[0]), escape(text))
 
 
 def _formula(text: str) -> str:

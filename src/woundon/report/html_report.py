@@ -174,7 +174,9 @@ def _inputs(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
     yield f'<div class="columns">{table}</div>' if len(names) == 1 else table
     if not_given:
         yield f'<p class="source">Not given: {escape(", ".join(not_given))}.</p>'
-    sources = dict.fromkeys(material for result in results for material in _named(result.problem))
+    sources = dict.fromkeys(
+        material for result in results for material in _named_materials(result.problem)
+    )
     for path, name in sources:
         source = f"{path}: the named material {name}; {MATERIALS[name].source}"
         yield f'<p class="source">{escape(source)}</p>'
@@ -192,7 +194,7 @@ def _row(place: Place) -> Row:
     return Row(meaning, symbol, "not given" if value is None else str(value))
 
 
-def _named(thing: Any, path: str = "") -> Iterator[tuple[str, str]]:
+def _named_materials(thing: Any, path: str = "") -> Iterator[tuple[str, str]]:
     """Yield path and name of each named material."""
     for name, known in MATERIALS.items():
         if thing == known.material:
@@ -202,7 +204,7 @@ def _named(thing: Any, path: str = "") -> Iterator[tuple[str, str]]:
     if isinstance(thing, Description):
         inner = {name: getattr(thing, name) for name in type(thing).model_fields}
     for key, value in inner.items():
-        yield from _named(value, f"{path}.{key}".strip("."))
+        yield from _named_materials(value, f"{path}.{key}".strip("."))
 
 
 # ---- several states ---------------------------------------------------------------------------
@@ -287,8 +289,8 @@ def _figure(results: Sequence[Result], names: Sequence[str] | None) -> Iterator[
 
 def _inline(figure: Figure, label: str, number: int) -> str:
     """Return a figure as SVG; two figures of one page may not name their parts alike."""
-    drawn = figure_bytes(figure, ".svg").decode()
-    svg = _APART.sub("", drawn[drawn.index("<svg") :])
+    image = figure_bytes(figure, ".svg").decode()
+    svg = _APART.sub("", image[image.index("<svg") :])
     svg = re.sub(r'(id="|url\(#|href="#)', rf"\g<1>f{number}-", svg)
     return f'<figure role="img" aria-label="{escape(label)}">{svg}</figure>'
 

@@ -74,8 +74,8 @@ def _map(result: NipResult, slip: LayerSlip) -> tuple[Array, Array, Array]:
 
 def _deepest(slip: LayerSlip) -> float:
     """Return the largest depth of the plot [m]."""
-    deepest, wanted = float(slip.interface_depth[-1]), 1.5 * slip.depth
-    return min(deepest, max(wanted, 8 * float(slip.interface_depth[0])))
+    deepest, preferred = float(slip.interface_depth[-1]), 1.5 * slip.depth
+    return min(deepest, max(preferred, 8 * float(slip.interface_depth[0])))
 
 
 def draw_shear(axes: Axes, cases: Cases) -> Handles:

@@ -126,9 +126,9 @@ def figure_for_file(
     lettered: bool = True,
 ) -> Figure:
     """Return the figure of :func:`plot` for a file: not registered with a window or notebook."""
-    given, cases = _cases(results, labels)
+    all_results, cases = _cases(results, labels)
     options: Any = {"choice": panels, "lettered": lettered, "registered": False}
-    figure: Figure = draw_panels(_common_panels(given), cases, **options)
+    figure: Figure = draw_panels(_common_panels(all_results), cases, **options)
     return figure
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -190,7 +191,7 @@ def _cases(
     outputs = scalar_outputs(kind_of(problem).result)
     outputs |= {f"errors.{name}": quantity for name, quantity in outputs.items()}
     inputs = columns_of(problem)
-    return read_cases(data, inputs, outputs, lambda *given: build(problem, *given), columns)
+    return read_cases(data, inputs, outputs, partial(build, problem), columns)
 
 
 def _model_of_study(

@@ -195,7 +195,7 @@ class Comparison(Presented, ReadOnly):
     def lines(self) -> list[str]:
         """Return the agreement of every output and the possible explanations as lines of text."""
         texts = [_agreement_text(self, output) for output in self.outputs]
-        failed = [(n, why) for n, why in zip(self.numbers, self.failures, strict=True) if why]
+        failed = [pair for pair in zip(self.numbers, self.failures, strict=True) if pair[1]]
         if failed:
             number, reason = failed[0]
             texts.append(f"{len(failed)} values without a prediction, e.g. row {number}: {reason}")

@@ -458,9 +458,9 @@ def replaced(problem: Problem) -> Mapping[str, str]:
 
 def _no_output(problem: Problem, name: str) -> str:
     """Return the reason for an unknown output, with an existing one or a suggestion."""
-    instead = replaced(problem)
-    if name in instead:
-        return f"no such output: {instead[name]}"
+    replacements = replaced(problem)
+    if name in replacements:
+        return f"no such output: {replacements[name]}"
     known = scalar_outputs(kinds.of(problem).result)
     symbols = {quantity.symbol.lower(): output for output, quantity in known.items()}
     if name.lower() in symbols:

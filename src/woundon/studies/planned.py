@@ -238,11 +238,11 @@ class Planned:
             if gradient is not None:
                 slopes[:, j] = value * sum(float(gradient[0, paths.index(path)]) for path in group)
             elif group:
-                above, below = (
+                upper, lower = (
                     self._values(self._moved(fixed, result, state, theta, name, step), rows)
                     for step in (STEP, -STEP)
                 )
-                slopes[:, j] = (above - below) / (2 * STEP)
+                slopes[:, j] = (upper - lower) / (2 * STEP)
         return slopes
 
     def _moved(

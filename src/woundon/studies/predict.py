@@ -108,21 +108,22 @@ class Predictor:
         # rows with the same inputs are one case
         distinct = sorted(set(rows))
         self.cases: list[Mapping[str, Any]] = [dict(zip(names, r, strict=True)) for r in distinct]
-        known = [
+        number_of = {row: k for k, row in enumerate(distinct)}
+        entries = [
             (row, output)
             for output, values in measured.outputs.items()
             for row in np.nonzero(np.isfinite(values))[0].tolist()
         ]
-        place = {row: k for k, row in enumerate(distinct)}
-        self.row_outputs = tuple(output for _, output in known)
-        self.row_numbers = tuple(row for row, _ in known)
-        self.of_case = np.array([place[rows[row]] for row, _ in known], dtype=np.intp)
-        self.of_output = np.array([model.outputs.index(o) for _, o in known], dtype=np.intp)
-        self.measured = np.array([measured.outputs[o][row] for row, o in known])
-        deviations = [measured.deviations.get(o) for _, o in known]
+        self.row_outputs = tuple(output for _, output in entries)
+        self.row_numbers = tuple(row for row, _ in entries)
+        # case and output of each measured value
+        self.of_case = np.array([number_of[rows[row]] for row, _ in entries], dtype=np.intp)
+        self.of_output = np.array([model.outputs.index(o) for _, o in entries], dtype=np.intp)
+        self.measured = np.array([measured.outputs[o][row] for row, o in entries])
+        deviations = [measured.deviations.get(o) for _, o in entries]
         self.weighted = all(d is not None for d in deviations)
         self.deviation = np.array(
-            [1.0 if d is None else d[row] for (row, _), d in zip(known, deviations, strict=True)]
+            [1.0 if d is None else d[row] for (row, _), d in zip(entries, deviations, strict=True)]
         )
         self.low, self.high = np.transpose([p.ends for p in parameters])
         self.solves, self.fault = 0, ""

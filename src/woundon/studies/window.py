@@ -135,19 +135,19 @@ def _spreads(
     problem: Any, uncertain: Any, tie: Mapping[str, str] | None
 ) -> tuple[dict[str, float], dict[str, str]]:
     """Return the relative standard deviations of the inputs, and the fields that follow others."""
-    own: Mapping[str, Any] = uncertain if isinstance(uncertain, Mapping) else {}
-    named: Grade | None = getattr(problem, "named_grade", None)
+    overrides: Mapping[str, Any] = uncertain if isinstance(uncertain, Mapping) else {}
+    base_grade: Grade | None = getattr(problem, "named_grade", None)
     if isinstance(uncertain, (str, Grade)):
-        named = grade(uncertain)
+        base_grade = grade(uncertain)
     elif uncertain is not None and not isinstance(uncertain, Mapping):
         text = f"{quote(uncertain)} is out of place; must be {{field: relative deviation}}"
         raise InvalidProblem.at("uncertain", text)
     spreads: dict[str, float] = {}
     ties = dict(tie or {})
-    if named is not None:
-        ties = {**named.tied_fields(problem), **ties}
-        spreads = {n: s for n, s in named.spread_of(problem).items() if n not in ties}
-    spreads |= {name: _spread(problem, name, value) for name, value in own.items()}
+    if base_grade is not None:
+        ties = {**base_grade.tied_fields(problem), **ties}
+        spreads = {n: s for n, s in base_grade.spread_of(problem).items() if n not in ties}
+    spreads |= {name: _spread(problem, name, value) for name, value in overrides.items()}
     if not spreads:
         text = "missing; must be {field: relative standard deviation}, for the case names no grade"
         raise InvalidProblem.at("uncertain", text)
@@ -167,17 +167,17 @@ def _spread(problem: Any, name: str, spread: Any) -> float:
     return float(spread)
 
 
-def _ranges(problem: Any, *given: Any) -> dict[str, tuple[float, float]]:
+def _ranges(problem: Any, *intervals: Any) -> dict[str, tuple[float, float]]:
     """Return the ranges by name, SI units."""
     ranges: dict[str, tuple[float, float]] = {}
-    for name, ends in zip(("web_tension", "nip_load", "torque_split"), given, strict=True):
+    for name, ends in zip(("web_tension", "nip_load", "torque_split"), intervals, strict=True):
         if ends is None and name == "torque_split":
             continue
         if isinstance(ends, str) or not hasattr(ends, "__len__") or len(ends) != 2:
             raise InvalidProblem.at(name, f"{quote(ends)} is out of place; must be (low, high)")
         low, high = (_number(name, end) for end in in_si(problem, {name: ends})[name])
-        least = -1e-300 if name == "torque_split" else 0.0
-        if not least < low < high < float("inf"):
+        lowest = -1e-300 if name == "torque_split" else 0.0
+        if not lowest < low < high < float("inf"):
             text = f"({low:g}, {high:g}) is out of range; must be 0 < low < high"
             raise InvalidProblem.at(name, text)
         ranges[name] = (low, high)

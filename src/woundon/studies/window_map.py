@@ -159,9 +159,9 @@ def fitted(x: Array, values: Array, degrees: Sequence[int]) -> Polynomial:
     """
     powers = list(product(*(range(degree + 1) for degree in degrees)))
     if len(x) < len(powers):
-        most = max(1, int(USED_SHARE * len(x)))
+        limit = max(1, int(USED_SHARE * len(x)))
         total = sum(degrees)
-        while len(powers) > most:
+        while len(powers) > limit:
             total -= 1
             powers = [power for power in powers if sum(power) <= total]
     flat = values.reshape(len(x), -1)
@@ -336,7 +336,7 @@ class MarginMap:
         """Return a mask of the margins that hold for each draw, (points, margins, draws)."""
         mean, factors = self.nominal(x) + shift, self.expansion.at(x)
         basis = self.expansion.basis(self.sample).T
-        found = np.empty((len(x), mean.shape[1], len(self.sample)), dtype=bool)
+        holds = np.empty((len(x), mean.shape[1], len(self.sample)), dtype=bool)
         for k in range(mean.shape[1]):
-            found[:, k] = mean[:, k, None] + factors[:, k] @ basis >= 0
-        return found
+            holds[:, k] = mean[:, k, None] + factors[:, k] @ basis >= 0
+        return holds
