@@ -312,8 +312,8 @@ class Result(Presented, ReadOnly):
         """Return the residuals, evaluated from the problem and the arrays of this result."""
         raise NotImplementedError(f"a {type(self).__name__} does not evaluate its residuals")
 
-    def recomputed(self) -> Mapping[str, tuple[Any, Any]]:
-        """Return the fields that no condition determines: recomputed values, and tolerances."""
+    def recomputed(self) -> Mapping[str, tuple[float, float]]:
+        """Return the scalars that no condition determines: values from the arrays, tolerances."""
         return {}
 
     @property

@@ -195,8 +195,7 @@ def _check_scalars(record: Record, result: Result) -> None:
     }
     for name, (stored, computed_value, tolerance) in expected.items():
         # other versions of NumPy may add in another order
-        agrees = np.isclose(stored, computed_value, rtol=1e-9, atol=tolerance, equal_nan=True)
-        if not agrees.all():
+        if not np.isclose(stored, computed_value, rtol=1e-9, atol=tolerance, equal_nan=True):
             raise InvalidProblem.at(name, f"{stored!r:.40}, but the arrays give {computed_value!r}")
 
 

@@ -17,7 +17,7 @@ from .bodies import effective_cylinder, effective_pressure, hardening_roll, line
 from .measured import smoothed
 from .nips import PRESSURE_TOLERANCE, Nips
 
-__all__ = ["LARGEST_COUPLING_RTOL", "certificate", "recomputed"]
+__all__ = ["LARGEST_COUPLING_RTOL", "certificate", "recomputed_nips"]
 
 Array = np.ndarray
 
@@ -65,7 +65,7 @@ def certificate(result: Any) -> Residuals:
         Relative difference of the end radii from core and roll radius; infinite unless radii
         increase and all arrays over the radius have the same length.
 
-    The nips themselves are solved again by :func:`recomputed`.
+    The nips themselves are solved again by :func:`recomputed_nips`.
     """
     problem, r, roll = result.problem, result.radius, result.roll
     WOT = result.wound_on_tension
@@ -122,7 +122,7 @@ def _air_film_residual(result: Any) -> float:
     return abs(result.air_film - mean) / float(result.problem.web.thickness)
 
 
-def recomputed(result: Any) -> Mapping[str, tuple[Array, Array]]:
+def recomputed_nips(result: Any) -> Mapping[str, tuple[Array, Array]]:
     """Solve the nips of a result again; return their outputs by field, with tolerances.
 
     A nip follows from the problem, its radius and the body of the roll: the effective pressure, or

@@ -14,7 +14,7 @@ from ..quantities import Quantity, length, line_load, pure, strain, stress
 from ..results import Residuals, Result
 from ..roll.result import RollResult
 from .bodies import NipSample
-from .certificate import certificate, recomputed
+from .certificate import certificate, recomputed_nips
 from .margins import WithMargins
 from .roll import recompute_roll
 
@@ -221,9 +221,11 @@ class WindingResult(WithMargins, Result):
         """Compute the residuals from problem and arrays."""
         return certificate(self)
 
-    def recomputed(self) -> Mapping[str, tuple[Array, Array]]:
+    def recomputed_nips(self) -> Mapping[str, tuple[Array, Array]]:
         """Return the outputs of the nips, solved again from the problem and the roll; tolerances.
 
-        This takes a few seconds.
+        No condition of the certificate determines their widths, pressures, air films and friction.
+        It takes seconds, with a direct roll a minute; a loaded result is therefore not checked by
+        it.
         """
-        return recomputed(self)
+        return recomputed_nips(self)
