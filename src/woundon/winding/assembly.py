@@ -20,7 +20,7 @@ __all__ = ["assemble_result"]
 
 Array = np.ndarray
 
-OF_THE_ROLL = "core_pressure", "mid_pressure", "least_hoop_stress"
+ROLL_OUTPUTS = "core_pressure", "mid_pressure", "least_hoop_stress"
 
 
 def assemble_result(
@@ -83,20 +83,20 @@ def assemble_result(
         coupling_rtol=coupling_rtol,
         nips_solved=nips.solved,
         residuals=Residuals(),
-        warnings=(*nips.warnings(), *_uneven(interpolation[0], rtol, len(samples))),
+        warnings=(*nips.warnings(), *_unevenness_warning(interpolation[0], rtol, len(samples))),
         wound=roll.with_finite_layers(),
         nips=tuple(samples),
     )
     if curved is None:
         return result.replace(errors=_errors(result, {}))
-    other = recomputed(problem, roll, r, curved, film).result
+    curved_roll = recomputed(problem, roll, r, curved, film).result
     first_layers = {
-        name: abs(getattr(other, name) - getattr(roll.result, name)) for name in OF_THE_ROLL
+        name: abs(getattr(curved_roll, name) - getattr(roll.result, name)) for name in ROLL_OUTPUTS
     }
     return result.replace(errors=_errors(result, first_layers))
 
 
-def _uneven(interpolation: float, rtol: float, count: int) -> list[str]:
+def _unevenness_warning(interpolation: float, rtol: float, count: int) -> list[str]:
     """Return a warning if the interpolation error between the nips exceeds 2 rtol."""
     if interpolation <= 2 * rtol:
         return []
@@ -118,7 +118,7 @@ def _errors(result: WindingResult, first_layers: dict[str, float]) -> dict[str, 
     if result.nip_radius.size:
         tension_error += float(np.max(result.nip_error / result.nip_wound_on_tension))
         errors["mean_wound_on_tension"] = tension_error * result.mean_wound_on_tension
-    for name in OF_THE_ROLL:
+    for name in ROLL_OUTPUTS:
         roll_error, value = result.roll.errors.get(name, nan), getattr(result, name)
         # the pressure in a roll is about proportional to the square of its tension
         errors[name] = roll_error + 2 * tension_error * abs(value) + first_layers.get(name, 0.0)

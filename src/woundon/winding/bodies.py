@@ -53,6 +53,8 @@ HERTZ = 0.0, -0.25, 0.25
 # Relative differences of P_e below this are too noisy to determine the exponents.
 SMALLEST_STEP = 2e-3
 STEP, TOLERANCE = 1e-3, 1e-9  # relative: difference step and convergence tolerance of P_e
+# Bounds of f' in Newton's method for P_e = f(P_e), and of P_e after a step relative to that before
+MIN_FEEDBACK, MAX_FEEDBACK, MIN_RATIO = -2.0, 0.8, 0.2
 LARGEST_FRACTION = 0.9  # largest P_e, as a fraction of the maximum pressure of the stack law
 
 
@@ -89,10 +91,10 @@ class NipSample(NamedTuple):
         return (
             tension_on_roll(self.result)
             if isnan(self.implied_pressure)
-            else self.at(self.implied_pressure)[0]
+            else self.outputs_at(self.implied_pressure)[0]
         )
 
-    def at(self, pressure: float) -> tuple[float, float, float]:
+    def outputs_at(self, pressure: float) -> tuple[float, float, float]:
         """Extrapolate WOT [N/m], a [m] and p_max [Pa] to another P_e."""
         ratio = pressure / self.pressure
         WOT, a, p_max = (
@@ -127,8 +129,8 @@ def solved_nip(
     coupling_rtol : float
         Relative tolerance of P_e.
     """
-    known = previous or neighbour
-    start = known.result if known else None
+    guess = previous or neighbour
+    start = guess.result if guess else None
     if stage is None:
         return NipSample(solve(linear_cylinder(problem, radius), start))
     if problem.roll_body == "direct":
@@ -145,22 +147,22 @@ def _effective(
     coupling_rtol: float,
 ) -> NipSample:
     """Solve the nip on an effective cylinder by a fixed-point iteration for P_e."""
-    known, radius = previous or neighbour, float(stage.radius[-1])
+    guess, radius = previous or neighbour, float(stage.radius[-1])
     if previous:
         P = predicted_nip(problem, stage, previous).implied_pressure
     else:
         P = _initial_pressure(problem, stage, neighbour)
-    result = known.result if known else None
+    result = guess.result if guess else None
     last: NipSample | None = None
     for _ in range(MAX_NIPS):
         result = solve(effective_cylinder(problem, radius, P), result)
-        sample = NipSample(result, P, exponents=known.exponents if known else HERTZ)
+        sample = NipSample(result, P, exponents=guess.exponents if guess else HERTZ)
         if last is not None and abs(P - last.pressure) > SMALLEST_STEP * P:
             sample = sample._replace(exponents=_exponents(sample, last))
         sample = predicted_nip(problem, stage, sample)
         if abs(sample.implied_pressure - P) <= coupling_rtol * P:
             return sample
-        last = known = sample
+        last = guess = sample
         P = sample.implied_pressure
     raise NotConverged(
         f"the effective pressure P_e does not converge within {MAX_NIPS} nips", result
@@ -176,10 +178,11 @@ def predicted_nip(problem: WindingProblem, stage: Stage, sample: NipSample) -> N
     P, feedback, largest = sample.pressure, 0.0, _largest_pressure(problem)
     for _ in range(MAX_NIPS):
         f, f_step = (
-            min(effective_pressure(stage, *sample.at(Q)), largest) for Q in (P, (1 + STEP) * P)
+            min(effective_pressure(stage, *sample.outputs_at(Q)), largest)
+            for Q in (P, (1 + STEP) * P)
         )
-        feedback = float(np.clip((f_step - f) / (STEP * P), -2.0, 0.8))
-        last, P = P, max(P + (f - P) / (1 - feedback), 0.2 * P)
+        feedback = float(np.clip((f_step - f) / (STEP * P), MIN_FEEDBACK, MAX_FEEDBACK))
+        last, P = P, max(P + (f - P) / (1 - feedback), MIN_RATIO * P)
         if abs(P - last) <= TOLERANCE * P:
             break
     return sample._replace(implied_pressure=P, feedback=feedback)

@@ -37,7 +37,7 @@ class Nips:
         Relative tolerance of the iteration between friction and entrained air.
     report : callable
         Called with the number of solved nips.
-    before : iterable of NipSample
+    neighbours : iterable of NipSample
         Nips of a neighbouring winding, for warm starts.
     solved : int
         Number of nips solved before.
@@ -58,12 +58,12 @@ class Nips:
         nodes: int,
         coupling_rtol: float,
         report: Callable[[int], None],
-        before: Iterable[NipSample] = (),
+        neighbours: Iterable[NipSample] = (),
         solved: int = 0,
     ) -> None:
         self.problem, self.nodes, self.coupling_rtol = problem, nodes, coupling_rtol
         self.report = report
-        self.before = {sample.radius: sample for sample in before}
+        self.neighbours = {sample.radius: sample for sample in neighbours}
         self.samples: dict[float, NipSample] = {}
         self.solved, self.coarse, self.rough = solved, False, False
         # at each radius: entrained air film, and the friction coefficients reduced by it
@@ -132,9 +132,11 @@ class Nips:
     def _nearest(self, radius: float) -> NipSample | None:
         """Return the nip that is nearest in ln(r - r_c), for a warm start."""
         core = self.problem.core.radius
-        known = self.before or self.samples
-        nearest = min(known, key=lambda r: abs(np.log((r - core) / (radius - core))), default=None)
-        return None if nearest is None else known[nearest]
+        candidates = self.neighbours or self.samples
+        nearest = min(
+            candidates, key=lambda r: abs(np.log((r - core) / (radius - core))), default=None
+        )
+        return None if nearest is None else candidates[nearest]
 
     def solve(self, roll: Body, start: NipResult | None) -> NipResult:
         """Solve the nip on a roll; without the warm start if it does not converge."""
@@ -156,10 +158,10 @@ class Nips:
         if nip.air is None:
             self.films[radius] = 0.0
             return solve_nip(nip, nodes=nodes, start=start)
-        near = min(self.films, key=lambda other: abs(other - radius), default=None)
+        nearest = min(self.films, key=lambda other: abs(other - radius), default=None)
         result = solve_with_film(
             nip,
-            frictions=None if near is None else self.frictions[near],
+            frictions=None if nearest is None else self.frictions[nearest],
             tolerance=self.coupling_rtol,
             nodes=nodes,
             start=start,
@@ -182,25 +184,25 @@ def warnings_of(nips: Iterable[tuple[float, tuple[str, ...]]]) -> tuple[str, ...
     merged = []
     for kind, text in first.items():
         mark = RESOLUTION if text.startswith(RESOLUTION) else ""
-        merged.append(f"{mark}{_where(radii[kind])}: {text.removeprefix(RESOLUTION)}")
+        merged.append(f"{mark}{_radii_text(radii[kind])}: {text.removeprefix(RESOLUTION)}")
     return tuple(merged)
 
 
-def _where(radii: list[float]) -> str:
+def _radii_text(radii: list[float]) -> str:
     """Return the radii of a warning as text."""
-    one = f"nip at the radius {radii[0]:.4g} m"
+    first_nip = f"nip at the radius {radii[0]:.4g} m"
     if len(radii) == 1:
-        return one
-    return f"{one} and {len(radii) - 1} more up to {max(radii):.4g} m"
+        return first_nip
+    return f"{first_nip} and {len(radii) - 1} more up to {max(radii):.4g} m"
 
 
 @contextmanager
 def _radius_in_errors(radius: float) -> Iterator[None]:
     """Add the radius to the messages of errors."""
-    where = f"at the radius {radius:.4g} m: "
+    prefix = f"at the radius {radius:.4g} m: "
     try:
         yield
     except InvalidProblem as fault:
-        raise type(fault)([(f, where + text) for f, text in fault.faults]) from None
+        raise type(fault)([(f, prefix + text) for f, text in fault.faults]) from None
     except NotConverged as stop:
-        raise NotConverged(where + str(stop), stop.best) from None
+        raise NotConverged(prefix + str(stop), stop.best) from None

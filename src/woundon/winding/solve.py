@@ -207,7 +207,7 @@ class _Winder:
         slopes: dict[float, float] = {}
         solves_nips, may_refine = True, False
         # warm starts from a neighbouring winding need no coarse mesh
-        self.nips.coarse = change > ROUGH_CHANGE and not self.nips.before
+        self.nips.coarse = change > ROUGH_CHANGE and not self.nips.neighbours
         for number in range(MAX_ITERATIONS):
             if solves_nips and self.nips.coarse and change <= ROUGH_CHANGE:
                 self.nips.coarse, previous = False, None
@@ -253,8 +253,8 @@ class _Winder:
     ) -> _Iteration:
         """Compute the roll from the shares, and solve the nips on this roll.
 
-        With ``before``, the tensions of the nips are extrapolated to the new roll instead.  The
-        roll is then computed in the same stages as before, because a change of the stages could
+        With ``previous``, the tensions of the nips are extrapolated to the new roll instead.  The
+        roll is then computed in the same stages, because a change of the stages could
         exceed the tolerance of the iteration.
         """
         film, r = self.nips.mean_film(), self.curve.knots()
