@@ -192,11 +192,12 @@ def refine(
     NewtonFailed
         If no first mesh leads to a solution.
     """
-    sequence, other = (
+    sequence, alternative = (
         sizes_up_to(nodes, first) if nodes else [n for n in first if n <= most_nodes]
         for first in (FIRST_SIZES, OTHER_SIZES)
     )
-    attempts: list[tuple[list[int], Refinement | None]] = [(sequence, None), (other, None)]
+    # sizes of the meshes and warm start of each attempt
+    attempts: list[tuple[list[int], Refinement | None]] = [(sequence, None), (alternative, None)]
     if start is not None:
         attempts.insert(0, (sequence, start))
         if nodes == start.last.size and not errors:
@@ -308,8 +309,11 @@ def sizes_up_to(nodes: int, first: tuple[int, ...] = FIRST_SIZES) -> list[int]:
 
 
 def predicted_size(last: int, ratio: float) -> int:
-    """Return the next mesh for a ratio of error estimate and tolerance."""
-    growth = (
-        min(max(sqrt(ratio / TARGET_SHARE), MIN_GROWTH), MAX_GROWTH) if ratio < inf else MAX_GROWTH
-    )
+    """Return the size of the next mesh from the ratio of error estimate and tolerance.
+
+    The error is of order two in 1/N: N = last sqrt(ratio/TARGET_SHARE), within the limits of the
+    growth, is rounded to one of SIZES.
+    """
+    wanted = sqrt(ratio / TARGET_SHARE) if ratio < inf else MAX_GROWTH
+    growth = min(max(wanted, MIN_GROWTH), MAX_GROWTH)
     return next((size for size in SIZES if size >= (1 - ROUNDED_DOWN) * growth * last), SIZES[-1])

@@ -274,6 +274,7 @@ def _spectrum(layers: Layers, open_bore: bool, factors: Factors | None = None) -
         Y = _interpolated_compliance(N, layers, open_bore, factors)
     if len(layers) > 1:
         remainder = _remainder(Y, tail, J)
+        # the remainder exp(-2 kappa n) is negligible from n = 20/kappa on
         if 20 / decay > N and remainder[-1] > MAX_REMAINDER:
             return _truncated_spectrum(Y, tail, decay)
         # similar layers below have a weaker effect: kappa from the n with a remainder of 1e-5
