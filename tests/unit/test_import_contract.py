@@ -12,12 +12,14 @@ import re
 import shutil
 import subprocess
 import sys
+import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).parents[2]
+USERS_EXTRAS = ("app", "excel", "parquet", "dask")
 IMPORTERS = {"import_module", "__import__", "find_spec", "load_module"}
 MODULE_NAME = r"woundon(\.\w+)+(:[\w.]+)?|\.+\w+(\.\w+)*"
 
@@ -63,6 +65,26 @@ def _names_of_root(node: ast.AST, depth: int) -> set[str]:
     elif isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
         return {node.attr} if node.value.id in ("wo", "woundon") else set()
     return set()
+
+
+def test_every_imported_package_is_declared() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    extras = project["optional-dependencies"]
+    given = [*project["dependencies"], *(one for name in USERS_EXTRAS for one in extras[name])]
+    declared = {re.split(r"[>=<\[]", one)[0].replace("-", "_").replace("scikit_fem", "skfem")
+                for one in given}  # fmt: skip
+    imported = {name for path in (ROOT / "src").rglob("*.py") for name in absolute_imports(path)}
+    assert imported - {"woundon", *sys.stdlib_module_names} == declared
+    assert len(project["dependencies"]) <= 12
+
+
+def absolute_imports(path: Path) -> Iterator[str]:
+    """Yield the packages that a file imports."""
+    for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from (alias.name.partition(".")[0] for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and not node.level:
+            yield str(node.module).partition(".")[0]
 
 
 def test_no_module_is_imported_through_a_string_or_the_root_package() -> None:

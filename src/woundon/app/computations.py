@@ -15,7 +15,6 @@ from math import isinf
 from typing import Any
 
 import numpy as np
-from pydantic_core import to_json
 
 from .. import kinds
 from ..errors import InvalidProblem, NotConverged, did_you_mean, unwarned
@@ -35,11 +34,11 @@ from ..roll.design import design_tension
 from ..studies.find import find as find_values
 from ..studies.kind_model import KindModel, field_quantity, get_field, measurable_outputs, model_of
 from .input_forms import quantity_schema, tables_of
+from .json_texts import to_json
 from .limits import LIMITS
 from .plot_data import panels_of
 
 __all__ = [
-    "as_json",
     "curve",
     "design",
     "find",
@@ -119,12 +118,7 @@ def solve(
             _LAST.popitem(last=False)
     answer = state_of(result, report, drawn)
     answer["seconds"] = time.perf_counter() - began
-    return as_json(answer)
-
-
-def as_json(answer: Any) -> bytes:
-    """Return JSON, with null for nan."""
-    return to_json(answer, inf_nan_mode="null")
+    return to_json(answer)
 
 
 def solved(
@@ -296,7 +290,7 @@ def with_grade(tables: Any, name: str) -> bytes:
     problem = problem_of(tables)
     with unwarned():
         changed = problem.replace(grade=name)
-    return as_json({"kind": kinds.of(changed).name, "problem": tables_of(changed)})
+    return to_json({"kind": kinds.of(changed).name, "problem": tables_of(changed)})
 
 
 # ---- inverse problems -------------------------------------------------------------------------
@@ -306,7 +300,7 @@ def design(tables: Any, pressure: Any, rtol: float) -> bytes:
     """Return the tension over the radius that gives a wound roll a target pressure, as JSON."""
     problem: Any = problem_of(tables)  # design_tension rejects other kinds
     solution = design_tension(problem, _target_pressure(pressure), rtol=rtol)
-    return as_json(
+    return to_json(
         {
             "tension": tables_of(solution.tension),
             "radius": solution.radius.tolist(),
@@ -351,7 +345,7 @@ def find(
     values = [value for value, _ in outcome.solutions]
     columns = (values, outcome.reached, outcome.uncertainties, outcome.slopes)
     names = ("value", "reached", "uncertainty", "slope")
-    return as_json(
+    return to_json(
         {
             "field": field,
             "output": output,
@@ -406,7 +400,7 @@ def curve(
         rows.append(answer.values)
         start = answer.state
     columns = zip(*rows, strict=True)
-    return as_json(
+    return to_json(
         {
             "field": field,
             "unit": quantity.unit,
@@ -472,7 +466,7 @@ def sensitivities(tables: Any, options: Mapping[str, Any]) -> bytes:
     result = solved(problem, options)
     if hasattr(result, "sensitivity"):
         derivatives = result.sensitivity().sorted()
-        return as_json(
+        return to_json(
             {
                 "method": "exact",
                 "outputs": derivatives.outputs,
@@ -482,7 +476,7 @@ def sensitivities(tables: Any, options: Mapping[str, Any]) -> bytes:
                 "zone_change": derivatives.zone_change,
             }
         )
-    return as_json(_differences(problem, result, options))
+    return to_json(_differences(problem, result, options))
 
 
 def _differences(problem: Problem, result: Any, options: Mapping[str, Any]) -> dict[str, Any]:

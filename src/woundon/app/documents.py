@@ -17,8 +17,9 @@ from ..io.chosen_units import units
 from ..io.python_texts import to_python
 from ..io.result_files import writer_for
 from ..problems.messages import quote
-from .computations import as_json, problem_of, solved
+from .computations import problem_of, solved
 from .input_forms import tables_of
+from .json_texts import to_json
 
 __all__ = ["case_file", "exhibit", "figure", "python_text", "read_case", "report", "result_file"]
 
@@ -28,7 +29,7 @@ def read_case(text: str) -> bytes:
     tables = tables_of_text(text.encode("utf-8", "replace"), "the file")
     _reject_files(tables)
     problem = make_problem(tables)
-    return as_json({"kind": kinds.of(problem).name, "problem": tables_of(problem)})
+    return to_json({"kind": kinds.of(problem).name, "problem": tables_of(problem)})
 
 
 def _reject_files(part: Any, path: str = "") -> None:

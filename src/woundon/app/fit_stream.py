@@ -20,7 +20,8 @@ from ..errors import InvalidProblem, unwarned
 from ..io.sheets import Sheet, sheet_of_content
 from ..studies.api import fit
 from ..studies.fit import FitResult
-from .computations import as_json, problem_of
+from .computations import problem_of
+from .json_texts import to_json
 from .limits import LIMITS
 from .request_errors import RequestError
 from .worker_pool import Pool
@@ -47,12 +48,12 @@ def fit_table(request: Mapping[str, Any], progress_file: str) -> bytes:
     problem, sheet = problem_of(request["case"]), _sheet_of(request)
 
     def report(done: int, expected: int) -> None:
-        event = as_json({"event": "progress", "done": done, "of": expected})
+        event = to_json({"event": "progress", "done": done, "of": expected})
         Path(progress_file).write_bytes(event + b"\n")
 
     with unwarned():
         result = fit(problem, sheet, request["vary"], workers=1, progress=report)
-    return as_json({"event": "fitted"} | _content(result)) + b"\n"
+    return to_json({"event": "fitted"} | _content(result)) + b"\n"
 
 
 def _sheet_of(request: Mapping[str, Any]) -> Sheet:
@@ -132,11 +133,11 @@ async def events(
         file, sent = Path(folder, "progress"), b""
         work = pool.run(fit_table, request, str(file), rank=RANK, session=session)
         task = asyncio.create_task(work)
-        yield as_json({"event": "started"}) + b"\n"
+        yield to_json({"event": "started"}) + b"\n"
         try:
             while not (await asyncio.wait({task}, timeout=POLL_SECONDS))[0]:
                 if stopped.is_set() or await is_disconnected():
-                    yield as_json({"event": "cancelled"}) + b"\n"
+                    yield to_json({"event": "cancelled"}) + b"\n"
                     return
                 with suppress(FileNotFoundError):
                     line = file.read_bytes()

@@ -6,13 +6,13 @@ import re
 from http import HTTPStatus
 from typing import Any
 
-from pydantic_core import to_json
 from starlette.responses import Response
 
 from .. import kinds
 from ..errors import MOST_LINES, InvalidProblem, NoSolution, NoSteadyState, NotConverged
 from ..problems.permitted import bounds
 from ..quantities import find
+from .json_texts import to_json
 
 __all__ = ["MEDIA", "REJECTIONS", "RequestError", "request_error_of"]
 
@@ -61,7 +61,7 @@ class RequestError(Exception):
             "detail": self.detail,
             "errors": list(self.errors),
         }
-        return to_json(document, inf_nan_mode="null")
+        return to_json(document)
 
     def response(self) -> Response:
         """Return the response, without reading the remaining body of the request."""

@@ -21,7 +21,6 @@ from fastapi.exceptions import RequestValidationError
 from fastapi.responses import FileResponse, StreamingResponse
 from fastapi.routing import APIRoute
 from fastapi.staticfiles import StaticFiles
-from pydantic_core import from_json
 from starlette.exceptions import HTTPException
 from starlette.middleware.gzip import GZipMiddleware
 from starlette.requests import ClientDisconnect
@@ -30,6 +29,7 @@ from .. import __version__
 from ..parallel import usable_cores
 from . import computations, documents, fit_stream, study_stream, window_stream
 from .input_forms import catalogue
+from .json_texts import from_json, to_json
 from .limits import LIMITS
 from .middleware import COOKIE, middleware
 from .request_errors import REJECTIONS, RequestError
@@ -115,7 +115,7 @@ class JSONRequest(Request):
             If it is not JSON.
         """
         try:
-            return from_json(await self.body(), allow_inf_nan=False)
+            return from_json(await self.body())
         except ValueError as fault:
             raise HTTPException(400, f"the body is not JSON: {str(fault)[:200]}") from None
 
@@ -257,7 +257,7 @@ def _add_pages(app: FastAPI, secret: str) -> None:
     @app.get("/api/catalogue", tags=["catalogue"])
     async def describe(request: Request) -> Response:
         """Return kinds of problem, their forms with units and ranges, outputs, grades."""
-        body = await asyncio.to_thread(lambda: computations.as_json(catalogue()))
+        body = await asyncio.to_thread(lambda: to_json(catalogue()))
         tag = f'"{hashlib.sha256(body).hexdigest()[:32]}"'
         if request.headers.get("if-none-match") == tag:
             return Response(status_code=304, headers={"etag": tag})

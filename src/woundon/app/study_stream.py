@@ -23,7 +23,7 @@ from ..studies.api import study_of
 from ..studies.evaluate import Chunk, solve_chunk
 from ..studies.kind_model import KindModel
 from ..studies.studyfile import SCHEMA, study_of_tables
-from .computations import as_json
+from .json_texts import to_json
 from .limits import LIMITS
 from .request_errors import RequestError
 from .worker_pool import Pool
@@ -112,11 +112,11 @@ def solve_cases(model: KindModel, chunk: Chunk) -> tuple[int, bytes]:
         "failures": block.failure.tolist(),
         "warnings": block.warnings.tolist(),
     }
-    return len(block.cases), as_json(event)
+    return len(block.cases), to_json(event)
 
 
 def _line(event: Mapping[str, Any]) -> bytes:
-    return as_json(event) + b"\n"
+    return to_json(event) + b"\n"
 
 
 # ---- in the server ----------------------------------------------------------------------------

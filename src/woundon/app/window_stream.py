@@ -16,7 +16,8 @@ from ..errors import unwarned
 from ..parallel import Cancelled, usable_cores
 from ..studies.window import operating_window
 from ..studies.window_result import OperatingPoint, OperatingWindow
-from .computations import as_json, problem_of
+from .computations import problem_of
+from .json_texts import to_json
 from .request_errors import RequestError, request_error_of
 
 __all__ = ["events"]
@@ -54,7 +55,7 @@ async def events(
                 if await is_disconnected():
                     return
                 continue
-            yield as_json(event) + b"\n"
+            yield to_json(event) + b"\n"
             if event["event"] in ("done", "failed"):
                 return
     finally:

@@ -13,9 +13,9 @@ from numbers import Real
 from typing import TYPE_CHECKING, Annotated, Any, Generic, Self, TypeVar, overload
 
 from pydantic import BeforeValidator, WrapValidator
-from pydantic_core import PydanticCustomError
 
 from .inputs import FloatWithUnit
+from .messages import NotANumber
 
 __all__ = [
     "CoercedField",
@@ -40,9 +40,9 @@ def _number(value: Any) -> float:
     is_scalar = getattr(value, "shape", None) == () and hasattr(value, "dtype")
     kind = getattr(value.dtype, "kind", "") if is_scalar else ""
     if isinstance(value, bool) or not (isinstance(value, Real) or kind in ("i", "u", "f")):
-        raise PydanticCustomError("not_a_number", "is not a number")
+        raise NotANumber
     if getattr(value, "mask", False) is not False and bool(value.mask):
-        raise PydanticCustomError("not_a_number", "is not a number")
+        raise NotANumber
     try:
         return float(value)
     except OverflowError:  # an integer of more than 308 digits

@@ -15,7 +15,11 @@ from ..errors import InvalidProblem, NoSteadyState, did_you_mean, nearest, one_o
 from ..quantities import members_of, quantity_of
 from .permitted import admissible, bounds, unit_of
 
-__all__ = ["no_such_field", "not_one_of", "quote", "validation_error"]
+__all__ = ["NotANumber", "no_such_field", "not_one_of", "quote", "validation_error"]
+
+
+class NotANumber(ValueError):
+    """A validator found something else in place of a number."""
 
 
 def validation_error(
@@ -74,10 +78,10 @@ def _counts_faults(item: Any) -> bool:
 def _fault(item: Any, field: FieldInfo) -> str:
     """Return the text for one item of pydantic's report."""
     value, kind = item["input"], item["type"]
+    if isinstance(item.get("ctx", {}).get("error"), NotANumber):
+        return f"{quote(value)} is not a number; must be {admissible(field)}"
     if kind == "missing":
         return f"missing; must be {admissible(field)}"
-    if kind == "not_a_number":
-        return f"{quote(value)} is not a number; must be {admissible(field)}"
     if kind == "finite_number":
         return f"{quote(value)} is not a finite number; must be {admissible(field)}"
     if kind in ("too_short", "too_long"):
