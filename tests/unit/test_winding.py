@@ -17,6 +17,7 @@ from woundon.parallel import Cancelled
 from woundon.results import ACCEPTED_RESIDUAL
 from woundon.roll.stages import stage_at
 from woundon.winding.bodies import effective_cylinder, effective_pressure
+from woundon.winding.certificate import NIP_ARRAYS
 from woundon.winding.interpolation import Piece
 from woundon.winding.measured import smoothed
 from woundon.winding.roll import wind
@@ -312,6 +313,9 @@ FAULTS: list[tuple[str, Corrupt]] = [
     ("roll", of_roll(pressure=lambda roll: roll.pressure * 1.01)),
     ("roll_tension", of_roll(problem=lambda roll: roll.problem.replace(wound_on_tension=400))),
     ("nips", lambda run: {"nip_residual": run.nip_residual + 1e-3}),
+    # would take hours to be solved again
+    ("nips", lambda run: {"nodes": 2000}),
+    ("nips", lambda run: {name: np.repeat(getattr(run, name), 30) for name in NIP_ARRAYS}),
     ("coupling", changed("nip_wound_on_tension", 2, 0.5)),
     ("coupling", lambda run: {"nip_departure": run.nip_departure + 5.0}),
     ("tension_balance", changed("nip_induced_tension", 3, 0.01)),

@@ -22,6 +22,8 @@ __all__ = ["LARGEST_COUPLING_RTOL", "certificate", "recomputed_nips"]
 Array = np.ndarray
 
 LARGEST_COUPLING_RTOL = 1e-2  # largest tolerance that may be requested of nips and roll
+# More than a winding has: a file with more is rejected before its nips are solved again.
+MOST_NIPS, MOST_NODES = 200, 1025
 # Recomputed nips agree to this multiple of ``coupling_rtol``, with which the air film, the friction
 # and the pressure in the roll are known, and at least to the accuracy of a warm start.
 FACTOR, LEAST_DIFFERENCE = 10.0, 1e-6
@@ -50,7 +52,8 @@ def certificate(result: Any) -> Residuals:
         the largest.
     nips
         Largest residual of any nip; infinite unless half-widths, pressures and friction
-        coefficients are positive, and all arrays of the nips have the same length.
+        coefficients are positive, all arrays of the nips have the same length, and nips and nodes
+        are not too many.
     coupling
         Relative difference between the wound-on tension of each nip and the reported tension minus
         its departure under fluctuating schedules; scaled so that ``coupling_rtol`` is 1e-8.
@@ -106,6 +109,8 @@ def _positivity_residual(result: Any) -> float:
     """Return 0 if widths, pressures and friction of all nips are positive, else inf."""
     expected = result.nip_radius.shape if result.problem.tension_law == "nip" else (0,)
     if any(getattr(result, name).shape != expected for name in NIP_ARRAYS):
+        return np.inf
+    if result.nip_radius.size > MOST_NIPS or result.nodes > MOST_NODES:
         return np.inf
     quantities = [result.nip_half_width, result.nip_peak_pressure, result.nip_friction]
     if result.problem.roll_body == "effective":
