@@ -411,11 +411,11 @@ def _truncation_error(
 ) -> float:
     """Estimate the truncation error of the sums of slopes and strains from their last terms.
 
-    It is relative to their values at a distance of the thickness of the layer (or the radius).
+    It is relative to their values at a distance of the thickness of the layer (or the radius).  The
+    neglected terms n > N decay as n^-(J+1), with a sum of N/J last terms, or as exp(-2 kappa n),
+    with a sum of 1/(2 kappa).
     """
     N = terms.shape[-1]
     last = terms[..., -max(4, N // 16) :]
-    neglected = max(
-        N / J, 0.5 / _decay_over_depth(depth, stiffness)
-    )  # equivalent number of such terms
+    neglected = max(N / J, 0.5 / _decay_over_depth(depth, stiffness))  # in units of the last term
     return float(np.abs(last).max() / np.abs(tail[1]).max() * neglected * min(depth, 1.0))

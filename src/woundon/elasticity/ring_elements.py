@@ -366,10 +366,10 @@ class RingMesh:
         return Factors(self.topology, self.topology.matrix(elements))
 
     def interpolate(self, u: Array, other: RingMesh) -> Array:
-        """Interpolate displacements u of another mesh linearly on this one."""
+        """Interpolate displacements u of another mesh on this one, linearly in x and in r."""
         field = other.topology.nodal_field(u)
         x = np.append(other.nodes, other.x[-1])
-        closed = np.concatenate([field, field[:, :1]], axis=1)
+        closed = np.concatenate([field, field[:, :1]], axis=1)  # the first column again at 2 pi R
         k = np.clip(np.searchsorted(x, self.nodes, "right") - 1, 0, x.size - 2)
         t = ((self.nodes - x[k]) / (x[k + 1] - x[k]))[:, None]
         field = closed[:, k] * (1 - t) + closed[:, k + 1] * t

@@ -266,10 +266,8 @@ class NipEquations:
         """Evaluate pressures, tractions, tension and the deformation of both bodies."""
         layout, a, mesh = self.layout, g.a, g.mesh
         p_roll, p_drum, q_roll, q_drum = np.zeros((4, layout.end + 1))
-        p_drum[layout.p_nodes[layout.drum_p]], p_roll[layout.p_nodes[layout.wrap_p]] = (
-            u[layout.drum_p],
-            u[layout.wrap_p],
-        )
+        p_drum[layout.p_nodes[layout.drum_p]] = u[layout.drum_p]
+        p_roll[layout.p_nodes[layout.wrap_p]] = u[layout.wrap_p]
         q_roll[layout.roll_nodes], q_drum[layout.drum_nodes] = u[layout.roll_q], u[layout.drum_q]
         q = q_roll + q_drum
         transfer = np.cumsum(mesh.weights * q)
@@ -279,6 +277,7 @@ class NipEquations:
         kappa_roll, kappa_drum = np.zeros(0), np.zeros(0)
         if self.roll_wrap or self.drum_wrap:
             kappa_drum = g.drum.curvature(drum.slope, *on_drum, a)
+        # in the nip p+ follows from p- and the curvature of the drum
         nip = self._hoop_nodes
         p_roll[layout.first + 1 : layout.last] = p_drum[layout.first + 1 : layout.last]
         p_roll[nip] = p_drum[nip] - T[nip] * kappa_drum[nip]
