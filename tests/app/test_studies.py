@@ -220,6 +220,8 @@ def test_an_operating_window_is_that_of_python(client, cases):
     same = wo.operating_window(problem, (300, 400), (2e3, 3e3), uncertain=SPREADS, workers=2)
     np.testing.assert_allclose(window["probability"], same.probability.ravel(), atol=1e-6)
     assert window["best"]["binding"] == same.best.binding
+    np.testing.assert_array_equal(window["dominant"], same.dominant.ravel())
+    assert window["inputs"] == list(SPREADS)
 
 
 def test_an_operating_window_that_fails_or_is_abandoned_admits_the_next(client, cases):
