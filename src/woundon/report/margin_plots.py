@@ -137,11 +137,11 @@ def draw_disc(
 class Bars:
     """Bar chart of the margins before and after the optimisation."""
 
-    found: Any
+    optimised: Any
 
     def __call__(self, axes: Axes, cases: Sequence[Case]) -> list[Any]:
-        """Plot the discs of all cases."""
-        before, after = self.found.margins_before, self.found.margins_after
+        """Plot the reserves of both windings."""
+        before, after = self.optimised.margins_before, self.optimised.margins_after
         names = [name for name in (m.name for m in after) if after[name].checked]
         positions = np.arange(len(names))
         for margins, case, shift in zip((before, after), cases, (-0.2, 0.2), strict=True):

@@ -75,7 +75,7 @@ def operating_window(
     progress : bool or callable
         Show the fraction done, or call with (windings done, windings expected).
     preview : callable, optional
-        Is called with a coarse window of 3 x 3 points, after about half of the time.
+        Is called with a coarse window of 3 x 3 points, after about a third of the time.
     options : mapping
         Options of the solver.  By default a reduced accuracy: rtol 0.01, 33 nodes,
         coupling_rtol 0.001.
