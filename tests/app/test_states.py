@@ -237,6 +237,9 @@ def test_abandoned_windings_do_not_block_the_next_nip(client, cases):
     """Each would take seconds, and more of them wait than there are workers."""
     case = {**cases["winding"], "radius": 0.5}
     headers = {"X-Session": "", "Content-Type": "application/json"}
+    began = time.monotonic()
+    assert client.post("/api/solve", json=cases["nip"]).status_code == 200
+    alone = time.monotonic() - began
     for _ in range(6):
         with (
             httpx.Client(base_url=client.base_url, timeout=0.5) as impatient,
@@ -245,7 +248,8 @@ def test_abandoned_windings_do_not_block_the_next_nip(client, cases):
             impatient.post("/api/solve?nodes=129", json=case, headers=headers)
     began = time.monotonic()
     assert client.post("/api/solve", json=cases["nip"]).status_code == 200
-    assert time.monotonic() - began < 8  # of which at most 3 until a worker is killed
+    # 3 s until a worker is killed, the start of another; on a busy machine all takes longer
+    assert time.monotonic() - began < 8 + 10 * alone
 
 
 def test_a_newer_request_of_the_session_cancels_the_older_one(client, cases):
