@@ -201,8 +201,10 @@ def warn(texts: Iterable[str], kind: type[Warning] | None = None) -> None:
     """
     if not (texts := tuple(texts)):
         return
-    own, frame, level = __name__.partition(".")[0], sys._getframe(), 1
-    while frame.f_back and str(frame.f_globals.get("__name__")).partition(".")[0] == own:
+    # functools calls the methods of cached properties
+    inner = (__name__.partition(".")[0], "functools")
+    frame, level = sys._getframe(), 1
+    while frame.f_back and str(frame.f_globals.get("__name__")).partition(".")[0] in inner:
         frame, level = frame.f_back, level + 1
     for text in texts:
         category = kind or (ResolutionWarning if text.startswith(RESOLUTION) else ValidityWarning)
