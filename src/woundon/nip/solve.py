@@ -1,4 +1,12 @@
-"""Solve a winding nip on a sequence of meshes."""
+"""Solve a winding nip on a sequence of meshes.
+
+The equations of :mod:`.equations` are solved on refined meshes until the error estimates e of the
+wound-on tension WOT and of the nip-induced tension NIT satisfy
+
+    e(WOT) <= rtol max(|WOT|, T_0),    e(NIT) <= 20 rtol max(|NIT|, T_0),    T_0 = 0.01 mu+ P.
+
+The result of the last mesh is returned with its certificate, if all conditions are satisfied.
+"""
 
 from __future__ import annotations
 

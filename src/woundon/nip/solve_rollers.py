@@ -1,4 +1,11 @@
-"""Solve two rollers without a web on a sequence of meshes."""
+"""Solve two rollers without a web on a sequence of meshes.
+
+The equations of :mod:`.rollers` are solved on refined meshes until the error estimates e of half
+width, largest pressure, and creepage (with a prescribed tangential load) or tangential load satisfy
+
+    e(a) <= rtol a,    e(p_max) <= rtol p_max,
+    e(xi) <= rtol max(|xi|, 0.01 mu a/R*)    or    e(Q) <= rtol max(|Q|, 0.01 mu P).
+"""
 
 from __future__ import annotations
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,8 @@ def certificate(result: Any) -> Residuals:
         The boundary conditions.
     frozen_source
         The source equals that of the layers as wound plus the changes after winding.
+    roll
+        The radii of core and surface; infinite unless the stages are valid.
     hoop_stress, displacement, layer_strain, radial_modulus
         The values that follow from P and r P' by the law of the stack.
     """
@@ -31,6 +34,7 @@ def certificate(result: Any) -> Residuals:
     x, T = np.log(r), curve.at(r)
     unit, (source_change, core_change) = float(T[0]), final_changes(problem)
     source = add_constant(cell_source(curve, result.kappa, x), source_change)
+    ends = [problem.core.radius, result.stage_radius[-1]]
     residual, _ = equations_of(problem).residual(x, source, unit + core_change, P, Q)
     hoop = -(P + Q)
     strain = (hoop + nu * P) / E_t + problem.tangential_expansion * problem.temperature_change
@@ -45,5 +49,15 @@ def certificate(result: Any) -> Residuals:
         displacement=largest(np.abs(result.displacement / r - (strain - T / E_t))) * E_t / unit,
         radial_modulus=largest(np.abs(result.radial_modulus / stack.radial.modulus(P) - 1)),
         positive_pressure=largest(-P) / max(float(np.max(np.abs(P))), 1e-300),
-        roll=largest(np.abs(r[[0, -1]] / [problem.core.radius, result.stage_radius[-1]] - 1)),
+        roll=largest(np.abs(r[[0, -1]] / ends - 1)) if _stages_are_valid(result) else inf,
     )
+
+
+def _stages_are_valid(result: Any) -> bool:
+    """Return True if the stages increase from the core, and their kappa are finite.
+
+    A single stage near the core hardly affects the source, so that its residual does not show it.
+    """
+    s = result.stage_radius
+    starts = result.stage_order[0] == 1 and abs(s[0] / result.problem.core.radius - 1) < 1e-9
+    return bool(starts and (np.diff(s) > 0).all() and np.isfinite(result.growth).all())
