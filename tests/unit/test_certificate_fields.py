@@ -153,6 +153,12 @@ def test_friction_of_a_winding_is_that_which_the_air_film_leaves() -> None:
     assert result.nip_friction.min() < 0.9 * result.problem.roll_friction
 
 
+def test_a_film_that_is_missing_or_not_of_the_problem_is_noticed() -> None:
+    with_air, without = solved("nip with air"), solved("nip")
+    assert not is_certified(with_air.replace(air=None))
+    assert not is_certified(without.replace(air=with_air.air))
+
+
 def test_every_kind_of_result_is_corrupted() -> None:
     own = {kind.result for kind in kinds.every() if kind.result.__module__.startswith("woundon.")}
     assert own == {kinds.of(problem).result for problem, _ in CASES.values()}

@@ -121,7 +121,9 @@ def certificate(result: Any, equations: NipEquations) -> Residuals:
     on_drum = f.p_drum[: layout.last + 1], f.q_drum[: layout.last + 1]
     surfaces = f.geometry.roll.surface, f.geometry.drum.surface
     conditions |= body_equilibrium(problem, surfaces, (on_roll, on_drum))
-    if result.air is not None:
+    if (result.air is None) != (result.problem.air is None):
+        conditions["air_film"] = inf
+    elif result.air is not None:
         conditions |= air_conditions(result)
     return Residuals(**conditions)
 
