@@ -67,7 +67,7 @@ def load_result(path: str | Path) -> Any:
     The ``sha256`` in the file must be that of its content, and all arrays must have the shapes and
     units of the result.  The residuals are recomputed from the problem and the arrays and must be
     within the limits of a solution; the outputs in the file must be those that the arrays give.
-    The nips of a winding are solved again, which takes a fifth of the time of the winding.
+    The nips of a winding are solved again by :meth:`woundon.WindingResult.recomputed_nips` only.
 
     Parameters
     ----------

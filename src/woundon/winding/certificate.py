@@ -22,7 +22,7 @@ __all__ = ["LARGEST_COUPLING_RTOL", "certificate", "recomputed_nips"]
 Array = np.ndarray
 
 LARGEST_COUPLING_RTOL = 1e-2  # largest tolerance that may be requested of nips and roll
-# More than a winding has: a file with more is rejected before its nips are solved again.
+# More than a winding has: a file with more is rejected, since its nips would take hours.
 MOST_NIPS, MOST_NODES = 200, 1025
 # Recomputed nips agree to this multiple of ``coupling_rtol``, with which the air film, the friction
 # and the pressure in the roll are known, and at least to the accuracy of a warm start.
