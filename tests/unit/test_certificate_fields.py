@@ -132,6 +132,7 @@ def test_a_corrupted_field_is_noticed(case: str) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.campaign
 def test_the_nips_of_a_direct_winding_are_solved_again() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", wo.ResolutionWarning)
