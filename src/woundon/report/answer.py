@@ -91,7 +91,7 @@ def _air(result: NipResult) -> list[str]:
 
 
 def _reduction(friction: float, dry: float) -> str:
-    """Return by how much air reduces a friction coefficient, as text."""
+    """Return the reduction of a friction coefficient by air, as text."""
     return f"by {1 - friction / dry:.1%}" if friction >= LEAST_FRICTION else "to 0"
 
 
