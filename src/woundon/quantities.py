@@ -43,6 +43,7 @@ __all__ = [
     "pattern",
     "pure",
     "scalar_outputs",
+    "share",
     "shown_in",
     "strain",
     "stress",
@@ -154,7 +155,12 @@ def stress(symbol: str, meaning: str, shown: str = "kPa", typical: Range = None)
 
 
 def strain(symbol: str, meaning: str) -> Quantity:
-    """Return a strain, a relative speed or another share, shown in percent [1]."""
+    """Return a strain or a relative speed, shown in percent [1]."""
+    return Quantity(symbol, "1", meaning, "%")
+
+
+def share(symbol: str, meaning: str) -> Quantity:
+    """Return a share, a ratio or a relative error, shown in percent [1]."""
     return Quantity(symbol, "1", meaning, "%")
 
 

@@ -129,7 +129,7 @@ def test_the_jacobian_against_differences(family: str) -> None:
     u, _ = equations.initial_guess()
     scales = equations.scales
     u = u + 0.5 * scales * np.random.default_rng(1).normal(size=u.size)
-    u[equations.ln_a] = np.log(equations.start)
+    u[equations.ln_a] = np.log(equations.guessed_half_width)
     state = equations.evaluate(u)
     jacobian = equations.jacobian(state)
     for matrix, column in zip(jacobian, equations.half_width_column(state), strict=True):

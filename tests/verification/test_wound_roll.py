@@ -15,7 +15,7 @@ from slow_cases import slow_case
 
 import woundon as wo
 from woundon.roll.build_up import Layers, _Roll, wind
-from woundon.roll.finished import equations_of, layer_thickness
+from woundon.roll.finished import equations_of, surface_layer_depth
 from woundon.roll.theories import constant_moduli, layer_by_layer, plateau_pressure
 
 RADII = np.array([0.05, 0.06, 0.08, 0.10, 0.15, 0.19])
@@ -126,7 +126,7 @@ def missed(problem: wo.RollProblem, tolerance: float, cells: int) -> float:
     """Return what a build-up by given stages and nodes misses of the closed form, at the nodes."""
     equations, curve = equations_of(problem), problem.tension_curve
     wound = wind(equations, curve, problem.core.radius, problem.radius, tolerance=tolerance,
-                 cells=cells, layer=layer_thickness(problem))  # fmt: skip
+                 cells=cells, surface_layer=surface_layer_depth(problem))  # fmt: skip
     exact = constant_moduli(problem, np.exp(wound.x)).pressure
     return float(np.max(np.abs(wound.solved.P - exact)) / exact.max())
 
@@ -143,7 +143,7 @@ def test_the_order_in_nodes_is_four(case: dict):
 def test_the_order_in_stages(case: dict, order: int):
     """Cubics through four stages err by h^4; the first ones, through fewer, by h^3 in the end."""
     roll = plain(**case, wound_on_tension=wo.Taper(start=200.0, taper=0.4))
-    equations, curve, layer = equations_of(roll), roll.tension_curve, layer_thickness(roll)
+    equations, curve, layer = equations_of(roll), roll.tension_curve, surface_layer_depth(roll)
     core, length, misses = np.log(0.05), np.log(4.0), []
     for count in (20, 40, 80):  # graded like nodes, dense at the core
         share = np.arange(1, count + 1) / count

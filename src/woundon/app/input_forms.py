@@ -27,6 +27,11 @@ from .limits import LIMITS
 __all__ = ["catalogue", "quantity_schema", "tables_of"]
 
 
+# Unit of a field that has the unit of the field that holds it, such as the values of a profile; the
+# page looks for this word.
+OF_HOLDER = "holder"
+
+
 @cache
 def catalogue() -> dict[str, Any]:
     """Return kinds, forms, materials, units and limits, for JSON."""
@@ -156,7 +161,7 @@ def _field(name: str, field: Any) -> dict[str, Any]:
         entry["typical"] = list(quantity.typical) if quantity.typical else None
         entry["other_form"] = quantity.other_form
     elif OF_FIELD in field.metadata:
-        entry |= {"unit": "holder", "shown_unit": "holder"}
+        entry |= {"unit": OF_HOLDER, "shown_unit": OF_HOLDER}
     if members:
         families = [m for m in members if issubclass(m, Family)]
         entry["members"] = [
@@ -219,7 +224,8 @@ def _units(forms: Mapping[str, Any], descriptions: list[Any]) -> dict[str, Any]:
     places += [output for kind in descriptions for output in kind["outputs"]]
     names_of: dict[str, list[str]] = {}
     for place in places:
-        if place["unit"] not in ("", "holder"):
+        if place["unit"] not in ("", OF_HOLDER):
+            # compatible_units knows the pure number, which is shown without a unit, as "1"
             names_of.setdefault(place["unit"], []).append(place["shown_unit"] or "1")
     return {
         unit: [

@@ -68,10 +68,13 @@ class Workers:
 
     def __init__(self) -> None:
         size, warm_up = max(2, min(usable_cores(), MOST_SOLVERS)), computations.warm_up
+        # single cases, which sliders wait for
         self.solvers = Pool(size, warm_up, seconds=LIMITS["solve_seconds"])
-        # studies have a lower priority and processes of their own, so that no slider waits for them
+        # variations of a case (curves, sensitivities, targets), files, reports and figures
         self.others = Pool(1, warm_up, seconds=LIMITS["document_seconds"], nice=1)
+        # the cases of studies: at the lowest priority, so that no slider waits for them
         self.cases = Pool(size, warm_up, seconds=LIMITS["study_seconds"], nice=10)
+        # the running study of each session, by the event that stops it
         self.studies: dict[str, asyncio.Event] = {}
         self.window = asyncio.Lock()  # of the only operating window at a time
 

@@ -108,35 +108,35 @@ def surface_compliance(
 def asymptotic_compliance(
     orders: int, A_rr: float, A_tt: float, A_rt: float, G: float, D: float | None = None
 ) -> Array:
-    """Return Y_j [1/Pa], (orders+1, 2, 2), read-only: Y_n = sum_j Y_j/n^j far from any core.
+    """Return the coefficients S_j of the compliance Y_n = sum_j S_j/n^j far from any core [1/Pa].
 
-    Y_0 = 0.
+    The array has the shape (orders+1, 2, 2) and is read-only; S_0 = 0.
 
     Notes
     -----
     F Y + Y F' + N = D z z' with z = Y k is solved order by order in 1/n.  The first order is the
-    half-plane, Y_1 = [[C, A], [A, B]] (thesis eq. 30).
+    half-plane, S_1 = [[C, A], [A, B]] (thesis eq. 30).
     """
     D = D or stiffness_along(A_rr, A_tt, A_rt)
     A, B, C = coefficients(A_rr, A_tt, A_rt, G, D)
     a, r, DB = A_rt / A_rr, sqrt(A_tt / A_rr), D * B
-    Y = np.zeros((orders + 2, 2, 2))
-    Y[1] = [[C, A], [A, B]]
+    S = np.zeros((orders + 2, 2, 2))
+    S[1] = [[C, A], [A, B]]
     z = np.zeros((orders + 2, 2))
-    z[0] = Y[1, :, 1]
+    z[0] = S[1, :, 1]
     shift = np.array([-a, 1.0])
     for j in range(2, orders + 1):
-        # the terms of lower order; Y_j enters through F_1 and z_(j-1)
-        z[j - 1] = Y[j - 1, :, 0]
-        lower_order = shift[:, None] * Y[j - 1] + Y[j - 1] * shift
+        # the terms of lower order; S_j enters through F_1 and z_(j-1)
+        z[j - 1] = S[j - 1, :, 0]
+        lower_order = shift[:, None] * S[j - 1] + S[j - 1] * shift
         lower_order -= D * (z[:j].T @ z[j - 1 :: -1])
         y12 = lower_order[0, 0] / (2 * r)
         y22 = (y12 + lower_order[1, 1] / 2) / DB
         y11 = -lower_order[0, 1] + r * y22 + DB * y12
-        Y[j] = [[y11, y12], [y12, y22]]
-        z[j - 1] += Y[j, :, 1]
-    Y.setflags(write=False)
-    return Y[: orders + 1]
+        S[j] = [[y11, y12], [y12, y22]]
+        z[j - 1] += S[j, :, 1]
+    S.setflags(write=False)
+    return S[: orders + 1]
 
 
 def surface_kernels(
@@ -226,14 +226,14 @@ def layered_kernels(radius: float, layers: Layers, open_bore: bool = False) -> S
 
 
 class Spectrum(NamedTuple):
-    """The surface compliance Y_n = sum_j Y_j/n^j + remainder of the harmonics that are summed.
+    """The surface compliance Y_n = sum_j S_j/n^j + remainder of the harmonics that are summed.
 
     Attributes
     ----------
     Y : (2, 2, N + 1) array
         Y_n [1/Pa].
     tail : (K, 2, 2) array
-        The coefficients Y_j.
+        The coefficients S_j.
     J : int
         Highest power of 1/n that is summed in closed form.
     decay : float
@@ -329,7 +329,7 @@ def _interpolated_compliance(
 
 
 def _remainder(Y: Array, tail: Array, J: int) -> Array:
-    """Return |n Y_n - sum_j Y_(j+1)/n^j|, n = 1 ... N, relative to |Y_1|."""
+    """Return |n Y_n - sum_j S_(j+1)/n^j|, n = 1 ... N, relative to |S_1|."""
     n = np.arange(1.0, Y.shape[-1])
     remainder = np.abs(n * Y[..., 1:] - _powers(tail[1 : J + 2], n.size))
     return np.array(remainder.max(axis=(0, 1)) / np.abs(tail[1]).max())

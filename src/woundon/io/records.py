@@ -107,8 +107,8 @@ def saved_values(result: Result) -> dict[str, Any]:
     }
 
 
-def _is_required(part: Field[Any]) -> bool:
-    return part.default is MISSING and part.default_factory is MISSING
+def _is_required(item: Field[Any]) -> bool:
+    return item.default is MISSING and item.default_factory is MISSING
 
 
 def _parts(cls: type[Any]) -> dict[str, type[Any]]:
@@ -205,22 +205,35 @@ def _restore_fields(
 def _restore_values(
     cls: type[Any], saved: Mapping[str, Any], dimensions: Mapping[str, Any], sizes: dict[str, int]
 ) -> Iterator[tuple[str, Any]]:
-    """Yield the values of a dataclass by name, except those of parts."""
+    """Yield the values of a dataclass by name, except those of parts.
+
+    Parameters
+    ----------
+    cls : type
+    saved : mapping
+        Values of the record by name.
+    dimensions : mapping
+        Names of the dimensions of each array.
+    sizes : dict
+        Length of each dimension; extended by the dimensions of these arrays.
+    """
     hints, parts = get_type_hints(cls, include_extras=True), _parts(cls)
     known = {item.name: item for item in saved_fields(cls) if item.name not in parts}
+    # None: nan is admitted in all fields
     may_be_nan: frozenset[str] | None = getattr(cls, "MAY_BE_NAN", frozenset())
     unknown = [str(name) for name in saved if name not in known]
     if unknown:
         text = f"not known to this version of woundon, ignored: {', '.join(unknown)}"
-        warnings.warn(text, UserWarning, stacklevel=6)
-    for name, part in known.items():
+        # points to the caller of load_result <- from_record <- _restore_fields <- this generator
+        warnings.warn(text, UserWarning, stacklevel=5)
+    for name, item in known.items():
         if name in saved:
             admits_nan = may_be_nan is None or name in may_be_nan
             value = _restore_field(saved[name], hints[name], name, admits_nan)
             if isinstance(value, np.ndarray):
                 _check_shape(value, dimensions[name], sizes, name)
             yield name, value
-        elif _is_required(part):
+        elif _is_required(item):
             raise InvalidProblem.at(name, "missing")
 
 

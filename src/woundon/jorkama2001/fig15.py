@@ -38,20 +38,20 @@ def _pattern(r: Nip, heavy: Nip) -> list[Verdict]:
             "the web slips backward on the roll first, sticks from A on, slips forward from B on: "
             "zones in this order",
             [run.zone for run in roll] == [-1, 0, 1],
-            f"s_r1 = {lengths.leading_roll:.3f}, s_r2 = {lengths.trailing_roll:.3f}",
+            note=f"s_r1 = {lengths.leading_roll:.3f}, s_r2 = {lengths.trailing_roll:.3f}",
         ),
         whether(
             "it sticks to the drum from the leading edge to C, then slips forward: zones in this "
             "order",
             [run.zone for run in drum if run.length > SHORT * width] == [0, 1],
-            f"s_d = {lengths.dual:.3f}; zones below 1 % of the width left out, the "
+            note=f"s_d = {lengths.dual:.3f}; zones below 1 % of the width left out, the "
             f"shortest has {100 * shortest / width:.2f} %: at the very edge the "
             "pressure rises like a root, and no finite friction holds the web that it squeezes out",
         ),
         verdict(
             "C lies downstream of B: the roll's face slips before the drum's",
             lengths.trailing_roll - lengths.dual,
-            0.0,
+            low=0.0,
             note="s_r2 - s_d",
         ),
         verdict(
@@ -63,7 +63,7 @@ def _pattern(r: Nip, heavy: Nip) -> list[Verdict]:
         verdict(
             "and positive downstream of B",
             100 * r.roll_slip.max(),
-            0.0,
+            low=0.0,
             unit="%",
             note="largest v+",
         ),
@@ -71,10 +71,10 @@ def _pattern(r: Nip, heavy: Nip) -> list[Verdict]:
             "in some cases a very short stick area near C parts the roll's trailing slip zone: its "
             f"length at P = {HEAVY_LOAD / 1e3:.0f} kN/m",
             _parting_stick(heavy),
-            0.1,
-            5.0,
-            "% of the width",
-            "it is there with 257, 513 and 1025 nodes alike, so it is no artefact; at "
+            low=0.1,
+            high=5.0,
+            unit="% of the width",
+            note="it is there with 257, 513 and 1025 nodes alike, so it is no artefact; at "
             "P = 1900 N/m, here shown, there is none",
         ),
     ]
@@ -95,7 +95,7 @@ def _tension(r: Nip) -> list[Verdict]:
         verdict(
             "the tension grows in the dual slip zone only: its gain there over NIT",
             100 * gained / r.nip_induced_tension,
-            99.9,
+            low=99.9,
             unit="%",
             note=f"{gained:.1f} of {r.nip_induced_tension:.1f} N/m",
         ),
@@ -110,8 +110,8 @@ def _tension(r: Nip) -> list[Verdict]:
             "because the pressure squeezes the web, which cannot stretch where it sticks to the "
             "rigid drum (Poisson's effect): the fall over 2h (A_rt/A_rr) times the rise of p",
             share,
-            0.95,
-            1.05,
+            low=0.95,
+            high=1.05,
             note=f"from where stick begins, at {100 * begins:.1f} % of the width",
         ),
     ]

@@ -80,15 +80,15 @@ def _tension(data: xr.Dataset, light: Nip) -> list[Verdict]:
             "a higher winding force gives a higher NIT at every nip load",
             NIT,
             "winding_force",
-            "N/m",
-            "smallest step between neighbouring forces",
+            unit="N/m",
+            note="smallest step between neighbouring forces",
         ),
         falls(
             "the winding force acts more on NIT where the load is light",
             spread,
             "nip_load",
-            "N/m",
-            f"largest step of the curves' spread, which falls from {spread[0]:.0f} to "
+            unit="N/m",
+            note=f"largest step of the curves' spread, which falls from {spread[0]:.0f} to "
             f"{spread[-1]:.0f} N/m",
         ),
         verdict(
@@ -115,8 +115,8 @@ def _tension(data: xr.Dataset, light: Nip) -> list[Verdict]:
         verdict(
             "at a very light load NIT is about mu+ P (ch. 6)",
             friction,
-            0.9,
-            1.0,
+            low=0.9,
+            high=1.0,
             note=f"NIT/(mu+ P), centre winding at P = {LIGHT_LOAD:.0f} N/m.  Even there the web "
             f"slips backward on {100 * backward:.0f} % of the roll's face, which takes friction "
             "off; as P goes to zero the ratio tends to 0.87",
@@ -132,10 +132,10 @@ def _slip(data: xr.Dataset) -> list[Verdict]:
         verdict(
             "at the lightest load and lowest force the web slips on the whole roll: s_r1 = 0",
             leading[0, 0],
-            0.0,
-            0.0,
+            low=0.0,
+            high=0.0,
         ),
-        verdict("and s_r2 = 1", trailing[0, 0], 1.0, 1.0),
+        verdict("and s_r2 = 1", trailing[0, 0], low=1.0, high=1.0),
         verdict(
             "at the leading edge the roll is ahead of the web",
             leading.max(),
@@ -145,13 +145,13 @@ def _slip(data: xr.Dataset) -> list[Verdict]:
         verdict(
             "at the trailing edge the web is ahead of the roll",
             trailing.min(),
-            0.0,
+            low=0.0,
             note="smallest s_r2, positive: web faster",
         ),
         verdict(
             "the winding force acts more on the slip lengths where the load is light",
             spread[0] - spread[-1],
-            0.0,
+            low=0.0,
             note=f"the spread of s_r2 falls from {spread[0]:.2f} to {spread[-1]:.2f}",
         ),
         verdict(
@@ -170,7 +170,7 @@ def _slip(data: xr.Dataset) -> list[Verdict]:
             "for lower winding forces the load matters much more: smallest range of s_r2 for "
             "F <= -200 N/m, over that for F = 100 N/m",
             over_loads[:3].min() / over_loads[-1],
-            2.0,
+            low=2.0,
         ),
     ]
 
@@ -182,7 +182,7 @@ def _dual_slip(data: xr.Dataset, heavy: xr.Dataset) -> list[Verdict]:
     last, limit = dual[:, -1], heavy["dual_slip"].mean()
     return [
         verdict(
-            "the dual slip ratio has the sign of NIT", 100 * agree, 95.0, unit="% of the points"
+            "the dual slip ratio has the sign of NIT", 100 * agree, low=95.0, unit="% of the points"
         ),
         verdict(
             "it falls with the load for F >= 0",
@@ -193,7 +193,7 @@ def _dual_slip(data: xr.Dataset, heavy: xr.Dataset) -> list[Verdict]:
         verdict(
             "it rises with the load for F <= -200 N/m",
             (dual[:3, -1] - dual[:3, 0]).min(),
-            0.0,
+            low=0.0,
             note=f"smallest change over the range; the largest fall between neighbouring loads is "
             f"{-dual[:3].diff('nip_load').min():.3f}",
         ),
@@ -206,17 +206,17 @@ def _dual_slip(data: xr.Dataset, heavy: xr.Dataset) -> list[Verdict]:
         verdict(
             "all curves come to about 0.1",
             last.mean(),
-            0.08,
-            0.12,
+            low=0.08,
+            high=0.12,
             note=f"average at the heaviest load; from {last.min():.3f} to {last.max():.3f}",
         ),
         verdict(
             "which is a limit, independent of the load",
             100 * (limit / last.mean() - 1),
-            -10.0,
-            10.0,
-            "%",
-            f"change to P = {HEAVY_LOAD / 1e3:.0f} kN/m, where all five are near "
+            low=-10.0,
+            high=10.0,
+            unit="%",
+            note=f"change to P = {HEAVY_LOAD / 1e3:.0f} kN/m, where all five are near "
             f"{limit:.3f}.  The ratio would be constant if the half width "
             "were the only length; but the web has one of its own, its stiffness 2h A_tt over that "
             "of the roll, and the nip goes on outgrowing it",
@@ -225,5 +225,6 @@ def _dual_slip(data: xr.Dataset, heavy: xr.Dataset) -> list[Verdict]:
 
 
 def _draw(data: xr.Dataset, shown: tuple[str, ...]) -> Figure:
+    # without titles
     panels = [(data, y, "") for y in shown]
     return drawing.sheet(panels, "nip_load", legend=5 if len(panels) > 1 else 3)

@@ -77,20 +77,22 @@ def _statements(NIT: xr.DataArray, when: str) -> list[Verdict]:
         verdict(
             f"{when}from mu+ = 0.2 on NIT has a maximum at the low load for F <= -200 N/m",
             max(low_forces, default=-np.inf),
-            -200,
-            -200,
-            "N/m",
-            f"{said[0]}: below it the web "
+            low=-200,
+            high=-200,
+            unit="N/m",
+            note=f"{said[0]}: below it the web "
             "slips forward on nearly the whole roll and NIT grows like mu+ P + F",
         ),
-        verdict("for each of these forces", len(low_forces), 3, 3, note="curves with a maximum"),
+        verdict(
+            "for each of these forces", len(low_forces), low=3, high=3, note="curves with a maximum"
+        ),
         verdict(
             "and at the high load for F = -500 N/m only",
             max(high_forces, default=-np.inf),
-            -500,
-            -500,
-            "N/m",
-            said[1],
+            low=-500,
+            high=-500,
+            unit="N/m",
+            note=said[1],
         ),
         verdict(
             "beyond the maxima NIT falls as mu+ grows",
@@ -102,7 +104,7 @@ def _statements(NIT: xr.DataArray, when: str) -> list[Verdict]:
         verdict(
             "the curves are steeper at the higher load",
             (fall[1] / fall[0]).min(),
-            1.0,
+            low=1.0,
             note="smallest ratio over F of the falls from the maximum to mu+ = 0.6",
         ),
     ]
@@ -139,7 +141,7 @@ def _share_of_fall() -> Verdict:
         "and the decrease that was expected is the nip's own, in centre winding from mu+ = 0.1 to "
         "0.6: fall over that with the web held at the trailing edge",
         fall.min(),
-        0.5,
+        low=0.5,
         note=f"the lesser of both loads.  At P = {NIP_LOADS[1]:.0f} N/m NIT goes from {said[0]} "
         f"held there, from {said[1]} wrapped, and from {said[2]} by (183): most of the fall is the "
         "condition at the trailing edge (97), by which friction binds the web to a surface that is "

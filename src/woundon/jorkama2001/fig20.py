@@ -54,7 +54,7 @@ def _pattern(r: Nip | wo.NipResult, when: str = "mu+ > mu-") -> list[Verdict]:
         verdict(
             f"{when}: the web slips at roll and drum at the leading edge already",
             100 * leading / (2 * r.half_width),
-            1.0,
+            low=1.0,
             unit="% of the width",
         ),
         whether("where it is a little ahead of the drum", drum[0].zone == 1),
@@ -62,16 +62,16 @@ def _pattern(r: Nip | wo.NipResult, when: str = "mu+ > mu-") -> list[Verdict]:
             "at the trailing end slip begins at the drum, before it does at the roll: from the "
             "end of stick at the drum to that at the roll",
             1e3 * (_end_of_stick(roll) - end),
-            0.0,
+            low=0.0,
             unit="mm",
         ),
         whether(
             "first the drum is ahead of the web",
             drum[stick + 1].zone == -1,
-            "v- < 0 downstream of the stick zone",
+            note="v- < 0 downstream of the stick zone",
         ),
         verdict("and the tension falls", T.min() - np.interp(end, x, T), high=0.0, unit="N/m"),
-        whether("on the last part the slip turns round", drum[-1].zone == 1, "v- > 0"),
+        whether("on the last part the slip turns round", drum[-1].zone == 1, note="v- > 0"),
     ]
 
 

@@ -57,7 +57,7 @@ def _trends(data: xr.Dataset, body: str) -> list[Verdict]:
     largest, half = NIT.sel({radius: 1.0}), NIT.sel({radius: 0.5})
     total = NIT.sel({radius: 0.1}) - largest
     return [
-        falls(f"NIT falls as the {body}'s radius grows", NIT, radius, "N/m"),
+        falls(f"NIT falls as the {body}'s radius grows", NIT, radius, unit="N/m"),
         verdict(
             "it changes more at small radii: of its fall from 0.1 to 1 m, what is left from "
             "0.5 m on",
@@ -78,21 +78,21 @@ def _trends(data: xr.Dataset, body: str) -> list[Verdict]:
             f"the lower the winding force, the less the {body}'s radius matters",
             total,
             "winding_force",
-            "N/m",
-            "smallest step of the falls over F; panel (a): "
+            unit="N/m",
+            note="smallest step of the falls over F; panel (a): "
             f"{', '.join(f'{fall:.0f}' for fall in total[0])} N/m for F = -500 to 100",
         ),
         falls(
             f"a larger {other} gives less NIT",
             NIT,
             f"{other}_radius",
-            "N/m",
-            "largest difference of the panels, (b) less (a)",
+            unit="N/m",
+            note="largest difference of the panels, (b) less (a)",
         ),
         verdict(
             "but steeper curves",
             (total[1] / total[0]).min(),
-            1.0,
+            low=1.0,
             note="smallest ratio of the falls, (b) over (a)",
         ),
         verdict(
@@ -111,7 +111,7 @@ def _increasing() -> Verdict:
     return verdict(
         "NIT by the dual slip ratio alone, eq. (173), grows with it",
         steps.min(),
-        0.0,
+        low=0.0,
         unit="N/m",
         note="smallest step of 1/200",
     )
@@ -136,8 +136,8 @@ def _exponents(data: list[xr.Dataset]) -> list[Verdict]:
         verdict(
             "NIT goes with the relative radius R* to the power -1/2: fitted exponent, F = 0",
             relative[0],
-            -0.55,
-            -0.45,
+            low=-0.55,
+            high=-0.45,
             note="by F [N/m] "
             + ", ".join(f"{F:.0f}: {fit('relative', F)[0]:.2f}" for F in WINDING_FORCES)
             + ".  The strains go with a/R*, at a given load with R*^-1/2; but NIT over that strain "

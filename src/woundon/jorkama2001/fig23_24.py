@@ -61,7 +61,7 @@ def _tension(NIT: xr.DataArray) -> list[Verdict]:
         verdict(
             "from 1 MPa to 10 GPa NIT grows about with the logarithm of E: R^2 of the worst curve",
             fits.min(),
-            0.9,
+            low=0.9,
             note="straight line by ln E",
         ),
         verdict(
@@ -75,20 +75,20 @@ def _tension(NIT: xr.DataArray) -> list[Verdict]:
             "below, it grows with nu",
             by_ratio,
             "poissons_ratio",
-            "N/m",
-            "smallest step between neighbouring nu",
+            unit="N/m",
+            note="smallest step between neighbouring nu",
         ),
         verdict(
             "little at low nu, much as the cover becomes incompressible",
             many / few,
-            4.0,
+            low=4.0,
             note=f"average step from 0.4 to 0.499 over that from 0.1 to 0.2: {many:.1f} and "
             f"{few:.1f} N/m",
         ),
         verdict(
             "the picture is the same at both loads",
             xr.corr(NIT[0], NIT[1]),
-            0.95,
+            low=0.95,
             note="correlation of the panels",
         ),
     ]

@@ -50,14 +50,14 @@ def _tractions(hard: Nip, soft: Nip) -> list[Verdict]:
         verdict(
             "tractions are more than 50 % smaller than with the hard drum: at the roll",
             smaller("roll_traction"),
-            50.0,
+            low=50.0,
             unit="%",
             note="of the largest",
         ),
         verdict(
             "and at the drum",
             smaller("drum_traction"),
-            50.0,
+            low=50.0,
             unit="%",
             note=f"of the largest.  It is bound to mu- p, and the wider nip's largest pressure is "
             f"{smaller('drum_pressure'):.0f} % smaller only",
@@ -77,27 +77,31 @@ def _pattern(r: Nip) -> list[Verdict]:
         whether(
             "the drum has a leading slip zone too, the web downstream of it",
             drum[0].zone == -1,
-            f"v- < 0 on {100 * drum[0].length / width:.1f} % of the width",
+            note=f"v- < 0 on {100 * drum[0].length / width:.1f} % of the width",
         ),
         whether(
             "at the trailing edge the web is ahead of the drum first",
             max(run.zone for run in drum[1:]) == 1,
-            "v- > 0",
+            note="v- > 0",
         ),
         verdict(
-            "and downstream of it very near the edge", drum[-1].zone, -1, -1, note="sign of v-"
+            "and downstream of it very near the edge",
+            drum[-1].zone,
+            low=-1,
+            high=-1,
+            note="sign of v-",
         ),
         verdict(
             "from so near on",
             100 * (r.half_width - forward.right) / width,
-            1e-6,
-            2.0,
-            "% of the width",
+            low=1e-6,
+            high=2.0,
+            unit="% of the width",
         ),
         verdict(
             "slip is larger at the drum than at the roll: largest |v-| over largest |v+|",
             np.max(np.abs(r.drum_slip)) / np.max(np.abs(r.roll_slip)),
-            1.0,
+            low=1.0,
         ),
     ]
 
@@ -109,18 +113,18 @@ def _edges(r: Nip, heavier: Nip) -> list[Verdict]:
         verdict(
             "|v-| is about 0.35 % at the leading edge",
             base[0],
-            0.3,
-            0.4,
-            "%",
-            f"{more[0]:.2f} % at P = {FALL_LOAD:.0f} N/m",
+            low=0.3,
+            high=0.4,
+            unit="%",
+            note=f"{more[0]:.2f} % at P = {FALL_LOAD:.0f} N/m",
         ),
         verdict(
             "and at the trailing edge",
             base[1],
-            0.3,
-            0.4,
-            "%",
-            f"{more[1]:.2f} % at P = {FALL_LOAD:.0f} N/m; it turns round within the last "
+            low=0.3,
+            high=0.4,
+            unit="%",
+            note=f"{more[1]:.2f} % at P = {FALL_LOAD:.0f} N/m; it turns round within the last "
             "per cent of the width, where the cover's strain has a vertical tangent",
         ),
     ]
@@ -135,24 +139,24 @@ def _tension(r: Nip, heavier: Nip) -> list[Verdict]:
         verdict(
             "most of the tension's variation happens where both faces stick",
             100 * steps[inside].sum() / steps.sum(),
-            50.0,
+            low=50.0,
             unit="%",
         ),
         verdict(
             "it is lowest at the nip's centre",
             r.x[np.argmin(T)] / r.half_width,
-            -0.1,
-            0.1,
+            low=-0.1,
+            high=0.1,
             note="x/a of the lowest tension",
         ),
         verdict(
             "where it has fallen by almost 150 N/m",
             -T.min(),
-            135.0,
-            150.0,
-            "N/m",
-            f"at P = 1900 N/m; at {FALL_LOAD:.0f} N/m it falls by {-heavier.tension.min():.0f} "
-            "N/m, and the text does not give the load",
+            low=135.0,
+            high=150.0,
+            unit="N/m",
+            note=f"at P = 1900 N/m; at {FALL_LOAD:.0f} N/m it falls by {-heavier.tension.min():.0f}"
+            " N/m, and the text does not give the load",
         ),
     ]
 

@@ -22,10 +22,11 @@ def exhibits(solver: str) -> list[Exhibit]:
     over = {"nip_load": NIP_LOADS}
     covers = [swept(covered_nip(*cover), over, solver) for cover in COVERS.values()]
     data = xr.concat(covers, xr.DataArray(list(COVERS), dims="cover", name="cover"))
-    E, nu = zip(*COVERS.values(), strict=True)
-    data["youngs_modulus"] = ("cover", list(E), {"units": "Pa"})
-    data["poissons_ratio"] = ("cover", list(nu), {"units": "1"})
+    moduli, ratios = zip(*COVERS.values(), strict=True)
+    data["youngs_modulus"] = ("cover", list(moduli), {"units": "Pa"})
+    data["poissons_ratio"] = ("cover", list(ratios), {"units": "1"})
     names = [f"{name}, {_modulus(E)}, $\\nu_2$ = {nu:g}" for name, (E, nu) in COVERS.items()]
+    # without titles
     panels = [(data, shown, "") for shown in ("nip_induced_tension", "nip_width")]
     draw = lambda: drawing.sheet(panels, "nip_load", "cover", names, legend=3)  # noqa: E731
     title = "NIT and nip width against the nip load for three drum covers"
@@ -67,7 +68,7 @@ def _verdicts(data: xr.Dataset, without: xr.DataArray) -> list[Verdict]:
             unit="%",
             note="largest share",
         ),
-        grows("it grows with the load", rubber, "nip_load", "N/m"),
+        grows("it grows with the load", rubber, "nip_load", unit="N/m"),
         verdict(
             "ever more slowly",
             slopes[-1] / slopes[0],

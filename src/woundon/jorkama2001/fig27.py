@@ -14,7 +14,8 @@ from .verdicts import Verdict, falls, verdict
 __all__ = ["exhibits"]
 
 THICKNESSES = np.linspace(0.005, 0.05, 19)
-SOFT = ("cellular elastomer", "rubber")  # alike in E
+# The covers of equal E, in the order of the curves in data and legend.
+SOFT = ("cellular elastomer", "rubber")
 
 
 def exhibits(solver: str) -> list[Exhibit]:
@@ -25,6 +26,7 @@ def exhibits(solver: str) -> list[Exhibit]:
     data = data.rename(cover_core_radius="cover_thickness")
     data["cover_thickness"] = ("cover_thickness", THICKNESSES, {"units": "m"})
     names = [rf"{name}, $\nu_2$ = {nu:g}" for name, nu in zip(SOFT, ratios, strict=True)]
+    # without titles
     panels = [(data, shown, "") for shown in ("nip_induced_tension", "nip_width")]
     draw = lambda: drawing.sheet(panels, "cover_thickness", "poissons_ratio", names, 2)  # noqa: E731
     title = "NIT and nip width against the thickness of the drum cover"
@@ -44,12 +46,12 @@ def _verdicts(data: xr.Dataset) -> list[Verdict]:
             unit="N/m",
             note=f"its range from 5 to 50 mm; the rubber's is {np.ptp(rubber.values):.0f} N/m",
         ),
-        falls("a thicker rubber cover gives less NIT", rubber, "cover_thickness", "N/m"),
+        falls("a thicker rubber cover gives less NIT", rubber, "cover_thickness", unit="N/m"),
         verdict(
             "thickness matters most where the rubber is thin, about 10 mm: fall at 10 mm over "
             "that at 30 mm",
             thin / thick,
-            3.0,
+            low=3.0,
             note=f"{thin:.1f} and {thick:.1f} N/m per mm",
         ),
     ]

@@ -61,18 +61,18 @@ def _tension(NIT: xr.DataArray) -> list[Verdict]:
     exception[-1, -1][:, TANGENTIAL <= 0.61e9] = True
     small = 100 * np.abs(NIT[:, 1].drop_vars("cross") / NIT[:, 0].drop_vars("cross") - 1)
     return [
-        grows("NIT grows with A_tt", NIT, "tangential", "N/m"),
+        grows("NIT grows with A_tt", NIT, "tangential", unit="N/m"),
         verdict(
             "usually it falls as A_rr grows",
             100 * np.mean(~rising),
-            80.0,
+            low=80.0,
             unit="% of the steps",
             note="the text says usually",
         ),
         verdict(
             "except for A_tt from 0.5 to 0.6 GPa, A_rt = 40 MPa and G = 100 MPa: there it grows",
             steps[exception].max(),
-            0.0,
+            low=0.0,
             unit="N/m",
             note="largest step",
         ),
@@ -84,7 +84,7 @@ def _tension(NIT: xr.DataArray) -> list[Verdict]:
             "there, and a soft roll loses more tension to Poisson's effect than it gains by being "
             "soft.  No web thickness from 20 to 100 um confines it to what the text says",
         ),
-        grows("it grows with G", NIT, "shear", "N/m"),
+        grows("it grows with G", NIT, "shear", unit="N/m"),
         verdict(
             "up to A_rt = 1 MPa it does not depend on A_rt",
             small.max(),
@@ -96,8 +96,8 @@ def _tension(NIT: xr.DataArray) -> list[Verdict]:
             "beyond, it falls as A_rt grows",
             NIT[:, 1:],
             "cross",
-            "N/m",
-            "largest change from 1 to 40 MPa",
+            unit="N/m",
+            note="largest change from 1 to 40 MPa",
         ),
     ]
 
@@ -111,7 +111,7 @@ def _dual_slip(dual: xr.DataArray, solver: str) -> list[Verdict]:
         steps = dual.diff(along)
         said = f"steps from {steps.min():.3f} to {steps.max():.3f}{note}"
         share = 100 * (steps > -cell).mean()
-        return verdict(statement, share, 95.0, unit="% of the steps", note=said)
+        return verdict(statement, share, low=95.0, unit="% of the steps", note=said)
 
     stiff = dual.diff("cross").sel(tangential=slice(3.5e9, None))
     return [

@@ -21,6 +21,7 @@ def exhibits(solver: str) -> list[Exhibit]:
     """Solve A_tt = 7 GPa, A_rr = 20 MPa, G = 100 MPa with both A_rt; return Fig. 30."""
     nips = {rt: solved(_problem(rt), solver, FINE) for rt in CROSS}
     data = joined("cross [Pa]", {rt: along_nip(r) for rt, r in nips.items()})
+    # without titles
     panels = [(data, "tension_increase", "")]
     draw = lambda: drawing.sheet(panels, "x", "cross", legend=2)  # noqa: E731
     title = "Web tension along the nip for two cross stiffnesses"
@@ -52,16 +53,16 @@ def _verdicts(large: Nip, small: Nip) -> list[Verdict]:
         verdict(
             "with A_rt = 40 MPa the tension falls by almost 100 N/m before the dual slip zone",
             _fall(large),
-            85.0,
-            100.0,
-            "N/m",
+            low=85.0,
+            high=100.0,
+            unit="N/m",
         ),
         verdict(
             "by Poisson's effect: its fall over 2h (A_rt/A_rr) times the rise of p, from where the "
             "web sticks to the drum to the lowest tension",
             share,
-            0.98,
-            1.02,
+            low=0.98,
+            high=1.02,
             note=f"before, on {100 * slipped:.1f} % of the width, the web is squeezed out backward "
             "and slips, which spares it a part of the fall",
         ),
@@ -75,7 +76,7 @@ def _verdicts(large: Nip, small: Nip) -> list[Verdict]:
         verdict(
             "the dual slip zone adds more for the larger A_rt",
             gains[0] - gains[1],
-            0.0,
+            low=0.0,
             unit="N/m",
             note=f"{gains[0]:.0f} against {gains[1]:.0f} N/m",
         ),
@@ -90,7 +91,7 @@ def _verdicts(large: Nip, small: Nip) -> list[Verdict]:
             "eq. (173), NIT by the dual slip ratio alone, does not apply to the larger A_rt: it is "
             "off by",
             _off(large),
-            10.0,
+            low=10.0,
             unit="%",
         ),
         verdict("but does to the smaller one: it is off by", _off(small), high=10.0, unit="%"),

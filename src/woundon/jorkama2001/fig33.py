@@ -79,8 +79,8 @@ def _errors(data: xr.Dataset, limit: wo.NipResult) -> list[Verdict]:
             "NIT seems to converge as M grows: smallest step towards the limit",
             thesis,
             "nodes",
-            "N/m",
-            f"the limit is {exact:.2f} N/m",
+            unit="N/m",
+            note=f"the limit is {exact:.2f} N/m",
         ),
         verdict(
             "but slowly: order of convergence",
@@ -156,7 +156,7 @@ def _half_planes() -> list[Verdict]:
         verdict(
             "on a cover of 5 cm it can be about 15 % off",
             max(thick.values()),
-            15.0,
+            low=15.0,
             unit="%",
             note="covers of Fig. 26: "
             + ", ".join(f"{name} at {P / 1e3:.0f} kN/m {e:.0f} %" for (name, P), e in thick.items())
@@ -165,7 +165,7 @@ def _half_planes() -> list[Verdict]:
         verdict(
             "and the error grows fast as the cover gets thinner: smallest growth from 5 to 1 cm",
             min(growth),
-            10.0,
+            low=10.0,
             unit="%",
         ),
     ]
@@ -176,7 +176,7 @@ def _terms(limit: wo.NipResult) -> Verdict:
     return verdict(
         "15 000 to 35 000 terms of the cylinder's Fourier series are needed",
         limit.series_terms,
-        15e3,
+        low=15e3,
         unit="terms",
         note="the half-plane's share, which decays like 1/n, is summed in closed form here; what "
         f"is left of the series after these terms is below {limit.series_error:.0e} of the whole",

@@ -132,7 +132,7 @@ def _of_the_wrap(nips: list[_Nip]) -> list[Verdict]:
         whether(
             "so in centre winding the web slips on downstream of the nip, faster than the roll",
             all(n.wrapped.slip_zone is wo.Zone.FORWARD for n in nips),
-            "on the solved wrap",
+            note="on the solved wrap",
         ),
         verdict(
             "but sticks again within about 0.5 degrees: solved slip angle",

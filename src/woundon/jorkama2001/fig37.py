@@ -57,7 +57,7 @@ def _agreement(points: pd.DataFrame) -> list[Verdict]:
         verdict(
             "the measured tension grows with the nip load",
             rises.min(),
-            0.0,
+            low=0.0,
             unit="N/m",
             note="smallest step between neighbouring loads",
         ),
@@ -95,7 +95,7 @@ def _opposing(solver: str) -> list[Verdict]:
     (_, shear), (radial, both) = 100 * (NIT / NIT[0, 0] - 1)
     return [
         verdict("a higher A_rr lowers NIT: by 10 % more of it", radial, high=0.0, unit="%"),
-        verdict("a higher G raises it", shear, 0.0, unit="%"),
+        verdict("a higher G raises it", shear, low=0.0, unit="%"),
         verdict(
             "so that their effects may cancel, which is taken for a reason of the agreement: what "
             "both together change, over the larger of the two",

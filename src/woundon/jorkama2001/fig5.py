@@ -33,6 +33,7 @@ def exhibits(solver: str) -> list[Exhibit]:
     data = joined("rolling [1]", {1.0: _along(rolling), 0.0: _along(static)})
     verdicts = [*_pattern(rolling, static), *_difference(rolling, static), *_basics()]
     title = "Tangential traction of two similar cylinders, rolling and static"
+    # without titles
     panels = [(data, "traction", "")]
     draw = lambda: drawing.sheet(panels, "x", "rolling", legend=2)  # noqa: E731
     return [Exhibit("fig5", title, data, verdicts, draw, one_solver=True)]
@@ -109,7 +110,10 @@ def _pattern(rolling: wo.RollerResult, static: wo.RollerResult) -> list[Verdict]
             unit="% of the width",
         ),
         verdict(
-            "and that over a wide range", 100 * stick.length / width, 50.0, unit="% of the width"
+            "and that over a wide range",
+            100 * stick.length / width,
+            low=50.0,
+            unit="% of the width",
         ),
     ]
 
@@ -130,15 +134,15 @@ def _difference(rolling: wo.RollerResult, static: wo.RollerResult) -> list[Verdi
         verdict(
             "both tractions are the same on a short stretch at the trailing edge",
             100 * alike / (2 * rolling.half_width),
-            1.0,
-            30.0,
-            "% of the width",
-            "within 1 % of the peak",
+            low=1.0,
+            high=30.0,
+            unit="% of the width",
+            note="within 1 % of the peak",
         ),
         verdict(
             "elsewhere they are strikingly different",
             100 * apart.max() / peak,
-            25.0,
+            low=25.0,
             unit="%",
             note="largest difference over the peak",
         ),
@@ -175,13 +179,13 @@ def _basics() -> list[Verdict]:
             "a rigid and a deformable cylinder in free rolling slip at some points and stick at "
             "others",
             set(_slips(free)) == {False, True},
-            "steel on rigid, mu = 0.1",
+            note="steel on rigid, mu = 0.1",
         ),
         verdict(
             "and differ in speed (creep): creepage over Bentall and Johnson's for mu -> 0",
             free.creepage / wo.theories.bentall_johnson_frictionless(free.problem),
-            0.5,
-            1.0,
+            low=0.5,
+            high=1.0,
             note="friction takes some of it away",
         ),
         verdict(

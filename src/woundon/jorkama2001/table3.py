@@ -67,10 +67,10 @@ def _verdicts(computed: tuple[Theory, ...]) -> list[Verdict]:
             "with A_rr = 27 MPa, G = 10 MPa and 2h = 66 um theory and experiment coincide at "
             "P = 3502, T_in = 350 N/m: distance",
             distance[0],
-            -7.0,
-            7.0,
-            "N/m",
-            "1 % of the tension is allowed.  With 57 um the distance is "
+            low=-7.0,
+            high=7.0,
+            unit="N/m",
+            note="1 % of the tension is allowed.  With 57 um the distance is "
             f"{distance[1]:.1f} N/m: see the documentation, A discrepancy that stays",
         ),
         verdict(
@@ -109,7 +109,7 @@ def _tuned(full: Theory) -> list[Verdict]:
             "a higher A_rr undoes a higher G: how many times better the data determine the one "
             "combination of them than the other",
             full.fit.condition,
-            10.0,
+            low=10.0,
             note="so that no fit to data like these can tell the two moduli apart: the best pair "
             "is many times the thesis's, and predicts nearly the same tensions",
         ),

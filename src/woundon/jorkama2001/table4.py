@@ -68,7 +68,7 @@ def _verdicts(added: pd.DataFrame) -> list[Verdict]:
         verdict(
             "at the lowest nip load it does",
             relative[0],
-            10.0,
+            low=10.0,
             unit="%",
             note="the same ratio at 350 N/m",
         ),
@@ -76,7 +76,7 @@ def _verdicts(added: pd.DataFrame) -> list[Verdict]:
             "T_in has no systematic influence: chance that scatter alone makes the averages over "
             "the loads differ as they do",
             _chance(added),
-            0.05,
+            low=0.05,
             note="analysis of variance, load and T_in as factors; the averages at T_in = 175, 263 "
             "and 350 N/m are " + ", ".join(f"{mean:.0f}" for mean in added.mean()) + " N/m.  The "
             "thesis did not test this; fifteen points could not show less than some 20 N/m",

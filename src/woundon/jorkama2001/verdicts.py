@@ -90,6 +90,7 @@ class Verdict:
 def verdict(
     statement: str,
     value: SupportsFloat | None,
+    *,
     low: float = -inf,
     high: float = inf,
     unit: str = "",
@@ -117,7 +118,7 @@ def grows(
     note: str = "smallest step",
 ) -> Verdict:
     """Return the verdict on a statement that values grow in every step along a dimension."""
-    return verdict(statement, values.diff(along).min(), 0.0, unit=unit, note=note)
+    return verdict(statement, values.diff(along).min(), low=0.0, unit=unit, note=note)
 
 
 def falls(

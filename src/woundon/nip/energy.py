@@ -52,8 +52,8 @@ class BodyWork(NamedTuple):
     p, q, slope : (n-1,) arrays
     lengths : (n-1,) array
         Of the cells [m].
-    turned : float
-        int q v/R dx [N/m].
+    curvature_work : float
+        int q v/R dx, the work of the traction by the term v/R of u' [N/m].
     work : float
         W [N/m].
     """

@@ -21,7 +21,7 @@ import numpy as np
 
 from ..elasticity.relaxation import modulus_ratio
 from ..errors import InvalidProblem
-from ..quantities import Quantity, length, pure, strain
+from ..quantities import Quantity, length, pure, share
 from ..results import ReadOnly, largest
 from .air_films import escaped_film, foil_film, friction_share, nip_film
 
@@ -99,7 +99,7 @@ class AirFilm(ReadOnly):
     wrap_friction: Annotated[
         float, pure("mu_w+ eff", "friction on the roll wrap, reduced by the air film")
     ]
-    friction_share: Annotated[float, strain("mu/mu0", "fraction of friction retained in the nip")]
+    friction_share: Annotated[float, share("mu/mu0", "fraction of friction retained in the nip")]
     gradient: Annotated[
         float, Quantity("K", "Pa/m**0.5", "inlet pressure-gradient coefficient, p = K sqrt(s)")
     ]

@@ -141,7 +141,7 @@ class NipEquations:
         # a compressed web between rigid bodies, 2h c22 p = (a^2 - x^2)/2R, or Hertz's contact
         web_only = np.cbrt(1.5 * P * R * problem.web.thickness * problem.web.compliance.c22)
         guess = max(half_width_guess(P, *problem.bodies), web_only)
-        self.start = a = min(guess, 0.9 * exp(self.largest_ln_a))
+        self.guessed_half_width = a = min(guess, 0.9 * exp(self.largest_ln_a))
         self._neighbour: Geometry | None = None
         self._first_mesh = like
         self._first_mesh = self.mesh(a)
@@ -216,7 +216,7 @@ class NipEquations:
 
         For linear bodies the first Newton step gives the fields for that half width.
         """
-        u, a = np.zeros(self.layout.size), self.start
+        u, a = np.zeros(self.layout.size), self.guessed_half_width
         if self.problem.linear:
             largest = exp(self.largest_ln_a)
             a = frictionless_half_width(self.problem, self.problem.nip_load, a, largest)
@@ -440,16 +440,20 @@ class _Assembly:
     def _derivative_of_p_roll(self) -> Array:
         """Return dp+/du at the nodes of the roll's face.
 
-        In the nip p+ = p- + T kappa; on the roll wrap p+ is an unknown.
+        In the nip p+ = p- + T kappa, without a roll wrap p+ = p-; on the roll wrap p+ is an
+        unknown.  Row 0 is zero: p+ = 0 at the leading edge.
         """
-        layout, n = self.layout, self.layout.last - self.layout.first
-        out, k = np.zeros((layout.end + 1 - layout.first, layout.size)), np.arange(1, n)
-        out[k, layout.drum_p.stop - n + k] = 1.0
+        layout, first_unknown = self.layout, self.layout.p_nodes[0]
+        first, last, end = layout.first, layout.last, layout.end
+        out = np.zeros((end + 1 - first, layout.size))
+        inner = np.arange(first + 1, last)
+        out[inner - first, inner - first_unknown] = 1.0
         if self.equations.roll_wrap:
             nodes = self.equations._hoop_nodes
-            self._subtract_hoop(out[1:n], nodes, self.fields.drum_curvature[nodes], self.kappa_drum)
-        k = np.arange(layout.wrap_p.stop - layout.wrap_p.start)
-        out[n + k, layout.wrap_p.start + k] = 1.0
+            rows = out[1 : last - first]
+            self._subtract_hoop(rows, nodes, self.fields.drum_curvature[nodes], self.kappa_drum)
+            wrap = np.arange(last, end + 1)
+            out[wrap - first, wrap - first_unknown] = 1.0
         return out
 
     def _subtract_hoop(

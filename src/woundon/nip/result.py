@@ -16,7 +16,7 @@ from ..problems.air import with_film
 from ..problems.messages import quote
 from ..problems.nip import NipProblem
 from ..problems.roll import RollProblem
-from ..quantities import Quantity, angle, length, line_load, on_request, pure, strain, stress
+from ..quantities import Quantity, angle, length, line_load, on_request, pure, share, strain, stress
 from ..results import Residuals, Result, Zone
 from .air_films import friction_between
 from .energy import pressure_resultant
@@ -178,14 +178,12 @@ class NipResult(Dissipation, Result):
     ]
     drum_creepage: Annotated[float, strain("xi-", "creepage between web and drum")]
     leading_roll: Annotated[
-        float, strain("s_l+", "slip length at the roll's leading edge / nip width")
+        float, share("s_l+", "slip length at the roll's leading edge / nip width")
     ]
     trailing_roll: Annotated[
-        float, strain("s_t+", "slip length at the roll's trailing edge / nip width")
+        float, share("s_t+", "slip length at the roll's trailing edge / nip width")
     ]
-    dual: Annotated[
-        float, strain("s_d", "length of simultaneous slip on roll and drum / nip width")
-    ]
+    dual: Annotated[float, share("s_d", "length of simultaneous slip on roll and drum / nip width")]
     x: Annotated[Array, length("x", "position along the web, nip: [-a, a]")]
     slip_x: Annotated[Array, length("x_v", "positions at which slip is evaluated")]
     drum_pressure: Annotated[Array, stress("p-", "pressure of the web on the drum")]

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 import numpy as np
 
 from ..problems.rollers import RollerProblem
-from ..quantities import Quantity, length, line_load, pure, strain, stress
+from ..quantities import Quantity, length, line_load, pure, share, strain, stress
 from ..results import Residuals, Result, Zone
 from .result import Dissipation
 from .zones import slip_share
@@ -90,7 +90,7 @@ class RollerResult(Dissipation, Result):
         Array, pure("z", "zone: 0 stick; slip: 1 lower surface faster, -1 slower"), Zone
     ]
     traction_error: Annotated[
-        float, strain("e_q", "estimated error of the traction (L2), relative")
+        float, share("e_q", "estimated error of the traction (L2), relative")
     ] = nan
     iterations: Annotated[int, pure("n_it", "number of Newton iterations")] = 0
     refinement: Any = field(default=None, repr=False, compare=False, metadata={"saved": False})
@@ -113,7 +113,7 @@ class RollerResult(Dissipation, Result):
         return float(np.max(self.pressure))
 
     @property
-    def slip_share(self) -> Annotated[float, strain("s_q", "slip length / width of the contact")]:
+    def slip_share(self) -> Annotated[float, share("s_q", "slip length / width of the contact")]:
         """Share of the width on which the rollers slip [1]."""
         slack = self.problem.friction * self.pressure - np.abs(self.traction)
         return slip_share(self.x, self.zone, self.slip, slack)

@@ -114,7 +114,7 @@ class RollerEquations:
         self.drive_row, self.load_row = n + 1, n + 2
         P, R = problem.load, problem.contact_radius
         guess = half_width_guess(P, *problem.bodies)
-        self.start = a = min(guess, BELOW_LARGEST * exp(self.largest_ln_a))
+        self.guessed_half_width = a = min(guess, BELOW_LARGEST * exp(self.largest_ln_a))
         # scales: the maximum pressure of Hertz, and the slope of the gap at the contact edge
         self.pressure_scale, self.slope_scale = 2 * P / (pi * a), a / R
         self.static = problem.motion == "static"
@@ -156,8 +156,11 @@ class RollerEquations:
         return [f"node {i + 1}" for i in tractions.tolist()]
 
     def initial_guess(self) -> tuple[Array, Array]:
-        """Return zero fields with the half width of the frictionless contact, and full stick."""
-        u, a = np.zeros(self.q.stop), self.start
+        """Return zero fields with the half width of the frictionless contact, and full stick.
+
+        With nonlinear bodies the half width is the estimate ``guessed_half_width``.
+        """
+        u, a = np.zeros(self.q.stop), self.guessed_half_width
         if self.problem.linear:
             largest = exp(self.largest_ln_a)
             a = frictionless_half_width(self.problem, self.problem.load, a, largest)

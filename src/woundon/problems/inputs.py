@@ -402,7 +402,11 @@ def _of_basis_weight(text: str, unit: str, path: str, context: Context) -> float
 
 
 def is_word(value: Any, annotation: Any) -> bool:
-    """Return True if text is one of the words of a field, and not a number with a unit."""
+    """Return True if a text is a word for a field with this annotation.
+
+    These are the words that the field accepts, or any text if it accepts words but no number: the
+    validation then names the accepted words.
+    """
     words = _words_of(annotation)
     return (
         isinstance(value, str)

@@ -45,6 +45,12 @@ Array = np.ndarray
 
 # Smallest modulus of a law, relative to the modulus at P = 0.
 FLOOR = 0.01
+# Fit of a stack test.  Range of ln(K1/P_max) that is searched, P_max the largest pressure: at the
+# lower end the strain is a logarithm of P over four decades, at the upper one it is linear in P.
+SMALLEST_LN_K1, LARGEST_LN_K1 = -10.0, 5.0
+# A cubic without inner knots has four coefficients; each inner knot adds one, and needs about three
+# data points.  More knots would follow the scatter of the test.
+CUBIC, POINTS_PER_KNOT, MOST_KNOTS = 4, 3, 8
 
 
 class RadialLaw(Family):
@@ -477,19 +483,21 @@ class StackTest(SolidLaw):
         def squared_error(log_K1: float) -> float:
             return float(_fit_line(np.log1p(P / exp(log_K1)), e)[1])
 
-        ends = log(P[-1]) - 10.0, log(P[-1]) + 5.0
-        K1 = exp(minimize_scalar(squared_error, bounds=ends, method="bounded").x)
+        ln_K1_range = log(P[-1]) + SMALLEST_LN_K1, log(P[-1]) + LARGEST_LN_K1
+        K1 = exp(minimize_scalar(squared_error, bounds=ln_K1_range, method="bounded").x)
         x = np.log1p(P / K1)
         (_, slope), _ = _fit_line(x, e)
-        count = min((P.size - 4) // 3, 8)
+        inner_count = min((P.size - CUBIC) // POINTS_PER_KNOT, MOST_KNOTS)
+        count = CUBIC + inner_count
         # Inner knots at quantiles of the data: every interval contains data.
-        inner_knots = np.quantile(x, np.linspace(0, 1, count + 2)[1:-1])
+        inner_knots = np.quantile(x, np.linspace(0, 1, inner_count + 2)[1:-1])
         knots = np.concatenate([[x[0]] * 4, inner_knots, [x[-1]] * 4])
-        greville = np.array([knots[k + 1 : k + 4].mean() for k in range(count + 4)])
+        greville = np.array([knots[k + 1 : k + 4].mean() for k in range(count)])
         basis = BSpline.design_matrix(x, knots, 3).toarray()
-        cumulative = np.tril(np.ones((count + 4, count + 4)))
-        # Increasing coefficients give an increasing spline: their increments are at least 1 % of
-        # those of the straight line.
+        # The unknowns are the first coefficient and the increments of the others.  Increasing
+        # coefficients give an increasing spline: their increments are at least 1 % of those of the
+        # straight line.  The first one is free, because the origin of the strain is arbitrary.
+        cumulative = np.tril(np.ones((count, count)))
         lower = np.concatenate([[-np.inf], FLOOR * slope * np.diff(greville)])
         increments = lsq_linear(basis @ cumulative, e, (lower, np.inf), tol=1e-14).x
         return K1, BSpline(knots, cumulative @ increments, 3)

@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from ..errors import InvalidProblem
-from ..quantities import Quantity, length, strain, stress, tension, thickness_of_web
+from ..quantities import Quantity, length, share, strain, stress, tension, thickness_of_web
 from .assumptions import of_roll
 from .description import Description
 from .fields import Nested, Number, OptionalNumber, default
@@ -34,7 +34,7 @@ PER_KELVIN = 1e-2  # larger than the thermal expansion of any solid
 # Field of rolls and windings.
 GaugeExcess = Annotated[
     Number,
-    strain("d", "gauge excess: relative additional thickness of the thickest lane"),
+    share("d", "gauge excess: relative additional thickness of the thickest lane"),
     Field(ge=0, le=0.1),
 ]
 

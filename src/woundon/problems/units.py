@@ -243,7 +243,8 @@ def compatible_units(unit: str, *further: str) -> dict[str, float]:
     """Return the units in which a quantity may be displayed, with their size in the SI ``unit``.
 
     These are the named units of the same dimension, the units for output, those of North American
-    mills, and ``more``; the smallest first.
+    mills, and ``further`` ones; the smallest first.  The pure number has the name ''.  Units of
+    another dimension are left out.
     """
     if unit != "1" and not is_unit(unit):  # of the output of a plug-in
         return {unit: 1.0}

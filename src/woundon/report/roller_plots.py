@@ -82,7 +82,7 @@ def _draw_closed_forms(axes: Axes, result: RollerResult) -> Handles:
 
 
 def _closed_forms(result: RollerResult) -> tuple[str, tuple[Callable[[Array], Array], ...]]:
-    """Return name, p(x) and q(x) of the applicable closed form; None if there is none."""
+    """Return name and (p(x), q(x)) of the applicable closed form; "" and () if there is none."""
     problem = result.problem
     known: list[tuple[str, Callable[..., Any]]] = [("Cattaneo", theories.cattaneo)]
     if problem.motion == "rolling":

@@ -8,7 +8,7 @@ import numpy as np
 from rich.console import Console
 
 from ..problems.roll import RollProblem
-from ..quantities import Quantity, find, length, strain, stress
+from ..quantities import Quantity, find, length, share, stress
 from ..roll.design import TensionDesign
 from ..roll.result import RollResult
 from .figures import COLOURS, Picture, axis_label, quantity_of, save_figure, style
@@ -19,7 +19,7 @@ __all__ = ["plot_schedule", "print_schedule"]
 
 ROWS = 13  # of the printed table
 LAYER = length("d_o", "depth of the outer layer in which the target cannot be reached")
-INSIDE = strain("e_P", "largest deviation below the outer layer, relative to the largest pressure")
+INSIDE = share("e_P", "largest deviation below the outer layer, relative to the largest pressure")
 SURFACE = stress("dP", "largest deviation in the outer layer")
 
 

@@ -113,7 +113,7 @@ def nodes_between(
     core: float,
     surface: float,
     cells: int,
-    layer: float,
+    surface_layer: float,
     kinks: Array | None = None,
     changes: Array | None = None,
 ) -> Array:
@@ -125,21 +125,25 @@ def nodes_between(
         ln r of both ends.
     cells : int
         Approximate number of cells without kinks.
-    layer : float
+    surface_layer : float
         Depth of the layer below the surface, in ln r.
     kinks, changes : (K,) arrays, optional
         ln r of kinks, which become nodes, and the relative changes of the source there.
     """
     length = surface - core
-    layer = min(layer, length)
+    surface_layer = min(surface_layer, length)
     # fine distances y from the core, at which the cumulative number of nodes is tabulated
     even = np.linspace(0, length, 2 * cells)
-    graded = layer * np.expm1(np.log1p(length / layer) / length * even)
+    graded = surface_layer * np.expm1(np.log1p(length / surface_layer) / length * even)
     y = np.sort(np.concatenate([graded, length - graded, even]))
-    # node density: 1/(distance + layer) from both ends, plus a constant with the same integral;
-    # the nodes are at even steps of the integral of this density
-    end_integral = np.log1p(length / layer)
-    cumulative = end_integral * y / length + np.log1p(y / layer) - np.log1p((length - y) / layer)
+    # node density: 1/(distance + surface_layer) from both ends, plus a constant with the same
+    # integral; the nodes are at even steps of the integral of this density
+    end_integral = np.log1p(length / surface_layer)
+    cumulative = (
+        end_integral * y / length
+        + np.log1p(y / surface_layer)
+        - np.log1p((length - y) / surface_layer)
+    )
     steps = np.linspace(-end_integral, 2 * end_integral, cells + 1)
     nodes = core + np.interp(steps, cumulative, y)
     nodes[0], nodes[-1] = core, surface
@@ -150,11 +154,11 @@ def nodes_between(
     if changes is not None:
         strength = np.minimum(1.0, changes[inside] / STRONG_KINK)
         ends = np.concatenate([[core], kinks[inside], [surface]])
-        parts += _kink_nodes(ends, np.round(cells * KINK_CELLS * strength), layer)
+        parts += _kink_nodes(ends, np.round(cells * KINK_CELLS * strength), surface_layer)
     return np.unique(np.concatenate(parts))
 
 
-def _kink_nodes(ends: Array, counts: Array, layer: float) -> list[Array]:
+def _kink_nodes(ends: Array, counts: Array, surface_layer: float) -> list[Array]:
     """Return graded nodes on either side of each kink, up to half the distance of the next one.
 
     Parameters
@@ -163,7 +167,7 @@ def _kink_nodes(ends: Array, counts: Array, layer: float) -> list[Array]:
         Core, kinks and surface, in ln r.
     counts : (K,) array
         Number of nodes on each side.
-    layer : float
+    surface_layer : float
         Distance on which they are dense, in ln r.
     """
     # rows: kinks; t from 0 at the kink to 1 at half the distance, larger values are not used
@@ -172,7 +176,7 @@ def _kink_nodes(ends: Array, counts: Array, layer: float) -> list[Array]:
     nodes = []
     for side, gap in ((-1, np.diff(ends)[:-1]), (1, np.diff(ends)[1:])):
         extent = gap[:, None] / 2
-        depth = np.minimum(layer, extent)
+        depth = np.minimum(surface_layer, extent)
         nodes.append((kinks + side * depth * np.expm1(np.log1p(extent / depth) * t))[used])
     return nodes
 
@@ -247,7 +251,7 @@ class _Roll:
         Core radius [m].
     cells : int
         Cells of each stage.
-    layer : float
+    surface_layer : float
         Depth of the layer below the surface, in ln r.
     report : callable, optional
         Is called with each stage's radius [m].
@@ -258,11 +262,16 @@ class _Roll:
         layers: Layers,
         core: float,
         cells: int,
-        layer: float,
+        surface_layer: float,
         report: Callable[[float], None] | None,
     ) -> None:
         self.layers, self.equations, self.tension = layers, layers.equations, layers.tension
-        self.cells, self.layer, self.report, self.start = cells, layer, report, log(core)
+        self.cells, self.surface_layer, self.report, self.start = (
+            cells,
+            surface_layer,
+            report,
+            log(core),
+        )
         self.T_c = layers.core_tension(self.start)
         self.growth = Growth(self.start, self.equations.core)
         self.last: BuildUp | None = None
@@ -276,7 +285,11 @@ class _Roll:
         solution of the same stage.
         """
         nodes = nodes_between(
-            self.start, surface, self.cells, self.layer, *kinks_of(self.tension, self.growth)
+            self.start,
+            surface,
+            self.cells,
+            self.surface_layer,
+            *kinks_of(self.tension, self.growth),
         )
         previous = self.growth
         if reference is None:
@@ -329,7 +342,7 @@ def wind(
     *,
     tolerance: float,
     cells: int,
-    layer: float,
+    surface_layer: float,
     report: Callable[[float], None] | None = None,
 ) -> BuildUp:
     """Wind a roll with adaptive steps.
@@ -344,7 +357,7 @@ def wind(
         Tolerance of kappa, relative to kappa + 2.
     cells : int
         Cells of each stage.
-    layer : float
+    surface_layer : float
         Depth of the layer below the surface, in ln r.
     report : callable, optional
         Is called with each stage's radius [m].
@@ -354,9 +367,9 @@ def wind(
     NotWoundError
         If a stage cannot be solved.
     """
-    roll = _Roll(Layers(equations, tension), core, cells, layer, report)
+    roll = _Roll(Layers(equations, tension), core, cells, surface_layer, report)
     accepted_error = STAGE_TOLERANCE * tolerance
-    x, end, step, last_kink = roll.start, log(radius), 0.1 * layer, -np.inf
+    x, end, step, last_kink = roll.start, log(radius), 0.1 * surface_layer, -np.inf
     while x < end:
         kinks, changes = kinks_of(tension, roll.growth)
         kink = float(np.append(kinks[(kinks > x) & (changes > WEAK_KINK * tolerance)], end)[0])
@@ -370,10 +383,10 @@ def wind(
                 step = min(step, STRETCH_REDUCTION * (kink - x))
             if x == last_kink:  # start the polynomials of kappa at this kink
                 roll.growth.start_new_polynomial()
-                step, last_kink = min(step, layer), -np.inf
+                step, last_kink = min(step, surface_layer), -np.inf
             if step < SMALLEST_STEP:
                 raise NotWoundError(_no_stage_beyond(x))
-            if stage is None or step > KINK_STEP * layer:
+            if stage is None or step > KINK_STEP * surface_layer:
                 continue
             roll.growth.start_new_polynomial()  # an unknown kink, or the discretisation error
             stage, _ = roll.stage(surface, accepted_error)
@@ -404,27 +417,29 @@ def wind_with_stages(
     *,
     tolerance: float,
     cells: int,
-    layer: float,
+    surface_layer: float,
     report: Callable[[float], None] | None = None,
 ) -> BuildUp:
     """Wind a roll with the stages of a reference build-up; other parameters as of :func:`wind`."""
     layers, all_stages = Layers(equations, tension), range(1, reference.growth.x.size)
     return _wind_selected_stages(
-        layers, reference, all_stages, STAGE_TOLERANCE * tolerance, cells, layer, report
+        layers, reference, all_stages, STAGE_TOLERANCE * tolerance, cells, surface_layer, report
     )
 
 
-def wind_finite_layers(layers: Layers, reference: BuildUp, *, cells: int, layer: float) -> Array:
+def wind_finite_layers(
+    layers: Layers, reference: BuildUp, *, cells: int, surface_layer: float
+) -> Array:
     """Return kappa with layers of finite thickness, at the stages of a build-up with thin ones.
 
     The difference is small and smooth.  It is computed at every second stage and at the kinks,
     usually with one Newton step, and interpolated.
     """
     thin = reference.growth
-    kinks = np.flatnonzero(thin.point_counts == 2) - 1
-    stage_numbers = np.union1d(np.arange(thin.x.size - 1, 0, -2), kinks[kinks > 0])
+    kinks = thin.kinks[thin.kinks > 0]  # without the core
+    stage_numbers = np.union1d(np.arange(thin.x.size - 1, 0, -2), kinks)
     finite = _wind_selected_stages(
-        layers, reference, stage_numbers, ONE_NEWTON_STEP, cells, layer, None
+        layers, reference, stage_numbers, ONE_NEWTON_STEP, cells, surface_layer, None
     ).growth
     return np.asarray(thin.kappa + np.interp(thin.x, finite.x, finite.kappa - thin(finite.x)))
 
@@ -435,20 +450,34 @@ def _wind_selected_stages(
     stage_numbers: Iterable[int],
     accepted_error: float,
     cells: int,
-    layer: float,
+    surface_layer: float,
     report: Callable[[float], None] | None,
 ) -> BuildUp:
-    """Solve some stages of a reference build-up, with its pressures as initial guesses."""
-    roll = _Roll(layers, exp(reference.growth.x[0]), cells, layer, report)
-    stages, last = reference.stages(), 0
-    for k in stage_numbers:
-        if (reference.growth.point_counts[last + 1 : k + 1] == 2).any():  # a kink at the last stage
+    """Solve some stages of a reference build-up, with its pressures as initial guesses.
+
+    Parameters
+    ----------
+    layers : Layers
+    reference : BuildUp
+    stage_numbers : iterable of int
+        The stages, in increasing order; they include all kinks of the reference.
+    accepted_error : float
+        Of kappa.
+    cells, surface_layer, report
+        As of :func:`wind`.
+    """
+    roll = _Roll(layers, exp(reference.growth.x[0]), cells, surface_layer, report)
+    stages, kinks = reference.stages(), reference.growth.kinks
+    previous_number = 0  # stage 0 is the core, which is not in stages
+    for number in stage_numbers:
+        if previous_number in kinks:
             roll.growth.start_new_polynomial()
-        stage, _ = roll.stage(stages[k - 1].x[-1], accepted_error, stages[k - 1])
+        known = stages[number - 1]
+        stage, _ = roll.stage(known.x[-1], accepted_error, known)
         if stage is None:
-            raise NotWoundError(_no_stage_beyond(stages[k - 1].x[-1]))
+            raise NotWoundError(_no_stage_beyond(known.x[-1]))
         roll.append(stage)
-        last = k
+        previous_number = number
     return roll.finished()
 
 

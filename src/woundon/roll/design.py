@@ -242,8 +242,8 @@ class _TargetStages:
     ----------
     T_c : float
         T of the core condition, b P - r P' [Pa].
-    layer : float
-        Thickness of the layer below the surface in which the pressure rises, in ln r.
+    surface_layer : float
+        Depth of the layer below the surface in which the pressure rises, in ln r.
     solved : dict
         Nodes and solution of each solved stage by ln r of its surface.
     """
@@ -255,10 +255,10 @@ class _TargetStages:
         self.solved: dict[float, tuple[Array, StageSolution]] = {}
         law, E_t = target.problem.stack.radial, target.problem.stack.tangential
         E = float(law.modulus(0.0))
-        # as in finished.layer_thickness; T^2/(2 E_t) = W(P) <= F(P) P bounds the tension
+        # as in finished.surface_layer_depth; T^2/(2 E_t) = W(P) <= F(P) P bounds the tension
         P = float(np.max(target.pressure(target.knots)))
         T = np.sqrt(2 * E_t * float(law.strain_at(P)) * P)
-        self.layer = min(law.pressure_at_modulus(2 * E) / T, (E / E_t) ** 0.5, 0.3)
+        self.surface_layer = min(law.pressure_at_modulus(2 * E) / T, (E / E_t) ** 0.5, 0.3)
 
     def tension(self, x: float) -> float:
         """Return the wound-on stress T of the layer at ln r = x [Pa]."""
@@ -278,7 +278,7 @@ class _TargetStages:
         if x not in self.solved:
             knots = self.target.knots
             kinks = knots[1:-1] if knots.size < CELLS else None
-            nodes = nodes_between(knots[0], x, CELLS, self.layer, kinks)
+            nodes = nodes_between(knots[0], x, CELLS, self.surface_layer, kinks)
             guess = self._guess(x, nodes)
             source = evaluate_in_cells(nodes, self.target.source)
             solved = self.equations.solve(nodes, source, self.T_c, *guess)
@@ -305,7 +305,7 @@ def _refined_radii(stages: _TargetStages, rtol: float) -> Array:
 
     knots = stages.target.knots
     start, end = float(knots[0]), float(knots[-1])
-    x = np.union1d(nodes_between(start, end, FIRST_RADII, stages.layer), knots)
+    x = np.union1d(nodes_between(start, end, FIRST_RADII, stages.surface_layer), knots)
     x = x[np.append(np.diff(x) > 1e-9, True)]
     x[0] = start
     T = np.array([stages.tension(s) for s in x.tolist()])

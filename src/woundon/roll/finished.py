@@ -20,7 +20,13 @@ if TYPE_CHECKING:
     from ..problems.roll import RollProblem
     from .growth import Growth
 
-__all__ = ["add_constant", "equations_of", "final_changes", "finished_arrays", "layer_thickness"]
+__all__ = [
+    "add_constant",
+    "equations_of",
+    "final_changes",
+    "finished_arrays",
+    "surface_layer_depth",
+]
 
 Array = np.ndarray
 
@@ -33,11 +39,11 @@ def equations_of(problem: RollProblem) -> StageEquations:
     return StageEquations(law.strain_at, law.modulus, law.modulus_slope, E_t, core)
 
 
-def layer_thickness(problem: RollProblem) -> float:
-    """Return the thickness, in ln r, of the layer below the surface in which the pressure rises.
+def surface_layer_depth(problem: RollProblem) -> float:
+    """Return the depth, in ln r, of the layer below the surface in which the pressure rises.
 
-    The modulus doubles in this layer; if it is nearly constant, solutions of the incremental
-    equation decay in it.
+    It is not a layer of the web.  The modulus doubles in it; if the modulus is nearly constant,
+    solutions of the incremental equation decay in it.
     """
     law, T = problem.stack.radial, float(problem.tension_curve.at(np.array(problem.core.radius)))
     E = float(law.modulus(0.0))
@@ -85,7 +91,7 @@ def finished_arrays(
     equations, curve, stack = equations_of(problem), problem.tension_curve, problem.stack
     r = np.exp(x)
     T = curve.at(r)
-    r[0], r[-1] = problem.core.radius, problem.radius
+    r[0], r[-1] = problem.core.radius, problem.radius  # without the rounding error of exp(ln r)
     source_change, core_change = final_changes(problem)
     source = add_constant(cell_source(curve, growth, x), source_change)
     final = equations.solve(x, source, float(T[0]) + core_change, solved.P, solved.Q)
@@ -99,15 +105,19 @@ def finished_arrays(
         "radius": r,
         "pressure": P,
         "hoop_stress": hoop,
+        # since the layer was wound with the strain T/E_t
         "displacement": r * (strain - T / E_t),
         "layer_strain": strain,
         "radial_modulus": stack.radial.modulus(P),
+        # at a kink, the source of its outer side
         "source": np.append(source.left, source.right[-1]),
         "pressure_gradient": Q,
         "stage_radius": np.exp(growth.x),
         "growth": growth.kappa,
         "stage_order": growth.point_counts,
+        # nan until layers of a finite thickness are computed (ThinLayerRoll.with_finite_layers)
         "layer_growth": np.full_like(growth.kappa, np.nan),
+        # -r P' = T at the surface of the roll as wound, except for the discretisation error
         "surface_slope": float(-solved.Q[-1] / T[-1] - 1),
         "steps": equations.steps,
     }

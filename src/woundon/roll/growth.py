@@ -60,6 +60,14 @@ class Growth:
         truncated.first = n + 1 - int(self.point_counts[n])
         return truncated.with_stage(x, float(self(np.array([x]))[0]))
 
+    @property
+    def kinks(self) -> Array:
+        """Numbers of the stages at which a new polynomial starts: the core (0) and the kinks.
+
+        The polynomial of the following stage has two points.
+        """
+        return np.flatnonzero(self.point_counts == 2) - 1
+
     def start_new_polynomial(self) -> None:
         """Start the next polynomials at the last stage, where the tension has a kink."""
         self.first = self.x.size - 1
@@ -113,7 +121,7 @@ class Growth:
     def _stage_after(self, j: int) -> int:
         """Return a later stage before the next kink, not too close to stage j; 0 if none."""
         for k in range(j + 1, self.x.size):
-            if self.point_counts[k] == 2:
+            if k - 1 in self.kinks:
                 return 0
             if self.x[k] - self.x[j] > SMALLEST_SPACING * (self.x[j] - self.x[j - 1]):
                 return k

@@ -11,7 +11,7 @@ from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
-from ..quantities import Quantity, length, line_load, pure, strain, stress
+from ..quantities import Quantity, length, line_load, pure, share, strain, stress
 from ..results import Residuals, Result
 from .certificate import certificate
 from .density import density_during_winding, finished_density, volume, wound_mass
@@ -100,7 +100,7 @@ class RollResult(Result):
     layer_growth: Annotated[
         Array, pure("kappa_h", "growth of a layer's pressure, layers of finite thickness")
     ]
-    surface_slope: Annotated[float, strain("e_s", "relative error of the slope at the surface")]
+    surface_slope: Annotated[float, share("e_s", "relative error of the slope at the surface")]
     steps: Annotated[int, pure("n_it", "number of linear systems solved")] = 0
 
     @property
@@ -128,7 +128,7 @@ class RollResult(Result):
     @property
     def compressed_share(
         self,
-    ) -> Annotated[float, strain("s_c", "fraction of the build-up with hoop compression")]:
+    ) -> Annotated[float, share("s_c", "fraction of the build-up with hoop compression")]:
         """Fraction of the radial build-up in which sigma_t < 0 [1]."""
         r = np.linspace(self.radius[0], self.radius[-1], SAMPLES)
         return float(np.mean(self.at_radius(r)["hoop_stress"] < 0))
@@ -143,7 +143,7 @@ class RollResult(Result):
     @property
     def finite_layer_effect(
         self,
-    ) -> Annotated[float, strain("e_h", "change of the pressure by layers of finite thickness")]:
+    ) -> Annotated[float, share("e_h", "change of the pressure by layers of finite thickness")]:
         """``finite_layer_change`` of largest size over the peak pressure [1].
 
         It is part of the error estimates.

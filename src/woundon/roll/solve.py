@@ -32,7 +32,7 @@ from .build_up import (
 )
 from .certificate import certificate
 from .equations import interpolate_pressure
-from .finished import equations_of, finished_arrays, layer_thickness
+from .finished import equations_of, finished_arrays, surface_layer_depth
 from .finite_layers import finite_layer_effects, layers_of
 from .result import RollResult
 
@@ -202,8 +202,13 @@ def _wind(
 ) -> tuple[BuildUp, RollResult]:
     """Wind a roll with adaptive stages, or with those of a known build-up, and finish it."""
     equations, curve = equations_of(problem), problem.tension_curve
-    radii, layer = (problem.core.radius, problem.radius), layer_thickness(problem)
-    options: Any = {"tolerance": tolerance, "cells": cells, "layer": layer, "report": report}
+    radii = problem.core.radius, problem.radius
+    options: Any = {
+        "tolerance": tolerance,
+        "cells": cells,
+        "surface_layer": surface_layer_depth(problem),
+        "report": report,
+    }
     try:
         if reference is None:
             build_up = wind(equations, curve, *radii, **options)
@@ -218,9 +223,9 @@ def _wind(
 
 def _with_finite_layers(result: RollResult, build_up: BuildUp, cells: int) -> RollResult:
     """Return a result with kappa for layers of the web thickness; their effect adds to errors."""
-    layers, layer = layers_of(result), layer_thickness(result.problem)
+    layers, depth = layers_of(result), surface_layer_depth(result.problem)
     try:
-        growth = wind_finite_layers(layers, build_up, cells=cells, layer=layer)
+        growth = wind_finite_layers(layers, build_up, cells=cells, surface_layer=depth)
     except NotWoundError as stop:
         raise NotConverged(f"with layers of the web thickness {stop}", result) from None
     result = result.replace(layer_growth=growth, steps=result.steps + layers.equations.steps)

@@ -15,7 +15,7 @@ from ..problems.roll import FEWEST_LAYERS, RollProblem
 from ..problems.schedules import Profile, Taper
 from .build_up import cell_source, kinks_of, nodes_between
 from .equations import StageSolution, interpolate_pressure
-from .finished import equations_of, finished_arrays, layer_thickness
+from .finished import equations_of, finished_arrays, surface_layer_depth
 from .growth import Growth
 
 __all__ = ["Stage", "stage_arrays", "stage_at", "stresses_between"]
@@ -139,8 +139,8 @@ def _solve_stage(
         core_shrinkage=0.0,
     )
     curve, equations = stage.tension_curve, equations_of(stage)
-    kinks, layer = kinks_of(curve, growth), layer_thickness(problem)
-    nodes = nodes_between(float(np.log(core)), x, cells, layer, *kinks)
+    kinks, depth = kinks_of(curve, growth), surface_layer_depth(problem)
+    nodes = nodes_between(float(np.log(core)), x, cells, depth, *kinks)
     T_c = float(curve.at(np.array([core]))[0])
     guess = T_c * (x - nodes), np.full_like(nodes, -T_c)
     solved = equations.solve(nodes, cell_source(curve, growth, nodes), T_c, *guess)

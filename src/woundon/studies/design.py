@@ -113,11 +113,11 @@ class Range:
             positive = "0 < " if self.log else ""
             raise InvalidProblem.at(name, f"{ends!r} is not a range: must be {positive}low < high")
 
-    def scaled(self, unit: Array) -> Array:
-        """Map [0, 1] onto the range."""
+    def scaled(self, fractions: Array) -> Array:
+        """Map fractions in [0, 1] onto the range."""
         if self.log:
-            return np.asarray(self.low * (self.high / self.low) ** unit)
-        return np.asarray(self.low + (self.high - self.low) * unit)
+            return np.asarray(self.low * (self.high / self.low) ** fractions)
+        return np.asarray(self.low + (self.high - self.low) * fractions)
 
 
 @dataclass(frozen=True, eq=False)
@@ -234,8 +234,8 @@ def make_design(
             raise InvalidProblem.at("over", f"columns of a table differ in length: {lengths}")
     else:
         ranges = [Range(name, ends) for name, ends in over.items()]
-        unit = _draw_points(kind, len(ranges), _check_samples(kind, samples), seed)
-        columns = (Column(r.name, r.scaled(unit[:, k])) for k, r in enumerate(ranges))
+        points = _draw_points(kind, len(ranges), _check_samples(kind, samples), seed)
+        columns = (Column(r.name, r.scaled(points[:, k])) for k, r in enumerate(ranges))
         design = Design(kind, tuple(columns))
     if design.size > MOST_CASES:
         raise InvalidProblem.at("over", f"{design.size} cases are more than {MOST_CASES}")

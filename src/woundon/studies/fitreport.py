@@ -28,12 +28,12 @@ _SAVED = (
 
 def lines(fit: Any) -> list[str]:
     """Return the fit as lines of text: estimates, intervals, minima and correlations."""
-    unit = _rms_unit(fit)
+    rms_unit = _rms_unit(fit)
     m, p = fit.measured.size, len(fit.names)
     head = (
         f"{m} measured values, {p} fitted {'parameter' if p == 1 else 'parameters'}, "
-        f"RMS {_rms(fit, fit.rms):.4g}{unit}; {fit.reached} of {fit.starts} starts converged to "
-        "this minimum"
+        f"RMS {_rms(fit, fit.rms):.4g}{rms_unit}; {fit.reached} of {fit.starts} starts converged "
+        "to this minimum"
     )
     return [head, *_estimates(fit), *remarks(fit)]
 
@@ -52,8 +52,8 @@ def line(fit: Any) -> str:
 
 def remarks(fit: Any) -> list[str]:
     """Return remarks on other minima, correlations and combinations that are not identifiable."""
-    unit = _rms_unit(fit)
-    return [*_minima(fit, unit), *_trade_offs(fit, unit)]
+    rms_unit = _rms_unit(fit)
+    return [*_minima(fit, rms_unit), *_trade_offs(fit, rms_unit)]
 
 
 def to_frame(fit: Any) -> pd.DataFrame:
@@ -155,16 +155,18 @@ def _interval(fit: Any, profile: ProfileLikelihood) -> str:
     return " to ".join(f"{end:.4g}" if isfinite(end) else "open" for end in ends)
 
 
-def _minima(fit: Any, unit: str) -> Iterator[str]:
+def _minima(fit: Any, rms_unit: str) -> Iterator[str]:
     """Yield a line on the second-best local minimum, if there is one."""
-    m = fit.measured.size
-    for S, values in fit.minima[fit.reached : fit.reached + 1]:
+    # sorted by the sum of squared residuals; the first ones are the best minimum
+    others = fit.minima[fit.reached :]
+    for sum_of_squares, values in others[:1]:
         entries = ((n, *_in_table(fit, n, v)) for n, v in zip(fit.names, values, strict=True))
-        place = ", ".join(f"{name} {value:.4g} {label}".rstrip() for name, label, value in entries)
-        yield f"second-best local minimum: RMS {_rms(fit, (S / m) ** 0.5):.4g}{unit} at {place}"
+        place = ", ".join(f"{name} {value:.4g} {unit}".rstrip() for name, unit, value in entries)
+        rms = _rms(fit, (sum_of_squares / fit.measured.size) ** 0.5)
+        yield f"second-best local minimum: RMS {rms:.4g}{rms_unit} at {place}"
 
 
-def _trade_offs(fit: Any, unit: str) -> Iterator[str]:
+def _trade_offs(fit: Any, rms_unit: str) -> Iterator[str]:
     """Yield correlations and the least identified combination of parameters."""
     p = len(fit.names)
     for j in range(p):
@@ -173,7 +175,7 @@ def _trade_offs(fit: Any, unit: str) -> Iterator[str]:
             if abs(r) > 0.9:
                 yield f"correlation of {fit.names[k]} and {fit.names[j]}: {r:.4f}"
     if p == 1:
-        change = f"{_rms(fit, fit.effects[0]):.3g}{unit} (RMS)"
+        change = f"{_rms(fit, fit.effects[0]):.3g}{rms_unit} (RMS)"
         yield f"+10 % of {fit.names[0]} changes the fitted values by {change}"
         return
     leading = int(np.argmax(np.abs(fit.direction)))
@@ -185,7 +187,7 @@ def _trade_offs(fit: Any, unit: str) -> Iterator[str]:
     ]
     text = (
         f"{' with '.join(moves)} together change the fitted values by "
-        f"{joint:.3g}{unit} (RMS); {fit.names[leading]} +10 % alone by {single:.3g}{unit}"
+        f"{joint:.3g}{rms_unit} (RMS); {fit.names[leading]} +10 % alone by {single:.3g}{rms_unit}"
     )
     if joint < 0.2 * single:
         text = f"nearly non-identifiable combination: {text}"

@@ -29,7 +29,7 @@ from ..problems.air import Air
 from ..problems.grades import Grade, source_of_limit
 from ..problems.limits import Limits
 from ..problems.roll import Core
-from ..quantities import Quantity, length, line_load, strain, stress
+from ..quantities import Quantity, length, line_load, share, strain, stress
 from ..results import Presented
 from ..roll.gauge_band import gauge_band_over, lane_strain
 from ..roll.result import RollResult
@@ -213,41 +213,41 @@ class Margins(Presented, tuple[Margin, ...]):
     @property
     def slip(
         self,
-    ) -> Annotated[float, strain("m_s", "margin against interlayer slip and telescoping")]:
+    ) -> Annotated[float, share("m_s", "margin against interlayer slip and telescoping")]:
         """Reserve of interlayer slip and telescoping, as a share of the limit [1]."""
         return self._reserve("slip")
 
     @property
     def compression(
         self,
-    ) -> Annotated[float, strain("m_c", "margin against starring (hoop compression)")]:
+    ) -> Annotated[float, share("m_c", "margin against starring (hoop compression)")]:
         """Reserve of starring (hoop compression), as a share of the limit [1]."""
         return self._reserve("compression")
 
     @property
-    def blocking(self) -> Annotated[float, strain("m_b", "margin against blocking")]:
+    def blocking(self) -> Annotated[float, share("m_b", "margin against blocking")]:
         """Reserve of blocking, as a share of the limit [1]."""
         return self._reserve("blocking")
 
     @property
-    def core(self) -> Annotated[float, strain("m_cc", "margin against core collapse")]:
+    def core(self) -> Annotated[float, share("m_cc", "margin against core collapse")]:
         """Reserve of core collapse, as a share of the limit [1]."""
         return self._reserve("core")
 
     @property
-    def strength(self) -> Annotated[float, strain("m_t", "margin against web break")]:
+    def strength(self) -> Annotated[float, share("m_t", "margin against web break")]:
         """Reserve of web break, as a share of the limit [1]."""
         return self._reserve("strength")
 
     @property
-    def slack(self) -> Annotated[float, strain("m_0", "margin against slack web")]:
+    def slack(self) -> Annotated[float, share("m_0", "margin against slack web")]:
         """Reserve of slack web, as a share of the limit [1]."""
         return self._reserve("slack")
 
     @property
     def gauge_band(
         self,
-    ) -> Annotated[float, strain("m_g", "margin against gauge band (baggy lane)")]:
+    ) -> Annotated[float, share("m_g", "margin against gauge band (baggy lane)")]:
         """Reserve of gauge band (baggy lane), as a share of the limit [1]."""
         return self._reserve("gauge_band")
 
@@ -357,7 +357,7 @@ def _state(roll: RollResult) -> _State:
 
 # ---- the margins --------------------------------------------------------------------------------
 
-SHARE = strain("M/M_c", "torque / interlayer slip capacity")
+SHARE = share("M/M_c", "torque / interlayer slip capacity")
 COMPRESSION = stress("S", "largest hoop (MD) compression")
 BLOCKING = stress("P_max", "largest pressure between layers")
 CORE = stress("P_c,max", "largest pressure on the core")
@@ -696,7 +696,7 @@ class WithMargins:
             return nan
 
     @property
-    def least_reserve(self) -> Annotated[float, strain("m", "smallest of all margins")]:
+    def least_reserve(self) -> Annotated[float, share("m", "smallest of all margins")]:
         """Smallest reserve of the margins that have a limit, as a share of it [1]."""
         least = self.margins.least
         return least.reserve if least is not None else nan

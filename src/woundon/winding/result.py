@@ -10,7 +10,7 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from ..problems.winding import WindingProblem
-from ..quantities import Quantity, length, line_load, pure, strain, stress
+from ..quantities import Quantity, length, line_load, pure, share, stress
 from ..results import Residuals, Result
 from ..roll.result import RollResult
 from .bodies import NipSample
@@ -144,14 +144,14 @@ class WindingResult(WithMargins, Result):
     ]
     nip_residual: Annotated[Array, pure("r_k", "largest contact residual of each nip")]
     interpolation_error: Annotated[
-        float, strain("e_i", "relative interpolation error of the wound-on tension")
+        float, share("e_i", "relative interpolation error of the wound-on tension")
     ]
     nodes: Annotated[int, pure("N", "number of nodes of each nip")]
     roll_rtol: Annotated[float, pure("rtol", "relative tolerance of the pressure in the roll")]
     coupling_rtol: Annotated[float, pure("e_c", "relative tolerance of the nip-roll iteration")]
     nips_solved: Annotated[int, pure("n_nip", "number of solved nips")] = 0
     core_interpolation_error: Annotated[
-        float, strain("e_ic", "relative interpolation error near the core")
+        float, share("e_ic", "relative interpolation error near the core")
     ] = 0.0
     wound: RollResult | None = field(default=None, compare=False, metadata={"saved": False})
     nips: tuple[NipSample, ...] = field(default=(), compare=False, metadata={"saved": False})

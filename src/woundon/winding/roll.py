@@ -34,14 +34,19 @@ def wind(
     film : float
         Of air between the layers, at ambient pressure [m].
 
+    Returns
+    -------
+    ThinLayerRoll
+
     Raises
     ------
     NoSteadyState
         For a tension that is not positive everywhere.
     """
     roll = _roll_problem(problem, r, tension, film)
-    # The error of Newton's method is up to 1e-4 of the pressure, and less in a recomputed roll.
-    # This difference would prevent the convergence of the nip-roll iteration.
+    # Recompute the roll with its own stages, to the tolerance of all later rolls: the first
+    # solution has an error of Newton's method of up to 1e-4 of the pressure, which would prevent
+    # the convergence of the nip-roll iteration.
     return solve_thin_layers(roll, rtol).wound_with(roll)
 
 
