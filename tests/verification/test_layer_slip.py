@@ -50,7 +50,7 @@ def test_the_index_of_table_2(roll, ratio, layers):
     assert slip.layers == pytest.approx(layers, abs=1)
     assert slip.depth == pytest.approx(slip.layers * H)
     assert 3.7 < slip.width / 5e-3 < 8
-    assert f"{slip.ratio:.2g} times" in slip.warning
+    assert f"{slip.ratio:.3g} times" in slip.warning
 
 
 def test_the_index_is_the_largest_ratio_of_its_curves():
