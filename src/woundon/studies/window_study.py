@@ -1,12 +1,14 @@
 """The stages of an operating window, and the maps that follow from their windings.
 
-    nips     windings with nips at 3 x 3 set points, and at the centre with each input one standard
-             deviation higher: the friction shares as polynomials of set point and inputs
-    rolls    windings with these shares, which need no nips: at 5 x 5 set points with median inputs,
-             and at set points and inputs drawn from their distributions
+    nips     windings with nips at 3 x 3 set points: the friction shares as polynomials of them
+    preview  windings with these shares, which need no nips, at the centre with each input one
+             standard deviation higher
+    steps    the same windings with nips: the effects of the inputs on the shares
+    rolls    windings with shares at 5 x 5 set points with median inputs, and at set points and
+             inputs drawn from their distributions
     checks   windings with nips at eight other set points, four of them with other inputs: errors
 
-If shares are of no help, the windings of the second stage are solved like those of the first.
+If shares are of no help, all windings are solved like those of the first stage.
 """
 
 from __future__ import annotations
@@ -81,6 +83,7 @@ class WindowStudy:
         self.uses_shares = bool(solver.model.depths)
         self.nips = Windings()
         self.rolls = Windings() if self.uses_shares else self.nips
+        self.steps = self.nips  # with the differences in the inputs
         problem: Any = solver.model.problem
         self.has_nips = problem.tension_law == "nip"
         self.expected = len(self.rough) + self.inputs + len(CHECKS) + len(CHECKS_OF_INPUTS)
@@ -91,18 +94,29 @@ class WindowStudy:
 
     def coarse(self) -> OperatingWindow:
         """Solve 3 x 3 points and one difference for each input; return the preview."""
-        steps = self._steps(range(self.inputs), 1.0)
-        self._solve("nips", self.nips, [*self._nominal(self.rough), *steps])
+        self._solve("nips", self.nips, self._nominal(self.rough))
         if self.nips.reasons and self.uses_shares:  # polynomials need more points then
             self._solve("more_nips", self.nips, self._nominal(self.fine))
         solved = [x for x, z in self._nominal(self.fine) if self.nips.is_solved((x, z))]
-        if solved and self.reference not in solved:
+        if solved:
             self.reference = _nearest(self.reference, solved)
-            self._solve("reference", self.nips, self._steps(range(self.inputs), 1.0))
+            self._solve_preview()
         return self._window(self.nips, self.rough, [2, 2, *self.degrees], is_coarse=True)
+
+    def _solve_preview(self) -> None:
+        """Solve the differences at the reference point, if possible with known friction shares."""
+        steps = self._steps(range(self.inputs), 1.0)
+        if not self.uses_shares:
+            self._solve("steps", self.nips, steps)
+            return
+        self.steps = Windings()
+        base = self._nominal([self.reference])
+        self._solve("preview", self.steps, [*base, *steps], self._shares())
 
     def complete(self) -> OperatingWindow:
         """Solve all points, the windings with drawn inputs, and the checks."""
+        self.steps = self.nips
+        self._solve("steps", self.nips, self._steps(range(self.inputs), 1.0))
         shares = self._shares() if self.uses_shares else None
         self._solve("rolls", self.rolls, [*self._nominal(self.fine), *self._drawn], shares)
         self._solve("checks", self.nips, [*self._checks(), *self._checks_of_inputs()])
@@ -183,9 +197,9 @@ class WindowStudy:
 
     def _differences(self, checked: Array) -> Array:
         """Return the changes at the reference point, (inputs, margins), nan if unknown."""
-        base = self.nips.margins[self.reference, self.median]
+        base = self.steps.margins[self.reference, self.median]
         steps = self._steps(range(self.inputs), 1.0)
-        changes = [self.nips.margins[case] - base for case in steps]
+        changes = [self.steps.margins[case] - base for case in steps]
         return np.reshape(changes, (self.inputs, len(self.names)))[:, checked]
 
     def _important(self, checked: Array) -> list[int]:
@@ -208,7 +222,7 @@ class WindowStudy:
         cases = [*self._steps(range(self.inputs), 1.0), *self._drawn]
         rows = []
         for case in cases:
-            solved = windings if windings.is_solved(case) else self.nips
+            solved = windings if windings.is_solved(case) else self.steps
             if solved.is_solved(case) and np.isfinite(solved.margins[case][checked]).all():
                 rows.append((*case, solved.margins[case][checked]))
         d = len(self.set_points.names)
