@@ -169,6 +169,8 @@ def zone_warnings(x: Array, faces: Mapping[str, Array], slips: str = "the web") 
             width = float(x[end + 1] - x[first])
             if end - first >= FEW_NODES or width <= NARROW_ZONE * float(x[-1] - x[0]):
                 continue
+            if _is_reversal(zones[first : end + 2]):
+                continue
             where = f"a {_zone_name(Zone(int(inner[first])), slips)} at the {face}"
             if dual and end == inner.size:
                 where = "the dual-slip zone"
@@ -178,6 +180,15 @@ def zone_warnings(x: Array, faces: Mapping[str, Array], slips: str = "the web") 
                 f"{RESOLUTION}{nodes} in {where}, the ends of which are known to {cell:.2g} mm; "
                 f"use nodes={2 * x.size - 1}"
             )
+
+
+def _is_reversal(zones: Array) -> bool:
+    """Return True for a stick zone of one node between its neighbours of opposite slip.
+
+    It is the point at which the slip changes its direction; the error estimates of creepage and
+    slip lengths contain the cell in which it lies.
+    """
+    return zones.size == 3 and zones[1] == Zone.STICK and zones[0] * zones[2] < 0
 
 
 def _zone_name(zone: Zone, slips: str) -> str:

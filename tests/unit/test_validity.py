@@ -136,6 +136,17 @@ def test_few_nodes_in_a_zone() -> None:
     assert not any("nodes in a" in text for text in solved(newsprint_nip(), nodes=65).warnings)
 
 
+def test_the_point_where_the_slip_reverses_is_no_unresolved_zone() -> None:
+    def resolved(zones: list[int]) -> bool:
+        x = np.linspace(-1.0, 1.0, len(zones))
+        return not list(validity.zone_warnings(x, {"drum": np.array(zones)}))
+
+    slower, faster = [-1] * 6, [1] * 6
+    assert resolved([*slower, 0, *faster])
+    assert not resolved([*slower, 0, *slower])  # a stick zone of its own
+    assert not resolved([*slower, 0, 0, *faster])
+
+
 @pytest.mark.slow  # a quarter of a million terms
 def test_a_series_cut_short() -> None:
     stiff_outward = wo.Orthotropic(radial=1e10, tangential=1e4, cross=0.0, shear=1e4)
