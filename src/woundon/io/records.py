@@ -192,14 +192,13 @@ def _restore_fields(
 ) -> Iterator[tuple[str, Any]]:
     """Yield the fields of a result by name, with its parts."""
     parts = _parts(cls)
-    sizes: dict[str, int] = {}
     for name, part in parts.items():
         part_values = {k.partition(".")[2]: v for k, v in saved.items() if k.startswith(f"{name}.")}
         inner = {k.partition(".")[2]: v for k, v in dimensions.items() if k.startswith(f"{name}.")}
         if part_values:
             yield name, part(**dict(_restore_values(part, part_values, inner, {})))
     direct = {k: v for k, v in saved.items() if k.partition(".")[0] not in parts}
-    yield from _restore_values(cls, direct, dimensions, sizes)
+    yield from _restore_values(cls, direct, dimensions, {})
 
 
 def _restore_values(

@@ -50,6 +50,8 @@ Array = np.ndarray
 
 # Step of ln a for the difference quotient (truncation error 1e-5, rounding 1e-10).
 DIFFERENCE = 1e-5
+# Bound of the estimated half width, relative to the largest one that the bodies permit.
+BELOW_LARGEST = 0.9
 # Distance in ln a within which the surfaces of an earlier half width are used for the difference.
 NEAREST, FARTHEST = 1e-7, 1e-2
 
@@ -141,7 +143,7 @@ class NipEquations:
         # a compressed web between rigid bodies, 2h c22 p = (a^2 - x^2)/2R, or Hertz's contact
         web_only = np.cbrt(1.5 * P * R * problem.web.thickness * problem.web.compliance.c22)
         guess = max(half_width_guess(P, *problem.bodies), web_only)
-        self.guessed_half_width = a = min(guess, 0.9 * exp(self.largest_ln_a))
+        self.guessed_half_width = a = min(guess, BELOW_LARGEST * exp(self.largest_ln_a))
         self._neighbour: Geometry | None = None
         self._first_mesh = like
         self._first_mesh = self.mesh(a)
@@ -214,7 +216,8 @@ class NipEquations:
     def initial_guess(self) -> tuple[Array, Array]:
         """Return zero fields with the half width of the frictionless nip, and full stick.
 
-        For linear bodies the first Newton step gives the fields for that half width.
+        For linear bodies the first Newton step gives the fields for that half width.  With
+        nonlinear bodies the half width is the estimate ``guessed_half_width``.
         """
         u, a = np.zeros(self.layout.size), self.guessed_half_width
         if self.problem.linear:

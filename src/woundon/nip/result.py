@@ -427,8 +427,8 @@ class NipResult(Dissipation, Result):
         air, dry_friction = self.problem.air, self.problem.roll_friction
         if air is None or self.air is None:
             return dry_friction * np.ones(P.shape)[()]
-        share: float | Array = friction_between(self.air.film, pressure, air)
-        return dry_friction * share
+        ratio: float | Array = friction_between(self.air.film, pressure, air)
+        return dry_friction * ratio
 
     def wound(self, roll: RollProblem) -> RollProblem:
         """Return a roll with the film of this nip between its layers; see :class:`.AirBetween`.

@@ -54,7 +54,7 @@ from ..elasticity.surface import Deformation, SurfaceResponse
 from ..problems.bodies import half_width_guess
 from ..problems.rollers import RollerProblem
 from .energy import pressure_resultant
-from .equations import DIFFERENCE, FARTHEST, NEAREST, nearest
+from .equations import BELOW_LARGEST, DIFFERENCE, FARTHEST, NEAREST, nearest
 from .load_limit import frictionless_half_width
 from .roller_energy import dissipation, surface_work
 from .zones import slip_share
@@ -62,8 +62,6 @@ from .zones import slip_share
 __all__ = ["RollerEquations", "RollerState", "pressure_median"]
 
 Array = np.ndarray
-# The largest half width that permits a first guess below it.
-BELOW_LARGEST = 0.9
 
 
 class Surfaces(NamedTuple):

@@ -325,8 +325,8 @@ class WindingTorque:
 
 def _friction_ratio(film: float, P: Array, air: Air) -> Array:
     """Return the friction under P with an air film, relative to that without air."""
-    share: Array = friction_between(film, P, air)
-    return share
+    ratio: Array = friction_between(film, P, air)
+    return ratio
 
 
 class _State(NamedTuple):
