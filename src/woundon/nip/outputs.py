@@ -19,7 +19,7 @@ import numpy as np
 from ..contact.refinement import FINAL_TOLERANCE, Refinement
 from .energy import pressure_resultant, rolling_resistance
 from .equations import Geometry, NipEquations, NipState
-from .zones import has_traction_jump, slip_lengths
+from .zones import cusp_excess, has_traction_jump, slip_lengths
 
 __all__ = [
     "SLIP_RATIOS",
@@ -232,9 +232,8 @@ def error_estimates(refinement: Refinement, arrays: Mapping[str, Array]) -> dict
     - The dual slip length is zero if a face slips in the opposite direction at the trailing edge,
       however short that zone is.  It may be zero where the slip, extrapolated from the last two
       cells to the edge, changes its direction there.
-    - A maximum of the pressure next to a zone boundary is a cusp.  The pressure is concave there,
-      so that the maximum between the nodes exceeds the largest nodal value by at most about the
-      difference to a neighbouring node.
+    - The pressure may have a cusp at a zone boundary, which exceeds the nodal values
+      (:func:`.zones.cusp_excess`).
     - Where a traction jumps, a quadrature over the cell is of order one.  The creepage, which is
       determined by the resultant of the tractions, then converges with order one.
     - At the start of a drum wrap the pressure T/R begins within a length of about T C, C the
@@ -259,10 +258,7 @@ def error_estimates(refinement: Refinement, arrays: Mapping[str, Array]) -> dict
     if any(_reverses_at_edge(arrays, name, nip) for name in ("roll_slip", "drum_slip")):
         errors["dual"] = max(errors["dual"], abs(refinement.last.outputs["dual"]))
     zones, pressure = (arrays["roll_zone"], arrays["drum_zone"]), arrays["drum_pressure"]
-    k = int(pressure.argmax())
-    if any(np.ptp(zone[k - 1 : k + 2]) for zone in zones):
-        to_neighbours = pressure[k] - pressure[[k - 1, k + 1]]
-        errors["peak_pressure"] = max(errors["peak_pressure"], float(to_neighbours.max()))
+    errors["peak_pressure"] = max(errors["peak_pressure"], cusp_excess(pressure, *zones))
     if any(has_traction_jump(zone) for zone in zones):
         errors["drum_creepage"] = refinement.errors(order=1)["drum_creepage"]
     last = refinement.last

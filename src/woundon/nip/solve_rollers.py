@@ -31,6 +31,7 @@ from .roller_certificate import certificate, consistency
 from .roller_result import RollerResult
 from .roller_validity import roller_warnings
 from .rollers import RollerEquations
+from .zones import cusp_excess
 
 __all__ = ["check_options", "solve_rollers"]
 
@@ -223,7 +224,13 @@ def _result(problem: RollerProblem, refinement: Refinement, unmet: str) -> Rolle
         refinement=refinement,
     )
     errors = refinement.errors()
-    errors["offset"] = max(errors["offset"], FINAL_TOLERANCE * a)  # it may be zero
+    # both may be zero: they are known to the solver's tolerance
+    errors["offset"] = max(errors["offset"], FINAL_TOLERANCE * a)
+    friction_limit = FINAL_TOLERANCE * problem.friction * problem.load
+    errors["tangential_load"] = max(errors["tangential_load"], friction_limit)
+    errors["peak_pressure"] = max(
+        errors["peak_pressure"], cusp_excess(result.pressure, result.zone)
+    )
     # the position of a zone boundary is known to the cell in which it lies
     errors["slip_share"] = max(errors["slip_share"], float(equations.mesh.cells.max()) / 2)
     warnings = [*roller_warnings(result), *_inconsistent(result, errors)]

@@ -11,7 +11,13 @@ from __future__ import annotations
 
 import numpy as np
 
-__all__ = ["boundary_positions", "has_traction_jump", "slip_lengths", "slip_share"]
+__all__ = [
+    "boundary_positions",
+    "cusp_excess",
+    "has_traction_jump",
+    "slip_lengths",
+    "slip_share",
+]
 
 Array = np.ndarray
 
@@ -90,3 +96,31 @@ def has_traction_jump(zones: Array) -> bool:
     """
     single = (zones[1:-1] == 0) & (zones[:-2] * zones[2:] < 0)
     return bool(single.any() or (zones[:-1] * zones[1:] < 0).any())
+
+
+def cusp_excess(pressure: Array, *faces: Array) -> float:
+    """Return by how much the largest pressure may exceed the largest nodal value, at least 0.
+
+    The pressure may have a cusp at a zone boundary, because a change of the traction deflects the
+    surfaces of dissimilar bodies.  It is concave there, so that it exceeds the value of a node
+    next to the boundary by at most about the difference to a neighbouring node.
+
+    Parameters
+    ----------
+    pressure : (n,) array
+    faces : (n,) arrays
+        Zones of the faces, at least one.
+
+    Examples
+    --------
+    >>> p = np.array([0.0, 0.5, 0.75, 0.875, 0.75, 0.5, 0.0])
+    >>> cusp_excess(p, np.array([0, 0, 0, 0, 1, 1, 1])), cusp_excess(p, np.zeros(7))
+    (0.125, 0.0)
+    """
+    near = np.zeros(pressure.size - 2, dtype=bool)
+    for zones in faces:
+        changes = np.diff(zones) != 0
+        near |= changes[1:] | changes[:-1]
+    rise = np.diff(pressure)
+    possible = pressure[1:-1] + np.maximum(rise[:-1], -rise[1:])
+    return max(float(possible[near].max(initial=0.0) - pressure.max()), 0.0)
