@@ -9,7 +9,8 @@ A panel is a dict of
   axes, each ``{"label", "quantity"}``; x also ``log`` and ``range``, y also ``floor``
 - ``curves``: ``{"name", "symbol", "label", "role", "dash", "side", "x", "y"}``
 - ``areas``: ``{"label", "shade", "x", "low", "high"}``, shaded behind them
-- ``marks``: ``{"along", "value", "label"}``, lines across
+- ``marks``: ``{"along", "value", "label"}``, straight lines parallel to the axis ``along``, at
+  ``value`` of the other axis
 - ``strips``: ``{"label", "runs": [[zone, from, to], ...]}`` in place of curves, and ``words``
 
 Numbers are in SI units; None stands for nan and infinity.

@@ -9,7 +9,14 @@ from typing import Any
 from starlette.responses import Response
 
 from .. import kinds
-from ..errors import MOST_LINES, InvalidProblem, NoSolution, NoSteadyState, NotConverged
+from ..errors import (
+    MOST_LINES,
+    InvalidProblem,
+    NoSolution,
+    NoSteadyState,
+    NotConverged,
+    printable_line,
+)
 from ..problems.permitted import bounds
 from ..quantities import find
 from .json_texts import to_json
@@ -17,6 +24,8 @@ from .json_texts import to_json
 __all__ = ["MEDIA", "REJECTIONS", "RequestError", "request_error_of"]
 
 MEDIA = "application/problem+json"
+# Dotted names of fields; the path of an error may be any text of the request.
+FIELD_PATH = re.compile(r"\w{1,64}(\.\w{1,64}){0,19}")
 DESCRIPTIONS = {
     400: "the body is not JSON",
     401: "a token is needed",
@@ -87,8 +96,8 @@ def request_error_of(fault: Exception) -> RequestError | None:
 
 def _error_at(path: str, message: str) -> dict[str, Any]:
     """Return an error of a field with the field's permitted range and unit."""
-    error: dict[str, Any] = {"field": path, "message": str(InvalidProblem([("", message)]))}
-    if not re.fullmatch(r"\w{1,64}(\.\w{1,64}){0,19}", path):
+    error: dict[str, Any] = {"field": path, "message": printable_line(message)}
+    if not FIELD_PATH.fullmatch(path):
         return error
     for place in (place for kind in kinds.every() for place in find(kind.problem, path)):
         if limits := bounds(place.field):

@@ -76,7 +76,8 @@ class Surfaces(NamedTuple):
 class RollerState:
     """An iterate; residuals, slip, traction and bound are dimensionless.
 
-    ``p`` and ``q`` hold all nodes, ``upper`` and ``lower`` the deformation at the points.
+    ``p`` and ``q`` hold all nodes, ``upper`` and ``lower`` the deformation at the points of the
+    face: one in each cell, then two at the trailing edge, which ``[:-2]`` leaves out.
     """
 
     u: Array

@@ -118,8 +118,11 @@ def _check(groups: dict[str, dict[str, Array]], where: str) -> None:
     if not groups["outputs"]:
         raise InvalidProblem.at(where, "has no column that is an output of the model")
     for name, deviation in groups["deviations"].items():
-        known = np.isfinite(groups["outputs"].get(name, deviation))
-        if name not in groups["outputs"] or not np.all(deviation[known] > 0):
+        if name not in groups["outputs"]:
+            text = f"has standard deviations of {name}, but no column of its values"
+            raise InvalidProblem.at(where, text)
+        is_measured = np.isfinite(groups["outputs"][name])
+        if not np.all(deviation[is_measured] > 0):
             text = f"the standard deviations of {name} must be > 0 wherever it was measured"
             raise InvalidProblem.at(where, text)
 
