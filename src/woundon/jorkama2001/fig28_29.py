@@ -127,8 +127,9 @@ def _dual_slip(dual: xr.DataArray, solver: str) -> list[Verdict]:
         steps_up(
             "and, unlike NIT, with A_rt",
             "cross",
-            f".  It does in {100 * (stiff > -scatter).mean():.0f} % of the steps with A_tt of 4 GPa "
-            "or more, as in Fig. 30; where A_tt is small, A_rt^2 comes near A_rr A_tt and it falls",
+            f".  It does in {100 * (stiff > -scatter).mean():.0f} % of the steps with A_tt of "
+            "4 GPa or more, as in Fig. 30; where A_tt is small, A_rt^2 comes near A_rr A_tt and it "
+            "falls",
         ),
     ]
 
