@@ -35,11 +35,11 @@ def test_malformed_cases_are_rejected_in_plain_words(tmp_path: Path, seeds: rang
 
 @pytest.mark.slow
 def test_without_its_checksum_damage_would_be_accepted(tmp_path: Path, monkeypatch):
-    """The test above can fail: a fifth of the damaged files passes all other checks."""
+    """The test above can fail: a tenth of the damaged files passes the certificate too."""
     monkeypatch.setattr(result_files.seals, "check_bytes", lambda content: True)
     monkeypatch.setattr(result_files.seals, "check_record", lambda record: True)
     outcomes = [damaged_files.damaged_result(seed, tmp_path) for seed in range(100)]
-    assert sum(bool(outcome.finding) for outcome in outcomes) > 10
+    assert sum(bool(outcome.finding) for outcome in outcomes) > 5
 
 
 @pytest.mark.parametrize(
