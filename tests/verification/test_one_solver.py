@@ -270,3 +270,8 @@ def test_the_error_of_the_dual_slip_length_contains_a_zone_shorter_than_a_cell()
     assert abs(coarse.dual - fine.dual) <= coarse.errors["dual"]
     # the estimate of the length of a resolved zone is not affected
     assert coarse.errors["trailing_roll"] < 0.05
+
+
+def test_an_overflowing_step_leads_to_other_first_meshes() -> None:
+    """With 13 nodes the Newton step is not finite; the sequence from 17 nodes converges."""
+    assert wo.solve(random_wrapped_nip(981795), nodes=41).residuals.largest < 1e-8

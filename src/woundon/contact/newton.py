@@ -192,6 +192,8 @@ class SemismoothNewton:
             step, size = self._step(state, active)
             if size < tolerance:
                 return state, active
+            if not np.isfinite(size):
+                raise NewtonFailed("the step is not finite")
             state = self.system.evaluate(_limited_update(self.system, state.u, step))
             violated = _violates_inequality(state, active)
             if violated.any():
