@@ -179,8 +179,8 @@ class SemismoothNewton:
         ------
         NewtonFailed
         """
-        # a diverging iterate may overflow; it is rejected by its residual
-        with np.errstate(over="ignore", invalid="ignore"):
+        # a diverging iterate may overflow; it is rejected by its residual or its step
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             return self._iterate(state, active, tolerance)
 
     def _iterate(self, state: Any, active: Array, tolerance: float) -> tuple[Any, Array]:
