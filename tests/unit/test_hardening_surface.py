@@ -12,11 +12,13 @@ from hardening_cases import constant_rings, law_of, linear, nip, roll
 import woundon as wo
 from woundon.contact.newton import SemismoothNewton
 from woundon.elasticity import cylinder, ring_equilibrium
+from woundon.elasticity.hardening import HardeningLaw
 from woundon.elasticity.hardening_surface import HardeningSurface
 from woundon.elasticity.influence import InfluenceSurface
 from woundon.elasticity.mesh import Face, Wrap, nip_mesh
 from woundon.elasticity.ring_elements import Fineness
 from woundon.nip.outputs import NipSystem
+from woundon.problems.radial_laws import Constant
 from woundon.problems.wound_roll import ring_of
 
 Array = np.ndarray
@@ -165,6 +167,21 @@ def test_the_ring_is_in_equilibrium_and_inside_its_law() -> None:
     surface: Any = roll().surface(face, A)
     assert surface.residual(p, q) < 1e-8
     assert surface.range_message(p, q) == ""
+
+
+def test_rounding_does_not_prevent_the_equilibrium_of_a_large_roll_under_a_light_load() -> None:
+    """Nodal forces of elements of 0.2 um next to rows of 0.3 m are rounded to 1e-8 of this load."""
+    law = HardeningLaw(Constant(youngs_modulus=4e6), 4e9, 0.1, 5e6)
+    ring = ring_equilibrium.RingPair(0.54, 0.113, law, lambda r: 1e4 + 0 * r)
+    mesh = ring.mesh(Fineness(33, 16, 16), 0.1e-3)
+    face = nip_mesh(65, Wrap(), Wrap()).roll_face
+    p = 1e5 * np.sqrt(1 - face.nodes**2)
+    forces = np.stack([-(mesh.hats(face.nodes * 0.1e-3) @ p), np.zeros(mesh.nodes.size)])
+    state = ring.equilibrium(mesh, forces)
+    unbalanced = -mesh.forces(state.stress_state.stress)
+    unbalanced[mesh.topology.surface] += forces
+    assert np.abs(unbalanced).max() > 1e-9 * np.abs(forces).sum()  # a residual that cannot vanish
+    assert state.residual < ring_equilibrium.TOLERANCE
 
 
 def test_a_pressure_beyond_the_law_is_reported() -> None:

@@ -115,7 +115,7 @@ class HardeningSurface:
     # ---- state of the ring ---------------------------------------------------------------------
 
     def residual(self, p: Array, q: Array) -> float:
-        """Return the largest residual of the nodal forces of the ring, relative to the load."""
+        """Return the residual of the equilibrium of the ring (energy norm)."""
         return self._solve(p, q).state.residual
 
     def range_message(self, p: Array, q: Array) -> str:

@@ -76,7 +76,7 @@ def difference(one: Array, two: Array) -> float:
 def body_equilibrium(
     problem: Any, surfaces: tuple[Any, Any], loads: tuple[tuple[Array, Array], ...]
 ) -> dict[str, float]:
-    """Return the residual of the equilibrium inside each nonlinear body, relative to the load.
+    """Return the residual of the equilibrium inside each nonlinear body (energy norm).
 
     Parameters
     ----------
