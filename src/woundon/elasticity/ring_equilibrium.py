@@ -41,8 +41,8 @@ __all__ = ["NoEquilibrium", "RingPair", "RingState", "uniform_strain"]
 
 Array = np.ndarray
 
-# Largest residual: the last step of the Newton method of the contact.  Rounding errors are 3e-12 and
-# less in a roll of 0.54 m under 98 N/m, where the first elements are 0.06 um high.
+# Largest residual: the last step of the Newton method of the contact.  Rounding errors are 3e-12 in
+# a roll of 0.54 m under 98 N/m, where the first elements are 0.06 um high, and less in others.
 TOLERANCE = 1e-11
 # Residual of the conjugate gradients, relative to the load.
 LINEAR_TOLERANCE = 1e-12
