@@ -62,3 +62,14 @@ def test_displacement_at_the_end_is_that_of_the_trailing_edge_of_the_nip() -> No
     surface = foundation.surface(face, a)
     slope, end = surface.deform(p, q).slope, surface.end_displacement(p, q)
     np.testing.assert_allclose(face.displacement_at_nodes(slope, end, a), -c * p, rtol=1e-12)
+
+
+@pytest.mark.parametrize("roll_wrap", [0.0, 0.5, np.pi])
+def test_a_web_is_wound_on_a_foundation(roll_wrap: float) -> None:
+    """The elastic drum makes the tractions unique where the web sticks to both bodies."""
+    given = wo.NipProblem.example()
+    drum = wo.Cylinder(radius=0.08, core_radius=0.03, material=wo.material("newsprint"))
+    roll = Winkler(radius=0.1, foundation_compliance=1e-10)
+    result = wo.solve(given.replace(roll=roll, drum=drum, roll_wrap=roll_wrap))
+    assert result.residuals.largest < 1e-8
+    assert result.wound_on_tension > given.web_tension
