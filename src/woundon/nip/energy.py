@@ -18,15 +18,23 @@ equations; its defect on a mesh is of the order of the discretisation error.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 if TYPE_CHECKING:
     from ..elasticity.surface import Deformation
-    from .equations import NipEquations, NipState, Side
+    from .contact_equations import Side
+    from .equations import NipEquations, NipState
 
-__all__ = ["body_work", "power_balance", "pressure_resultant", "rolling_resistance"]
+__all__ = [
+    "BodyWork",
+    "body_work",
+    "dissipation",
+    "power_balance",
+    "pressure_resultant",
+    "rolling_resistance",
+]
 
 Array = np.ndarray
 
@@ -73,8 +81,7 @@ def body_work(side: Side, deformation: Deformation, p: Array, q: Array, a: float
     p_cell, q_cell = (face.hats[:-2] @ part for part in (p, q))
     curvature_work = 0.0
     if side.flattening and q.any():
-        end = side.surface.end_displacement(p, q)
-        v = face.displacement_at_nodes(deformation.slope, end, a)
+        v = side.displacement(deformation.slope, p, q, a)
         curvature_work = float(lengths @ (q_cell * (v[:-1] + v[1:]) / 2)) / side.radius
     work = float(lengths @ (q_cell * strain - p_cell * slope)) - curvature_work
     return BodyWork(p_cell, q_cell, slope, lengths, curvature_work, work)
@@ -91,10 +98,15 @@ def _work_on_bodies(equations: NipEquations, state: NipState) -> tuple[BodyWork,
     )
 
 
+def dissipation(problem: Any, bodies: tuple[BodyWork, BodyWork]) -> float:
+    """Return the work on the viscoelastic bodies per length rolled and width [N/m]."""
+    pairs = zip(problem.bodies, bodies, strict=True)
+    return sum(work.work for body, work in pairs if body.viscoelastic)
+
+
 def rolling_resistance(equations: NipEquations, state: NipState) -> float:
     """Return the dissipation of the viscoelastic bodies per length rolled and width [N/m]."""
-    bodies = zip(equations.problem.bodies, _work_on_bodies(equations, state), strict=True)
-    return sum(work.work for body, work in bodies if body.viscoelastic)
+    return dissipation(equations.problem, _work_on_bodies(equations, state))
 
 
 def power_balance(equations: NipEquations, state: NipState) -> float:

@@ -32,59 +32,21 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import exp, log, pi
+from math import exp, log
 from typing import Any, NamedTuple, Self
 
 import numpy as np
 
 from ..contact.newton import Jacobian
-from ..elasticity.mesh import Face, Mesh, Wrap, nip_mesh
-from ..elasticity.surface import Deformation, SurfaceResponse, SurfaceTangent
+from ..elasticity.mesh import Mesh, Wrap, nip_mesh
+from ..elasticity.surface import Deformation
 from ..problems.bodies import half_width_guess
+from .contact_equations import ContactEquations, Side, nearest, side_of
 from .layout import Layout
-from .load_limit import frictionless_half_width
 
 __all__ = ["Fields", "Geometry", "NipEquations", "NipState"]
 
 Array = np.ndarray
-
-# Step of ln a for the difference quotient (truncation error 1e-5, rounding 1e-10).
-DIFFERENCE = 1e-5
-# Bound of the estimated half width, relative to the largest one that the bodies permit.
-BELOW_LARGEST = 0.9
-# Distance in ln a within which the surfaces of an earlier half width are used for the difference.
-NEAREST, FARTHEST = 1e-7, 1e-2
-
-
-class Side(NamedTuple):
-    """One body (roll or drum) on its part of the mesh."""
-
-    face: Face
-    surface: SurfaceResponse
-    radius: float
-    flattening: float  # 1/R^2 of a cylinder, 0 of a half-plane
-
-    def curvature(self, slope: Array, p: Array, q: Array, a: float) -> Array:
-        """Return the curvature of the deformed surface at the nodes, 1/R - v'' - v/R^2."""
-        out = 1 / self.radius + self.face.curvature_change(slope, a)
-        if self.flattening:
-            end = self.surface.end_displacement(p, q)
-            out -= self.flattening * self.face.displacement_at_nodes(slope, end, a)
-        return out
-
-    def curvature_tangent(
-        self, tangent: SurfaceTangent, p: Array, q: Array, a: float
-    ) -> tuple[Array, Array] | None:
-        """Return the derivatives of the curvature by p and by q; None for a rigid body."""
-        if self.surface.rigid:
-            return None
-        slopes = tangent.slope_p, tangent.slope_q
-        by_p, by_q = (self.face.curvature_change(slope, a) for slope in slopes)
-        if self.flattening:
-            ends = self.surface.end_tangent(p, q)
-            for out, slope, end in zip((by_p, by_q), slopes, ends, strict=True):
-                out -= self.flattening * self.face.displacement_at_nodes(slope, end, a)
-        return by_p, by_q
 
 
 class Geometry(NamedTuple):
@@ -123,8 +85,13 @@ class NipState:
     traction: Array
     bound: Array
 
+    @property
+    def geometry(self) -> Geometry:
+        """Mesh and surfaces."""
+        return self.fields.geometry
 
-class NipEquations:
+
+class NipEquations(ContactEquations):
     """Residual and Jacobian of a nip on a mesh of ``size`` nodes in the nip.
 
     Parameters
@@ -137,19 +104,15 @@ class NipEquations:
     """
 
     def __init__(self, problem: Any, size: int, like: Mesh | None = None) -> None:
-        self.problem, self.size = problem, size
+        self.size = size
         self.roll_wrap, self.drum_wrap = problem.roll_wrap, problem.drum_wrap
         P, R = problem.nip_load, problem.contact_radius
         # a compressed web between rigid bodies, 2h c22 p = (a^2 - x^2)/2R, or Hertz's contact
         web_only = np.cbrt(1.5 * P * R * problem.web.thickness * problem.web.compliance.c22)
-        guess = max(half_width_guess(P, *problem.bodies), web_only)
-        self.guessed_half_width = a = min(guess, BELOW_LARGEST * exp(self.largest_ln_a))
-        self._neighbour: Geometry | None = None
+        super().__init__(problem, P, max(half_width_guess(P, *problem.bodies), web_only))
         self._first_mesh = like
-        self._first_mesh = self.mesh(a)
+        self._first_mesh = self.mesh(self.guessed_half_width)
         self.layout = Layout(self._first_mesh, self.roll_wrap > 0, self.drum_wrap > 0)
-        # scales: the maximum pressure of Hertz, and the slope of the gap at the contact edge
-        self.pressure_scale, self.slope_scale = 2 * P / (pi * a), a / R
 
     # ---- interface of the semismooth Newton method ---------------------------------------------
 
@@ -214,16 +177,12 @@ class NipEquations:
         ]
 
     def initial_guess(self) -> tuple[Array, Array]:
-        """Return zero fields with the half width of the frictionless nip, and full stick.
+        """Return zero fields and full stick.
 
-        For linear bodies the first Newton step gives the fields for that half width.  With
-        nonlinear bodies the half width is the estimate ``guessed_half_width``.
+        For linear bodies the first Newton step gives the fields for the initial half width.
         """
-        u, a = np.zeros(self.layout.size), self.guessed_half_width
-        if self.problem.linear:
-            largest = exp(self.largest_ln_a)
-            a = frictionless_half_width(self.problem, self.problem.nip_load, a, largest)
-        u[self.ln_a] = log(a)
+        u = np.zeros(self.layout.size)
+        u[self.ln_a] = log(self.initial_half_width())
         return u, np.zeros(self.friction.size, dtype=np.int8)
 
     # ---- geometry ------------------------------------------------------------------------------
@@ -243,12 +202,9 @@ class NipEquations:
     def geometry(self, a: float) -> Geometry:
         """Return mesh and surfaces for a half width."""
         mesh, problem = self.mesh(a), self.problem
-        sides = []
-        for body, face in ((problem.roll, mesh.roll_face), (problem.drum, mesh.drum_face)):
-            surface = body.surface(face, a, problem.rolling_speed)
-            flattening = body.curvature**2 if not body.rigid else 0.0
-            sides.append(Side(face, surface, body.radius, flattening))
-        return Geometry(a, mesh, *sides)
+        roll = side_of(problem.roll, mesh.roll_face, a, problem.rolling_speed)
+        drum = side_of(problem.drum, mesh.drum_face, a, problem.rolling_speed)
+        return Geometry(a, mesh, roll, drum)
 
     # ---- residual ------------------------------------------------------------------------------
 
@@ -358,22 +314,6 @@ class NipEquations:
         """Return the derivatives of equilibrium, slip and bound by u; zero for ln a."""
         return _Assembly(self, state).jacobian()
 
-    def half_width_column(self, state: NipState) -> tuple[Array, Array, Array]:
-        """Return the derivatives of equilibrium, slip and bound by ln a as a difference quotient.
-
-        The surfaces of an earlier half width are used if it is near: an error of 1 % in this column
-        only slows the convergence of one step.
-        """
-        a, neighbour = state.fields.geometry.a, self._neighbour
-        if neighbour is None or not NEAREST < abs(log(neighbour.a / a)) < FARTHEST:
-            neighbour = self._neighbour = self.geometry(a * exp(DIFFERENCE))
-        shifted, step = self.evaluate(state.u, neighbour), log(neighbour.a / a)
-        return (
-            (shifted.equilibrium - state.equilibrium) / step,
-            (shifted.slip - state.slip) / step,
-            (shifted.bound - state.bound) / step,
-        )
-
     # ---- transfer to another mesh --------------------------------------------------------------
 
     def prolong(self, state: NipState, active: Array, coarse: NipEquations) -> tuple[Array, Array]:
@@ -392,11 +332,6 @@ class NipEquations:
         roll = nearest(old[coarse_layout.roll_nodes], active[:k], new[layout.roll_nodes])
         drum = nearest(old[coarse_layout.drum_nodes], active[k:], new[layout.drum_nodes])
         return u, np.append(roll, drum)
-
-
-def nearest(old: Array, values: Array, new: Array) -> Array:
-    """Return the values at the nearest of the old nodes."""
-    return values[np.searchsorted((old[1:] + old[:-1]) / 2, new)]
 
 
 class _Assembly:

@@ -16,7 +16,8 @@ from ..contact.newton import SemismoothNewton
 from ..contact.refinement import MeshSolution
 from ..results import Residuals, largest
 from .conditions import LARGEST_MESH, body_equilibrium, friction_law, integral, negative_pressure
-from .roller_energy import dissipation, roller_power_balance, surface_work
+from .energy import dissipation
+from .roller_energy import roller_power_balance, work_on_rollers
 from .rollers import RollerEquations, RollerState
 
 __all__ = ["certificate", "consistency", "solutions", "state_of"]
@@ -42,7 +43,7 @@ def state_of(result: Any) -> tuple[RollerEquations, RollerState] | None:
     u[equations.shift] = result.offset / result.problem.contact_radius
     u[equations.ln_a] = log(a)
     u[equations.xi] = 0.0 if equations.static else result.creepage
-    return equations, equations.evaluate(u, equations.surfaces(a))
+    return equations, equations.evaluate(u, equations.geometry(a))
 
 
 def certificate(result: Any) -> Residuals:
@@ -71,10 +72,10 @@ def certificate(result: Any) -> Residuals:
         "mesh": _mesh_difference(result, equations),
         "approach": abs(result.approach / equations.approach(state) - 1),
     }
-    surfaces = state.surfaces.upper, state.surfaces.lower
+    surfaces = state.geometry.upper.surface, state.geometry.lower.surface
     conditions |= body_equilibrium(problem, surfaces, ((p, q), (p, -q)))
     if problem.viscoelastic:
-        dissipated = dissipation(problem, surface_work(problem, equations.mesh, state))
+        dissipated = dissipation(problem, work_on_rollers(state))
         deviation = abs(result.rolling_resistance - dissipated)
         conditions["rolling_resistance"] = deviation / (problem.load * slope_scale)
     elif not isnan(result.rolling_resistance):
@@ -143,9 +144,8 @@ def consistency(result: Any) -> Residuals:
     recomputed = state_of(result)
     if recomputed is None:
         return Residuals(power_balance=nan)
-    equations, state = recomputed
-    bodies = surface_work(result.problem, equations.mesh, state)
-    return Residuals(power_balance=roller_power_balance(result, bodies))
+    _, state = recomputed
+    return Residuals(power_balance=roller_power_balance(result, work_on_rollers(state)))
 
 
 def solutions(result: Any) -> list[MeshSolution]:

@@ -18,70 +18,33 @@ functions where they are known: the two agree to the order of the discretisation
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from ..elasticity.mesh import Mesh
-from ..elasticity.surface import Deformation, SurfaceResponse
-from .energy import pressure_resultant
+from .energy import BodyWork, body_work, pressure_resultant
 
-__all__ = ["SurfaceWork", "dissipation", "roller_power_balance", "surface_work"]
+__all__ = ["roller_power_balance", "work_on_rollers"]
 
 Array = np.ndarray
 
 
-class SurfaceWork(NamedTuple):
-    """Work on a body, and its part int q v/R dx that belongs to the torque [N/m]."""
-
-    work: float
-    curvature_work: float
-
-
-def _work_on_body(
-    body: Any,
-    surface: SurfaceResponse,
-    mesh: Mesh,
-    a: float,
-    deformation: Deformation,
-    p: Array,
-    q: Array,
-) -> SurfaceWork:
-    """Return the work W of nodal pressures p and tractions q on the surface of a body."""
-    h, curvature_work = a * mesh.cells, 0.0
-    if body.rigid:
-        return SurfaceWork(0.0, 0.0)
-    if body.curvature and q.any():
-        end = surface.end_displacement(p, q)
-        v = mesh.roll_face.displacement_at_nodes(deformation.slope, end, a)
-        curvature_work = float(body.curvature * h @ (mesh.at_points(q) * mesh.at_points(v)))
-    slope, strain = deformation.slope[:-2], deformation.strain[:-2]  # in the cells
-    density = mesh.at_points(q) * strain - mesh.at_points(p) * slope
-    return SurfaceWork(float(h @ density) - curvature_work, curvature_work)
-
-
-def surface_work(problem: Any, mesh: Mesh, state: Any) -> tuple[SurfaceWork, SurfaceWork]:
+def work_on_rollers(state: Any) -> tuple[BodyWork, BodyWork]:
     """Return the work on the upper and on the lower roller."""
-    (a, upper, lower), (one, two) = state.surfaces, problem.bodies
+    a, upper, lower = state.geometry
     return (
-        _work_on_body(one, upper, mesh, a, state.upper, state.p, state.q),
-        _work_on_body(two, lower, mesh, a, state.lower, state.p, -state.q),
+        body_work(upper, state.upper, state.p, state.q, a),
+        body_work(lower, state.lower, state.p, -state.q, a),
     )
 
 
-def dissipation(problem: Any, bodies: tuple[SurfaceWork, SurfaceWork]) -> float:
-    """Return the dissipation of the viscoelastic bodies per length rolled and width [N/m]."""
-    pairs = zip(problem.bodies, bodies, strict=True)
-    return sum(surface.work for body, surface in pairs if body.viscoelastic)
-
-
-def roller_power_balance(result: Any, bodies: tuple[SurfaceWork, SurfaceWork]) -> float:
+def roller_power_balance(result: Any, bodies: tuple[BodyWork, BodyWork]) -> float:
     """Return the violation of the power balance of two rollers, relative to P a/R*.
 
     Parameters
     ----------
     result : RollerResult
-    bodies : pair of SurfaceWork
+    bodies : pair of BodyWork
     """
     problem, x, p, q = result.problem, result.x, result.pressure, result.traction
     h, R = np.diff(x), problem.contact_radius
@@ -90,5 +53,5 @@ def roller_power_balance(result: Any, bodies: tuple[SurfaceWork, SurfaceWork]) -
     fraction = (middle - x[:-1]) / h
     friction = float(h @ (((1 - fraction) * q[:-1] + fraction * q[1:]) * result.slip[1:]))
     supplied = load * (result.offset - position) / R + result.creepage * result.tangential_load
-    supplied -= friction + sum(surface.curvature_work for surface in bodies)
+    supplied -= friction + sum(work.curvature_work for work in bodies)
     return abs(result.rolling_resistance - supplied) / (load * result.half_width / R)

@@ -43,20 +43,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import exp, log, pi
+from math import exp, log
 from typing import NamedTuple
 
 import numpy as np
 
 from ..contact.newton import Jacobian
 from ..elasticity.mesh import Face, Wrap, nip_mesh
-from ..elasticity.surface import Deformation, SurfaceResponse
+from ..elasticity.surface import Deformation
 from ..problems.bodies import half_width_guess
 from ..problems.rollers import RollerProblem
-from .energy import pressure_resultant
-from .equations import BELOW_LARGEST, DIFFERENCE, FARTHEST, NEAREST, nearest
-from .load_limit import frictionless_half_width
-from .roller_energy import dissipation, surface_work
+from .contact_equations import ContactEquations, Side, nearest, side_of
+from .energy import dissipation, pressure_resultant
+from .roller_energy import work_on_rollers
 from .zones import slip_share
 
 __all__ = ["RollerEquations", "RollerState", "pressure_median"]
@@ -64,12 +63,12 @@ __all__ = ["RollerEquations", "RollerState", "pressure_median"]
 Array = np.ndarray
 
 
-class Surfaces(NamedTuple):
-    """The surfaces of both rollers for a half width."""
+class RollerGeometry(NamedTuple):
+    """Both rollers for a half width a."""
 
     a: float
-    upper: SurfaceResponse
-    lower: SurfaceResponse
+    upper: Side
+    lower: Side
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +80,7 @@ class RollerState:
     """
 
     u: Array
-    surfaces: Surfaces
+    geometry: RollerGeometry
     p: Array
     q: Array
     upper: Deformation
@@ -92,7 +91,7 @@ class RollerState:
     bound: Array
 
 
-class RollerEquations:
+class RollerEquations(ContactEquations):
     """Residual and Jacobian of two rollers on a mesh of ``size`` nodes.
 
     Parameters
@@ -102,7 +101,9 @@ class RollerEquations:
     """
 
     def __init__(self, problem: RollerProblem, size: int) -> None:
-        self.problem, self.size = problem, size
+        P = problem.load
+        super().__init__(problem, P, half_width_guess(P, *problem.bodies))
+        self.size = size
         self.mesh = nip_mesh(size, Wrap(), Wrap())
         self.face: Face = self.mesh.roll_face
         n = size - 2
@@ -111,14 +112,8 @@ class RollerEquations:
         self.p, self.q = slice(0, n), slice(n + 3, n + 3 + k)
         self.shift, self.xi, self.ln_a = n, n + 1, n + 2
         self.drive_row, self.load_row = n + 1, n + 2
-        P, R = problem.load, problem.contact_radius
-        guess = half_width_guess(P, *problem.bodies)
-        self.guessed_half_width = a = min(guess, BELOW_LARGEST * exp(self.largest_ln_a))
-        # scales: the maximum pressure of Hertz, and the slope of the gap at the contact edge
-        self.pressure_scale, self.slope_scale = 2 * P / (pi * a), a / R
         self.static = problem.motion == "static"
-        self.slip_scale = self.slope_scale * (a if self.static else 1.0)
-        self._neighbour: Surfaces | None = None
+        self.slip_scale = self.slope_scale * (self.guessed_half_width if self.static else 1.0)
 
     # ---- what Newton's method needs ------------------------------------------------------------
 
@@ -155,33 +150,27 @@ class RollerEquations:
         return [f"node {i + 1}" for i in tractions.tolist()]
 
     def initial_guess(self) -> tuple[Array, Array]:
-        """Return zero fields with the half width of the frictionless contact, and full stick.
-
-        With nonlinear bodies the half width is the estimate ``guessed_half_width``.
-        """
-        u, a = np.zeros(self.q.stop), self.guessed_half_width
-        if self.problem.linear:
-            largest = exp(self.largest_ln_a)
-            a = frictionless_half_width(self.problem, self.problem.load, a, largest)
-        u[self.ln_a] = log(a)
+        """Return zero fields and full stick."""
+        u = np.zeros(self.q.stop)
+        u[self.ln_a] = log(self.initial_half_width())
         return u, np.zeros(self.q.stop - self.q.start, dtype=np.int8)
 
     # ---- residual ------------------------------------------------------------------------------
 
-    def surfaces(self, a: float) -> Surfaces:
-        """Return the surfaces for a half width."""
+    def geometry(self, a: float) -> RollerGeometry:
+        """Return the rollers for a half width."""
         speed = self.problem.rolling_speed
-        upper, lower = (body.surface(self.face, a, speed) for body in self.problem.bodies)
-        return Surfaces(a, upper, lower)
+        upper, lower = (side_of(body, self.face, a, speed) for body in self.problem.bodies)
+        return RollerGeometry(a, upper, lower)
 
-    def evaluate(self, u: Array, surfaces: Surfaces | None = None) -> RollerState:
+    def evaluate(self, u: Array, geometry: RollerGeometry | None = None) -> RollerState:
         """Evaluate residuals, slip and friction bounds of the unknowns u."""
-        s, problem = surfaces or self.surfaces(exp(u[self.ln_a])), self.problem
+        s, problem = geometry or self.geometry(exp(u[self.ln_a])), self.problem
         p, q = np.zeros((2, self.size))
         p[1:-1] = u[self.p]
         if problem.friction:
             q[1:-1] = u[self.q]
-        upper, lower = s.upper.deform(p, q), s.lower.deform(p, -q)
+        upper, lower = s.upper.surface.deform(p, q), s.lower.surface.deform(p, -q)
         rows = np.append(self._gap_slope(u, s.a, upper, lower), self._drive_and_load(u, s.a, p, q))
         slip, traction, bound = np.zeros((3, 0))
         if problem.friction:
@@ -219,7 +208,13 @@ class RollerEquations:
         return (self.problem.tangential_load or 0.0) / self.problem.load
 
     def _slip(
-        self, u: Array, s: Surfaces, p: Array, q: Array, upper: Deformation, lower: Deformation
+        self,
+        u: Array,
+        s: RollerGeometry,
+        p: Array,
+        q: Array,
+        upper: Deformation,
+        lower: Deformation,
     ) -> Array:
         """Return the slip of all nodes, (N+1,).
 
@@ -229,41 +224,34 @@ class RollerEquations:
         if not self.static:
             slip = (lower.strain - upper.strain)[:-2] + u[self.xi]
             return np.append(slip[:1], slip)
-        ends = [0.0, 0.0]
-        for k, (surface, traction) in enumerate(((s.upper, q), (s.lower, -q))):
-            if self._is_curved(k):
-                ends[k] = surface.end_displacement(p, traction)
-        u1, u2 = (
-            self._displacement(k, s.a, deformation.slope, deformation.strain, ends[k])
-            for k, deformation in enumerate((upper, lower))
-        )
-        return np.asarray(u2 - u1 + u[self.xi])
-
-    def _is_curved(self, k: int) -> bool:
-        """True if the strain of a body contains v/R."""
-        body = self.problem.bodies[k]
-        return body.curvature > 0 and not body.rigid
+        displacements = []
+        for side, deformation, traction in ((s.upper, upper, q), (s.lower, lower, -q)):
+            end = side.surface.end_displacement(p, traction) if side.flattening else 0.0
+            u_i = self._displacement(side, s.a, deformation.slope, deformation.strain, end)
+            displacements.append(u_i)
+        return np.asarray(displacements[1] - displacements[0] + u[self.xi])
 
     def _displacement(
-        self, k: int, a: float, slope: Array, strain: Array, end: Array | float
+        self, side: Side, a: float, slope: Array, strain: Array, end: Array | float
     ) -> Array:
         """Return u at the nodes relative to the last one, from v there; of columns of matrices."""
         gradient = strain
-        if self._is_curved(k):
+        if side.flattening:
             v = self.face.displacement_at_nodes(slope, end, a)
             gradient = strain.copy()
-            gradient[:-2] -= self.problem.bodies[k].curvature * (self.mesh.hats @ v)
+            gradient[:-2] -= (self.mesh.hats @ v) / side.radius
         return self.face.displacement_at_nodes(gradient, 0.0, a)
 
     # ---- Jacobian ------------------------------------------------------------------------------
 
     def jacobian(self, state: RollerState) -> Jacobian:
         """Return the derivatives of equilibrium, slip and bound by u; zero for ln a."""
-        problem, (a, *pair), n = self.problem, state.surfaces, self.size - 2
+        problem, (a, *pair), n = self.problem, state.geometry, self.size - 2
         inner, size = slice(1, -1), self.q.stop
         k = size - self.q.start
         gap, slip, bound = np.zeros((n + 1, size)), np.zeros((k, size)), np.zeros((k, size))
-        for number, (surface, sign) in enumerate(zip(pair, (1.0, -1.0), strict=True)):
+        for side, sign in zip(pair, (1.0, -1.0), strict=True):
+            surface = side.surface
             if surface.rigid:
                 continue
             tangent = surface.tangent(state.p, sign * state.q)
@@ -274,10 +262,10 @@ class RollerEquations:
             by_p, by_q = tangent.strain_p, tangent.strain_q
             if self.static:
                 ends = np.zeros((2, self.size))
-                if self._is_curved(number):
+                if side.flattening:
                     ends = np.array(surface.end_tangent(state.p, sign * state.q))
-                by_p = self._displacement(number, a, tangent.slope_p, tangent.strain_p, ends[0])
-                by_q = self._displacement(number, a, tangent.slope_q, tangent.strain_q, ends[1])
+                by_p = self._displacement(side, a, tangent.slope_p, tangent.strain_p, ends[0])
+                by_q = self._displacement(side, a, tangent.slope_q, tangent.strain_q, ends[1])
                 by_p, by_q = by_p[inner], by_q[inner]
             slip[:, self.p] -= sign * by_p[:k, inner]
             slip[:, self.q] -= by_q[:k, inner]
@@ -296,21 +284,6 @@ class RollerEquations:
         equilibrium = np.concatenate([gap / self.slope_scale, rows])
         return Jacobian(equilibrium, slip / self.slip_scale, bound)
 
-    def half_width_column(self, state: RollerState) -> tuple[Array, Array, Array]:
-        """Return the derivatives of equilibrium, slip and bound by ln a as a difference quotient.
-
-        The surfaces of an earlier half width are used if it is near.
-        """
-        a, neighbour = state.surfaces.a, self._neighbour
-        if neighbour is None or not NEAREST < abs(log(neighbour.a / a)) < FARTHEST:
-            neighbour = self._neighbour = self.surfaces(a * exp(DIFFERENCE))
-        shifted, step = self.evaluate(state.u, neighbour), log(neighbour.a / a)
-        return (
-            (shifted.equilibrium - state.equilibrium) / step,
-            (shifted.slip - state.slip) / step,
-            (shifted.bound - state.bound) / step,
-        )
-
     # ---- fields and outputs --------------------------------------------------------------------
 
     def slip_points(self, a: float) -> Array:
@@ -322,7 +295,7 @@ class RollerEquations:
 
     def slip(self, state: RollerState) -> tuple[float, Array]:
         """Return xi and the slip of all nodes: strains in rolling, lengths [m] if static."""
-        slip = self._slip(state.u, state.surfaces, state.p, state.q, state.upper, state.lower)
+        slip = self._slip(state.u, state.geometry, state.p, state.q, state.upper, state.lower)
         xi = float(state.u[self.xi])
         if not self.problem.friction and self.problem.creepage is None:
             xi = -pressure_median(slip[1:-1] - xi, (self.mesh.weights * state.p)[1:-1])
@@ -334,29 +307,30 @@ class RollerEquations:
 
         For half-planes it is determined up to a constant; nan for a body whose u is unknown.
         """
-        s = state.surfaces
-        u1 = s.upper.end_tangential_displacement(state.p, state.q)
-        u2 = s.lower.end_tangential_displacement(state.p, -state.q)
+        s = state.geometry
+        u1 = s.upper.surface.end_tangential_displacement(state.p, state.q)
+        u2 = s.lower.surface.end_tangential_displacement(state.p, -state.q)
         return xi + u1 - u2
 
     def approach(self, state: RollerState) -> float:
         """Return the approach of the centres, from the closed gap at the trailing edge [m]."""
-        s = state.surfaces
-        v = s.upper.end_displacement(state.p, state.q) + s.lower.end_displacement(state.p, -state.q)
+        s = state.geometry
+        v = s.upper.surface.end_displacement(state.p, state.q)
+        v += s.lower.surface.end_displacement(state.p, -state.q)
         return float(s.a**2 / (2 * self.problem.contact_radius) - v - state.u[self.shift] * s.a)
 
     def main_outputs(self, state: RollerState) -> dict[str, float]:
         """Return the outputs whose error estimates end the mesh refinement."""
         out = {
-            "half_width": state.surfaces.a,
+            "half_width": state.geometry.a,
             "peak_pressure": float(state.p.max()),
-            "tangential_load": state.surfaces.a * float(self.mesh.weights @ state.q),
+            "tangential_load": state.geometry.a * float(self.mesh.weights @ state.q),
         }
         return out if self.static else {**out, "creepage": self.slip(state)[0]}
 
     def outputs(self, state: RollerState, active: Array) -> dict[str, float]:
         """Return the outputs whose discretisation error is estimated."""
-        problem, a = self.problem, state.surfaces.a
+        problem, a = self.problem, state.geometry.a
         xi, _ = self.slip(state)
         out = {
             "half_width": a,
@@ -375,8 +349,7 @@ class RollerEquations:
         out["slip_share"] = slip_share(x, self.zones(state, active), self.slip(state)[1], slack)
         if problem.viscoelastic:
             assert problem.rolling_speed is not None
-            bodies = surface_work(problem, self.mesh, state)
-            out["rolling_resistance"] = dissipation(problem, bodies)
+            out["rolling_resistance"] = dissipation(problem, work_on_rollers(state))
             out["dissipated_power"] = problem.rolling_speed * out["rolling_resistance"]
             out["pressure_shift"] = pressure_resultant(x, state.p)[1] - out["offset"]
         return out

@@ -201,7 +201,7 @@ def _result(problem: RollerProblem, refinement: Refinement, unmet: str) -> Rolle
     """Assemble the result of the last mesh with its certificate, errors and warnings."""
     equations: RollerEquations = refinement.last.system
     state, outputs = refinement.last.state, refinement.last.outputs
-    a = state.surfaces.a
+    a = state.geometry.a
     xi, slip = equations.slip(state)
     result = RollerResult(
         problem=problem,
