@@ -15,7 +15,7 @@ from .. import kinds
 from ..errors import InvalidProblem, one_of
 from ..problems.description import Description
 from ..problems.family import Family
-from ..problems.grades import grade
+from ..problems.grades import grade, grades, states_all
 from ..problems.materials import MATERIALS
 from ..problems.permitted import bounds
 from ..problems.problem import Problem
@@ -240,7 +240,7 @@ class _Writer:
         grouped = {name for names in problem.tables.values() for name in names}
         top, *nested = self.description(problem, "", "", grouped)
         schema = Row("schema", str(SCHEMA), self.comment("version of the format"))
-        yield Section("", [schema, *top.rows])
+        yield Section("", [schema, *self.grade(problem), *top.rows])
         for group, names in problem.tables.items():
             yield Section(
                 f"[{group}]",
@@ -248,6 +248,20 @@ class _Writer:
                 self.comment(_without(problem, group)),
             )
         yield from nested
+
+    def grade(self, problem: Problem) -> list[Row]:
+        """Return the line with the grade, from which studies take the spreads of the values.
+
+        There is none for a grade of the user's own file, whose place is not known, and for a
+        problem without a value that the grade would supply.
+        """
+        named_grade = getattr(problem, "named_grade", None)
+        if named_grade is None or grades().get(named_grade.name) != named_grade:
+            return []
+        if not states_all(problem, named_grade):
+            return []
+        comment = "supplies what is not stated here, and the spreads of the values"
+        return [Row("grade", json.dumps(named_grade.name), self.comment(comment))]
 
     def description(
         self,

@@ -46,6 +46,7 @@ __all__ = [
     "grade",
     "grades",
     "source_of_limit",
+    "states_all",
     "warn_of_contradictions",
     "with_grade",
 ]
@@ -470,6 +471,24 @@ def changes_of_grade(grade: Grade, problem: Any, changes: Mapping[str, Any]) -> 
         values |= {f"{name}.{k}": v for k, v in value.items()} if nested else {name: value}
     replaced = {path for path in changes if "." not in path}
     return {path: value for path, value in values.items() if path.partition(".")[0] not in replaced}
+
+
+def states_all(problem: Any, named_grade: Grade) -> bool:
+    """Return True if a problem has a value for everything that a grade would supply."""
+    return all(
+        _has_values(getattr(problem, path.partition(".")[0], None), path.partition(".")[2], value)
+        for path, value in changes_of_grade(named_grade, problem, {}).items()
+    )
+
+
+def _has_values(part: Any, path: str, supplied: Any) -> bool:
+    """Return True if a part of a problem, or its item ``path``, has all values of a table."""
+    if path:
+        return _has_values(getattr(part, path, None), "", supplied)
+    if isinstance(part, Description) and isinstance(supplied, Mapping):
+        names = (name for name in supplied if name != "kind")
+        return all(_has_values(part, name, supplied[name]) for name in names)
+    return part is not None
 
 
 def source_of_limit(
