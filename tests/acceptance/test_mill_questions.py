@@ -101,6 +101,7 @@ def test_from_excel_to_excel(case, capsys):
     )
 
 
+@pytest.mark.slow
 def test_the_friction_of_a_paper(case, capsys):
     workbook("Nip load [kN/m]", "tensions.xlsx")
     said = run("fit", capsys)
@@ -112,6 +113,7 @@ def test_the_friction_of_a_paper(case, capsys):
     assert Path("fit.png").stat().st_size > 10_000
 
 
+@pytest.mark.slow
 def test_starts_on_a_plateau_do_not_hide_the_minimum(case):
     """Two starts end where the tension hardly depends on friction; the minimum is elsewhere."""
     measured = {

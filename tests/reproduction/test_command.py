@@ -52,7 +52,7 @@ def test_a_figure_is_drawn_and_judged(tmp_path, capsys: Capture):
 
 @pytest.mark.slow
 def test_two_processes_do_the_same(tmp_path, capsys: Capture):
-    names = ["table4", "fig5"]
+    names = ["fig15", "fig35"]
     for jobs in ("1", "2"):
         out = str(tmp_path / jobs)
         assert cli.main(["thesis", *names, "--jobs", jobs, "--out", out]) == 0

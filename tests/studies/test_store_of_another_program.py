@@ -60,9 +60,9 @@ def lose(out: Path, number: int) -> None:
 
 @pytest.fixture(scope="module")
 def copied(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with a copy of the package."""
+    """A folder with a copy of the package, compiled files included: compiling takes seconds."""
     folder = tmp_path_factory.mktemp("program")
-    shutil.copytree(PACKAGE, folder / "woundon", ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(PACKAGE, folder / "woundon")
     return folder
 
 

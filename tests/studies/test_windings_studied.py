@@ -23,12 +23,12 @@ import woundon as wo
 from woundon.cli.commands import main
 from woundon.io.case_texts import to_toml
 
-CASE = wo.WindingProblem.example().replace(radius=0.07, web_tension=350.0, roll_body="linear")
+CASE = wo.WindingProblem.example().replace(radius=0.055, web_tension=350.0, roll_body="linear")
 COARSE: dict[str, Any] = {"nodes": 33, "rtol": 2e-2}
 SWEPT = """
 import numpy as np
 import woundon as wo
-case = wo.WindingProblem.example().replace(radius=0.07, web_tension=350.0, roll_body="linear")
+case = wo.WindingProblem.example().replace(radius=0.055, web_tension=350.0, roll_body="linear")
 table = wo.sweep(case, {"nip_load": [1000.0, 1500.0, 2000.0, 2500.0]},
          ["core_pressure", "mean_wound_on_tension"], out=OUT, chunk=2, workers=1, resume=RESUME,
          nodes=33, rtol=2e-2)
@@ -90,7 +90,7 @@ def test_friction_and_stack_are_distinguished_by_two_pressures():
 
 @pytest.mark.slow
 def test_a_fit_from_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
-    case = CASE.replace(tension_law="friction", radius=0.055)
+    case = CASE.replace(tension_law="friction")
     file, table = tmp_path / "winding.toml", tmp_path / "cores.csv"
     file.write_text(to_toml(case.replace(**{"stack.radial.K2": 60.0})))
     rows = data(case, "core_pressure")

@@ -95,6 +95,7 @@ def test_a_roll_without_interior_stresses_has_no_index():
     assert "number of layers that would slip" not in str(nip)
 
 
+@pytest.mark.slow
 def test_the_index_is_an_output_of_studies():
     # Consistency: a sweep has the values of the results, find inverts them; nan without an index
     names = ("ratio", "layers", "depth", "width")

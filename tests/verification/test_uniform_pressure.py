@@ -8,6 +8,7 @@ from math import pi, sqrt
 import numpy as np
 import pytest
 from hardening_cases import nip, roll
+from slow_cases import slow_case
 
 import woundon as wo
 from woundon.elasticity.ring_elements import Fineness
@@ -81,7 +82,7 @@ def wrapped(hardening: str) -> wo.NipResult:
 
 
 @pytest.mark.filterwarnings("ignore::woundon.ValidityWarning", "ignore::woundon.ResolutionWarning")
-@pytest.mark.parametrize("hardening", ["direct", "frozen"])
+@pytest.mark.parametrize("hardening", [slow_case("direct"), "frozen"])
 def test_the_closed_tension_is_the_same_at_every_angle_of_the_wrap(hardening: str) -> None:
     """WOT reduced to a closed layer follows from tension and strain at any angle of the wrap."""
     result = wrapped(hardening)

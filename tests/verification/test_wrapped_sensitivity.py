@@ -34,7 +34,10 @@ CASES: dict[str, tuple[Any, list[str], int, float]] = {
 
 @pytest.mark.parametrize(
     "case",
-    [slow_case(case) if case in ("roll's arc", "hardening, more") else case for case in CASES],
+    [
+        slow_case(case) if case in ("roll's arc", "both arcs", "hardening, more") else case
+        for case in CASES
+    ],
 )
 def test_derivatives_are_those_of_the_solved_equations(
     case: str,
@@ -75,7 +78,7 @@ def test_derivatives_are_those_of_the_solved_equations(
         )
 
 
-@pytest.mark.parametrize("seed", [4, *map(slow_case, (1, 9))])
+@pytest.mark.parametrize("seed", [1, *map(slow_case, (4, 9))])
 def test_random_nips_with_wraps_too(
     seed: int,
 ) -> None:
