@@ -24,7 +24,7 @@ def test_a_fit_to_all_points_is_better_and_tells_nothing_apart() -> None:
         assert full.fit.condition > 30
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_the_fit_to_all_points_is_accurate_whatever_the_solver() -> None:
     accurate, coarse = theories("accurate"), theories("thesis")
     for one, other in zip(accurate[:-2], coarse[:-2], strict=True):

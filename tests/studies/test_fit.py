@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 import study_models as models
 from scipy import optimize
-from slow_cases import slow_case
 from thesis_cases import newsprint_nip, paper_nip
 
 import woundon as wo
@@ -350,10 +349,8 @@ BY_LAST_DIGITS = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    "output",
-    [slow_case("rig_tension"), pytest.param("wound_on_tension", marks=pytest.mark.campaign)],
-)
+@pytest.mark.campaign
+@pytest.mark.parametrize("output", ["rig_tension", "wound_on_tension"])
 def test_the_measured_tensions_are_fitted(output):
     """To what meshes of 57 to 257 nodes differ by: estimates by 0.07 standard errors, with wraps
     by 0.2, standard errors by 5 and 18 %.

@@ -31,7 +31,7 @@ import woundon as wo
 case = wo.WindingProblem.example().replace(radius=0.055, web_tension=350.0, roll_body="linear")
 table = wo.sweep(case, {"nip_load": [1000.0, 1500.0, 2000.0, 2500.0]},
          ["core_pressure", "mean_wound_on_tension"], out=OUT, chunk=2, workers=1, resume=RESUME,
-         nodes=33, rtol=2e-2)
+         nodes=25, rtol=5e-2)
 np.save(OUT + ".npy", np.array([table.core_pressure, table.mean_wound_on_tension]))
 """
 LOADS = [800.0, 2500.0]
@@ -65,7 +65,7 @@ def data(problem: wo.WindingProblem, *outputs: str) -> dict[str, list[float]]:
     return {"nip_load": LOADS} | {name: [getattr(run, name) for run in runs] for name in outputs}
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_a_stack_is_fitted_to_core_pressures():
     found = wo.fit(
         CASE.replace(**{"stack.radial.K2": 60.0}), data(CASE, "core_pressure"),

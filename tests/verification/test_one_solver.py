@@ -12,7 +12,7 @@ import pytest
 from hardening_cases import nip as hardening_nip
 from hardening_cases import roll as hardening_roll
 from random_nips import random_nip, random_wrapped_nip
-from slow_cases import slow_case
+from slow_cases import campaign_case, slow_case
 from thesis_cases import newsprint_nip, paper_nip
 from viscoelastic_cases import cover as covered_drum
 from viscoelastic_cases import rubber
@@ -194,7 +194,7 @@ def tension(name: str, nodes: int) -> float:
 
 @pytest.mark.parametrize(
     "name",
-    ["plain", "viscoelastic cover", slow_case("cover, both wraps"), slow_case("drum wrap")],
+    ["plain", "viscoelastic cover", slow_case("cover, both wraps"), campaign_case("drum wrap")],
 )
 def test_the_order_of_the_tensions_is_about_two(name: str) -> None:
     """RMS over four neighbouring meshes against 513 nodes: zone boundaries pass through cells."""

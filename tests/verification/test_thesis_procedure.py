@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from slow_cases import campaign_case, slow_case
 from thesis_cases import newsprint_nip, paper_nip
 
 import woundon as wo
@@ -103,8 +104,11 @@ def test_strain_at_the_edge_itself_removes_the_cause(nodes: int) -> None:
     assert result.nip_induced_tension == pytest.approx(EXACT_EDGE[nodes], abs=0.06)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", NIPS)
+@pytest.mark.parametrize(
+    "name",
+    [slow_case(name) if name in ("heavy", "newsprint", "drum cover") else campaign_case(name)
+     for name in NIPS],
+)  # fmt: skip
 def test_both_solvers_have_one_limit(name: str) -> None:
     """NIT is extrapolated by 1/M and 1/M^2 from M - 1 = 100, 200 and 400; measured: 0.1 %.
 
