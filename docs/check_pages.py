@@ -17,7 +17,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, sync_playwright
 
 WIDTHS = (1280, 390)
 CHROMIUMS = ("chromium", "chromium-browser", "google-chrome")
@@ -83,19 +83,29 @@ def main() -> int:
     with sync_playwright() as browsers:
         system = next(filter(None, map(shutil.which, CHROMIUMS)), None)
         browser = browsers.chromium.launch(executable_path=system, args=["--no-sandbox"])
-        widths, pictures = options.width or WIDTHS, options.pictures
-        faults = [fault for w in widths for fault in _look(browser, root, pages, w, pictures)]
-        faults += _dead_links(browser, root, pages)
+        widths = options.width or list(WIDTHS)
+        seen = Seen(root)
+        faults = list(_look(browser, seen, pages, widths, options.pictures))
+        faults += _dead_links(seen)
     print(*faults, sep="\n")
     print(f"{len(pages)} pages at {', '.join(map(str, widths))} px: {len(faults)} faults")
     return 1 if faults else 0
 
 
+class Seen:
+    """Links and places of the pages below a folder."""
+
+    def __init__(self, root: Path):
+        self.root = root
+        self.links: dict[Path, list[str]] = {}
+        self.ids: dict[Path, set[str]] = {}
+
+
 def _look(
-    browser: Browser, root: Path, pages: list[Path], width: int, pictures: Path | None
+    browser: Browser, seen: Seen, pages: list[Path], widths: list[int], pictures: Path | None
 ) -> Iterator[str]:
-    """Yield the faults of all pages at one width."""
-    page = browser.new_page(viewport={"width": width, "height": 900})
+    """Yield the faults of all pages, each loaded once, and note their links and places."""
+    page = browser.new_page(viewport={"width": widths[0], "height": 900})
     said: list[str] = []
 
     def note(message: str, when: bool = True) -> None:
@@ -107,38 +117,33 @@ def _look(
     page.on("requestfailed", lambda r: note(f"not loaded: {r.url}"))
     page.on("request", lambda r: note(f"request to the network: {r.url}", r.url.startswith("http")))
     for path in pages:
-        said.clear()
-        _open(page, path)
-        name = path.relative_to(root).with_suffix("")
-        yield from (f"{name} at {width}: {fault}" for fault in [*said, *page.evaluate(LOOK)])
-        if pictures:
-            target = pictures / str(width) / f"{'_'.join(name.parts)}.png"
-            page.screenshot(path=target, full_page=True)
+        name = path.relative_to(seen.root).with_suffix("")
+        page.goto(path.as_uri())
+        page.evaluate("document.fonts.ready.then(() => true)")
+        seen.links[path], seen.ids[path] = page.evaluate(LINKS), set(page.evaluate(IDS))
+        for width in widths:
+            page.set_viewport_size({"width": width, "height": 900})
+            faults = page.evaluate(LOOK)
+            yield from (f"{name} at {width}: {fault}" for fault in [*said, *faults])
+            said.clear()
+            if pictures:
+                target = pictures / str(width) / f"{'_'.join(name.parts)}.png"
+                page.screenshot(path=target, full_page=True)
     page.close()
 
 
-def _open(page: Page, path: Path) -> None:
-    page.goto(path.as_uri())
-    page.evaluate("document.fonts.ready.then(() => true)")
-
-
-def _dead_links(browser: Browser, root: Path, pages: list[Path]) -> Iterator[str]:
+def _dead_links(seen: Seen) -> Iterator[str]:
     """Yield the links within the pages whose file, or place in it, does not exist."""
-    page = browser.new_page()
-    links, ids = {}, {}
-    for path in pages:
-        page.goto(path.as_uri(), wait_until="domcontentloaded")
-        links[path], ids[path] = page.evaluate(LINKS), set(page.evaluate(IDS))
-    for path, targets in links.items():
+    for path, targets in seen.links.items():
         for target in sorted(set(targets)):
             url = urlsplit(target)
             file, place = Path(unquote(url.path)), unquote(url.fragment)
             if url.scheme != "file":
                 continue
             if not file.is_file():
-                yield f"{path.relative_to(root)}: dead link to {target}"
-            elif place and file in ids and place not in ids[file]:
-                yield f"{path.relative_to(root)}: no such place: {target}"
+                yield f"{path.relative_to(seen.root)}: dead link to {target}"
+            elif place and file in seen.ids and place not in seen.ids[file]:
+                yield f"{path.relative_to(seen.root)}: no such place: {target}"
 
 
 if __name__ == "__main__":
