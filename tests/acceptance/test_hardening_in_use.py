@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from hardening_cases import linear, nip, roll
-from slow_cases import slow_case
+from slow_cases import campaign_case, slow_case
 
 import woundon as wo
 
@@ -27,8 +27,8 @@ def test_a_neighbour_saves_work_and_changes_nothing(wrapped: bool) -> None:
 
 @pytest.mark.parametrize(
     ("name", "value"),
-    [("roll.stack.radial.K2", 127.0), slow_case("roll.pressure", 90e3),
-     slow_case("roll.stack.shear", 10e6)],
+    [slow_case("roll.stack.radial.K2", 127.0), slow_case("roll.pressure", 90e3),
+     campaign_case("roll.stack.shear", 10e6)],
 )  # fmt: skip
 def test_sensitivities_are_the_derivatives(name: str, value: float) -> None:
     """Of the implicit function, against central differences over 2 parts in 1000."""
@@ -89,7 +89,7 @@ def test_a_modulus_that_turns_negative_is_rejected(where: str) -> None:
 
 
 @pytest.mark.slow  # test_newsprint_hardening.py has all points with the first
-@pytest.mark.parametrize(("K2", "total"), [(126.3, 100e3), (303.8, 10e3)])
+@pytest.mark.parametrize(("K2", "total"), [(126.3, 100e3), campaign_case(303.8, 10e3)])
 def test_one_fitted_number_meets_the_measured_tensions(K2: float, total: float) -> None:
     """A sample of test_newsprint_hardening.py, whose RMS over all points is 10.5 and 14.2.
 

@@ -74,6 +74,7 @@ def test_the_wound_on_tension_of_a_paper_of_60_gsm(case, capsys):
     assert Path("nip.png").stat().st_size > 10_000
 
 
+@pytest.mark.slow
 def test_the_nip_load_for_a_tension(case, capsys):
     found = re.search(r"nip_load = ([\d.]+) N/m", run("find", capsys))
     assert found is not None

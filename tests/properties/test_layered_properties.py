@@ -18,7 +18,7 @@ from woundon.problems.bodies import half_width_guess
 # load bends; contacts of 50227 and 50459 are up to forty times as wide as Hertz's; 30370 has a
 # coating too thin for the Fourier series.
 SEEDS = [0, 1, 3, 4, 5, 6, 13, 17, 24, 34, 42, 219, 349, 30002, 30137, 30370, 50227, 50459]
-SLOW = {5, 34, 42, 30370, 50227, 50459}
+SLOW = {0, 5, 34, 42, 30370, 50227, 50459}
 
 
 @pytest.mark.parametrize("seed", [slow_case(seed) if seed in SLOW else seed for seed in SEEDS])

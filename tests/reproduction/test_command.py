@@ -50,7 +50,7 @@ def test_a_figure_is_drawn_and_judged(tmp_path, capsys: Capture):
     )
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_two_processes_do_the_same(tmp_path, capsys: Capture):
     names = ["fig15", "fig35"]
     for jobs in ("1", "2"):

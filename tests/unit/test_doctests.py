@@ -7,6 +7,7 @@ import importlib
 from pathlib import Path
 
 import pytest
+from slow_cases import slow_case
 
 import woundon
 
@@ -17,7 +18,11 @@ def modules_with_examples() -> list[str]:
     return [".".join(("woundon", *file.relative_to(root).with_suffix("").parts)) for file in files]
 
 
-@pytest.mark.parametrize("name", modules_with_examples())
+# the example of woundon.studies.window is nearly the same
+@pytest.mark.parametrize(
+    "name",
+    [slow_case(n) if n.endswith(".window_result") else n for n in modules_with_examples()],
+)
 def test_examples_of_a_module(name: str) -> None:
     result = doctest.testmod(importlib.import_module(name), verbose=False)
     assert result.failed == 0

@@ -34,6 +34,7 @@ def texts(flag: str) -> list[str]:
     return said.stdout.split("# ")[1:]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", COMMANDS)
 def test_help_does_not_depend_on_docstrings(command: str):
     place = COMMANDS.index(command)

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from slow_cases import slow_case
 from thesis_cases import newsprint_nip
 
 import woundon as wo
@@ -101,8 +100,9 @@ def test_a_soft_surface_makes_a_wide_nip() -> None:
     assert hard < between < soft
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
-    ("name", "value"), [slow_case("roll.stack.radial.K2", 127.0), ("roll.pressure.value.3", 20e3)]
+    ("name", "value"), [("roll.stack.radial.K2", 127.0), ("roll.pressure.value.3", 20e3)]
 )
 def test_sensitivities_of_a_frozen_roll(name: str, value: float) -> None:
     problem = EXAMPLE.replace(roll=roll(pressure=GRADED))
