@@ -122,8 +122,8 @@ def test_starts_on_a_plateau_do_not_hide_the_minimum(case):
         "web_tension [N/m]": [300, 300, 300, 300, 200, 200],
         "wound_on_tension [N/m]": [395, 450, 500, 555, 370, 430],
     }
-    found = wo.fit(case, measured, ["roll_friction"], profiles=False, workers=1)
-    many = wo.fit(case, measured, ["roll_friction"], profiles=False, workers=1, starts=6)
+    found = wo.fit(case, measured, ["roll_friction"], profiles=False, workers=1, nodes=25)
+    many = wo.fit(case, measured, ["roll_friction"], profiles=False, workers=1, nodes=25, starts=6)
     # the same minimum, to the accuracy of a fit: a few hundredths of the standard error
     assert found.estimates == pytest.approx(many.estimates, abs=0.1 * many.standard_errors[0])
     assert found.starts > 2

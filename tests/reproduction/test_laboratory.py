@@ -3,6 +3,8 @@
 Fifteen measured points, five nip loads by three web tensions.  One modulus is fitted to one of the
 points, the other fourteen are predicted.  The measured tension that the nip adds scatters between
 the web tensions, which no model with the winding theorem can follow: the floor.
+
+The documentation build, which CI runs, makes the same fits and judges them (table3.py).
 """
 
 from __future__ import annotations
@@ -13,7 +15,7 @@ from woundon.jorkama2001 import table4
 from woundon.jorkama2001.laboratory import theories
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_a_fit_to_all_points_is_better_and_tells_nothing_apart() -> None:
     plain = theories("accurate")
     for full in plain[-2:]:

@@ -43,7 +43,7 @@ def swept(out: Path, *, resume: bool) -> subprocess.Popen[bytes]:
     return subprocess.Popen([sys.executable, "-W", "ignore", "-c", script])
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="nothing is killed like that there")
 def test_a_sweep_killed_and_resumed_gives_bit_for_bit_the_same(tmp_path: Path):
     """Windings start from each other, within a chunk only: what was lost with it is wound again."""

@@ -342,6 +342,20 @@ def test_the_roll_holds_the_air_that_its_nips_let_through(windings):
     assert again.mid_pressure == pytest.approx(fast.mid_pressure, rel=1e-12)
 
 
+@pytest.mark.slow
+def test_friction_of_a_winding_is_that_which_the_film_leaves(windings):
+    """And nips that are solved again tell friction and film from values 0.1 % larger."""
+    fast = windings[2.0]
+    left = [sample.result.air.roll_friction for sample in fast.nips]
+    np.testing.assert_array_equal(fast.nip_friction, left)
+    assert fast.nip_friction.min() < 0.9 * fast.problem.roll_friction
+    again = fast.recomputed_nips()
+    for name in ("nip_friction", "nip_air_film"):
+        value, within = again[name]
+        assert np.isclose(getattr(fast, name), value, rtol=1e-9, atol=within).all(), name
+        assert not np.isclose(1.001 * getattr(fast, name), value, rtol=1e-9, atol=within).any()
+
+
 # ---- the roll ------------------------------------------------------------------------------------
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from hardening_cases import nip, roll
 from random_nips import random_nip
-from slow_cases import slow_case
+from slow_cases import campaign_case, slow_case
 
 import woundon as wo
 
@@ -32,13 +32,10 @@ CASES: dict[str, tuple[Any, list[str], int, float]] = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    "case",
-    [
-        slow_case(case) if case in ("roll's arc", "both arcs", "hardening, more") else case
-        for case in CASES
-    ],
-)
+LONG = {"roll's arc": slow_case, "both arcs": slow_case, "hardening, more": campaign_case}
+
+
+@pytest.mark.parametrize("case", [LONG[case](case) if case in LONG else case for case in CASES])
 def test_derivatives_are_those_of_the_solved_equations(
     case: str,
 ) -> None:
