@@ -26,6 +26,7 @@ def test_the_nip_load_for_a_wound_on_tension_is_found_and_taken_over(look):
     page.wait_for_selector(".solutions", state="detached")
 
 
+@pytest.mark.slow
 def test_a_target_out_of_reach_is_an_error_at_the_search(look):
     seen = look()
     seen.page.fill("#find-target", "20")  # less than the web tension
@@ -71,6 +72,7 @@ def test_the_answer_is_the_first_line_in_the_units_of_the_page(look):
     assert page.inner_text(".answer") == answer
 
 
+@pytest.mark.slow
 def test_a_nip_takes_the_value_at_the_core_of_a_schedule_and_gives_it_back(look):
     seen = look()
     page = seen.page
@@ -95,6 +97,7 @@ def test_a_nip_takes_the_value_at_the_core_of_a_schedule_and_gives_it_back(look)
     assert seen.box("web_tension.taper") == taper
 
 
+@pytest.mark.slow
 def test_the_roll_of_a_nip_is_of_the_grade_that_was_filled_into_a_winding(look):
     seen = look()
     page = seen.page
@@ -168,6 +171,7 @@ def test_a_pasted_table_is_fitted_and_the_estimate_taken_over(look):
     assert float(seen.box("upper.radius")) == pytest.approx(1e3 * radius, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_a_fit_is_cancelled_and_its_errors_are_shown_on_a_phone(look):
     seen = look(width=390, height=844)
     page = seen.page

@@ -138,6 +138,7 @@ def test_wrong_input_is_reported_at_its_field_and_the_picture_stays(look):
         assert seen.output("wound_on_tension") == pytest.approx(numbers, rel=CLOSE)
 
 
+@pytest.mark.slow
 def test_air_is_an_optional_part_of_a_nip(look, example):
     """Chosen air brings a web speed, which the air needs; without air it is removed."""
     seen = look()
@@ -249,6 +250,7 @@ def test_a_link_restores_case_units_and_pins_and_pictures_that_followed_are_its(
     assert other.box("nip_load") == "3502"
 
 
+@pytest.mark.slow
 def test_a_layered_drum_made_by_clicks(look, example):
     seen = look()
     seen.page.select_option("#f-drum", label="layered (cover)")
@@ -298,6 +300,7 @@ def test_bad_files_are_rejected_in_words_and_change_nothing(look):
         assert (seen.output("wound_on_tension"), seen.box("nip_load")) == (numbers, load)
 
 
+@pytest.mark.slow
 def test_a_case_is_solved_by_the_command_line_and_python_and_comes_up_again(look, tmp_path, capsys):
     seen = look()
     seen.put("nip_load", "4200")

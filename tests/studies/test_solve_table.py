@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pandas
 import pytest
-from slow_cases import slow_case
 
 import woundon as wo
 from woundon.cli.commands import main
@@ -112,7 +111,8 @@ def test_a_written_table_is_a_table_of_cases_again(tmp_path, ending):
     assert again.failure.tolist() == first.failure.tolist()
 
 
-@pytest.mark.parametrize("workers", [slow_case(1), 2])
+@pytest.mark.slow
+@pytest.mark.parametrize("workers", [1, 2])
 def test_the_numbers_do_not_depend_on_the_number_of_processes(workers):
     loads = np.linspace(1500, 3500, 12)
     tensions = [None if k % 5 == 0 else 300.0 for k in range(12)]

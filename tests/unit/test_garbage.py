@@ -61,6 +61,7 @@ def test_a_solve_leaves_nothing_to_the_garbage_collector(name: str, found: list[
     assert own(found) == {}
 
 
+@pytest.mark.slow
 def test_nor_do_warm_starts_and_derivatives(found: list[object]) -> None:
     problem = COVERED.replace(roll_wrap=pi)
     start = wo.solve(problem)

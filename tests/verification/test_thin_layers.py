@@ -33,12 +33,13 @@ def frictionless_load(pair: wo.RollerProblem, nodes: int, a: float) -> float:
     return float(a * face.weights @ frictionless_pressure(pair, face, a))
 
 
-@pytest.mark.parametrize("layer", LAYERS.values(), ids=LAYERS)
-def test_coarse_meshes_carry_what_fine_ones_do(layer: wo.Cylinder) -> None:
+@pytest.mark.parametrize("name", [slow_case("paper"), "rubber"])
+def test_coarse_meshes_carry_what_fine_ones_do(name: str) -> None:
     """17 nodes once carried half the load, or a negative one, where cells are longer than layers.
 
     A piecewise linear parabola of 17 nodes has 0.7 % less of it.
     """
+    layer = LAYERS[name]
     pair = wo.RollerProblem(upper=wo.Rigid(radius=0.168), lower=layer, load=1.0, friction=0.0)
     for a in np.geomspace(0.5, 1.0, 3) * layer.max_half_width:
         coarse, fine = (frictionless_load(pair, n, a) for n in (17, 129))
