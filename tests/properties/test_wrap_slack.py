@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from random_nips import random_wrapped_nip
+from random_nips import random_low_friction, random_wrapped_nip
 from slow_cases import slow_case
 
 import woundon as wo
@@ -28,3 +28,13 @@ def test_a_web_that_is_slack_at_a_wrong_load_only_is_not_rejected():
     result = wo.solve(hardly)
     assert result.tension.min() > 0
     assert result.residuals.largest < 1e-8
+
+
+def test_a_web_that_the_winding_force_leaves_slack_at_any_width_is_rejected_without_a_mesh():
+    """T_in + F + mu+ (P + |F|) < 0: no iteration converges on this very soft drum."""
+    problem = random_low_friction(1100847)
+    taut = -problem.winding_force - problem.roll_friction * problem.nip_load
+    with pytest.raises(wo.NoSteadyState, match="downstream of the nip") as fault:
+        wo.solve(problem)
+    needed = float(str(fault.value).split("; about ")[1].split()[0])
+    assert needed == pytest.approx(taut, rel=0.01)  # mu+ |F| is 0.8 % of it

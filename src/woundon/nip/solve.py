@@ -147,6 +147,7 @@ def _solve(
 ) -> NipResult:
     """Solve a nip without air."""
     check_load(problem, "nip_load")
+    _check_force(problem)
     default = RTOL if problem.linear else RTOL_NONLINEAR
     max_nodes = MOST_NODES if problem.linear else MOST_NODES_NONLINEAR
     criterion = _criterion(problem, rtol or default)
@@ -216,6 +217,18 @@ def _outside_model(problem: Any) -> str:
     return "; ".join(texts)
 
 
+def _check_force(problem: Any) -> None:
+    """Raise an error if the winding force leaves the web slack on the roll wrap in any case.
+
+    At the trailing edge T = T_in + F + int_nip q+ dx, and q+ <= mu+ p+.  The resultant of p+ is P,
+    and at most |F| larger if the tension inside the nip is negative.
+    """
+    T_in, F, P = problem.web_tension, problem.winding_force, problem.nip_load
+    largest_tension = T_in + F + problem.roll_friction * (P + abs(F))
+    if problem.roll_wrap > 0 and largest_tension < 0:
+        raise _slack(T_in, "downstream", largest_tension)
+
+
 def _check_taut(problem: Any, mesh: MeshSolution, permitted: float = 0.0) -> None:
     """Raise an error if the web is slack on a wrap, where its tension must press it on the body.
 
@@ -229,16 +242,21 @@ def _check_taut(problem: Any, mesh: MeshSolution, permitted: float = 0.0) -> Non
     equations: NipEquations = mesh.system
     layout, T, T_in = equations.layout, mesh.state.fields.tension, problem.web_tension
     for name, tension, wrapped in (
-        ("downstream of the nip", T[layout.last :], problem.roll_wrap > 0),
-        ("upstream of the nip", T[: layout.first + 1], problem.drum_wrap > 0),
+        ("downstream", T[layout.last :], problem.roll_wrap > 0),
+        ("upstream", T[: layout.first + 1], problem.drum_wrap > 0),
     ):
         min_tension = float(tension.min())
         if wrapped and min_tension <= -permitted * float(np.abs(T).max()):
-            raise NoSteadyState.at(
-                "web_tension",
-                f"{T_in:.6g} leaves the web slack {name}: its tension falls to {min_tension:.4g} "
-                f"[N/m]; about {T_in - min_tension:.4g} or more is needed",
-            )
+            raise _slack(T_in, name, min_tension)
+
+
+def _slack(T_in: float, name: str, tension: float) -> NoSteadyState:
+    """Return the error for a web that is slack upstream or downstream of the nip."""
+    return NoSteadyState.at(
+        "web_tension",
+        f"{T_in:.6g} leaves the web slack {name} of the nip: its tension falls to {tension:.4g} "
+        f"[N/m]; about {T_in - tension:.4g} or more is needed",
+    )
 
 
 def _check_pressed(problem: Any, mesh: MeshSolution) -> None:
