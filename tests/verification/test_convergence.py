@@ -165,3 +165,10 @@ def test_the_estimates_hold_where_fields_are_not_smooth(
     result, fine = wo.solve(problem), wo.solve(problem, nodes=385)
     error = abs(getattr(result, output) - getattr(fine, output))
     assert error <= 1.5 * result.error(output)
+
+
+def test_the_offset_of_a_symmetric_contact_is_known_to_rounding() -> None:
+    """On the fine mesh one node slips on one side only, within the tolerance of the solver."""
+    result, fine = (wo.solve(random_rollers(1200013), nodes=n) for n in (129, 513))
+    assert abs(fine.offset) > 1e-11 * fine.half_width
+    assert abs(result.offset - fine.offset) <= 1.5 * result.error("offset")

@@ -16,10 +16,10 @@ from typing import Any
 
 import numpy as np
 
-from ..contact.refinement import FINAL_TOLERANCE, Refinement
+from ..contact.refinement import Refinement
 from .energy import pressure_resultant, rolling_resistance
 from .equations import Geometry, NipEquations, NipState
-from .zones import cusp_excess, has_traction_jump, slip_lengths
+from .zones import LEAST_OFFSET_ERROR, cusp_excess, has_traction_jump, slip_lengths
 
 __all__ = [
     "SLIP_RATIOS",
@@ -248,10 +248,8 @@ def error_estimates(refinement: Refinement, arrays: Mapping[str, Array]) -> dict
     """
     errors, mesh = refinement.errors(), refinement.last.state.fields.geometry.mesh
     half_cell = float(mesh.cells[mesh.nip_cells].max()) / 2  # relative to the nip width
-    # an offset may be zero: it is known to the solver's tolerance
-    errors["offset"] = max(
-        errors["offset"], FINAL_TOLERANCE * refinement.last.outputs["half_width"]
-    )
+    least_error = LEAST_OFFSET_ERROR * refinement.last.outputs["half_width"]
+    errors["offset"] = max(errors["offset"], least_error)
     for name in SLIP_RATIOS:
         errors[name] = max(errors[name], half_cell)
     nip = mesh.nip_nodes

@@ -31,7 +31,7 @@ from .roller_certificate import certificate, consistency
 from .roller_result import RollerResult
 from .roller_validity import roller_warnings
 from .rollers import RollerEquations
-from .zones import cusp_excess
+from .zones import LEAST_OFFSET_ERROR, cusp_excess
 
 __all__ = ["check_options", "solve_rollers"]
 
@@ -224,8 +224,8 @@ def _result(problem: RollerProblem, refinement: Refinement, unmet: str) -> Rolle
         refinement=refinement,
     )
     errors = refinement.errors()
-    # both may be zero: they are known to the solver's tolerance
-    errors["offset"] = max(errors["offset"], FINAL_TOLERANCE * a)
+    # both may be zero
+    errors["offset"] = max(errors["offset"], LEAST_OFFSET_ERROR * a)
     friction_limit = FINAL_TOLERANCE * problem.friction * problem.load
     errors["tangential_load"] = max(errors["tangential_load"], friction_limit)
     errors["peak_pressure"] = max(

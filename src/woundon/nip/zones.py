@@ -12,6 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 __all__ = [
+    "LEAST_OFFSET_ERROR",
     "boundary_positions",
     "cusp_excess",
     "has_traction_jump",
@@ -20,6 +21,10 @@ __all__ = [
 ]
 
 Array = np.ndarray
+
+# Least error of an offset, which may be zero, relative to the half width: rounding decides whether
+# a node at the boundary of a zone slips, and this moves the pressure of a symmetric contact.
+LEAST_OFFSET_ERROR = 1e-9
 
 
 def boundary_positions(x: Array, zones: Array, slip: Array, slack: Array) -> list[float]:
