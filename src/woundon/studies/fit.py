@@ -219,8 +219,9 @@ def fit_parameters(
         raise NotConverged(f"no start of the fit could be solved: {predictor.fault}")
     if time.perf_counter() - began < WORTH_A_POOL:
         workers = 1
+    ends: dict[tuple[int, int], End] = {}
     for _ in range(MOST_STARTS):
-        likelihoods = _profiles(predictor, minima[0], profiles, tasks, workers)
+        likelihoods = _profiles(predictor, minima[0], profiles, ends, tasks, workers)
         best = min(
             (profile.best for profile in likelihoods), key=lambda best: best[0], default=None
         )
@@ -281,22 +282,36 @@ def _profiles(
     predictor: Predictor,
     minimum: Linearisation,
     names: Collection[str],
+    ends: dict[tuple[int, int], End],
     tasks: _Tasks,
     workers: int,
 ) -> tuple[ProfileLikelihood, ...]:
-    """Return the profiles of named parameters; none without degrees of freedom."""
+    """Return the profiles of named parameters; none without degrees of freedom.
+
+    Parameters
+    ----------
+    predictor : Predictor
+    minimum : Linearisation
+    names : collection of str
+    ends : dict
+        Ends by parameter and sign, computed from a minimum that was not the least one; they are
+        replaced.  Their points are still points of the profiles.
+    tasks : _Tasks
+    workers : int
+    """
     freedom = predictor.measured.size - len(predictor.parameters)
     limit = threshold(minimum.S, freedom, predictor.weighted)
     indices = [j for j, parameter in enumerate(predictor.parameters) if parameter.name in names]
     if not np.isfinite(limit):
         return ()
     places = [(j, sign) for j in indices for sign in (-1, 1)]
-    ends: dict[tuple[int, int], End] = {}
+    # points of both ends: the minimum may have moved past them
+    known = {j: [p for k, end in ends.items() if k[0] == j for p in end.points] for j in indices}
     if workers > 1 and len(places) > 1:
-        work = partial(_end_of_profile, predictor.remembering(minimum.u), minimum, limit)
+        work = partial(_end_of_profile, predictor.remembering(minimum.u), minimum, limit, known)
         answers = in_processes(work, places, workers)
     else:
-        work = partial(_end_of_profile, predictor, minimum, limit)
+        work = partial(_end_of_profile, predictor, minimum, limit, known)
         answers = ((place, work(place)) for place in places)
     for place, (end, solves) in answers:
         ends[place] = end
@@ -308,12 +323,16 @@ def _profiles(
 
 
 def _end_of_profile(
-    predictor: Predictor, minimum: Linearisation, limit: float, place: tuple[int, int]
+    predictor: Predictor,
+    minimum: Linearisation,
+    limit: float,
+    known: Mapping[int, Sequence[tuple[float, Array]]],
+    place: tuple[int, int],
 ) -> tuple[End, int]:
     """Return an end of a profile and the number of solves."""
     predictor = copy(predictor)
     predictor.solves = 0
-    end = find_end(predictor, *place, minimum, limit)
+    end = find_end(predictor, *place, minimum, limit, known[place[0]])
     return end, predictor.solves
 
 

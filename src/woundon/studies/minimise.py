@@ -136,6 +136,7 @@ def minimise(
     linearised = linearised or ReusedJacobian(predictor)
     start = np.clip(start, predictor.low, predictor.high)
     free = np.arange(start.size) != linearised.fixed
+    last: Linearisation | None = None
 
     def place(v: Array) -> Array:
         """Return all parameters for values of the free ones."""
@@ -144,25 +145,38 @@ def minimise(
         return u
 
     def residuals(v: Array) -> Array:
-        """Return the residuals; stop if the linear model at a known minimum predicts them."""
-        r = predictor.residuals(place(v))
-        if known is not None and known.predicts(place(v), r):
+        """Return the residuals; stop in the basin of a known minimum, and where S is rough."""
+        u = place(v)
+        r = predictor.residuals(u)
+        if known is not None and known.predicts(u, r):
             raise _EndError(known)
+        if last is not None and not r @ r < last.S:
+            # the next step would be even shorter
+            if is_negligible(float(np.sum((last.J @ (u - last.u)) ** 2)), last):
+                raise _EndError(at_minimum(last.u))
         return r
+
+    def is_negligible(change: float, current: Linearisation) -> bool:
+        """Return True if a step is within the accuracy, by the squared change of residuals."""
+        return change <= accuracy**2 * predictor.variance(current.S)
+
+    def at_minimum(u: Array) -> Linearisation:
+        """Return the residuals at the minimum, with the Jacobian of the requested tolerance."""
+        return linearised(u, at_end)
 
     def is_converged(current: Linearisation) -> bool:
         """Return True if the next step would be shorter than the accuracy."""
-        decrease = current.expected_decrease(predictor, linearised.fixed)
-        return decrease <= accuracy**2 * predictor.variance(current.S)
+        return is_negligible(current.expected_decrease(predictor, linearised.fixed), current)
 
     def jacobian(v: Array) -> Array:
         """Return the columns of the free parameters; stop at the minimum."""
-        current = linearised(place(v))
-        if is_converged(current) and at_end is not None:
-            current = linearised(place(v), at_end)
-        if is_converged(current):
-            raise _EndError(current)
-        return current.J[:, free]
+        nonlocal last
+        last = linearised(place(v))
+        if is_converged(last) and at_end is not None:
+            last = at_minimum(last.u)
+        if is_converged(last):
+            raise _EndError(last)
+        return last.J[:, free]
 
     if not np.isfinite(predictor.residuals(start)).all():
         return None
@@ -181,7 +195,7 @@ def minimise(
             gtol=None,
             max_nfev=EVALUATIONS,
         )
-        return linearised(place(end.x), 0.0)
+        return at_minimum(place(end.x))
     except _EndError as reached:
         return reached.minimum
     except ValueError:  # a derivative could not be solved

@@ -31,6 +31,7 @@ REFIT = 0.5
 BEYOND = 1.1
 GROWTH = 1.2, 4.0
 EVALUATIONS = 30
+ROUNDING = 1e-12  # of the distance of a bound
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,23 +112,47 @@ def profile_of(
     )
 
 
-def find_end(predictor: Predictor, j: int, sign: int, minimum: Linearisation, limit: float) -> End:
-    """Return the lower (``sign`` -1) or upper (+1) end of the interval of parameter ``j``."""
+def find_end(
+    predictor: Predictor,
+    j: int,
+    sign: int,
+    minimum: Linearisation,
+    limit: float,
+    known: Sequence[tuple[float, Array]] = (),
+) -> End:
+    """Return the lower (``sign`` -1) or upper (+1) end of the interval of parameter ``j``.
+
+    Parameters
+    ----------
+    predictor : Predictor
+    j, sign : int
+    minimum : Linearisation
+    limit : float
+        S at the end.
+    known : sequence of (S, u)
+        Points of the profile that were computed before.
+    """
     from scipy.optimize import brentq
 
-    profile = _Profile(predictor, j, minimum, limit)
+    on_this_side = [point for point in known if sign * (point[1][j] - minimum.u[j]) > 0]
+    profile = _Profile(predictor, j, minimum, limit, on_this_side)
     bound = float((predictor.low if sign < 0 else predictor.high)[j] - minimum.u[j])
-    inner, outer = 0.0, sign * min(BEYOND * profile.predicted_distance(), abs(bound))
-    for _ in range(EVALUATIONS):
+    distances = sorted(profile.known, key=abs)
+    if len(distances) == 1:
+        distances.append(sign * min(BEYOND * profile.predicted_distance(), abs(bound)))
+    inner, outer, *farther = distances
+    for _ in range(EVALUATIONS + len(farther)):
         f = profile(outer)
         if f >= 0:
             break
-        if outer == bound:
+        if abs(outer) >= (1 - ROUNDING) * abs(bound):
             return End(None, tuple(profile.points))
-        # f + reach, the root of the increase of S, is nearly proportional to the distance
-        growth = BEYOND * profile.reach / max(f + profile.reach, 1e-300)
-        farther = abs(outer) * float(np.clip(growth, *GROWTH))
-        inner, outer = outer, sign * min(farther, abs(bound))
+        if not farther:
+            # f + reach, the root of the increase of S, is nearly proportional to the distance
+            growth = BEYOND * profile.reach / max(f + profile.reach, 1e-300)
+            grown = abs(outer) * float(np.clip(growth, *GROWTH))
+            farther = [sign * min(grown, abs(bound))]
+        inner, (outer, *farther) = outer, farther
     if f > 0 and np.isfinite(f):
         outer = brentq(profile, inner, outer, xtol=ACCURACY * abs(outer), maxiter=EVALUATIONS)
     elif f > 0:
@@ -151,11 +176,19 @@ def _last_solved(profile: _Profile, solved: float, unsolved: float) -> float:
 class _Profile:
     """Function of the distance of u_j from the minimum whose root is the end of the interval."""
 
-    def __init__(self, predictor: Predictor, j: int, minimum: Linearisation, limit: float) -> None:
+    def __init__(
+        self,
+        predictor: Predictor,
+        j: int,
+        minimum: Linearisation,
+        limit: float,
+        points: Sequence[tuple[float, Array]] = (),
+    ) -> None:
         self.predictor, self.j, self.minimum, self.limit = predictor, j, minimum, limit
         self.reach = float(np.sqrt(limit - minimum.S))
-        self.points: list[tuple[float, Array]] = []
+        self.points = list(points)
         self.known = {0.0: -self.reach}
+        self.known |= {float(u[j] - minimum.u[j]): self._increase(S) for S, u in points}
         self.linearised = ReusedJacobian(predictor, minimum, fixed=j)
         J_j, J_others = minimum.J[:, j], np.delete(minimum.J, j, axis=1)
         # d(other u)/d(u_j) that keeps S least in the linear model, and the residuals' change
@@ -170,10 +203,13 @@ class _Profile:
     def __call__(self, distance: float) -> float:
         """Return sqrt(S - S_min) - sqrt(limit - S_min); exactly 0 within the accuracy."""
         if distance not in self.known:  # Brent's method starts with points that are known
-            S = self._refit(distance)
-            f = float(np.sqrt(max(S - self.minimum.S, 0.0))) - self.reach
-            self.known[distance] = 0.0 if abs(f) <= ACCURACY * self.reach else f
+            self.known[distance] = self._increase(self._refit(distance))
         return self.known[distance]
+
+    def _increase(self, S: float) -> float:
+        """Return the value of the function for the least S at a distance."""
+        f = float(np.sqrt(max(S - self.minimum.S, 0.0))) - self.reach
+        return 0.0 if abs(f) <= ACCURACY * self.reach else f
 
     def _refit(self, distance: float) -> float:
         """Return the least S over the other parameters, this one fixed; inf if not solved."""
@@ -188,6 +224,9 @@ class _Profile:
         refit = minimise(predictor, u, linearised=self.linearised, accuracy=REFIT)
         if refit is None:
             return float("inf")
-        S = refit.S - refit.expected_decrease(predictor, j)
+        decrease = refit.expected_decrease(predictor, j)
+        # the minimisation attempted a larger decrease and did not achieve it: S is rough
+        is_achievable = decrease <= REFIT**2 * predictor.variance(refit.S)
+        S = refit.S - decrease if is_achievable else refit.S
         self.points.append((S, refit.u))
         return S
