@@ -153,14 +153,17 @@ class SemismoothNewton:
     Parameters
     ----------
     system : System
+    neighbour : SemismoothNewton, optional
+        Solver of a neighbouring problem with the same unknowns, whose factorisation is used as long
+        as the step shrinks.
     """
 
-    def __init__(self, system: System) -> None:
+    def __init__(self, system: System, neighbour: SemismoothNewton | None = None) -> None:
         self.system, self.counts = system, Counts()
         self.jacobian: Jacobian | None = None
         self.assembled_ln_a, self.size = np.inf, np.inf
         self.jacobian_is_current = False  # True if the last step had the Jacobian of its state
-        self.linear: _LinearSystem | None = None
+        self.linear: _LinearSystem | None = neighbour.linear if neighbour else None
 
     def solve(self, state: Any, active: Array, tolerance: float) -> tuple[Any, Array]:
         """Return the solution and its active set.
@@ -216,7 +219,7 @@ class SemismoothNewton:
             raise NewtonFailed("the residual is not finite")
         factored, last_size, was_current = self.linear, self.size, self.jacobian_is_current
         stalled = False
-        if factored is not None and factored.active is active:
+        if factored is not None and np.array_equal(factored.active, active):
             step, self.size = factored.newton_step(residual)
             self.jacobian_is_current = False
             if self.size < CONTRACTION * last_size:

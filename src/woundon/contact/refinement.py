@@ -263,9 +263,20 @@ def _solve(
         neighbour, zones = _prolong(same_mesh, system)
         u = u + neighbour - _prolong(last_mesh, system)[0]
         active = zones if same_mesh.size >= size else active
-    solver = SemismoothNewton(system)
+    solver = SemismoothNewton(system, _neighbouring_solver(system, size, start))
     state, active = solver.solve(system.evaluate(u), active, COARSE_TOLERANCE)
     return MeshSolution(size, system, state, active, solver)
+
+
+def _neighbouring_solver(
+    system: Any, size: int, start: Refinement | None
+) -> SemismoothNewton | None:
+    """Return the solver of a neighbouring problem on the same mesh; None if there is none."""
+    if start is None:
+        return None
+    neighbour = _nearest(start, size)
+    has_same_unknowns = neighbour.system.scales.size == system.scales.size
+    return neighbour.solver if neighbour.size == size and has_same_unknowns else None
 
 
 def _nearest(start: Refinement, size: int) -> MeshSolution:
