@@ -119,7 +119,8 @@ def minimise(
     predictor : Predictor
     start : (p,) array
     known : Linearisation, optional
-        A minimum, which is returned as soon as its linear model predicts the residuals.
+        A minimum, which is returned as soon as its linear model predicts the residuals, or S is
+        within a standard error of it and the linear model predicts no smaller one.
     linearised : ReusedJacobian, optional
         With a fixed parameter; by default all are free, and the Jacobian is that of the minimum.
     accuracy : float
@@ -168,6 +169,15 @@ def minimise(
         """Return True if the next step would be shorter than the accuracy."""
         return is_negligible(current.expected_decrease(predictor, linearised.fixed), current)
 
+    def is_in_valley(current: Linearisation, minimum: Linearisation) -> bool:
+        """Return True if S exceeds a minimum by one standard error at most and does not fall below.
+
+        A curved valley may be long; the profiles follow it.
+        """
+        least = current.S - current.expected_decrease(predictor, linearised.fixed)
+        s2 = predictor.variance(minimum.S)
+        return current.S <= minimum.S + s2 and least >= minimum.S - accuracy**2 * s2
+
     def jacobian(v: Array) -> Array:
         """Return the columns of the free parameters; stop at the minimum."""
         nonlocal last
@@ -176,6 +186,8 @@ def minimise(
             last = at_minimum(last.u)
         if is_converged(last):
             raise _EndError(last)
+        if known is not None and is_in_valley(last, known):
+            raise _EndError(known)
         return last.J[:, free]
 
     if not np.isfinite(predictor.residuals(start)).all():
