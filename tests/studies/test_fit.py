@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 from importlib import resources
 from math import pi
@@ -18,9 +19,9 @@ import woundon.studies.fit
 from woundon.studies.fit import MOST_STARTS, fit_parameters
 from woundon.studies.kind_model import columns_of, measurable_outputs, model_of, replaced
 from woundon.studies.measured import Measured, read_measured
-from woundon.studies.minimise import Linearisation
+from woundon.studies.minimise import Linearisation, minimise
 from woundon.studies.predict import Parameter, Predictor
-from woundon.studies.profiles import threshold
+from woundon.studies.profiles import find_end, threshold
 
 X = np.linspace(1.0, 4.0, 12)
 NOISE = np.random.default_rng(7).normal(0, 0.1, X.size)
@@ -194,6 +195,25 @@ def test_intervals_are_those_of_whole_refits_for_the_measured_tensions():
     for end, true in zip((fit.profiles[0].low, fit.profiles[0].high), known, strict=True):
         reach = abs(np.log(true / fit.estimates[0]))
         assert abs(np.log(end / true)) < 1e-2 * reach
+
+
+def test_known_points_of_a_profile_bracket_its_end():
+    """The same end from a known profile, without an evaluation; at the bound too."""
+    y = 2 * (1 - np.exp(-0.4 * X)) + 0.3 * NOISE
+    bounds = (Parameter("a", 0.1, 100.0, 1.0), Parameter("b", 0.01, 10.0, 1.0))
+    predictor = Predictor(models.SaturationModel(), Measured({"x": X}, {"y": y}, {}), bounds)
+    minimum = minimise(predictor, np.zeros(2))
+    assert minimum is not None
+    limits = (threshold(minimum.S, 10, False), 1e3 * minimum.S)
+    for (j, sign), limit in itertools.product(((0, -1), (0, 1), (1, -1)), limits):
+        end = find_end(predictor, j, sign, minimum, limit)
+        solves = predictor.solves
+        again = find_end(predictor, j, sign, minimum, limit, end.points)
+        assert predictor.solves == solves
+        assert again.u == end.u or again.u == pytest.approx(end.u, rel=1e-12)
+        # points on the other side of the minimum do not belong to an end
+        opposite = find_end(predictor, j, -sign, minimum, limits[0], end.points)
+        assert all(-sign * (u[j] - minimum.u[j]) > 0 for _, u in opposite.points)
 
 
 def test_starts_end_when_two_agree():

@@ -21,6 +21,21 @@ def test_a_bar_says_what_is_done(capsys: pytest.CaptureFixture[str]):
     assert re.search(r"solving .*2/2 \S+ cases/s", capsys.readouterr().err)
 
 
+def test_a_file_contains_lines_in_place_of_a_bar(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+):
+    seconds = iter([0.0, 4.0, 11.0, 12.0, 32.0])
+    monkeypatch.setattr("woundon.studies.bars.monotonic", lambda: next(seconds))
+    with bar("fitting") as report:
+        for done in (1, 2, 3, 4):
+            report(done, 8)
+    lines = capsys.readouterr().err.split("\n")
+    assert [line for line in lines if line] == [
+        "fitting: 25% after 11 s",
+        "fitting: 50% after 32 s",
+    ]
+
+
 def test_a_fit_reports_progress_until_all_is_done():
     calls: list[tuple[int, int]] = []
     wo.fit(

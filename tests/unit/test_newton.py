@@ -131,6 +131,24 @@ def test_from_the_solution_nothing_changes() -> None:
     assert solver.counts.factorisations == before[1]  # reused between calls
 
 
+@pytest.mark.parametrize("seed", [1, 5])
+def test_a_neighbouring_factorisation_is_used_as_long_as_the_step_shrinks(seed: int) -> None:
+    """The solution is the same; next to the neighbour nothing is factorised, far from it much."""
+    system = row(seed)
+    neighbour = SemismoothNewton(system)
+    state, active = neighbour.solve(*start(system), 1e-11)
+    near = SemismoothNewton(system, neighbour)
+    moved = system.evaluate(state.u + 1e-4)
+    again, same = near.solve(moved, active.copy(), 1e-11)
+    assert near.counts.factorisations == 0
+    far = SemismoothNewton(system, neighbour)
+    third, _ = far.solve(*start(system), 1e-11)
+    assert far.counts.factorisations > 0
+    np.testing.assert_array_equal(same, active)
+    for found in (again, third):
+        np.testing.assert_allclose(found.u, state.u, rtol=0, atol=1e-10)
+
+
 def test_the_half_width_changes_by_limited_steps(monkeypatch: pytest.MonkeyPatch) -> None:
     """From far away: each step changes ln a by at most LARGEST_STEP, and it still converges."""
     system = row(4)

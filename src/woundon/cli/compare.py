@@ -110,6 +110,7 @@ def compare(
         tie=dict(ties),
         nodes=nodes,
         rtol=rtol,
+        progress=True,
     )
     if save:
         write_table(comparison.to_dataframe(), save)

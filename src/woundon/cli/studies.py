@@ -360,7 +360,7 @@ def plan(
     check_output_files(plot, save)
     keywords = load_plan(study)
     settings = {name: v for name, v in (("count", count), ("draws", draws)) if v is not None}
-    plan_result = next_experiment(**{**keywords, **settings})
+    plan_result = next_experiment(**{**keywords, **settings}, progress=True)
     if save:
         write_table(plan_result.to_dataframe().reset_index(), save)
     if plot:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from fractions import Fraction
 from types import NoneType
 from typing import Any, NamedTuple
@@ -18,7 +19,7 @@ import numpy as np
 
 from ..errors import InvalidProblem, nearest, one_of
 from ..problems.messages import quote
-from ..problems.units import factor, is_unit, parse
+from ..problems.units import factor, has_dimension, is_unit, parse
 from ..quantities import Quantity, pattern
 from .sheets import Sheet
 
@@ -245,6 +246,7 @@ def numbers(
     *,
     gaps: bool,
     sign: str,
+    width: float | None = None,
 ) -> Array:
     """Return a column in SI; invalid cells are nan, and are added to ``faults``.
 
@@ -259,12 +261,18 @@ def numbers(
         Whether cells may be empty, or nan.
     sign : str
         The table's :func:`decimal_sign`.
+    width : float, optional
+        Width of the web [m], by which a column of forces is divided if the quantity is a force per
+        width.
     """
     values = np.full(len(column.cells), np.nan)
     if quantity is None:
         text = "is not a number, so it cannot be a column here"
         faults.append((sheet.where, f"column {column.header!r}: {text}"))
         return values
+    if width and quantity.unit == "N/m" and has_dimension(f"1 {column.unit}", "N"):
+        forces = replace(quantity, unit="N")
+        return numbers(sheet, column, forces, faults, gaps=gaps, sign=sign) / width
     try:
         scale = _scale(column, quantity, sheet.in_si)
     except InvalidProblem as fault:

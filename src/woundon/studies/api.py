@@ -191,7 +191,8 @@ def _cases(
     outputs = scalar_outputs(kind_of(problem).result)
     outputs |= {f"errors.{name}": quantity for name, quantity in outputs.items()}
     inputs = columns_of(problem)
-    return read_cases(data, inputs, outputs, partial(build, problem), columns)
+    width = getattr(problem, "width", None)
+    return read_cases(data, inputs, outputs, partial(build, problem), columns, width)
 
 
 def _model_of_study(
@@ -370,7 +371,8 @@ def fit(
     0.25
     """
     outputs = measurable_outputs(problem)
-    data = read_measured(measured, columns_of(problem), outputs, columns, replaced(problem))
+    width = getattr(problem, "width", None)
+    data = read_measured(measured, columns_of(problem), outputs, columns, replaced(problem), width)
     settings = _on_one_mesh(problem, solver_options(nodes, rtol, options))
     model = model_of(problem, tuple(data.outputs), tie, settings)
     bounds = in_si(problem, _bounds(vary))

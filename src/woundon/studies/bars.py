@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from time import monotonic
 
 from rich.console import Console
 from rich.progress import (
@@ -20,6 +21,8 @@ from rich.progress import (
 from rich.text import Text
 
 __all__ = ["bar", "fraction_bar"]
+
+INTERVAL = 10.0  # of the lines that replace a bar in a file or a pipe [s]
 
 
 class _Rate(ProgressColumn):
@@ -45,6 +48,8 @@ class _Channel(Console):
 @contextmanager
 def bar(label: str, unit: str = "", done: int = 0) -> Iterator[Callable[[float, float], None]]:
     """Provide a function that shows the numbers of finished and expected cases on a bar.
+
+    If the error channel is not a terminal, a line is printed every 10 s, and the bar at the end.
 
     Parameters
     ----------
@@ -72,7 +77,19 @@ def bar(label: str, unit: str = "", done: int = 0) -> Iterator[Callable[[float, 
         transient=not unit,
     ) as progress:
         task = progress.add_task(label, total=None, completed=done, begun_with=done, unit=unit)
-        yield lambda completed, expected: progress.update(task, completed=completed, total=expected)
+        began = last_line = monotonic()
+
+        def report(completed: float, expected: float) -> None:
+            """Update the bar, or print a line."""
+            nonlocal last_line
+            progress.update(task, completed=completed, total=expected)
+            now = monotonic()
+            if not console.is_terminal and not console.is_jupyter and now - last_line >= INTERVAL:
+                last_line = now
+                count = f"{completed:g} of {expected:g}" if unit else f"{completed / expected:.0%}"
+                console.print(f"{label}: {count} after {now - began:.0f} s", highlight=False)
+
+        yield report
 
 
 @contextmanager

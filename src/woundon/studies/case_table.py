@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import isnan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -24,7 +24,6 @@ from ..io.files import replaced_file
 from ..io.sheets import Sheet, need_openpyxl, read_sheet, record_table, write_workbook
 from ..io.tables import Column, Names, decimal_sign, match_columns, numbers
 from ..problems.problem import Problem
-from ..problems.units import has_dimension
 from ..quantities import Quantity, is_on_request, pattern, scalar_outputs
 from . import design as designs
 from .engine import run_study
@@ -257,6 +256,8 @@ def _values(
 ) -> tuple[dict[str, list[Any]], list[str]]:
     """Return the values of each column in SI, gaps as nan or None, and the faults of each row."""
     names, sign = Names(columns_of(problem)), decimal_sign(sheet)
+    varied = {column.name for column in inputs}
+    width = None if "width" in varied else getattr(problem, "width", None)
     fields: dict[str, list[Any]] = {}
     faults: list[list[str]] = [[] for _ in sheet.numbers]
     for column in inputs:
@@ -267,31 +268,19 @@ def _values(
             ]
             continue
         reasons: list[tuple[str, str]] = []
-        width = _width_of_totals(column, quantity, problem, inputs)
-        quantity = replace(quantity, unit="N") if width else quantity
-        values = numbers(sheet, column, quantity, reasons, gaps=True, sign=sign)
+        values = numbers(sheet, column, quantity, reasons, gaps=True, sign=sign, width=width)
         if any(f"column {column.header!r}" == text.partition(": ")[0] for _, text in reasons):
             raise InvalidProblem(reasons)  # the header is invalid
         for k, number in enumerate(sheet.numbers) if reasons else ():
             row, cell = sheet._replace(numbers=[number]), column._replace(cells=[column.cells[k]])
             cell_reasons: list[tuple[str, str]] = []
             # again cell by cell: the reader of columns stops after many faults
-            values[k] = numbers(row, cell, quantity, cell_reasons, gaps=True, sign=sign)[0]
+            (values[k],) = numbers(
+                row, cell, quantity, cell_reasons, gaps=True, sign=sign, width=width
+            )
             faults[k] += [text.removeprefix(f"row {number}, ") for _, text in cell_reasons]
-        fields[column.name] = (values / (width or 1.0)).tolist()
+        fields[column.name] = values.tolist()
     return fields, ["; ".join(texts) for texts in faults]
-
-
-def _width_of_totals(
-    column: Column, quantity: Quantity, problem: Problem, inputs: Sequence[Column]
-) -> float | None:
-    """Return the width of the web by which the forces of a column are divided; None otherwise."""
-    if quantity.unit != "N/m" or not has_dimension(f"1 {column.unit}", "N"):
-        return None
-    if any(other.name == "width" for other in inputs):
-        return None
-    width: float | None = getattr(problem, "width", None)
-    return width
 
 
 def _read_cell(problem: Problem, column: Column, row: int, faults: list[str]) -> Any:

@@ -31,6 +31,7 @@ from ..results import Presented, ReadOnly
 from .explanations import Explanation, explain
 from .kind_model import KindModel, field_quantity, get_field, model_of
 from .measurements import Observations, error_at, predict, read_observations
+from .progress import Progress, progress_reporter
 from .pull_tab import PullTab
 
 if TYPE_CHECKING:
@@ -292,6 +293,7 @@ def compare(
     nodes: int | None = None,
     rtol: float | None = None,
     options: Mapping[str, Any] | None = None,
+    progress: bool | Progress = False,
 ) -> Comparison:
     """Compare measured values with the predictions for a problem of any kind.
 
@@ -312,6 +314,8 @@ def compare(
         value.
     columns, tie, nodes, rtol, options
         As of :func:`woundon.fit` and :func:`woundon.sweep`.
+    progress : bool or callable
+        Show the fraction that is done, or call with (states done, expected).
 
     Returns
     -------
@@ -346,7 +350,10 @@ def compare(
     if repeated:
         raise InvalidProblem.at(f"spread: {repeated[0]}", "is measured in a column of the table")
     covariates = _covariates(problem, data)
-    predicted, error, effects, failures = _predictions(model, data, covariates, deviations)
+    with progress_reporter(progress, "comparing") as report:
+        predicted, error, effects, failures = _predictions(
+            model, data, covariates, deviations, report
+        )
     effects[np.isnan(predicted)] = 0.0
     sources = (*deviations, *([TAB] if data.common.any() else []))
     if data.common.any():
@@ -375,6 +382,7 @@ def _predictions(
     data: Observations,
     covariates: Sequence[str],
     deviations: Mapping[str, float],
+    report: Progress,
 ) -> tuple[Array, Array, Array, tuple[str, ...]]:
     """Return predictions, their errors, effects of the input spreads, and reasons of failures.
 
@@ -386,7 +394,9 @@ def _predictions(
     m = len(data.names)
     predicted, error, effects = np.full(m, nan), np.full(m, nan), np.zeros((m, len(deviations)))
     failures, converged, start = [""] * m, "", None
-    for rows, inputs in _groups(data, covariates):
+    groups = list(_groups(data, covariates))
+    for done, (rows, inputs) in enumerate(groups):
+        report(done, len(groups))
         try:
             with unwarned():
                 start = result = model.solve(model.variant(inputs), start)

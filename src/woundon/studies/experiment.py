@@ -21,7 +21,8 @@ A. N. Donev, R. D. Tobias, Optimum Experimental Designs, with SAS, Oxford 2007, 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import itertools
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -39,6 +40,7 @@ from .api import solver_options
 from .fit import FitResult
 from .kind_model import field_quantity, get_field, kind_of
 from .planned import Measurement, Planned, plan_measurement
+from .progress import Progress, progress_reporter
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -231,6 +233,7 @@ def next_experiment(
     nodes: int | None = None,
     rtol: float | None = None,
     options: Mapping[str, Any] | None = None,
+    progress: bool | Progress = False,
 ) -> NextExperiment:
     """Rank candidate measurements by the expected reduction of uncertainty per cost.
 
@@ -261,6 +264,8 @@ def next_experiment(
         Points drawn from the present uncertainty at which the ranking is repeated.
     nodes, rtol, options
         As of :func:`woundon.sweep`.
+    progress : bool or callable
+        Show the fraction that is done, or call with (measurements done, expected).
 
     Returns
     -------
@@ -308,23 +313,27 @@ def next_experiment(
     known, goal = [planned(m) for m in completed], planned(target)
     if goal.measurement.size != 1:
         raise InvalidProblem.at("operating_point", "must be one state, without sequences")
-    study = _Study(
-        [planned(m) for m in candidates],
-        known,
-        goal,
-        criterion,
-        np.array([m.cost for m in candidates]),
-        _start_information(prior, fitted),
-    )
-    local = study.at(theta)
-    order = local.select(count)
-    scores, covariances = local.steps(order)
+    total = len(completed) + (1 + draws) * n
+    with progress_reporter(progress, "planning") as report:
+        done = itertools.count(1)
+        study = _Study(
+            [planned(m) for m in candidates],
+            known,
+            goal,
+            criterion,
+            np.array([m.cost for m in candidates]),
+            _start_information(prior, fitted),
+            lambda: report(next(done), total),
+        )
+        local = study.at(theta)
+        order = local.select(count)
+        scores, covariances = local.steps(order)
+        others, failures = _others(study, theta, covariances[0], draws, seed)
     everything = np.linalg.inv(local.J0 + local.information.sum(axis=0))
     initial_errors = np.sqrt(np.diag(covariances[0]))
     weak = np.sqrt(np.diag(everything)) > (1 - REDUCED) * initial_errors
     variance, vectors = np.linalg.eigh(everything)
     weakest = vectors[:, -1] / vectors[np.argmax(np.abs(vectors[:, -1])), -1]
-    others, failures = _others(study, theta, covariances[0], draws, seed)
     first = np.array([local.first_scores(), *(other.first_scores() for other in others)])
     quantities = {goal.output: goal.quantity}
     quantities |= {name: q for name in names if (q := field_quantity(base, name)) is not None}
@@ -414,6 +423,7 @@ class _Study(NamedTuple):
     criterion: str
     cost: Array
     start: Array
+    report: Callable[[], None]
 
     def at(self, theta: Mapping[str, float], fixed: Array | None = None) -> _Linearised:
         """Return the information of all candidates at a linearisation point.
@@ -428,9 +438,17 @@ class _Study(NamedTuple):
         value, gradient = self.goal.predict(theta, solved)
         J0 = fixed
         if J0 is None:
-            J0 = self.start + sum(m.information(theta, solved) for m in self.completed)
-        each = np.array([m.information(theta, solved) for m in self.candidates])
+            J0 = self.start + sum(self._information(m, theta, solved) for m in self.completed)
+        each = np.array([self._information(m, theta, solved) for m in self.candidates])
         return _Linearised(J0, each, gradient[0], float(value[0]), self.criterion, self.cost)
+
+    def _information(
+        self, measurement: Planned, theta: Mapping[str, float], solved: dict[Any, Any]
+    ) -> Array:
+        """Return the information of one measurement, and report that it is known."""
+        information = measurement.information(theta, solved)
+        self.report()
+        return information
 
 
 class _Linearised(NamedTuple):

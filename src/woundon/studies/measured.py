@@ -66,6 +66,7 @@ def read_measured(
     outputs: Mapping[str, Quantity],
     columns: Mapping[str, str | None] | None = None,
     replaced: Mapping[str, str] | None = None,
+    width: float | None = None,
 ) -> Measured:
     """Read measured data.
 
@@ -79,6 +80,8 @@ def read_measured(
         Header in the data -> name of the quantity, with or without unit; None omits a column.
     replaced : mapping of str to str, optional
         Names of outputs that do not exist, with a hint to existing ones.
+    width : float, optional
+        Width of the web [m], with which columns may contain total forces.
 
     Raises
     ------
@@ -96,6 +99,7 @@ def read_measured(
     replacements = replaced or {}
     names = Names({**dict.fromkeys((*ANNOTATIONS, *replacements)), **inputs, **outputs})
     matched = [c for c in match_columns(sheet, names, columns) if c.name not in ANNOTATIONS]
+    width = None if any(column.name == "width" for column in matched) else width
     groups: dict[str, dict[str, Array]] = {"inputs": {}, "outputs": {}, "deviations": {}}
     faults: list[tuple[str, str]] = []
     sign = decimal_sign(sheet)
@@ -106,7 +110,7 @@ def read_measured(
         output = column.name in outputs
         kind = "deviations" if column.deviation else "outputs" if output else "inputs"
         quantity = names.quantity(column.name)
-        values = numbers(sheet, column, quantity, faults, gaps=output, sign=sign)
+        values = numbers(sheet, column, quantity, faults, gaps=output, sign=sign, width=width)
         groups[kind][column.name] = values
     raise_faults(faults)
     _check(groups, sheet.where)
@@ -133,12 +137,13 @@ def read_cases(
     outputs: Mapping[str, Quantity],
     build: Callable[[str, Any], Any],
     columns: Mapping[str, str | None] | None = None,
+    width: float | None = None,
 ) -> dict[str, list[Any]]:
     """Read the cases of a sweep: for each input a list of values, in SI.
 
     Parameters
     ----------
-    data, inputs, outputs, columns
+    data, inputs, outputs, columns, width
         As of :func:`read_measured`; outputs and further columns of the tables of studies are
         ignored.
     build : callable
@@ -153,6 +158,7 @@ def read_cases(
     # a quantity that is both input and output, such as the creepage of rollers, is an output in the
     # table of a study, and an input in other tables
     written = any(column.name in ANNOTATIONS for column in matched)
+    width = None if any(column.name == "width" for column in matched) else width
     for column in matched:
         quantity = names.quantity(column.name)
         if column.name in outputs and (written or column.name not in inputs):
@@ -160,7 +166,7 @@ def read_cases(
         if column.deviation or column.name in ANNOTATIONS:
             continue
         if quantity is not None:
-            values = numbers(sheet, column, quantity, faults, gaps=False, sign=sign)
+            values = numbers(sheet, column, quantity, faults, gaps=False, sign=sign, width=width)
             over[column.name] = values.tolist()
         else:
             over[column.name] = _texts_and_bodies(sheet, column, build, faults)

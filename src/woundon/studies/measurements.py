@@ -89,7 +89,8 @@ def read_observations(
         places = dict.fromkeys(POSITIONS, length("r", "where it was measured"))
         known |= {**places, TAB_FORCE: FORCE}
     replacements = {name: text for name, text in replaced(problem).items() if name not in known}
-    table = read_measured(data, fields, known, columns, replacements)
+    width = getattr(problem, "width", None)
+    table = read_measured(data, fields, known, columns, replacements, width)
     values_of, deviations = dict(table.outputs), dict(table.deviations)
     radius = _radius(values_of, table.where, len(table.numbers))
     common: dict[str, Array] = {}

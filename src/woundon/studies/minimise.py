@@ -46,6 +46,10 @@ class Linearisation(NamedTuple):
         """Sum of the squared residuals."""
         return float(self.r @ self.r)
 
+    def change(self, u: Array) -> float:
+        """Return the squared change of the residuals in the linear model."""
+        return float(np.sum((self.J @ (u - self.u)) ** 2))
+
     def prediction_error(self, u: Array, r: Array) -> float:
         """Return the norm of the error of the linear model, where the residuals at u are r."""
         return float(np.linalg.norm(r - self.r - self.J @ (u - self.u)))
@@ -151,10 +155,9 @@ def minimise(
         r = predictor.residuals(u)
         if known is not None and known.predicts(u, r):
             raise _EndError(known)
-        if last is not None and not r @ r < last.S:
-            # the next step would be even shorter
-            if is_negligible(float(np.sum((last.J @ (u - last.u)) ** 2)), last):
-                raise _EndError(at_minimum(last.u))
+        # S is rough where a step within the accuracy does not decrease it; the next one is shorter
+        if last is not None and not r @ r < last.S and is_negligible(last.change(u), last):
+            raise _EndError(at_minimum(last.u))
         return r
 
     def is_negligible(change: float, current: Linearisation) -> bool:
@@ -174,9 +177,10 @@ def minimise(
 
         A curved valley may be long; the profiles follow it.
         """
-        least = current.S - current.expected_decrease(predictor, linearised.fixed)
+        above = current.S - minimum.S
+        decrease = current.expected_decrease(predictor, linearised.fixed)
         s2 = predictor.variance(minimum.S)
-        return current.S <= minimum.S + s2 and least >= minimum.S - accuracy**2 * s2
+        return above <= s2 and decrease <= above + accuracy**2 * s2
 
     def jacobian(v: Array) -> Array:
         """Return the columns of the free parameters; stop at the minimum."""
