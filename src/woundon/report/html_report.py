@@ -54,6 +54,8 @@ th { border-bottom: 0.4mm solid #555; }
 td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; white-space: pre; }
 sub, sup { line-height: 0; }
 tr, figure, div table { break-inside: avoid; }
+thead, tbody tr:first-child { break-after: avoid; }
+tbody tr:last-child { break-before: avoid; }
 div p { font-size: 8.5pt; }
 div.columns { columns: 2; column-gap: 6mm; }
 div.columns table { break-inside: auto; margin-top: 0; }

@@ -246,10 +246,13 @@ class Comparison(Presented, ReadOnly):
         """Return all values as lines of text, in units for display."""
         head = f"{'row':>5}  {'output':20} {'measured':>11} {'predicted':>11} {'residual':>11}"
         texts = [f"{head} {'uncertainty':>11}  unit"]
-        columns = (self.measured, self.predicted, self.residual, self.total)
+        columns = (self.measured, self.predicted, self.residual)
         for k, (number, name) in enumerate(zip(self.numbers, self.names, strict=True)):
             quantity = self.quantities[name]
             cells = " ".join(f"{quantity.shown(column[k]):11.5g}" for column in columns)
+            # zero if no part of it is known
+            total = float(self.total[k])
+            cells += f" {quantity.shown(total):11.5g}" if total else f" {'-':>11}"
             note = f"  {self.failures[k]}" if self.failures[k] else ""
             texts.append(f"{number:5}  {name:20} {cells}  {quantity.display}{note}")
         return texts
@@ -520,11 +523,12 @@ def _agreement_text(comparison: Comparison, output: str) -> str:
     if agreement.size == 0:
         return f"{output}: no value with a prediction"
 
+    uncertainty = agreement.bias_uncertainty  # zero if no part of it is known
     parts = [
         f"{output}: {agreement.size} {'value' if agreement.size == 1 else 'values'}",
-        f"measured - predicted {quantity.text(agreement.bias, '+.3g')} +- "
-        f"{quantity.text(agreement.bias_uncertainty, '.3g')} "
-        f"({100 * agreement.relative_bias:+.2g} %)",
+        f"measured - predicted {quantity.text(agreement.bias, '+.3g')} "
+        + (f"+- {quantity.text(uncertainty, '.3g')} " if uncertainty else "")
+        + f"({100 * agreement.relative_bias:+.2g} %)",
         f"RMS {quantity.text(agreement.rms, '.3g')}",
     ]
     if agreement.coverage == agreement.coverage:

@@ -20,7 +20,7 @@ from typing import Any, get_args, get_type_hints
 
 import numpy as np
 
-from ..errors import InvalidProblem
+from ..errors import InvalidProblem, one_of
 from ..problems.problem import Problem
 from ..quantities import Quantity, length, outputs, scalar_outputs, value_of
 from .kind_model import columns_of, kind_of, measurable_outputs, replaced
@@ -94,9 +94,14 @@ def read_observations(
     values_of, deviations = dict(table.outputs), dict(table.deviations)
     radius = _radius(values_of, table.where, len(table.numbers))
     common: dict[str, Array] = {}
+    if tab is not None and TAB_FORCE not in values_of:
+        raise InvalidProblem.at(table.where, f"has no column {TAB_FORCE}, but a tab is given")
     if TAB_FORCE in values_of:
         if tab is None:
-            text = f"{TAB_FORCE} needs the calibration of the tab: tab=wo.PullTab(...)"
+            text = (
+                f"{TAB_FORCE} needs the calibration of the tab: --tab-slope, or --tab-friction and "
+                "--tab-area; in Python tab=wo.PullTab(...)"
+            )
             raise InvalidProblem.at(table.where, text)
         if PRESSURE in values_of:
             text = f"has {PRESSURE} and {TAB_FORCE}; must be one of them"
@@ -111,7 +116,8 @@ def read_observations(
         nowhere = np.isnan(radius) & np.isfinite(values)
         if name not in scalars and nowhere.any():
             row = table.numbers[int(np.argmax(nowhere))]
-            text = f"row {row}: {name} needs a column {' or '.join(POSITIONS)}"
+            column = TAB_FORCE if name == PRESSURE and TAB_FORCE in table.outputs else name
+            text = f"row {row}: {column} needs a column {one_of(POSITIONS)}"
             raise InvalidProblem.at(table.where, text)
         unknown = np.full(values.shape, nan)
         entries += [
