@@ -206,7 +206,8 @@ class Worker:
         killed.
         """
         self._flag.unlink(missing_ok=True)
-        future = self._last = self._submit(work, *args)
+        with _interrupts_deferred():
+            future = self._last = self._submit(work, *args)
         return future
 
     def _submit(self, work: Callable[..., Answer], *args: Any) -> Future[Answer]:
@@ -220,14 +221,13 @@ class Worker:
 
         # a process that has grown ends between two tasks, and the next task starts another one
         warnings.filterwarnings("ignore", "A worker stopped while some jobs", UserWarning)
-        with _interrupts_masked():
-            self._executor = ProcessPoolExecutor(
-                1,
-                env=environment(),
-                initializer=_prepare,
-                initargs=(str(self._flag), _parent_pipe()[0], self.prepare),
-            )
-            return self._executor.submit(work, *args)
+        self._executor = ProcessPoolExecutor(
+            1,
+            env=environment(),
+            initializer=_prepare,
+            initargs=(str(self._flag), _parent_pipe()[0], self.prepare),
+        )
+        return self._executor.submit(work, *args)
 
     def cancel(self) -> None:
         """Let the next call of :func:`progress` in the process raise ``Cancelled``."""
@@ -253,11 +253,34 @@ def _parent_pipe() -> tuple[Any, Any]:
 
 
 @contextmanager
-def _interrupts_masked() -> Iterator[None]:
-    """Start processes that Ctrl-C does not reach before they ignore it.
+def _interrupts_deferred() -> Iterator[None]:
+    """Let Ctrl-C neither reach a process that is being started nor leave the pool half changed.
 
-    Windows has no signal masks: there Ctrl-C during the start ends a worker, as it ends the parent.
+    Processes inherit the mask of signals until they ignore Ctrl-C.  In this process the signal may
+    arrive in another thread in spite of the mask: its handler is called at the end.  Windows has no
+    masks: there Ctrl-C during the start ends a worker, as it ends the parent.
     """
+    arrived: list[tuple[int, types.FrameType | None]] = []
+    handler = signal.getsignal(signal.SIGINT)
+    in_main_thread = threading.current_thread() is threading.main_thread()
+    defers = in_main_thread and callable(handler)
+    if defers:
+        signal.signal(signal.SIGINT, lambda *arguments: arrived.append(arguments))
+    try:
+        with _interrupts_masked():
+            yield
+    finally:
+        if defers:
+            signal.signal(signal.SIGINT, handler)
+    for arguments in arrived:
+        handler = signal.getsignal(signal.SIGINT)  # the first call may have changed it
+        if callable(handler):
+            handler(*arguments)
+
+
+@contextmanager
+def _interrupts_masked() -> Iterator[None]:
+    """Mask Ctrl-C in this thread and in the processes that it starts."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return

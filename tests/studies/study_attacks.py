@@ -16,6 +16,7 @@ The seed determines the trial.  A trial returns how it ended, or raises an excep
 
 from __future__ import annotations
 
+import faulthandler
 import multiprocessing
 import os
 import random
@@ -333,6 +334,13 @@ class Command:
     def kill(self) -> None:
         self.process.kill()
 
+    def stacks(self) -> str:
+        """Kill it; return where its threads were."""
+        os.kill(self.process.pid, signal.SIGUSR1)
+        self.ended(1)  # it does not, but writes
+        self.kill()
+        return self.complaints.read_text("utf-8")
+
     def interrupt(self) -> None:
         """Press Ctrl-C: a terminal tells the whole group."""
         while not self.ended(0):
@@ -359,16 +367,19 @@ class Command:
 
 def _woundon(arguments: Sequence[str], complaints: Path, largest: int) -> None:
     """Run the command line in a process that was made for it."""
+    # an interpreter that is interrupted before the program begins is no fault of the program
+    signal.signal(signal.SIGINT, lambda *_: os._exit(cli.INTERRUPTED))
     os.setsid()
-    signal.signal(signal.SIGINT, signal.default_int_handler)
     for name, descriptor in ((os.devnull, 1), (complaints, 2)):
         os.dup2(os.open(name, os.O_WRONLY | os.O_CREAT), descriptor)
     sys.stdout, sys.stderr = os.fdopen(1, "w"), os.fdopen(2, "w")
+    faulthandler.register(signal.SIGUSR1, file=2)
     if largest:
         import resource
 
         sys.dont_write_bytecode = True  # half of a module would be kept
         resource.setrlimit(resource.RLIMIT_FSIZE, (largest, largest))
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     sys.exit(cli.main(arguments))
 
 
@@ -453,8 +464,7 @@ def stopped(seed: int, folder: Path, whole: Undisturbed) -> str:
             command.interrupt()
             pressed += not command.ended(patience) or pressed == 0
     if not command.ended(0):
-        command.kill()
-        raise Wrong("two Ctrl-C do not stop it")
+        raise Wrong(f"two Ctrl-C do not stop it:\n{command.stacks()}")
     if not _empty(command.process.pid):
         raise Wrong("processes were left")
     command.end()

@@ -102,6 +102,19 @@ def test_ctrl_c_when_all_is_reported_is_no_fault(code, monkeypatch):
     assert cli.main([]) == code
 
 
+def test_ctrl_c_while_a_class_is_defined_is_an_interrupt(monkeypatch, capsys: Capture):
+    class Interrupted:
+        def __set_name__(self, owner: type, name: str) -> None:
+            raise KeyboardInterrupt
+
+    def import_a_module(*_: object, **__: object) -> None:
+        type("Imported", (), {"member": Interrupted()})  # Python 3.11 raises a RuntimeError
+
+    monkeypatch.setattr(kinds, "solve", import_a_module)
+    assert cli.main(QUICK) == 130
+    assert "Traceback" not in capsys.readouterr().err
+
+
 def test_not_converged_has_its_own_code(monkeypatch, capsys: Capture):
     def give_up(*_: object, **__: object) -> None:
         raise wo.NotConverged("the estimated error of NIT is 0.3 N/m")

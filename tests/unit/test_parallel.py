@@ -6,7 +6,9 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
+from concurrent.futures import Future
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
@@ -153,6 +155,38 @@ def _start(script: str, *args: str) -> subprocess.Popen[str]:
         # a shell lets jobs in its background ignore Ctrl-C, and that is inherited
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )  # fmt: skip
+
+
+@posix
+def test_ctrl_c_waits_until_a_worker_is_started(monkeypatch: pytest.MonkeyPatch):
+    """The signal arrives in another thread, which no mask of the main thread prevents."""
+    from joblib.externals.loky import ProcessPoolExecutor
+
+    submit, pressed, submitted = ProcessPoolExecutor.submit, threading.Event(), []
+
+    def press() -> None:
+        pressed.wait()
+        signal.raise_signal(signal.SIGINT)
+
+    def submit_slowly(executor: ProcessPoolExecutor, *args: object) -> Future[int]:
+        pressed.set()
+        finger.join()
+        submitted.append(submit(executor, *args))
+        return submitted[0]
+
+    monkeypatch.setattr(ProcessPoolExecutor, "submit", submit_slowly)
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    finger = threading.Thread(target=press)
+    finger.start()
+    worker = Worker()
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            worker.submit(process_tasks.square, 3)
+        assert submitted[0].result() == 9
+    finally:
+        worker.kill()
+        signal.signal(signal.SIGINT, before)
+    assert children() == set()
 
 
 STUDY = """

@@ -94,6 +94,11 @@ def _run(args: Sequence[str] | None) -> int:
         return _print_errors([fault.format_message()], INVALID_INPUT)
     except click.Abort:
         return INTERRUPTED
+    except RuntimeError as fault:
+        # Python 3.11 raises it for Ctrl-C while a class is defined, as during an import
+        if not isinstance(fault.__cause__, KeyboardInterrupt):
+            raise
+        return INTERRUPTED
     except BrokenPipeError:
         raise
     except OSError as fault:
