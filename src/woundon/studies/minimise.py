@@ -135,84 +135,110 @@ def minimise(
     Linearisation or None
         None if the start, or a derivative on the way, cannot be solved.
     """
-    from scipy.optimize import least_squares
-
-    at_end = None if linearised else 0.0  # tolerance of the Jacobian at the minimum
+    # tolerance of the Jacobian at the minimum
+    at_end = None if linearised else 0.0
     linearised = linearised or ReusedJacobian(predictor)
     start = np.clip(start, predictor.low, predictor.high)
-    free = np.arange(start.size) != linearised.fixed
-    last: Linearisation | None = None
+    return _Minimisation(predictor, start, known, linearised, at_end, accuracy).run()
 
-    def place(v: Array) -> Array:
-        """Return all parameters for values of the free ones."""
-        u = start.copy()
-        u[free] = v
-        return u
 
-    def residuals(v: Array) -> Array:
+class _Minimisation:
+    """Residuals and Jacobian of the free parameters v, which end the iteration at the minimum.
+
+    Parameters as of :func:`minimise`; ``at_end`` is the tolerance of the Jacobian at the minimum.
+    """
+
+    def __init__(
+        self,
+        predictor: Predictor,
+        start: Array,
+        known: Linearisation | None,
+        linearised: ReusedJacobian,
+        at_end: float | None,
+        accuracy: float,
+    ) -> None:
+        self.predictor, self.start, self.known = predictor, start, known
+        self.linearised, self.at_end, self.accuracy = linearised, at_end, accuracy
+        self.free = np.arange(start.size) != linearised.fixed
+        self.last: Linearisation | None = None
+
+    def run(self) -> Linearisation | None:
+        """Return the minimum; None if the start, or a derivative on the way, cannot be solved."""
+        from scipy.optimize import least_squares
+
+        predictor, start, free = self.predictor, self.start, self.free
+        if not np.isfinite(predictor.residuals(start)).all():
+            return None
+        try:
+            # no gtol, which is absolute: the residuals of small outputs, such as a creepage, would
+            # be below it at once
+            end = least_squares(
+                self.residuals,
+                start[free],
+                self.jacobian,
+                (predictor.low[free], predictor.high[free]),
+                method="dogbox",
+                x_scale="jac",
+                ftol=self.accuracy**2 / max(predictor.measured.size - start.size, 1),
+                xtol=SMALLEST_STEP,
+                gtol=None,
+                max_nfev=EVALUATIONS,
+            )
+            return self._at_minimum(self._all_parameters(end.x))
+        except _EndError as reached:
+            return reached.minimum
+        except ValueError:  # a derivative could not be solved
+            return None
+
+    def residuals(self, v: Array) -> Array:
         """Return the residuals; stop in the basin of a known minimum, and where S is rough."""
-        u = place(v)
-        r = predictor.residuals(u)
+        u, known, last = self._all_parameters(v), self.known, self.last
+        r = self.predictor.residuals(u)
         if known is not None and known.predicts(u, r):
             raise _EndError(known)
         # S is rough where a step within the accuracy does not decrease it; the next one is shorter
-        if last is not None and not r @ r < last.S and is_negligible(last.change(u), last):
-            raise _EndError(at_minimum(last.u))
+        if last is not None and not r @ r < last.S and self._is_negligible(last.change(u), last):
+            raise _EndError(self._at_minimum(last.u))
         return r
 
-    def is_negligible(change: float, current: Linearisation) -> bool:
-        """Return True if a step is within the accuracy, by the squared change of residuals."""
-        return change <= accuracy**2 * predictor.variance(current.S)
+    def jacobian(self, v: Array) -> Array:
+        """Return the columns of the free parameters; stop at the minimum."""
+        self.last = self.linearised(self._all_parameters(v))
+        if self._is_converged(self.last) and self.at_end is not None:
+            self.last = self._at_minimum(self.last.u)
+        if self._is_converged(self.last):
+            raise _EndError(self.last)
+        if self.known is not None and self._is_in_valley(self.last, self.known):
+            raise _EndError(self.known)
+        return self.last.J[:, self.free]
 
-    def at_minimum(u: Array) -> Linearisation:
+    def _all_parameters(self, v: Array) -> Array:
+        """Return all parameters for values of the free ones."""
+        u = self.start.copy()
+        u[self.free] = v
+        return u
+
+    def _at_minimum(self, u: Array) -> Linearisation:
         """Return the residuals at the minimum, with the Jacobian of the requested tolerance."""
-        return linearised(u, at_end)
+        return self.linearised(u, self.at_end)
 
-    def is_converged(current: Linearisation) -> bool:
+    def _is_negligible(self, change: float, current: Linearisation) -> bool:
+        """Return True if a step is within the accuracy, by the squared change of residuals."""
+        return change <= self.accuracy**2 * self.predictor.variance(current.S)
+
+    def _expected_decrease(self, current: Linearisation) -> float:
+        """Return the decrease of S in the linear model."""
+        return current.expected_decrease(self.predictor, self.linearised.fixed)
+
+    def _is_converged(self, current: Linearisation) -> bool:
         """Return True if the next step would be shorter than the accuracy."""
-        return is_negligible(current.expected_decrease(predictor, linearised.fixed), current)
+        return self._is_negligible(self._expected_decrease(current), current)
 
-    def is_in_valley(current: Linearisation, minimum: Linearisation) -> bool:
+    def _is_in_valley(self, current: Linearisation, minimum: Linearisation) -> bool:
         """Return True if S exceeds a minimum by one standard error at most and does not fall below.
 
         A curved valley may be long; the profiles follow it.
         """
-        above = current.S - minimum.S
-        decrease = current.expected_decrease(predictor, linearised.fixed)
-        s2 = predictor.variance(minimum.S)
-        return above <= s2 and decrease <= above + accuracy**2 * s2
-
-    def jacobian(v: Array) -> Array:
-        """Return the columns of the free parameters; stop at the minimum."""
-        nonlocal last
-        last = linearised(place(v))
-        if is_converged(last) and at_end is not None:
-            last = at_minimum(last.u)
-        if is_converged(last):
-            raise _EndError(last)
-        if known is not None and is_in_valley(last, known):
-            raise _EndError(known)
-        return last.J[:, free]
-
-    if not np.isfinite(predictor.residuals(start)).all():
-        return None
-    try:
-        # no gtol, which is absolute: the residuals of small outputs, such as a creepage, would be
-        # below it at once
-        end = least_squares(
-            residuals,
-            start[free],
-            jacobian,
-            (predictor.low[free], predictor.high[free]),
-            method="dogbox",
-            x_scale="jac",
-            ftol=accuracy**2 / max(predictor.measured.size - start.size, 1),
-            xtol=SMALLEST_STEP,
-            gtol=None,
-            max_nfev=EVALUATIONS,
-        )
-        return at_minimum(place(end.x))
-    except _EndError as reached:
-        return reached.minimum
-    except ValueError:  # a derivative could not be solved
-        return None
+        above, s2 = current.S - minimum.S, self.predictor.variance(minimum.S)
+        decrease = self._expected_decrease(current)
+        return above <= s2 and decrease <= above + self.accuracy**2 * s2

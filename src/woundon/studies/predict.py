@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Mapping
 from copy import copy
 from dataclasses import dataclass
@@ -20,7 +21,8 @@ Array = np.ndarray
 # Outputs are smooth except for kinks where a node changes its zone.  The step is so long that the
 # solver's tolerance (1e-8 of the output) does not matter, and so short that curvature does not.
 STEP = 1e-3
-KEPT, MIN_KEPT = 200, 3  # states; places
+# Solutions that are kept for warm starts, those of at least three places: one takes 5 to 30 MB.
+KEPT, MIN_PLACES = 60, 3
 
 
 @dataclass(frozen=True)
@@ -82,18 +84,17 @@ class Parameter:
         return self.coordinate(min(max(self.base, self.low), self.high))
 
 
-class _Evaluation(NamedTuple):
-    """Predictions and states of all cases at u; no states if a case failed."""
+class _Place(NamedTuple):
+    """The states of all cases at u."""
 
     u: Array
-    values: Array
     states: list[Any]
 
 
 class Predictor:
     """Predicts every measured value from the parameters' coordinates u, from ``low`` to ``high``.
 
-    Each distinct row is solved once, with a warm start from the nearest recent place.
+    Each distinct row is solved once at each u, with a warm start from the nearest recent place.
     """
 
     def __init__(self, model: Model, measured: Measured, parameters: tuple[Parameter, ...]) -> None:
@@ -128,11 +129,23 @@ class Predictor:
         self.low, self.high = np.transpose([p.ends for p in parameters])
         self.solves, self.fault = 0, ""
         self.report: Callable[[], None] = _no_report
-        self._evaluations: list[_Evaluation] = []
+        self._values: dict[bytes, Array] = {}
+        self._places: deque[_Place] = deque(maxlen=max(MIN_PLACES, KEPT // len(self.cases)))
 
     def values(self, u: Array) -> Array:
-        """Return the predictions, (m,); all are nan if a case fails."""
-        return self._evaluate_cached(u).values
+        """Return the predictions, (m,); all are nan if a case fails.
+
+        Those of each u are computed once.
+        """
+        key = u.tobytes()
+        if key not in self._values:
+            try:
+                self._values[key] = self._solve_all(u)
+            except (ValueError, RuntimeError, ArithmeticError) as fault:
+                self._values[key] = np.full(self.of_case.size, np.nan)
+                self.fault = f"{type(fault).__name__}: {fault}"
+            self.report()
+        return self._values[key]
 
     def residuals(self, u: Array) -> Array:
         """Return (predicted - measured) / deviation, (m,)."""
@@ -182,7 +195,8 @@ class Predictor:
         """Return a copy that knows the states of one place only, to be sent to a process."""
         other = copy(self)
         nearest = self._nearest(u)
-        other._evaluations = [] if nearest is None else [nearest]
+        other._values = {}
+        other._places = deque(() if nearest is None else (nearest,), self._places.maxlen)
         other.report = _no_report
         return other
 
@@ -190,23 +204,8 @@ class Predictor:
         """Return the parameters' values by name."""
         return {p.name: p.value(float(v)) for p, v in zip(self.parameters, u, strict=True)}
 
-    def _evaluate_cached(self, u: Array) -> _Evaluation:
-        """Solve all cases, or return the known predictions."""
-        known = [evaluation for evaluation in self._evaluations if np.array_equal(evaluation.u, u)]
-        if known:
-            return known[0]
-        try:
-            evaluation = self._solve_all(u)
-        except (ValueError, RuntimeError, ArithmeticError) as fault:
-            evaluation = _Evaluation(np.array(u), np.full(self.of_case.size, np.nan), [])
-            self.fault = f"{type(fault).__name__}: {fault}"
-        capacity = max(MIN_KEPT, KEPT // len(self.cases))
-        self._evaluations = [*self._evaluations, evaluation][-capacity:]
-        self.report()
-        return evaluation
-
-    def _solve_all(self, u: Array) -> _Evaluation:
-        """Solve all cases, with warm starts from the nearest place."""
+    def _solve_all(self, u: Array) -> Array:
+        """Solve all cases, with warm starts from the nearest place; return the predictions."""
         nearest = self._nearest(u)
         fitted, out = self.inputs(u), np.empty((len(self.cases), len(self.model.outputs)))
         states: list[Any] = []
@@ -216,14 +215,14 @@ class Predictor:
             out[k] = answer.values
             states.append(answer.state)
             self.solves += 1
-        return _Evaluation(np.array(u), out[self.of_case, self.of_output], states)
+        self._places.append(_Place(u.copy(), states))
+        return out[self.of_case, self.of_output]
 
-    def _nearest(self, u: Array) -> _Evaluation | None:
-        """Return the nearest solved place."""
-        solved = [evaluation for evaluation in self._evaluations if evaluation.states]
+    def _nearest(self, u: Array) -> _Place | None:
+        """Return the nearest recent place."""
         width = self.high - self.low
         return min(
-            solved, key=lambda place: float(np.max(np.abs(place.u - u) / width)), default=None
+            self._places, key=lambda place: float(np.max(np.abs(place.u - u) / width)), default=None
         )
 
 
