@@ -256,6 +256,7 @@ def _parent_pipe() -> tuple[Any, Any]:
 def _interrupts_deferred() -> Iterator[None]:
     """Let Ctrl-C neither reach a process that is being started nor leave the pool half changed.
 
+    A process that was not killed would keep this one from ending, which waits for its children.
     Processes inherit the mask of signals until they ignore Ctrl-C.  In this process the signal may
     arrive in another thread in spite of the mask: its handler is called at the end.  Windows has no
     masks: there Ctrl-C during the start ends a worker, as it ends the parent.
@@ -272,10 +273,10 @@ def _interrupts_deferred() -> Iterator[None]:
     finally:
         if defers:
             signal.signal(signal.SIGINT, handler)
-    for arguments in arrived:
-        handler = signal.getsignal(signal.SIGINT)  # the first call may have changed it
-        if callable(handler):
-            handler(*arguments)
+        for arguments in arrived:
+            handler = signal.getsignal(signal.SIGINT)  # the first call may have changed it
+            if callable(handler):
+                handler(*arguments)
 
 
 @contextmanager
@@ -367,8 +368,9 @@ def in_processes(
                 else:
                     raise WorkerDied("two worker processes died during this item") from fault
         finally:
-            for worker in crew:
-                worker.kill()
+            with _interrupts_deferred():
+                for worker in crew:
+                    worker.kill()
 
 
 @contextmanager

@@ -189,6 +189,24 @@ def test_ctrl_c_waits_until_a_worker_is_started(monkeypatch: pytest.MonkeyPatch)
     assert children() == set()
 
 
+@posix
+def test_ctrl_c_waits_until_all_workers_are_killed(monkeypatch: pytest.MonkeyPatch):
+    kill = Worker.kill
+
+    def kill_slowly(worker: Worker) -> None:
+        signal.raise_signal(signal.SIGINT)
+        kill(worker)
+
+    monkeypatch.setattr(Worker, "kill", kill_slowly)
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            list(in_processes(process_tasks.square, range(8), 2))
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert children() == set()
+
+
 STUDY = """
 import numpy as np
 import woundon as wo
