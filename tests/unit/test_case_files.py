@@ -172,6 +172,17 @@ def test_what_is_like_no_case_is_rejected_soon(tmp_path, text, said):
     assert time.process_time() - start < 5  # tomllib alone takes minutes for the long keys
 
 
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [("tensions.csv", b"nip_load [kN/m],T [N/m]\n2,500\n"), ("tensions.xlsx", b"PK\x03\x04\xff")],
+)
+def test_a_table_in_place_of_a_case_is_recognised(tmp_path, name, content):
+    path = tmp_path / name
+    path.write_bytes(content)
+    with pytest.raises(wo.InvalidProblem, match="not a case file; 'woundon table CASES' solves"):
+        wo.load_case(path)
+
+
 def test_texts_and_numbers_may_hold_many_dots(tmp_path):
     path = tmp_path / "case.toml"
     dots = f"# {'. ' * 50}\n# {'.' * 200}\n# {', '.join(['0.5'] * 100)}\n"

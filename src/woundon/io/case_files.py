@@ -43,6 +43,10 @@ MAX_NAMES = 5000  # a thousand layers
 _BARE = re.compile(r"[\w.-]+\s*=\s*[\d.+-]+\s*[^\W\d_].*")  # nip_load = 3.5 kN/m
 _NAME = r"""(?:[\w-]+|"[^"\n]*"|'[^'\n]*')[ \t]*"""
 _LONG_KEY = re.compile(rf"(?<![\w-])(?:{_NAME}\.[ \t]*){{{MAX_DEPTH}}}")  # a.a.a.a...
+_NOT_A_CASE = (
+    "not a case file; 'woundon table CASES' solves the cases of a table, and 'woundon compare "
+    "MEASURED CASE' and 'woundon fit CASE DATA' take measured values"
+)
 
 Faults = list[tuple[str, str]]
 
@@ -123,12 +127,14 @@ def tables_of_text(content: bytes, where: str) -> dict[str, Any]:
     except UnicodeDecodeError as fault:
         why = f"is not UTF-8 text, from byte {fault.start}; save it as UTF-8"
         if content.startswith(b"PK"):  # a zip archive, as Excel files are
-            why = "is an Excel file, not a case file; 'woundon table' solves the cases of a table"
+            why = f"is an Excel file, {_NOT_A_CASE}"
         raise InvalidProblem.at(where, why) from None
     except RecursionError:
         raise InvalidProblem.at(where, "is not a case file: it is nested too deeply") from None
     except tomllib.TOMLDecodeError as fault:
         reason = f"is not valid TOML: {fault}{_line_at_fault(text, str(fault))}"
+        if where.lower().endswith((".csv", ".txt", ".tsv")):
+            reason = f"is a table, {_NOT_A_CASE}"
         raise InvalidProblem.at(where, reason) from None
     except ValueError:  # Python's limit on the digits of a whole number
         text = "is not a case file: it has a number of thousands of digits"

@@ -51,7 +51,7 @@ class Parameter:
 
     def __post_init__(self) -> None:
         if not self.low < self.high or not np.isfinite([self.low, self.high]).all():
-            text = f"bounds {self.low!r} to {self.high!r} must be low < high"
+            text = f"bounds {self.low!r} to {self.high!r} must be finite, and low < high"
             raise InvalidProblem.at(self.name, text)
 
     @property

@@ -149,7 +149,10 @@ def _spreads(
         spreads = {n: s for n, s in base_grade.spread_of(problem).items() if n not in ties}
     spreads |= {name: _spread(problem, name, value) for name, value in overrides.items()}
     if not spreads:
-        text = "missing; must be {field: relative standard deviation}, for the case names no grade"
+        text = (
+            "missing, and the case names no grade that has spreads; must be {field: relative "
+            "standard deviation}, on the command line --uncertain FIELD=DEVIATION"
+        )
         raise InvalidProblem.at("uncertain", text)
     return {n: s for n, s in spreads.items() if s > 0 and get_field(problem, n) > 0}, ties
 
