@@ -383,3 +383,42 @@ def test_a_load_that_flattens_a_tube_is_rejected() -> None:
     pair = wo.RollerProblem(upper=wo.Rigid(radius=0.1), lower=tube, load=5 * borne, friction=0.2)
     with pytest.raises(wo.InvalidProblem, match=r"load: .* the lower is a tube"):
         wo.solve(pair)
+
+
+def flattened(nip_load: float) -> wo.NipProblem:
+    """Return a roll and a drum on open bores, whose contact widens quickly with the load."""
+    paper = wo.Orthotropic(radial=13.5e6, tangential=9.2e9, cross=2.6e6, shear=14.6e6)
+    bodies = {}
+    for name, radius, layers in (
+        ("roll", 0.061, [(0.052, paper), (1.2e-3, (206e9, 0.3))]),
+        ("drum", 0.133, [(4e-3, (531e6, 0.185)), (3.1e-3, (8e6, 0.16)), (3e-6, (40e9, 0.49))]),
+    ):
+        made = [
+            {"thickness": h, "material": m if m is paper
+             else wo.Isotropic(youngs_modulus=m[0], poissons_ratio=m[1])}
+            for h, m in layers
+        ]  # fmt: skip
+        bodies[name] = wo.Layered(radius=radius, layers=made, core="free")
+    return wo.NipProblem(
+        web=wo.Web(thickness=113e-6, material=paper), **bodies, roll_friction=0.152,
+        drum_friction=0.49, nip_load=nip_load, winding_force=-0.27 * nip_load, web_tension=65.4,
+        roll_wrap=0,
+    )  # fmt: skip
+
+
+def test_a_contact_that_is_too_wide_in_passing_only_is_solved() -> None:
+    """With the first active sets the contact would be wider than the radius of the roll."""
+    cold = wo.solve(flattened(7000.0), nodes=65)
+    start = wo.solve(flattened(5000.0), nodes=65)
+    warm = wo.solve(flattened(7000.0), nodes=65, start=start)
+    assert cold.half_width < 0.7 * 0.061
+    # the solver's tolerance is 1e-11 in the unit of each unknown
+    assert cold.half_width == pytest.approx(warm.half_width, rel=1e-8)
+    assert cold.wound_on_tension == pytest.approx(warm.wound_on_tension, rel=1e-7)
+
+
+def test_a_tube_that_friction_flattens_is_explained() -> None:
+    """Without friction 11.4 kN/m would be possible."""
+    says = "the drum is a tube on an open bore, and the load is 99% of the largest one"
+    with pytest.raises(wo.NotConverged, match=says):
+        wo.solve(flattened(11_300.0))

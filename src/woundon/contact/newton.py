@@ -189,7 +189,7 @@ class SemismoothNewton:
     def _iterate(self, state: Any, active: Array, tolerance: float) -> tuple[Any, Array]:
         """Alternate between Newton steps and updates of the active set; see :meth:`solve`."""
         visits: dict[bytes, int] = {}
-        self.size = np.inf
+        self.size, violated = np.inf, np.ones(active.size, dtype=bool)
         for _ in range(MAX_ITERATIONS + active.size):
             self.counts.iterations += 1
             step, size = self._step(state, active)
@@ -197,7 +197,8 @@ class SemismoothNewton:
                 return state, active
             if not np.isfinite(size):
                 raise NewtonFailed("the step is not finite")
-            state = self.system.evaluate(_limited_update(self.system, state.u, step))
+            is_settled = not violated.any() or active.tobytes() in visits  # settled, or cycles
+            state = self.system.evaluate(_limited_update(self.system, state.u, step, is_settled))
             violated = _violates_inequality(state, active)
             if violated.any():
                 pattern = active.tobytes()
@@ -255,10 +256,13 @@ def friction_residual(state: Iterate, active: Array) -> Array:
     return np.where(active == 0, state.slip, state.traction - active * state.bound)
 
 
-def _limited_update(system: System, u: Array, step: Array) -> Array:
-    """Return u + step, with the half width at most the largest one permitted."""
+def _limited_update(system: System, u: Array, step: Array, is_settled: bool) -> Array:
+    """Return u + step, with the half width at most the largest one permitted.
+
+    A larger half width may be required in passing, before the active set is settled.
+    """
     ln_a, largest = system.ln_a, system.largest_ln_a
-    if u[ln_a] == largest and step[ln_a] > 0:
+    if is_settled and u[ln_a] == largest and step[ln_a] > 0:
         raise NewtonFailed("the half width exceeds the largest one permitted")
     u = u + step
     u[ln_a] = min(u[ln_a], largest)

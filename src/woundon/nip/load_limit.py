@@ -15,7 +15,7 @@ increasing load leads to them, and the gap of such a contact is not x^2/2R*.
 
 from __future__ import annotations
 
-from math import log
+from math import inf, log
 
 import numpy as np
 
@@ -24,7 +24,13 @@ from ..errors import InvalidProblem
 from ..problems.bodies import half_width_guess
 from ..problems.contact_problem import ContactProblem
 
-__all__ = ["check_load", "frictionless_half_width", "frictionless_pressure", "largest_load"]
+__all__ = [
+    "bending_text",
+    "check_load",
+    "frictionless_half_width",
+    "frictionless_pressure",
+    "largest_load",
+]
 
 Array = np.ndarray
 # Nodes of the mesh for the load limit: loads are accurate to 1 %.
@@ -61,12 +67,8 @@ def check_load(problem: ContactProblem, load_field: str) -> None:
             raise InvalidProblem.at(name, body.resolution_fault)
     if not problem.linear:
         return
-    load, R = float(getattr(problem, load_field)), problem.contact_radius
-    bending_tubes = [
-        name
-        for name, body in zip(problem.pair, problem.bodies, strict=True)
-        if load > BENDING_SHARE * body.bending_load(R)
-    ]
+    load = float(getattr(problem, load_field))
+    bending_tubes = _bending_tubes(problem, load)
     # a contact of twice Hertz's half width usually carries the load: influence functions of larger
     # distances are not needed then
     trial_half_width = min(2 * half_width_guess(load, *problem.bodies), largest_half_width(problem))
@@ -87,6 +89,31 @@ def check_load(problem: ContactProblem, load_field: str) -> None:
     raise InvalidProblem.at(
         load_field, f"{load:.6g} is out of range; must be <= {largest:.3g} [N/m], about: {reason}"
     )
+
+
+def bending_text(problem: ContactProblem, load: float) -> str:
+    """Return a text about an open tube that a load bends; empty if there is none.
+
+    Friction and the tension of the web may reduce the load that one contact carries.
+    """
+    bending_tubes = _bending_tubes(problem, load) if problem.linear else []
+    if not bending_tubes:
+        return ""
+    share = load / largest_load(problem, inf)
+    return (
+        f"the {bending_tubes[0]} is a tube on an open bore, and the load is {share:.0%} of the "
+        "largest one that it carries in one contact without friction; use a smaller load"
+    )
+
+
+def _bending_tubes(problem: ContactProblem, load: float) -> list[str]:
+    """Return the names of the open tubes that a load bends."""
+    R = problem.contact_radius
+    return [
+        name
+        for name, body in zip(problem.pair, problem.bodies, strict=True)
+        if load > BENDING_SHARE * body.bending_load(R)
+    ]
 
 
 def largest_load(problem: ContactProblem, sufficient: float | None = None) -> float:

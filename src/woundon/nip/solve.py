@@ -28,7 +28,7 @@ from ..validity import far_outside
 from .certificate import certificate, inconsistencies
 from .entrained_air import AirFilm, air_warnings
 from .equations import NipEquations
-from .load_limit import check_load
+from .load_limit import bending_text, check_load
 from .outputs import SLIP_RATIOS, NipSystem, error_estimates, web_arrays
 from .result import NipResult
 from .solve_air import solve_with_air
@@ -211,10 +211,15 @@ def _criterion(
 
 
 def _outside_model(problem: Any) -> str:
-    """Return a text on quantities that are far outside the validity limits in an unsolved case."""
-    width = 2 * half_width_guess(problem.nip_load, *problem.bodies)
-    texts = (*web_far_outside(problem, width), *far_outside(problem, problem.nip_load))
-    return "; ".join(texts)
+    """Return a text on what is far outside the model, or at its limit, in an unsolved case."""
+    load = problem.nip_load
+    width = 2 * half_width_guess(load, *problem.bodies)
+    texts = (
+        *web_far_outside(problem, width),
+        *far_outside(problem, load),
+        bending_text(problem, load),
+    )
+    return "; ".join(filter(None, texts))
 
 
 def _check_force(problem: Any) -> None:

@@ -26,7 +26,7 @@ from ..problems.rollers import RollerProblem
 from ..results import Residuals, measured
 from ..validity import far_outside
 from .conditions import LARGEST_MESH
-from .load_limit import check_load
+from .load_limit import bending_text, check_load
 from .roller_certificate import certificate, consistency
 from .roller_result import RollerResult
 from .roller_validity import roller_warnings
@@ -125,8 +125,9 @@ def solve_rollers(
         texts = (
             f"stick and slip zones were not found: {failed}",
             *far_outside(problem, problem.load),
+            bending_text(problem, problem.load),
         )
-        raise NotConverged("; ".join(texts)) from failed
+        raise NotConverged("; ".join(filter(None, texts))) from failed
     unmet = "" if nodes else criterion.unmet(refinement)
     result = _result(problem, refinement, unmet if rtol is None else "").checked()
     if unmet and rtol is not None:
