@@ -191,6 +191,74 @@ def test_too_many_iterations_fail(monkeypatch: pytest.MonkeyPatch) -> None:
         SemismoothNewton(system).solve(*start(system, -3.0), 1e-11)
 
 
+CYCLING_STARTS = [[0, 1, 1], [1, 0, 0], [0, 0, 1]]
+
+
+@pytest.mark.parametrize("pull", [-1.0, 1.0])
+@pytest.mark.parametrize("guess", CYCLING_STARTS)
+def test_a_cycle_of_active_sets_is_left(
+    guess: list[int], pull: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Three masses, each dragged by the next: the primal-dual active set method alone cycles.
+
+    The compliance C = I + 2 S, S a cyclic shift, has positive principal minors, so that there is
+    one solution; but three masses are enough for a cycle (Ben Gharbia and Gilbert 2012).  All
+    masses stick for a pull of -1, and slip for +1.
+    """
+    compliance, bound = np.eye(3) + 2 * np.roll(np.eye(3), 1, axis=1), 8.0
+    f = bound + np.linalg.solve(compliance, np.full(3, pull))  # w = C (bound - q) + pull
+    system = Row(np.linalg.inv(compliance), f, np.full(3, bound / 4))
+    w, q = by_enumeration(system)
+    state, active = start(system, log(2.0))  # the load is known: only the active set is sought
+    state, active = SemismoothNewton(system).solve(state, np.array(guess, dtype=np.int8), 1e-11)
+    np.testing.assert_allclose(state.u[:3], w, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(state.traction, q, rtol=0, atol=1e-12)
+    assert (active == (pull > 0)).all()
+    # without the rule for cycles
+    monkeypatch.setattr(newton, "MOST_VISITS", np.inf)
+    state, _ = start(system, log(2.0))
+    with pytest.raises(NewtonFailed, match="violate the friction law"):
+        SemismoothNewton(system).solve(state, np.array(guess, dtype=np.int8), 1e-11)
+
+
+@pytest.mark.parametrize(("noise", "is_solved"), [(1e-9, True), (1e-5, False)])
+def test_steps_that_are_due_to_rounding_end_the_iteration(
+    noise: float, is_solved: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A residual with an error of 1e-9 leads to a solution as accurate, one of 1e-5 to none."""
+    system, evaluate = row(4), row(4).evaluate
+    exact, active = SemismoothNewton(system).solve(*start(system), 1e-11)
+
+    def inexact(u: Array) -> Iterate:
+        state, sign = evaluate(u), (-1) ** system.evaluations
+        system.evaluations += 1
+        state.equilibrium[:-1] += sign * noise
+        return state
+
+    monkeypatch.setattr(system, "evaluate", inexact)
+    if is_solved:
+        state, found = SemismoothNewton(system).solve(*start(system), 1e-11)
+        np.testing.assert_array_equal(found, active)
+        # |K^-1| <= 1, and the error of the residual changes by two noises between two steps
+        np.testing.assert_allclose(state.u, exact.u, rtol=0, atol=3 * noise)
+    else:
+        with pytest.raises(NewtonFailed, match="the last step is"):
+            SemismoothNewton(system).solve(*start(system), 1e-11)
+
+
+def test_the_creepage_node_that_sticks_is_between_zones_of_opposite_slip() -> None:
+    """The zone of slip +1 grows over the last sticking node: its neighbour of slip -1 sticks."""
+    system = row(6)
+    system.creepage_nodes = np.arange(system.k)
+    state, _ = start(system)
+    active = np.array([1, 1, 1, 0, -1, -1, -1], dtype=np.int8)
+    state.slip[:] = [0.9, 0.5, 0.1, 0.0, -0.2, -0.6, -0.7]  # the smallest is in the other zone
+    state.traction[:] = active * state.bound
+    state.traction[3] = 2 * state.bound[3]
+    new = newton._next_active_set(system, state, active, newton._violates_inequality(state, active))
+    np.testing.assert_array_equal(new, [1, 1, 1, 1, 0, -1, -1])
+
+
 def test_one_creepage_node_keeps_sticking() -> None:
     """If all nodes whose slip contains the creepage slipped, no equation would determine it."""
     system = row(6)
