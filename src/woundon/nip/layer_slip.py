@@ -7,16 +7,21 @@ the pressure P0 that is wound into the roll could be carried by friction where
 
     |tau| <= mu (P0 + p),     p = -sigma_r,     mu the friction between the layers.
 
+With entrained air, mu is that of the film between the layers under the pressure P0 + p
+(:meth:`woundon.nip.result.NipResult.layer_friction`): no air escapes while they pass the nip.
+
 P0(z) = T z/R close to the surface: every layer wound on with the stress T = WOT/h presses those
 below it with T h/R.  It is limited by the plateau of the stack, P of
 
     T^2/(2 E_t) = int_0^P P' dP'/E_r(P')
 
-(:meth:`woundon.Stack.plateau_pressure`), and by the pressure of a
+(:meth:`woundon.Stack.plateau_pressure`), with the air between the layers, and by the pressure of a
 :class:`~woundon.WoundRoll` at that depth.
 
-The index is the largest ratio, over the interfaces, of max_x |tau| and mu (P0 + max_x p).  A ratio
-at each point would grow without bound outside the contact, where both vanish at the surface.
+Two measures: the largest ratio, over the interfaces, of max_x |tau| and mu (P0 + max_x p); and the
+number of layers in which |tau| exceeds mu (P0 + p) at some x.  Layers may slip at a ratio below 1,
+where the pressure is low.  A ratio at each point would grow without bound outside the contact,
+where both vanish at the surface.
 
 The index uses the stresses of layers that do not slide.  It tells whether these stresses are
 possible, not how far the layers slide, nor by how much the wound-on tension would change.
@@ -26,19 +31,21 @@ docs/theory/layer_slip.md
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from math import ceil, isinf
+from math import ceil, inf, isinf
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
 from ..elasticity.interior_stress import Section
 from ..errors import InvalidProblem
+from ..problems.air import stack_with_film
+from ..problems.radial_laws import SolidLaw
 from ..problems.stack import Stack
 from ..problems.wound_roll import WoundRoll
 from ..quantities import length, pure
 from ..results import ReadOnly
 
-__all__ = ["LayerSlip", "interior_stress", "layer_slip", "wound_in_pressure"]
+__all__ = ["LayerSlip", "friction_limit", "interior_stress", "layer_slip", "wound_in_pressure"]
 
 Array = np.ndarray
 
@@ -62,10 +69,11 @@ class LayerSlip(ReadOnly):
     Attributes
     ----------
     ratio : float
-        Largest ratio of max_x abs(tau) and mu (P0 + max_x p) over the interfaces [1].  Above 1 the
-        stresses of the bonded roll are more than friction between the layers can carry.
+        Largest ratio of max_x abs(tau) and mu (P0 + max_x p) over the interfaces [1]; inf if air
+        leaves no friction.  Above 1 the layers slip where the shear is largest, below 1 only where
+        the pressure is low.
     layers : int
-        Number of layers in which abs(tau) exceeds mu (P0 + p) somewhere.
+        Number of layers in which abs(tau) exceeds mu (P0 + p) somewhere; > 0 if the ratio is > 1.
     depth : float
         Depth of the deepest slipping layer [m], 0 if there is none.
     width : float
@@ -80,23 +88,25 @@ class LayerSlip(ReadOnly):
         P0 [Pa].
     excess : (k,) array
         max_x (abs(tau) - mu (P0 + p)) [Pa], > 0 where layers slip.
-    friction : float
-        mu [1].
+    friction : (k,) array
+        mu under P0 + max_x p, reduced by the air between the layers [1].
     """
 
     part_of_result: ClassVar[bool] = True
 
-    ratio: Annotated[float, pure("S_tau", "largest interlayer shear / friction limit")]
-    layers: Annotated[int, pure("n_slip", "number of layers that would slip")]
+    ratio: Annotated[
+        float, pure("S_tau", "largest interlayer shear / friction at largest pressure")
+    ]
+    layers: Annotated[int, pure("n_slip", "layers whose shear exceeds friction somewhere")]
     depth: Annotated[float, length("z_slip", "depth of the deepest slipping layer")]
     width: Annotated[float, length("w_slip", "extent along the nip over which layers would slip")]
-    friction: float
     layer: Array = field(repr=False)
     interface_depth: Array = field(repr=False)
     largest_shear: Array = field(repr=False)
     largest_pressure: Array = field(repr=False)
     wound_in_pressure: Array = field(repr=False)
     excess: Array = field(repr=False)
+    friction: Array = field(repr=False)
 
     @property
     def friction_limit(self) -> Array:
@@ -104,15 +114,33 @@ class LayerSlip(ReadOnly):
         return self.friction * (self.wound_in_pressure + self.largest_pressure)
 
     @property
+    def critical(self) -> int:
+        """Index of the interface with the largest ratio."""
+        return int(np.argmax(_ratios(self.largest_shear, self.friction_limit)))
+
+    @property
     def warning(self) -> str:
-        """Text of the warning for a ratio above 1; empty otherwise."""
-        if self.ratio <= 1:
+        """Text of the warning if layers would slip; empty otherwise."""
+        if self.layers == 0:
             return ""
-        return (
-            f"the shear between the layers of the roll is up to {self.ratio:.3g} times what "
-            f"friction can carry, down to {self.depth * 1e3:.3g} mm ({self.layers} layers): the "
-            "tension holds only if the layers below the web do not slide"
-        )
+        extent = f"down to {self.depth * 1e3:.3g} mm ({self.layers} layers)"
+        if isinf(self.ratio):
+            text = (
+                "the air between the layers of the roll leaves no friction at some depth, and the "
+                f"shear is more than friction can carry {extent}"
+            )
+        elif self.ratio > 1:
+            text = (
+                f"the shear between the layers of the roll is up to {self.ratio:.3g} times what "
+                f"friction can carry, {extent}"
+            )
+        else:
+            text = (
+                "the shear between the layers of the roll is more than friction can carry, "
+                f"{extent}, where the pressure is low; under the largest pressure of each layer "
+                f"it is up to {self.ratio:.3g} times what friction can carry"
+            )
+        return f"{text}: the tension holds only if the layers below the web do not slide"
 
 
 def layer_slip(result: Any) -> LayerSlip | None:
@@ -139,14 +167,14 @@ def layer_slip(result: Any) -> LayerSlip | None:
     >>> print(f"ratio {slip.ratio:.2f}, {slip.layers} layers")
     ratio 2.39, 69 layers
     """
-    h, mu = result.problem.web.thickness, result.problem.roll_friction
+    h = result.problem.web.thickness
     maxima, extents, layer = [], [], np.zeros(0, dtype=int)
     for block in _blocks(result):
         sections = interior_stress(result, block * h)
         if sections is None:
             return None
         for section, P0 in zip(sections, wound_in_pressure(result, block * h), strict=True):
-            excess = np.abs(section.shear) - mu * (P0 - section.normal)
+            excess = np.abs(section.shear) - friction_limit(result, P0 - section.normal)
             maxima.append((np.abs(section.shear).max(), -section.normal.min(), P0, excess.max()))
             if excess.max() > 0:
                 extents.append(_slipping_extent(section.x, excess))
@@ -159,19 +187,38 @@ def layer_slip(result: Any) -> LayerSlip | None:
     all_layers = np.arange(1, layer[-1] + 1)
     slipping = all_layers[np.interp(all_layers, layer, excess) > 0]
     width = max(end for _, end in extents) - min(start for start, _ in extents) if extents else 0.0
+    friction = np.asarray(result.layer_friction(wound_pressure + pressure))
     return LayerSlip(
-        ratio=float((shear / (mu * (wound_pressure + pressure))).max()),
+        ratio=float(_ratios(shear, friction * (wound_pressure + pressure)).max()),
         layers=int(slipping.size),
         depth=float(h * slipping.max(initial=0)),
         width=float(width),
-        friction=mu,
         layer=layer,
         interface_depth=layer * h,
         largest_shear=shear,
         largest_pressure=pressure,
         wound_in_pressure=wound_pressure,
         excess=excess,
+        friction=friction,
     )
+
+
+def _ratios(shear: Array, limit: Array) -> Array:
+    """Return the ratios of shear and friction limit; inf where there is no friction."""
+    return np.divide(shear, limit, out=np.full(shear.shape, inf), where=limit > 0)
+
+
+def friction_limit(result: Any, pressure: Array) -> Array:
+    """Return mu P, the shear that friction between the layers carries under a pressure P [Pa].
+
+    Parameters
+    ----------
+    result : NipResult
+    pressure : array
+        P = P0 + p [Pa]; < 0 where the stresses of the nip pull bonded layers apart.
+    """
+    limit: Array = result.layer_friction(np.maximum(pressure, 0.0)) * pressure
+    return limit
 
 
 def interior_stress(result: Any, depths: Array) -> tuple[Section, ...] | None:
@@ -202,7 +249,10 @@ def interior_stress(result: Any, depths: Array) -> tuple[Section, ...] | None:
 
 
 def wound_in_pressure(result: Any, depths: Array) -> Array:
-    """Return P0 at depths z [m] below the surface of the roll, (m,) [Pa]."""
+    """Return P0 at depths z [m] below the surface of the roll, (m,) [Pa].
+
+    The depth is that without air: each layer adds T h/R, whatever its distance from the next one.
+    """
     problem, z = result.problem, np.asarray(depths, dtype=float)
     roll, T = problem.roll, max(float(result.tension[-1]), 0.0) / problem.web.thickness
     P0 = T * z / roll.radius
@@ -211,6 +261,10 @@ def wound_in_pressure(result: Any, depths: Array) -> Array:
     stack = roll.stack if isinstance(roll, WoundRoll) else problem.web.material
     if not isinstance(stack, Stack):
         return P0
+    if result.air is not None and isinstance(stack.radial, SolidLaw):
+        h = problem.web.thickness
+        stack = stack_with_film(stack, result.air.film, h, problem.air)
+        T *= h / (h + result.air.film)
     try:
         return np.minimum(P0, stack.plateau_pressure(T))
     except InvalidProblem:  # the law ends below the plateau

@@ -246,8 +246,8 @@ class NipResult(Dissipation, Result):
     def layer_slip(self) -> LayerSlip | None:
         """Index of slip between the layers of the roll, which the model takes as bonded.
 
-        None of a roll whose interior stresses are not known (rigid, viscoelastic).  A ratio above
-        1 issues a :class:`~woundon.errors.ValidityWarning`.
+        None of a roll whose interior stresses are not known (rigid, viscoelastic).  Layers that
+        would slip issue a :class:`~woundon.errors.ValidityWarning`.
         """
         slip = layer_slip(self)
         warn([slip.warning] if slip and slip.warning else ())

@@ -15,8 +15,9 @@ from .fields import Number, default
 from .messages import quote
 from .radial_laws import SolidLaw
 from .roll import RollProblem
+from .stack import Stack
 
-__all__ = ["Air", "with_film"]
+__all__ = ["Air", "stack_with_film", "with_film"]
 
 
 class Air(Description):
@@ -121,12 +122,21 @@ def with_film(roll: RollProblem, film: float, air: Air) -> RollProblem:
     stack, web = roll.stack, roll.web_thickness
     if not isinstance(stack.radial, SolidLaw):
         raise InvalidProblem.at("stack.radial", "already contains air; must be a law without air")
-    law = AirBetween(
-        law=stack.radial, film=film, web_thickness=web, ambient_pressure=air.ambient_pressure
-    )
     solid = web / (web + film)
     return roll.replace(
-        stack=stack.replace(radial=law, tangential=stack.tangential * solid),
+        stack=stack_with_film(stack, film, web, air),
         web_thickness=web + film,
         density=None if roll.density is None else roll.density * solid,
     )
+
+
+def stack_with_film(stack: Stack, film: float, web_thickness: float, air: Air) -> Stack:
+    """Return a stack without air with a film between its layers; parameters as of with_film."""
+    law = AirBetween(
+        law=stack.radial,
+        film=film,
+        web_thickness=web_thickness,
+        ambient_pressure=air.ambient_pressure,
+    )
+    solid = web_thickness / (web_thickness + film)
+    return stack.replace(radial=law, tangential=stack.tangential * solid)

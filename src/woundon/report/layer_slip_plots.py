@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from ..errors import unwarned
-from ..nip.layer_slip import LayerSlip, interior_stress, wound_in_pressure
+from ..nip.layer_slip import LayerSlip, friction_limit, interior_stress, wound_in_pressure
 from ..nip.result import NipResult
 from ..quantities import Quantity
 from .figures import COLOURS, axis_label, quantity_of
@@ -66,7 +66,7 @@ def _map(result: NipResult, slip: LayerSlip) -> tuple[Array, Array, Array]:
     sections = interior_stress(result, z) or ()
     P0 = wound_in_pressure(result, z)
     excess = [
-        np.interp(x, s.x, np.abs(s.shear) - slip.friction * (P - s.normal))
+        np.interp(x, s.x, np.abs(s.shear) - friction_limit(result, P - s.normal))
         for s, P in zip(sections, P0, strict=True)
     ]
     return x, z, np.array(excess)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
+from math import isinf
 
 from .. import kinds, quantities
 from ..errors import InvalidProblem, NoSteadyState, NotConverged, unwarned
@@ -10,6 +12,7 @@ from ..nip.result import NipResult
 from ..problems.nip import NipProblem
 from ..problems.stack import Stack
 from ..problems.wound_roll import WoundRoll
+from ..quantities import pure
 from .closed_forms import nip_closed_forms
 from .outputs_report import LEFT_OUT, approach_note, rows_of
 from .report_parts import (
@@ -124,6 +127,13 @@ def _loads(result: NipResult) -> tuple[Row, ...]:
 
 
 LAYERS = "Interlayer slip in the roll (the model assumes bonded layers)"
+# of the numbers of LayerSlip, whose definitions differ
+SLIP_MEASURES = (
+    "S_tau compares the largest shear of an interface with friction under its largest pressure; "
+    "n_slip counts the layers whose shear exceeds friction at any point along the nip, also where "
+    "the pressure is low: layers may slip at S_tau < 1."
+)
+LAYER_FRICTION = pure("mu_l", "friction between the layers at S_tau, reduced by the air film")
 
 
 def _layer_slip(result: NipResult) -> Iterator[Part]:
@@ -134,12 +144,18 @@ def _layer_slip(result: NipResult) -> Iterator[Part]:
         return
     names = ("ratio", "layers", "depth", "width") if slip.layers else ("ratio",)
     places = ((name, quantities.output(slip, name)) for name in names)
-    rows = tuple(
+    rows = [
         row_of(place.quantity, getattr(slip, name))
         for name, place in places
         if place is not None and place.quantity is not None
+    ]
+    if isinf(slip.ratio):
+        rows[0] = replace(rows[0], value="no friction")
+    elif result.air is not None:
+        rows.append(row_of(LAYER_FRICTION, slip.friction[slip.critical]))
+    yield Section(
+        LAYERS, tuple(rows), f"warning: {slip.warning}. {SLIP_MEASURES}" if slip.warning else ""
     )
-    yield Section(LAYERS, rows, f"warning: {slip.warning}" if slip.warning else "")
 
 
 def _without_wraps(result: NipResult) -> Iterator[Section]:
