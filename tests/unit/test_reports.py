@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from io import StringIO
 from math import pi
 from typing import Any
@@ -18,6 +19,7 @@ from woundon import kinds, quantities
 from woundon.report.nip_report import nip_report
 from woundon.report.report_parts import Row, Section, certificate_line, zone_line
 from woundon.report.terminal import print_parts
+from woundon.report.trade_rule import nip_trade_rule, winding_trade_rule
 
 OF_ROLLS = (wo.RollResult, wo.WindingResult)
 NODES = 33  # of three meshes, so that errors are estimated
@@ -125,6 +127,62 @@ def test_a_nip_that_is_none_without_its_wraps_says_why():
     assert text.startswith("No steady state exists: winding_force: 400 is out of range")
     # the closed forms of the tension know no drum wrap
     assert [line.split()[0] for line in said["Other theories"]] == ["Hertz", "Hertz"]
+
+
+# ---- the trade rule NIT = mu N -------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"roll_wrap": 0.0},
+        {"roll_wrap": 1.0, "drum_wrap": 0.5, "winding_force": -150.0},
+        {"roll_wrap": pi, "web_speed": 30.0, "air": wo.Air(roughness=0.12e-6)},
+    ],
+)
+def test_the_trade_rule_and_its_corrections_add_up_to_the_result(changes):
+    # Conservation: NIT = mu N + F, less what stick and air take, plus the wrap
+    result = wo.solve(newsprint_nip(**changes), nodes=NODES)
+    rule, *corrections = nip_trade_rule(result).rows
+    problem, nip = result.problem, result.in_nip
+    assert rule.value == 0.19 * problem.nip_load + problem.winding_force
+    added = sum(row.value for row in corrections)
+    assert rule.value + added == pytest.approx(result.nip_induced_tension)
+    # the tractions on the roll, integrated: winding force and tension agree to the solver's 1e-8
+    Q = np.trapezoid(result.roll_traction[nip], result.x[nip])
+    mu = result.air.roll_friction if result.air else 0.19
+    assert corrections[0].value == pytest.approx(Q - mu * problem.nip_load, rel=1e-5)
+    assert any("air" in row.meaning for row in corrections) == bool(result.air)
+    assert any("wrap" in row.meaning for row in corrections) == (problem.roll_wrap > 0)
+
+
+def test_the_reason_is_the_share_of_the_load_that_does_not_slip_forward():
+    # Conservation: the shares add up; full slip at a low friction and F well below zero
+    stuck = wo.solve(newsprint_nip(), nodes=NODES)
+    text = nip_trade_rule(stuck).text
+    shares = [float(share) for share in re.findall(r"([0-9.]+) %", text)]
+    assert sum(shares[:3]) == pytest.approx(100, abs=0.16)  # each rounded to 0.1
+    assert shares[3] == pytest.approx(
+        100 * stuck.nip_induced_tension / (0.19 * stuck.problem.nip_load), abs=0.06
+    )
+    slips = newsprint_nip(nip_load=100.0, winding_force=-19.0, web_tension=19.0, roll_friction=0.02)
+    section = nip_trade_rule(wo.solve(slips, nodes=NODES))
+    assert "slips forward on the roll in the whole nip, as the rule assumes" in section.text
+    surface = section.rows[1]  # T_in + F = 0: the rule of surface winding
+    assert (surface.symbol, surface.value) == ("WOT", pytest.approx(2.0))
+
+
+def test_the_trade_rule_of_a_winding_is_averaged_over_the_web():
+    # Closed form: constant loads; the law "friction" is the rule itself
+    problem = wo.WindingProblem.example().replace(radius=0.12, torque_split=0.5)
+    by_rule = wo.solve(problem.replace(tension_law="friction"), rtol=0.01)
+    (row,) = winding_trade_rule(by_rule).rows
+    assert row.value == pytest.approx(by_rule.mean_nip_induced_tension)
+    assert "that of this rule" in str(by_rule)
+    fixed = problem.replace(torque_split=None, tension_law="fixed", nip_induced_tension=100.0)
+    section = winding_trade_rule(wo.solve(fixed, rtol=0.01))
+    assert section.rows[0].value == pytest.approx(0.19 * 2000)
+    assert "prescribed" in section.text
 
 
 # ---- what every report ends with -----------------------------------------------------------------

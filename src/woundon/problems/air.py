@@ -120,8 +120,6 @@ def with_film(roll: RollProblem, film: float, air: Air) -> RollProblem:
     if film == 0:
         return roll
     stack, web = roll.stack, roll.web_thickness
-    if not isinstance(stack.radial, SolidLaw):
-        raise InvalidProblem.at("stack.radial", "already contains air; must be a law without air")
     solid = web / (web + film)
     return roll.replace(
         stack=stack_with_film(stack, film, web, air),
@@ -132,6 +130,8 @@ def with_film(roll: RollProblem, film: float, air: Air) -> RollProblem:
 
 def stack_with_film(stack: Stack, film: float, web_thickness: float, air: Air) -> Stack:
     """Return a stack without air with a film between its layers; parameters as of with_film."""
+    if not isinstance(stack.radial, SolidLaw):
+        raise InvalidProblem.at("stack.radial", "already contains air; must be a law without air")
     law = AirBetween(
         law=stack.radial,
         film=film,

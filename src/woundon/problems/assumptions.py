@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+from ..quantities import find
+
 __all__ = ["of_nip", "of_roll", "of_rollers", "of_winding"]
 
 PLANE = "Steady state, small strains, plane strain."
@@ -36,6 +38,7 @@ def of_nip(problem: Any) -> tuple[str, ...]:
         BONDED,
         WRAPPED if problem.roll_wrap else NO_WRAP,
         *([AIR] if problem.air is not None else []),
+        *_centrifugal(problem, problem.web_tension, problem.web_tension),
     )
 
 
@@ -90,7 +93,7 @@ LAWS = {
 
 def of_winding(problem: Any) -> tuple[str, ...]:
     """Return the assumptions of a winding."""
-    law = problem.tension_law
+    law, tensions = problem.tension_law, problem.at("web_tension", problem.radii(2))
     if law == "nip":
         drum = "The drum is rigid." if problem.drum.rigid else ""
         assumptions = (
@@ -108,4 +111,41 @@ def of_winding(problem: Any) -> tuple[str, ...]:
         "The roll is axisymmetric, its layers elastic, and without creep.",
         UNIFORM if problem.gauge_excess == 0 else LANE,
         *([AIR] if problem.air is not None else []),
+        *_centrifugal(problem, float(tensions.min()), float(tensions.max())),
     )
+
+
+REFERENCE_MASS = 0.01  # of a web of unknown density: m V^2 for each 10 g/m^2 [kg/m^2]
+
+
+def _centrifugal(problem: Any, low: float, high: float) -> Iterator[str]:
+    """Yield the neglected part m V^2 of the tension, of a web whose speed is given.
+
+    On a curved path with the radius R the web, of the mass m per area, presses with
+    (T - m V^2)/R on what it is wrapped on.
+
+    Parameters
+    ----------
+    problem : NipProblem or WindingProblem
+    low, high : float
+        Smallest and largest web tension [N/m].
+    """
+    V, grade = problem.web_speed, problem.named_grade
+    if not V:
+        return
+    speed, tension = (find(problem, name)[0].quantity for name in ("web_speed", "web_tension"))
+    assert speed is not None
+    assert tension is not None
+    neglected = f"The centrifugal force of the web is neglected: at {speed.text(V)} it takes m V^2"
+    given, of_grade = getattr(problem, "density", None), grade and grade.density
+    density = given or of_grade
+    if density is None:
+        force = tension.text(REFERENCE_MASS * V**2, ".3g")
+        yield f"{neglected} = {force} of the tension for each 10 g/m^2 (the density is not known)."
+        return
+    force = density * problem.web.thickness * V**2
+    text = f"{neglected} = {tension.text(force, '.3g')} of the tension"
+    if low > 0:
+        least, most = f"{100 * force / high:.2g}", f"{100 * force / low:.2g}"
+        text += f", {least if least == most else f'{least} to {most}'} % of the web tension"
+    yield f"{text} (density {'of the grade' if density == of_grade else 'given'})."

@@ -17,7 +17,10 @@ __all__ = ["ContactProblem", "unused_speed"]
 
 def unused_speed(field: str, speed: float) -> str:
     """Return the warning for a speed on which nothing depends."""
-    return f"{field} = {speed:.6g} m/s is not used: the bodies are elastic and there is no air"
+    text = f"{field} = {speed:.6g} m/s is not used: the bodies are elastic and there is no air"
+    if field == "web_speed":
+        text += ", and the centrifugal force of the web is neglected (see the assumptions)"
+    return text
 
 
 class ContactProblem(Problem):

@@ -30,11 +30,10 @@ def nip_closed_forms(result: NipResult) -> Iterator[Section]:
 
 
 def _tension_formulas(result: NipResult) -> Iterator[tuple[str, float]]:
-    """Yield the closed forms of the nip-induced tension that apply."""
+    """Yield the closed forms of the nip-induced tension that apply, except the trade rule."""
     problem = result.problem
     if problem.drum_wrap or problem.air:
         return  # their winding force is that of the nip alone
-    yield "friction limit mu+ P + F (upper bound)", theories.friction_limit(problem)
     if result.dual:
         dual = float(theories.dual_slip(problem, result.dual))
         yield "dual-slip formula, with the solved dual slip", dual

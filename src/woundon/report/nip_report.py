@@ -25,6 +25,7 @@ from .report_parts import (
     output_row,
     row_of,
 )
+from .trade_rule import nip_trade_rule
 
 __all__ = ["nip_report"]
 
@@ -73,6 +74,7 @@ def nip_report(result: NipResult) -> list[Part]:
             rows,
             "" if problem.is_wrapped else HELD_NOTE,
         ),
+        nip_trade_rule(result),
         nip_zones(result),
         *_without_wraps(result),
         *_layer_slip(result),

@@ -1,0 +1,134 @@
+"""The trade rule NIT = mu N next to the solution, with the reason for the difference.
+
+The rule is full slip: friction of the whole nip load pulls the web forward on the roll, so that
+
+    NIT = mu N + F;     F = 0 (centre winding): NIT = mu N,   F = -T_in (surface): WOT = mu N.
+
+The equilibrium of the web between its span and the end of the roll wrap is NIT = Q+ + F + Q_w+,
+Q+ and Q_w+ the tractions on the roll in the nip and on its wrap.  With the friction mu_e that an
+air film leaves,
+
+    NIT - (mu N + F) = (Q+ - mu_e N) - (mu - mu_e) N + Q_w+.
+
+docs/theory/simple_formulas.md
+"""
+
+from __future__ import annotations
+
+from math import isclose
+
+import numpy as np
+
+from .. import theories
+from ..nip.result import NipResult
+from ..results import Zone
+from ..winding.result import WindingResult
+from .report_parts import Section, output_row
+
+__all__ = ["nip_trade_rule", "winding_trade_rule"]
+
+Array = np.ndarray
+
+TITLE = "Trade rule NIT = mu N (full slip on the roll, N the nip load)"
+SLIPS = "The web slips forward on the roll in the whole nip, as the rule assumes."
+PRESCRIBED = "The wound-on tension is prescribed and does not follow from this rule."
+
+
+def nip_trade_rule(result: NipResult) -> Section:
+    """Return the section of the rule for a nip; its rows add up to the computed tension."""
+    problem, effective = result.problem, result.without_air
+    N, F, T_in = problem.nip_load, problem.winding_force, problem.web_tension
+    Q_w = result.roll_wrap_traction
+    Q = result.nip_induced_tension - F - Q_w
+    slip = Q - effective.roll_friction * N
+    air = (effective.roll_friction - problem.roll_friction) * N
+    rule = theories.friction_limit(problem)
+    meaning = f"trade rule NIT = mu N{' + F' if F else ''}"
+    rows = [output_row(result, "nip_induced_tension", rule, meaning=meaning)]
+    for text, value in (
+        ("stick or backward slip on the roll in the nip", slip),
+        ("friction lost to the air film", air),
+        ("friction on the roll wrap", Q_w),
+    ):
+        if value:
+            rows.append(
+                output_row(result, "nip_induced_tension", value, meaning=text, symbol="dNIT")
+            )
+    if F and isclose(F, -T_in):
+        text = "trade rule of surface winding WOT = mu N"
+        rows.insert(1, output_row(result, "wound_on_tension", T_in + rule, meaning=text))
+    return Section(TITLE, tuple(rows), _reason(result))
+
+
+def _reason(result: NipResult) -> str:
+    """Return the shares of the nip load by zones of the roll, and of the friction."""
+    forward, stick, backward = _load_shares(result)
+    if forward > 1 - 5e-4:  # 100.0 %
+        return SLIPS
+    mu = result.without_air.roll_friction
+    Q = result.nip_induced_tension - result.problem.winding_force - result.roll_wrap_traction
+    return (
+        f"The rule assumes that the web slips forward on the roll in the whole nip. It does under "
+        f"{_percent(forward)} of the nip load, sticks under {_percent(stick)} and slips backward "
+        f"under {_percent(backward)}: friction pulls with "
+        f"{_percent(Q / (mu * result.problem.nip_load))} of mu N."
+    )
+
+
+def _load_shares(result: NipResult) -> tuple[float, float, float]:
+    """Return the shares of the load on the roll under forward slip, stick and backward slip [1]."""
+    nip = result.in_nip
+    x, p, zones = result.x[nip], result.roll_pressure[nip], result.roll_zone[nip]
+    load = p * np.gradient(x)  # trapezoidal rule: the pressure is zero at the edges
+    forward, stick, backward = (
+        float(load[zones == zone].sum() / load.sum())
+        for zone in (Zone.FORWARD, Zone.STICK, Zone.BACKWARD)
+    )
+    return forward, stick, backward
+
+
+def winding_trade_rule(result: WindingResult) -> Section:
+    """Return the section of the rule for a winding, averaged over the length of web."""
+    friction = _mean(result, result.problem.roll_friction * result.nip_load)
+    rule = friction + _mean(result, result.winding_force)
+    meaning = f"trade rule NIT = mu N{' + F' if result.winding_force.any() else ''}, mean"
+    row = output_row(result, "mean_nip_induced_tension", rule, meaning=meaning)
+    return Section(TITLE, (row,), _winding_reason(result, friction))
+
+
+def _mean(result: WindingResult, values: Array) -> float:
+    """Return the mean of a function of the radius over the length of web."""
+    r = result.radius
+    return float(np.trapezoid(values * r, r) / np.trapezoid(r, r))
+
+
+def _winding_reason(result: WindingResult, friction: float) -> str:
+    """Return the reason for the difference, from the nips if there are some; friction: mu N."""
+    law = result.problem.tension_law
+    if law == "friction":
+        return "The wound-on tension is that of this rule: tension_law = 'friction'."
+    if law != "nip":
+        return PRESCRIBED
+    roll_side = _mean(result, result.nip_induced_tension - result.winding_force)
+    text = (
+        f"Friction on the roll, in the nip and on its wrap, is {_percent(roll_side / friction)} of "
+        "mu N in the mean."
+    )
+    if result.problem.air is not None:
+        left = result.nip_friction / result.problem.roll_friction
+        text += f" The air film leaves {_percent(left)} of the friction in the nip."
+    nips = [sample.result for sample in result.nips]
+    if not nips:  # of a loaded result
+        return text
+    forward, stick, backward = map(np.array, zip(*map(_load_shares, nips), strict=True))
+    return (
+        f"{text} The rule assumes that the web slips forward on the roll in the whole nip. It does "
+        f"under {_percent(forward)} of the nip load, sticks under {_percent(stick)} and slips "
+        f"backward under {_percent(backward)}."
+    )
+
+
+def _percent(shares: float | Array) -> str:
+    """Return a share, or the smallest and the largest of several, in percent."""
+    low, high = f"{100 * np.min(shares):.1f}", f"{100 * np.max(shares):.1f}"
+    return f"{low} %" if low == high else f"{low} to {high} %"
