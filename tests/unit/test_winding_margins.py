@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import math
+import re
 from typing import Any
 
+import matplotlib.figure
 import pytest
 
 import woundon as wo
+from woundon.report.margin_plots import draw_margins
 
 LIMITS = wo.Limits(compression=100e3, blocking_pressure=2e6, web_strength=2e3, slack_tension=50.0)
 OUTPUTS = {
@@ -79,3 +83,29 @@ def test_a_schedule_is_sought_over_what_a_winder_sets() -> None:
     assert found.names == ("web_tension.taper", "torque_split", "nip_load")
     assert found.ranges.tolist() == [[0, 0.7], [0, 1], [500, 4000]]
     assert found.margins_after.least.reserve >= found.margins_before.least.reserve
+
+
+def test_layers_without_friction_are_reported_in_words(
+    wound: wo.WindingResult,
+) -> None:
+    """Limit: a film of three roughnesses leaves no friction, and any torque is too much."""
+    air = wo.Air(roughness=1e-6)
+    problem = winding(tension_law="nip", nip_induced_tension=None, air=air, web_speed=10.0)
+    film = 3.01e-6 * (1 + wound.peak_pressure / air.ambient_pressure)  # compressed to 3.01 um
+    margins = wo.margins(wound.replace(problem=problem, air_film=film))
+    assert margins["slip"].value == math.inf
+    assert margins.verdict.startswith(
+        "The roll does not hold: interlayer slip and telescoping, because friction between the "
+        "layers carries nothing"
+    )
+    text = str(margins)
+    assert "no capacity" in text
+    assert re.search(r"\binf\b", text) is None
+    assert "Not considered: friction that falls" in text  # the air is considered
+    assert "Not considered: air between layers" in str(wound.margins)
+    axes = matplotlib.figure.Figure().subplots()
+    draw_margins(axes, margins)  # finite limits of the axis
+    low, _ = axes.get_ylim()
+    assert low < 0
+    (slip,) = [line for line in axes.lines if line.get_label() == "slip"]
+    assert (slip.get_ydata() == low).any()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -20,18 +21,21 @@ ALARM = "#B00020"
 AROUND = 181  # spokes of a disc, its first and last the same
 OUTWARD = 200
 MOST, LEAST = 1.05, -0.15  # of the reserves that are drawn
+WITHOUT_FRICTION = -1.0  # drawn in place of an infinite reserve
 ROUNDING = 1e-9
 BAR = 0.12  # of a reserve at the core alone, of the build-up
 
 
 def draw_margins(axes: Axes, margins: Margins, colour: str | None = None) -> list[Any]:
     """Plot every margin over the radius, red below zero."""
-    lines, deepest = [], 0.0
-    for margin, default in zip(margins, COLOURS, strict=False):
-        if margin.checked:
-            lines.append(_draw_margin(axes, margin, margins, colour or default))
-            deepest = min(deepest, margin.reserve)
-    low = 1.2 * deepest if deepest else LEAST
+    reserves = [m.reserve for m in margins if m.checked]
+    deepest = min((r if isfinite(r) else WITHOUT_FRICTION for r in reserves), default=0.0)
+    low = 1.2 * deepest if deepest < 0 else LEAST
+    lines = [
+        _draw_margin(axes, margin, margins, colour or default, low)
+        for margin, default in zip(margins, COLOURS, strict=False)
+        if margin.checked
+    ]
     axes.axhspan(low, 0, color=ALARM, alpha=0.12, linewidth=0)
     axes.axhline(0, color=ALARM, linewidth=1.0)
     axes.annotate(
@@ -49,16 +53,16 @@ def draw_margins(axes: Axes, margins: Margins, colour: str | None = None) -> lis
     return lines
 
 
-def _draw_margin(axes: Axes, margin: Margin, margins: Margins, colour: str) -> Any:
-    """Plot the reserve of a margin over the radius, and its smallest value."""
+def _draw_margin(axes: Axes, margin: Margin, margins: Margins, colour: str, low: float) -> Any:
+    """Plot the reserve of a margin over the radius, at least ``low``, and its smallest value."""
     r, reserve = 1e3 * margin.over_radius, margin.reserve_of(margin.values)
     if r.size == 1:  # of the core alone
         ends = [1e3 * other.over_radius[-1] for other in margins if other.over_radius.size > 1]
         r, reserve = np.array([r[0], r[0] + BAR * (max(ends) - r[0])]), np.repeat(reserve, 2)
-    (line,) = axes.plot(r, np.minimum(reserve, 2 * MOST), color=colour, label=margin.name)
+    (line,) = axes.plot(r, np.clip(reserve, low, 2 * MOST), color=colour, label=margin.name)
     axes.plot(
         1e3 * margin.radius,
-        min(margin.reserve, MOST),
+        np.clip(margin.reserve, low, MOST),
         "o",
         markersize=4,
         clip_on=False,

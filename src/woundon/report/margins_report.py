@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from io import StringIO
+from math import isinf
 
+from ..quantities import Quantity
 from ..winding.margins import SMALL, Margin, Margins
 from .html import parts_html
 from .report_parts import Line, Verdict, Verdicts
@@ -43,7 +45,7 @@ def _verdict(margin: Margin) -> Verdict:
     """Return the row of a margin: value, limit, location and verdict."""
     quantity, sign = margin.quantity, ">= " if margin.name == "slack" else "<= "
     value, limit = (
-        "-" if number != number else f"{prefix}{quantity.shown(number):.4g}"
+        _number(number, prefix, quantity)
         for prefix, number in (("", margin.value), (sign, margin.limit))
     )
     place = "" if margin.radius != margin.radius else f"r = {1e3 * margin.radius:.4g} mm"
@@ -60,6 +62,13 @@ def _verdict(margin: Margin) -> Verdict:
     )
 
 
+def _number(value: float, sign: str, quantity: Quantity) -> str:
+    """Return value or limit as text, with a sign before it; a torque without capacity in words."""
+    if value != value:
+        return "-"
+    return "no capacity" if isinf(value) else f"{sign}{quantity.shown(value):.4g}"
+
+
 def _note(margin: Margin) -> str:
     """Return the note of a margin, with advice if its reserve is small or negative."""
     small = margin.checked and margin.reserve < SMALL
@@ -69,6 +78,8 @@ def _note(margin: Margin) -> str:
 def _verdict_text(margin: Margin) -> str:
     """Return the verdict with the distance from the limit."""
     if margin.ok is None:
+        return margin.verdict
+    if isinf(margin.value):  # its note states the reason
         return margin.verdict
     distance = margin.distance
     return (

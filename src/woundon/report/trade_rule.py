@@ -130,5 +130,6 @@ def _winding_reason(result: WindingResult, friction: float) -> str:
 
 def _percent(shares: float | Array) -> str:
     """Return a share, or the smallest and the largest of several, in percent."""
-    low, high = f"{100 * np.min(shares):.1f}", f"{100 * np.max(shares):.1f}"
+    ends = np.round([100 * np.min(shares), 100 * np.max(shares)], 1) + 0.0  # without -0.0
+    low, high = (f"{end:.1f}" for end in ends)
     return f"{low} %" if low == high else f"{low} to {high} %"

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import inf, nan
+from math import inf, isinf, nan
 from typing import Any
 
 import numpy as np
@@ -127,10 +127,11 @@ class OptimisedSchedule(Presented, ReadOnly):
         for old, new in zip(self.margins_before, self.margins_after, strict=True):
             if new.checked:
                 mark = "  binds" * (new.name in self.binding) + "  VIOLATED" * (new.ok is False)
-                reserve_before, reserve_after = 100 * old.reserve, 100 * new.reserve
-                texts.append(
-                    f"  {new.name:<24} {reserve_before:>12.4g} % -> {reserve_after:.4g} %{mark}"
+                before, after = (
+                    "no friction" if isinf(m.reserve) else f"{100 * m.reserve:.4g} %"
+                    for m in (old, new)
                 )
+                texts.append(f"  {new.name:<24} {before:>14} -> {after}{mark}")
             else:
                 texts.append(f"  {new.name:<24} not checked: {new.note}")
         return texts

@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
-from math import isclose, nan
+from math import isclose, isinf, nan
 from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -147,7 +147,12 @@ class Margin:
 
     @property
     def distance(self) -> str:
-        """The distance from the limit as text, in percent; from a limit 0 in its unit."""
+        """The distance from the limit as text, in percent; from a limit 0 in its unit.
+
+        In words where layers without friction have no finite distance.
+        """
+        if isinf(self.value):
+            return NO_FRICTION
         if self.limit == 0:
             return f"{abs(self.quantity.shown(self.value)):.4g} {self.quantity.display}"
         return f"{100 * abs(self.reserve):.3g} %"
@@ -197,6 +202,8 @@ class Margins(Presented, tuple[Margin, ...]):
             return (
                 f"The roll holds{so_far}; smallest margin: {least.title}, {least.distance}{rest}."
             )
+        if isinf(least.value):
+            return f"The roll does not hold: {least.title}, because {least.distance}{rest}."
         word = "falls below" if least.name == "slack" else "exceeds"
         return f"The roll does not hold: {least.title} {word} its limit by {least.distance}{rest}."
 
@@ -305,6 +312,11 @@ class WindingTorque:
     assumed: str = ""
     friction_ratio: Callable[[Array], Array] = np.ones_like
 
+    @property
+    def has_air(self) -> bool:
+        """True if air between the layers reduces their friction."""
+        return self.friction_ratio is not np.ones_like
+
     @classmethod
     def of(cls, result: Any) -> WindingTorque:
         """Return the quantities of a winding; a roll alone is taken as centre-wound."""
@@ -365,8 +377,11 @@ STRENGTH = line_load("T_max", "largest tension of the web")
 SLACK = line_load("T_min", "minimum web tension upstream and downstream of the nip")
 BAND = strain("eps_b", "largest strain of the thickest lane (gauge band)")
 RIDGE = length("dR", "height of the ridge over the thickest lane", "um")
+# where the torque meets no capacity at all: the margin is infinite
+NO_FRICTION = "friction between the layers carries nothing"
+AIR_LEFT_OUT = "air between layers, "  # of the slip, unless the problem has air
 LEFT_OUT = {
-    "slip": "air between layers, friction that falls once they slide, the slip under the nip, the "
+    "slip": f"{AIR_LEFT_OUT}friction that falls once they slide, the slip under the nip, the "
     f"outermost {TAIL_LAYERS} layers, the drum's help at a start or stop, impacts",
     "compression": "how far friction between layers keeps them from buckling: stars need "
     "compression, but supported layers bear some of it; impacts, moisture, uneven thickness",
@@ -533,7 +548,12 @@ def _slip(
                 r <= end
             ]
         )
-    return _margin("slip", _worst(states, shares), limits.torque_share, SHARE, torque_data.assumed)
+    worst = _worst(states, shares)
+    note = "; ".join(filter(None, (torque_data.assumed, NO_FRICTION * isinf(worst.value))))
+    margin = _margin("slip", worst, limits.torque_share, SHARE, note)
+    if torque_data.has_air:
+        return replace(margin, left_out=margin.left_out.removeprefix(AIR_LEFT_OUT))
+    return margin
 
 
 def _compression(states: list[_State], roll: RollResult, limits: Limits) -> Margin:
