@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import re
+from typing import Any, get_args
 
+import numpy as np
 import pytest
+from slow_cases import slow_case
 
 import woundon as wo
 from woundon.io.chosen_units import units_of
-from woundon.report.answer import answer, answer_lines
+from woundon.quantities import scalar_outputs, value_of, walk
+from woundon.report.answer import answer, answer_lines, defaults_section
 
 NODES = 33
 
@@ -74,6 +78,75 @@ def test_assumptions_follow_the_case(nip: wo.NipResult, winding: wo.WindingResul
     for result in (nip, winding, winding.roll):
         for text in result.assumptions:
             assert text in " ".join(str(result).split())
+
+
+def defaults(problem: wo.Problem) -> list[str]:
+    """Return the names of the defaults that a report lists."""
+    return [text.split(" = ")[0] for part in defaults_section(problem)
+            for text in part.text.split(", ")]  # fmt: skip
+
+
+NIP, ROLL, WINDING = (
+    wo.NipProblem.example(), wo.RollProblem.example(),
+    wo.WindingProblem.example().replace(radius=0.12, tension_law="friction"),
+)  # fmt: skip
+SOFT = wo.Stack(radial=wo.Pfeiffer(K1="10 kPa", K2=40), tangential="3.38 GPa", poissons_ratio=0.01,
+                shear="10 MPa")  # fmt: skip
+WOUND = wo.WoundRoll(radius=0.1, core_radius=0.0445, stack=SOFT, pressure=2e5)
+DEFAULTS_CASES = {
+    "nip": NIP,
+    "nip of a stack": NIP.replace(**{"web.material": SOFT}),
+    "frozen roll": NIP.replace(roll=WOUND.replace(hardening="frozen")),
+    "air": NIP.replace(web_speed=20.0, air=wo.Air(roughness=0.12e-6, permeance=1e-9)),
+    "roll": ROLL,
+    "warm roll": ROLL.replace(temperature_change=10.0, wound_on_tension=wo.Taper(start=350.0)),
+    "expanding roll": ROLL.replace(radial_expansion=1e-6),
+    "winding": WINDING,
+    "torque split": WINDING.replace(torque_split=0.5, web_tension=wo.Taper(start=300.0)),
+    "constant torque": WINDING.replace(
+        web_tension=wo.Taper(start=300.0, law="constant_torque"), torque_split=0.5),
+}  # fmt: skip
+OTHER = {  # other permitted values of fields with defaults
+    "roll_wrap": 0.0, "drum_wrap": 0.5, "winding_force": -50.0, "roll.hardening": "frozen",
+    "tension_law": wo.Profile(radius=[0.05, 0.12], value=[400.0, 400.0]), "roll_body": "linear",
+    "air.permeance": 1e-9, "air.full_friction": 0.5, "air.no_friction": 4.0,
+    "core_shrinkage": 1e-5, "core_expansion": 1e-6, "tangential_expansion": 1e-6,
+    "radial_expansion": 1e-6, "air.viscosity": 2e-5, "air.ambient_pressure": 9e4,
+    "limits.torque_share": 0.5,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "name", [slow_case(name) if name == "air" else name for name in DEFAULTS_CASES]
+)
+def test_the_listed_defaults_are_those_with_an_effect(name: str) -> None:
+    """Definition: a default is used if another value of the field changes an output."""
+    problem = DEFAULTS_CASES[name]
+    options: dict[str, Any] = {"nodes": 17} if isinstance(problem, wo.NipProblem) else {"rtol": 0.1}
+
+    def outputs(case: wo.Problem) -> list[float]:
+        result = wo.solve(case, **options)
+        values = [value_of(result, output) for output in scalar_outputs(result)
+                  if output not in ("iterations", "residual")]  # fmt: skip
+        if isinstance(result, wo.RollResult):
+            values.append(wo.margins(result)["gauge_band"].value)
+        return values
+
+    listed, reference = defaults(problem), outputs(problem)
+    for place in walk(problem):
+        default = getattr(place.field, "default", None)
+        if default is None or place.value != default:
+            continue
+        words = [word for word in get_args(place.field.annotation) if isinstance(word, str)]
+        others = [OTHER.get(place.path, 1e-2)] if place.path in OTHER or not words else words
+        has_effect = False
+        for other in others:
+            try:
+                changed = outputs(problem.replace(**{place.path: other}))
+            except wo.InvalidProblem:  # winding_force next to torque_split, taper of a constant one
+                continue
+            has_effect |= not np.allclose(changed, reference, rtol=1e-12, atol=0, equal_nan=True)
+        assert (place.path in listed) == has_effect, place.path
 
 
 def centrifugal(problem: wo.Problem) -> str:

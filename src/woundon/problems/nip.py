@@ -279,6 +279,16 @@ class NipProblem(ContactProblem):
         return self.replace(**changes)
 
     @property
+    def unused(self) -> tuple[str, ...]:
+        """See :attr:`.Problem.unused`."""
+        frozen = (
+            f"{name}.stack.shear_exponent"
+            for name in self.pair
+            if getattr(getattr(self, name), "hardening", "") == "frozen"
+        )
+        return ("web.material.shear_exponent", *frozen)
+
+    @property
     def assumptions(self) -> tuple[str, ...]:
         """The assumptions of the model for this case, as sentences."""
         return of_nip(self)

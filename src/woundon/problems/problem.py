@@ -89,6 +89,11 @@ class Problem(Description):
         return ()
 
     @property
+    def unused(self) -> tuple[str, ...]:
+        """Dotted names of fields, or of descriptions, on which nothing depends in this case."""
+        return ()
+
+    @property
     def assumptions(self) -> tuple[str, ...]:
         """The assumptions of the model for this case, as sentences."""
         return ()

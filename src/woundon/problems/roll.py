@@ -18,7 +18,7 @@ from .materials import Isotropic, OptionalMaterial
 from .messages import quote
 from .problem import Problem
 from .radial_laws import Pfeiffer
-from .schedules import Curve, Profile, Taper, WindingSchedule, values_of
+from .schedules import Curve, Profile, Taper, WindingSchedule, unused_in_tapers, values_of
 from .stack import AnyStack, Stack
 from .web import WebDensity
 
@@ -267,6 +267,18 @@ class RollProblem(Problem):
     def tension_curve(self) -> Curve:
         """The wound-on stress T = WOT/2h over the radius [Pa]."""
         return Curve(self.wound_on_tension, self.core.radius, self.radius, 1 / self.web_thickness)
+
+    @property
+    def unused(self) -> tuple[str, ...]:
+        """See :attr:`.Problem.unused`."""
+        expansions = ("tangential_expansion", "radial_expansion", "core_expansion")
+        expands = any(getattr(self, name) for name in expansions)
+        return (
+            "stack.shear_exponent",  # an axisymmetric roll is not sheared
+            *(expansions if self.temperature_change == 0 else ()),
+            *(() if expands else ("temperature_change",)),
+            *unused_in_tapers(self, ("wound_on_tension",)),
+        )
 
     @property
     def assumptions(self) -> tuple[str, ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
 from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
@@ -28,6 +28,7 @@ __all__ = [
     "Taper",
     "WindingSchedule",
     "at_radius",
+    "unused_in_tapers",
     "values_of",
 ]
 
@@ -237,3 +238,11 @@ def values_of(schedule: float | Profile | Taper) -> dict[str, float]:
     if isinstance(schedule, Taper):
         return {".start": schedule.start}
     return {"": schedule}
+
+
+def unused_in_tapers(problem: Any, names: Iterable[str]) -> Iterator[str]:
+    """Yield the dotted names of the tapers of a constant torque, which determines them."""
+    for name in names:
+        schedule = getattr(problem, name)
+        if isinstance(schedule, Taper) and schedule.law == "constant_torque":
+            yield f"{name}.taper"

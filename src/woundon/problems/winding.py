@@ -34,7 +34,15 @@ from .nip import (
 from .problem import Problem
 from .radial_laws import Pfeiffer
 from .roll import Core, GaugeExcess, RollProblem
-from .schedules import Curve, OptionalWindingSchedule, Profile, Taper, WindingSchedule, values_of
+from .schedules import (
+    Curve,
+    OptionalWindingSchedule,
+    Profile,
+    Taper,
+    WindingSchedule,
+    unused_in_tapers,
+    values_of,
+)
 from .stack import AnyStack, Stack
 from .web import Web, WebDensity
 
@@ -58,6 +66,8 @@ SCHEDULES: dict[str, tuple[float, float]] = {
 LOADS = ("nip_load", "winding_force", "web_tension")
 # Fields of the nip that do not depend on the radius.
 NIP_FIELDS = frozenset({"web", "drum", "roll_friction", "drum_friction", *WRAP_TABLE["wrap"]})
+# Parts of a winding whose only effect is that of its nips.
+OF_NIP = ("web.material", "drum", *WRAP_TABLE["wrap"], "roll_body")
 CHECKED_RADII = 257  # radii, in addition to all kinks, at which a steady state must exist
 
 
@@ -379,6 +389,19 @@ class WindingProblem(Problem):
             gauge_excess=self.gauge_excess,
         )
         return roll if self.air is None else with_film(roll, film, self.air)
+
+    @property
+    def unused(self) -> tuple[str, ...]:
+        """See :attr:`.Problem.unused`."""
+        solves_nips = self.tension_law == "nip"
+        hardens = solves_nips and self.roll_body == "direct"
+        return (
+            "web.material.shear_exponent",
+            *unused_in_tapers(self, SCHEDULES),
+            *(() if hardens else ("stack.shear_exponent",)),
+            *(() if self.torque_split is None else ("winding_force",)),
+            *(() if solves_nips else OF_NIP),
+        )
 
     @property
     def assumptions(self) -> tuple[str, ...]:

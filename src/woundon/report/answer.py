@@ -139,9 +139,12 @@ def assumptions_section(result: Result) -> list[Section]:
 
 
 def defaults_section(problem: Any) -> list[Section]:
-    """Return the section of the fields that have their default values; none if there are none."""
+    """Return the section of the fields whose default values are used; none if there are none."""
     texts: list[str] = []
+    unused = tuple(f"{name}." for name in problem.unused)
     for place in walk(problem):
+        if f"{place.path}.".startswith(unused):
+            continue
         default = getattr(place.field, "default", None)
         value = place.value
         if value is None or type(value) is not type(default) or value != default:
