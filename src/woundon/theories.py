@@ -506,13 +506,15 @@ def gauge_band(
     """Return a lane that is thicker than the rest of the web, in the plateau of a long roll::
 
         T^2 K2/(2 E_t) = P - K1 ln(1 + P/K1)      plateau of the mean roll, T = tension/thickness
-        (K1 + P_b)/(K1 + P) = exp(K2 d)           the lane's compression is larger by d
         T_b^2 K2/(2 E_t) = P_b - K1 ln(1 + P_b/K1)
-        lead = (T_b - T)/E_t                      excess of its radius, relative to the mean
+        lead = (T_b - T)/E_t                      excess of the lane's radius, relative to the mean
+        (K1 + P_b)/(K1 + P) = ((1 + d)/(1 + lead))^K2
 
-    Of another law of the stack: T^2/(2 E_t) = int P d eps, and the lane's compressive strain eps is
-    larger by d.  Valid in a roll of many thin layers, far from core and surface, for lead well
-    below d; shear between the lanes is neglected, which makes the lane's tension too large.
+    The larger radius takes up the part lead of the additional thickness d, and compression the
+    rest.  For another law of the stack: T^2/(2 E_t) = int P d eps, and the compressive strain of
+    the lane is larger by ln((1 + d)/(1 + lead)).  Valid in a roll of many thin layers, far from
+    core and surface, for a lane that is a small part of the width; shear between the lanes is
+    neglected, which makes the lane's tension too large.
 
     Parameters
     ----------
@@ -548,7 +550,7 @@ def gauge_band(
     >>> band = wo.theories.gauge_band(K1=10e3, K2=40.0, tangential=3.38e9, thickness=66e-6,
     ...                               tension=350.0, excess=0.01)
     >>> print(f"{band.tension:.1f} N/m, {band.pressure / 1e3:.0f} kPa, {band.lead:.3%}")
-    440.9 N/m, 298 kPa, 0.041%
+    436.6 N/m, 293 kPa, 0.039%
     """
     law = {"K1": K1, "K2": K2, "tangential": tangential}
     if stack is None:
@@ -565,6 +567,10 @@ def gauge_band(
     for name, value in (("thickness", thickness), ("tension", tension)):
         if not 0 < value < float("inf"):
             raise InvalidProblem.at(name, f"{value!r} is out of range; must be > 0")
+    strongest = stack.tangential * thickness
+    if not tension < strongest:
+        text = f"{tension!r} is out of range; must be > 0 and < E_t h = {strongest:.4g} [N/m]"
+        raise InvalidProblem.at("tension", text)
     if not abs(excess) <= MOST_EXCESS:
         text = f"{excess!r} is out of range; must be >= -{MOST_EXCESS} and <= {MOST_EXCESS} [1]"
         raise InvalidProblem.at("excess", text)

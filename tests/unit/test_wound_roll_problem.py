@@ -88,3 +88,24 @@ def test_changes_too_large_to_settle_are_reported_by_what_they_do():
 def test_a_stack_too_soft_to_wind_on_is_reported_so():
     with pytest.raises(wo.NotConverged, match="stack at low pressure, or the core, is too soft"):
         wo.solve(ROLL.replace(**{"stack.radial.K1": 1e-6}))
+
+
+def test_bounds_that_are_computed_from_inputs_allow_for_rounding():
+    """The stated minimum is accepted: of 200 rolls of ten layers the rounding rejects some."""
+    example = wo.RollProblem.example()
+    for k in range(200):
+        core, h = 0.03 + 1.7e-5 * k, 1e-5 * (1 + 0.0371 * k)
+        roll = example.replace(radius=core + 10 * h, web_thickness=h, **{"core.radius": core})
+        assert roll.radius == core + 10 * h
+        R = core
+        wo.Cylinder(radius=R, core_radius=R - R / 2000, material="steel")
+        wo.Layered(radius=R, layers=[{"thickness": R / 6000, "material": "steel"}] * 3)
+    with pytest.raises(wo.InvalidProblem, match=r"web_thickness.* 10 to 1e\+06 layers"):
+        example.replace(radius=0.0445 + 9.999 * 66e-6)
+
+
+def test_a_stage_of_exactly_ten_layers():
+    result = wo.solve(wo.RollProblem.example(), rtol=1e-2)
+    core, h = result.problem.core.radius, result.problem.web_thickness
+    stage = result.at((core + 10 * h) * (1 - 1e-15))
+    assert stage.layer_count == pytest.approx(10, rel=1e-9)

@@ -40,6 +40,7 @@ class Rings:
         self.inner = self.T * (under + h - self.r[:-1]) / self.r[:-1]
         outer = self.T * (under + h - self.r[1:]) / self.r[1:]
         self.own = (self.inner + outer) / 2
+        self.grown, self.core_grown = (0.0, 0.0), 0.0  # strains without stress, after winding
         self.below = np.zeros(count)  # of the ring below, when a lap was laid: moved, strained
         P = np.zeros(1)
         for k in range(0, count, parts):
@@ -49,14 +50,22 @@ class Rings:
                 strain = self.nu / self.E * self.d * (hoop[-1] - self.T[k - 1]) / 2
                 self.below[k] = moved[-1] - strain
             P = np.concatenate([P[:k], self.inner[k : k + parts], [0.0]])
-        self.P = self.pressed(P, count, 0.0)[::parts]
-        self.r = self.r[::parts]
+        dT = problem.temperature_change
+        self.grown = problem.tangential_expansion * dT, problem.radial_expansion * dT
+        self.core_grown = problem.core_expansion * dT - problem.core_shrinkage
+        P = self.pressed(P, count, 0.0)
+        hoop = self.state(P, count)[0].reshape(laps, parts)
+        self.mean_hoop = hoop.mean(axis=1)
+        self.P, self.r = P[::parts], self.r[::parts]
+        if parts > 1:  # extrapolated to the faces of each lap
+            inner, outer = 1.5 * hoop[:, 0] - hoop[:, 1] / 2, 1.5 * hoop[:, -1] - hoop[:, -2] / 2
+            self.face_hoop = np.array([inner, outer])
 
     def state(self, P: np.ndarray, k: int) -> tuple[np.ndarray, np.ndarray]:
         """Return hoop stress of the first k rings, and how far they have moved since laid."""
         hoop = -(self.r[1 : k + 1] * P[1:] - self.r[:k] * P[:-1]) / self.d
         since = hoop - self.T[:k] + self.nu * ((P[1:] + P[:-1]) / 2 - self.own[:k])
-        return hoop, self.middle[:k] * since / self.E
+        return hoop, self.middle[:k] * (since / self.E + self.grown[0])
 
     def pressed(self, P: np.ndarray, k: int, top: float) -> np.ndarray:
         """Return the pressures of k rings under a pressure on the last, by Newton's method."""
@@ -75,7 +84,8 @@ class Rings:
                 + share * (hoop - self.T[:k])
                 + half * self.d * (self.law.strain_at(P[:k]) - self.law.strain_at(self.inner[:k]))
             )
-            miss[0] += self.r[0] * (P[0] - self.inner[0]) / self.E_c
+            miss -= half * self.d * self.grown[1]
+            miss[0] += self.r[0] * ((P[0] - self.inner[0]) / self.E_c - self.core_grown)
             miss[1:] -= moved[:-1] - share * (hoop[:-1] - self.T[: k - 1]) - self.below[1:k]
             diagonal = by_in + hoop_in + half * self.d / self.law.modulus(P[:k])
             diagonal[0] += self.r[0] / self.E_c
@@ -138,7 +148,7 @@ def test_the_rings_of_constant_moduli_are_a_sum():
     ids=["newsprint, 264 um", "132 um", "taper", "soft core", "constant", "few stiff laps"],
 )  # fmt: skip
 def test_what_finite_layers_change_is_reported(problem: wo.RollProblem):
-    """To 12 % of it: 10 % here, 7 % in 40 random rolls of 24 to 1500 laps, 0.2 to 34 %."""
+    """To 12 % of it: of first order in the thickness, where the change is up to 35 % of P."""
     result, rings, change = of(problem)
     found = np.interp(rings.r, result.radius, result.finite_layer_change)
     largest = np.max(np.abs(change))
@@ -155,7 +165,7 @@ def test_what_finite_layers_change_is_reported(problem: wo.RollProblem):
 def test_the_effect_is_of_order_one_in_the_thickness():
     """Half as thick, half as much; the published scheme has half of it, by its own first order."""
     effects = [wo.solve(thick(NEWSPRINT, times)).finite_layer_effect for times in (1, 0.5, 0.25)]
-    assert effects[0] == pytest.approx(0.048, abs=0.001)  # rings: 4.81 to 5.00 % by 6 and 1 a lap
+    assert effects[0] == pytest.approx(0.049, abs=0.001)  # rings: 4.81 to 5.00 % by 6 and 1 a lap
     orders = np.log2(np.array(effects[:-1]) / effects[1:])
     assert (np.abs(orders - 1) < 0.08).all()  # 0.94 and 0.95
 
@@ -181,3 +191,115 @@ def test_a_stage_has_its_own_number_of_layers():
     one, two = (np.interp(r, part.radius, part.finite_layer_change) for part in (stage, alone))
     # one step of Newton's method at different stages
     np.testing.assert_allclose(one, two, atol=0.05 * np.max(alone.finite_layer_change))
+
+
+# ---- few thick laps: every output with an error estimate ----------------------------------------
+
+
+def random_roll(seed: int) -> wo.RollProblem:
+    """Return a roll of 10 to 100 laps: foam, board, nonwovens, rubber; all laws and schedules."""
+    rng = np.random.default_rng(seed)
+
+    def between(low: float, high: float) -> float:
+        return float(low * (high / low) ** rng.random())
+
+    laps, h = int(rng.integers(10, 101)), between(50e-6, 10e-3)
+    core, E_t = h * between(3, 300), between(1e5, 1e10)
+    surface = core + laps * h
+    T = E_t * between(3e-4, 1e-2)
+    E_r, scale = E_t / between(2, 3000), T * between(1e-3, 1)
+    # E_r(0) of each law, and its first or only increase on the scale of the pressure
+    law = [
+        E_r,
+        wo.Pfeiffer(K1=scale, K2=E_r / scale),
+        wo.PowerLaw(E0=max(E_r * between(0.01, 1), 1.0), k=E_r * (1e5 / scale) ** 0.7, m=0.7),
+        wo.Polynomial(coefficients=(E_r, E_r / scale, 0.1 * E_r / scale**2)),
+    ][rng.integers(4)]
+    WOT, taper, ends = T * h, float(rng.uniform(0, 0.6)), rng.uniform(0.6, 1.2, 2)
+    tension = [
+        WOT,
+        wo.Taper(start=WOT, taper=taper),
+        wo.Taper(start=WOT, taper=taper, law="hyperbolic"),
+        wo.Profile(
+            radius=[core, (core + surface) / 2, surface], value=[WOT, *(WOT * ends).tolist()]
+        ),
+    ][rng.integers(4)]
+    changes = {}
+    if rng.random() < 0.3:
+        radial, along, shrinkage = T / E_t * rng.uniform([-0.3, -0.02, -0.1], [0.3, 0.02, 0.1])
+        changes = {
+            "temperature_change": 10.0, "radial_expansion": min(max(radial / 10, -0.01), 0.01),
+            "tangential_expansion": along, "core_shrinkage": shrinkage,
+        }  # fmt: skip
+    stack = wo.Stack(
+        radial=law, tangential=E_t, poissons_ratio=float(rng.uniform(0, 0.2)), shear=1e5
+    )
+    return wo.RollProblem(
+        core=wo.Core(radius=core, stiffness=E_t * between(0.1, 100)), radius=surface, stack=stack,
+        web_thickness=h, wound_on_tension=tension, **changes,
+    )  # fmt: skip
+
+
+def misses(problem: wo.RollProblem) -> dict[str, float] | None:
+    """Return the largest difference to the sum over laps of each output, in error estimates.
+
+    The hoop stress of a lap is compared on the average and at both faces.  None without a result.
+    """
+    try:
+        result = wo.solve(problem)
+    except wo.NotConverged:  # the energy of the stack is indefinite at the pressure reached
+        return None
+    rings = Rings(problem, 6)
+    middle = (problem.core.radius + problem.radius) / 2
+    laps = {
+        "core_pressure": [rings.P[0]],
+        "peak_pressure": [rings.P.max()],
+        "mid_pressure": [np.interp(middle, rings.r, rings.P)],
+        "least_hoop_stress": [hoop.min() for hoop in (rings.mean_hoop, *rings.face_hoop)],
+    }
+    assert laps.keys() == result.errors.keys()
+    return {
+        name: max(abs(value - getattr(result, name)) for value in values) / result.errors[name]
+        for name, values in laps.items()
+    }
+
+
+# 12: a soft core; 30: 19 laps, 3.5 times the pressure of thin ones; 59: a kink of the tension
+@pytest.mark.parametrize("seed", [12, 30, 59])
+def test_few_thick_laps_are_covered_by_the_error_estimates(seed: int):
+    found = misses(random_roll(seed))
+    assert found is not None
+    assert max(found.values()) <= 1.25
+
+
+@pytest.mark.campaign
+def test_a_hundred_rolls_of_few_thick_laps():
+    found = [miss for seed in range(110) if (miss := misses(random_roll(seed))) is not None]
+    assert len(found) >= 100
+    for name in found[0]:
+        assert max(miss[name] for miss in found) <= 1.25, name
+
+
+def test_the_hoop_stress_of_a_roll_of_foam():
+    """44 laps of constant moduli: each subtracts T h/s (F + r F')/F(s) below it, a closed form."""
+    h, E_t, E_r, E_c = 5e-3, 1e6, 0.8e6, 0.2e6
+    problem = wo.RollProblem(
+        core=wo.Core(radius=0.05, stiffness=E_c), radius=0.05 + 44 * h, web_thickness=h,
+        stack=wo.Stack(radial=E_r, tangential=E_t, poissons_ratio=0.0, shear=1e5),
+        wound_on_tension=1e4 * h,
+    )  # fmt: skip
+    g, T = np.sqrt(E_t / E_r), 1e4
+    A = (g - E_t / E_c) / (g + E_t / E_c)
+    s = 0.05 + h * np.arange(44)
+
+    def growing_and_decaying(r: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return (r / 0.05) ** (g - 1), A * (r / 0.05) ** (-g - 1)
+
+    laid = T * h / s / np.sum(growing_and_decaying(s), axis=0)
+    later = np.append(np.cumsum(laid[::-1])[::-1], 0.0)[1:]  # laps outside a lap
+    result = wo.solve(problem)
+    for face in (s, s + h):
+        grows, decays = growing_and_decaying(face)
+        hoop = T - (g * grows - g * decays) * later
+        miss = abs(np.min(hoop) - result.least_hoop_stress)
+        assert 0.02 * T < miss <= 1.25 * result.errors["least_hoop_stress"]

@@ -16,6 +16,7 @@ from slow_cases import slow_case
 import woundon as wo
 from woundon.roll.build_up import Layers, _Roll, wind
 from woundon.roll.finished import equations_of, surface_layer_depth
+from woundon.roll.finite_layers import finite_layer_effects
 from woundon.roll.theories import constant_moduli, layer_by_layer, plateau_pressure
 
 RADII = np.array([0.05, 0.06, 0.08, 0.10, 0.15, 0.19])
@@ -39,8 +40,7 @@ NEWSPRINT = wo.RollProblem.example()
 
 def left(result: wo.RollResult, name: str = "peak_pressure") -> float:
     """Return the error estimate without what finite laps change: that of the solution [Pa]."""
-    by = np.abs(result.finite_layer_change)
-    return result.errors[name] - float(by[0] if name == "core_pressure" else by.max())
+    return result.errors[name] - finite_layer_effects(result)[name]
 
 
 @pytest.mark.parametrize(
@@ -268,8 +268,8 @@ def test_strong_kinks_are_stages():
     ids=["newsprint", "0.6 m", "100 000 laps", "taper"],
 )  # fmt: skip
 def test_the_price_does_not_depend_on_layers_radius_or_taper(changes: dict):
-    """200 to 205 linear systems, 26 for finite laps; some 340 to 660 if kappa is iterated."""
-    assert wo.solve(NEWSPRINT.replace(**changes)).steps < 215
+    """200 to 216 linear systems, 26 to 38 for finite laps; some 340 to 660 if kappa is iterated."""
+    assert wo.solve(NEWSPRINT.replace(**changes)).steps < 225
 
 
 @pytest.mark.slow

@@ -31,6 +31,7 @@ from .description import Description
 from .family import Family
 from .fields import Number
 from .materials import AnyMaterial, Material
+from .permitted import is_within
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -413,7 +414,7 @@ def check_core(body: Any) -> None:
     InvalidProblem
     """
     smallest, limit = body.radius * SMALLEST_CORE, body.radius * (1 - 1 / 2000)
-    if not smallest <= body.core_radius <= limit:
+    if not is_within(body.core_radius, smallest, limit):
         raise InvalidProblem.at(
             "core_radius",
             f"{body.core_radius:.10g} is out of range; must be >= {SMALLEST_CORE:g} * radius "
@@ -484,7 +485,7 @@ class Layered(LayeredBody):
     def _layers_fit(self) -> Self:
         """Reject layers that are thicker than the radius or too thin for the solver."""
         smallest, largest = self.radius / 2000, self.radius * (1 - SMALLEST_CORE)
-        if not smallest <= self.thickness <= largest:
+        if not is_within(self.thickness, smallest, largest):
             raise InvalidProblem.at(
                 "layers",
                 f"a total thickness of {self.thickness:.10g} is out of range; must be >= radius "

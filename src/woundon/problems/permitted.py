@@ -9,7 +9,14 @@ from pydantic.fields import FieldInfo
 from ..errors import one_of
 from ..quantities import members_of, quantity_of
 
-__all__ = ["accepts_number", "admissible", "bounds", "unit_of"]
+__all__ = ["accepts_number", "admissible", "bounds", "is_within", "unit_of"]
+
+ROUNDING = 1e-9  # relative; inputs are often computed, such as radius = core + 10 layers
+
+
+def is_within(value: Any, low: float, high: float) -> Any:
+    """Return True where low <= value <= high, except for rounding errors of computed bounds."""
+    return (low - ROUNDING * abs(low) <= value) & (value <= high + ROUNDING * abs(high))
 
 
 def bounds(field: FieldInfo) -> list[tuple[str, float]]:

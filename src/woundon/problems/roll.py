@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import InitVar
+from math import inf
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
 import numpy as np
@@ -16,6 +17,7 @@ from .description import Description
 from .fields import Nested, Number, OptionalNumber, default
 from .materials import Isotropic, OptionalMaterial
 from .messages import quote
+from .permitted import is_within
 from .problem import Problem
 from .radial_laws import Pfeiffer
 from .schedules import Curve, Profile, Taper, WindingSchedule, unused_in_tapers, values_of
@@ -219,7 +221,7 @@ class RollProblem(Problem):
                 f"{quote(core)} is out of range; must be > 0 and < radius = {radius:.6g} [m]",
             )
         thinnest, thickest = ((radius - core) / layers for layers in (MOST_LAYERS, FEWEST_LAYERS))
-        if not thinnest <= self.web_thickness <= thickest:
+        if not is_within(self.web_thickness, thinnest, thickest):
             raise InvalidProblem.at(
                 "web_thickness",
                 f"{quote(self.web_thickness)} is out of range; must be >= {thinnest:.4g} and <= "
@@ -232,16 +234,15 @@ class RollProblem(Problem):
         """Reject a tension that is not positive from the core to the surface."""
         schedule = self.wound_on_tension
         if isinstance(schedule, Profile):
-            for k, edge, name in (
-                (0, self.core.radius, "core.radius"),
-                (-1, self.radius, "radius"),
+            core, R, last = self.core.radius, self.radius, len(schedule.radius) - 1
+            for k, covered, must in (
+                (0, (-inf, core), f"<= core.radius = {core:.6g}"),
+                (last, (R, inf), f">= radius = {R:.6g}"),
             ):
-                r = schedule.radius[k]
-                if (r > edge * (1 + 1e-9)) if k == 0 else (r < edge * (1 - 1e-9)):
-                    sign, k = ("<=", 0) if k == 0 else (">=", len(schedule.radius) - 1)
+                if not is_within(schedule.radius[k], *covered):
                     raise InvalidProblem.at(
                         f"wound_on_tension.radius.{k}",
-                        f"{quote(r)} is out of range; must be {sign} {name} = {edge:.6g} [m], "
+                        f"{quote(schedule.radius[k])} is out of range; must be {must} [m], "
                         "because the schedule must cover the whole roll",
                     )
         for name, value in values_of(schedule).items():

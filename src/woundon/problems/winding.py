@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import InitVar
-from math import pi
+from math import inf, pi
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
@@ -31,6 +31,7 @@ from .nip import (
     Width,
     WrapFriction,
 )
+from .permitted import is_within
 from .problem import Problem
 from .radial_laws import Pfeiffer
 from .roll import Core, GaugeExcess, RollProblem
@@ -299,11 +300,11 @@ class WindingProblem(Problem):
     def _uncovered_ends(self, name: str, table: Profile) -> Iterator[tuple[str, str]]:
         """Yield (field, message) for each end of a profile that does not cover the roll."""
         core, R, last = self.core.radius, self.radius, len(table.radius) - 1
-        for k, is_uncovered, must in (
-            (0, table.radius[0] > core * (1 + 1e-9), f"<= core.radius = {core:.6g}"),
-            (last, table.radius[-1] < R * (1 - 1e-9), f">= radius = {R:.6g}"),
+        for k, covered, must in (
+            (0, (-inf, core), f"<= core.radius = {core:.6g}"),
+            (last, (R, inf), f">= radius = {R:.6g}"),
         ):
-            if is_uncovered:
+            if not is_within(table.radius[k], *covered):
                 text = f"{quote(table.radius[k])} is out of range; must be {must} [m]: the "
                 yield f"{name}.radius.{k}", f"{text}schedule must cover the whole roll"
 

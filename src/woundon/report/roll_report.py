@@ -48,7 +48,6 @@ def roll_report(result: RollResult) -> list[Part]:
     notes = {
         "peak_pressure": _location(r, result.pressure, int(np.argmax(result.pressure))),
         "least_hoop_stress": _location(r, hoop, int(np.argmin(hoop))),
-        "finite_layer_effect": ", included in the errors",
     }
     return [
         Line(cost, "quiet"),
@@ -61,7 +60,9 @@ def roll_report(result: RollResult) -> list[Part]:
             ),
         ),
         Section(
-            "Wound roll", rows_of(result, names, leave=LEFT_OUT, **notes), _compression_note(result)
+            "Wound roll",
+            rows_of(result, names, leave=LEFT_OUT, **notes),
+            thin_layers_note(result) + _compression_note(result),
         ),
         *([Section("Changes of the finished roll", tuple(changes))] if changes else []),
         *_gauge_band(result),
@@ -92,10 +93,19 @@ def _tension(result: RollResult) -> Iterator[Row]:
         )
 
 
+def thin_layers_note(roll: RollResult) -> str:
+    """Return a remark on what pressures and errors refer to: layers without and with thickness."""
+    return (
+        "Pressures and stresses are those of infinitely thin layers. The thickness of the layers "
+        f"changes the pressure by {100 * roll.finite_layer_effect:+.3g} % of the largest; the "
+        "errors include this and the variation of the hoop stress across a layer."
+    )
+
+
 def _compression_note(result: RollResult) -> str:
     """Return a remark on hoop compression, which makes rolls buckle and star."""
     share = result.compressed_share
-    return f"Hoop compression on {100 * share:.3g} % of the build-up." if share else ""
+    return f" Hoop compression on {100 * share:.3g} % of the build-up." if share else ""
 
 
 def _gauge_band(result: RollResult) -> Iterator[Section]:

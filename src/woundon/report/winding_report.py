@@ -11,6 +11,7 @@ from ..winding.result import WindingResult
 from .margins_report import margins_part
 from .outputs_report import rows_of
 from .report_parts import Line, Part, Row, Section, field_row, output_row
+from .roll_report import thin_layers_note
 from .trade_rule import winding_trade_rule
 
 __all__ = ["winding_report"]
@@ -80,7 +81,11 @@ def winding_report(result: WindingResult) -> list[Part]:
         ),
         Section("Tension", tuple(output_row(result, name) for name in means + errors), text),
         winding_trade_rule(result),
-        Section("Wound roll", rows_of(result, ROLL + mass + air + ridge, leave=LEFT_OUT)),
+        Section(
+            "Wound roll",
+            rows_of(result, ROLL + mass + air + ridge, leave=LEFT_OUT),
+            thin_layers_note(result.roll),
+        ),
         margins_part(result.margins),
     ]
 

@@ -11,15 +11,16 @@ stages to the next one, where pressure and kappa are computed together.  The dif
 extrapolation controls the step size.  The cost does not depend on the number of layers.
 
 **Layers of a finite thickness h.**  Each layer loads the roll below by T h/s at once, and in the
-layer the pressure decreases from T h/s to zero.  To first order in h this equals thin layers wound
-under the pressure p = T h/(2 s) instead of zero (:class:`Layers`): P(s) = p, C is smaller by
-E_t F(p), and T_c at the core is larger by (E_t/E_c + nu) p.
+layer the pressure decreases from T h/s to zero.  To first order in h the pressure between the
+layers is P + p, with p = T h/(2 s), the pressure of half a layer, and with P as of thin layers in a
+stack that is wound under p (:class:`Layers`): F(P) is replaced by F(P + p) - F(p).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from math import exp, log
 from typing import Protocol
 
@@ -46,7 +47,7 @@ __all__ = [
 Array = np.ndarray
 
 STAGE_TOLERANCE = 0.02  # error of a stage, relative to the tolerance
-ONE_NEWTON_STEP = 1.0  # accepted error of kappa for which one Newton step usually suffices
+ONE_NEWTON_STEP = 0.04  # accepted error of kappa for which one Newton step usually suffices
 WEAK_KINK = 0.05  # of the tolerance: kinks that change the source by less are ignored
 STEP_STRETCH = 0.3  # a step is extended by up to this fraction to a kink, to prevent a tiny step
 STRETCH_REDUCTION = 0.75  # factor for an extended step that was rejected, < 1/(1 + STEP_STRETCH)
@@ -202,43 +203,28 @@ class Layers:
 
     Parameters
     ----------
-    equations : StageEquations
+    thin : StageEquations
+        The equations with thin layers.
     tension : Tension
     thickness : float
         h [m]; 0 in the limit of thin layers.
     """
 
-    equations: StageEquations
+    thin: StageEquations
     tension: Tension
     thickness: float = 0.0
 
-    def pressure(self, x: Array) -> Array:
-        """Return the pressure T h/(2 r) under which a layer is wound at ln r [Pa]."""
+    def own_pressure(self, x: Array) -> Array:
+        """Return the pressure p = T h/(2 r) under which a layer is wound at ln r [Pa]."""
         r = np.exp(x)
         return np.asarray(self.tension.at(r) * self.thickness / (2 * r))
 
-    def source(self, growth: Growth, nodes: Array) -> CellSource:
-        """Return the source C of every cell."""
-        thin = cell_source(self.tension, growth, nodes)
+    @cached_property
+    def equations(self) -> StageEquations:
+        """The equations of the stages."""
         if not self.thickness:
-            return thin
-        E_t, strain = self.equations.tangential, self.equations.strain
-
-        def finite_part(x: Array, side: Array) -> Array:
-            """Return the change of C by the thickness of the layers."""
-            # a layer has the tension of its inner radius over its full thickness
-            difference = self.thickness / 2 * self.tension.slope(np.exp(x), side)
-            return np.asarray(difference - E_t * strain(self.pressure(x)))
-
-        finite = evaluate_in_cells(nodes, finite_part)
-        return CellSource(*(a + b for a, b in zip(thin, finite, strict=True)))
-
-    def core_tension(self, start: float) -> float:
-        """Return T_c of the core condition [Pa], with the core at ln r = start."""
-        x = np.array([start])
-        difference = self.thickness / 2 * self.tension.slope(np.exp(x), 1)
-        pressure = (self.equations.core + 1) * self.pressure(x)
-        return float((self.tension.at(np.exp(x)) + pressure - difference)[0])
+            return self.thin
+        return replace(self.thin, own_pressure=self.own_pressure)
 
 
 class _Roll:
@@ -272,7 +258,7 @@ class _Roll:
             report,
             log(core),
         )
-        self.T_c = layers.core_tension(self.start)
+        self.T_c = float(self.tension.at(np.array([core]))[0])
         self.growth = Growth(self.start, self.equations.core)
         self.last: BuildUp | None = None
 
@@ -297,14 +283,8 @@ class _Roll:
             guess = _stretched_guess(self.last, nodes, self.T_c)
         else:
             kappa = reference.solved.growth
-            # finite layers approximately move the pressure outwards by half a layer at the surface
-            t = (nodes - nodes[0]) / (nodes[-1] - nodes[0])
-            shifted = nodes - t * self.layers.thickness / (2 * np.exp(nodes[-1]))
-            guess = interpolate_pressure(
-                reference.x, reference.solved.P, reference.solved.Q, shifted
-            )
-        source = self.layers.source(previous.with_stage(surface, kappa), nodes)
-        surface_pressure = float(self.layers.pressure(nodes[-1:])[0])
+            guess = interpolate_pressure(reference.x, reference.solved.P, reference.solved.Q, nodes)
+        source = cell_source(self.tension, previous.with_stage(surface, kappa), nodes)
         source_by_kappa = evaluate_in_cells(
             nodes, lambda x, _: -self.tension.at(np.exp(x)) * previous.lagrange_basis(surface, x)
         )
@@ -316,7 +296,6 @@ class _Roll:
             *guess,
             kappa,
             accepted_error,
-            surface_pressure,
         )
         if solved is None:
             return None, kappa
@@ -441,7 +420,8 @@ def wind_finite_layers(
     finite = _wind_selected_stages(
         layers, reference, stage_numbers, ONE_NEWTON_STEP, cells, surface_layer, None
     ).growth
-    return np.asarray(thin.kappa + np.interp(thin.x, finite.x, finite.kappa - thin(finite.x)))
+    difference = Growth.of(finite.x, finite.kappa - thin(finite.x), finite.point_counts)
+    return np.asarray(thin.kappa + difference(thin.x))
 
 
 def _wind_selected_stages(

@@ -24,6 +24,7 @@ from ..errors import InvalidProblem, NotConverged
 from ..parallel import one_thread
 from ..problems.inputs import Context, convert
 from ..problems.messages import quote
+from ..problems.permitted import is_within
 from ..problems.roll import RollProblem
 from ..problems.schedules import Profile
 from ..problems.wound_roll import WoundRoll
@@ -176,7 +177,7 @@ def _as_profile(problem: RollProblem, pressure: float | Profile) -> Profile:
         pressure = Profile(radius=[core, R], value=[pressure, pressure])
     for k, edge, name in ((0, core, "core.radius"), (-1, R, "radius")):
         r = pressure.radius[k]
-        if abs(r - edge) > 1e-9 * edge:
+        if not is_within(r, edge, edge):
             raise InvalidProblem.at(
                 f"pressure.radius.{k % len(pressure.radius)}",
                 f"{quote(r)} is out of range; must be {name} = {edge:.6g} [m]",

@@ -12,12 +12,15 @@ Q = r P' and D = d/dx:
     D P = Q
     D Q = C + E_t F(P) - P - 2 Q          on the interval from the core to the surface s
     Q = b P - T_c       at the core,  b = E_t/E_c - 1 + nu,  T_c = T(r_c)
-    P = P_s             at s: zero, except for layers of finite thickness (:class:`.Layers`)
+    P = P_s             at s: zero, except in a finished roll of layers of finite thickness
 
 A further thin layer adds p = dP/ds, the solution of the linearised equations with T_c = 0, scaled
 to p = 1 at s.  Its growth kappa = D p at s determines C of the next layer:
 
     C(s) = -s T' - T (2 + kappa)
+
+Layers of finite thickness (:class:`.Layers`) are wound under a pressure p(r).  P is then the
+pressure in addition to p, and F(P) is replaced by F(P + p) - F(p).
 
 It follows that -D P = T at s; the residual of this relation measures the error of the source.
 Newton's method solves for P and kappa together: a fixed-point iteration diverges for long steps.
@@ -80,6 +83,8 @@ class StageEquations:
         E_t [Pa].
     core : float
         b = E_t/E_c - 1 + nu.
+    own_pressure : callable, optional
+        p(ln r), the pressure under which layers are wound [Pa]; without it zero.
     """
 
     strain: Callable[[Array], Any]
@@ -87,11 +92,19 @@ class StageEquations:
     modulus_slope: Callable[[Array], Any]
     tangential: float
     core: float
+    own_pressure: Callable[[Array], Array] | None = None
     steps: int = field(default=0, init=False)  # number of Newton steps
 
-    def _slope_of_Q(self, P: Array, Q: Array) -> Array:
-        """Return D Q - C = E_t F(P) - P - 2 Q."""
-        return np.asarray(self.tangential * self.strain(P) - P - 2 * Q)
+    def _total(self, x: Array, P: Array) -> Array:
+        """Return P + p at ln r."""
+        return P if self.own_pressure is None else P + self.own_pressure(x)
+
+    def _slope_of_Q(self, x: Array, P: Array, Q: Array) -> Array:
+        """Return D Q - C = E_t F(P) - P - 2 Q at ln r."""
+        F = self.strain(self._total(x, P))
+        if self.own_pressure is not None:
+            F = F - self.strain(self.own_pressure(x))
+        return np.asarray(self.tangential * F - P - 2 * Q)
 
     def residual(
         self,
@@ -107,16 +120,21 @@ class StageEquations:
         ``tension`` is T_c of the core condition, ``surface_pressure`` is P_s at the surface [Pa].
         """
         h = x[1:] - x[:-1]
-        slope = self._slope_of_Q(P, Q)
+        slope = self._slope_of_Q(x, P, Q)
         left, right = slope[:-1] + source.left, slope[1:] + source.right
         middle_P = (P[1:] + P[:-1]) / 2 - h / 8 * (Q[1:] - Q[:-1])
         middle_Q = (Q[1:] + Q[:-1]) / 2 - h / 8 * (right - left)
-        middle = self._slope_of_Q(middle_P, middle_Q) + source.middle
+        middle = self._slope_of_Q(x[:-1] + h / 2, middle_P, middle_Q) + source.middle
         out = np.empty(2 * x.size)
         out[0], out[-1] = Q[0] - self.core * P[0] + tension, P[-1] - surface_pressure
         out[1:-1:2] = P[1:] - P[:-1] - h / 6 * (Q[:-1] + 4 * middle_Q + Q[1:])
         out[2:-1:2] = Q[1:] - Q[:-1] - h / 6 * (left + 4 * middle + right)
         return out, middle_P
+
+    def _moduli(self, x: Array, P: Array, middle_P: Array) -> Array:
+        """Return E_r at the nodes, then in mid-cell, (2 n + 1,) [Pa]."""
+        points = np.concatenate([x, (x[1:] + x[:-1]) / 2])
+        return np.asarray(self.modulus(self._total(points, np.concatenate([P, middle_P]))))
 
     def _matrix(self, x: Array, E: Array) -> Array:
         """Return the Jacobian of the residual with respect to P and Q in LAPACK's band storage.
@@ -172,7 +190,7 @@ class StageEquations:
             E_r at the nodes.
         """
         residual, middle_P = self.residual(x, source, tension, P, Q, surface_pressure)
-        E = self.modulus(np.concatenate([P, middle_P]))
+        E = self._moduli(x, P, middle_P)
         self.steps += 1
         factors, pivots, info = lapack.dgbtrf(self._matrix(x, E), BAND, BAND, overwrite_ab=1)
         if info != 0 or not np.isfinite(residual).all():
@@ -184,7 +202,13 @@ class StageEquations:
         return lapack.dgbtrs(factors, BAND, BAND, right, pivots, overwrite_b=1)[0], E[: x.size]
 
     def solve(
-        self, x: Array, source: CellSource, tension: float, P: Array, Q: Array
+        self,
+        x: Array,
+        source: CellSource,
+        tension: float,
+        P: Array,
+        Q: Array,
+        surface_pressure: float = 0.0,
     ) -> StageSolution | None:
         """Solve by Newton's method from an initial guess; None if it does not converge.
 
@@ -197,9 +221,11 @@ class StageEquations:
             T_c of the core condition [Pa].
         P, Q : (n + 1,) arrays
             Initial guess [Pa].
+        surface_pressure : float
+            P_s, the pressure at the surface [Pa].
         """
         for _ in range(MAX_ITERATIONS):
-            solutions = self._solve_linearised(x, source, tension, P, Q, 0.0)
+            solutions = self._solve_linearised(x, source, tension, P, Q, surface_pressure)
             if solutions is None:
                 return None
             step, layer = solutions[0].T
@@ -218,7 +244,6 @@ class StageEquations:
         Q: Array,
         growth: float,
         accepted_error: float,
-        surface_pressure: float = 0.0,
     ) -> StageSolution | None:
         """Solve for pressure and kappa of a stage together; None if that does not converge.
 
@@ -242,21 +267,17 @@ class StageEquations:
         accepted_error : float
             Accepted error of kappa, relative to kappa + 2.  Newton's method converges
             quadratically: the error after a step is about the square of the step.
-        surface_pressure : float
-            P_s, the pressure at the surface [Pa].
         """
         residual_by_kappa = _source_residual(x, source_by_kappa)
         half = np.diff(x) / 2
         quadrature = np.exp(2 * (x - x[-1])) * (np.append(half, 0) + np.append(0, half))
         for _ in range(MAX_ITERATIONS):
-            solutions = self._solve_linearised(
-                x, source, tension, P, Q, surface_pressure, residual_by_kappa
-            )
+            solutions = self._solve_linearised(x, source, tension, P, Q, 0.0, residual_by_kappa)
             if solutions is None:
                 return None
             (step, layer, by_kappa), E = solutions[0].T, solutions[1]  # P, Q -= step
             # some laws have an infinite slope at P = 0, where p has no effect
-            E_slope = np.nan_to_num(self.modulus_slope(P), posinf=0.0)
+            E_slope = np.nan_to_num(self.modulus_slope(self._total(x, P)), posinf=0.0)
             kappa_by_P = -quadrature * layer[::2] ** 2 * self.tangential * E_slope / E**2
             change = layer[-1] - growth - kappa_by_P @ step[::2]
             change /= 1 + kappa_by_P @ by_kappa[::2]
@@ -278,7 +299,7 @@ class StageEquations:
         inf if the linearised equations are singular.
         """
         middle = (P[1:] + P[:-1]) / 2 - np.diff(x) / 8 * np.diff(Q)
-        band = self._matrix(x, self.modulus(np.concatenate([P, middle])))
+        band = self._matrix(x, self._moduli(x, P, middle))
         factors, pivots, info = lapack.dgbtrf(band, BAND, BAND, overwrite_ab=1)
         self.steps += 1
         if info != 0:

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from ..errors import NotConverged
-from .build_up import Layers
+from .build_up import Layers, cell_source
+from .equations import interpolate_pressure
 from .finished import add_constant, equations_of, final_changes
 
 __all__ = ["finite_layer_effects", "finite_layer_stresses", "layers_of"]
@@ -30,24 +31,80 @@ def finite_layer_stresses(result: Any) -> tuple[Array, Array]:
     if np.isnan(result.layer_growth).any():
         return np.full(x.size, np.nan), np.full(x.size, np.nan)
     layers, (source_change, core_change) = layers_of(result), final_changes(result.problem)
-    source = add_constant(layers.source(result.layer_kappa, x), source_change)
-    T_c = layers.core_tension(x[0]) + core_change
-    P, Q = result.pressure, result.pressure_gradient
-    solved = layers.equations.solve(x, source, T_c, P, Q)
+    tension, h = layers.tension, layers.thickness
+    source = add_constant(cell_source(tension, result.layer_kappa, x), source_change)
+    T_c = float(tension.at(result.radius[:1])[0]) + core_change
+    P, Q, own = result.pressure, result.pressure_gradient, layers.own_pressure(x)
+    # nothing presses on the outermost layer
+    solved = layers.equations.solve(x, source, T_c, P, Q, -float(own[-1]))
     if solved is None:
         raise NotConverged("the roll with layers of the web thickness could not be solved", result)
-    return solved.P - P, (P + Q) - (solved.P + solved.Q)
+    # r p' = h T'/2 - p, at a kink on its outer side
+    side = np.append(np.ones(x.size - 1), -1)
+    hoop_of_own = -h / 2 * tension.slope(result.radius, side)
+    return solved.P + own - P, (P + Q) - (solved.P + solved.Q) + hoop_of_own
 
 
 def finite_layer_effects(result: Any) -> dict[str, float]:
-    """Return the change by finite layers of each output that has an error estimate [Pa]."""
-    pressure, hoop = finite_layer_stresses(result)
+    """Return the change by finite layers of each output that has an error estimate [Pa].
+
+    The hoop stress varies across a layer: its minimum is compared with that of a smooth curve
+    through the layers, and at both faces of the layers.
+    """
+    change, hoop_change = finite_layer_stresses(result)
     middle = (result.radius[0] + result.radius[-1]) / 2
+    size = np.abs(change) * _higher_order_factor(change, result.pressure)
+    hoop = result.hoop_stress + hoop_change, *_hoop_stress_at_faces(result, change, hoop_change)
+    least = result.least_hoop_stress
     return {
-        "peak_pressure": float(np.max(np.abs(pressure))),
-        "core_pressure": abs(float(pressure[0])),
-        "mid_pressure": abs(float(np.interp(middle, result.radius, pressure))),
-        "least_hoop_stress": abs(
-            float(np.min(result.hoop_stress + hoop)) - result.least_hoop_stress
-        ),
+        "peak_pressure": float(np.max(size)),
+        "core_pressure": float(size[0]),
+        "mid_pressure": float(np.interp(middle, result.radius, size)),
+        "least_hoop_stress": max(abs(float(np.min(curve)) - least) for curve in hoop),
     }
+
+
+def _higher_order_factor(change: Array, pressure: Array) -> Array:
+    """Return the factor of a change by finite layers that includes the terms of higher order.
+
+    Where the pressure by a layer decreases as exp(-x) per layer below it, thin layers add up to
+    P = p/x, and finite ones to p/(1 - exp(-x)): a relative change of x/(1 - exp(-x)) - 1, of which
+    the term of first order is x/2.  The factor is between 1 and 2.
+    """
+    x = 2 * np.abs(change) / np.maximum(pressure, np.finfo(float).tiny)
+    x = np.clip(x, 1e-4, 1e4)  # below, the factor is 1 + x/6
+    return np.asarray((x / -np.expm1(-x) - 1) / (x / 2))
+
+
+def _hoop_stress_at_faces(result: Any, change: Array, hoop_change: Array) -> tuple[Array, Array]:
+    """Return the hoop stress at the inner and at the outer face of layers [Pa].
+
+    The layers begin at the nodes.  Equilibrium gives the mean hoop stress of a layer from the
+    pressures on its faces.  In a layer, wound with the stress T under its own pressure P_own, the
+    source of the equations of a stage is -T - E_t F(P_own), plus dC by the changes after winding:
+
+        r d sigma_t/dr = T - sigma_t - E_t (F(P) - F(P_own)) - dC = D,
+
+    integrated by Simpson's rule from D at the inner face, in the middle and at the outer face.
+
+    Parameters
+    ----------
+    result : RollResult
+    change, hoop_change : (M,) arrays
+        Of pressure and hoop stress by layers of finite thickness, at the nodes [Pa].
+    """
+    layers, h = layers_of(result), float(result.problem.web_thickness)
+    E_t, strain = layers.equations.tangential, layers.equations.strain
+    source_change, _ = final_changes(result.problem)
+    x, P = np.log(result.radius), result.pressure + change
+    Q = -(result.hoop_stress + hoop_change) - P
+    r = result.radius[result.radius <= result.radius[-1] - h]
+    T = layers.tension.at(r)
+    faces = [interpolate_pressure(x, P, Q, np.log(r + part * h))[0] for part in (0, 0.5, 1)]
+    mean = (r * faces[0] - (r + h) * faces[2]) / h
+    inner, middle, outer = (
+        T - mean - E_t * (strain(P) - strain(T * h / r * (1 - part))) - source_change
+        for P, part in zip(faces, (0, 0.5, 1), strict=True)
+    )
+    share = h / (r + h / 2)
+    return mean - share * (inner + 2 * middle) / 6, mean + share * (2 * middle + outer) / 6

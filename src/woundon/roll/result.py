@@ -15,7 +15,7 @@ from ..quantities import Quantity, length, line_load, pure, share, strain, stres
 from ..results import Residuals, Result
 from .certificate import certificate
 from .density import density_during_winding, finished_density, volume, wound_mass
-from .finite_layers import finite_layer_stresses
+from .finite_layers import finite_layer_effects, finite_layer_stresses
 from .growth import Growth
 from .stages import stage_arrays, stresses_between
 
@@ -256,8 +256,13 @@ class RollResult(Result):
             For a radius outside the roll.
         """
         arrays = stage_arrays(self, radius)
-        stage = RollResult(**arrays, errors=self.errors, residuals=Residuals())
-        return stage.replace(residuals=certificate(stage)).checked()
+        stage = RollResult(**arrays, residuals=Residuals())
+        # a stage has fewer layers than the finished roll, so that their thickness changes it more
+        finished, at_stage = finite_layer_effects(self), finite_layer_effects(stage)
+        errors = {
+            name: error - finished[name] + at_stage[name] for name, error in self.errors.items()
+        }
+        return stage.replace(residuals=certificate(stage), errors=errors).checked()
 
     def certified(self) -> Residuals:
         """Recompute the residuals from problem and arrays."""

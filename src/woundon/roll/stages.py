@@ -5,12 +5,14 @@ Earlier stages are recomputed with the function kappa of the result (:mod:`.buil
 
 from __future__ import annotations
 
+from math import inf
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..errors import InvalidProblem, NotConverged
 from ..problems.messages import quote
+from ..problems.permitted import is_within
 from ..problems.roll import FEWEST_LAYERS, RollProblem
 from ..problems.schedules import Profile, Taper
 from .build_up import cell_source, kinks_of, nodes_between
@@ -72,7 +74,7 @@ def stage_arrays(result: Any, radius: float) -> dict[str, Any]:
         raise InvalidProblem.at("radius", f"{r.size} values; must be one radius [m]")
     surface, problem = float(r), result.problem
     smallest = problem.core.radius + FEWEST_LAYERS * problem.web_thickness
-    if surface < smallest:
+    if not is_within(surface, smallest, inf):
         text = f"{quote(surface)} is out of range; must be >= {smallest:.6g} [m]"
         raise InvalidProblem.at("radius", f"{text}, {FEWEST_LAYERS} layers")
     stage, nodes, growth, solved = _solve_stage(result, surface, result.radius.size - 1)
@@ -116,8 +118,7 @@ def _radii_on_roll(result: Any, radius: Any) -> Array:
         text = f"{quote(radius)} is not a number; must be a radius on the roll [m]"
         raise InvalidProblem.at("radius", text) from None
     core, surface = float(result.radius[0]), float(result.radius[-1])
-    rounding = 1e-12 * surface
-    outside = r[~((core - rounding <= r) & (r <= surface + rounding))]
+    outside = r[~is_within(r, core, surface)]
     if outside.size:
         must = f"must be >= {core:.6g} and <= {surface:.6g} [m], on the roll"
         text = f"{quote(float(outside.flat[0]))} is out of range; {must}"
