@@ -321,8 +321,12 @@ class RootSearch:
             return float(sign * sample.output)
 
         with suppress(_UnsolvedError, _CrossedError):
-            options = {"maxiter": MINIMISATIONS, "xatol": MINIMUM_WIDTH * (c.value - a.value)}
-            minimize_scalar(height, bounds=(a.value, c.value), method="bounded", options=options)
+            minimize_scalar(
+                height,
+                bounds=(a.value, c.value),
+                method="bounded",
+                options={"maxiter": MINIMISATIONS, "xatol": MINIMUM_WIDTH * (c.value - a.value)},
+            )
 
     def _solve_bracket(self, a: Sample, b: Sample, depth: int) -> list[Sample]:
         """Return the solutions between two samples of different sign."""
