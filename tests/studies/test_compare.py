@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from math import pi
 from pathlib import Path
 
@@ -13,6 +14,7 @@ import pytest
 import woundon as wo
 from woundon.cli.commands import main
 from woundon.io.case_texts import to_toml
+from woundon.studies.kind_model import get_field
 
 NIP = wo.NipProblem.example()
 ROLL = wo.RollProblem.example()
@@ -20,9 +22,9 @@ LOADS = [1500.0, 2000.0, 2500.0, 3000.0, 3500.0, 4000.0]
 FINDINGS = ("no systematic difference beyond the error budget",)
 
 
-def tensions(**changes: float) -> np.ndarray:
-    problem = NIP.replace(**changes)
-    return np.array([wo.solve(problem.replace(nip_load=P)).wound_on_tension for P in LOADS])
+def tensions(nodes: int | None = None, **changes: float) -> np.ndarray:
+    cases = [NIP.replace(**changes, nip_load=P) for P in LOADS]
+    return np.array([wo.solve(case, nodes=nodes).wound_on_tension for case in cases])
 
 
 @pytest.fixture(scope="module")
@@ -87,7 +89,7 @@ def test_a_row_without_a_steady_state_has_a_reason(predicted):
     assert check.failures[0] == ""
     assert check.failures[1].startswith("winding_force: -900 is out of range")
     assert check.agreement("wound_on_tension").size == 1
-    assert "1 values without a prediction, e.g. row 2: winding_force" in str(check)
+    assert "1 value without a prediction, e.g. row 2: winding_force" in str(check)
     with pytest.raises(wo.InvalidProblem, match="no row of the table has a prediction"):
         wo.compare(NIP, {"winding_force": [-900.0], "wound_on_tension": [1.0]})
 
@@ -193,24 +195,62 @@ def test_a_winding_is_compared_over_its_radius():
     assert np.isfinite(check.predicted).all()
 
 
-# ---- rules --------------------------------------------------------------------------------------
+def test_a_pull_tab_at_the_surface_is_left_out(roll):
+    """The pressure at the surface is zero by its boundary condition."""
+    table = {"measured_radius [mm]": [100.0, 150.0], "pressure": [2e5, 2e4]}
+    check = wo.compare(ROLL, table)
+    assert check.agreement("pressure").size == 1
+    assert "1 value without a prediction, e.g. row 2: pressure: is zero at the surface" in str(
+        check
+    )
+
+
+# ---- possible causes ----------------------------------------------------------------------------
 
 
 def causes(check: wo.Comparison) -> str:
     return "; ".join(cause for entry in check.explanations for cause in entry.causes)
 
 
-@pytest.mark.slow
-def test_a_nip_that_is_wider_at_all_loads_points_to_a_softer_roll():
-    width = np.array([wo.solve(NIP.replace(nip_load=P)).nip_width for P in LOADS])
-    table = {"nip_load": LOADS, "nip_width": 1.05 * width, "nip_width +-": [2e-5] * 6}
-    check = wo.compare(NIP, table)
-    assert "the roll is softer than assumed" in causes(check)
-    assert "layers of the roll slip" in causes(check)
-    assert "by 5 % of the mean, in 6 of 6 values" in str(check)
+def test_causes_are_inputs_with_the_change_that_is_needed():
+    """Closed form: a^2 = 4 P R/(pi E*); 1/R and 1/E* are sums over two equal bodies."""
+    body = wo.HalfPlane(radius=0.25, material="steel")
+    pair = wo.RollerProblem(upper=body, lower=body, load=89e3, friction=0.5)
+    loads = np.array([60e3, 80e3, 100e3])
+    width = np.array([wo.solve(pair.replace(load=P), nodes=33).nip_width for P in loads])
+    table = {"load": loads, "nip_width": 1.05 * width, "nip_width +-": [1e-7] * 3}
+    check = wo.compare(pair, table, nodes=33)
+    assert "by 5 % of the mean, in 3 of 3 values" in str(check)
     assert "rises" not in str(check)  # a factor is not a trend
-    narrow = wo.compare(NIP, {**table, "nip_width": 0.95 * width})
-    assert "stiffer than assumed" in causes(narrow)
+    nu = 0.3  # d ln(1 - nu^2)/d ln nu = -2 nu^2/(1 - nu^2): the change exceeds a factor of two
+    assert abs(0.05 / (0.25 * -2 * nu**2 / (1 - nu**2))) > 1
+    # (E/E1 + 1)/2 = 1.05^2; the stated change is that of a secant
+    needed = 1 / (2 * 1.05**2 - 1) - 1
+    (bias,) = [entry for entry in check.explanations if "larger than predicted" in entry.finding]
+    found = [
+        re.match(r"(\w+).material.youngs_modulus (.*) %: ", c).groups() for c in bias.causes[:2]
+    ]
+    assert {side for side, _ in found} == {"upper", "lower"}
+    assert [float(change) for _, change in found] == pytest.approx([100 * needed] * 2, rel=0.05)
+    # neither the friction nor the measured load is a cause
+    assert all(not cause.startswith(("load", "friction", "upper.radius")) for cause in bias.causes)
+    far = wo.compare(pair, {**table, "nip_width": 2 * width}, nodes=33)
+    assert "no input alone: each would have to change by more than a factor of two" in str(far)
+
+
+@pytest.mark.slow
+def test_the_stated_change_of_an_input_removes_the_difference():
+    """Independent: the problem is solved with the changed input."""
+    measured = tensions(nodes=33, **{"roll.material.shear": 1.2e7})
+    check = check_of(measured, nodes=33)
+    (bias,) = [entry for entry in check.explanations if "larger than predicted" in entry.finding]
+    changes = dict(re.match(r"([\w.]+) ([-+.\d]+) %", c).groups() for c in bias.causes[:-1])
+    assert float(changes["roll.material.shear"]) == pytest.approx(20, rel=0.1)
+    for name, change in changes.items():
+        changed = NIP.replace(**{name: get_field(NIP, name) * (1 + float(change) / 100)})
+        residual = check_of(measured, problem=changed, nodes=33).residual
+        # by a secant at one row, for changes of up to a factor of two
+        assert abs(residual.mean()) < 0.3 * check.residual.mean(), name
 
 
 def test_a_tension_that_falls_with_the_speed_points_to_entrained_air(predicted):
@@ -222,13 +262,14 @@ def test_a_tension_that_falls_with_the_speed_points_to_entrained_air(predicted):
     assert check.covariates == ("web_speed",)
     assert "web_speed is not part of this problem: it is used for trends only" in str(check)
     (trend,) = [entry for entry in check.explanations if "with web_speed" in entry.finding]
-    assert "entrained air" in trend.causes[0]
+    assert any("entrained air" in cause for cause in trend.causes)
 
 
+@pytest.mark.slow
 def test_a_smaller_friction_is_among_the_causes_of_a_smaller_tension():
     """Independent: the measured values are those of a nip with less friction."""
-    check = check_of(tensions(roll_friction=0.15))
-    assert "the friction between web and roll, or between the layers, is smaller" in causes(check)
+    check = check_of(tensions(roll_friction=0.15, nodes=33), nodes=33)
+    assert "roll_friction -" in causes(check)
 
 
 def test_a_constant_ratio_of_pressures_points_to_the_calibration(roll):

@@ -126,9 +126,30 @@ def test_points_without_a_steady_state_are_outside_the_reachable_range():
     assert found.failures
     assert all(abs(value) > 690 for value, _ in found.failures)
     assert np.isnan(found.outputs[[0, -1]]).all()
-    assert "points have no solution, e.g. -900 N/m: winding_force: -900 is out of range" in str(
-        found
-    )
+    # |F| < mu- P = 700.4 N/m
+    assert "solved down to winding_force = -700.4 N/m; below it: winding_force: -9" in str(found)
+    assert "solved up to winding_force = 700.4 N/m; above it: winding_force: 900" in str(found)
+
+
+def test_the_limit_where_the_layers_of_a_coil_separate_is_bracketed():
+    """A shrinkage of 0.03 % separates the layers, in a range of +-10 %.
+
+    Independent: the pressure of a linear stack is linear in the shrinkage.
+    """
+    coil = wo.RollProblem(
+        core=wo.Core(diameter="508 mm", stiffness="50 GPa"), diameter="1500 mm",
+        stack=wo.Stack(radial="2 GPa", tangential="206 GPa", poissons_ratio=0.01, shear="1 GPa"),
+        web_thickness="1 mm", wound_on_tension="30 MPa",
+    )  # fmt: skip
+    wound, shrunk = (wo.solve(coil.replace(core_shrinkage=e)).core_pressure for e in (0.0, 1e-4))
+    found = wo.find(coil, "core_shrinkage", core_pressure="300 kPa")
+    # error estimates of the pressures are 1e-3 of the largest
+    assert found.value == pytest.approx((wound - 300e3) / (wound - shrunk) * 1e-4, rel=2e-3)
+    assert len(found.values) <= 35
+    with pytest.raises(wo.NoSolution, match="above it: not converged: the layers separate") as no:
+        wo.find(coil, "core_shrinkage", core_pressure="-10 kPa", between=(0, 0.1))
+    # the layers separate at the core, where the pressure vanishes; 0.1 % of the target
+    assert no.value.reachable == pytest.approx((0.0, wound), abs=10.0)
 
 
 # ---- curves with known zeros --------------------------------------------------------------------
@@ -180,7 +201,7 @@ def test_a_solution_next_to_the_limit_of_steady_states_is_found(curves):
 
 def test_a_target_among_points_without_a_steady_state_is_no_solution(curves):
     problem = curves.CurveProblem(shape="hole")
-    with pytest.raises(wo.NoSolution, match="points have no solution"):
+    with pytest.raises(wo.NoSolution, match=r"solved up to position = 0\.89999.* above it: pos"):
         wo.find(problem, "position", height=0.1, between=(0, 2), points=5)
     found = wo.find(problem, "position", height=-0.2, between=(0, 2), points=3)
     assert found.value == pytest.approx(0.8, rel=1e-6)

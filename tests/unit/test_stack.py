@@ -167,6 +167,12 @@ def test_a_stack_ends_where_its_energy_does() -> None:
     assert falls.modulus(falls.max_pressure) == pytest.approx(1e4)  # 1 % of c_0
 
 
+@laws
+def test_without_lateral_contraction_every_modulus_is_admissible(law: RadialLaw) -> None:
+    """The energy is definite for E_r < E_t/nu^2, which is infinite."""
+    assert stack(radial=law, poissons_ratio=0.0).limit == law.max_pressure
+
+
 def test_the_shear_modulus_is_that_of_the_wound_stack() -> None:
     paper = stack(shear_exponent=0.5)
     P = np.array([50e3, 200e3, 800e3])

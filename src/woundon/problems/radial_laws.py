@@ -309,7 +309,7 @@ class Polynomial(SolidLaw):
         """Return the smallest P >= 0 at which E_r is ``modulus`` [Pa]; inf if there is none."""
         if modulus <= self.coefficients[0]:
             return 0.0
-        P = self._smallest_root(modulus)
+        P = self._smallest_root(modulus) if modulus < inf else inf
         return inf if self.max_pressure < P else P
 
     def _modulus(self, P: Array) -> Array:

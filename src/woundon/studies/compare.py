@@ -14,8 +14,10 @@ JCGM 100:2008, sec. 5.1.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cache
 from math import nan, sqrt
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -26,9 +28,9 @@ from ..io.json_texts import json_text
 from ..problems.messages import quote
 from ..problems.problem import Problem
 from ..problems.units import parse
-from ..quantities import Quantity
+from ..quantities import Quantity, walk
 from ..results import Presented, ReadOnly
-from .explanations import Explanation, explain
+from .explanations import Explanation, Inputs, explain
 from .kind_model import KindModel, field_quantity, get_field, model_of
 from .measurements import Observations, error_at, predict, read_observations
 from .progress import Progress, progress_reporter
@@ -41,6 +43,7 @@ __all__ = ["Agreement", "Comparison", "compare"]
 
 Array = np.ndarray
 TAB = "pull tab"  # name of the uncertainty of its calibration
+STEP = 1e-3  # relative, of an input; errors: its square, and the solver tolerance divided by it
 
 
 class Agreement(NamedTuple):
@@ -99,7 +102,7 @@ class Comparison(Presented, ReadOnly):
         Why a value has no prediction, '' if it has one.
     quantities : mapping of str to Quantity
     explanations : tuple of Explanation
-        Possible causes of systematic differences, by rules; none is proved by them.
+        Possible causes of systematic differences; the data do not decide between them.
     problem : Problem
 
     Examples
@@ -199,7 +202,8 @@ class Comparison(Presented, ReadOnly):
         failed = [pair for pair in zip(self.numbers, self.failures, strict=True) if pair[1]]
         if failed:
             number, reason = failed[0]
-            texts.append(f"{len(failed)} values without a prediction, e.g. row {number}: {reason}")
+            count = "1 value" if len(failed) == 1 else f"{len(failed)} values"
+            texts.append(f"{count} without a prediction, e.g. row {number}: {reason}")
         for name in self.covariates:
             texts.append(f"{name} is not part of this problem: it is used for trends only")
         for explanation in self.explanations:
@@ -354,7 +358,7 @@ def compare(
         raise InvalidProblem.at(f"spread: {repeated[0]}", "is measured in a column of the table")
     covariates = _covariates(problem, data)
     with progress_reporter(progress, "comparing") as report:
-        predicted, error, effects, failures = _predictions(
+        predicted, error, effects, failures, solved = _predictions(
             model, data, covariates, deviations, report
         )
     effects[np.isnan(predicted)] = 0.0
@@ -377,7 +381,8 @@ def compare(
         inputs={name: values[data.rows] for name, values in data.inputs.items()},
         covariates=covariates,
     )
-    return replace(comparison, explanations=explain(comparison))
+    inputs = cache(lambda: _inputs(model, data, solved))
+    return replace(comparison, explanations=explain(comparison, inputs))
 
 
 def _predictions(
@@ -386,8 +391,8 @@ def _predictions(
     covariates: Sequence[str],
     deviations: Mapping[str, float],
     report: Progress,
-) -> tuple[Array, Array, Array, tuple[str, ...]]:
-    """Return predictions, their errors, effects of the input spreads, and reasons of failures.
+) -> tuple[Array, Array, Array, tuple[str, ...], list[_Solved]]:
+    """Return predictions, their errors, effects of the input spreads, failures, and results.
 
     Raises
     ------
@@ -397,6 +402,7 @@ def _predictions(
     m = len(data.names)
     predicted, error, effects = np.full(m, nan), np.full(m, nan), np.zeros((m, len(deviations)))
     failures, converged, start = [""] * m, "", None
+    solved: list[_Solved] = []
     groups = list(_groups(data, covariates))
     for done, (rows, inputs) in enumerate(groups):
         report(done, len(groups))
@@ -417,11 +423,55 @@ def _predictions(
                 continue
             error[k] = error_at(result, name, place)
         effects[rows] = _effects(model, result, inputs, places, deviations)
+        solved.append(_Solved(rows, inputs, places, result))
     if np.isnan(predicted).all():
         reason = next((failure for failure in failures if failure), "the predictions are nan")
         text = f"no row of the table has a prediction; the first reason: {reason}"
         raise NotConverged(text) if converged else InvalidProblem.at(data.where, text)
-    return predicted, error, effects, tuple(failures)
+    return predicted, error, effects, tuple(failures), solved
+
+
+def _inputs(model: KindModel, data: Observations, solved: Sequence[_Solved]) -> Inputs:
+    """Return the inputs that are not measured, with the derivatives of all predictions.
+
+    Radii are left out, because they are known better than any other input.
+    """
+    problem = model.problem
+    known = "|".join(re.escape(name) for name in (*data.inputs, *model.tie))
+    left_out = re.compile(rf"(.*radius|({known or '(?!)'})(\..*)?)")
+    quantities = {
+        place.path: place.quantity
+        for place in walk(problem)
+        if isinstance(place.value, float) and place.value and place.quantity is not None
+        if not left_out.fullmatch(place.path)
+    }
+
+    def change_text(name: str, change: float) -> str:
+        value = get_field(problem, name)
+        old, new = (quantities[name].text(end, ".4g") for end in (value, (1 + change) * value))
+        return f"{name} {100 * change:+.2g} %: {new} instead of {old}"
+
+    def response(name: str, change: float, k: int) -> float:
+        rows, inputs, places, result = next(group for group in solved if k in group.rows)
+        fixed, value = model.on_mesh_of(result), (1 + change) * get_field(problem, name)
+        try:
+            with unwarned():
+                changed = fixed.solve(fixed.variant({**inputs, name: value}), result)
+        except (InvalidProblem, NotConverged):
+            return nan
+        place = places[rows.index(k)]
+        return _or_nan(changed, *place) - _or_nan(result, *place)
+
+    if hasattr(model.kind.result, "roll"):  # each derivative costs two windings
+        note = "inputs are not examined for windings; spread= states the effect of one of them"
+        return Inputs({}, response, change_text, note)
+    derivatives = {name: np.full(len(data.names), nan) for name in quantities}
+    for rows, inputs, places, result in solved:
+        steps = {name: STEP * get_field(problem, name) for name in quantities}
+        effects = _effects(model, result, inputs, places, steps) / STEP
+        for name, column in zip(quantities, effects.T, strict=True):
+            derivatives[name][rows] = column
+    return Inputs(derivatives, response, change_text)
 
 
 def _covariates(problem: Problem, data: Observations) -> tuple[str, ...]:
@@ -440,6 +490,15 @@ def _covariates(problem: Problem, data: Observations) -> tuple[str, ...]:
             if any(path == name for path, _ in fault.faults):
                 names.append(name)
     return tuple(names)
+
+
+class _Solved(NamedTuple):
+    """The result for the values of a group of rows."""
+
+    rows: list[int]
+    inputs: Mapping[str, float]
+    places: list[tuple[str, float]]
+    result: Any
 
 
 def _groups(

@@ -1,14 +1,21 @@
-"""Rules that name possible causes of systematic differences between measurement and prediction.
+"""Possible causes of systematic differences between measurement and prediction.
 
-A rule applies if a pattern is significant: a mean difference (more than two standard uncertainties)
-or a trend of the differences with a varied input (p < 0.01 of the regression line, larger than the
-error budget, and neither an offset nor a factor).  A rule names causes that are known to produce
-the pattern; the data alone do not decide between them, and the cause may be another one.
+A difference is systematic if it is a mean difference (more than two standard uncertainties) or a
+trend of the differences with a varied input (p < 0.01 of the regression line, larger than the error
+budget, and neither an offset nor a factor).  Two kinds of causes are stated:
+
+- inputs of the problem, with the change that would be needed by the derivatives D = dQ/d ln(input)
+  of the predictions: mean(residual)/mean(D), or the ratio of the slopes of the regression lines.
+  A solution with this change corrects it where the residual is largest.  An input that would have
+  to change by more than a factor of two, or whose effect saturates, is no cause;
+- effects that the problem does not contain, from a table.
+
+The data alone do not decide between them, and the cause may be another one.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from math import sqrt
 from typing import Any, NamedTuple
 
@@ -26,6 +33,10 @@ FEWEST = 5  # values of a trend
 LEAST_TREND = 0.01  # of the mean prediction, without standard deviations
 OUTLYING = 4.0  # standard uncertainties of a single value
 CONSTANT = 0.1  # relative scatter of a constant ratio
+SMALLEST_CHANGE, LARGEST_CHANGE = -0.5, 1.0  # of an input, relative: a factor of two
+SMALLEST_SHARE = (
+    0.5  # of the change of a prediction by its derivative: below it the effect saturates
+)
 RADIUS = length("r", "radius of the measurement")
 
 WIDTH, TENSION, PRESSURE, LENGTH = "width", "tension", "pressure", "length"
@@ -38,89 +49,46 @@ _CLASSES = {
     "length": LENGTH,
 }
 
-# class of the output, sign of measured - predicted -> possible causes
-_BIAS: dict[tuple[str, int], tuple[str, ...]] = {
-    (WIDTH, 1): (
-        "the roll is softer than assumed: a smaller radial modulus, or less pressure in the roll",
-        "the layers of the roll slip on each other, which the model of the roll does not contain",
-        "the cover of the drum is softer than assumed",
+_AIR = "entrained air, which this problem does not contain"  # only without air
+_SLIPPING = (
+    "the layers of the roll slip on each other, which the model of the roll does not contain"
+)
+_LOAD_CELL = "the load cell has an offset: check its zero"
+_GAIN = "the gain of a load cell is wrong"
+
+# Effects outside the problem: class of the output, varied input ("" for the mean difference), sign.
+_EFFECTS: dict[tuple[str, str, int], tuple[str, ...]] = {
+    (WIDTH, "", 1): (
+        _SLIPPING,
         "a film or paper that records the width widens the print by its own thickness",
     ),
-    (WIDTH, -1): (
-        "the roll or the cover of the drum is stiffer than assumed",
+    (WIDTH, "", -1): (
         "a pressure-sensitive film does not show the low pressure at the edges of the nip",
     ),
-    (TENSION, 1): (
-        "the friction between web and roll, or between the layers, is larger than assumed",
-        "the shear modulus of the roll differs from the assumed one",
-        "the load cell has an offset: check its zero",
-    ),
-    (TENSION, -1): (
-        "the friction between web and roll, or between the layers, is smaller than assumed",
-        "entrained air reduces the friction in the nip",
+    (TENSION, "", 1): (_LOAD_CELL,),
+    (TENSION, "", -1): (
+        _AIR,
         "bearings or idler rollers take tension between nip and load cell",
-        "the load cell has an offset: check its zero",
+        _LOAD_CELL,
     ),
-    (PRESSURE, 1): (
-        "the wound-on tension is larger than assumed",
-        "the stack is stiffer in the radial direction than assumed",
+    (PRESSURE, "", 1): (
         "the tab disturbs the layers: extrapolate to a thinner tab, or calibrate it in a stack",
     ),
-    (PRESSURE, -1): (
-        "the wound-on tension is smaller than assumed",
-        "entrained air between the layers, or a stack that is softer than assumed",
-        "the web or the stack relaxed between winding and measurement",
-    ),
-    (LENGTH, 1): (
-        "the web is thinner than assumed, or its layers are more compressed",
-        "the diameter was read at a low place of an uneven roll",
-    ),
-    (LENGTH, -1): (
-        "entrained air between the layers, or a web that is thicker than assumed",
-        "the length counter slips, or counts at a lower tension",
-    ),
-}
-
-# class, end of the input's name, sign of the trend -> possible causes
-_TRENDS: dict[tuple[str, str, int], tuple[str, ...]] = {
-    (TENSION, "web_speed", -1): (
-        "entrained air reduces the friction in the nip at high speed",
-        "friction falls with the sliding speed",
-    ),
+    (PRESSURE, "", -1): (_AIR, "the web or the stack relaxed between winding and measurement"),
+    (LENGTH, "", 1): ("the diameter was read at a low place of an uneven roll",),
+    (LENGTH, "", -1): (_AIR, "the length counter slips, or counts at a lower tension"),
+    (TENSION, "web_speed", -1): (_AIR, "friction falls with the sliding speed"),
     (TENSION, "web_speed", 1): (
-        "the model contains more entrained air than there is: check the roughness of the web",
         "tension of centrifugal force (mass per area times speed squared) is in the reading",
-    ),
-    (TENSION, "nip_load", -1): (
-        "the friction is smaller than assumed: the nip-induced tension saturates earlier",
-        "the roll becomes stiffer under load than in the model",
-    ),
-    (TENSION, "nip_load", 1): (
-        "the friction between web and roll is larger than assumed",
-        "the shear modulus of the roll differs from the assumed one",
     ),
     (TENSION, "web_tension", -1): (
         "tension is lost between its measurement and the nip: bearings, wraps, idler rollers",
-        "the gain of a load cell is wrong",
+        _GAIN,
     ),
-    (TENSION, "web_tension", 1): ("the gain of a load cell is wrong",),
-    (WIDTH, "nip_load", 1): (
-        "the layers of the roll begin to slip on each other under load",
-        "the assumed stiffness of roll or cover is too large at high load",
-    ),
-    (WIDTH, "nip_load", -1): (
-        "roll or cover harden under load, which a linear body does not describe",
-    ),
-    (PRESSURE, "radius", 1): (
-        "the core is softer than assumed, so that the pressure near it is lower",
-        "the taper of the wound-on tension is smaller than assumed",
-    ),
-    (PRESSURE, "radius", -1): (
-        "the core is stiffer than assumed, so that the pressure near it is higher",
-        "the taper of the wound-on tension is larger than assumed, or air enters as the roll grows",
-    ),
-    (LENGTH, "radius", 1): ("the web becomes thinner, or the layers more compressed, outwards",),
-    (LENGTH, "radius", -1): ("more air is entrained as the roll grows",),
+    (TENSION, "web_tension", 1): (_GAIN,),
+    (WIDTH, "nip_load", 1): (_SLIPPING,),
+    (PRESSURE, "radius", -1): (_AIR,),
+    (LENGTH, "radius", -1): (_AIR,),
 }
 
 
@@ -148,26 +116,98 @@ class Explanation(NamedTuple):
         return [f"{head}. Possible causes:", *(f"  - {cause}" for cause in self.causes)]
 
 
-def explain(comparison: Any) -> tuple[Explanation, ...]:
-    """Return the findings on all outputs with their possible causes, by rules."""
-    return tuple(entry for output in comparison.outputs for entry in _of_output(comparison, output))
+class Inputs(NamedTuple):
+    """Inputs of a problem that may explain differences.
+
+    Attributes
+    ----------
+    derivatives : mapping of str to (m,) array
+        Change of each prediction per relative change of an input, dQ/d ln(input).
+    response : callable
+        (name, relative change, k) -> change of the prediction k, from a solution; nan if the
+        problem with the changed input has none.
+    change_text : callable
+        (name, relative change) -> the change as a text.
+    note : str
+        Why there are none; empty otherwise.
+    """
+
+    derivatives: Mapping[str, Array]
+    response: Callable[[str, float, int], float]
+    change_text: Callable[[str, float], str]
+    note: str = ""
 
 
-def _of_output(comparison: Any, output: str) -> Iterator[Explanation]:
+def explain(comparison: Any, inputs: Callable[[], Inputs]) -> tuple[Explanation, ...]:
+    """Return the findings on all outputs with their possible causes.
+
+    Parameters
+    ----------
+    comparison : Comparison
+    inputs : callable
+        Returns the inputs; called only for a systematic difference.
+    """
+    return tuple(
+        entry for output in comparison.outputs for entry in _of_output(comparison, output, inputs)
+    )
+
+
+def _of_output(comparison: Any, output: str, inputs: Callable[[], Inputs]) -> Iterator[Explanation]:
     """Yield the findings on one output."""
     agreement = comparison.agreement(output)
     if agreement.size < 2:
         return
     rows = comparison.of(output)
-    causes = list(_trends(comparison, output, rows))
-    yield from causes
+    trends = list(_trends(comparison, output, rows, inputs))
+    yield from trends
     significant = abs(agreement.bias) > SIGNIFICANT * agreement.bias_uncertainty
     if significant:
-        yield _bias(comparison, output, rows)
+        yield _bias(comparison, output, rows, inputs)
     yield from _budget(comparison, output, rows, significant)
     yield from _outliers(comparison, output, rows)
-    if not significant and not causes and agreement.bias_uncertainty == agreement.bias_uncertainty:
+    if not significant and not trends and agreement.bias_uncertainty == agreement.bias_uncertainty:
         yield Explanation(output, "no systematic difference beyond the error budget")
+
+
+def _causes(
+    comparison: Any,
+    output: str,
+    varied: str,
+    needed: float,
+    inputs: Inputs,
+    measure: Callable[[Array], float],
+) -> tuple[str, ...]:
+    """Return the inputs that explain a difference, and the effects outside the problem.
+
+    Parameters
+    ----------
+    varied : str
+        Name of the varied input of a trend; empty for the mean difference.
+    needed : float
+        The mean difference, or the slope of the trend.
+    measure : callable
+        The same measure of an (m,) array: its mean, or its slope.
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        changes = {
+            name: float(np.divide(needed, measure(derivative)))
+            for name, derivative in inputs.derivatives.items()
+        }
+    rows = np.nonzero(comparison.of(output))[0]
+    k = int(rows[np.argmax(np.abs(comparison.residual[rows]))])
+    texts = []
+    for name, change in sorted(changes.items(), key=lambda item: abs(item[1])):
+        if SMALLEST_CHANGE <= change <= LARGEST_CHANGE:
+            share = inputs.response(name, change, k) / (change * inputs.derivatives[name][k])
+            if share >= SMALLEST_SHARE and SMALLEST_CHANGE <= change / share <= LARGEST_CHANGE:
+                texts.append(inputs.change_text(name, change / share))
+    none = inputs.note or "no input alone: each would have to change by more than a factor of two"
+    has_air = getattr(comparison.problem, "air", None) is not None
+    effects = _EFFECTS.get(
+        (_class_of(output), varied.rpartition(".")[2], 1 if needed > 0 else -1), ()
+    )
+    outside = [effect for effect in effects if effect != _AIR or not has_air]
+    return (*(texts or [none]), *outside)
 
 
 def _class_of(output: str) -> str:
@@ -177,7 +217,7 @@ def _class_of(output: str) -> str:
     )
 
 
-def _bias(comparison: Any, output: str, rows: Array) -> Explanation:
+def _bias(comparison: Any, output: str, rows: Array, inputs: Callable[[], Inputs]) -> Explanation:
     """Return the explanation of a mean difference."""
     agreement, residual = comparison.agreement(output), comparison.residual[rows]
     sign = 1 if agreement.bias > 0 else -1
@@ -185,18 +225,20 @@ def _bias(comparison: Any, output: str, rows: Array) -> Explanation:
     word = "larger" if sign > 0 else "smaller"
     share = f"by {100 * abs(agreement.relative_bias):.2g} % of the mean"
     share += f", in {count} of {agreement.size} values"
-    causes = list(_BIAS.get((_class_of(output), sign), ()))
-    if getattr(comparison.problem, "air", None) is not None:
-        causes = [c.replace("entrained air", "more entrained air than assumed") for c in causes]
+    causes = _causes(
+        comparison, output, "", agreement.bias, inputs(), lambda y: float(np.mean(y[rows]))
+    )
     ratio = comparison.measured[rows] / comparison.predicted[rows]
     constant = np.std(ratio) < CONSTANT * abs(np.mean(ratio))
     if _class_of(output) == PRESSURE and constant and agreement.size >= FEWEST:
         text = f"the ratio is nearly constant ({np.mean(ratio):.2g}): the calibration of the tab"
-        causes.insert(0, f"{text}, its coefficient of friction or area")
-    return Explanation(output, f"measured {word} than predicted {share}", tuple(causes))
+        causes = (f"{text}, its coefficient of friction or area", *causes)
+    return Explanation(output, f"measured {word} than predicted {share}", causes)
 
 
-def _trends(comparison: Any, output: str, rows: Array) -> Iterator[Explanation]:
+def _trends(
+    comparison: Any, output: str, rows: Array, inputs: Callable[[], Inputs]
+) -> Iterator[Explanation]:
     """Yield the explanations of trends with the varied inputs, and with the radius."""
     from scipy.stats import linregress
 
@@ -226,8 +268,19 @@ def _trends(comparison: Any, output: str, rows: Array) -> Iterator[Explanation]:
         ends = " to ".join(quantity.text(end) for end in (x.min(), x.max()))
         text = comparison.quantities[output].text(abs(changes[0]))
         finding = f"measured - predicted {word} by {text} with {name} from {ends}"
-        causes = _TRENDS.get((_class_of(output), name.rpartition(".")[2], sign), ())
-        yield Explanation(output, finding, causes)
+        slope = float(lines[0].slope)
+        yield Explanation(
+            output,
+            finding,
+            _causes(
+                comparison,
+                output,
+                name,
+                slope,
+                inputs(),
+                lambda y, x=x: float(linregress(x, y[rows]).slope),  # type: ignore[misc]
+            ),
+        )
 
 
 def _budget(comparison: Any, output: str, rows: Array, significant: bool) -> Iterator[Explanation]:

@@ -260,6 +260,9 @@ def find(
         )
         search.scan(count, base)
         roots = search.solutions()
+        if not roots:
+            search.refine_range()
+            roots = search.solutions()
     slopes = np.array([_slope(search, sample) for sample in roots])
     scan = np.array([[sample.value, sample.output] for sample in search.samples])
     failures = tuple((s.value, s.failure) for s in search.samples if s.failure)
@@ -409,9 +412,22 @@ def _no_solution(
     if search.jumps:
         place = field_of.text(search.jumps[0][0], ".6g")
         text += f"; the output jumps across the target at {search.name} = {place}"
-    if failures:
-        text += f"; {len(failures)} of {len(scan)} points have no solution{reasons}"
+    text = "; ".join([text, *_limit_texts(search.name, field_of, scan, failures)])
     return NoSolution([(search.output, text)], reachable, values, outputs, failures)
+
+
+def _limit_texts(
+    name: str, quantity: Quantity, scan: Array, failures: tuple[tuple[float, str], ...]
+) -> list[str]:
+    """Return the limits of existence between neighbouring points, with the reasons."""
+    texts, reasons = [], dict(failures)
+    for (a, ya), (b, yb) in zip(scan.tolist(), scan[1:].tolist(), strict=False):
+        if isfinite(ya) and not isfinite(yb):
+            texts.append(f"solved up to {name} = {quantity.text(a, '.6g')}; above it: {reasons[b]}")
+        if isfinite(yb) and not isfinite(ya):
+            text = f"solved down to {name} = {quantity.text(b, '.6g')}; below it: {reasons[a]}"
+            texts.append(text)
+    return texts
 
 
 def _text(outcome: FindResult, name: str, value: float, form: str = ".6g") -> str:
@@ -447,11 +463,9 @@ def remarks(outcome: FindResult) -> list[str]:
     low, high = (_text(outcome, outcome.name, end) for end in outcome.values[[0, -1]])
     ends = " to ".join(_text(outcome, outcome.output, end) for end in outcome.reachable)
     texts.append(f"scanned: {outcome.name} from {low} to {high}, {outcome.output} {ends}")
-    if outcome.failures:
-        value, reason = outcome.failures[0]
-        count = f"{len(outcome.failures)} of {len(outcome.values)} points"
-        place = _text(outcome, outcome.name, value)
-        texts.append(f"{count} have no solution, e.g. {place}: {reason}")
+    scan = np.column_stack([outcome.values, outcome.outputs])
+    quantity = outcome.quantities[outcome.name]
+    texts += _limit_texts(outcome.name, quantity, scan, outcome.failures)
     for jump in outcome.jumps:
         texts.append(
             f"{outcome.output} jumps across the target at {outcome.name} = "

@@ -38,6 +38,7 @@ POSITIONS: dict[str, float] = {
 }  # radius of each
 FORCE = Quantity("F_t", "N", "force that moves a pull tab")
 TAB_FORCE, PRESSURE, LENGTH = "pull_tab_force", "pressure", "length"
+SURFACE = 1 - 1e-6  # of the radius of a roll: below it by less than the rounding of a table
 REFERENCE_DENSITY = 1000.0  # of the web [kg/m^3], where a length is computed: it cancels
 
 
@@ -202,6 +203,9 @@ def predict(result: Any, name: str, position: float) -> float:
         return _length_laid(roll, position)
     if not at_radius:
         return float(value_of(result, name))
+    if name == PRESSURE and hasattr(roll, "radius") and position >= SURFACE * roll.radius[-1]:
+        text = "is zero at the surface of the roll, so that a value measured there is left out"
+        raise InvalidProblem.at(name, text)
     if name in (PRESSURE, "hoop_stress") and hasattr(roll, "at_radius"):
         return float(roll.at_radius(position)[name])
     if name in scalar_outputs(result):

@@ -3,12 +3,20 @@
     f(x) = output(problem with field = x) - target = 0
 
 1. Scan: f is evaluated at points of a range, from the present value of the field outwards, each
-   from the initial guess of its nearest neighbour.  Between a point that is solved and one that has
-   no steady state the range is bisected while |f| decreases towards the limit.
-2. Brackets: neighbouring points between which f changes its sign; a local minimum of |f| that may
+   from the initial guess of its nearest neighbour.
+2. Limits of existence: between a point x0 that is solved and one without a solution the range is
+   bisected.  If the output varies towards the limit at most as a square root, the change D between
+   the neighbours x1 and x0 bounds the change beyond x0 within the unsolved gap g,
+
+       |D| / (sqrt(1 + |x0 - x1|/g) - 1).
+
+   The bisection ends when it is smaller than |f|, and than 0.1 % of the range of the output if no
+   solution is bracketed.
+3. Brackets: neighbouring points between which f changes its sign; a local minimum of |f| that may
    reach zero is searched by Brent's minimisation (scipy.optimize.minimize_scalar).
-3. Each bracket is solved by Brent's method (scipy.optimize.brentq) on one mesh, on which the output
+4. Each bracket is solved by Brent's method (scipy.optimize.brentq) on one mesh, on which the output
    is a continuous function of the field.
+5. Without a solution, the smallest and the largest output are computed by the same minimisation.
 
 Reference: R. P. Brent, Algorithms for Minimization without Derivatives, Prentice-Hall 1973, ch. 4.
 """
@@ -24,7 +32,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..errors import InvalidProblem, NotConverged
+from ..errors import InvalidProblem, NotConverged, unwarned
 from .kind_model import KindModel, options_of
 
 __all__ = ["DECADE", "Interval", "RootSearch", "Sample", "error_of"]
@@ -33,8 +41,14 @@ Array = np.ndarray
 
 DECADE = 10.0  # ratio of the ends of a range from which its points have a constant ratio
 EXTENSIONS = 10  # doublings of the range on a side where the output still approaches the target
-BISECTIONS = 8  # between a solved point and one without a steady state: 1/256 of their distance
-MINIMISATIONS = 16  # evaluations at a local minimum of |f|: 1e-3 of the interval by golden section
+# Bisections towards a limit of existence: at least so many, because an output may vary more steeply
+# next to it than between the points of the scan; and at most, to 1e-9 of their distance.
+LEAST_BISECTIONS, MOST_BISECTIONS = 5, 30
+VALIDITY_BISECTIONS = 40  # of the range of valid problems, without solving them
+LIMIT_ERROR = 5e-4  # of an output at a limit of existence, relative to its scale: half of 0.1 %
+# At a minimum: evaluations, 1e-3 of the interval by golden section; and its width, at which a
+# parabola changes by 1e-8 of its change over the interval.
+MINIMISATIONS, MINIMUM_WIDTH = 16, 1e-4
 # |f| relative to the target at which Brent's method stops: ten times the residual of a solution,
 # 1e-8, and below every discretisation error
 CLOSE = 1e-7
@@ -116,16 +130,23 @@ class RootSearch:
         """Return output - target."""
         return sample.output - self.target
 
+    @property
+    def scale(self) -> float:
+        """The magnitude of the target; if it is 0, the largest one of the outputs."""
+        return abs(self.target) or max(abs(s.output) for s in self.solved)
+
+    @property
+    def solved(self) -> list[Sample]:
+        """The samples that have a solution."""
+        return [sample for sample in self.samples if sample.result is not None]
+
     def is_root(self, sample: Sample) -> bool:
         """True if a sample has the target value to the tolerance of the solver."""
-        # the scale of a target of 0 is that of the outputs
-        scale = abs(self.target) or max(abs(s.output) for s in self.samples if s.result is not None)
-        return abs(self.f(sample)) <= CLOSE * scale
+        return abs(self.f(sample)) <= CLOSE * self.scale
 
     def evaluate(self, value: float, model: KindModel | None = None) -> Sample:
         """Return the sample at a value, solved from the nearest neighbour that is solved."""
-        solved = [sample for sample in self.samples if sample.result is not None]
-        nearest = min(solved, key=lambda s: abs(s.value - value), default=None)
+        nearest = min(self.solved, key=lambda s: abs(s.value - value), default=None)
         try:
             answer = (model or self.model).run({self.name: value}, nearest and nearest.result)
             output = answer.values[0]
@@ -147,12 +168,14 @@ class RootSearch:
         start = self.interval.low if base is None else base
         for value in sorted(self.interval.points(count).tolist(), key=lambda x: abs(x - start)):
             self.evaluate(value)
+        # the solvable values around the present one may all lie between two points
+        around = [pair for pair in self._pairs() if pair[0].value < start < pair[1].value]
+        if any(sample.result is None for pair in around for sample in pair):
+            self.evaluate(start)
         if self.interval.may_grow and not self._brackets():
             for outward in (-1, 1):
                 self._extend(outward)
-        for a, b in self._pairs():
-            if (a.result is None) != (b.result is None):
-                self._approach_limit(*((a, b) if a.result is not None else (b, a)))
+        self._approach_limits()
         self._search_minima()
 
     def solutions(self) -> list[Sample]:
@@ -192,19 +215,70 @@ class RootSearch:
                 return
             self.evaluate(value)
 
+    def limits(self) -> list[tuple[Sample, Sample]]:
+        """Return the neighbours (solved, failed) at the limits of existence, in ascending order."""
+        return [
+            (a, b) if b.result is None else (b, a)
+            for a, b in self._pairs()
+            if (a.result is None) != (b.result is None)
+        ]
+
+    def _approach_limits(self) -> None:
+        """Bisect towards the limits of existence."""
+        for solved, failed in self.limits():
+            self._approach_limit(solved, failed)
+
     def _approach_limit(self, solved: Sample, failed: Sample) -> None:
-        """Bisect between a solved and a failed point while |f| decreases towards the latter."""
+        """Bisect between a solved and a failed point until the limit cannot hide the target."""
+        valid = self._last_valid(solved.value, failed.value)
+        if valid not in (solved.value, failed.value):
+            failed = self.evaluate(valid)
+            if failed.result is not None:
+                return
         inner = self._next_to(solved, failed)
-        for _ in range(BISECTIONS):
-            if inner is not None and abs(self.f(solved)) > abs(self.f(inner)):
+        for bisections in range(MOST_BISECTIONS):
+            if inner is not None and self.f(inner) * self.f(solved) <= 0:
+                return
+            if bisections >= LEAST_BISECTIONS and self._is_close(inner, solved, failed):
                 return
             middle = self.evaluate(self.interval.middle(solved.value, failed.value))
             if middle.result is None:
                 failed = middle
-                continue
-            inner, solved = solved, middle
-            if self.f(inner) * self.f(solved) <= 0:
-                return
+            else:
+                inner, solved = solved, middle
+
+    def _is_close(self, inner: Sample | None, solved: Sample, failed: Sample) -> bool:
+        """Return True if the output between a solved and a failed point is known."""
+        if inner is None:
+            return False
+        gap = abs(failed.value - solved.value)
+        ratio = abs(solved.value - inner.value) / gap
+        change = abs(solved.output - inner.output) / (sqrt(1 + ratio) - 1)
+        accepted = abs(self.f(solved))
+        if not self._brackets():
+            accepted = min(accepted, LIMIT_ERROR * max(self.scale, abs(solved.output)))
+        return change <= accepted
+
+    def _last_valid(self, solved: float, failed: float) -> float:
+        """Return the valid value next to the limit of validity, without solving any problem."""
+        if self._is_valid(failed):
+            return failed
+        for _ in range(VALIDITY_BISECTIONS):
+            middle = self.interval.middle(solved, failed)
+            if self._is_valid(middle):
+                solved = middle
+            else:
+                failed = middle
+        return solved
+
+    def _is_valid(self, value: float) -> bool:
+        """Return True if the field admits a value together with the other fields."""
+        try:
+            with unwarned():
+                self.model.variant({self.name: value})
+        except InvalidProblem:
+            return False
+        return True
 
     def _next_to(self, solved: Sample, failed: Sample) -> Sample | None:
         """Return the solved neighbour on the other side of a sample."""
@@ -214,35 +288,45 @@ class RootSearch:
 
     def _search_minima(self) -> None:
         """Search for a change of sign at local minima of |f| that may reach zero."""
-        from scipy.optimize import minimize_scalar
-
-        triples = list(zip(self.samples, self.samples[1:], self.samples[2:], strict=False))
-        for a, b, c in triples:
-            if not all(sample.result is not None for sample in (a, b, c)):
-                continue
+        for a, b, c in self._solved_triples():
             sizes = [abs(self.f(sample)) for sample in (a, b, c)]
             one_sign = len({np.sign(self.f(sample)) for sample in (a, b, c)}) == 1
             # between the points |f| decreases by no more than it increases to both sides
-            if not one_sign or not sizes[1] <= min(sizes) or sizes[1] > max(sizes) - sizes[1]:
-                continue
-            sign = np.sign(self.f(b))
+            if one_sign and sizes[1] <= min(sizes) and sizes[1] <= max(sizes) - sizes[1]:
+                self._minimise(a, b, c, np.sign(self.f(b)))
 
-            def height(value: float, sign: float = sign) -> float:
-                """Return |f|; stop at a change of sign, or where no solution exists."""
-                sample = self.evaluate(float(value))
-                if sample.result is None:
-                    raise _UnsolvedError
-                if sign * self.f(sample) <= 0:
-                    raise _CrossedError
-                return float(sign * self.f(sample))
+    def refine_range(self) -> None:
+        """Compute the smallest and the largest output, where they lie between the points."""
+        for sign in (1, -1):
+            lowest = min((sign * s.output for s in self.solved), default=nan)
+            for a, b, c in self._solved_triples():
+                if sign * b.output == lowest < max(sign * a.output, sign * c.output):
+                    self._minimise(a, b, c, sign)
 
-            with suppress(_UnsolvedError, _CrossedError):
-                minimize_scalar(
-                    height,
-                    bounds=(a.value, c.value),
-                    method="bounded",
-                    options={"maxiter": MINIMISATIONS},
-                )
+    def _solved_triples(self) -> list[tuple[Sample, Sample, Sample]]:
+        """Return three neighbouring samples each, all of which are solved."""
+        triples = zip(self.samples, self.samples[1:], self.samples[2:], strict=False)
+        return [triple for triple in triples if all(s.result is not None for s in triple)]
+
+    def _minimise(self, a: Sample, b: Sample, c: Sample, sign: float) -> None:
+        """Minimise the output times a sign; stop where f changes its sign, or is not known."""
+        from scipy.optimize import minimize_scalar
+
+        def height(value: float) -> float:
+            sample = self.evaluate(float(value))
+            if sample.result is None:
+                raise _UnsolvedError
+            if self.f(sample) * self.f(b) <= 0:
+                raise _CrossedError
+            return float(sign * sample.output)
+
+        with suppress(_UnsolvedError, _CrossedError):
+            minimize_scalar(
+                height,
+                bounds=(a.value, c.value),
+                method="bounded",
+                options={"maxiter": MINIMISATIONS, "xatol": MINIMUM_WIDTH * (c.value - a.value)},
+            )
 
     def _solve_bracket(self, a: Sample, b: Sample, depth: int) -> list[Sample]:
         """Return the solutions between two samples of different sign."""
@@ -286,12 +370,9 @@ class RootSearch:
 
     def _around_unsolved(self, low: float, high: float, depth: int) -> list[Sample]:
         """Return the solutions in the parts of a bracket next to a point that was not solved."""
-        pairs = [pair for pair in self._pairs() if low <= pair[0].value and pair[1].value <= high]
-        for first, second in pairs:
-            if (first.result is None) != (second.result is None):
-                self._approach_limit(
-                    *((first, second) if first.result is not None else (second, first))
-                )
+        for solved, failed in self.limits():
+            if low <= min(solved.value, failed.value) and max(solved.value, failed.value) <= high:
+                self._approach_limit(solved, failed)
         roots: list[Sample] = []
         for first, second in self._brackets():
             if low <= first.value and second.value <= high and depth:
