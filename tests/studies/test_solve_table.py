@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ import pytest
 import woundon as wo
 from woundon.cli.commands import main
 from woundon.io.case_texts import template, to_toml
+from woundon.io.sheets import read_sheet
 from woundon.studies.case_table import write_table
 
 NIP = wo.NipProblem.example()
@@ -157,3 +159,46 @@ def test_exit_status_of_the_command(tmp_path: Path, capsys, monkeypatch):
         assert main(["table", "good.csv", "--case", "case.toml", *wrong]) == 2
     assert main(["table", "good.csv", "-o", "r.csv", "--set", "nip_load=1"]) == 2
     assert "--set: changes a field of --case" in capsys.readouterr().err
+
+
+# ---- cells of spreadsheets ----------------------------------------------------------------------
+
+TEXTS = ["=1+1", "+A1", "-x", "@SUM(A1)", "'=2", "-2 mm", "007", "say, \"hi\"", "#N/A"]  # fmt: skip
+
+
+def remarks(tmp_path: Path, ending: str) -> Path:
+    """Write a solved table with texts that start like formulas, from a CSV file."""
+    rows = "".join(f"{100 + 10 * k}.5;{'1e-3' if k else '2'};{text}\n"
+                   for k, text in enumerate(TEXTS)).replace(".", ",")  # fmt: skip
+    (tmp_path / "cases.csv").write_text(f"load [kN/m];Nr;=remark\n{rows}".replace("'=", "''="))
+    columns = {"Nr": None, "=remark": None}
+    pair = wo.RollerProblem.example()
+    found = wo.solve_table(
+        tmp_path / "cases.csv", pair, ["half_width"], columns=columns, nodes=13, workers=1
+    )
+    write_table(found, tmp_path / f"results{ending}")
+    return tmp_path / f"results{ending}"
+
+
+def test_texts_and_numbers_of_a_csv_file_are_texts_and_numbers_in_excel(tmp_path: Path):
+    openpyxl = pytest.importorskip("openpyxl")
+    sheet = openpyxl.load_workbook(remarks(tmp_path, ".xlsx")).worksheets[0]
+    rows = list(sheet.iter_rows(min_row=2))
+    assert [row[0].value for row in rows] == [100.5 + 10 * k for k in range(len(TEXTS))]
+    assert {row[k].data_type for row in rows for k in (0, 3)} == {"n"}
+    assert rows[0][1].value == 2
+    assert [row[2].value for row in rows] == TEXTS
+    assert {cell.data_type for row in sheet.iter_rows(min_col=3, max_col=3) for cell in row} == {"s"}
+    # "quotePrefix": a spreadsheet keeps the text when the cell is edited
+    assert [row[2].quotePrefix for row in rows][:6] == [True] * 4 + [False] * 2
+
+
+def test_texts_that_start_like_formulas_have_an_apostrophe_in_csv_and_are_read_without_it(
+    tmp_path: Path,
+):
+    path = remarks(tmp_path, ".csv")
+    written = [row[2] for row in csv.reader(path.read_text().splitlines())]
+    quoted = ["'=remark", "'=1+1", "'+A1", "'-x", "'@SUM(A1)", "''=2"]
+    assert written == [*quoted, *TEXTS[5:]]
+    sheet = read_sheet(path, "")
+    assert sheet.columns["=remark"] == TEXTS

@@ -23,7 +23,15 @@ from ..problems.units import factor, has_dimension, is_unit, parse
 from ..quantities import Quantity, pattern
 from .sheets import Sheet
 
-__all__ = ["Column", "Names", "decimal_sign", "match_columns", "numbers", "raise_faults"]
+__all__ = [
+    "Column",
+    "Names",
+    "as_plain_number",
+    "decimal_sign",
+    "match_columns",
+    "numbers",
+    "raise_faults",
+]
 
 Array = np.ndarray
 Faults = list[tuple[str, str]]
@@ -37,6 +45,8 @@ _BRACKETS = re.compile(r"(.*?)[\s,/]*[\[(]\s*([^\[\]()]*)\s*[\])]")
 _SEPARATOR = re.compile(r"\s*,\s*|\s+/\s+|\s+in\s+|[\s_]+")
 _DEVIATION = re.compile(r"\s*(?:\+/?-|\N{PLUS-MINUS SIGN})\s*")
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?")
+_WHOLE = re.compile(r"[+-]?(?:0|[1-9]\d{0,14})")
+_DECIMAL = re.compile(r"[+-]?(?=\.?\d)(?:0|[1-9]\d{0,14})?(?:\.\d*)?(?:[eE][+-]?\d{1,2})?")
 _COMMA = re.compile(r"[+-]?\d*,[\d,]+(?:[eE][+-]?\d{1,3})?\D*")
 _THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(?:,\d{3})+\D*")
 
@@ -382,6 +392,22 @@ def decimal_sign(sheet: Sheet) -> str:
         else [text for text in with_comma if not _THOUSANDS.fullmatch(text)]
     )
     return "," if decimal_commas else "."
+
+
+def as_plain_number(cell: Any, sign: str) -> Any:
+    """Return a cell of a text file as a number if it is a plain one; other cells unchanged.
+
+    Whole numbers with leading zeros, or more digits than a spreadsheet holds, are identifiers.
+
+    >>> [as_plain_number(cell, ",") for cell in ("-3,5", "12", "007", "2 kN")]
+    [-3.5, 12, '007', '2 kN']
+    """
+    if not isinstance(cell, str) or (sign == "," and "." in cell):
+        return cell
+    text = cell.strip().replace(sign, ".")
+    if _WHOLE.fullmatch(text):
+        return int(text)
+    return float(text) if _DECIMAL.fullmatch(text) else cell
 
 
 def raise_faults(faults: Faults) -> None:

@@ -21,8 +21,8 @@ from .. import __version__, kinds
 from ..errors import InvalidProblem, one_of
 from ..io.case_files import SCHEMA, load_case, make_problem
 from ..io.files import replaced_file
-from ..io.sheets import Sheet, need_openpyxl, read_sheet, record_table, write_workbook
-from ..io.tables import Column, Names, decimal_sign, match_columns, numbers
+from ..io.sheets import Sheet, need_openpyxl, read_sheet, record_table, write_csv, write_workbook
+from ..io.tables import Column, Names, as_plain_number, decimal_sign, match_columns, numbers
 from ..problems.problem import Problem
 from ..quantities import Quantity, is_on_request, pattern, scalar_outputs
 from . import design as designs
@@ -388,6 +388,7 @@ def _join_outputs(
     names = {column.header: column for column in matched}
     # a table written by this function or by a sweep has outputs, which are replaced
     written = any(column.name in ANNOTATIONS for column in matched)
+    sign = decimal_sign(sheet)
     cells_of: dict[str, Any] = {}
     for header, cells in sheet.columns.items():
         column = names.get(header)
@@ -396,7 +397,8 @@ def _join_outputs(
             if written:
                 continue
             text += GIVEN
-        cells_of[text] = cells
+        is_text = bool(sheet.separator)  # of a file whose cells have no types
+        cells_of[text] = [as_plain_number(cell, sign) for cell in cells] if is_text else cells
     quantities: Mapping[str, Quantity] = quantities_of(model, model.outputs)
     units: dict[str, str] = {}
     for name, column_values in values.items():
@@ -437,7 +439,7 @@ def write_table(frame: pd.DataFrame, path: str | Path) -> None:
     path = check_table_path(path)
     with replaced_file(path) as temporary:
         if path.suffix == ".csv":
-            frame.to_csv(temporary, index=False, lineterminator="\n")
+            write_csv(temporary, frame)
             return
         record = record_table(frame.attrs.get("about", {}))
         write_workbook(temporary, {"results": frame, "about": record})
