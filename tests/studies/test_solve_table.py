@@ -45,7 +45,7 @@ def test_forces_are_divided_by_the_width_of_the_web():
     per_width = {"nip_load [N/m]": [2000.0, 2500.0], "Web tension [N/m]": [300.0, 350.0]}
     np.testing.assert_allclose(found[WOT], solved(per_width)[WOT], rtol=1e-10)
     assert found["nip_load [kN]"].tolist() == [4.0, 5.0]
-    with pytest.raises(wo.InvalidProblem, match="a force is divided by the width of the web"):
+    with pytest.raises(wo.InvalidProblem, match="is a force; expected a force per width. Give the width"):
         solved(totals)
 
 

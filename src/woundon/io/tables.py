@@ -9,28 +9,32 @@ deviations.  All errors of a table, in headers and cells, are reported together.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
-from dataclasses import replace
+import shlex
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from fractions import Fraction
-from types import NoneType
+from types import MappingProxyType, NoneType
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..errors import InvalidProblem, nearest, one_of
+from ..problems.inputs import Context, conversion_order, convert_number, other_units
 from ..problems.messages import quote
-from ..problems.units import factor, has_dimension, is_unit, parse
+from ..problems.units import factor, has_dimension, is_unit
 from ..quantities import Quantity, pattern
-from .sheets import Sheet
+from .sheets import Percentage, Sheet
 
 __all__ = [
     "Column",
+    "Conversion",
+    "Fault",
     "Names",
     "as_plain_number",
     "decimal_sign",
     "match_columns",
     "numbers",
     "raise_faults",
+    "texts",
 ]
 
 Array = np.ndarray
@@ -118,7 +122,11 @@ class Column(NamedTuple):
 
 
 def match_columns(
-    sheet: Sheet, names: Names, columns: Mapping[str, str | None] | None = None
+    sheet: Sheet,
+    names: Names,
+    columns: Mapping[str, str | None] | None = None,
+    *,
+    help_text: str = _HELP,
 ) -> list[Column]:
     """Return the columns of a sheet with the names that their headers denote.
 
@@ -129,6 +137,8 @@ def match_columns(
     columns : mapping
         Header, with or without its unit -> name, with or without a unit; None or an empty name
         omits the column.
+    help_text : str
+        How a column with an unknown name, ``{0}``, is assigned.
 
     Raises
     ------
@@ -161,7 +171,7 @@ def match_columns(
         unit = explicit or unit or sheet.units.get(header, "")
         matched.append(Column(header, name, unit, deviation, cells))
     if unknown:
-        faults.append((sheet.where, _HELP.format(unknown[0])))
+        faults.append((sheet.where, help_text.format(unknown[0])))
     faults += [(sheet.where, f"has no column {header!r}") for header, _ in renaming.values()]
     faults += _duplicate_columns(matched, sheet.where)
     if faults:
@@ -248,73 +258,173 @@ def _duplicate_columns(columns: list[Column], where: str) -> Faults:
 # ---- cells --------------------------------------------------------------------------------------
 
 
+class Fault(NamedTuple):
+    """An error of a table: where it is, its text, and its row; row 0 is the header."""
+
+    where: str
+    text: str
+    row: int = 0
+
+
+class Conversion(NamedTuple):
+    """Values with which totals, stresses and basis weights are converted.
+
+    Attributes
+    ----------
+    context : Context
+        Values of the case; a column replaces its value in each row.
+    helpers : mapping of str to Quantity
+        Columns that convert others and are no fields, such as the density of a web.
+    """
+
+    context: Context = Context()
+    helpers: Mapping[str, Quantity] = MappingProxyType({})
+
+
 def numbers(
     sheet: Sheet,
-    column: Column,
-    quantity: Quantity | None,
-    faults: Faults,
+    columns: Sequence[Column],
+    names: Names,
+    faults: list[Fault],
     *,
-    gaps: bool,
-    sign: str,
-    width: float | None = None,
-) -> Array:
-    """Return a column in SI; invalid cells are nan, and are added to ``faults``.
+    gaps: Callable[[Column], bool],
+    conversion: Conversion = Conversion(),  # noqa: B008
+    most_faults: float = MAX_COUNTED,
+) -> list[Array]:
+    """Return columns in SI; invalid cells are nan, and are added to ``faults``.
 
     Parameters
     ----------
-    sheet, column : Sheet, Column
-    quantity : Quantity
-        Quantity of the column; None if it is not a number.
-    faults : list of (where, text)
-        Errors of the column are appended.
-    gaps : bool
-        Whether cells may be empty, or nan.
-    sign : str
-        The table's :func:`decimal_sign`.
-    width : float, optional
-        Width of the web [m], by which a column of forces is divided if the quantity is a force per
-        width.
+    sheet, columns : Sheet, sequence of Column
+    names : Names
+        Gives the quantities of the columns.
+    faults : list of Fault
+        Errors are appended.
+    gaps : callable
+        Whether cells of a column may be empty, or nan.
+    conversion : Conversion
+    most_faults : float
+        Number of errors after which reading stops.
     """
-    values = np.full(len(column.cells), np.nan)
-    if quantity is None:
-        text = "is not a number, so it cannot be a column here"
-        faults.append((sheet.where, f"column {column.header!r}: {text}"))
-        return values
-    if width and quantity.unit == "N/m" and has_dimension(f"1 {column.unit}", "N"):
-        forces = replace(quantity, unit="N")
-        return numbers(sheet, column, forces, faults, gaps=gaps, sign=sign) / width
-    try:
-        scale = _scale(column, quantity, sheet.in_si)
-    except InvalidProblem as fault:
-        faults.append((sheet.where, f"column {column.header!r}: {fault}"))
-        return values
-    for row, cell in enumerate(column.cells):
-        if len(faults) >= MAX_COUNTED:
-            break
-        if gaps and _is_empty(cell):
-            continue
+    sign = decimal_sign(sheet)
+    contexts = [conversion.context] * len(sheet.numbers)
+    order = conversion_order({c.name: _first_text(c) for c in columns})
+    values: dict[int, Array] = {}
+    for k in sorted(range(len(columns)), key=lambda k: order.index(columns[k].name)):
+        column = columns[k]
+        values[k] = np.full(len(column.cells), np.nan)
         try:
-            values[row] = _number(cell, scale, quantity.unit, sign)
+            quantity = _number_of(column, names)
+            scale = _scale(column, quantity, contexts, sheet.in_si)
         except InvalidProblem as fault:
-            text = f"row {sheet.numbers[row]}, column {column.header!r}: {fault}"
-            faults.append((sheet.where, text))
-    return values
+            faults.append(Fault(sheet.where, f"column {column.header!r}: {fault}"))
+            continue
+        for row, cell in enumerate(column.cells):
+            if len(faults) >= most_faults:
+                break
+            if gaps(column) and _is_empty(cell):
+                continue
+            try:
+                values[k][row] = _number(cell, sign, column.unit, scale, quantity, contexts[row])
+            except InvalidProblem as fault:
+                faults.append(_cell_fault(sheet, column, row, fault))
+        name = column.name.removeprefix("web.").removeprefix("web_")
+        if name in Context._fields and not column.deviation:
+            contexts = [
+                c if np.isnan(value) else c.with_field(name, float(value))
+                for c, value in zip(contexts, values[k], strict=True)
+            ]
+    return [values[k] for k in range(len(columns))]
 
 
-def _scale(column: Column, quantity: Quantity, in_si: bool) -> Fraction | None:
-    """Return the size of the unit of a column in SI; None if the cells have their own units."""
+def texts(
+    sheet: Sheet, columns: Sequence[Column], names: Names, faults: list[Fault]
+) -> list[list[str]]:
+    """Return columns as a case file holds them: numbers with units as texts, not yet converted.
+
+    Parameters as of :func:`numbers`; no cell may be empty.
+    """
+    sign = decimal_sign(sheet)
+    lists: list[list[str]] = []
+    for column in columns:
+        lists.append([])
+        try:
+            _check_unit(column, _number_of(column, names), assignable=False)
+        except InvalidProblem as fault:
+            faults.append(Fault(sheet.where, f"column {column.header!r}: {fault}"))
+            continue
+        unit = "" if column.unit in NO_UNIT else column.unit
+        for row, cell in enumerate(column.cells):
+            if len(faults) >= MAX_COUNTED:
+                break
+            try:
+                text = _plain_text(cell, sign)
+                lists[-1].append(f"{text} {unit}".strip() if _NUMBER.fullmatch(text) else text)
+            except InvalidProblem as fault:
+                faults.append(_cell_fault(sheet, column, row, fault))
+    return lists
+
+
+def _cell_fault(sheet: Sheet, column: Column, row: int, fault: InvalidProblem) -> Fault:
+    number = sheet.numbers[row]
+    return Fault(sheet.where, f"row {number}, column {column.header!r}: {fault}", number)
+
+
+def _first_text(column: Column) -> str:
+    """Return the first value of a column as a text with its unit, by which it is converted."""
+    if column.unit not in NO_UNIT:
+        return f"1 {column.unit}"
+    return next((str(cell) for cell in column.cells if _has_unit(cell)), "1")
+
+
+def _number_of(column: Column, names: Names) -> Quantity:
+    """Return the quantity of a column; reject a field that is not a number."""
+    quantity = names.quantity(column.name)
+    if quantity is None:
+        raise InvalidProblem("is not a number, so it cannot be a column here")
+    return quantity
+
+
+def _check_unit(column: Column, quantity: Quantity, *, assignable: bool = True) -> None:
+    """Reject a column without a unit, unless it is a pure number or all cells have units.
+
+    ``assignable`` tells whether the user can assign names and units to columns.
+    """
+    if column.unit not in NO_UNIT or quantity.unit == "1":
+        return
+    if all(_has_unit(cell) for cell in column.cells if not _is_empty(cell)):
+        return
+    header = f"{column.name} [{quantity.unit}]"
+    in_file = f"has no unit; write it into the header, as in {header!r}"
+    if not assignable:
+        raise InvalidProblem(f"{in_file}, or into a row below the headers")
+    raise InvalidProblem(
+        f"{in_file}, into a row below the headers, or into columns, as in "
+        f"{{{column.header!r}: {header!r}}} or "
+        f"--column {shlex.quote(f'{column.header}={header}')}"
+    )
+
+
+def _scale(
+    column: Column, quantity: Quantity, contexts: Sequence[Context], in_si: bool
+) -> Fraction | None:
+    """Return the size in SI of the unit of a column; None if each cell is converted by itself."""
     if column.unit in NO_UNIT:
-        if in_si or quantity.unit == "1":
-            return Fraction(1)
-        if all(_has_unit(cell) for cell in column.cells if not _is_empty(cell)):
+        if not in_si:
+            _check_unit(column, quantity)
+        return Fraction(1)
+    one = f"1 {column.unit}"
+    if not any(has_dimension(one, unit) for unit in other_units(quantity)):
+        return factor(column.unit, quantity.unit, "")
+    reason = InvalidProblem("")
+    for context in dict.fromkeys(contexts):
+        try:
+            convert_number(one, quantity, "", context)
+        except InvalidProblem as fault:
+            reason = fault
+        else:
             return None
-        header = f"{column.name} [{quantity.unit}]"
-        raise InvalidProblem(
-            f"has no unit; write it into the header, as in {header!r}, into a row below the "
-            f"headers, or into columns, as in {{{column.header!r}: {header!r}}} or "
-            f"--column {f'{column.header}={header}'!r}"
-        )
-    return factor(column.unit, quantity.unit, "")
+    raise reason
 
 
 def _is_empty(cell: Any) -> bool:
@@ -325,19 +435,42 @@ def _is_empty(cell: Any) -> bool:
 
 
 def _has_unit(cell: Any) -> bool:
-    """Return True for a text that consists of a number and a unit."""
+    """Return True for a text that consists of a number and a unit, or a percentage."""
+    if isinstance(cell, Percentage):
+        return True
     short = isinstance(cell, str) and len(cell) <= MAX_NUMBER
-    number = _NUMBER.match(cell.strip()) if short else None
+    number = _NUMBER.match(cell.strip().replace(",", ".")) if short else None
     return number is not None and is_unit(cell.strip()[number.end() :].strip())
 
 
-def _number(cell: Any, scale: Fraction | None, unit: str, sign: str) -> float:
+def _number(
+    cell: Any, sign: str, unit: str, scale: Fraction | None, quantity: Quantity, context: Context
+) -> float:
     """Return a cell in SI.
 
     Raises
     ------
     InvalidProblem
         Describes the error of the cell, without naming the field.
+    """
+    text = _plain_text(cell, sign)
+    try:
+        if not _NUMBER.fullmatch(text):  # with its own unit
+            return convert_number(text, quantity, "", context)
+        if scale is None:
+            return convert_number(f"{text} {unit}", quantity, "", context)
+        return float(Fraction(text) * scale)
+    except OverflowError:
+        raise InvalidProblem(f"{quote(cell)} is not a finite number") from None
+
+
+def _plain_text(cell: Any, sign: str) -> str:
+    """Return a number, with or without a unit, as text with a decimal point.
+
+    Raises
+    ------
+    InvalidProblem
+        For a cell that is empty or is not a number.
     """
     if _is_empty(cell):
         raise InvalidProblem("the cell is empty")
@@ -348,13 +481,8 @@ def _number(cell: Any, scale: Fraction | None, unit: str, sign: str) -> float:
         raise InvalidProblem(f"{quote(cell)} is not a number; {limit}")
     if isinstance(cell, str):
         text = _with_point(text, sign)
-    try:
-        if _NUMBER.fullmatch(text) and scale is not None:
-            return float(Fraction(text) * scale)
-        if _has_unit(text):
-            return parse(text, unit)
-    except OverflowError:
-        text = "inf"
+    if _NUMBER.fullmatch(text) or _has_unit(text):
+        return text
     finite = " finite" if text in ("inf", "-inf") else ""
     raise InvalidProblem(f"{quote(cell)} is not a{finite} number")
 
@@ -410,10 +538,11 @@ def as_plain_number(cell: Any, sign: str) -> Any:
     return float(text) if _DECIMAL.fullmatch(text) else cell
 
 
-def raise_faults(faults: Faults) -> None:
+def raise_faults(faults: Sequence[Fault]) -> None:
     """Raise InvalidProblem with the first errors of a table, if there are any."""
     if not faults:
         return
     at_least = "at least " if len(faults) >= MAX_COUNTED else ""
-    remaining = [(faults[0][0], f"{at_least}{len(faults) - MAX_REPORTED} more errors")]
-    raise InvalidProblem(faults[:MAX_REPORTED] + remaining * (len(faults) > MAX_REPORTED))
+    remaining = [(faults[0].where, f"{at_least}{len(faults) - MAX_REPORTED} more errors")]
+    reported = [fault[:2] for fault in faults[:MAX_REPORTED]]
+    raise InvalidProblem(reported + remaining * (len(faults) > MAX_REPORTED))
