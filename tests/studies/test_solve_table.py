@@ -45,8 +45,60 @@ def test_forces_are_divided_by_the_width_of_the_web():
     per_width = {"nip_load [N/m]": [2000.0, 2500.0], "Web tension [N/m]": [300.0, 350.0]}
     np.testing.assert_allclose(found[WOT], solved(per_width)[WOT], rtol=1e-10)
     assert found["nip_load [kN]"].tolist() == [4.0, 5.0]
-    with pytest.raises(wo.InvalidProblem, match="is a force; expected a force per width. Give the width"):
+    with pytest.raises(
+        wo.InvalidProblem, match=r"is a force; expected a force per width\. Give the width"
+    ):
         solved(totals)
+
+
+def test_a_force_in_a_cell_is_divided_by_the_width_of_its_row():
+    """Of the case, or of the table; a stress by the thickness of its row is multiplied."""
+    table = {"nip_load [pli]": ["6 kN", 20.0, "6 kN"], "web_tension": ["5 MPa", 330.0, "5 MPa"],
+             "width [m]": [None, 3.0, 3.0], "web.thickness [um]": [None, 66.0, 80.0]}  # fmt: skip
+    found = solved(table, NIP.replace(width=2.0))
+    pli = 4.4482216152605 / 0.0254
+    same = {"nip_load": [3000.0, 20 * pli, 2000.0], "web_tension": [330.0, 330.0, 400.0],
+            "web.thickness": [66e-6, 66e-6, 80e-6]}  # fmt: skip
+    np.testing.assert_allclose(found[WOT], solved(same)[WOT], rtol=1e-8)
+
+
+@pytest.mark.parametrize("header", ["web.density [kg/m^3]", "web density [lb/ft^3]"])
+def test_a_basis_weight_is_divided_by_the_density_of_its_row(header: str):
+    """The density of a web converts, and is no field."""
+    unit = 1.0 if "kg" in header else 0.45359237 / 0.3048**3
+    table = {"web.thickness [gsm]": [45.0, 60.0], header: [680 / unit, 750 / unit]}
+    same = {"web.thickness": [45e-3 / 680, 60e-3 / 750]}
+    np.testing.assert_allclose(solved(table)[WOT], solved(same)[WOT], rtol=1e-8)
+    assert list(solved(table).columns)[:2] == list(table)
+    with pytest.raises(wo.InvalidProblem, match=r"'1 gsm' is a basis weight.* Give the density"):
+        solved({"web.thickness [gsm]": [45.0]})
+
+
+def test_the_basis_weight_of_a_roll_needs_the_density_of_the_case_or_of_the_row():
+    roll = wo.RollProblem.example().replace(density=680.0)
+    table = {"web_thickness": ["45 gsm", "45 gsm", 66e-6], "density": [None, 750.0, "45 gsm"]}
+    found = wo.solve_table(table, roll, ["layer_count", "mass"], workers=1)
+    same = {
+        "web_thickness": [45e-3 / 680, 45e-3 / 750, 66e-6],
+        "density": [680, 750, 45e-3 / 66e-6],
+    }
+    expected = wo.solve_table(same, roll, ["layer_count", "mass"], workers=1)
+    pandas.testing.assert_frame_equal(found.iloc[:, 2:], expected.iloc[:, 2:])
+
+
+def test_columns_without_a_known_name_are_ignored_together(tmp_path: Path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("case.toml").write_text(to_toml(NIP))
+    Path("cases.csv").write_text("Nr;Remark;nip_load [kN/m];b at v=900 [mm]\n7;x;2;3\n")
+    command = ["table", "cases.csv", "--case", "case.toml", "-o", "r.csv", "--workers", "1",
+               "--nodes", "13"]  # fmt: skip
+    assert main(command) == 2
+    assert main([*command, "--column", "*="]) == 0
+    rows = list(csv.reader(Path("r.csv").read_text().splitlines()))
+    assert rows[0][:4] == ["Nr", "Remark", "nip_load [kN/m]", "b at v=900 [mm]"]
+    # the last equals sign separates the name, and the header has the unit
+    assert main([*command, "--column", "*=", "--column", "b at v=900 [mm]=nip_width"]) == 0
+    assert "b at v=900 [mm] (given)" in Path("r.csv").read_text()
 
 
 def test_a_faulty_row_is_explained_and_the_others_are_solved():
@@ -188,7 +240,9 @@ def test_texts_and_numbers_of_a_csv_file_are_texts_and_numbers_in_excel(tmp_path
     assert {row[k].data_type for row in rows for k in (0, 3)} == {"n"}
     assert rows[0][1].value == 2
     assert [row[2].value for row in rows] == TEXTS
-    assert {cell.data_type for row in sheet.iter_rows(min_col=3, max_col=3) for cell in row} == {"s"}
+    assert {cell.data_type for row in sheet.iter_rows(min_col=3, max_col=3) for cell in row} == {
+        "s"
+    }
     # "quotePrefix": a spreadsheet keeps the text when the cell is edited
     assert [row[2].quotePrefix for row in rows][:6] == [True] * 4 + [False] * 2
 

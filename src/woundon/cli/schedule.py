@@ -31,8 +31,8 @@ __all__ = ["schedule"]
     "target",
     required=True,
     metavar="TABLE|VALUE",
-    help="Target pressure between the layers: a CSV or Excel file with the columns radius and pressure, "
-    'from the core to the surface, or one value, as "200 kPa".',
+    help="Target pressure between the layers: a CSV or Excel file with the columns radius and "
+    'pressure, from the core to the surface, or one value, as "200 kPa".',
 )
 @click.option(
     "--smooth",

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InvalidProblem, one_of
+from ..problems.messages import quote
 from ..quantities import Quantity, counterpart, find, is_list, members_of
 from .sheets import read_sheet
 from .tables import Fault, Names, match_columns, raise_faults, texts
@@ -55,7 +56,12 @@ def with_columns(part: Any, folder: Path, problem: Callable[[], type], path: str
     if not isinstance(part.get("csv"), str):
         return table | ({"csv": part["csv"]} if "csv" in part else {})
     file = folder / part["csv"]
-    columns = read_columns(file, _lists(problem(), path, table.get("kind")))
+    known = _lists(problem(), path, table.get("kind"))
+    if not known:
+        kind = f" with kind = {quote(table['kind'])}" if "kind" in table else ""
+        text = f"is named in [{path}], which has no lists of numbers{kind}"
+        raise InvalidProblem.at(str(file), text)
+    columns = read_columns(file, known)
     for name in columns.keys() & table.keys():
         raise InvalidProblem.at(str(file), f"has a column {name!r}, which the case contains too")
     return table | columns
@@ -68,7 +74,8 @@ def _lists(problem: type, path: str, kind: Any) -> dict[str, Quantity]:
         for member in members_of(place.field.annotation):
             if kind not in (None, getattr(member, "member_name", str)()):
                 continue
-            lists = [n for n, field in member.model_fields.items() if is_list(field.annotation)]
+            fields: Mapping[str, Any] = getattr(member, "model_fields", {})
+            lists = [name for name, field in fields.items() if is_list(field.annotation)]
             for name in (*lists, *(counterpart(name, "radius") for name in lists)):
                 for field in find(member, name, place.quantity) if name else ():
                     if field.quantity is not None:
@@ -84,8 +91,6 @@ def read_columns(path: Path, known: Mapping[str, Quantity]) -> dict[str, list[st
     InvalidProblem
         For a file that is not a table, an unknown column, and one without a unit.
     """
-    if not known:
-        raise InvalidProblem.at(str(path), "is named in a table without lists of numbers")
     sheet = read_sheet(path, "csv")
     if len(sheet.numbers) > MAX_ROWS:
         raise InvalidProblem.at(str(path), f"has too many rows; must be at most {MAX_ROWS}")

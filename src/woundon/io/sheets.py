@@ -350,7 +350,7 @@ def _excel_rows(content: bytes, where: str) -> Rows:
         raise
     except Exception as fault:  # zip and XML readers raise many types
         raise InvalidProblem.at(where, f"is not an Excel file: {fault}") from None
-    return cells.tolist()  # type: ignore[no-any-return]
+    return cells.tolist()
 
 
 def _excel_cell(cell: Any) -> Any:
@@ -476,10 +476,10 @@ def _write_excel_cell(cell: Any, value: Any) -> None:
 
     if value is None or value != value:
         return
+    if isinstance(value, Percentage):
+        cell.number_format = "0.0###%"
     if isinstance(value, date | time | timedelta) or (isinstance(value, Real) and isfinite(value)):
         cell.value = value
-        if isinstance(value, Percentage):
-            cell.number_format = "0.0###%"
         return
     text = ILLEGAL_CHARACTERS_RE.sub("\N{REPLACEMENT CHARACTER}", str(value))
     cell.value, cell.data_type = text, "s"
@@ -489,8 +489,7 @@ def _write_excel_cell(cell: Any, value: Any) -> None:
 def write_csv(path: Path, frame: pd.DataFrame, gap: str = "") -> None:
     """Write a table as CSV with commas; ``gap`` stands for nan."""
     cells = frame.rename(columns=as_csv_cell)
-    texts = cells.dtypes == object
-    texts |= cells.dtypes == "str"
+    texts = [dtype.kind not in "fiub" for dtype in cells.dtypes]
     cells.loc[:, texts] = cells.loc[:, texts].map(as_csv_cell)
     cells.to_csv(path, index=False, na_rep=gap, lineterminator="\n")
 

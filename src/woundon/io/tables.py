@@ -18,7 +18,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import InvalidProblem, nearest, one_of
-from ..problems.inputs import Context, conversion_order, convert_number, other_units
+from ..problems.inputs import (
+    Context,
+    conversion_order,
+    convert_number,
+    is_basis_weight,
+    other_units,
+)
 from ..problems.messages import quote
 from ..problems.units import factor, has_dimension, is_unit
 from ..quantities import Quantity, pattern
@@ -43,6 +49,8 @@ Faults = list[tuple[str, str]]
 MAX_REPORTED = 10  # errors of a table
 MAX_COUNTED = 1000  # errors of a table
 MAX_NUMBER = 60  # characters, with the unit
+MAX_SUGGESTED = 4  # names
+MIN_WORD = 3  # characters of a word by which a name is suggested
 NO_UNIT = ("", "1", "-", "\N{EN DASH}")  # units in headers of dimensionless columns
 _BETWEEN = re.compile(r"[\s_.\-]+")
 _BRACKETS = re.compile(r"(.*?)[\s,/]*[\[(]\s*([^\[\]()]*)\s*[\])]")
@@ -54,10 +62,18 @@ _DECIMAL = re.compile(r"[+-]?(?=\.?\d)(?:0|[1-9]\d{0,14})?(?:\.\d*)?(?:[eE][+-]?
 _COMMA = re.compile(r"[+-]?\d*,[\d,]+(?:[eE][+-]?\d{1,3})?\D*")
 _THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(?:,\d{3})+\D*")
 
+OTHERS = "*"  # in place of the header: all columns without a known name
 _HELP = (
-    "to name a column write --column '{0}=NAME [UNIT]', and to ignore it --column '{0}=' "
-    "(in Python columns={{{0!r}: ...}}, in a study file [columns])"
+    "to name a column write --column {0}, and to ignore it --column {1}, or --column '*=' for all "
+    "columns without a known name (in Python columns={{{2!r}: ..., '*': None}}, in a study file "
+    "[columns])"
 )
+
+
+def _help(header: str) -> str:
+    """Return how a column with an unknown name is assigned."""
+    assigned = shlex.quote(f"{header}=NAME [UNIT]")
+    return _HELP.format(assigned, shlex.quote(f"{header}="), header)
 
 
 class Names:
@@ -81,7 +97,7 @@ class Names:
         self._by_symbol: dict[str, list[str]] = {}
         for name, quantity in known.items():
             self._by_key.setdefault(_normalise(name), []).append(name)
-            if quantity is not None:
+            if quantity is not None and not name.startswith("errors."):  # they share the symbol
                 self._by_symbol.setdefault(quantity.symbol, []).append(name)
 
     def find(self, text: str) -> list[str]:
@@ -97,9 +113,34 @@ class Names:
         """Return the quantity of a name."""
         return self.known[pattern(name)]
 
-    def nearest(self, text: str) -> str:
-        """Return the name that is most similar to a text; '' if none is."""
-        return nearest("_".join(_BETWEEN.split(text)), self.known)
+    def suggestions(self, text: str) -> list[str]:
+        """Return the names that an unknown header may mean, the shortest first.
+
+        These have all words of the text, or their beginnings ("Dia"), or another form of this name
+        ("Basis weight"); otherwise the most similar name.
+
+        >>> from woundon.quantities import velocity
+        >>> Names({"web_speed": velocity("V", "")}).suggestions("Speed")
+        ['web_speed']
+        """
+        words = [word.casefold() for word in _BETWEEN.split(text) if len(word) >= MIN_WORD]
+
+        def has_words(name: str) -> bool:
+            parts = _BETWEEN.split(name)
+            return all(any(part.startswith(word) for part in parts) for word in words)
+
+        known = {name: q for name, q in self.known.items() if not name.startswith("errors.")}
+        found = [name for name in known if has_words(name)]
+        found = [name for name in found if name.rpartition(".")[0] not in found]
+        found += [
+            f"{name} [gsm]"
+            for name, q in known.items()
+            if q is not None and q.other_form == "basis weight" and has_words(q.other_form)
+        ]
+        if words and found:
+            return sorted(found, key=lambda name: (name.count("."), len(name)))[:MAX_SUGGESTED]
+        similar = nearest("_".join(_BETWEEN.split(text)), self.known)
+        return [similar] if similar else []
 
 
 def _normalise(text: str) -> str:
@@ -126,7 +167,7 @@ def match_columns(
     names: Names,
     columns: Mapping[str, str | None] | None = None,
     *,
-    help_text: str = _HELP,
+    help_text: str = "",
 ) -> list[Column]:
     """Return the columns of a sheet with the names that their headers denote.
 
@@ -136,9 +177,9 @@ def match_columns(
     names : Names
     columns : mapping
         Header, with or without its unit -> name, with or without a unit; None or an empty name
-        omits the column.
+        omits the column, and that of ``"*"`` all columns without a known name.
     help_text : str
-        How a column with an unknown name, ``{0}``, is assigned.
+        What is said about columns with an unknown name; by default how they are assigned.
 
     Raises
     ------
@@ -157,21 +198,30 @@ def match_columns(
     faults: Faults = []
     matched: list[Column] = []
     unknown: list[str] = []
-    renaming = {_normalise(header): (header, target) for header, target in (columns or {}).items()}
+    given = dict(columns or {})
+    ignores_others = OTHERS in given
+    if given.pop(OTHERS, None):
+        text = f"{OTHERS!r} stands for all columns without a known name; they can only be ignored"
+        raise InvalidProblem.at("columns", text)
+    renaming = {_normalise(header): (header, target) for header, target in given.items()}
     for header, cells in sheet.columns.items():
         target, unit = _rename_header(header, renaming)
         if target is None:
             continue
         try:
-            name, explicit, deviation = _interpret_header(target, names)
+            found = _interpret_header(target, names)
         except InvalidProblem as fault:
             faults.append((sheet.where, f"column {header!r}: {fault}"))
-            unknown.append(header)
             continue
-        unit = explicit or unit or sheet.units.get(header, "")
-        matched.append(Column(header, name, unit, deviation, cells))
+        if found is not None:
+            name, explicit, deviation = found
+            unit = explicit or unit or sheet.units.get(header, "")
+            matched.append(Column(header, name, unit, deviation, cells))
+        elif not (ignores_others and target == header):
+            faults.append((sheet.where, f"column {header!r}: {_unknown(target, names)}"))
+            unknown.append(header)
     if unknown:
-        faults.append((sheet.where, help_text.format(unknown[0])))
+        faults.append((sheet.where, help_text or _help(unknown[0])))
     faults += [(sheet.where, f"has no column {header!r}") for header, _ in renaming.values()]
     faults += _duplicate_columns(matched, sheet.where)
     if faults:
@@ -198,17 +248,18 @@ def _rename_header(
     """Return the name that replaces a header, and its unit; remove it from ``renaming``."""
     for text, unit in _splits(header):
         if _normalise(text) in renaming:
-            return renaming.pop(_normalise(text))[1] or None, unit
+            units = (unit, *(last for _, last in _splits(header)))
+            return renaming.pop(_normalise(text))[1] or None, next(filter(is_unit, units), unit)
     return header, ""
 
 
-def _interpret_header(text: str, names: Names) -> tuple[str, str, bool]:
-    """Return the name, the unit, and True for standard deviations.
+def _interpret_header(text: str, names: Names) -> tuple[str, str, bool] | None:
+    """Return the name, the unit, and True for standard deviations; None if the name is unknown.
 
     Raises
     ------
     InvalidProblem
-        If it is not the name of exactly one quantity.
+        If it is the name of several quantities.
     """
     for deviation, header in ((False, text), (True, _DEVIATION.sub(" ", text).strip())):
         if deviation and header == text:
@@ -221,11 +272,14 @@ def _interpret_header(text: str, names: Names) -> tuple[str, str, bool]:
                 raise InvalidProblem(f"is ambiguous: {one_of(matches)}")
             if matches:
                 return matches[0], _without_symbol(unit, names.quantity(matches[0])), deviation
+    return None
+
+
+def _unknown(text: str, names: Names) -> str:
+    """Return the error for an unknown header, with the names that it may mean."""
     name = next((name for name, unit in _splits(text) if is_unit(unit)), text)
-    suggestion = names.nearest(_DEVIATION.sub("", name))
-    raise InvalidProblem(
-        f"no field or output{f'; did you mean {suggestion!r}?' if suggestion else ''}"
-    )
+    suggested = [repr(name) for name in names.suggestions(_DEVIATION.sub("", name))]
+    return f"no field or output{f'; did you mean {one_of(suggested)}?' if suggested else ''}"
 
 
 def _without_symbol(unit: str, quantity: Quantity | None) -> str:
@@ -306,35 +360,54 @@ def numbers(
     most_faults : float
         Number of errors after which reading stops.
     """
-    sign = decimal_sign(sheet)
-    contexts = [conversion.context] * len(sheet.numbers)
-    order = conversion_order({c.name: _first_text(c) for c in columns})
-    values: dict[int, Array] = {}
-    for k in sorted(range(len(columns)), key=lambda k: order.index(columns[k].name)):
-        column = columns[k]
-        values[k] = np.full(len(column.cells), np.nan)
+    sign, count = decimal_sign(sheet), len(sheet.numbers)
+    values = np.full((len(columns), count), np.nan)
+    possible = conversion.context
+    for column in columns:
+        possible = possible.with_field(_converter(column), 1.0)
+    scales: dict[int, tuple[Quantity, Fraction | None]] = {}
+    for k, column in enumerate(columns):
         try:
             quantity = _number_of(column, names)
-            scale = _scale(column, quantity, contexts, sheet.in_si)
+            scales[k] = quantity, _scale(column, quantity, possible, sheet.in_si)
         except InvalidProblem as fault:
             faults.append(Fault(sheet.where, f"column {column.header!r}: {fault}"))
-            continue
-        for row, cell in enumerate(column.cells):
-            if len(faults) >= most_faults:
-                break
-            if gaps(column) and _is_empty(cell):
+    densities = [column for column in columns if _converter(column) == "density"]
+    orders = [_order(columns, density) for density in ("1 kg/m^3", "1 kg/m^2")]
+    for row in range(count):
+        context = conversion.context
+        for k in orders[any(_is_basis_weight(column, row) for column in densities)]:
+            column, cell = columns[k], columns[k].cells[row]
+            if k not in scales or (gaps(column) and _is_empty(cell)):
                 continue
+            if len(faults) >= most_faults:
+                return list(values)
+            quantity, scale = scales[k]
             try:
-                values[k][row] = _number(cell, sign, column.unit, scale, quantity, contexts[row])
+                values[k, row] = _number(cell, sign, column.unit, scale, quantity, context)
             except InvalidProblem as fault:
                 faults.append(_cell_fault(sheet, column, row, fault))
-        name = column.name.removeprefix("web.").removeprefix("web_")
-        if name in Context._fields and not column.deviation:
-            contexts = [
-                c if np.isnan(value) else c.with_field(name, float(value))
-                for c, value in zip(contexts, values[k], strict=True)
-            ]
-    return [values[k] for k in range(len(columns))]
+            else:
+                context = context.with_field(_converter(column), float(values[k, row]))
+    return list(values)
+
+
+def _converter(column: Column) -> str:
+    """Return the value of a context that a column replaces; '' if it converts no others."""
+    name = column.name.removeprefix("web.").removeprefix("web_")
+    return name if name in Context._fields and not column.deviation else ""
+
+
+def _order(columns: Sequence[Column], density: str) -> list[int]:
+    """Return the columns in the order of their conversion, for a density of this form."""
+    order = conversion_order({c.name: density for c in columns})
+    return sorted(range(len(columns)), key=lambda k: order.index(columns[k].name))
+
+
+def _is_basis_weight(column: Column, row: int) -> bool:
+    """Return True for a density that is converted with the thickness of its row."""
+    cell = column.cells[row]
+    return is_basis_weight(str(cell) if _has_unit(cell) else f"1 {column.unit}")
 
 
 def texts(
@@ -370,13 +443,6 @@ def _cell_fault(sheet: Sheet, column: Column, row: int, fault: InvalidProblem) -
     return Fault(sheet.where, f"row {number}, column {column.header!r}: {fault}", number)
 
 
-def _first_text(column: Column) -> str:
-    """Return the first value of a column as a text with its unit, by which it is converted."""
-    if column.unit not in NO_UNIT:
-        return f"1 {column.unit}"
-    return next((str(cell) for cell in column.cells if _has_unit(cell)), "1")
-
-
 def _number_of(column: Column, names: Names) -> Quantity:
     """Return the quantity of a column; reject a field that is not a number."""
     quantity = names.quantity(column.name)
@@ -405,10 +471,11 @@ def _check_unit(column: Column, quantity: Quantity, *, assignable: bool = True) 
     )
 
 
-def _scale(
-    column: Column, quantity: Quantity, contexts: Sequence[Context], in_si: bool
-) -> Fraction | None:
-    """Return the size in SI of the unit of a column; None if each cell is converted by itself."""
+def _scale(column: Column, quantity: Quantity, context: Context, in_si: bool) -> Fraction | None:
+    """Return the size in SI of the unit of a column; None if each cell is converted by itself.
+
+    ``context`` has all values that the case or other columns contain.
+    """
     if column.unit in NO_UNIT:
         if not in_si:
             _check_unit(column, quantity)
@@ -416,15 +483,8 @@ def _scale(
     one = f"1 {column.unit}"
     if not any(has_dimension(one, unit) for unit in other_units(quantity)):
         return factor(column.unit, quantity.unit, "")
-    reason = InvalidProblem("")
-    for context in dict.fromkeys(contexts):
-        try:
-            convert_number(one, quantity, "", context)
-        except InvalidProblem as fault:
-            reason = fault
-        else:
-            return None
-    raise reason
+    convert_number(one, quantity, "", context)  # is rejected if its conversion is not known
+    return None
 
 
 def _is_empty(cell: Any) -> bool:

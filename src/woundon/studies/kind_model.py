@@ -429,11 +429,10 @@ def conversion_of(problem: Problem, complete: bool = False) -> Conversion:
     complete : bool
         Whether the columns describe the complete problem, so that its values do not matter.
     """
-    places = [place for place in walk(type(problem)) if hasattr(place.owner, "input_only")]
     helpers = {
         f"{place.path.removesuffix(place.name)}{name}": quantity
-        for place in places
-        for name, quantity in place.owner.input_only.items()
+        for place in walk(type(problem))
+        for name, quantity in getattr(place.owner, "input_only", {}).items()
     }
     accepts_width = Context(accepts_width=hasattr(problem, "width"))
     return Conversion(accepts_width if complete else conversion_context(problem), helpers)
