@@ -84,6 +84,7 @@ def pair_warnings(result: Any, tractions: Mapping[str, Array]) -> Iterator[str]:
         body = getattr(problem, name)
         warnings = filter(None, (material.validity_warning for material in body.materials))
         yield from dict.fromkeys(f"the {name}: {text}" for text in warnings)
+        yield from _frequency_warnings(name, body, problem.rolling_speed, a)
         if approach > LIMITS["indentation"].maximum * body.thickness:  # an upper bound
             depth = _indentation(result, body, tractions[name])
             yield from limit_warning(
@@ -95,6 +96,23 @@ def pair_warnings(result: Any, tractions: Mapping[str, Array]) -> Iterator[str]:
                 body.thickness * 1e3,
             )
         yield from _stiffness_warnings(name, body, float(result.peak_pressure), tractions[name])
+
+
+def _frequency_warnings(
+    name: str, body: Body, speed: float | None, half_width: float
+) -> Iterator[str]:
+    """Yield warnings about materials that were not measured at the frequencies of the nip."""
+    if speed is None:
+        return
+    frequency = abs(speed) / (2 * half_width)  # the lowest one of the pressure of a nip
+    for low, high in dict.fromkeys(filter(None, (m.measured_frequencies for m in body.materials))):
+        if not low <= frequency <= high:
+            yield (
+                f"the {name}'s moduli were measured from {low:.3g} to {high:.3g} Hz and are "
+                f"extrapolated: the nip contains frequencies from V/2a = {frequency:.3g} Hz on; "
+                "measure at other temperatures too and shift the curves to one master curve "
+                "(time-temperature superposition)"
+            )
 
 
 def _indentation(result: Any, body: Body, traction: Array) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ import pytest
 import woundon as wo
 from woundon.cli.commands import main
 from woundon.io.case_texts import template, to_toml
+from woundon.io.sheets import read_sheet
 from woundon.studies.case_table import write_table
 
 NIP = wo.NipProblem.example()
@@ -43,8 +45,60 @@ def test_forces_are_divided_by_the_width_of_the_web():
     per_width = {"nip_load [N/m]": [2000.0, 2500.0], "Web tension [N/m]": [300.0, 350.0]}
     np.testing.assert_allclose(found[WOT], solved(per_width)[WOT], rtol=1e-10)
     assert found["nip_load [kN]"].tolist() == [4.0, 5.0]
-    with pytest.raises(wo.InvalidProblem, match="a force is divided by the width of the web"):
+    with pytest.raises(
+        wo.InvalidProblem, match=r"is a force; expected a force per width\. Give the width"
+    ):
         solved(totals)
+
+
+def test_a_force_in_a_cell_is_divided_by_the_width_of_its_row():
+    """Of the case, or of the table; a stress by the thickness of its row is multiplied."""
+    table = {"nip_load [pli]": ["6 kN", 20.0, "6 kN"], "web_tension": ["5 MPa", 330.0, "5 MPa"],
+             "width [m]": [None, 3.0, 3.0], "web.thickness [um]": [None, 66.0, 80.0]}  # fmt: skip
+    found = solved(table, NIP.replace(width=2.0))
+    pli = 4.4482216152605 / 0.0254
+    same = {"nip_load": [3000.0, 20 * pli, 2000.0], "web_tension": [330.0, 330.0, 400.0],
+            "web.thickness": [66e-6, 66e-6, 80e-6]}  # fmt: skip
+    np.testing.assert_allclose(found[WOT], solved(same)[WOT], rtol=1e-8)
+
+
+@pytest.mark.parametrize("header", ["web.density [kg/m^3]", "web density [lb/ft^3]"])
+def test_a_basis_weight_is_divided_by_the_density_of_its_row(header: str):
+    """The density of a web converts, and is no field."""
+    unit = 1.0 if "kg" in header else 0.45359237 / 0.3048**3
+    table = {"web.thickness [gsm]": [45.0, 60.0], header: [680 / unit, 750 / unit]}
+    same = {"web.thickness": [45e-3 / 680, 60e-3 / 750]}
+    np.testing.assert_allclose(solved(table)[WOT], solved(same)[WOT], rtol=1e-8)
+    assert list(solved(table).columns)[:2] == list(table)
+    with pytest.raises(wo.InvalidProblem, match=r"'1 gsm' is a basis weight.* Give the density"):
+        solved({"web.thickness [gsm]": [45.0]})
+
+
+def test_the_basis_weight_of_a_roll_needs_the_density_of_the_case_or_of_the_row():
+    roll = wo.RollProblem.example().replace(density=680.0)
+    table = {"web_thickness": ["45 gsm", "45 gsm", 66e-6], "density": [None, 750.0, "45 gsm"]}
+    found = wo.solve_table(table, roll, ["layer_count", "mass"], workers=1)
+    same = {
+        "web_thickness": [45e-3 / 680, 45e-3 / 750, 66e-6],
+        "density": [680, 750, 45e-3 / 66e-6],
+    }
+    expected = wo.solve_table(same, roll, ["layer_count", "mass"], workers=1)
+    pandas.testing.assert_frame_equal(found.iloc[:, 2:], expected.iloc[:, 2:])
+
+
+def test_columns_without_a_known_name_are_ignored_together(tmp_path: Path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("case.toml").write_text(to_toml(NIP))
+    Path("cases.csv").write_text("Nr;Remark;nip_load [kN/m];b at v=900 [mm]\n7;x;2;3\n")
+    command = ["table", "cases.csv", "--case", "case.toml", "-o", "r.csv", "--workers", "1",
+               "--nodes", "13"]  # fmt: skip
+    assert main(command) == 2
+    assert main([*command, "--column", "*="]) == 0
+    rows = list(csv.reader(Path("r.csv").read_text().splitlines()))
+    assert rows[0][:4] == ["Nr", "Remark", "nip_load [kN/m]", "b at v=900 [mm]"]
+    # the last equals sign separates the name, and the header has the unit
+    assert main([*command, "--column", "*=", "--column", "b at v=900 [mm]=nip_width"]) == 0
+    assert "b at v=900 [mm] (given)" in Path("r.csv").read_text()
 
 
 def test_a_faulty_row_is_explained_and_the_others_are_solved():
@@ -157,3 +211,48 @@ def test_exit_status_of_the_command(tmp_path: Path, capsys, monkeypatch):
         assert main(["table", "good.csv", "--case", "case.toml", *wrong]) == 2
     assert main(["table", "good.csv", "-o", "r.csv", "--set", "nip_load=1"]) == 2
     assert "--set: changes a field of --case" in capsys.readouterr().err
+
+
+# ---- cells of spreadsheets ----------------------------------------------------------------------
+
+TEXTS = ["=1+1", "+A1", "-x", "@SUM(A1)", "'=2", "-2 mm", "007", "say, \"hi\"", "#N/A"]  # fmt: skip
+
+
+def remarks(tmp_path: Path, ending: str) -> Path:
+    """Write a solved table with texts that start like formulas, from a CSV file."""
+    rows = "".join(f"{100 + 10 * k}.5;{'1e-3' if k else '2'};{text}\n"
+                   for k, text in enumerate(TEXTS)).replace(".", ",")  # fmt: skip
+    (tmp_path / "cases.csv").write_text(f"load [kN/m];Nr;=remark\n{rows}".replace("'=", "''="))
+    columns = {"Nr": None, "=remark": None}
+    pair = wo.RollerProblem.example()
+    found = wo.solve_table(
+        tmp_path / "cases.csv", pair, ["half_width"], columns=columns, nodes=13, workers=1
+    )
+    write_table(found, tmp_path / f"results{ending}")
+    return tmp_path / f"results{ending}"
+
+
+def test_texts_and_numbers_of_a_csv_file_are_texts_and_numbers_in_excel(tmp_path: Path):
+    openpyxl = pytest.importorskip("openpyxl")
+    sheet = openpyxl.load_workbook(remarks(tmp_path, ".xlsx")).worksheets[0]
+    rows = list(sheet.iter_rows(min_row=2))
+    assert [row[0].value for row in rows] == [100.5 + 10 * k for k in range(len(TEXTS))]
+    assert {row[k].data_type for row in rows for k in (0, 3)} == {"n"}
+    assert rows[0][1].value == 2
+    assert [row[2].value for row in rows] == TEXTS
+    assert {cell.data_type for row in sheet.iter_rows(min_col=3, max_col=3) for cell in row} == {
+        "s"
+    }
+    # "quotePrefix": a spreadsheet keeps the text when the cell is edited
+    assert [row[2].quotePrefix for row in rows][:6] == [True] * 4 + [False] * 2
+
+
+def test_texts_that_start_like_formulas_have_an_apostrophe_in_csv_and_are_read_without_it(
+    tmp_path: Path,
+):
+    path = remarks(tmp_path, ".csv")
+    written = [row[2] for row in csv.reader(path.read_text().splitlines())]
+    quoted = ["'=remark", "'=1+1", "'+A1", "'-x", "'@SUM(A1)", "''=2"]
+    assert written == [*quoted, *TEXTS[5:]]
+    sheet = read_sheet(path, "")
+    assert sheet.columns["=remark"] == TEXTS

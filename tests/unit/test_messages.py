@@ -114,7 +114,7 @@ NAMES = {
     "COVER": wo.Cylinder(radius=0.25, core_radius=0.235, material=RUBBER),
     "roll_weight": roll_weight, "rider_load_for": rider_load_for, "plan": plan,
     "fit": fit, "case": case, "study": study, "parse": parse, "written": written,
-    "measured": measured, "cases": cases,
+    "measured": measured, "cases": cases, "to_toml": to_toml,
 }  # fmt: skip
 
 

@@ -48,7 +48,7 @@ def test_the_tension_comes_back_as_a_case(folder: Path, capsys: pytest.CaptureFi
     [
         (["--pressure", "200 N"], "wrong dimension"),
         (["--pressure", "none.csv"], "none.csv: cannot be read"),
-        (["--pressure", "odd.csv"], "odd.csv: has the columns a, b; must be radius and pressure"),
+        (["--pressure", "odd.csv"], "odd.csv: has the columns radius; must be radius and"),
         (["--pressure", "falls.csv"], "falls.csv.radius.1: 0.05 is out of range"),
         (["--pressure", "wanted.csv", "--set", "radius=0.16"], "must be radius = 0.16 [m]"),
         (["--pressure", "2 kPa", "--smooth"], "--smooth: is given with one value"),
@@ -61,7 +61,7 @@ def test_the_tension_comes_back_as_a_case(folder: Path, capsys: pytest.CaptureFi
 def test_refusals_are_one_line(
     folder: Path, capsys: pytest.CaptureFixture[str], arguments: list[str], text: str
 ):
-    Path("odd.csv").write_text("a,b\n1,2\n")
+    Path("odd.csv").write_text("radius [mm],\n60,\n")
     Path("falls.csv").write_text("radius [mm],pressure [kPa]\n60,200\n50,100\n")
     assert main(["schedule", "roll.toml", *arguments]) == 2
     message = capsys.readouterr()

@@ -15,6 +15,7 @@ import pytest
 import woundon as wo
 from woundon.errors import InvalidProblem
 from woundon.io import sheets
+from woundon.studies.api import study_of
 from woundon.studies.export import check_export
 from woundon.studies.kind_model import columns_of, measurable_outputs
 from woundon.studies.measured import Measured, read_measured
@@ -141,6 +142,42 @@ def test_merged_cells_titles_and_blank_rows_of_excel(tmp_path: Path):
     assert data.inputs["web_tension"].tolist() == [350.0, 350.0, 260.0]
     assert np.array_equal(data.outputs["wound_on_tension"], [650, np.nan, 700], equal_nan=True)
     assert list(data.numbers) == [5, 6, 8]
+
+
+def percentages(folder: Path, header: str, cells: list[tuple[object, str]]) -> Path:
+    """Write an Excel file with a column of (value, number format)."""
+    path = book(folder, [[header, "WOT [N/m]"], *([value, 650] for value, _ in cells)])
+    openpyxl = pytest.importorskip("openpyxl")
+    made = openpyxl.load_workbook(path)
+    for row, (_, number_format) in enumerate(cells, 2):
+        made.active.cell(row, 1).number_format = number_format
+    made.save(path)
+    return path
+
+
+# 20 % as Excel keeps it, with formats of its menu, and as a text; the last two are displayed with a
+# sign that does not multiply by 100 (ECMA-376 part 1, 18.8.31)
+TWENTY = [
+    (0.2, "0%"), (0.2, "0.00%"), (0.2, "[Red]0.0 %;-0.0 %"), (0.2, '"x"0%'), ("20 %", "@"),
+    (20, '0"%"'), (20, "0\\%"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("header", ["roll_friction [%]", "roll_friction"])
+def test_a_percentage_of_excel_is_what_is_displayed(tmp_path: Path, header: str):
+    path = percentages(tmp_path, header, TWENTY)
+    expected = [0.2] * len(TWENTY)
+    assert read(path).inputs["roll_friction"].tolist() == pytest.approx(expected, rel=1e-15)
+    _, design = study_of(NIP, path, ["half_width"])
+    assert list(design.inputs(np.arange(design.size))["roll_friction"]) == pytest.approx(expected)
+    solved = wo.solve_table(path, NIP, ["wound_on_tension"], nodes=13, workers=1)
+    alone = wo.solve(NIP.replace(roll_friction=0.2), nodes=13).wound_on_tension
+    np.testing.assert_allclose(solved["wound_on_tension [N/m]"], alone, rtol=1e-8)  # starts differ
+
+
+def test_a_percentage_is_no_length(tmp_path: Path):
+    path = percentages(tmp_path, "nip_load [N/m]", [(0.2, "0%")])
+    assert "'20.0 %' has the wrong dimension" in faults(path)[0]
 
 
 def test_cells_of_excel_that_hold_no_number(tmp_path: Path):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from math import pi, tan
+from math import atan, pi, tan
 from typing import Any
 
 import numpy as np
@@ -79,6 +79,22 @@ def test_a_poor_fit_is_reported_with_every_result() -> None:
     assert any(f"{poor.misfit:.1%}" in text for text in result.warnings)
     assert dynamic_test().misfit < 0.05
     assert dynamic_test().validity_warning == ""
+
+
+@pytest.mark.parametrize(("highest", "is_known"), [(10.0, False), (1e5, True)])
+def test_a_nip_beyond_the_measured_frequencies_is_reported(highest: float, is_known: bool) -> None:
+    """A constant loss angle, E* = E_1 (i f)^n: tan(n pi/2) = 0.15 and |E*| = 4 MPa at 1 Hz."""
+    n = 2 * atan(0.15) / pi
+    f = np.logspace(-1, np.log10(highest), 31)
+    modulus = 4e6 * (1j * f) ** n
+    material = dynamic_test(frequency=f, storage_modulus=modulus.real, loss_modulus=modulus.imag)
+    problem = nip(**{"drum.material": material}).replace(web_speed=30.0)
+    result = wo.solve(problem, nodes=17)
+    text = f"V/2a = {30 / result.nip_width:.3g} Hz on"
+    assert 1e3 < 30 / result.nip_width < 5e3
+    assert any(text in warning for warning in result.warnings) is not is_known
+    # the loss at V/2a, which the series of the short table lacks
+    assert (result.rolling_resistance > 10) is is_known
 
 
 # ---- cases, studies, reports, files -------------------------------------------------------------

@@ -173,6 +173,55 @@ def test_columns_from_a_csv_file(tmp_path: Path) -> None:
     assert case(text, tmp_path) == problem
 
 
+TESTED = {
+    "header [kPa], [%]": "pressure [kPa],strain [%]\n10,1.7\n50,4.5\n200,7.6\n500,9.8\n",
+    "row of units": "Pressure;Strain\nkPa;%\n10;1,7\n50;4,5\n200;7,6\n500;9,8\n",
+    "cells": "pressure;strain\n10 kPa;1,7 %\n50 kPa;4,5 %\n0,2 MPa;7,6 %\n500 kPa;9,8 %\n",
+    "fractions": "pressure (kPa)\tstrain\n10\t0.017\n50\t0.045\n200\t0.076\n500\t0.098\n",
+}
+
+
+@pytest.mark.parametrize("name", TESTED)
+def test_units_of_columns_of_a_case_are_those_of_tables(name: str, tmp_path: Path) -> None:
+    (tmp_path / "test.csv").write_text(TESTED[name])
+    text = CASE.replace('radial = {K1 = "10 kPa", K2 = 127}', 'radial = {csv = "test.csv"}')
+    law = case(text, tmp_path).roll.stack.radial
+    # exact fractions, rounded once
+    assert law.pressure == (10e3, 50e3, 200e3, 500e3)
+    assert law.strain == (0.017, 0.045, 0.076, 0.098)
+
+
+def test_percentages_of_an_excel_file_in_a_case(tmp_path: Path) -> None:
+    openpyxl = pytest.importorskip("openpyxl")
+    book = openpyxl.Workbook()
+    book.active.append(["pressure [kPa]", "strain [%]"])
+    for row in ((10, 0.017), (50, 0.045), (200, 0.076), (500, 0.098)):
+        book.active.append(row)
+        book.active.cell(book.active.max_row, 2).number_format = "0.0%"
+    book.save(tmp_path / "test.xlsx")
+    text = CASE.replace('radial = {K1 = "10 kPa", K2 = 127}', 'radial = {csv = "test.xlsx"}')
+    assert case(text, tmp_path).roll.stack.radial.strain == (0.017, 0.045, 0.076, 0.098)
+
+
+@pytest.mark.parametrize(
+    ("table", "reason"),
+    [
+        ("pressure,strain\n10,0.017\n50,0.045\n", "column 'pressure': has no unit"),
+        ("pressure [kPa];strain\n10.000;0,017\n50;0,045\n", "'10.000' has a point where other"),
+        ("pressure [kPa],strain\n1,,\n", "row 2"),
+        ("stress [kPa],strain\n1,0.1\n", "column 'stress \\[kPa\\]': no field"),
+        ("pressure [kPa],strain +- [%]\n1,0.1\n", "standard deviations have no field"),
+    ],
+)
+def test_columns_of_a_case_are_rejected_as_those_of_tables(
+    table: str, reason: str, tmp_path: Path
+) -> None:
+    (tmp_path / "test.csv").write_text(table)
+    text = CASE.replace('radial = {K1 = "10 kPa", K2 = 127}', 'radial = {csv = "test.csv"}')
+    with pytest.raises(wo.InvalidProblem, match=f"test.csv: .*{reason}"):
+        case(text, tmp_path)
+
+
 def test_a_poor_fit_of_a_test_is_reported() -> None:
     P = np.linspace(0, 8e5, 6)
     e = np.log1p(P / 2e4) / 30 + np.array([0, 0.01, -0.01, 0.01, -0.01, 0.01])

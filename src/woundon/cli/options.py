@@ -50,8 +50,8 @@ class Pair(click.ParamType):
         self.form, self.optional = form, optional
 
     def convert(self, value: Any, param: Any, ctx: Any) -> tuple[str, str]:
-        """Split the text at its first equals sign."""
-        name, sign, right = (part.strip() for part in value.partition("="))
+        """Split the text at its last equals sign; the header of a column may have others."""
+        name, sign, right = (part.strip() for part in value.rpartition("="))
         if not (sign and name and (right or self.optional)):
             self.fail(f"{value!r}: must be written {self.form}", param, ctx)
         return name, right
@@ -151,7 +151,8 @@ COLUMNS = click.option(
     type=Pair("COLUMN=NAME", optional=True),
     metavar="COLUMN=NAME",
     help="Assign a column of the table to an input or output, e.g. "
-    "'Linienlast=nip_load [kN/m]'; without NAME the column is ignored; repeatable.",
+    "'Linienlast=nip_load [kN/m]'; without NAME the column is ignored, and by '*=' every column "
+    "without a known name; repeatable.",
 )
 PLOT = click.option("--plot", type=PATH, metavar="FILE", help="Plot to .png, .svg or .pdf.")
 JSON = click.option("--json", "as_json", is_flag=True, help="Print the complete result as JSON.")

@@ -14,8 +14,6 @@ from .solve import console
 
 __all__ = ["schedule"]
 
-COLUMNS = ("radius", "pressure")  # of the table of a target; "value" is another word for pressure
-
 
 @click.command(
     help="""\
@@ -33,8 +31,8 @@ COLUMNS = ("radius", "pressure")  # of the table of a target; "value" is another
     "target",
     required=True,
     metavar="TABLE|VALUE",
-    help="Target pressure between the layers: a CSV file with the columns radius and pressure, "
-    'from the core to the surface, or one value, as "200 kPa".',
+    help="Target pressure between the layers: a CSV or Excel file with the columns radius and "
+    'pressure, from the core to the surface, or one value, as "200 kPa".',
 )
 @click.option(
     "--smooth",
@@ -98,26 +96,25 @@ def schedule(
 
 
 def _target_pressure(text: str, smooth: bool) -> Any:
-    """Return a target pressure: a number [Pa], or the profile of a CSV file."""
-    from ..io.columns import with_columns
+    """Return a target pressure: a number [Pa], or the profile in a file."""
+    from ..io.columns import read_columns
     from ..problems.schedules import Profile
     from ..problems.units import parse
+    from ..quantities import length, stress
 
-    if not text.lower().endswith(".csv"):
+    if not text.lower().endswith((".csv", ".xlsx")):
         if smooth:
             raise InvalidProblem.at("--smooth", "is given with one value; must be with a table")
         return parse(as_number(text), "Pa", "pressure")
-    columns = with_columns({"csv": text}, Path())
-    columns = {"pressure" if name == "value" else name: cells for name, cells in columns.items()}
-    if set(columns) != set(COLUMNS):
-        names = ", ".join(map(str, columns))
-        raise InvalidProblem.at(text, f"has the columns {names}; must be {' and '.join(COLUMNS)}")
-    radius, pressure = (
-        [parse(cell, unit, f"{name}.{k}") for k, cell in enumerate(columns[name])]
-        for name, unit in zip(COLUMNS, ("m", "Pa"), strict=True)
-    )
+    pressure = stress("P", "pressure between the layers")
+    known = {"radius": length("r", "radius"), "pressure": pressure, "value": pressure}
+    columns = read_columns(Path(text), known)
+    if set(columns) not in ({"radius", "pressure"}, {"radius", "value"}):
+        reason = f"has the columns {', '.join(columns)}; must be radius and pressure"
+        raise InvalidProblem.at(text, reason)
+    radius, (target,) = columns.pop("radius"), columns.values()
     try:
-        return Profile(radius=radius, value=pressure, between="smooth" if smooth else "lines")
+        return Profile(radius=radius, value=target, between="smooth" if smooth else "lines")
     except InvalidProblem as fault:
         raise fault.under(text) from None
 

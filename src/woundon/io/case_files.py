@@ -100,7 +100,8 @@ def read_case(path: str | Path) -> dict[str, Any]:
         If the file cannot be read, is empty, or is not TOML (names the line).
     """
     folder = Path(path).parent
-    tables = dict(with_columns(tables_of_text(read_whole(path, MAX_BYTES), str(path)), folder))
+    written = tables_of_text(read_whole(path, MAX_BYTES), str(path))
+    tables = dict(with_columns(written, folder, lambda: _kind_of(written).problem))
     if "grades" not in tables:
         return tables
     file, name = tables.pop("grades"), tables.get("grade")

@@ -1,79 +1,106 @@
-"""Columns of a CSV file in place of lists in a case file: ``csv = "test.csv"`` in a table.
+"""Columns of a file in place of lists in a case file: ``csv = "test.csv"`` in a table.
 
     pressure [kPa], strain [%]
     10,             0.9
     25,             1.6
 
-The names are those of the fields of the table; the file is read like any table (:mod:`.sheets`).
+The names are those of the fields of the table; the file, CSV or Excel, is read like any table
+(:mod:`.tables`).
 """
 
 from __future__ import annotations
 
-import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from ..errors import InvalidProblem
+from ..errors import InvalidProblem, one_of
+from ..problems.messages import quote
+from ..quantities import Quantity, counterpart, find, is_list, members_of
 from .sheets import read_sheet
-from .tables import decimal_sign
+from .tables import Fault, Names, match_columns, raise_faults, texts
 
-__all__ = ["with_columns"]
+__all__ = ["read_columns", "with_columns"]
 
 MAX_ROWS = 100_000
-_HEADER = re.compile(r"\s*([^\[]*?)\s*(?:\[\s*([^\]]*?)\s*\])?\s*")
 
 
-def with_columns(part: Any, folder: Path) -> Any:
-    """Return the tables of a case with the columns of the CSV files that they name.
+def with_columns(part: Any, folder: Path, problem: Callable[[], type], path: str = "") -> Any:
+    """Return the tables of a case with the columns of the files that they name.
 
     Parameters
     ----------
     part : mapping, list or value
     folder : path
         Folder of files with a relative path.
+    problem : callable
+        Returns the class of the problem, whose fields the columns are.
+    path : str
+        Dotted name of the part.
 
     Raises
     ------
     InvalidProblem
-        If a file cannot be read, is not a table, or has a column that the case contains too.
+        If a file cannot be read, is not a table, or has a column that the case contains too, that
+        is no field of its table, or that has no unit.
     """
     if isinstance(part, list):
-        return [with_columns(item, folder) for item in part]
+        return [with_columns(item, folder, problem, f"{path}.{k}") for k, item in enumerate(part)]
     if not isinstance(part, Mapping):
         return part
-    table = {name: with_columns(value, folder) for name, value in part.items() if name != "csv"}
+    table = {
+        name: with_columns(value, folder, problem, f"{path}.{name}".lstrip("."))
+        for name, value in part.items()
+        if name != "csv"
+    }
     if not isinstance(part.get("csv"), str):
         return table | ({"csv": part["csv"]} if "csv" in part else {})
-    path = folder / part["csv"]
-    columns = _columns(path)
+    file = folder / part["csv"]
+    known = _lists(problem(), path, table.get("kind"))
+    if not known:
+        kind = f" with kind = {quote(table['kind'])}" if "kind" in table else ""
+        text = f"is named in [{path}], which has no lists of numbers{kind}"
+        raise InvalidProblem.at(str(file), text)
+    columns = read_columns(file, known)
     for name in columns.keys() & table.keys():
-        raise InvalidProblem.at(str(path), f"has a column {name!r}, which the case contains too")
+        raise InvalidProblem.at(str(file), f"has a column {name!r}, which the case contains too")
     return table | columns
 
 
-def _columns(path: Path) -> dict[str, list[str | float]]:
-    """Return the cells of each column by name, as texts with units or numbers in SI."""
+def _lists(problem: type, path: str, kind: Any) -> dict[str, Quantity]:
+    """Return the quantities of the fields of a table that are lists of numbers."""
+    known: dict[str, Quantity] = {}
+    for place in find(problem, path):
+        for member in members_of(place.field.annotation):
+            if kind not in (None, getattr(member, "member_name", str)()):
+                continue
+            fields: Mapping[str, Any] = getattr(member, "model_fields", {})
+            lists = [name for name, field in fields.items() if is_list(field.annotation)]
+            for name in (*lists, *(counterpart(name, "radius") for name in lists)):
+                for field in find(member, name, place.quantity) if name else ():
+                    if field.quantity is not None:
+                        known[name] = field.quantity
+    return known
+
+
+def read_columns(path: Path, known: Mapping[str, Quantity]) -> dict[str, list[str]]:
+    """Return the cells of each column by the name of its field, as texts with units.
+
+    Raises
+    ------
+    InvalidProblem
+        For a file that is not a table, an unknown column, and one without a unit.
+    """
     sheet = read_sheet(path, "csv")
     if len(sheet.numbers) > MAX_ROWS:
         raise InvalidProblem.at(str(path), f"has too many rows; must be at most {MAX_ROWS}")
-    sign = decimal_sign(sheet)
-    columns: dict[str, list[str | float]] = {}
-    for header, cells in sheet.columns.items():
-        match = _HEADER.fullmatch(header)
-        name, unit = match.groups() if match else (header, None)
-        if name in columns:
-            raise InvalidProblem.at(str(path), f"two columns are {name!r}")
-        columns[name] = [_value(cell, unit or sheet.units.get(header), sign) for cell in cells]
-    return columns
-
-
-def _value(cell: Any, unit: str | None, sign: str) -> str | float:
-    """Return a cell as in a case file: a text with its unit, or a number in SI."""
-    number = str(cell).strip().replace(sign, ".")
-    if unit and unit != "1":
-        return f"{number} {unit}"
-    try:
-        return float(number)
-    except ValueError:
-        return str(cell)
+    names = Names(known)
+    columns = match_columns(sheet, names, help_text=f"the columns are {one_of(known, 'and')}")
+    for column in columns:
+        if column.deviation:
+            text = f"column {column.header!r}: standard deviations have no field in a case"
+            raise InvalidProblem.at(str(path), text)
+    faults: list[Fault] = []
+    cells = texts(sheet, columns, names, faults)
+    raise_faults(faults)
+    return {column.name: list_ for column, list_ in zip(columns, cells, strict=True)}

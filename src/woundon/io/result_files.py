@@ -34,6 +34,7 @@ from .records import (
     saved_values,
     to_record,
 )
+from .sheets import as_csv_cell
 
 if TYPE_CHECKING:
     import xarray
@@ -260,7 +261,7 @@ def _csv(result: Result) -> bytes:
         if f"{name}_error" not in known:
             _write_scalar(table, f"{name}_error", known.get(name), error)
     for note in result.warnings:
-        table.writerow(["# warning", note])
+        table.writerow(["# warning", as_csv_cell(note)])
     arrays = {
         name: value for name, value in saved_values(result).items() if isinstance(value, np.ndarray)
     }
@@ -275,7 +276,7 @@ def _csv(result: Result) -> bytes:
 def _write_scalar(table: Any, name: str, quantity: Quantity | None, value: Any) -> None:
     """Write a number or a text as a comment."""
     header, converted = _in_table(name, quantity, value)
-    table.writerow([f"# {header}", converted])
+    table.writerow([f"# {header}", as_csv_cell(converted)])
 
 
 def _in_table(name: str, quantity: Quantity | None, value: Any) -> tuple[str, Any]:

@@ -9,21 +9,39 @@ deviations.  All errors of a table, in headers and cells, are reported together.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
-from dataclasses import replace
+import shlex
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from fractions import Fraction
-from types import NoneType
+from types import MappingProxyType, NoneType
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..errors import InvalidProblem, nearest, one_of
+from ..problems.inputs import (
+    Context,
+    conversion_order,
+    convert_number,
+    is_basis_weight,
+    other_units,
+)
 from ..problems.messages import quote
-from ..problems.units import factor, has_dimension, is_unit, parse
+from ..problems.units import factor, has_dimension, is_unit
 from ..quantities import Quantity, pattern
-from .sheets import Sheet
+from .sheets import Percentage, Sheet
 
-__all__ = ["Column", "Names", "decimal_sign", "match_columns", "numbers", "raise_faults"]
+__all__ = [
+    "Column",
+    "Conversion",
+    "Fault",
+    "Names",
+    "as_plain_number",
+    "decimal_sign",
+    "match_columns",
+    "numbers",
+    "raise_faults",
+    "texts",
+]
 
 Array = np.ndarray
 Faults = list[tuple[str, str]]
@@ -31,19 +49,31 @@ Faults = list[tuple[str, str]]
 MAX_REPORTED = 10  # errors of a table
 MAX_COUNTED = 1000  # errors of a table
 MAX_NUMBER = 60  # characters, with the unit
+MAX_SUGGESTED = 4  # names
+MIN_WORD = 3  # characters of a word by which a name is suggested
 NO_UNIT = ("", "1", "-", "\N{EN DASH}")  # units in headers of dimensionless columns
 _BETWEEN = re.compile(r"[\s_.\-]+")
 _BRACKETS = re.compile(r"(.*?)[\s,/]*[\[(]\s*([^\[\]()]*)\s*[\])]")
 _SEPARATOR = re.compile(r"\s*,\s*|\s+/\s+|\s+in\s+|[\s_]+")
 _DEVIATION = re.compile(r"\s*(?:\+/?-|\N{PLUS-MINUS SIGN})\s*")
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?")
+_WHOLE = re.compile(r"[+-]?(?:0|[1-9]\d{0,14})")
+_DECIMAL = re.compile(r"[+-]?(?=\.?\d)(?:0|[1-9]\d{0,14})?(?:\.\d*)?(?:[eE][+-]?\d{1,2})?")
 _COMMA = re.compile(r"[+-]?\d*,[\d,]+(?:[eE][+-]?\d{1,3})?\D*")
 _THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(?:,\d{3})+\D*")
 
+OTHERS = "*"  # in place of the header: all columns without a known name
 _HELP = (
-    "to name a column write --column '{0}=NAME [UNIT]', and to ignore it --column '{0}=' "
-    "(in Python columns={{{0!r}: ...}}, in a study file [columns])"
+    "to name a column write --column {0}, and to ignore it --column {1}, or --column '*=' for all "
+    "columns without a known name (in Python columns={{{2!r}: ..., '*': None}}, in a study file "
+    "[columns])"
 )
+
+
+def _help(header: str) -> str:
+    """Return how a column with an unknown name is assigned."""
+    assigned = shlex.quote(f"{header}=NAME [UNIT]")
+    return _HELP.format(assigned, shlex.quote(f"{header}="), header)
 
 
 class Names:
@@ -67,7 +97,7 @@ class Names:
         self._by_symbol: dict[str, list[str]] = {}
         for name, quantity in known.items():
             self._by_key.setdefault(_normalise(name), []).append(name)
-            if quantity is not None:
+            if quantity is not None and not name.startswith("errors."):  # they share the symbol
                 self._by_symbol.setdefault(quantity.symbol, []).append(name)
 
     def find(self, text: str) -> list[str]:
@@ -83,9 +113,34 @@ class Names:
         """Return the quantity of a name."""
         return self.known[pattern(name)]
 
-    def nearest(self, text: str) -> str:
-        """Return the name that is most similar to a text; '' if none is."""
-        return nearest("_".join(_BETWEEN.split(text)), self.known)
+    def suggestions(self, text: str) -> list[str]:
+        """Return the names that an unknown header may mean, the shortest first.
+
+        These have all words of the text, or their beginnings ("Dia"), or another form of this name
+        ("Basis weight"); otherwise the most similar name.
+
+        >>> from woundon.quantities import velocity
+        >>> Names({"web_speed": velocity("V", "")}).suggestions("Speed")
+        ['web_speed']
+        """
+        words = [word.casefold() for word in _BETWEEN.split(text) if len(word) >= MIN_WORD]
+
+        def has_words(name: str) -> bool:
+            parts = _BETWEEN.split(name)
+            return all(any(part.startswith(word) for part in parts) for word in words)
+
+        known = {name: q for name, q in self.known.items() if not name.startswith("errors.")}
+        found = [name for name in known if has_words(name)]
+        found = [name for name in found if name.rpartition(".")[0] not in found]
+        found += [
+            f"{name} [gsm]"
+            for name, q in known.items()
+            if q is not None and q.other_form == "basis weight" and has_words(q.other_form)
+        ]
+        if words and found:
+            return sorted(found, key=lambda name: (name.count("."), len(name)))[:MAX_SUGGESTED]
+        similar = nearest("_".join(_BETWEEN.split(text)), self.known)
+        return [similar] if similar else []
 
 
 def _normalise(text: str) -> str:
@@ -108,7 +163,11 @@ class Column(NamedTuple):
 
 
 def match_columns(
-    sheet: Sheet, names: Names, columns: Mapping[str, str | None] | None = None
+    sheet: Sheet,
+    names: Names,
+    columns: Mapping[str, str | None] | None = None,
+    *,
+    help_text: str = "",
 ) -> list[Column]:
     """Return the columns of a sheet with the names that their headers denote.
 
@@ -118,7 +177,9 @@ def match_columns(
     names : Names
     columns : mapping
         Header, with or without its unit -> name, with or without a unit; None or an empty name
-        omits the column.
+        omits the column, and that of ``"*"`` all columns without a known name.
+    help_text : str
+        What is said about columns with an unknown name; by default how they are assigned.
 
     Raises
     ------
@@ -137,21 +198,30 @@ def match_columns(
     faults: Faults = []
     matched: list[Column] = []
     unknown: list[str] = []
-    renaming = {_normalise(header): (header, target) for header, target in (columns or {}).items()}
+    given = dict(columns or {})
+    ignores_others = OTHERS in given
+    if given.pop(OTHERS, None):
+        text = f"{OTHERS!r} stands for all columns without a known name; they can only be ignored"
+        raise InvalidProblem.at("columns", text)
+    renaming = {_normalise(header): (header, target) for header, target in given.items()}
     for header, cells in sheet.columns.items():
         target, unit = _rename_header(header, renaming)
         if target is None:
             continue
         try:
-            name, explicit, deviation = _interpret_header(target, names)
+            found = _interpret_header(target, names)
         except InvalidProblem as fault:
             faults.append((sheet.where, f"column {header!r}: {fault}"))
-            unknown.append(header)
             continue
-        unit = explicit or unit or sheet.units.get(header, "")
-        matched.append(Column(header, name, unit, deviation, cells))
+        if found is not None:
+            name, explicit, deviation = found
+            unit = explicit or unit or sheet.units.get(header, "")
+            matched.append(Column(header, name, unit, deviation, cells))
+        elif not (ignores_others and target == header):
+            faults.append((sheet.where, f"column {header!r}: {_unknown(target, names)}"))
+            unknown.append(header)
     if unknown:
-        faults.append((sheet.where, _HELP.format(unknown[0])))
+        faults.append((sheet.where, help_text or _help(unknown[0])))
     faults += [(sheet.where, f"has no column {header!r}") for header, _ in renaming.values()]
     faults += _duplicate_columns(matched, sheet.where)
     if faults:
@@ -178,17 +248,18 @@ def _rename_header(
     """Return the name that replaces a header, and its unit; remove it from ``renaming``."""
     for text, unit in _splits(header):
         if _normalise(text) in renaming:
-            return renaming.pop(_normalise(text))[1] or None, unit
+            units = (unit, *(last for _, last in _splits(header)))
+            return renaming.pop(_normalise(text))[1] or None, next(filter(is_unit, units), unit)
     return header, ""
 
 
-def _interpret_header(text: str, names: Names) -> tuple[str, str, bool]:
-    """Return the name, the unit, and True for standard deviations.
+def _interpret_header(text: str, names: Names) -> tuple[str, str, bool] | None:
+    """Return the name, the unit, and True for standard deviations; None if the name is unknown.
 
     Raises
     ------
     InvalidProblem
-        If it is not the name of exactly one quantity.
+        If it is the name of several quantities.
     """
     for deviation, header in ((False, text), (True, _DEVIATION.sub(" ", text).strip())):
         if deviation and header == text:
@@ -201,11 +272,14 @@ def _interpret_header(text: str, names: Names) -> tuple[str, str, bool]:
                 raise InvalidProblem(f"is ambiguous: {one_of(matches)}")
             if matches:
                 return matches[0], _without_symbol(unit, names.quantity(matches[0])), deviation
+    return None
+
+
+def _unknown(text: str, names: Names) -> str:
+    """Return the error for an unknown header, with the names that it may mean."""
     name = next((name for name, unit in _splits(text) if is_unit(unit)), text)
-    suggestion = names.nearest(_DEVIATION.sub("", name))
-    raise InvalidProblem(
-        f"no field or output{f'; did you mean {suggestion!r}?' if suggestion else ''}"
-    )
+    suggested = [repr(name) for name in names.suggestions(_DEVIATION.sub("", name))]
+    return f"no field or output{f'; did you mean {one_of(suggested)}?' if suggested else ''}"
 
 
 def _without_symbol(unit: str, quantity: Quantity | None) -> str:
@@ -238,73 +312,179 @@ def _duplicate_columns(columns: list[Column], where: str) -> Faults:
 # ---- cells --------------------------------------------------------------------------------------
 
 
+class Fault(NamedTuple):
+    """An error of a table: where it is, its text, and its row; row 0 is the header."""
+
+    where: str
+    text: str
+    row: int = 0
+
+
+class Conversion(NamedTuple):
+    """Values with which totals, stresses and basis weights are converted.
+
+    Attributes
+    ----------
+    context : Context
+        Values of the case; a column replaces its value in each row.
+    helpers : mapping of str to Quantity
+        Columns that convert others and are no fields, such as the density of a web.
+    """
+
+    context: Context = Context()
+    helpers: Mapping[str, Quantity] = MappingProxyType({})
+
+
 def numbers(
     sheet: Sheet,
-    column: Column,
-    quantity: Quantity | None,
-    faults: Faults,
+    columns: Sequence[Column],
+    names: Names,
+    faults: list[Fault],
     *,
-    gaps: bool,
-    sign: str,
-    width: float | None = None,
-) -> Array:
-    """Return a column in SI; invalid cells are nan, and are added to ``faults``.
+    gaps: Callable[[Column], bool],
+    conversion: Conversion = Conversion(),  # noqa: B008
+    most_faults: float = MAX_COUNTED,
+) -> list[Array]:
+    """Return columns in SI; invalid cells are nan, and are added to ``faults``.
 
     Parameters
     ----------
-    sheet, column : Sheet, Column
-    quantity : Quantity
-        Quantity of the column; None if it is not a number.
-    faults : list of (where, text)
-        Errors of the column are appended.
-    gaps : bool
-        Whether cells may be empty, or nan.
-    sign : str
-        The table's :func:`decimal_sign`.
-    width : float, optional
-        Width of the web [m], by which a column of forces is divided if the quantity is a force per
-        width.
+    sheet, columns : Sheet, sequence of Column
+    names : Names
+        Gives the quantities of the columns.
+    faults : list of Fault
+        Errors are appended.
+    gaps : callable
+        Whether cells of a column may be empty, or nan.
+    conversion : Conversion
+    most_faults : float
+        Number of errors after which reading stops.
     """
-    values = np.full(len(column.cells), np.nan)
-    if quantity is None:
-        text = "is not a number, so it cannot be a column here"
-        faults.append((sheet.where, f"column {column.header!r}: {text}"))
-        return values
-    if width and quantity.unit == "N/m" and has_dimension(f"1 {column.unit}", "N"):
-        forces = replace(quantity, unit="N")
-        return numbers(sheet, column, forces, faults, gaps=gaps, sign=sign) / width
-    try:
-        scale = _scale(column, quantity, sheet.in_si)
-    except InvalidProblem as fault:
-        faults.append((sheet.where, f"column {column.header!r}: {fault}"))
-        return values
-    for row, cell in enumerate(column.cells):
-        if len(faults) >= MAX_COUNTED:
-            break
-        if gaps and _is_empty(cell):
-            continue
+    sign, count = decimal_sign(sheet), len(sheet.numbers)
+    values = np.full((len(columns), count), np.nan)
+    possible = conversion.context
+    for column in columns:
+        possible = possible.with_field(_converter(column), 1.0)
+    scales: dict[int, tuple[Quantity, Fraction | None]] = {}
+    for k, column in enumerate(columns):
         try:
-            values[row] = _number(cell, scale, quantity.unit, sign)
+            quantity = _number_of(column, names)
+            scales[k] = quantity, _scale(column, quantity, possible, sheet.in_si)
         except InvalidProblem as fault:
-            text = f"row {sheet.numbers[row]}, column {column.header!r}: {fault}"
-            faults.append((sheet.where, text))
-    return values
+            faults.append(Fault(sheet.where, f"column {column.header!r}: {fault}"))
+    densities = [column for column in columns if _converter(column) == "density"]
+    orders = [_order(columns, density) for density in ("1 kg/m^3", "1 kg/m^2")]
+    for row in range(count):
+        context = conversion.context
+        for k in orders[any(_is_basis_weight(column, row) for column in densities)]:
+            column, cell = columns[k], columns[k].cells[row]
+            if k not in scales or (gaps(column) and _is_empty(cell)):
+                continue
+            if len(faults) >= most_faults:
+                return list(values)
+            quantity, scale = scales[k]
+            try:
+                values[k, row] = _number(cell, sign, column.unit, scale, quantity, context)
+            except InvalidProblem as fault:
+                faults.append(_cell_fault(sheet, column, row, fault))
+            else:
+                context = context.with_field(_converter(column), float(values[k, row]))
+    return list(values)
 
 
-def _scale(column: Column, quantity: Quantity, in_si: bool) -> Fraction | None:
-    """Return the size of the unit of a column in SI; None if the cells have their own units."""
+def _converter(column: Column) -> str:
+    """Return the value of a context that a column replaces; '' if it converts no others."""
+    name = column.name.removeprefix("web.").removeprefix("web_")
+    return name if name in Context._fields and not column.deviation else ""
+
+
+def _order(columns: Sequence[Column], density: str) -> list[int]:
+    """Return the columns in the order of their conversion, for a density of this form."""
+    order = conversion_order({c.name: density for c in columns})
+    return sorted(range(len(columns)), key=lambda k: order.index(columns[k].name))
+
+
+def _is_basis_weight(column: Column, row: int) -> bool:
+    """Return True for a density that is converted with the thickness of its row."""
+    cell = column.cells[row]
+    return is_basis_weight(str(cell) if _has_unit(cell) else f"1 {column.unit}")
+
+
+def texts(
+    sheet: Sheet, columns: Sequence[Column], names: Names, faults: list[Fault]
+) -> list[list[str]]:
+    """Return columns as a case file holds them: numbers with units as texts, not yet converted.
+
+    Parameters as of :func:`numbers`; no cell may be empty.
+    """
+    sign = decimal_sign(sheet)
+    lists: list[list[str]] = []
+    for column in columns:
+        lists.append([])
+        try:
+            _check_unit(column, _number_of(column, names), assignable=False)
+        except InvalidProblem as fault:
+            faults.append(Fault(sheet.where, f"column {column.header!r}: {fault}"))
+            continue
+        unit = "" if column.unit in NO_UNIT else column.unit
+        for row, cell in enumerate(column.cells):
+            if len(faults) >= MAX_COUNTED:
+                break
+            try:
+                text = _plain_text(cell, sign)
+                lists[-1].append(f"{text} {unit}".strip() if _NUMBER.fullmatch(text) else text)
+            except InvalidProblem as fault:
+                faults.append(_cell_fault(sheet, column, row, fault))
+    return lists
+
+
+def _cell_fault(sheet: Sheet, column: Column, row: int, fault: InvalidProblem) -> Fault:
+    number = sheet.numbers[row]
+    return Fault(sheet.where, f"row {number}, column {column.header!r}: {fault}", number)
+
+
+def _number_of(column: Column, names: Names) -> Quantity:
+    """Return the quantity of a column; reject a field that is not a number."""
+    quantity = names.quantity(column.name)
+    if quantity is None:
+        raise InvalidProblem("is not a number, so it cannot be a column here")
+    return quantity
+
+
+def _check_unit(column: Column, quantity: Quantity, *, assignable: bool = True) -> None:
+    """Reject a column without a unit, unless it is a pure number or all cells have units.
+
+    ``assignable`` tells whether the user can assign names and units to columns.
+    """
+    if column.unit not in NO_UNIT or quantity.unit == "1":
+        return
+    if all(_has_unit(cell) for cell in column.cells if not _is_empty(cell)):
+        return
+    header = f"{column.name} [{quantity.unit}]"
+    in_file = f"has no unit; write it into the header, as in {header!r}"
+    if not assignable:
+        raise InvalidProblem(f"{in_file}, or into a row below the headers")
+    raise InvalidProblem(
+        f"{in_file}, into a row below the headers, or into columns, as in "
+        f"{{{column.header!r}: {header!r}}} or "
+        f"--column {shlex.quote(f'{column.header}={header}')}"
+    )
+
+
+def _scale(column: Column, quantity: Quantity, context: Context, in_si: bool) -> Fraction | None:
+    """Return the size in SI of the unit of a column; None if each cell is converted by itself.
+
+    ``context`` has all values that the case or other columns contain.
+    """
     if column.unit in NO_UNIT:
-        if in_si or quantity.unit == "1":
-            return Fraction(1)
-        if all(_has_unit(cell) for cell in column.cells if not _is_empty(cell)):
-            return None
-        header = f"{column.name} [{quantity.unit}]"
-        raise InvalidProblem(
-            f"has no unit; write it into the header, as in {header!r}, into a row below the "
-            f"headers, or into columns, as in {{{column.header!r}: {header!r}}} or "
-            f"--column {f'{column.header}={header}'!r}"
-        )
-    return factor(column.unit, quantity.unit, "")
+        if not in_si:
+            _check_unit(column, quantity)
+        return Fraction(1)
+    one = f"1 {column.unit}"
+    if not any(has_dimension(one, unit) for unit in other_units(quantity)):
+        return factor(column.unit, quantity.unit, "")
+    convert_number(one, quantity, "", context)  # is rejected if its conversion is not known
+    return None
 
 
 def _is_empty(cell: Any) -> bool:
@@ -315,19 +495,42 @@ def _is_empty(cell: Any) -> bool:
 
 
 def _has_unit(cell: Any) -> bool:
-    """Return True for a text that consists of a number and a unit."""
+    """Return True for a text that consists of a number and a unit, or a percentage."""
+    if isinstance(cell, Percentage):
+        return True
     short = isinstance(cell, str) and len(cell) <= MAX_NUMBER
-    number = _NUMBER.match(cell.strip()) if short else None
+    number = _NUMBER.match(cell.strip().replace(",", ".")) if short else None
     return number is not None and is_unit(cell.strip()[number.end() :].strip())
 
 
-def _number(cell: Any, scale: Fraction | None, unit: str, sign: str) -> float:
+def _number(
+    cell: Any, sign: str, unit: str, scale: Fraction | None, quantity: Quantity, context: Context
+) -> float:
     """Return a cell in SI.
 
     Raises
     ------
     InvalidProblem
         Describes the error of the cell, without naming the field.
+    """
+    text = _plain_text(cell, sign)
+    try:
+        if not _NUMBER.fullmatch(text):  # with its own unit
+            return convert_number(text, quantity, "", context)
+        if scale is None:
+            return convert_number(f"{text} {unit}", quantity, "", context)
+        return float(Fraction(text) * scale)
+    except OverflowError:
+        raise InvalidProblem(f"{quote(cell)} is not a finite number") from None
+
+
+def _plain_text(cell: Any, sign: str) -> str:
+    """Return a number, with or without a unit, as text with a decimal point.
+
+    Raises
+    ------
+    InvalidProblem
+        For a cell that is empty or is not a number.
     """
     if _is_empty(cell):
         raise InvalidProblem("the cell is empty")
@@ -338,13 +541,8 @@ def _number(cell: Any, scale: Fraction | None, unit: str, sign: str) -> float:
         raise InvalidProblem(f"{quote(cell)} is not a number; {limit}")
     if isinstance(cell, str):
         text = _with_point(text, sign)
-    try:
-        if _NUMBER.fullmatch(text) and scale is not None:
-            return float(Fraction(text) * scale)
-        if _has_unit(text):
-            return parse(text, unit)
-    except OverflowError:
-        text = "inf"
+    if _NUMBER.fullmatch(text) or _has_unit(text):
+        return text
     finite = " finite" if text in ("inf", "-inf") else ""
     raise InvalidProblem(f"{quote(cell)} is not a{finite} number")
 
@@ -384,10 +582,27 @@ def decimal_sign(sheet: Sheet) -> str:
     return "," if decimal_commas else "."
 
 
-def raise_faults(faults: Faults) -> None:
+def as_plain_number(cell: Any, sign: str) -> Any:
+    """Return a cell of a text file as a number if it is a plain one; other cells unchanged.
+
+    Whole numbers with leading zeros, or more digits than a spreadsheet holds, are identifiers.
+
+    >>> [as_plain_number(cell, ",") for cell in ("-3,5", "12", "007", "2 kN")]
+    [-3.5, 12, '007', '2 kN']
+    """
+    if not isinstance(cell, str) or (sign == "," and "." in cell):
+        return cell
+    text = cell.strip().replace(sign, ".")
+    if _WHOLE.fullmatch(text):
+        return int(text)
+    return float(text) if _DECIMAL.fullmatch(text) else cell
+
+
+def raise_faults(faults: Sequence[Fault]) -> None:
     """Raise InvalidProblem with the first errors of a table, if there are any."""
     if not faults:
         return
     at_least = "at least " if len(faults) >= MAX_COUNTED else ""
-    remaining = [(faults[0][0], f"{at_least}{len(faults) - MAX_REPORTED} more errors")]
-    raise InvalidProblem(faults[:MAX_REPORTED] + remaining * (len(faults) > MAX_REPORTED))
+    remaining = [(faults[0].where, f"{at_least}{len(faults) - MAX_REPORTED} more errors")]
+    reported = [fault[:2] for fault in faults[:MAX_REPORTED]]
+    raise InvalidProblem(reported + remaining * (len(faults) > MAX_REPORTED))

@@ -39,6 +39,7 @@ __all__ = [
     "convert_number",
     "is_basis_weight",
     "is_word",
+    "other_units",
 ]
 
 Faults = list[tuple[str, str]]
@@ -106,7 +107,7 @@ def conversion_order(changes: Mapping[str, Any]) -> list[str]:
 
     def rank(path: str) -> int:
         """Return the place of a field: those that others are converted with come first."""
-        name = "thickness" if path in ("web.thickness", "web_thickness") else path
+        name = path.removeprefix("web.").removeprefix("web_")
         if name == "density" and is_basis_weight(changes[path]):
             return len(_FIRST) - 1
         return _FIRST.index(name) if name in _FIRST else len(_FIRST)
@@ -206,7 +207,7 @@ def _convert_table(
                 values[name], places, f"{prefix}{name}", faults, context
             )
         context = context.with_field(name, converted[name])
-    helpers = {name for m in models for name in getattr(m, "_input_only", ())} & converted.keys()
+    helpers = {name for m in models for name in getattr(m, "input_only", ())} & converted.keys()
     for name in helpers:
         if not is_basis_weight(values.get("thickness")):
             text = "converts a thickness that is given as a basis weight; must be left out here"
@@ -216,7 +217,7 @@ def _convert_table(
 
 def _input_only(model: type[Any], name: str) -> Iterable[Place]:
     """Yield inputs that convert other fields and are not stored, such as the density of a web."""
-    quantity = getattr(model, "_input_only", {}).get(name)
+    quantity = getattr(model, "input_only", {}).get(name)
     if quantity is not None:
         yield Place(name, quantity, model.model_fields["thickness"], model)
 
@@ -355,6 +356,13 @@ def convert_number(text: str, quantity: Quantity, path: str, context: Context) -
     if quantity.other_form == "basis weight" and is_basis_weight(text):
         return _of_basis_weight(text, unit, path, context)
     return parse(text, unit, path)
+
+
+def other_units(quantity: Quantity) -> tuple[str, ...]:
+    """Return the SI units of the other forms in which a quantity may be entered."""
+    total = ("N",) if quantity.unit == "N/m" else ()
+    form = {"stress": ("Pa",), "basis weight": ("kg/m^2",)}
+    return total + form.get(quantity.other_form, ())
 
 
 def _per_width(text: str, path: str, context: Context) -> float:

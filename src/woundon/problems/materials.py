@@ -15,7 +15,7 @@ from collections.abc import Iterable, Mapping
 from functools import cached_property
 from math import sqrt
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, Self
 
 from pydantic import BeforeValidator, Field, SerializeAsAny, model_validator
 
@@ -76,6 +76,11 @@ class Solid(Family):
     def validity_warning(self) -> str:
         """A warning for every result with this material; empty if there is none."""
         return ""
+
+    @property
+    def measured_frequencies(self) -> tuple[float, float] | None:
+        """Range of frequencies in which a viscoelastic material is known [Hz]; None for all."""
+        return None
 
     def relaxation(self, speed: float) -> tuple[tuple[float, float], ...]:
         """Return the relaxation in rolling: pairs E_k/E_inf [1], speed * tau_k [m]."""
@@ -222,6 +227,11 @@ class OneModulus(Material, abstract=True):
         )
 
 
+# Sum of the moduli of a Prony series relative to E_inf below which it has no effect on a nip: the
+# default tolerance of the solver is ten times as large.
+SMALLEST_RELAXATION = 1e-5
+
+
 class PronyTerm(Description):
     """A term E_k exp(-t/tau_k) of a Prony series; fields also accept a pair (E_k, tau_k).
 
@@ -301,6 +311,21 @@ class Isotropic(OneModulus):
         Prony,
         Field(min_length=1, max_length=100, description="Prony terms of the relaxation modulus"),
     ] = default(None)
+
+    @model_validator(mode="after")
+    def _has_moduli_in_pascals(self) -> Self:
+        """Reject terms without an effect: mostly moduli relative to the instantaneous one."""
+        total = sum(term.modulus for term in self.prony or ())
+        least = SMALLEST_RELAXATION * self.youngs_modulus
+        if self.prony and total < least:
+            raise InvalidProblem.at(
+                "prony",
+                f"moduli with the sum {quote(total)} are out of range; must be >= "
+                f"{SMALLEST_RELAXATION:g} * youngs_modulus = {quote(least)} [Pa]; relative moduli "
+                "g_k are entered as E_k = g_k E_0, with the instantaneous modulus E_0 and "
+                "youngs_modulus = E_0 (1 - sum of g_k)",
+            )
+        return self
 
     @property
     def long_term_modulus(self) -> float:

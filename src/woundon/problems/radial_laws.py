@@ -423,7 +423,7 @@ class StackTest(SolidLaw):
     pressure : sequence of float
         P [Pa], >= 0, increasing; at least 4.
     strain : sequence of float
-        Compressive strain [1], increasing; the origin is arbitrary.
+        Compressive strain [1], < 1, increasing; the origin is arbitrary.
 
     Examples
     --------
@@ -465,6 +465,12 @@ class StackTest(SolidLaw):
                         f"{quote(value)} is out of range; must be > {quote(previous)}{unit}, the "
                     )
                     raise InvalidProblem.at(f"{name}.{k}", f"{text}previous value")
+        if self.strain[-1] >= 1:
+            text = (
+                f"{quote(self.strain[-1])} is out of range; must be < 1, at which the stack has no "
+                "thickness left; strains in percent need their unit, '%'"
+            )
+            raise InvalidProblem.at(f"strain.{len(self.strain) - 1}", text)
         return self
 
     @property

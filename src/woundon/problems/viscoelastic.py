@@ -29,6 +29,9 @@ EXTENSION = 0.5
 # with a scatter of 5 % are usual; 10 % is more than scatter explains.
 LARGEST_MISFIT = 0.1
 WARNING_MISFIT = 0.05
+# Ratio of loss and storage modulus that a table must exceed somewhere.  Steel has about 2e-4; tan
+# delta in place of the loss modulus gives 1e-7.
+SMALLEST_LOSS = 1e-4
 
 
 def _frequency(meaning: str) -> Quantity:
@@ -108,8 +111,8 @@ class DynamicTest(OneModulus):
     Raises
     ------
     InvalidProblem
-        For columns of different lengths, frequencies that do not rise, or moduli that are not
-        causal.
+        For columns of different lengths, frequencies that do not rise, moduli that are not causal,
+        or loss moduli below 1e-4 of the storage moduli, such as tan delta.
 
     Examples
     --------
@@ -152,7 +155,20 @@ class DynamicTest(OneModulus):
                 note = ", the previous value" if k else ""
                 text = f"{quote(value)} is out of range; must be > {quote(previous)} [1/s]{note}"
                 raise InvalidProblem.at(f"frequency.{k}", text)
+        losses = zip(self.loss_modulus, self.storage_modulus, strict=True)
+        ratio = max(loss / storage for loss, storage in losses)
+        if ratio < SMALLEST_LOSS:
+            raise InvalidProblem.at(
+                "loss_modulus",
+                f"is at most {ratio:.2g} of the storage modulus; must reach {SMALLEST_LOSS:g} of "
+                "it; values of tan delta are entered multiplied by the storage moduli",
+            )
         return self
+
+    @property
+    def measured_frequencies(self) -> tuple[float, float]:
+        """The lowest and the highest measured frequency [Hz]."""
+        return self.frequency[0], self.frequency[-1]
 
     @model_validator(mode="after")
     def _is_causal(self) -> Self:

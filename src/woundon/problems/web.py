@@ -60,7 +60,7 @@ class Web(Description):
     66.2
     """
 
-    _input_only: ClassVar[Mapping[str, Quantity]] = {"density": density_of_web()}
+    input_only: ClassVar[Mapping[str, Quantity]] = {"density": density_of_web()}
 
     thickness: Annotated[Number, thickness_of_web((10e-6, 500e-6)), Field(ge=1e-7, le=1e-2)]
     material: AnySolid

@@ -19,6 +19,7 @@ from .kind_model import (
     KindModel,
     build,
     columns_of,
+    conversion_of,
     field_quantity,
     get_field,
     kind_of,
@@ -191,8 +192,8 @@ def _cases(
     outputs = scalar_outputs(kind_of(problem).result)
     outputs |= {f"errors.{name}": quantity for name, quantity in outputs.items()}
     inputs = columns_of(problem)
-    width = getattr(problem, "width", None)
-    return read_cases(data, inputs, outputs, partial(build, problem), columns, width)
+    conversion = conversion_of(problem)
+    return read_cases(data, inputs, outputs, partial(build, problem), columns, conversion)
 
 
 def _model_of_study(
@@ -371,8 +372,14 @@ def fit(
     0.25
     """
     outputs = measurable_outputs(problem)
-    width = getattr(problem, "width", None)
-    data = read_measured(measured, columns_of(problem), outputs, columns, replaced(problem), width)
+    data = read_measured(
+        measured,
+        columns_of(problem),
+        outputs,
+        columns,
+        replaced(problem),
+        conversion_of(problem),
+    )
     settings = _on_one_mesh(problem, solver_options(nodes, rtol, options))
     model = model_of(problem, tuple(data.outputs), tie, settings)
     bounds = in_si(problem, _bounds(vary))

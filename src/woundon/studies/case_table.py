@@ -11,7 +11,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import isnan
+from math import inf, isnan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,13 +21,22 @@ from .. import __version__, kinds
 from ..errors import InvalidProblem, one_of
 from ..io.case_files import SCHEMA, load_case, make_problem
 from ..io.files import replaced_file
-from ..io.sheets import Sheet, need_openpyxl, read_sheet, record_table, write_workbook
-from ..io.tables import Column, Names, decimal_sign, match_columns, numbers
+from ..io.sheets import Sheet, need_openpyxl, read_sheet, record_table, write_csv, write_workbook
+from ..io.tables import (
+    Column,
+    Fault,
+    Names,
+    as_plain_number,
+    decimal_sign,
+    match_columns,
+    numbers,
+    raise_faults,
+)
 from ..problems.problem import Problem
 from ..quantities import Quantity, is_on_request, pattern, scalar_outputs
 from . import design as designs
 from .engine import run_study
-from .kind_model import KindModel, build, columns_of, get_field, kind_of, model_of
+from .kind_model import KindModel, build, columns_of, conversion_of, get_field, kind_of, model_of
 from .measured import ANNOTATIONS
 from .model import quantities_of
 from .progress import Progress
@@ -119,9 +128,9 @@ def solve_table(
         raise InvalidProblem.at(sheet.where, "has no column that is an input of the model")
     names = _default_outputs(problem) if outputs is None else outputs
     base = model_of(problem, names, tie, {"nodes": nodes, "rtol": rtol, **(options or {})})
+    cells, failure = _values(sheet, problem, inputs, complete)
     if not complete:
-        base.check_varied([column.name for column in inputs])
-    cells, failure = _values(sheet, problem, inputs)
+        base.check_varied(cells)
     model = _RowModel(**vars(base), complete=complete)
     values, warnings = _solve_rows(
         model,
@@ -215,14 +224,16 @@ def _tables_to_lists(table: Any) -> Any:
 
 
 def _is_field(name: str, problem: Problem) -> bool:
-    return pattern(name) in columns_of(problem)
+    return pattern(name) in {**columns_of(problem), **conversion_of(problem).helpers}
 
 
 def _names(problem: Problem) -> Names:
     """Return all names that a header may have: fields, outputs and the columns of studies."""
     known = scalar_outputs(kind_of(problem).result)
     errors = {f"errors.{name}": quantity for name, quantity in known.items()}
-    return Names({**dict.fromkeys(ANNOTATIONS), **known, **errors, **columns_of(problem)})
+    helpers = conversion_of(problem).helpers
+    fields = columns_of(problem)
+    return Names({**dict.fromkeys(ANNOTATIONS), **known, **errors, **fields, **helpers})
 
 
 def _named(kind: str) -> kinds.Kind:
@@ -252,35 +263,37 @@ def _kind_of_columns(sheet: Sheet, columns: Mapping[str, str | None] | None) -> 
 
 
 def _values(
-    sheet: Sheet, problem: Problem, inputs: Sequence[Column]
+    sheet: Sheet, problem: Problem, inputs: Sequence[Column], complete: bool
 ) -> tuple[dict[str, list[Any]], list[str]]:
     """Return the values of each column in SI, gaps as nan or None, and the faults of each row."""
-    names, sign = Names(columns_of(problem)), decimal_sign(sheet)
-    varied = {column.name for column in inputs}
-    width = None if "width" in varied else getattr(problem, "width", None)
+    conversion = conversion_of(problem, complete)
+    names = Names({**columns_of(problem), **conversion.helpers})
+    numeric = [column for column in inputs if names.quantity(column.name) is not None]
+    reasons: list[Fault] = []
+    values = numbers(
+        sheet,
+        numeric,
+        names,
+        reasons,
+        gaps=lambda _: True,
+        conversion=conversion,
+        most_faults=inf,
+    )
+    raise_faults([fault for fault in reasons if not fault.row])  # of headers
+    faults: dict[int, list[str]] = {number: [] for number in sheet.numbers}
+    for fault in reasons:
+        faults[fault.row].append(fault.text.removeprefix(f"row {fault.row}, "))
+    read = {c.name: of_rows.tolist() for c, of_rows in zip(numeric, values, strict=True)}
     fields: dict[str, list[Any]] = {}
-    faults: list[list[str]] = [[] for _ in sheet.numbers]
     for column in inputs:
-        quantity = names.quantity(column.name)
-        if quantity is None:
+        if column.name not in read:
             fields[column.name] = [
-                _read_cell(problem, column, k, faults[k]) for k in range(len(sheet.numbers))
+                _read_cell(problem, column, k, faults[number])
+                for k, number in enumerate(sheet.numbers)
             ]
-            continue
-        reasons: list[tuple[str, str]] = []
-        values = numbers(sheet, column, quantity, reasons, gaps=True, sign=sign, width=width)
-        if any(f"column {column.header!r}" == text.partition(": ")[0] for _, text in reasons):
-            raise InvalidProblem(reasons)  # the header is invalid
-        for k, number in enumerate(sheet.numbers) if reasons else ():
-            row, cell = sheet._replace(numbers=[number]), column._replace(cells=[column.cells[k]])
-            cell_reasons: list[tuple[str, str]] = []
-            # again cell by cell: the reader of columns stops after many faults
-            (values[k],) = numbers(
-                row, cell, quantity, cell_reasons, gaps=True, sign=sign, width=width
-            )
-            faults[k] += [text.removeprefix(f"row {number}, ") for _, text in cell_reasons]
-        fields[column.name] = values.tolist()
-    return fields, ["; ".join(texts) for texts in faults]
+        elif column.name not in conversion.helpers:
+            fields[column.name] = read[column.name]
+    return fields, ["; ".join(texts) for texts in faults.values()]
 
 
 def _read_cell(problem: Problem, column: Column, row: int, faults: list[str]) -> Any:
@@ -388,6 +401,7 @@ def _join_outputs(
     names = {column.header: column for column in matched}
     # a table written by this function or by a sweep has outputs, which are replaced
     written = any(column.name in ANNOTATIONS for column in matched)
+    sign = decimal_sign(sheet)
     cells_of: dict[str, Any] = {}
     for header, cells in sheet.columns.items():
         column = names.get(header)
@@ -396,7 +410,8 @@ def _join_outputs(
             if written:
                 continue
             text += GIVEN
-        cells_of[text] = cells
+        is_text = bool(sheet.separator)  # of a file whose cells have no types
+        cells_of[text] = [as_plain_number(cell, sign) for cell in cells] if is_text else cells
     quantities: Mapping[str, Quantity] = quantities_of(model, model.outputs)
     units: dict[str, str] = {}
     for name, column_values in values.items():
@@ -437,7 +452,7 @@ def write_table(frame: pd.DataFrame, path: str | Path) -> None:
     path = check_table_path(path)
     with replaced_file(path) as temporary:
         if path.suffix == ".csv":
-            frame.to_csv(temporary, index=False, lineterminator="\n")
+            write_csv(temporary, frame)
             return
         record = record_table(frame.attrs.get("about", {}))
         write_workbook(temporary, {"results": frame, "about": record})

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..errors import InvalidProblem
 from ..io.files import replaced_file
-from ..io.sheets import need_openpyxl, record_table, write_workbook
+from ..io.sheets import need_openpyxl, record_table, write_csv, write_workbook
 from .table import Table
 
 __all__ = ["check_export", "export"]
@@ -87,8 +87,7 @@ def _csv(table: Table, path: Path) -> None:
     """Write the cases to a CSV file."""
     import pandas
 
-    frame = pandas.DataFrame(_columns(table))
-    frame.to_csv(path, index=False, na_rep="nan", lineterminator="\n")
+    write_csv(path, pandas.DataFrame(_columns(table)), "nan")
 
 
 def _excel(table: Table, path: Path) -> None:

@@ -19,10 +19,11 @@ import numpy as np
 from .. import __version__, kinds
 from ..arguments import check_type
 from ..errors import InvalidProblem, NotConverged, did_you_mean, unwarned
+from ..io.tables import Conversion
 from ..parallel import progress
 from ..problems.description import Description
 from ..problems.family import best_match
-from ..problems.inputs import conversion_context, convert
+from ..problems.inputs import Context, conversion_context, convert
 from ..problems.messages import no_such_field, not_one_of
 from ..problems.problem import Problem
 from ..problems.units import parse
@@ -43,6 +44,7 @@ __all__ = [
     "KindModel",
     "build",
     "columns_of",
+    "conversion_of",
     "field_quantity",
     "get_field",
     "kind_of",
@@ -416,6 +418,24 @@ def columns_of(problem: Problem) -> dict[str, Quantity | None]:
             path = ".".join((*heads, diameter))
             known[path] = next((p.quantity for p in find(type(problem), path)), None)
     return known
+
+
+def conversion_of(problem: Problem, complete: bool = False) -> Conversion:
+    """Return how the columns of a table are converted: with the values of a problem, or without.
+
+    Parameters
+    ----------
+    problem : Problem
+    complete : bool
+        Whether the columns describe the complete problem, so that its values do not matter.
+    """
+    helpers = {
+        f"{place.path.removesuffix(place.name)}{name}": quantity
+        for place in walk(type(problem))
+        for name, quantity in getattr(place.owner, "input_only", {}).items()
+    }
+    accepts_width = Context(accepts_width=hasattr(problem, "width"))
+    return Conversion(accepts_width if complete else conversion_context(problem), helpers)
 
 
 def _if_number(problem: Problem, path: str) -> Quantity | None:

@@ -21,8 +21,9 @@ from ..io.sheets import Sheet, read_sheet
 from ..io.tables import (
     MAX_COUNTED,
     Column,
+    Conversion,
+    Fault,
     Names,
-    decimal_sign,
     match_columns,
     numbers,
     raise_faults,
@@ -66,7 +67,7 @@ def read_measured(
     outputs: Mapping[str, Quantity],
     columns: Mapping[str, str | None] | None = None,
     replaced: Mapping[str, str] | None = None,
-    width: float | None = None,
+    conversion: Conversion = Conversion(),  # noqa: B008
 ) -> Measured:
     """Read measured data.
 
@@ -80,8 +81,8 @@ def read_measured(
         Header in the data -> name of the quantity, with or without unit; None omits a column.
     replaced : mapping of str to str, optional
         Names of outputs that do not exist, with a hint to existing ones.
-    width : float, optional
-        Width of the web [m], with which columns may contain total forces.
+    conversion : Conversion, optional
+        Converts total forces, stresses and basis weights.
 
     Raises
     ------
@@ -97,21 +98,22 @@ def read_measured(
     """
     sheet = read_sheet(data, "measured")
     replacements = replaced or {}
-    names = Names({**dict.fromkeys((*ANNOTATIONS, *replacements)), **inputs, **outputs})
+    known = {**inputs, **outputs, **conversion.helpers}
+    names = Names({**dict.fromkeys((*ANNOTATIONS, *replacements)), **known})
     matched = [c for c in match_columns(sheet, names, columns) if c.name not in ANNOTATIONS]
-    width = None if any(column.name == "width" for column in matched) else width
-    groups: dict[str, dict[str, Array]] = {"inputs": {}, "outputs": {}, "deviations": {}}
-    faults: list[tuple[str, str]] = []
-    sign = decimal_sign(sheet)
     for column in matched:
         if column.name in replacements:
             text = f"{column.name}: no such output: {replacements[column.name]}"
             raise InvalidProblem.at(sheet.where, text)
-        output = column.name in outputs
-        kind = "deviations" if column.deviation else "outputs" if output else "inputs"
-        quantity = names.quantity(column.name)
-        values = numbers(sheet, column, quantity, faults, gaps=output, sign=sign, width=width)
-        groups[kind][column.name] = values
+    groups: dict[str, dict[str, Array]] = {"inputs": {}, "outputs": {}, "deviations": {}}
+    faults: list[Fault] = []
+    values = numbers(
+        sheet, matched, names, faults, gaps=lambda c: c.name in outputs, conversion=conversion
+    )
+    for column, of_rows in zip(matched, values, strict=True):
+        if column.name not in conversion.helpers:
+            measured = "outputs" if column.name in outputs else "inputs"
+            groups["deviations" if column.deviation else measured][column.name] = of_rows
     raise_faults(faults)
     _check(groups, sheet.where)
     return Measured(**groups, where=sheet.where, numbers=sheet.numbers)
@@ -137,39 +139,40 @@ def read_cases(
     outputs: Mapping[str, Quantity],
     build: Callable[[str, Any], Any],
     columns: Mapping[str, str | None] | None = None,
-    width: float | None = None,
+    conversion: Conversion = Conversion(),  # noqa: B008
 ) -> dict[str, list[Any]]:
     """Read the cases of a sweep: for each input a list of values, in SI.
 
     Parameters
     ----------
-    data, inputs, outputs, columns, width
+    data, inputs, outputs, columns, conversion
         As of :func:`read_measured`; outputs and further columns of the tables of studies are
         ignored.
     build : callable
         (name, table) -> body or material, for a cell that contains one as JSON.
     """
     sheet = read_sheet(data, "over")
-    names = Names({**dict.fromkeys(ANNOTATIONS), **outputs, **inputs})
-    faults: list[tuple[str, str]] = []
-    over: dict[str, list[Any]] = {}
-    sign = decimal_sign(sheet)
+    names = Names({**dict.fromkeys(ANNOTATIONS), **outputs, **inputs, **conversion.helpers})
     matched = match_columns(sheet, names, columns)
     # a quantity that is both input and output, such as the creepage of rollers, is an output in the
     # table of a study, and an input in other tables
     written = any(column.name in ANNOTATIONS for column in matched)
-    width = None if any(column.name == "width" for column in matched) else width
-    for column in matched:
-        quantity = names.quantity(column.name)
-        if column.name in outputs and (written or column.name not in inputs):
-            continue
-        if column.deviation or column.name in ANNOTATIONS:
-            continue
-        if quantity is not None:
-            values = numbers(sheet, column, quantity, faults, gaps=False, sign=sign, width=width)
-            over[column.name] = values.tolist()
-        else:
+    varied = [
+        column
+        for column in matched
+        if not (column.name in outputs and (written or column.name not in inputs))
+        and not (column.deviation or column.name in ANNOTATIONS)
+    ]
+    numeric = [column for column in varied if names.quantity(column.name) is not None]
+    faults: list[Fault] = []
+    values = numbers(sheet, numeric, names, faults, gaps=lambda _: False, conversion=conversion)
+    read = {c.name: of_rows.tolist() for c, of_rows in zip(numeric, values, strict=True)}
+    over: dict[str, list[Any]] = {}
+    for column in varied:
+        if column.name not in read:
             over[column.name] = _texts_and_bodies(sheet, column, build, faults)
+        elif column.name not in conversion.helpers:
+            over[column.name] = read[column.name]
     raise_faults(faults)
     if not over:
         raise InvalidProblem.at(sheet.where, "has no column that is an input of the model")
@@ -177,7 +180,7 @@ def read_cases(
 
 
 def _texts_and_bodies(
-    sheet: Sheet, column: Column, build: Callable[[str, Any], Any], faults: list[tuple[str, str]]
+    sheet: Sheet, column: Column, build: Callable[[str, Any], Any], faults: list[Fault]
 ) -> list[Any]:
     """Return the cells of a column that is not numeric: words, materials, bodies as JSON."""
     values: list[Any] = []
@@ -194,6 +197,7 @@ def _texts_and_bodies(
                 value = build(column.name, table)
         except (InvalidProblem, ValueError, RecursionError) as fault:
             reason = str(fault).replace("\n", "; ")
-            faults.append((sheet.where, f"row {number}, column {column.header!r}: {reason}"))
+            text = f"row {number}, column {column.header!r}: {reason}"
+            faults.append(Fault(sheet.where, text, number))
         values.append(value)
     return values

@@ -108,7 +108,10 @@ function unitsOf(store) {
 export function csvOf(store) {
   const { units, state } = store;
   const blocks = [];
-  const quote = (text) => (/[",\n]/.test(text) || /^[=+@-]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
+  const quote = (text) => {
+    const cell = /^'*[=+@\t\r-]/.test(text) ? `'${text}` : text; // a spreadsheet would take it for a formula
+    return /[",\r\n]/.test(cell) ? `"${cell.replaceAll('"', '""')}"` : cell;
+  };
   const states = [{ label: "", result: state.result }, ...store.pinned];
   for (const { label, result } of states) {
     for (const panel of result.panels) {
