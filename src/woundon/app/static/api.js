@@ -61,7 +61,10 @@ async function stream(path, body, handle, signal) {
     if (done) break;
     const lines = (rest + value).split("\n");
     rest = lines.pop();
-    for (const line of lines) if (line) handle(JSON.parse(line));
+    for (const event of lines.filter(Boolean).map((line) => JSON.parse(line))) {
+      if (event.event === "failed") throw new Problem(event.problem ?? event, 500);
+      handle(event);
+    }
   }
 }
 

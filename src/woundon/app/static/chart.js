@@ -53,7 +53,7 @@ function newHatch(ctx, zone, size) {
 
 // ---- what runs along x is shared by the panels of a column ----
 
-const columns = new Map();
+const columns = new Map(); // zoom: [SI], as the units that are shown may change
 function columnOf(name) {
   if (!columns.has(name)) columns.set(name, { zoom: null, charts: new Set() });
   return columns.get(name);
@@ -140,9 +140,16 @@ class Chart {
   /** Show all of x, or what is zoomed into; y follows. */
   fit() {
     if (!this.plot) return;
-    const zoom = columnOf(this.column).zoom;
-    const [min, max] = zoom ?? this.range();
+    const { zoom } = columnOf(this.column);
+    const { factor } = this.units.of(this.cases[0].panel.x.quantity);
+    const [min, max] = zoom?.map((end) => end / factor) ?? this.range();
     this.plot.setScale("x", { min, max });
+  }
+
+  /** Show this range of x, in the units that are shown, in all panels of the column. */
+  zoom(ends) {
+    const { factor } = this.units.of(this.cases[0].panel.x.quantity);
+    zoomTo(this.column, ends.map((end) => end * factor));
   }
 
   make(key, data, height) {
@@ -204,7 +211,7 @@ class Chart {
         setSelect: [(plot) => {
           const { left, width } = plot.select;
           if (width < 6) return;
-          zoomTo(this.column, [plot.posToVal(left, "x"), plot.posToVal(left + width, "x")]);
+          this.zoom([plot.posToVal(left, "x"), plot.posToVal(left + width, "x")]);
           plot.setSelect({ left: 0, width: 0, top: 0, height: 0 }, false);
         }],
         ready: [(plot) => plot.over.addEventListener("dblclick", () => zoomTo(this.column, null))],
@@ -351,7 +358,8 @@ class Chart {
       const by = log ? [middle * (min / middle) ** factor, middle * (max / middle) ** factor]
         : [middle + (min - middle) * factor, middle + (max - middle) * factor];
       const [low, high] = this.range();
-      zoomTo(this.column, by[0] <= low && by[1] >= high ? null : [Math.max(low, by[0]), Math.min(high, by[1])]);
+      if (by[0] <= low && by[1] >= high) zoomTo(this.column, null);
+      else this.zoom([Math.max(low, by[0]), Math.min(high, by[1])]);
     };
     const acts = {
       ArrowLeft: () => plot.setCursor({ left: Math.max(0, at - step), top: 10 }),

@@ -37,7 +37,7 @@ export function Design({ store }) {
       try {
         setFound({ answer: await api.design(tables, pressure, signal), asked });
       } catch (fault) {
-        if (fault.name !== "AbortError" && !fault.superseded) setFound((old) => ({ ...old, fault: store.textOf(fault) }));
+        if (fault.name !== "AbortError" && !fault.superseded) setFound((old) => ({ ...old, fault }));
       }
     });
   }, [open, asked]);
@@ -52,7 +52,7 @@ export function Design({ store }) {
     <summary><h2>${T.design.title}</h2></summary>
     ${open && html`<p>${T.design.about}</p>
       <${Points} ...${{ store, quantity: store.output("pressure"), points, ends, put, name: T.design.target }} />
-      ${found.fault && html`<p class="fault" role="alert">${found.fault}</p>`}
+      ${found.fault && html`<p class="fault" role="alert">${store.textOf(found.fault)}</p>`}
       ${found.answer && html`<${Found} store=${store} found=${found} own=${own} />
         <button type="button" class="primary" disabled=${!!found.fault || found.asked !== asked} onClick=${take}>${T.design.take}</button>
         <span class="quiet"> ${store.full ? T.design.full : T.design.pins}</span>`}`}

@@ -2,6 +2,7 @@
 import * as api from "./api.js";
 import { changed } from "./cases.js";
 import { html, useEffect, useRef, useState } from "./html.js";
+import { QuantityBox } from "./quantity.js";
 import { OnePanel } from "./results.js";
 import { T } from "./texts.js";
 import { digits } from "./units.js";
@@ -13,16 +14,22 @@ export function Find({ store }) {
   const { units, state } = store;
   const fields = variables(store);
   const outputs = outputsOf(store);
-  const [chosen, choose] = useState({ field: "", output: "", target: "" });
+  const [chosen, choose] = useState({ field: "", output: "" });
+  const [target, setTarget] = useState({}); // its value [SI], or the fault of its text
   const [answer, setAnswer] = useState({});
   const abort = useRef(null);
   useEffect(() => () => abort.current?.abort(), []);
   const field = fields.find((one) => one.path === chosen.field) ?? defaultVariable(store, fields);
   const output = outputs.find((one) => one.name === chosen.output) ?? outputs[0];
   if (!field || !output) return null;
-  const { value, fault } = chosen.target.trim() ? units.read(output, chosen.target, T.form.finite) : {};
+  const { value, fault, shownIn } = target.unit === output.unit ? target : {};
   const rest = JSON.stringify(changed(state.case, field.path, null)); // the answer is that of this case
   const change = (patch) => { abort.current?.abort(); choose({ ...chosen, ...patch }); setAnswer({}); };
+  const put = (si, wrong) => {
+    change({});
+    setTarget({ value: si, unit: output.unit, fault: wrong, shownIn: units });
+    return si;
+  };
   const run = async (event) => {
     event.preventDefault();
     abort.current?.abort();
@@ -34,7 +41,7 @@ export function Find({ store }) {
       setAnswer({ found, of: rest });
     } catch (error) {
       if (error.name === "AbortError") return setAnswer({});
-      if (!error.superseded) setAnswer({ fault: store.textOf(error) });
+      if (!error.superseded) setAnswer({ fault: error });
     }
   };
   return html`<form class="tab-card find" onSubmit=${run} aria-label=${T.find.title}>
@@ -43,13 +50,13 @@ export function Find({ store }) {
         ${fields.map((one) => html`<option value=${one.path} selected=${one === field}>${labelOf(one)}</option>`)}</select></label>
       <label class="stacked">${T.find.output}<select id="find-output" value=${output.name} onChange=${(event) => change({ output: event.target.value })}>
         ${outputs.map((one) => html`<option value=${one.name} selected=${one === output}>${one.label}</option>`)}</select></label>
-      <label class="stacked small">${T.find.target} ${units.text(output) && `[${units.text(output)}]`}<input type="text" inputmode="decimal" id="find-target" autocomplete="off"
-        value=${chosen.target} onInput=${(event) => change({ target: event.target.value })} /></label>
-      <div class="study-run"><button type="submit" class="primary" id="find-run" disabled=${value === undefined || answer.busy}>${T.find.run}</button>
+      <label class="stacked small">${T.find.target} ${units.text(output) && `[${units.text(output)}]`}
+        <${QuantityBox} ...${{ store, quantity: output, value, put, optional: true }} id="find-target" /></label>
+      <div class="study-run"><button type="submit" class="primary" id="find-run" disabled=${!Number.isFinite(value) || answer.busy}>${T.find.run}</button>
         ${answer.busy && html`<button type="button" onClick=${() => abort.current.abort()}>${T.study.cancel}</button>`}</div>
     </div>
     <div role="status">${answer.busy && html`<p class="quiet">${T.find.busy} …</p>`}</div>
-    ${(fault || answer.fault) && html`<p class="fault" role="alert">${fault ?? answer.fault}</p>`}
+    ${(answer.fault || (fault && shownIn === units)) && html`<p class="fault" role="alert">${answer.fault ? store.textOf(answer.fault) : fault}</p>`}
     ${answer.found && answer.of === rest && html`<${Found} store=${store} found=${answer.found} />`}
   </form>`;
 }

@@ -64,19 +64,18 @@ export function Fit({ store }) {
       await api.fit(body, (event) => {
         if (event.event === "progress") put({ done: event.done, of: event.of });
         else if (event.event === "fitted") put({ found: event, done: outcome.of });
-        else if (event.event === "failed") put({ fault: event.problem.detail });
         else if (event.event === "cancelled") put({ text: T.study.cancelled });
       }, abort.signal);
       put({ running: false });
     } catch (fault) {
-      put({ running: false, ...(fault.name === "AbortError" ? { text: T.study.cancelled } : { fault: store.textOf(fault) }) });
+      put({ running: false, ...(fault.name === "AbortError" ? { text: T.study.cancelled } : { fault }) });
     }
   };
   const unknownRow = (k, one) => html`<div class="axis-row" key=${k}>
     <label class="stacked">${T.fit.unknown(k + 1)}<select id=${`fit-field-${k}`} value=${one?.path ?? ""} onChange=${(event) => pick(k ? [first.path, event.target.value] : [event.target.value, second?.path])}>
       ${k > 0 && html`<option value="" selected=${!one}>${T.study.none}</option>`}
       ${fields.filter((other) => !k || other !== first).map((other) => html`<option value=${other.path} selected=${other === one}>${labelOf(other)}</option>`)}</select></label>
-    ${[T.fit.low, T.fit.high].map((words, n) => html`<${End} key=${n} ...${{ units: store.units, id: `fit-${k}-${n}`, words, field: one?.field, value: one && endsOf(one)[n],
+    ${[T.fit.low, T.fit.high].map((words, n) => html`<${End} key=${n} ...${{ store, id: `fit-${k}-${n}`, words, field: one?.field, value: one && endsOf(one)[n],
       put: (value) => setEnds({ ...ends, [one.path]: endsOf(one).map((end, m) => (m === n ? value : end)) }) }} />`)}</div>`;
   return html`<section class="tab-card fit"><h2>${T.fit.title}</h2><p class="quiet">${T.fit.about}</p>
     <label class="stacked">${T.fit.table(limits.fit_rows)}<textarea id="fit-table" rows="6" spellcheck="false" placeholder=${T.fit.example}
@@ -90,7 +89,7 @@ export function Fit({ store }) {
         <button type="button" id="fit-cancel" disabled=${!fit?.running} onClick=${() => fit.abort.abort()}>${T.study.cancel}</button></div></div>
     ${fit && html`<div class="study-state" role="status">${fit.running && html`<progress max=${fit.of || 1} value=${fit.done} aria-label=${T.fit.title}></progress>
       <span>${T.fit.progress(fit.done, fit.of)}</span>`} <b>${fit.text ?? ""}</b>
-      ${fit.fault && html`<span class="fault" role="alert">${fit.fault}</span>`}</div>`}
+      ${fit.fault && html`<span class="fault" role="alert">${store.textOf(fit.fault)}</span>`}</div>`}
   </section>
   ${fit?.found && html`<${Found} store=${store} found=${fit.found} />`}`;
 }

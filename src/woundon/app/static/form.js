@@ -1,13 +1,16 @@
 // The form of a case, generated from the catalogue.
 import { at, fieldsOf, groupsOf, held, memberOf, started, startedMember } from "./cases.js";
 import { isSchedule, profileOf } from "./schedules.js";
-import { html, useEffect, useMemo, useState } from "./html.js";
+import { html, useEffect, useMemo } from "./html.js";
 import { Label, Symbol } from "./symbols.js";
 import { T } from "./texts.js";
+import { plain, QuantityBox, readQuantity, useTyped } from "./quantity.js";
 import { digits, parsed } from "./units.js";
 
 const STEPS = 1000; // of a slider
 const LOGARITHMIC = 50; // the ratio of its ends from which a slider goes by ratios
+
+const PLAIN = { unit: "1", shown_unit: "" };
 
 const idOf = (path) => `f-${path.replaceAll(".", "-")}`;
 
@@ -61,59 +64,43 @@ function within(field, value) {
 
 // ---- a number ----
 
-/** The error of a text that has no value, kept by the store: results then belong to an earlier text. */
-function useMisread(store, path) {
+/** Let the store keep the error of a text that has no value, until the value or the units change. */
+function useMisread(store, path, value) {
   const setFault = (fault) => store.misread(path, fault);
-  useEffect(() => () => setFault(""), [path]);
-  return [store.state.misread[path] ?? "", setFault];
-}
-
-/** What totals, stresses and basis weights are converted with. */
-function webOf({ width, density, web, web_thickness }) {
-  return { width, density, thickness: web?.thickness ?? web_thickness };
-}
-
-function plain(value) {
-  if (value == null) return "";
-  const number = Number(value.toPrecision(6));
-  return number && Math.abs(number) < 1e-3 ? number.toExponential() : String(number);
+  useEffect(() => () => setFault(""), [path, value, store.units.name]);
+  return setFault;
 }
 
 function NumberField({ store, field, path }) {
   const { units, state } = store;
   const value = at(state.case, path);
-  const [typed, setTyped] = useState(null);
-  const [fault, setFault] = useMisread(store, path);
-  useEffect(() => { setTyped((old) => (document.activeElement?.id === idOf(path) ? old : null)); setFault(""); }, [value, units.name]);
+  const setFault = useMisread(store, path, value);
   const unit = units.text(field);
   const start = at(store.kind.example, path);
   const error = store.faultAt(path);
 
-  const take = (text) => {
-    setTyped(text);
-    if (text.trim() === "" && field.optional) { setFault(""); store.change(path, undefined); return; }
-    const { value: si, fault: wrong } = units.read(field, text, limitsText(units, field), webOf(store.state.case));
-    if (wrong) return setFault(wrong);
-    if (!within(field, si)) return setFault(T.form.outOfRange(text, limitsText(units, field)));
-    setFault("");
-    store.change(path, si, { moving: true });
+  const read = (text) => {
+    const { value: si, fault } = readQuantity(store, field, text, limitsText(units, field));
+    return fault || within(field, si) ? { value: si, fault } : { fault: T.form.outOfRange(text, limitsText(units, field)) };
   };
-  const leave = () => { if (!fault) setTyped(null); store.moving = false; };
-  const reset = () => { setTyped(null); setFault(""); store.change(path, start); };
+  const put = (si, fault) => {
+    setFault(fault ?? "");
+    if (fault) return value;
+    store.change(path, si, { moving: true });
+    return si;
+  };
+  const leave = () => { store.moving = false; };
   const known = start !== undefined || field.optional; // something to go back to
   const differs = known && (error || value !== start);
 
   return html`<div class=${`field number${error ? " wrong" : ""}`} data-path=${path}>
     <label for=${idOf(path)}><${Label} of=${field.label} /> <span class="symbol"><${Symbol} of=${field.symbol} /></span></label>
     ${field.typical ? html`<${Slider} ...${{ store, field, path, value, unit }} />` : html`<span class="no-slider"></span>`}
-    <input id=${idOf(path)} class="box" type="text" inputmode="decimal" autocomplete="off" spellcheck=${false}
-      value=${typed ?? plain(units.shown(field, value))} placeholder=${field.optional ? T.form.none : ""}
-      aria-invalid=${error ? "true" : "false"} aria-describedby=${error ? `${idOf(path)}-fault` : undefined}
-      onInput=${(event) => take(event.target.value)} onBlur=${leave}
-      onKeyDown=${(event) => { if (event.key === "Escape") { setTyped(null); setFault(""); } }} />
+    <${QuantityBox} ...${{ store, quantity: field, value, put, read, optional: field.optional, wrong: error, onLeave: leave }} id=${idOf(path)} class="box"
+      placeholder=${field.optional ? T.form.none : ""} aria-describedby=${error ? `${idOf(path)}-fault` : undefined} />
     <span class="unit" aria-hidden="true">${unit}</span>
     <button type="button" class="reset" title=${T.form.reset} aria-label=${`${T.form.reset}: ${field.label}`}
-      disabled=${!differs} onClick=${reset}>↺</button>
+      disabled=${!differs} onClick=${() => { setFault(""); store.change(path, start); }}>↺</button>
     <${Fault} path=${path} text=${error} />
   </div>`;
 }
@@ -153,25 +140,25 @@ function Numbers({ store, field, path }) {
   const { units, state } = store;
   const pairs = field.type === "pairs";
   const value = at(state.case, path);
-  const [typed, setTyped] = useState(null);
-  const [fault, setFault] = useMisread(store, path);
-  const factor = pairs ? 1 : units.of(field).factor;
-  const written = () => (value ?? []).map((row) => (pairs ? row.map(plain).join("  ") : plain(row / factor))).join("\n");
+  const [typed, keep, forget] = useTyped(units, value);
+  const setFault = useMisread(store, path, value);
+  const rowText = (row) => (pairs ? row.map((number) => plain(units, PLAIN, number)).join("  ") : plain(units, field, row));
   const take = (text) => {
-    setTyped(text);
     const rows = text.split("\n").filter((row) => row.trim());
-    const list = pairs ? rows.map((row) => row.trim().split(/[\s,;]+/).map(parsed)) : rows.map((row) => units.read(field, row, limitsText(units, field), webOf(store.state.case)).value);
+    const list = pairs ? rows.map((row) => row.trim().split(/[\s,;]+/).map(parsed)) : rows.map((row) => readQuantity(store, field, row).value);
     const wrong = pairs ? list.some((row) => row.length !== 2 || row.some(Number.isNaN)) : list.includes(undefined);
-    if (wrong) return setFault(pairs ? T.form.pairs : T.form.numbers);
-    setFault("");
-    store.change(path, list.length || !field.optional ? list : undefined);
+    setFault(wrong ? pairs ? T.form.pairs : T.form.numbers : "");
+    if (wrong) return keep(text, value);
+    const next = list.length || !field.optional ? list : undefined;
+    store.change(path, next);
+    return keep(text, next);
   };
   const error = store.faultAt(path);
   return html`<div class=${`field list${error ? " wrong" : ""}`} data-path=${path}>
     <label for=${idOf(path)}>${field.label || field.name} <span class="symbol"><${Symbol} of=${field.symbol || ""} /></span>
       <span class="unit">${pairs || !units.text(field) ? "" : ` [${units.text(field)}]`}</span></label>
-    <textarea id=${idOf(path)} rows="4" spellcheck=${false} value=${typed ?? written()} aria-invalid=${error ? "true" : "false"}
-      onInput=${(event) => take(event.target.value)} onBlur=${() => { if (!fault) setTyped(null); }}></textarea>
+    <textarea id=${idOf(path)} rows="4" spellcheck=${false} value=${typed ?? (value ?? []).map(rowText).join("\n")} aria-invalid=${error ? "true" : "false"}
+      onInput=${(event) => take(event.target.value)} onBlur=${() => { if (!state.misread[path]) forget(); }}></textarea>
     <${Fault} path=${path} text=${error} />
   </div>`;
 }

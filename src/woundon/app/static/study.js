@@ -1,6 +1,7 @@
 // The study tab: one or two fields varied, a curve or a map, with progress and cancel.
 import * as api from "./api.js";
 import { at } from "./cases.js";
+import { QuantityBox } from "./quantity.js";
 import { OnePanel } from "./results.js";
 import { html, useEffect, useLayoutEffect, useRef, useState } from "./html.js";
 import { symbolText } from "./symbols.js";
@@ -55,11 +56,10 @@ export function Study({ store }) {
           put({ done: event.done, of: event.of });
         } else if (event.event === "done") put({ running: false, text: T.study.done(digits(event.seconds, 2)) });
         else if (event.event === "cancelled") put({ running: false, text: T.study.cancelled });
-        else if (event.event === "failed") put({ running: false, fault: event.problem.detail });
       }, signal);
     } catch (fault) {
       if (fault.name === "AbortError") put({ running: false, text: T.study.cancelled });
-      else put({ running: false, fault: store.textOf(fault) });
+      else put({ running: false, fault });
     }
     if (outcome.running) put({ running: false });
   };
@@ -82,21 +82,21 @@ export function Study({ store }) {
       <progress max=${study.of} value=${study.done} aria-label=${T.study.progress(study.done, study.of)}></progress>
       <span id="study-progress">${T.study.progress(study.done, study.of)}</span> <b>${study.text}</b>
       ${study.failures.some(Boolean) && html`<span class="fault" title=${study.failures.find(Boolean)}>${T.study.failed(study.failures.filter(Boolean).length)}: ${study.failures.find(Boolean)}</span>`}
-      ${study.fault && html`<span class="fault" role="alert">${study.fault}</span>`}</div>`}
+      ${study.fault && html`<span class="fault" role="alert">${store.textOf(study.fault)}</span>`}</div>`}
   </section>
   ${study?.inputs ? html`<${Outcome} ...${{ store, study, output }} />` : html`<p class="quiet">${T.study.empty}</p>`}`;
 }
 
-/** An end of the range of a field; what is typed stays while results of other requests arrive. */
-export function End({ units, id, words, field, value, put }) {
-  const [typed, setTyped] = useState(null);
-  return html`<label class="stacked small">${words} ${field ? units.text(field) && `[${units.text(field)}]` : ""}<input type="text" inputmode="decimal" id=${id}
-    value=${typed ?? (field ? Number(units.shown(field, value).toPrecision(6)) : "")} disabled=${!field} onInput=${(event) => setTyped(event.target.value)}
-    onChange=${(event) => { setTyped(null); put(units.read(field, event.target.value).value ?? NaN); }} /></label>`;
+/** An end of the range of a field; NaN if what is typed has no value. */
+export function End({ store, id, words, field, value, put }) {
+  const take = (si) => { put(si ?? NaN); return si ?? NaN; };
+  const unit = field && store.units.text(field);
+  return html`<label class="stacked small">${words} ${unit ? `[${unit}]` : ""}
+    <${QuantityBox} ...${{ store, quantity: field, value, put: take, id, disabled: !field }} /></label>`;
 }
 
 function Axis({ store, name, label, fields, chosen, optional, ends, count, pick, setEnds, setCount }) {
-  const box = (k, words) => html`<${End} ...${{ units: store.units, id: `study-${name}-${k}`, words, field: chosen?.field, value: ends?.[k], put: (value) => setEnds(ends.map((end, n) => (n === k ? value : end))) }} />`;
+  const box = (k, words) => html`<${End} ...${{ store, id: `study-${name}-${k}`, words, field: chosen?.field, value: ends?.[k], put: (value) => setEnds(ends.map((end, n) => (n === k ? value : end))) }} />`;
   const wrong = chosen && !(Number.isFinite(ends[0]) && Number.isFinite(ends[1]) && ends[0] !== ends[1]);
   return html`<div class="axis-row">
     <label class="stacked">${label}<select id=${`study-${name}`} value=${chosen?.path ?? ""} onChange=${(event) => pick(event.target.value)}>

@@ -4,6 +4,7 @@ import { DESIGNED, Design } from "./design.js";
 import { Find } from "./find.js";
 import { html, useState } from "./html.js";
 import { LENGTH, Points } from "./points.js";
+import { QuantityBox } from "./quantity.js";
 import { Differences, Numbers, OnePanel, Pending, Pins, Sections, states, Verdict } from "./results.js";
 import { endsOf, pointsOf, profile, schedulesOf } from "./schedules.js";
 import { T } from "./texts.js";
@@ -50,23 +51,19 @@ function Margins({ store }) {
 /** The limit of a margin, next to its value; it is a field of the case. */
 function Limit({ store, margin, text }) {
   const { units } = store;
-  const [typed, setTyped] = useState(null);
   const path = margin.limit_field;
   const known = path && store.fieldAt(path);
   if (!known) return text(margin.limit);
   const field = { ...known, shown_unit: margin.quantity.shown_unit }; // the unit of the value next to it
   const value = at(store.state.case, path);
-  const { fault } = typed?.trim() ? units.read(field, typed, T.form.finite) : {};
-  const put = () => {
-    if (fault) return;
-    const si = typed.trim() ? units.read(field, typed).value : undefined;
-    setTyped(null);
-    store.change(path, si);
+  const put = (si, fault) => {
+    if (fault) return value;
+    store.change(path, si, { moving: true });
+    return si;
   };
   const unset = value === undefined && margin.limit != null; // a limit that follows from the case, as of the core
-  return html`<span class="limit"><input type="text" inputmode="decimal" id=${`limit-${margin.name}`} aria-label=${`${T.winding.limit}: ${margin.title}`} aria-invalid=${fault ? "true" : "false"}
-      value=${typed ?? (value == null ? "" : Number(units.shown(field, value).toPrecision(6)))} placeholder=${unset ? digits(units.shown(field, margin.limit), 4) : T.form.none} title=${fault ?? field.label}
-      onInput=${(event) => setTyped(event.target.value)} onChange=${put} /> ${units.text(field)}</span>`;
+  return html`<span class="limit"><${QuantityBox} ...${{ store, quantity: field, value, put, optional: true, onLeave: () => { store.moving = false; } }} id=${`limit-${margin.name}`}
+      aria-label=${`${T.winding.limit}: ${margin.title}`} placeholder=${unset ? digits(units.shown(field, margin.limit), 4) : T.form.none} /> ${units.text(field)}</span>`;
 }
 
 /** A schedule of the case, as points to drag. */

@@ -33,14 +33,13 @@ export function Window({ store }) {
       await api.operatingWindow(body, (event) => {
         if (event.event === "progress") put({ done: event.done, of: event.of });
         else if (event.event === "window") put({ map: event });
-        else if (event.event === "failed") put({ fault: event.detail });
       }, abort.signal);
       put({ running: false });
     } catch (fault) {
-      put({ running: false, ...(fault.name === "AbortError" ? { text: T.study.cancelled } : { fault: store.textOf(fault) }) });
+      put({ running: false, ...(fault.name === "AbortError" ? { text: T.study.cancelled } : { fault }) });
     }
   };
-  const box = (name, k) => html`<${End} ...${{ units, id: `window-${name}-${k}`, words: k ? T.study.to : T.study.from, field: store.fieldAt(name), value: rangeOf(name)[k],
+  const box = (name, k) => html`<${End} ...${{ store, id: `window-${name}-${k}`, words: k ? T.study.to : T.study.from, field: store.fieldAt(name), value: rangeOf(name)[k],
     put: (value) => setEnds({ ...ends, [name]: rangeOf(name).map((end, n) => (n === k ? value : end)) }) }} />`;
   return html`<section class="tab-card window"><h2>${T.window.title}</h2><p class="quiet">${T.window.about}</p>
     <div class="study-form">${names.map((name) => html`<div class="axis-row" key=${name}><span class="stacked whole">${T.window.atCore(store.fieldAt(name).label)}</span>${box(name, 0)}${box(name, 1)}</div>`)}
@@ -51,7 +50,7 @@ export function Window({ store }) {
           <button type="button" id="window-cancel" disabled=${!found?.running} onClick=${() => found.abort.abort()}>${T.study.cancel}</button></div></div></div>
     ${found && html`<div class="study-state" role="status"><progress max=${found.of || 1} value=${found.done} aria-label=${T.window.title}></progress>
       <span>${T.window.progress(found.done, found.of)}</span> <b>${found.text ?? ""}</b>
-      ${found.fault && html`<span class="fault" role="alert">${found.fault}</span>`}</div>`}
+      ${found.fault && html`<span class="fault" role="alert">${store.textOf(found.fault)}</span>`}</div>`}
   </section>
   ${found?.map && html`<${WindowMap} store=${store} map=${found.map} />`}`;
 }
