@@ -1,19 +1,26 @@
-"""Time against version 0.2, in pairs in one run, and against each other.
+"""Time of two revisions of the program, in pairs in one run, in units of a dense solve.
 
-    python benchmarks/speed.py                           all kinds of work
-    python benchmarks/speed.py plain winding --cases 20  some of them
+    python benchmarks/speed.py                           this revision against version 0.2
+    python benchmarks/speed.py --against eb946eac        against any other revision
+    python benchmarks/speed.py readme command --cases 20 some kinds of work
     python benchmarks/speed.py --at FOLDER --offline     options of version_0_2.py
-    python benchmarks/speed.py --alone                   without version 0.2
+    python benchmarks/speed.py --alone                   without another revision
 
-Two processes, one with each version, solve the same random problems in turns, so that a busy
-machine slows both.  Each solves a problem of its kind once before; bodies are new in each case, so
-that their influence functions are part of the time.  Times are processor times of one thread; the
-unit of the last column is a dense solve of 398 x 398, the size of the thesis's system.
+Two processes, one with each revision, solve the same problems in turns: a busy machine slows both.
+Each solves a problem of its kind once before; bodies are new in each case, so that their
+influence functions are part of the time.  Times are processor times of one thread; the unit d is a
+dense LU solution of 398 x 398, the size of the thesis's system, in the same process.  Another
+revision than 0.2 uses the packages of this environment.
 
     plain ... hardening   a solution with the default options (random_nips.py)
+    readme                the wrapped nip of the README, radii up to 0.1 % apart
     neighbours            three wrapped nips, each with start= the one before, 1 to 5 % apart
     sensitivities         derivatives of a plain nip with respect to all inputs
+    nip_and_derivatives   the same with the solution of the nip
     winding               the example of a winding, with other loads
+    example_winding       the example of a winding
+    sweep                 20 wrapped nips, five loads and four shear moduli, for each of them
+    command               woundon solve examples/newsprint_table2.toml, from start to answer
 """
 
 from __future__ import annotations
@@ -25,6 +32,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import argparse
 import json
+import resource
 import subprocess
 import sys
 import time
@@ -43,7 +51,17 @@ import woundon as wo
 __all__ = ["Baseline"]
 
 HERE = Path(__file__).resolve()
-SLOW = {"hardening": 10, "winding": 5}  # cases by default
+ROOT = HERE.parents[1]
+# cases by default
+SLOW = {
+    "hardening": 10,
+    "winding": 5,
+    "example_winding": 3,
+    "readme": 20,
+    "sweep": 5,
+    "command": 10,
+}
+SWEPT = 20  # nips of a sweep
 CASES = 100
 WARM_UP = 999_999  # a seed that is not timed
 
@@ -74,10 +92,15 @@ class Baseline:
 
 
 def timed(work: Callable[[], object]) -> float:
-    """Return the processor time of a call [s]."""
-    start = time.process_time()
+    """Return the processor time of a call, with that of the processes that it runs [s]."""
+    start = time.process_time(), _seconds_of_children()
     work()
-    return time.process_time() - start
+    return time.process_time() - start[0] + _seconds_of_children() - start[1]
+
+
+def _seconds_of_children() -> float:
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
 
 
 # ---- the work -----------------------------------------------------------------------------------
@@ -87,15 +110,19 @@ Problems = list[Any]
 
 
 def draw(name: str, seed: int) -> Problems:
-    """Return the random problems of a kind of work."""
+    """Return the problems of a kind of work; random ones but for the examples."""
     if name == "neighbours":
         return random_wrapped_neighbours(seed)
-    if name == "sensitivities":
+    if name in ("sensitivities", "nip_and_derivatives"):
         return [random_nip(seed)]
-    if name != "winding":
+    if name in FAMILIES:
         return [FAMILIES[name](seed)]
+    change = np.random.default_rng(seed).uniform(-1, 1)
+    if not name.endswith("winding"):
+        nip = wo.NipProblem.example()
+        return [nip.replace(**{"roll.radius": nip.roll.radius * (1 + 0.001 * change)})]
     problem = wo.WindingProblem.example()
-    factor = 1 + 0.05 * np.random.default_rng(seed).uniform(-1, 1)
+    factor = 1 + 0.05 * change if name == "winding" else 1.0
     return [problem.replace(nip_load=factor * problem.nip_load)]
 
 
@@ -116,7 +143,37 @@ def differentiate(problems: Problems) -> Callable[[], object]:
     return wo.solve(problems[0]).sensitivity
 
 
-WORK = [*FAMILIES, "neighbours", "sensitivities", "winding"]
+def solve_and_differentiate(problems: Problems) -> Callable[[], object]:
+    """Return the solution of a nip and its derivatives with respect to all inputs."""
+    return lambda: wo.solve(problems[0]).sensitivity()
+
+
+def sweep(problems: Problems) -> Callable[[], object]:
+    """Return a sweep of a nip over its load and the shear modulus of its roll, in this process."""
+    nip = problems[0]
+    over = {
+        "nip_load": nip.nip_load * np.linspace(0.8, 1.2, 5),
+        "roll.material.shear": nip.roll.material.shear * np.linspace(0.9, 1.2, SWEPT // 5),
+    }
+    return lambda: wo.sweep(nip, over, workers=1)
+
+
+def run_command(problems: Problems) -> Callable[[], object]:
+    """Return the command line that solves the case file of the README's nip."""
+    command = [sys.executable, "-m", "woundon", "solve", "examples/newsprint_table2.toml"]
+    return lambda: subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
+
+
+METHODS: dict[str, Callable[[Problems], Callable[[], object]]] = {
+    "sensitivities": differentiate,
+    "nip_and_derivatives": solve_and_differentiate,
+    "sweep": sweep,
+    "command": run_command,
+}
+WORK = [
+    *FAMILIES, "readme", "neighbours", "sensitivities", "nip_and_derivatives", "winding",
+    "example_winding", "sweep", "command",
+]  # fmt: skip
 
 
 # ---- problems as data, which both versions read -------------------------------------------------
@@ -164,12 +221,25 @@ def serve() -> None:
         name, data = json.loads(line)
         try:
             before, problems = baseline.once(), decode(data)
-            work = differentiate(problems) if name == "sensitivities" else solve_all(problems)
-            seconds = timed(work)
+            seconds = timed(METHODS.get(name, solve_all)(problems))
+            seconds /= SWEPT if name == "sweep" else 1
             answer = [seconds, (before + baseline.once()) / 2]
         except (wo.InvalidProblem, wo.NoSteadyState, wo.NotConverged):
             answer = [None, None]
         print(json.dumps(answer), file=answers, flush=True)
+
+
+def source_of(revision: str) -> Path:
+    """Return the sources of a revision, in a worktree of this repository."""
+    git = ["git", "-C", str(ROOT)]
+    command = [*git, "rev-parse", "--verify", f"{revision}^{{commit}}"]
+    commit = subprocess.run(command, check=True, capture_output=True, text=True).stdout.strip()
+    tree = ROOT / ".revisions" / commit
+    if not tree.is_dir():
+        # --force: a worktree whose folder was deleted stays registered
+        create = ["worktree", "add", "--force", "--quiet", "--detach", str(tree), commit]
+        subprocess.run([*git, *create], check=True)
+    return tree / "src"
 
 
 class Version:
@@ -197,7 +267,7 @@ class Version:
 
 
 def measured(versions: list[Version], name: str, cases: int, first: int) -> list[list[float]]:
-    """Return the times of all versions, and of the dense solve, case by case."""
+    """Return for each case the times of all versions, then those of their dense solves."""
     rows = []
     for k in range(-1, cases):
         try:
@@ -209,7 +279,7 @@ def measured(versions: list[Version], name: str, cases: int, first: int) -> list
         found = {i: versions[i].seconds(name, data) for i in order}
         both = [pair for _, pair in sorted(found.items()) if pair is not None]
         if k >= 0 and len(both) == len(versions):
-            rows.append([*(spent for spent, _ in both), both[0][1]])
+            rows.append([*(spent for spent, _ in both), *(unit for _, unit in both)])
     return rows
 
 
@@ -217,42 +287,42 @@ def main() -> int:
     """Print the table."""
     options = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     options.add_argument("work", nargs="*", choices=[*WORK, []], help="kinds of work; all if none")
-    options.add_argument("--cases", type=int, help="random cases of each")
+    options.add_argument("--cases", type=int, help="cases of each")
     options.add_argument("--first", type=int, default=0, help="first seed")
-    options.add_argument("--alone", action="store_true", help="without version 0.2")
-    options.add_argument("--at", type=Path, default=version_0_2.TREE, help="its worktree")
-    options.add_argument("--offline", action="store_true", help="it uses these packages")
+    options.add_argument("--against", default="0.2", help="revision to compare with")
+    options.add_argument("--alone", action="store_true", help="without another revision")
+    options.add_argument("--at", type=Path, default=version_0_2.TREE, help="worktree of 0.2")
+    options.add_argument("--offline", action="store_true", help="0.2 uses these packages")
     options.add_argument("--serve", action="store_true", help=argparse.SUPPRESS)
     given = options.parse_args()
     if given.serve:
         serve()
         return 0
     versions = [Version(sys.executable, Path(wo.__file__).parents[1])]
-    if not given.alone:
+    if given.against != "0.2" and not given.alone:
+        versions.append(Version(sys.executable, source_of(given.against)))
+    elif not given.alone:
         tree = given.at.resolve()
         version_0_2.create(tree, offline=given.offline)
         versions.append(Version(str(version_0_2.python(tree)), version_0_2.source(tree)))
-    plain = None
-    print("| work | cases | ms, median | of version 0.2 | ratio, median | 90 % | by a plain nip "
-          "| dense solves |\n|---|---|---|---|---|---|---|---|")  # fmt: skip
+    print(f"| work | cases | ms, median | d | of {given.against}: ms | d | ratio, median | 90 % |\n"
+          "|---|---|---|---|---|---|---|---|")  # fmt: skip
+    units: list[float] = []
     for name in given.work or WORK:
         cases = given.cases or SLOW.get(name, CASES)
         times = np.array(measured(versions, name, cases, given.first))
         if not times.size:
             print(f"| {name} | 0 |  |  |  |  |  |  |")
             continue
-        own, unit = float(np.median(times[:, 0])), times[:, -1]
-        if name == "plain":
-            plain = own
-        against = ["", "", ""]
+        spent, unit = np.split(times, 2, axis=1)
+        units += [*unit[:, 0]]
+        pairs = zip(np.median(spent, axis=0), np.median(spent / unit, axis=0), strict=True)
+        cells = [f"{1e3 * median:.3g} | {dense:.3g}" for median, dense in pairs]
         if len(versions) > 1:
-            ratio = times[:, 0] / times[:, 1]
-            against = [f"{1e3 * np.median(times[:, 1]):.3g}", f"{np.median(ratio):.2f}",
-                       f"{np.quantile(ratio, 0.9):.2f}"]  # fmt: skip
-        by_plain = "" if plain is None else f"{own / plain:.2g}"
-        print(f"| {name.replace('_', ' ')} | {len(times)} | {1e3 * own:.3g} | "
-              f"{' | '.join(against)} | {by_plain} | {np.median(times[:, 0] / unit):.3g} |",
-              flush=True)  # fmt: skip
+            ratio = spent[:, 0] / spent[:, 1]
+            cells.append(f"{np.median(ratio):.2f} | {np.quantile(ratio, 0.9):.2f}")
+        print(f"| {name} | {len(times)} | {' | '.join(cells)} |", flush=True)
+    print(f"\nd = {1e3 * np.median(units):.3g} ms")
     for version in versions:
         version.close()
     return 0
