@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from .. import kinds, quantities
+from .. import kinds
 from ..errors import InvalidProblem, NoSteadyState, NotConverged, unwarned
 from ..nip.result import NipResult
 from ..problems.nip import NipProblem
 from ..problems.stack import Stack
 from ..problems.wound_roll import WoundRoll
+from ..quantities import in_chosen_units
 from .closed_forms import nip_closed_forms
 from .outputs_report import LEFT_OUT, approach_note, rows_of
 from .report_parts import (
@@ -20,6 +21,7 @@ from .report_parts import (
     field_row,
     nip_zones,
     output_row,
+    quantity_of,
     row_of,
 )
 
@@ -133,13 +135,12 @@ def _layer_slip(result: NipResult) -> Iterator[Part]:
     if slip is None:
         return
     names = ("ratio", "layers", "depth", "width") if slip.layers else ("ratio",)
-    places = ((name, quantities.output(slip, name)) for name in names)
     rows = tuple(
-        row_of(place.quantity, getattr(slip, name))
-        for name, place in places
-        if place is not None and place.quantity is not None
+        row_of(quantity_of(type(result), f"layer_slip.{name}"), getattr(slip, name))
+        for name in names
     )
-    yield Section(LAYERS, rows, f"warning: {slip.warning}" if slip.warning else "")
+    warning = f"warning: {in_chosen_units(slip.warning)}" if slip.warning else ""
+    yield Section(LAYERS, rows, warning)
 
 
 def _without_wraps(result: NipResult) -> Iterator[Section]:
