@@ -16,23 +16,27 @@ result files and the tables of the documentation use it.
 from __future__ import annotations
 
 import dataclasses
+import re
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
-from functools import cache, cached_property
+from functools import cache, cached_property, lru_cache
 from inspect import Parameter, signature
 from math import pi
 from types import MappingProxyType
 from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
 
 __all__ = [
+    "DISPLAYED",
     "OF_FIELD",
+    "Choice",
     "Place",
     "Quantity",
     "angle",
     "counterpart",
     "density_of_web",
     "find",
+    "in_chosen_units",
     "is_item",
     "is_list",
     "length",
@@ -54,16 +58,20 @@ __all__ = [
     "walk",
 ]
 
-_PER_SI = {
-    "mm": 1e3,
-    "um": 1e6,
-    "kPa": 1e-3,
-    "MPa": 1e-6,
-    "%": 1e2,
-    "deg": 180 / pi,
-    "ms": 1e3,
-    "m/min": 60.0,
-}
+# Units for display, with the SI unit and how many of it they are.
+DISPLAYED: Mapping[str, tuple[str, float]] = MappingProxyType(
+    {
+        "um": ("m", 1e-6),
+        "mm": ("m", 1e-3),
+        "kPa": ("Pa", 1e3),
+        "MPa": ("Pa", 1e6),
+        "GPa": ("Pa", 1e9),
+        "%": ("1", 1e-2),
+        "deg": ("rad", pi / 180),
+        "ms": ("s", 1e-3),
+        "m/min": ("m/s", 1 / 60),
+    }
+)
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -83,14 +91,15 @@ class Quantity:
     meaning : str
         Description in a few words, with the sign convention if there is one.
     shown_unit : str
-        Unit for display; empty if it is ``unit``.
+        Unit for display unless the user has chosen another (:func:`shown_in`); empty if it is
+        ``unit``.
     typical : (low, high), optional
         Range met in practice, SI: the ends of a slider, not a limit.
-    shown_in_si : float, optional
-        Size of ``shown_unit`` in ``unit`` if the user has chosen it (:func:`shown_in`).
     other_form : "", "stress" or "basis weight"
         Another form in which the quantity may be entered: a web tension as a stress, a web
         thickness or density as a basis weight (:mod:`woundon.problems.inputs`).
+    path : str
+        Name of the field or output, by which the user chooses its unit; empty if it has none.
     """
 
     symbol: str
@@ -98,19 +107,34 @@ class Quantity:
     meaning: str
     shown_unit: str = ""
     typical: tuple[float, float] | None = None
-    shown_in_si: float | None = None
     other_form: str = ""
+    path: str = dataclasses.field(default="", compare=False)
+
+    def _unit(self) -> tuple[str, float]:
+        """Return the unit for display and how many SI units it is.
+
+        Reports, figures, tables and messages convert by this function alone.
+        """
+        default = self.shown_unit or self.unit
+        _, size = DISPLAYED.get(default, ("", 1.0))
+        return self._chosen() or (default, size)
+
+    def _chosen(self) -> tuple[str, float] | None:
+        """Return the unit that the user has chosen, by name or in a system, and its size."""
+        chosen = _CHOSEN.get()
+        for path in (self.path, pattern(self.path)) if chosen.names and self.path else ():
+            if (path, self.unit) in chosen.names:
+                return chosen.names[path, self.unit]
+        return chosen.system.get(self.shown_unit or self.unit)
 
     def shown(self, value: Any) -> Any:
         """Return an SI value, or an array of them, in the unit for display."""
-        if self.shown_in_si is not None:
-            return value / self.shown_in_si
-        return value * _PER_SI.get(self.shown_unit, 1.0)
+        return value / self._unit()[1]
 
     @property
     def display(self) -> str:
         """The unit for display, '' for a pure number."""
-        unit = self.shown_unit or self.unit
+        unit, _ = self._unit()
         return "" if unit == "1" else unit
 
     def text(self, value: float, form: str = ".4g") -> str:
@@ -121,11 +145,23 @@ class Quantity:
         """
         return f"{self.shown(float(value)):{form}} {self.display}".rstrip()
 
+    def stored_text(self, value: float, form: str = ".4g") -> str:
+        """Return an SI value as text in the usual unit, for a text that a result keeps.
+
+        :func:`in_chosen_units` converts such texts when they are displayed.
+        """
+        unit = self.shown_unit or self.unit
+        _, size = DISPLAYED.get(unit, ("", 1.0))
+        return f"{float(value) / size:{form}} {unit.removeprefix('1')}".rstrip()
+
     def in_table(self, value: Any) -> tuple[str, Any]:
         """Return unit and value for a table: SI, or the chosen unit."""
-        if self.shown_in_si is None:
-            return self.unit, value
-        return self.shown_unit, self.shown(value)
+        unit, size = self._chosen() or (self.unit, 1.0)
+        return unit, value / size
+
+    def named(self, path: str) -> Quantity:
+        """Return the quantity with the name of its field or output."""
+        return _named(self, path)
 
 
 OF_FIELD = "of the field that holds it"  # in place of a quantity
@@ -189,35 +225,81 @@ def pure(symbol: str, meaning: str, typical: Range = None) -> Quantity:
     return Quantity(symbol, "1", meaning, "", typical)
 
 
+@lru_cache(maxsize=4096)
+def _named(quantity: Quantity, path: str) -> Quantity:
+    """Return a quantity with its name; a walk over a problem names hundreds."""
+    return dataclasses.replace(quantity, path=path)
+
+
 # ---- chosen units -------------------------------------------------------------------------------
 
-# (name, SI unit) -> chosen unit, how many SI units it is
-Chosen = Mapping[tuple[str, str], tuple[str, float]]
-_CHOSEN: ContextVar[Chosen] = ContextVar("chosen units", default=MappingProxyType({}))
+Sized = tuple[str, float]  # a unit, and how many SI units it is
+
+
+class Choice(NamedTuple):
+    """Units that the user has chosen.
+
+    Attributes
+    ----------
+    names : mapping of (str, str) to (str, float)
+        (Name of a field or output, SI unit) -> unit, size.
+    system : mapping of str to (str, float)
+        Unit for display -> unit in its place, size: of all quantities without a chosen name.
+    """
+
+    names: Mapping[tuple[str, str], Sized] = MappingProxyType({})
+    system: Mapping[str, Sized] = MappingProxyType({})
+
+
+_DEFAULT = Choice()
+_CHOSEN: ContextVar[Choice] = ContextVar("chosen units", default=_DEFAULT)
 
 
 @contextmanager
-def shown_in(units: Chosen) -> Iterator[None]:
-    """Display fields and outputs in other units within a context."""
-    token = _CHOSEN.set({**_CHOSEN.get(), **units})
+def shown_in(choice: Choice) -> Iterator[None]:
+    """Display quantities in other units within a context, in addition to those chosen outside."""
+    outer = _CHOSEN.get()
+    names, system = {**outer.names, **choice.names}, {**outer.system, **choice.system}
+    token = _CHOSEN.set(Choice(names, system))
     try:
         yield
     finally:
         _CHOSEN.reset(token)
 
 
+_NUMBER = r"[+-]?\d+(?:\.\d+)?(?:e[+-]?\d+)?"
+_SENTENCE_DIGITS = 4  # at least: the last zero of "2500 N/m" may be significant
+
+
+def in_chosen_units(text: str) -> str:
+    """Return a text of a result, such as a warning, with its numbers in the chosen system of units.
+
+    Results keep such texts with the usual units, ``"23.4 mm"``, ``"2 and 3 GPa"``, whatever units
+    were chosen when they were solved.
+    """
+    system = _CHOSEN.get().system
+    if not system:
+        return text
+    names = "|".join(re.escape(name) for name in sorted(system, key=len, reverse=True))
+    several = rf"(?<![\w.])({_NUMBER}(?:(?:, | to | and ){_NUMBER})*) ({names})(?![\w/^*])"
+
+    def converted(match: re.Match[str]) -> str:
+        unit, size = system[match[2]]
+        scale = DISPLAYED.get(match[2], ("", 1.0))[1] / size
+
+        def number(digits: re.Match[str]) -> str:
+            mantissa = re.sub(r"e.*|\D", "", digits[0]).lstrip("0")
+            count = max(_SENTENCE_DIGITS, len(mantissa))
+            return f"{float(digits[0]) * scale:.{count}g}"
+
+        return f"{re.sub(_NUMBER, number, match[1])} {unit}"
+
+    return re.sub(several, converted, text)
+
+
 def pattern(path: str) -> str:
     """Return the path in the class of the path in an instance: ``*`` for the numbers of items."""
     return ".".join("*" if part.isdigit() else part for part in path.split("."))
-
-
-def _as_chosen(path: str, quantity: Quantity | None) -> Quantity | None:
-    """Return a quantity with the unit for display that the user has chosen."""
-    units = _CHOSEN.get()
-    if quantity is None or (path, quantity.unit) not in units:
-        return quantity
-    unit, size = units[path, quantity.unit]
-    return dataclasses.replace(quantity, shown_unit=unit, shown_in_si=size)
 
 
 # ---- fields -------------------------------------------------------------------------------------
@@ -288,7 +370,7 @@ def _walk_value(place: Place) -> Iterator[Place]:
             yield from _walk_value(place._replace(path=f"{path}.{k}", value=item))
     else:  # a word in place of a number has no quantity
         quantity = None if isinstance(value, str) else place.quantity
-        yield place._replace(quantity=_as_chosen(path, quantity))
+        yield place._replace(quantity=quantity and quantity.named(path))
 
 
 def _walk_annotation(place: Place) -> Iterator[Place]:
@@ -296,7 +378,7 @@ def _walk_annotation(place: Place) -> Iterator[Place]:
     annotation = place.field.annotation
     inner = members_of(annotation)
     if not inner or float in get_args(annotation):
-        yield place._replace(quantity=_as_chosen(place.path, place.quantity))
+        yield place._replace(quantity=place.quantity and place.quantity.named(place.path))
     part = f"{place.path}.*." if is_list(annotation) else f"{place.path}."
     for model in inner:
         yield from walk(model, part, place.quantity)
@@ -321,8 +403,9 @@ def find(thing: Any, path: str, of_field: Quantity | None = None) -> tuple[Place
             (m, m.model_fields[name], holder) for m, holder in models if name in m.model_fields
         ]
         places = tuple(
-            Place(prefix, _as_chosen(prefix, quantity_of(field, holder)), field, m)
+            Place(prefix, quantity and quantity.named(prefix), field, m)
             for m, field, holder in fields
+            for quantity in (quantity_of(field, holder),)
         )
         radius = counterpart(name, "diameter")
         if radius and not places:
@@ -444,9 +527,8 @@ def _walk_outputs(thing: Any, cls: type, prefix: str, values: bool = True) -> It
         if missing or (thing is not cls and is_on_request(cls, part)):
             continue
         value = value_of(thing, name) if values and thing is not cls else None
-        yield Place(
-            f"{prefix}{name}", _as_chosen(name, relabelled.get(name, quantity)), hint, cls, value
-        )
+        quantity = relabelled.get(name, quantity).named(name)
+        yield Place(f"{prefix}{name}", quantity, hint, cls, value)
 
 
 def is_on_request(cls: type, name: str) -> bool:

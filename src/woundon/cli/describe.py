@@ -160,7 +160,7 @@ def materials() -> None:
         values = []
         for place in walk(known.material):
             if place.value is not None and place.quantity is not None:
-                text = text_with_unit(place.value, place.quantity.unit, place.quantity.shown_unit)
+                text = text_with_unit(place.value, place.quantity.unit, place.quantity.display)
                 value = f'"{text}"' if isinstance(text, str) else f"{text:g}"
                 values.append(f"{place.path} = {value}")
         click.secho(name, bold=True)

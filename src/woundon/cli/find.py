@@ -93,6 +93,7 @@ def find(
 ) -> None:
     """Find the value of a field for which an output of a case reaches a target."""
     from ..io.case_files import load_case, to_toml
+    from ..quantities import in_chosen_units
     from ..studies.find import find as find_values
 
     if new_case and new_case.suffix != ".toml":
@@ -120,7 +121,7 @@ def find(
         for line in [result.to_json()] if as_json else _lines(result):
             click.echo(line)
     for text in () if as_json else result.result.warnings:
-        click.secho(f"warning: {text}", fg="yellow", err=True)
+        click.secho(f"warning: {in_chosen_units(text)}", fg="yellow", err=True)
 
 
 def _lines(result: FindResult) -> Iterator[str]:

@@ -9,7 +9,7 @@ import click
 
 from ..errors import InvalidProblem
 from ..io.files import write_whole
-from .options import PATH, PLOT, SETTINGS, as_number, check_output_files
+from .options import PATH, PLOT, SETTINGS, UNITS, as_number, check_output_files
 from .solve import console
 
 __all__ = ["schedule"]
@@ -47,6 +47,7 @@ __all__ = ["schedule"]
     help="Relative tolerance of the interior pressure.",
 )
 @SETTINGS
+@UNITS
 @click.option(
     "--out",
     type=PATH,

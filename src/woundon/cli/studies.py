@@ -155,6 +155,7 @@ def _print_summary(table: Table, seconds: float) -> int:
     """Print failures, warnings and ranges of the outputs; return the exit code, 3 if all failed."""
     import numpy as np
 
+    from ..quantities import in_chosen_units
     from ..studies.table import failures
 
     failed, size = table.failed.size, table.design.size
@@ -164,7 +165,8 @@ def _print_summary(table: Table, seconds: float) -> int:
     warned = int(np.count_nonzero(table.warnings != ""))
     if warned:
         first = table.warnings[table.warnings != ""][0]
-        text = f"  {warned} outside the validity range of the model, the first: {first}"
+        text = f"  {warned} outside the validity range of the model, the first: "
+        text += in_chosen_units(first)
         click.secho(text, fg="yellow")
     for name, values in table.outputs.items():
         if np.isfinite(values).any():

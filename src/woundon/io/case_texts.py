@@ -360,7 +360,7 @@ def _value(value: Any, quantity: Quantity | None) -> str | None:
         return None
     if isinstance(value, tuple):
         return f"[{', '.join(_value(item, quantity) or _plain(item) for item in value)}]"
-    text = text_with_unit(float(value), quantity.unit, quantity.shown_unit)
+    text = text_with_unit(float(value), quantity.unit, quantity.display)
     return _plain(text) if isinstance(text, str) else None
 
 

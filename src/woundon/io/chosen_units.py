@@ -4,18 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, TypeVar
 
 from .. import kinds
 from ..errors import InvalidProblem, did_you_mean
 from ..problems.units import MILL, factor
-from ..quantities import Place, outputs, pattern, shown_in, value_of, walk
+from ..quantities import DISPLAYED, Choice, Place, outputs, pattern, shown_in, value_of, walk
 from ..results import Result
 from .frames import to_frame
 
 __all__ = ["ResultInUnits", "in_units", "units", "units_of"]
 
-Sizes = dict[tuple[str, str], tuple[str, float]]  # as of woundon.quantities.shown_in
+Names = dict[tuple[str, str], tuple[str, float]]  # as of woundon.quantities.Choice
+System = dict[str, tuple[str, float]]
+Key = TypeVar("Key")
 SYSTEMS = ("SI", "mill")
 # Quantities per width, and the unit of their totals.
 _TOTALS = {"N/m": "N", "kg/m": "kg", "W/m": "W"}
@@ -47,7 +49,7 @@ def units(chosen: Mapping[str, str] | None = None, /, **more: str) -> Iterator[N
     requested = {**(chosen or {}), **more}
     known = _known() if requested else {}
     faults: list[tuple[str, str]] = []
-    sizes: dict[tuple[str, str], tuple[str, float]] = {}
+    sizes: Names = {}
     for name, unit in requested.items():
         if pattern(name) not in known:
             faults.append((name, f"no field or output{did_you_mean(name, known)}"))
@@ -62,7 +64,7 @@ def units(chosen: Mapping[str, str] | None = None, /, **more: str) -> Iterator[N
             faults += last.faults
     if faults:
         raise InvalidProblem(faults)
-    with shown_in(sizes):
+    with shown_in(Choice(sizes)):
         yield
 
 
@@ -70,12 +72,10 @@ def units(chosen: Mapping[str, str] | None = None, /, **more: str) -> Iterator[N
 def units_of(settings: Iterable[str]) -> Iterator[None]:
     """Use the units of texts "NAME=UNIT" of the command line, and those of the system "mill"."""
     explicit: dict[str, str] = {}
-    system: Sizes = {}
+    system: System = {}
     for text in settings:
         if text in SYSTEMS:
-            for kind in kinds.every():
-                places = (*walk(kind.problem), *outputs(kind.result))
-                system |= _system([p for p in places if p.quantity is not None], text)
+            system |= _system(text)
             continue
         name, _, unit = (part.strip() for part in text.partition("="))
         if not name or not unit:
@@ -83,7 +83,7 @@ def units_of(settings: Iterable[str]) -> Iterator[None]:
                 text, "must be written NAME=UNIT, e.g. nip_load='kN/m', or mill"
             )
         explicit[name] = unit
-    with shown_in(system), units(explicit):
+    with shown_in(Choice(system=system)), units(explicit):
         yield
 
 
@@ -115,15 +115,11 @@ class ResultInUnits:
         Unit of every output; "" of a pure number.
     """
 
-    def __init__(self, result: Result, sizes: Sizes) -> None:
-        self.result, self._sizes = result, sizes
-        # the quantities of the outputs, with the chosen units as their units for display
-        with shown_in(sizes):
-            self._quantities = {p.path: p.quantity for p in outputs(result) if p.quantity}
-        self.units = {
-            name: q.shown_unit if q.shown_in_si else ("" if q.unit == "1" else q.unit)
-            for name, q in self._quantities.items()
-        }
+    def __init__(self, result: Result, choice: Choice) -> None:
+        self.result, self._choice = result, choice
+        self._quantities = {p.path: p.quantity for p in outputs(result) if p.quantity}
+        self.units = {name: self._in_table(name, 1.0)[0] for name in self._quantities}
+        self.units = {name: "" if unit == "1" else unit for name, unit in self.units.items()}
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_") or name not in self._quantities:
@@ -136,8 +132,13 @@ class ResultInUnits:
     def __dir__(self) -> list[str]:
         return sorted({*super().__dir__(), *self._quantities})
 
+    def _in_table(self, name: str, value: Any) -> tuple[str, Any]:
+        """Return unit and value of an output."""
+        with shown_in(self._choice):
+            return self._quantities[name].in_table(value)
+
     def _number(self, name: str, value: Any) -> Any:
-        return self._quantities[name].in_table(value)[1]
+        return self._in_table(name, value)[1]
 
     @property
     def errors(self) -> dict[str, float]:
@@ -158,73 +159,79 @@ class ResultInUnits:
 
     def plot(self, *args: Any, **options: Any) -> Any:
         """Draw the result; see :meth:`woundon.Result.plot`."""
-        with shown_in(self._sizes):
+        with shown_in(self._choice):
             return self.result.plot(*args, **options)
 
     def save(self, path: Any) -> None:
         """Write a ``.csv`` table; netCDF and JSON files are always in SI."""
-        with shown_in(self._sizes):
+        with shown_in(self._choice):
             self.result.save(path)
 
     def __str__(self) -> str:
-        with shown_in(self._sizes):
+        with shown_in(self._choice):
             return str(self.result)
 
     def __repr__(self) -> str:
-        with shown_in(self._sizes):
+        with shown_in(self._choice):
             return repr(self.result)
 
 
 def in_units(result: Result, chosen: Iterable[str], by_name: Mapping[str, str]) -> ResultInUnits:
     """Return a result in units; parameters as of :meth:`woundon.Result.in_units`."""
     kind, width = kinds.of(result), getattr(result.problem, "width", None)
-    places = [
+    places: list[Any] = [
         p
         for p in (*walk(result.problem), *walk(kind.problem), *outputs(result))
         if p.quantity is not None
     ]
-    sizes: Sizes = {}
+    system: System = {}
     for unit in [chosen] if isinstance(chosen, str) else chosen:
-        matches = (
-            _system(places, unit) if unit in SYSTEMS else _quantities_with_unit(places, unit, width)
-        )
+        matches = _system(unit) if unit in SYSTEMS else _sizes(_displayed(places), unit, width)
         if not matches:
             raise _no_such_unit(unit, width)
-        sizes |= matches
+        system |= matches
+    names: Names = {}
     for name, unit in by_name.items():
-        matches = _quantities_with_unit([p for p in places if p.path == name], unit, width)
-        if not matches:
+        si_units = {(p.path, p.quantity.unit): p.quantity.unit for p in places if p.path == name}
+        sizes = _sizes(si_units, unit, width)
+        if not sizes:
             with units({name: unit}):  # raises with the reason, if the name or the unit is unknown
                 raise _no_such_unit(unit, width)
-        sizes |= matches
-    return ResultInUnits(result, sizes)
+        names |= sizes
+    return ResultInUnits(result, Choice(names, system))
 
 
-def _system(places: Iterable[Place], system: str) -> Sizes:
-    """Return the units of a system."""
-    sizes: Sizes = {}
-    for path, quantity in ((p.path, p.quantity) for p in places):
-        assert quantity is not None
-        unit = quantity.unit if system == "SI" else MILL.get(quantity.display or "1", "")
+def _displayed(places: Iterable[Place]) -> dict[str, str]:
+    """Return the units in which quantities are displayed by default, with their SI units."""
+    quantities = [place.quantity for place in places if place.quantity is not None]
+    si_units = {quantity.unit for quantity in quantities}
+    usual = {name: unit for name, (unit, _) in DISPLAYED.items() if unit in si_units}
+    return usual | {q.shown_unit or q.unit: q.unit for q in quantities}
+
+
+def _system(system: str) -> System:
+    """Return the units of a system, by the unit that is displayed otherwise."""
+    places = (p for kind in kinds.every() for p in (*walk(kind.problem), *outputs(kind.result)))
+    sizes: System = {}
+    for name, si_unit in _displayed(places).items():
+        unit = si_unit if system == "SI" else MILL.get(name, "")
         if unit and unit != "1":
-            size = 1.0 if system == "SI" else float(factor(unit, quantity.unit, path))
-            sizes[path, quantity.unit] = (unit, size)
+            sizes[name] = (unit, float(factor(unit, si_unit, name)))
     return sizes
 
 
-def _quantities_with_unit(places: Iterable[Place], unit: str, width: float | None) -> Sizes:
-    """Return sizes of a unit for all quantities that have its dimension per width or in total."""
-    sizes: Sizes = {}
-    for path, quantity in ((p.path, p.quantity) for p in places):
-        assert quantity is not None
-        total = _TOTALS.get(quantity.unit, "")
-        for si_unit, scale in ((quantity.unit, 1.0), (total, 1 / width if width else 0.0)):
+def _sizes(si_units: Mapping[Key, str], unit: str, width: float | None) -> dict[Key, Any]:
+    """Return a unit with its size by the keys of all SI units of its dimension, also as a total."""
+    sizes: dict[Key, Any] = {}
+    for key, si_unit in si_units.items():
+        total = _TOTALS.get(si_unit, "")
+        for source, scale in ((si_unit, 1.0), (total, 1 / width if width else 0.0)):
             try:
-                size = scale * float(factor(unit, si_unit, path)) if si_unit else 0.0
+                size = scale * float(factor(unit, source, "unit")) if source else 0.0
             except InvalidProblem:
                 continue
             if size:
-                sizes[path, quantity.unit] = (unit, size)
+                sizes[key] = (unit, size)
     return sizes
 
 

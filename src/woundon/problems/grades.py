@@ -243,7 +243,7 @@ def _text(value: Any, quantity: Quantity) -> str:
     if isinstance(value, tuple):
         return " to ".join(_text(item, quantity) for item in value)
     # a basis weight that was converted has rounding errors
-    text = text_with_unit(float(f"{value:.6g}"), quantity.unit, quantity.shown_unit)
+    text = text_with_unit(float(f"{value:.6g}"), quantity.unit, quantity.display)
     return text if isinstance(text, str) else f"{text:.6g}"
 
 

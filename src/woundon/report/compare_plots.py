@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from .figures import COLOURS, axis_label, unit_of
+from ..roll.result import RollResult
+from .figures import COLOURS, axis_label, quantity_of
 from .panels import Case, Panel, draw_panels
 
 if TYPE_CHECKING:
@@ -96,14 +97,15 @@ def _draw_residuals(output: str, axes: Axes, cases: Sequence[Case]) -> list[Any]
     bias = quantity.shown(comparison.agreement(output).bias)
     mean = axes.axhline(bias, color=COLOURS[1], linestyle="--", label="mean")
     axes.set_xlabel(text)
-    axes.set_ylabel(f"measured - predicted [{unit_of(quantity)}]".replace(" []", ""))
+    axes.set_ylabel(axis_label("measured - predicted", quantity))
     return [bars, mean]
 
 
 def _abscissa(comparison: Comparison, rows: np.ndarray) -> tuple[np.ndarray, str]:
     """Return the abscissa of the residuals: radius, the most varied input, or the row."""
     if np.isfinite(comparison.position[rows]).all():
-        return 1e3 * comparison.position[rows], "radius [mm]"
+        radius = quantity_of(RollResult, "radius")
+        return radius.shown(comparison.position[rows]), axis_label("radius", radius)
     counts = {name: np.unique(values[rows]).size for name, values in comparison.inputs.items()}
     name = max(counts, key=lambda key: counts[key], default="")
     if counts.get(name, 0) < 2:

@@ -22,12 +22,11 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.patches import Patch
 
-from .. import quantities
 from ..errors import InvalidProblem
 from ..io.files import write_whole
 from ..quantities import Quantity
-from ..results import Result, zone_runs
-from .report_parts import GREEK, SYMBOL, ZoneStrips
+from ..results import zone_runs
+from .report_parts import GREEK, SYMBOL, ZoneStrips, quantity_of
 
 __all__ = [
     "COLOURS",
@@ -37,7 +36,6 @@ __all__ = [
     "along_contact",
     "axis_label",
     "check_format",
-    "display_values",
     "draw_zones",
     "figure_bytes",
     "legend_above",
@@ -46,6 +44,7 @@ __all__ = [
     "save_figure",
     "style",
     "symbol_text",
+    "text_of",
     "unit_of",
     "wrapped_text",
 ]
@@ -177,22 +176,14 @@ def figure_bytes(figure: Figure, ending: str, *, dpi: int | None = None) -> byte
 # ---- labels from quantities ---------------------------------------------------------------------
 
 
-def quantity_of(result: Result, name: str) -> Quantity:
-    """Return the quantity of a result's output."""
-    place = quantities.output(result, name)
-    if place is None or place.quantity is None:
-        raise AttributeError(f"{type(result).__name__} has no output {name!r}")
-    return place.quantity
-
-
-def display_values(result: Result, name: str) -> Any:
-    """Return an output's value or array in its unit for display."""
-    return quantity_of(result, name).shown(quantities.value_of(result, name))
-
-
 def unit_of(quantity: Quantity) -> str:
     """Return a quantity's unit for display as figures write it."""
     return quantity.display.replace("um", "µm")
+
+
+def text_of(quantity: Quantity, value: float, form: str = ".4g") -> str:
+    """Return an SI value with its unit for display as figures write it."""
+    return f"{quantity.shown(float(value)):{form}} {unit_of(quantity)}".rstrip()
 
 
 def axis_label(words: str, quantity: Quantity) -> str:

@@ -23,6 +23,7 @@ Cases = Sequence[Case]
 Handles = list[Any]
 
 DEPTHS, PLACES = 40, 301  # of the map
+LEAST_EXCESS = 1.0  # [Pa], end of the colour scale where no layer slips
 SHEAR, LIMIT, EXCESS = COLOURS[0], COLOURS[1], "#444444"
 
 
@@ -35,25 +36,25 @@ def _with_stresses(cases: Cases) -> list[tuple[Case, LayerSlip]]:
 
 def draw_map(axes: Axes, cases: Cases) -> Handles:
     """Plot |tau| - mu (P0 + p) over x and depth; of several cases only the slip boundary."""
-    known, result = _with_stresses(cases), cases[0].result
+    known, names = _with_stresses(cases), ("x", "half_width", "drum_pressure")
+    along, depth, stress = (quantity_of(cases[0].result, name) for name in names)
     handles: Handles = []
     for case, slip in known:
         x, z, excess = _map(case.result, slip)
-        x, z = quantity_of(result, "x").shown(x), quantity_of(result, "half_width").shown(z)
-        excess = quantity_of(result, "drum_pressure").shown(excess)
+        x, z, shown = along.shown(x), depth.shown(z), stress.shown(excess)
         if case.alone:
-            top = max(float(excess.max()), 1e-3)
+            top = float(stress.shown(max(excess.max(), LEAST_EXCESS)))
             levels = MaxNLocator(16, symmetric=True).tick_values(-top, top)
-            filled = axes.contourf(x, z, excess, levels, cmap="RdBu_r", extend="min")
-            label = axis_label(r"$|\tau| - \mu(P_0 + p)$", quantity_of(result, "drum_pressure"))
+            filled = axes.contourf(x, z, shown, levels, cmap="RdBu_r", extend="min")
+            label = axis_label(r"$|\tau| - \mu(P_0 + p)$", stress)
             axes.figure.colorbar(filled, ax=axes, label=label)
-        axes.contour(x, z, excess, [0.0], colors=[case.colour_or("#000000")], linewidths=1.2)
+        axes.contour(x, z, shown, [0.0], colors=[case.colour_or("#000000")], linewidths=1.2)
         handles += axes.plot([], [], color=case.colour_or("#000000"), label="boundary of slip")[:1]
-        a = quantity_of(result, "half_width").shown(case.result.half_width)
+        a = along.shown(case.result.half_width)
         for edge in (-a, a):
             axes.axvline(edge, color=case.colour_or("#888888"), linewidth=0.8, linestyle=":")
-    axes.set_xlabel(axis_label("Position along the nip $x$", quantity_of(result, "x")))
-    _format_depth_axis(axes, known, quantity_of(result, "half_width"))
+    axes.set_xlabel(axis_label("Position along the nip $x$", along))
+    _format_depth_axis(axes, known, depth)
     return handles[:1]
 
 

@@ -17,6 +17,7 @@ from .panels import NEUTRAL, Case
 
 __all__ = ["Bars", "Disc", "colour_scale", "draw_disc", "draw_margins"]
 
+RADIUS = quantity_of(RollResult, "radius")
 ALARM = "#B00020"
 AROUND = 181  # spokes of a disc, its first and last the same
 OUTWARD = 200
@@ -55,13 +56,13 @@ def draw_margins(axes: Axes, margins: Margins, colour: str | None = None) -> lis
 
 def _draw_margin(axes: Axes, margin: Margin, margins: Margins, colour: str, low: float) -> Any:
     """Plot the reserve of a margin over the radius, at least ``low``, and its smallest value."""
-    r, reserve = 1e3 * margin.over_radius, margin.reserve_of(margin.values)
+    r, reserve = RADIUS.shown(margin.over_radius), margin.reserve_of(margin.values)
     if r.size == 1:  # of the core alone
-        ends = [1e3 * other.over_radius[-1] for other in margins if other.over_radius.size > 1]
+        ends = [RADIUS.shown(m.over_radius[-1]) for m in margins if m.over_radius.size > 1]
         r, reserve = np.array([r[0], r[0] + BAR * (max(ends) - r[0])]), np.repeat(reserve, 2)
     (line,) = axes.plot(r, np.clip(reserve, low, 2 * MOST), color=colour, label=margin.name)
     axes.plot(
-        1e3 * margin.radius,
+        RADIUS.shown(margin.radius),
         np.clip(margin.reserve, low, MOST),
         "o",
         markersize=4,
@@ -93,8 +94,8 @@ class Disc:
         axes.set_aspect("equal")
         axes.margins(0.03)
         axes.grid(False)
-        axes.set_xlabel(axis_label("$x$", quantity_of(roll, "radius")))
-        axes.set_ylabel(axis_label("$y$", quantity_of(roll, "radius")))
+        axes.set_xlabel(axis_label("$x$", RADIUS))
+        axes.set_ylabel(axis_label("$y$", RADIUS))
         return []
 
 
@@ -117,12 +118,15 @@ def draw_disc(
     centre: tuple[float, float],
     levels: tuple[float, float, str],
 ) -> Any:
-    """Plot the cross section of a roll coloured by an output; return its mesh."""
+    """Plot the cross section of a roll coloured by an output; return its mesh.
+
+    ``centre`` is in the unit in which radii are displayed.
+    """
     r = np.linspace(roll.radius[0], roll.radius[-1], OUTWARD)
     values = quantity_of(roll, name).shown(roll.at_radius(r)[name])
     angle = np.linspace(0, 2 * np.pi, AROUND)
     (x0, y0), (low, high, colours) = centre, levels
-    x, y = (1e3 * np.outer(r, way(angle)) for way in (np.cos, np.sin))
+    x, y = (RADIUS.shown(np.outer(r, way(angle))) for way in (np.cos, np.sin))
     mesh = axes.pcolormesh(
         x0 + x,
         y0 + y,

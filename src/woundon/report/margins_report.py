@@ -5,14 +5,16 @@ from __future__ import annotations
 from io import StringIO
 from math import isinf
 
-from ..quantities import Quantity
+from ..quantities import Quantity, in_chosen_units
+from ..roll.result import RollResult
 from ..winding.margins import SMALL, Margin, Margins
 from .html import parts_html
-from .report_parts import Line, Verdict, Verdicts
+from .report_parts import Line, Verdict, Verdicts, quantity_of
 from .terminal import plain_console, print_parts
 
 __all__ = ["margins_html", "margins_part", "margins_text", "verdict_lines"]
 
+RADIUS = quantity_of(RollResult, "radius")
 TITLE = "Margins"
 TONES = {True: "good", False: "bad", None: "quiet"}
 
@@ -48,7 +50,7 @@ def _verdict(margin: Margin) -> Verdict:
         _number(number, prefix, quantity)
         for prefix, number in (("", margin.value), (sign, margin.limit))
     )
-    place = "" if margin.radius != margin.radius else f"r = {1e3 * margin.radius:.4g} mm"
+    place = "" if margin.radius != margin.radius else f"r = {RADIUS.text(margin.radius)}"
     return Verdict(
         f"{margin.title}: {quantity.meaning}",
         value,
@@ -72,7 +74,8 @@ def _number(value: float, sign: str, quantity: Quantity) -> str:
 def _note(margin: Margin) -> str:
     """Return the note of a margin, with advice if its reserve is small or negative."""
     small = margin.checked and margin.reserve < SMALL
-    return "; ".join(filter(None, (margin.note, f"to increase the margin: {margin.hint}" * small)))
+    stored = in_chosen_units(margin.note)
+    return "; ".join(filter(None, (stored, f"to increase the margin: {margin.hint}" * small)))
 
 
 def _verdict_text(margin: Margin) -> str:

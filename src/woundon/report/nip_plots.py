@@ -9,14 +9,14 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from ..nip.result import NipResult
+from ..quantities import Quantity
 from .figures import (
     COLOURS,
     along_contact,
     axis_label,
-    display_values,
     draw_zones,
     quantity_of,
-    unit_of,
+    text_of,
 )
 from .layer_slip_plots import LAYER_SLIP
 from .panels import NEUTRAL, Case, Panel
@@ -38,18 +38,18 @@ ROLL_BOUND, DRUM_BOUND = "#DDDDDD", "#B5B5B5"
 def nip_panels(result: NipResult) -> dict[str, Panel]:
     """Return the panels of a nip (thesis Fig. 15).
 
-    - tractions: q+ and q- over the shaded bounds +-mu+ p and +-mu- p [kPa]
-    - slips: v+ and v- [%], and the web tension [N/m] on the right
+    - tractions: q+ and q- over the shaded bounds +-mu+ p and +-mu- p
+    - slips: v+ and v-, and the web tension on the right
     - zones: at roll and drum
     - pressure, tension: alone, if asked for
     - layer_slip, layer_shear: if asked for, the shear between the layers of the roll less what
-      friction carries over x and depth [kPa], and its largest values over the depth
+      friction carries over x and depth, and its largest values over the depth
 
-    With a wrap, over the distance from the nip as an angle [deg], on a logarithmic scale:
+    With a wrap, over the distance from the nip as an angle, on a logarithmic scale:
 
     - wrap_tension: the web tension
     - wrap_pressure: the pressure on the body and |q|/mu, the pressure that its traction requires
-      [kPa]
+
     """
     wraps = WRAPS if result.problem.is_wrapped else {}
     return {**NIP, **wraps, **LAYER_SLIP}
@@ -57,65 +57,63 @@ def nip_panels(result: NipResult) -> dict[str, Panel]:
 
 def draw_tractions(axes: Axes, cases: Cases) -> Handles:
     """Plot q+ and q- of nips along x; a single nip with shaded friction bounds."""
+    x, q = (quantity_of(cases[0].result, name) for name in ("x", "roll_traction"))
     handles: Handles = []
     for case in cases:
         result, nip = case.result, case.result.in_nip
-        x = display_values(result, "x")[nip]
-        shades = _draw_bounds(axes, result) if case.alone else []
-        (roll,) = axes.plot(
-            x, display_values(result, "roll_traction")[nip], color=case.colour_or(ROLL)
-        )
+        at = x.shown(result.x[nip])
+        shades = _draw_bounds(axes, result, x, q) if case.alone else []
+        (roll,) = axes.plot(at, q.shown(result.roll_traction[nip]), color=case.colour_or(ROLL))
         (drum,) = axes.plot(
-            x, display_values(result, "drum_traction")[nip], "--", color=case.colour_or(DRUM)
+            at, q.shown(result.drum_traction[nip]), "--", color=case.colour_or(DRUM)
         )
         roll.set_label("$q^{+}$ on roll")
         drum.set_label("$q^{-}$ on drum")
         handles = handles or [roll, drum, *shades]
-    quantity = quantity_of(cases[0].result, "roll_traction")
-    axes.set_ylabel(axis_label("Tangential traction $q$", quantity))
+    axes.set_ylabel(axis_label("Tangential traction $q$", q))
     _format_x_axis(axes, cases)
     return handles
 
 
-def _draw_bounds(axes: Axes, result: NipResult) -> Handles:
+def _draw_bounds(axes: Axes, result: NipResult, x: Quantity, q: Quantity) -> Handles:
     """Shade the friction bounds, the narrower one on top."""
     problem, nip = result.without_air, result.in_nip
-    x, on_drum = display_values(result, "x")[nip], display_values(result, "drum_pressure")[nip]
-    wrapped, on_roll = problem.is_wrapped, display_values(result, "roll_pressure")[nip]
+    wrapped = problem.is_wrapped
     bounds = [
-        (problem.roll_friction, on_roll, ROLL_BOUND, "+"),
-        (problem.drum_friction, on_drum, DRUM_BOUND, "-"),
+        (problem.roll_friction, result.roll_pressure[nip], ROLL_BOUND, "+"),
+        (problem.drum_friction, result.drum_pressure[nip], DRUM_BOUND, "-"),
     ]
     shades: Handles = []
     for mu, p, colour, sign in sorted(bounds, key=lambda bound: -bound[0]):
         label = rf"$\pm\mu^{{{sign}}}p{f'^{{{sign}}}' if wrapped else ''}$"
-        shade = axes.fill_between(x, -mu * p, mu * p, color=colour, linewidth=0, label=label)
-        shades.append(shade)
+        high = q.shown(mu * p)
+        at = x.shown(result.x[nip])
+        shades.append(axes.fill_between(at, -high, high, color=colour, linewidth=0, label=label))
     return shades
 
 
 def draw_slips(axes: Axes, cases: Cases) -> Handles:
     """Plot the slips v+ and v- of nips along x and, on the right, the web tension."""
+    names = ("x", "roll_slip", "tension")
+    x, v, T = (quantity_of(cases[0].result, name) for name in names)
     handles: Handles = []
     tension_axes = axes.twinx()
     for case in cases:
         result, nip = case.result, case.result.in_nip
-        x, slip_x = display_values(result, "x")[nip], display_values(result, "slip_x")[nip]
-        (roll,) = axes.plot(
-            slip_x, display_values(result, "roll_slip")[nip], color=case.colour_or(ROLL)
-        )
+        at, slip_at = x.shown(result.x[nip]), x.shown(result.slip_x[nip])
+        (roll,) = axes.plot(slip_at, v.shown(result.roll_slip[nip]), color=case.colour_or(ROLL))
         (drum,) = axes.plot(
-            slip_x, display_values(result, "drum_slip")[nip], "--", color=case.colour_or(DRUM)
+            slip_at, v.shown(result.drum_slip[nip]), "--", color=case.colour_or(DRUM)
         )
-        T = display_values(result, "tension")[nip]
-        (tension,) = tension_axes.plot(x, T, "-.", color=case.colour_or(TENSION))
+        (tension,) = tension_axes.plot(
+            at, T.shown(result.tension[nip]), "-.", color=case.colour_or(TENSION)
+        )
         roll.set_label("$v^{+}$ at roll")
         drum.set_label("$v^{-}$ at drum")
         tension.set_label("$T$ (right axis)")
         handles = handles or [roll, drum, tension]
-    first = cases[0].result
-    axes.set_ylabel(axis_label("Relative slip speed $v$", quantity_of(first, "roll_slip")))
-    tension_axes.set_ylabel(axis_label("Web tension $T$", quantity_of(first, "tension")))
+    axes.set_ylabel(axis_label("Relative slip speed $v$", v))
+    tension_axes.set_ylabel(axis_label("Web tension $T$", T))
     tension_axes.grid(visible=False)
     _format_x_axis(axes, cases)
     return handles
@@ -131,11 +129,12 @@ def _draw_tension(axes: Axes, cases: Cases) -> Handles:
 
 def _draw_array(axes: Axes, cases: Cases, name: str, words: str, colour: str) -> Handles:
     """Plot one array between the edges of the nip."""
+    x, y = (quantity_of(cases[0].result, output) for output in ("x", name))
     for case in cases:
         nip = case.result.in_nip
-        x, values = display_values(case.result, "x")[nip], display_values(case.result, name)[nip]
-        axes.plot(x, values, color=case.colour_or(colour))
-    axes.set_ylabel(axis_label(words, quantity_of(cases[0].result, name)))
+        values = getattr(case.result, name)[nip]
+        axes.plot(x.shown(case.result.x[nip]), y.shown(values), color=case.colour_or(colour))
+    axes.set_ylabel(axis_label(words, y))
     _format_x_axis(axes, cases)
     return []
 
@@ -166,36 +165,41 @@ NIP = {
 
 def _draw_wrap_tension(axes: Axes, cases: Cases) -> Handles:
     """Plot the tension on roll and drum, over the angle from the nip."""
+    T = quantity_of(cases[0].result, "tension")
     handles: Handles = []
     for case in cases:
-        result = case.result
-        T, curves = display_values(result, "tension"), []
+        result, curves = case.result, []
         for face, theta, nodes in _wraps(result):
             line, label = ("-.", "$T$ on roll") if face == "roll" else (":", "$T$ on drum")
-            (curve,) = axes.plot(theta, T[nodes], line, color=case.colour_or(TENSION), label=label)
+            (curve,) = axes.plot(
+                theta,
+                T.shown(result.tension[nodes]),
+                line,
+                color=case.colour_or(TENSION),
+                label=label,
+            )
             curves.append(curve)
-        marks = _mark_wound_on(axes, result) if case.alone and result.problem.roll_wrap else []
+        marks = _mark_wound_on(axes, result, T) if case.alone and result.problem.roll_wrap else []
         handles = handles or [*curves, *marks]
-    axes.set_ylabel(axis_label("Web tension $T$", quantity_of(cases[0].result, "tension")))
+    axes.set_ylabel(axis_label("Web tension $T$", T))
     _format_angle_axis(axes, cases)
     return handles
 
 
-def _mark_wound_on(axes: Axes, result: NipResult) -> Handles:
-    """Mark the wound-on tension and the end of the slip zone."""
-    WOT = quantity_of(result, "wound_on_tension")
-    label = f"{WOT.symbol} {WOT.shown(result.wound_on_tension):.5g} {unit_of(WOT)}"
-    marks: Handles = [
-        axes.axhline(result.wound_on_tension, color="#888888", linewidth=0.8, label=label)
-    ]
+def _mark_wound_on(axes: Axes, result: NipResult, T: Quantity) -> Handles:
+    """Mark the wound-on tension, in the unit of its axis, and the end of the slip zone."""
+    WOT, symbol = result.wound_on_tension, quantity_of(result, "wound_on_tension").symbol
+    label = f"{symbol} {text_of(T, WOT, '.5g')}"
+    marks: Handles = [axes.axhline(T.shown(WOT), color="#888888", linewidth=0.8, label=label)]
     if result.slip_angle:
-        end = display_values(result, "slip_angle")
+        end = quantity_of(result, "slip_angle").shown(result.slip_angle)
         marks.append(axes.axvline(end, color=ROLL, linewidth=0.8, label="end of slip"))
     return marks
 
 
 def _draw_wrap_pressure(axes: Axes, cases: Cases) -> Handles:
     """Plot the pressure on roll and drum, and the pressure required by the traction."""
+    p = quantity_of(cases[0].result, "drum_pressure")
     handles: Handles = []
     for case in cases:
         curves, result = [], case.result
@@ -204,21 +208,23 @@ def _draw_wrap_pressure(axes: Axes, cases: Cases) -> Handles:
             sign, colour, lines = ("+", ROLL, "-:") if roll else ("-", DRUM, ("--", "-."))
             problem = result.without_air
             friction = problem.friction_on_wrap if roll else problem.drum_friction
-            present = display_values(result, "roll_pressure" if roll else "drum_pressure")[nodes]
-            required = np.abs(display_values(result, f"{face}_traction")[nodes]) / friction
+            present = (result.roll_pressure if roll else result.drum_pressure)[nodes]
+            required = np.abs(getattr(result, f"{face}_traction")[nodes]) / friction
             required_label = rf"$|q^{{{sign}}}|/\mu^{{{sign}}}$"
             for values, line, label in zip(
                 (present, required), lines, (f"$p^{{{sign}}}$", required_label), strict=True
             ):
-                curves += axes.plot(theta, values, line, color=case.colour_or(colour), label=label)
+                curves += axes.plot(
+                    theta, p.shown(values), line, color=case.colour_or(colour), label=label
+                )
         handles = handles or curves
-    axes.set_ylabel(axis_label("Pressure $p$", quantity_of(cases[0].result, "drum_pressure")))
+    axes.set_ylabel(axis_label("Pressure $p$", p))
     _format_angle_axis(axes, cases)
     return handles
 
 
 def _wraps(result: NipResult) -> list[tuple[str, Array, slice]]:
-    """Return the faces on which the web is wrapped: angles from the nip [deg], nodes."""
+    """Return the faces on which the web is wrapped: angles from the nip as displayed, nodes."""
     problem, nip, a = result.problem, result.in_nip, result.half_width
     angle, x = quantity_of(result, "slip_angle"), result.x
     faces = []

@@ -6,13 +6,13 @@ from collections.abc import Iterator
 from dataclasses import replace
 from math import isinf
 
-from .. import kinds, quantities
+from .. import kinds
 from ..errors import InvalidProblem, NoSteadyState, NotConverged, unwarned
 from ..nip.result import NipResult
 from ..problems.nip import NipProblem
 from ..problems.stack import Stack
 from ..problems.wound_roll import WoundRoll
-from ..quantities import pure
+from ..quantities import in_chosen_units, pure
 from .closed_forms import nip_closed_forms
 from .outputs_report import LEFT_OUT, approach_note, rows_of
 from .report_parts import (
@@ -23,6 +23,7 @@ from .report_parts import (
     field_row,
     nip_zones,
     output_row,
+    quantity_of,
     row_of,
 )
 from .trade_rule import nip_trade_rule
@@ -145,19 +146,16 @@ def _layer_slip(result: NipResult) -> Iterator[Part]:
     if slip is None:
         return
     names = ("ratio", "layers", "depth", "width") if slip.layers else ("ratio",)
-    places = ((name, quantities.output(slip, name)) for name in names)
     rows = [
-        row_of(place.quantity, getattr(slip, name))
-        for name, place in places
-        if place is not None and place.quantity is not None
+        row_of(quantity_of(type(result), f"layer_slip.{name}"), getattr(slip, name))
+        for name in names
     ]
     if isinf(slip.ratio):
         rows[0] = replace(rows[0], value="no friction")
     elif result.air is not None:
         rows.append(row_of(LAYER_FRICTION, slip.friction[slip.critical]))
-    yield Section(
-        LAYERS, tuple(rows), f"warning: {slip.warning}. {SLIP_MEASURES}" if slip.warning else ""
-    )
+    warning = f"warning: {in_chosen_units(slip.warning)}. {SLIP_MEASURES}" if slip.warning else ""
+    yield Section(LAYERS, tuple(rows), warning)
 
 
 def _without_wraps(result: NipResult) -> Iterator[Section]:

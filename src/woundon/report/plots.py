@@ -24,9 +24,9 @@ from ..results import Result
 from .figures import (
     COLOURS,
     axis_label,
-    display_values,
     quantity_of,
     symbol_text,
+    text_of,
     unit_of,
     wrapped_text,
 )
@@ -218,7 +218,7 @@ def _value_text(place: quantities.Place) -> str:
     name, quantity = place.name.replace("_", " "), place.quantity
     if quantity is None or not isinstance(place.value, int | float):
         return f"{name} = {place.value}"
-    return f"{name} = {quantity.shown(place.value):.5g} {unit_of(quantity)}".rstrip()
+    return f"{name} = {text_of(quantity, place.value, '.5g')}"
 
 
 # ---- any kind -----------------------------------------------------------------------------------
@@ -234,22 +234,22 @@ class Curves:
     def __call__(self, axes: Axes, cases: Sequence[Case]) -> list[Any]:
         """Plot the arrays."""
         handles: list[Any] = []
+        x, y = (quantity_of(cases[0].result, name) for name in (self.along, self.names[0]))
         for case in cases:
             curves: list[Line2D] = []
-            at = display_values(case.result, self.along)
+            at = x.shown(getattr(case.result, self.along))
             for k, name in enumerate(self.names):
                 quantity, values = quantity_of(case.result, name), getattr(case.result, name)
                 whole = values.dtype.kind in "iub"
                 curves += axes.plot(
                     at,
-                    quantity.shown(values),
+                    y.shown(values),
                     LINES[k % 4],
                     color=case.colour_or(COLOURS[k % 7]),
                     drawstyle="steps-mid" if whole else "default",
                     label=wrapped_text(f"{symbol_text(quantity.symbol)}  {quantity.meaning}"),
                 )
             handles = handles or list(curves)
-        x, y = (quantity_of(cases[0].result, name) for name in (self.along, self.names[0]))
         axes.set_xlabel(axis_label(x.meaning[:1].upper() + x.meaning[1:], x))
         if len(self.names) == 1:
             axes.set_ylabel(axis_label(wrapped_text(y.meaning, 30), y))
@@ -272,10 +272,10 @@ def output_panels(result: Result) -> dict[str, Panel]:
     abscissa, *names = _plotted_arrays(result) or [""]
     if not names:
         raise InvalidProblem.at("plot", f"a {type(result).__name__} has no arrays to draw")
-    groups: dict[tuple[str, bool], list[str]] = {}
+    groups: dict[tuple[str, str, bool], list[str]] = {}
     for name in names:
-        whole = getattr(result, name).dtype.kind in "iub"
-        groups.setdefault((quantity_of(result, name).display, whole), []).append(name)
+        whole, quantity = getattr(result, name).dtype.kind in "iub", quantity_of(result, name)
+        groups.setdefault((quantity.unit, quantity.shown_unit, whole), []).append(name)
     return {
         ", ".join(group): Panel(Curves(abscissa, tuple(group)), "outputs", 9.0, 2.1, legend="right")
         for group in groups.values()

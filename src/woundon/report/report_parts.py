@@ -17,7 +17,7 @@ import numpy as np
 from .. import quantities
 from ..nip.result import NipResult
 from ..nip.roller_result import RollerResult
-from ..quantities import Quantity
+from ..quantities import Quantity, in_chosen_units
 from ..results import ACCEPTED_RESIDUAL, Residuals, Result, Zone, zone_runs
 
 __all__ = [
@@ -36,6 +36,7 @@ __all__ = [
     "friction_bounds",
     "nip_zones",
     "output_row",
+    "quantity_of",
     "roller_zones",
     "row_of",
     "warning_lines",
@@ -177,6 +178,17 @@ Part = Section | ZoneStrips | Verdicts | Line
 # ---- rows from quantities -----------------------------------------------------------------------
 
 
+def quantity_of(result: Result | type[Result], name: str) -> Quantity:
+    """Return the quantity of an output of a result, or of a class of results.
+
+    All that is drawn along an axis is converted by the quantity that labels it.
+    """
+    place = quantities.output(result, name)
+    if place is None or place.quantity is None:
+        raise AttributeError(f"{type(result).__name__} has no output {name!r}")
+    return place.quantity
+
+
 def row_of(quantity: Quantity, value: Any, error: float = nan, **texts: str) -> Row:
     """Return the row of a value and its error [SI]; ``more`` overrides texts of the quantity."""
     converted, error = quantity.shown(value), abs(quantity.shown(error))
@@ -197,13 +209,11 @@ def output_row(result: Result, name: str, value: float | None = None, **texts: s
     more : str
         ``meaning``, ``symbol`` in place of the quantity's; ``note`` behind the unit.
     """
-    place = quantities.output(result, name)
-    if place is None or place.quantity is None:
-        raise AttributeError(f"{type(result).__name__} has no output {name!r}")
+    quantity = quantity_of(result, name)
     if value is not None:
-        return row_of(place.quantity, value, nan, **texts)
+        return row_of(quantity, value, nan, **texts)
     error = result.errors.get(name, nan)
-    return row_of(place.quantity, quantities.value_of(result, name), error, **texts)
+    return row_of(quantity, quantities.value_of(result, name), error, **texts)
 
 
 def field_row(problem: Any, name: str, *, empty: float = nan, **texts: str) -> Row:
@@ -220,7 +230,7 @@ def field_row(problem: Any, name: str, *, empty: float = nan, **texts: str) -> R
 
 def warning_lines(warnings: Iterable[str]) -> list[Line]:
     """Return the lines of a result's warnings."""
-    return [Line(f"warning: {warning}", "warning") for warning in warnings]
+    return [Line(f"warning: {in_chosen_units(text)}", "warning") for text in warnings]
 
 
 def certificate_line(residuals: Residuals, noun: str = "contact condition") -> Line:

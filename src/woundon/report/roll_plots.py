@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from ..problems.roll import RollProblem
 from ..quantities import find
 from ..roll.result import RollResult
-from .figures import COLOURS, axis_label, display_values, quantity_of
+from .figures import COLOURS, axis_label, quantity_of
 from .margin_plots import Disc
 from .panels import NEUTRAL, Case, Panel
 
@@ -71,10 +71,11 @@ class OverRadius:
 
     def __call__(self, axes: Axes, cases: Cases) -> Handles:
         """Plot the output over the radius."""
+        r, quantity = (quantity_of(cases[0].result, name) for name in ("radius", self.name))
         for case in cases:
-            x, y = display_values(case.result, "radius"), display_values(case.result, self.name)
+            x, y = r.shown(case.result.radius), quantity.shown(getattr(case.result, self.name))
             axes.plot(x, y, color=case.colour_or(COLOURS[0]))
-        axes.set_ylabel(axis_label(self.words, quantity_of(cases[0].result, self.name)))
+        axes.set_ylabel(axis_label(self.words, quantity))
         _format_x_axis(axes, cases)
         if all((getattr(case.result, self.name) > -1e-9).all() for case in cases):
             axes.set_ylim(bottom=0)
@@ -91,13 +92,14 @@ def _draw_residual(axes: Axes, cases: Cases) -> Handles:
 
 def _draw_over_radius(axes: Axes, cases: Cases, name: str, words: str) -> Handles:
     """Plot a stress or tension of the layers over the radius, compression shaded."""
-    quantity, handles = quantity_of(cases[0].result, name), []
+    radius, quantity = (quantity_of(cases[0].result, output) for output in ("radius", name))
+    handles: Handles = []
     axes.axhline(0, color=NEUTRAL, linewidth=0.8)
     for case in cases:
         result = case.result
         # between the nodes too, which are few
         r = np.linspace(result.radius[0], result.radius[-1], POINTS)
-        x = quantity_of(result, "radius").shown(r)
+        x = radius.shown(r)
         times = _thickness(result, name)
         hoop = quantity.shown(times * result.at_radius(r)["hoop_stress"])
         (line,) = axes.plot(x, hoop, color=case.colour_or(COLOURS[0]), label=words)
@@ -120,18 +122,18 @@ def _thickness(result: RollResult, name: str) -> float:
 def _draw_density(axes: Axes, cases: Cases) -> Handles:
     """Plot the density of the finished roll and that as wound."""
     handles = []
+    r, density = (quantity_of(cases[0].result, name) for name in ("radius", "density"))
     for case in cases:
-        x = display_values(case.result, "radius")
+        x = r.shown(case.result.radius)
         for name, style, words in (
             ("density", "-", "in the roll"),
             ("density_as_wound", "--", "as wound"),
         ):
             colour = case.colour_or(COLOURS[0 if name == "density" else 1])
-            (line,) = axes.plot(
-                x, display_values(case.result, name), style, color=colour, label=words
-            )
+            values = density.shown(getattr(case.result, name))
+            (line,) = axes.plot(x, values, style, color=colour, label=words)
             handles += [line] if case.alone else []
-    axes.set_ylabel(axis_label("Density", quantity_of(cases[0].result, "density")))
+    axes.set_ylabel(axis_label("Density", density))
     _format_x_axis(axes, cases)
     return handles
 
@@ -149,12 +151,12 @@ def _draw_tension(axes: Axes, cases: Cases) -> Handles:
     """Plot the wound-on tension over the radius."""
     quantity = find(RollProblem, "wound_on_tension")[0].quantity
     assert quantity is not None
+    radius = quantity_of(cases[0].result, "radius")
     for case in cases:
         problem, r = case.result.problem, case.result.stage_radius
         r = np.unique(np.concatenate([r, problem.tension_curve.kinks]))
         T = problem.tension_curve.at(r) * problem.web_thickness
-        x = quantity_of(case.result, "radius").shown(r)
-        axes.plot(x, quantity.shown(T), color=case.colour_or(COLOURS[0]))
+        axes.plot(radius.shown(r), quantity.shown(T), color=case.colour_or(COLOURS[0]))
     axes.set_ylabel(axis_label("Wound-on tension", quantity))
     axes.set_ylim(bottom=0)
     _format_x_axis(axes, cases)

@@ -14,7 +14,7 @@ from ..roll.gauge_band import gauge_band_over
 from ..roll.result import RollResult
 from ..roll.theories import plateau_pressure
 from .outputs_report import rows_of
-from .report_parts import Line, Part, Row, Section, field_row, output_row, row_of
+from .report_parts import Line, Part, Row, Section, field_row, output_row, quantity_of, row_of
 
 __all__ = ["roll_report"]
 
@@ -71,7 +71,7 @@ def roll_report(result: RollResult) -> list[Part]:
 
 
 def _location(r: np.ndarray, values: np.ndarray, k: int) -> str:
-    return f", at r = {1e3 * r[k]:.4g} mm"
+    return f", at r = {quantity_of(RollResult, 'radius').text(r[k])}"
 
 
 def _tension(result: RollResult) -> Iterator[Row]:

@@ -11,7 +11,8 @@ from matplotlib.axes import Axes
 from .. import theories
 from ..errors import InvalidProblem
 from ..nip.roller_result import RollerResult
-from .figures import COLOURS, along_contact, axis_label, display_values, draw_zones, quantity_of
+from ..quantities import Quantity
+from .figures import COLOURS, along_contact, axis_label, draw_zones, quantity_of
 from .panels import NEUTRAL, Case, Panel
 from .report_parts import roller_zones
 
@@ -25,10 +26,10 @@ Handles = list[Any]
 def roller_panels(result: RollerResult) -> dict[str, Panel]:
     """Return the panels of two rollers.
 
-    - tractions: p and q over the shaded bound +-mu p [MPa], next to the closed forms that
+    - tractions: p and q over the shaded bound +-mu p, next to the closed forms that
       apply: Carter's (rolling), Cattaneo's (static), or Bentall and Johnson's for dissimilar
       rollers that roll freely without slip
-    - slip: a speed over the speed [%] in rolling, a length in static contact
+    - slip: a speed over the speed in rolling, a length in static contact
     - zones
     """
     return {
@@ -40,37 +41,34 @@ def roller_panels(result: RollerResult) -> dict[str, Panel]:
 
 def _draw_roller_tractions(axes: Axes, cases: Cases) -> Handles:
     """Plot pressure and traction of rollers, with closed forms for a single result."""
+    x, stress = (quantity_of(cases[0].result, name) for name in ("x", "pressure"))
     handles: Handles = []
     for case in cases:
         result, mu = case.result, case.result.problem.friction
-        x, p, marks = display_values(result, "x"), display_values(result, "pressure"), []
+        at, p, marks = x.shown(result.x), stress.shown(result.pressure), []
         if case.alone:
-            shade = axes.fill_between(x, -mu * p, mu * p, color="#DDDDDD", linewidth=0)
+            shade = axes.fill_between(at, -mu * p, mu * p, color="#DDDDDD", linewidth=0)
             shade.set_label(r"$\pm\mu p$")
             marks.append(shade)
-        (pressure,) = axes.plot(x, p, "-.", color=case.colour_or(NEUTRAL), label="$p$")
-        (traction,) = axes.plot(
-            x, display_values(result, "traction"), color=case.colour_or(COLOURS[0])
-        )
+        (pressure,) = axes.plot(at, p, "-.", color=case.colour_or(NEUTRAL), label="$p$")
+        (traction,) = axes.plot(at, stress.shown(result.traction), color=case.colour_or(COLOURS[0]))
         traction.set_label("$q$ on upper roller")
-        marks += _draw_closed_forms(axes, result) if case.alone else []
+        marks += _draw_closed_forms(axes, result, x, stress) if case.alone else []
         handles = handles or [pressure, traction, *marks]
-    quantity = quantity_of(cases[0].result, "pressure")
-    axes.set_ylabel(axis_label("Pressure $p$, traction $q$", quantity))
+    axes.set_ylabel(axis_label("Pressure $p$, traction $q$", stress))
     _format_x_axis(axes, cases)
     return handles
 
 
-def _draw_closed_forms(axes: Axes, result: RollerResult) -> Handles:
+def _draw_closed_forms(axes: Axes, result: RollerResult, x: Quantity, stress: Quantity) -> Handles:
     """Plot p and q of the applicable closed form; return its legend entry, if any."""
     name, forms = _closed_forms(result)
     x_marks = -np.cos(np.linspace(0, np.pi, 42)) * result.half_width
-    x, p = quantity_of(result, "x"), quantity_of(result, "pressure")
     marks: Handles = []
     for form in forms:
         marks += axes.plot(
             x.shown(x_marks),
-            p.shown(form(x_marks)),
+            stress.shown(form(x_marks)),
             "o",
             color=COLOURS[1],
             markersize=3.5,
@@ -105,11 +103,11 @@ def _draw_roller_slip(axes: Axes, cases: Cases) -> Handles:
     if any((case.result.problem.motion == "rolling") != rolling for case in cases):
         text = "the slip of rolling rollers is a speed, of static ones a length; leave it out"
         raise InvalidProblem.at("panels", text)
-    quantity = quantity_of(first, "creepage" if rolling else "shift")
+    x, quantity = quantity_of(first, "x"), quantity_of(first, "creepage" if rolling else "shift")
     for case in cases:
         result = case.result
         axes.plot(
-            display_values(result, "slip_x"),
+            x.shown(result.slip_x),
             quantity.shown(result.slip),
             color=case.colour_or(COLOURS[0]),
         )

@@ -16,8 +16,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon
 
+from ..quantities import Quantity, find
 from ..results import zone_runs
-from .figures import ZONE_COLOURS, ZONE_HATCHES, Picture, display_values, quantity_of, style
+from .figures import ZONE_COLOURS, ZONE_HATCHES, Picture, quantity_of, style, text_of
 from .report_parts import zone_strips
 
 __all__ = ["scale_drawing"]
@@ -64,8 +65,8 @@ def _draw_bodies(axes: Axes, result: Any) -> None:
         if core := _core_radius(body):
             axes.add_patch(_circle(centre, core, "white"))
         axes.plot(*centre, "+", color=LINE, markersize=5, markeredgewidth=0.7)
-        size = f"$R$ {quantity_of(result, 'half_width').shown(body.radius):.4g} mm"
-        text = f"{NAMES[name]}\n{size}{', rigid' * body.rigid}"
+        size = text_of(_field(problem, f"{name}.radius"), body.radius)
+        text = f"{NAMES[name]}\n$R$ {size}{', rigid' * body.rigid}"
         axes.annotate(text, (1.1 * body.radius, centre[1]), va="center", fontsize=7)
     if hasattr(problem, "web"):
         axes.plot(*_web_path(upper.radius, lower.radius, problem), color=WEB, linewidth=1.3)
@@ -108,13 +109,13 @@ def _web_path(roll: float, drum: float, problem: Any) -> tuple[Array, Array]:
 
 
 def _draw_nip(axes: Axes, result: Any) -> None:
-    """Draw the nip with its zones, its width and a scale bar [mm]."""
+    """Draw the nip with its zones, its width and a scale bar."""
     problem = result.problem
     upper, lower = problem.bodies
-    a = float(display_values(result, "half_width"))
+    a = float(result.half_width)
     reach = REACH * a
     height = reach * HEIGHT / (WIDTH - WHOLE)  # half of it
-    web = quantity_of(result, "half_width").shown(problem.web.thickness) if _has_web(result) else 0
+    web = problem.web.thickness if hasattr(problem, "web") else 0.0
     drawn = max(web, LEAST_WEB * 2 * reach) if web else 0.0
     x = np.linspace(-reach, reach, 201)
     above, below = _surfaces(x, a, problem, drawn)
@@ -128,23 +129,26 @@ def _draw_nip(axes: Axes, result: Any) -> None:
     if web:
         axes.fill_between(x, below, above, color=WEB, linewidth=0)
     _draw_zones(axes, result, x, above, below, BAND * 2 * reach)
-    _draw_dimensions(axes, a, reach, height)
+    _draw_dimensions(axes, quantity_of(result, "nip_width"), a, reach, height)
     if web:
         thicker = " (drawn thicker)" if drawn > web else ""
-        text = rf"web {1e3 * web:.4g} $\mathrm{{\mu m}}${thicker}"
+        text = f"web {text_of(_field(problem, 'web.thickness'), web)}{thicker}"
         axes.annotate(text, (-0.97 * reach, -0.93 * height), fontsize=7)
     axes.set_xlim(-reach, reach)
     axes.set_ylim(-height, height)
 
 
-def _has_web(result: Any) -> bool:
-    return hasattr(result.problem, "web")
+def _field(problem: Any, name: str) -> Quantity:
+    """Return the quantity of a field."""
+    quantity = find(problem, name)[0].quantity
+    assert quantity is not None
+    return quantity
 
 
 def _surfaces(x: Array, a: float, problem: Any, web: float) -> tuple[Array, Array]:
-    """Return the heights of both surfaces at the positions x, all lengths in mm."""
+    """Return the heights of both surfaces at the positions x [m]."""
     upper, lower = problem.bodies
-    curvatures = [1 / (1e3 * body.radius) for body in (upper, lower)]
+    curvatures = [1 / body.radius for body in (upper, lower)]
     # share of the upper body's roundness in the contact
     share = 0.5 if upper.rigid == lower.rigid else float(upper.rigid)
     contact = (share * curvatures[0] - (1 - share) * curvatures[1]) * x**2 / 2
@@ -158,9 +162,8 @@ def _draw_zones(axes: Axes, result: Any, x: Array, above: Array, below: Array, b
     strips = zone_strips(result)
     assert strips is not None
     faces: Sequence[tuple[Array, int]] = ((above, 1), (below, -1))
-    positions = quantity_of(result, "x").shown(strips.x)
     for (surface, side), zones in zip(faces, strips.faces.values(), strict=False):
-        for zone, first, last in zone_runs(positions, zones):
+        for zone, first, last in zone_runs(strips.x, zones):
             ends = np.linspace(first, last, 9)
             inner = np.interp(ends, x, surface)
             outline = [*zip(ends, inner, strict=True)]
@@ -170,16 +173,19 @@ def _draw_zones(axes: Axes, result: Any, x: Array, above: Array, below: Array, b
             axes.add_patch(patch)
 
 
-def _draw_dimensions(axes: Axes, a: float, reach: float, height: float) -> None:
-    """Draw the width of the nip and a bar of a round length [mm]."""
+def _draw_dimensions(axes: Axes, width: Quantity, a: float, reach: float, height: float) -> None:
+    """Draw the width of the nip, and a bar of a round length in the same unit."""
     arrow = {"arrowstyle": "<->", "color": LINE, "linewidth": 0.7, "shrinkA": 0, "shrinkB": 0}
     level = 0.62 * height
     axes.annotate("", (-a, level), (a, level), arrowprops=arrow)
     axes.vlines([-a, a], 0.3 * height, 0.75 * height, color=LINE, linewidth=0.5)
     centred: Any = {"ha": "center", "fontsize": 7, "textcoords": "offset points"}
-    axes.annotate(f"$2a$ = {2 * a:.4g} mm", (0, level), (0, 2), va="bottom", **centred)
-    power = 10.0 ** np.floor(np.log10(0.4 * reach))
-    length = max(n * power for n in (1, 2, 5) if n * power <= 0.4 * reach)
+    text = f"$2a$ = {text_of(width, 2 * a)}"
+    axes.annotate(text, (0, level), (0, 2), va="bottom", **centred)
+    longest = 0.4 * width.shown(reach)
+    power = 10.0 ** np.floor(np.log10(longest))
+    length = max(n * power for n in (1, 2, 5) if n * power <= longest) / width.shown(1.0)
     end, level = 0.95 * reach, -0.72 * height
     axes.plot([end - length, end], [level, level], "|-", color=LINE, linewidth=0.8)
-    axes.annotate(f"{length:.4g} mm", (end - length / 2, level), (0, -3), va="top", **centred)
+    at = (end - length / 2, level)
+    axes.annotate(text_of(width, length), at, (0, -3), va="top", **centred)

@@ -82,13 +82,20 @@ def _print_table(design: TensionDesign, roll: RollResult, console: Console) -> N
     nearest = np.unique([int(np.argmin(np.abs(design.radius - r))) for r in even])
     r, target = design.radius[nearest], design.target_pressure[nearest]
     T, P = design.tension.at(r), roll.at_radius(r)["pressure"]
-    pressures = np.round(1e-3 * P, 3) + 0.0  # without a minus zero
-    titles = ("radius", "", "tension", "", "target", "", "result", "")
-    rows = [
-        (f"{a:.2f}", "mm", f"{b:.2f}", "N/m", f"{c:.3f}", "kPa", f"{d:.3f}", "kPa")
-        for a, b, c, d in zip(1e3 * r, T, 1e-3 * target, pressures, strict=True)
-    ]
-    print_columns([titles, *rows], (8, 2, 8, 3, 8, 3, 8, 3), "><" * 4, console)
+    radius, stress = (quantity_of(RollResult, name) for name in ("radius", "pressure"))
+    columns = (
+        ("radius", radius, r, 2),
+        ("tension", _tension_quantity(), T, 2),
+        ("target", stress, target, 3),
+        ("result", stress, P, 3),
+    )
+    cells, titles, widths = [], [], []
+    for title, quantity, values, decimals in columns:
+        shown = np.round(quantity.shown(values), decimals) + 0.0  # without a minus zero
+        cells += [[f"{value:.{decimals}f}" for value in shown], [quantity.display] * r.size]
+        titles += [title, ""]
+        widths += [8, len(quantity.display)]
+    print_columns([titles, *zip(*cells, strict=True)], widths, "><" * 4, console)
 
 
 def plot_schedule(design: TensionDesign, roll: RollResult, path: str | Path) -> None:

@@ -27,6 +27,13 @@ def sensitivity_text(sensitivity: Sensitivity) -> str:
     return paper.getvalue().strip("\n")
 
 
+def _field(name: str) -> quantities.Quantity:
+    """Return the quantity of a field."""
+    quantity = quantities.find(NipProblem, name)[0].quantity
+    assert quantity is not None
+    return quantity
+
+
 def print_sensitivity(sensitivity: Sensitivity, console: Console) -> None:
     """Print elasticities, the most influential input for the first output first."""
     ordered = sensitivity.sorted()
@@ -35,25 +42,27 @@ def print_sensitivity(sensitivity: Sensitivity, console: Console) -> None:
         known = {**quantities.scalar_outputs(kind.result), **known}
     # the width's elasticities are the half width's
     columns = [k for k, name in enumerate(ordered.outputs) if name != "half_width"]
-    head = ["", "value [SI]", *(known[ordered.outputs[k]].symbol for k in columns)]
+    head = ["", "value", *(known[ordered.outputs[k]].symbol for k in columns)]
     elasticities = np.round(ordered.elasticities, 4) + 0.0  # without a minus zero
     table = [
-        [name, f"{field:.5g}", *(f"{value:+.4f}" for value in values)]
+        [name, _field(name).text(field, ".5g"), *(f"{value:+.4f}" for value in values)]
         for name, field, values in zip(
             ordered.parameters, ordered.fields, elasticities[columns].T, strict=True
         )
         if field
     ]
-    widths = [max(32, *map(len, ordered.parameters)), 10, *(9 for _ in columns)]
+    longest = max((len(row[1]) for row in table), default=0)
+    widths = [max(32, *map(len, ordered.parameters)), longest, *(9 for _ in columns)]
     console.print(Text("\nElasticities: percent of output per percent of field", style="bold"))
     print_columns([head, *table], widths, "<" + ">" * len(head), console)
     for name, field in zip(ordered.parameters, ordered.fields, strict=True):
         if not field:  # an elasticity is not defined
-            main = ordered.outputs[0]
-            slope, symbol = ordered.derivative(main, name), known[main].symbol
-            quantity = quantities.find(NipProblem, name)[0].quantity
-            unit = "unit" if quantity is None else quantity.unit.replace("1", "unit")
-            text = f"{name} is 0: {symbol} changes by {slope:+.4g} N/m per {unit} of it"
+            main, one = known[ordered.outputs[0]].named(ordered.outputs[0]), _field(name)
+            slope = ordered.derivative(ordered.outputs[0], name) / float(one.shown(1.0))
+            change = main.text(slope, "+.4g")
+            text = (
+                f"{name} is 0: {main.symbol} changes by {change} per {one.display or 'unit'} of it"
+            )
             console.print(Text(text))
     if ordered.zone_change:
         text = f"warning: at a zone change ({ordered.zone_change}): one-sided derivatives differ"

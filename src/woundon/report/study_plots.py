@@ -14,7 +14,15 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from ..quantities import Quantity
-from .figures import COLOURS, Picture, axis_label, save_figure, style, unit_of, wrapped_text
+from .figures import (
+    COLOURS,
+    Picture,
+    axis_label,
+    save_figure,
+    style,
+    text_of,
+    wrapped_text,
+)
 from .panels import Case, Panel, draw_panels
 
 if TYPE_CHECKING:
@@ -199,15 +207,13 @@ def _rms(fit: FitResult) -> tuple[float, str]:
 def _draw_agreement(axes: Axes, cases: Sequence[Case]) -> list[Any]:
     """Plot fitted over measured values."""
     fit = cases[0].result
-    outputs = list(dict.fromkeys(fit.row_outputs))
-    units, ends = [], []
+    outputs, ends = list(dict.fromkeys(fit.row_outputs)), []
+    first = fit.quantities.get(outputs[0])  # all outputs of a fit have its SI unit
     for place, output in enumerate(outputs):
-        quantity = fit.quantities.get(output)
         rows = np.array([name == output for name in fit.row_outputs])
         measured, fitted = fit.measured[rows], fit.fitted[rows]
-        if quantity is not None:
-            measured, fitted = quantity.shown(measured), quantity.shown(fitted)
-        units.append(unit_of(quantity) if quantity is not None else "")
+        if first is not None:
+            measured, fitted = first.shown(measured), first.shown(fitted)
         ends += [measured.min(), measured.max(), fitted.min(), fitted.max()]
         axes.plot(
             measured,
@@ -215,13 +221,12 @@ def _draw_agreement(axes: Axes, cases: Sequence[Case]) -> list[Any]:
             "os^dv"[place % 5],
             color=COLOURS[place % 7],
             markersize=4,
-            label=_short_name(quantity, output),
+            label=_short_name(fit.quantities.get(output), output),
         )
     line = [min(ends), max(ends)]
     axes.plot(line, line, color="#888888", linewidth=0.8)
-    unit = f" [{units[0]}]" if len(set(units)) == 1 and units[0] else ""
-    axes.set_xlabel(f"measured{unit}")
-    axes.set_ylabel(f"fitted{unit}")
+    for words, label in (("measured", axes.set_xlabel), ("fitted", axes.set_ylabel)):
+        label(words if first is None else axis_label(words, first))
     axes.legend()
     return []
 
@@ -321,6 +326,4 @@ def _value_label(table: Table, axis: int, place: int) -> str:
     name = column.name.rpartition(".")[2].replace("_", " ")
     if not column.numeric:
         return f"{name} = {value}"
-    if quantity is None:
-        return f"{name} = {value:.4g}"
-    return f"{name} = {quantity.shown(value):.4g} {unit_of(quantity)}".rstrip()
+    return f"{name} = {value:.4g}" if quantity is None else f"{name} = {text_of(quantity, value)}"

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from ..quantities import Quantity
 from ..roll.result import RollResult
 from ..winding.result import WindingResult
-from .figures import COLOURS, axis_label, display_values, quantity_of
+from .figures import COLOURS, axis_label, quantity_of
 from .margin_plots import Disc, colour_scale, draw_disc, draw_margins
 from .panels import NEUTRAL, Case, Panel
 
@@ -60,27 +60,23 @@ def winding_panels(result: WindingResult) -> dict[str, Panel]:
 
 def _draw_tension(axes: Axes, cases: Cases) -> list[Any]:
     """Plot web tension, nip-induced and wound-on tension over the radius, the nips as dots."""
+    r, tension = (quantity_of(cases[0].result, name) for name in ("radius", "wound_on_tension"))
     handles: list[Any] = []
     for case in cases:
         result, lines = case.result, []
         for (name, words, dashes), default in zip(TENSIONS, COLOURS, strict=False):
             (line,) = axes.plot(
-                display_values(result, "radius"),
-                display_values(result, name),
+                r.shown(result.radius),
+                tension.shown(getattr(result, name)),
                 dashes,
                 label=words,
                 color=case.colour_or(default),
             )
             lines.append(line)
-        radius = quantity_of(result, "nip_radius").shown(result.nip_radius)
-        axes.plot(
-            radius,
-            display_values(result, "nip_wound_on_tension"),
-            ".",
-            color=case.colour_or(COLOURS[0]),
-        )
+        at_nips = tension.shown(result.nip_wound_on_tension)
+        axes.plot(r.shown(result.nip_radius), at_nips, ".", color=case.colour_or(COLOURS[0]))
         handles = handles or lines
-    axes.set_ylabel(axis_label("Tension", quantity_of(cases[0].result, "wound_on_tension")))
+    axes.set_ylabel(axis_label("Tension", tension))
     axes.set_ylim(bottom=min(0, axes.get_ylim()[0]))
     _format_x_axis(axes, cases)
     return handles
@@ -88,26 +84,27 @@ def _draw_tension(axes: Axes, cases: Cases) -> list[Any]:
 
 def _draw_loads(axes: Axes, cases: Cases) -> list[Any]:
     """Plot nip load and winding force over the radius."""
+    r, load = (quantity_of(cases[0].result, name) for name in ("radius", "nip_load"))
     handles: list[Any] = []
     for case in cases:
-        x, result = display_values(case.result, "radius"), case.result
+        x, result = r.shown(case.result.radius), case.result
         lines = [
             *axes.plot(
                 x,
-                display_values(result, "nip_load"),
+                load.shown(result.nip_load),
                 color=case.colour_or(COLOURS[0]),
                 label="nip load $P$",
             ),
             *axes.plot(
                 x,
-                display_values(result, "winding_force"),
+                load.shown(result.winding_force),
                 "--",
                 color=case.colour_or(COLOURS[1]),
                 label="winding force $F$",
             ),
         ]
         handles = handles or lines
-    axes.set_ylabel(axis_label("Load", quantity_of(cases[0].result, "nip_load")))
+    axes.set_ylabel(axis_label("Load", load))
     _format_x_axis(axes, cases)
     return handles
 
@@ -174,13 +171,13 @@ def _clip_above(axes: Axes, deepest: list[Any]) -> None:
 def _draw_discs(axes: Axes, cases: Cases) -> list[Any]:
     """Plot the pressure of the growing roll as a row of discs on one scale."""
     rolls = _stages(cases[0].result)
-    quantity = quantity_of(rolls[-1], "pressure")
+    r, quantity = (quantity_of(rolls[-1], name) for name in ("radius", "pressure"))
     low, high, colours = colour_scale(max(rolls, key=lambda roll: roll.peak_pressure), "pressure")
-    place, room = 0.0, 1e3 * 0.1 * float(rolls[-1].radius[-1])
+    place, room = 0.0, 0.1 * float(r.shown(rolls[-1].radius[-1]))
     for roll in rolls:
-        R = 1e3 * float(roll.radius[-1])
+        R = float(r.shown(roll.radius[-1]))
         mesh = draw_disc(axes, roll, "pressure", (place + R, R), (low, high, colours))
-        axes.text(place + R, -0.5 * room, f"{R:.0f}", ha="center", va="top")
+        axes.text(place + R, -0.5 * room, f"{R:.3g}", ha="center", va="top")
         place += 2 * R + room
     figure = axes.get_figure()
     assert figure is not None
@@ -188,7 +185,7 @@ def _draw_discs(axes: Axes, cases: Cases) -> list[Any]:
     axes.set_xlim(0, place - room)
     axes.set_aspect("equal")
     axes.set_axis_off()
-    axes.text(0, 1.0, "radius [mm]", transform=axes.transAxes, va="top")
+    axes.text(0, 1.0, axis_label("radius", r), transform=axes.transAxes, va="top")
     return []
 
 

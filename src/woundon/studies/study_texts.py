@@ -105,4 +105,4 @@ def _is_admissible(problem: Problem, values: dict[str, tuple[float, float]]) -> 
 
 
 def _text(value: float, quantity: Quantity) -> str:
-    return json.dumps(text_with_unit(value, quantity.unit, quantity.shown_unit))
+    return json.dumps(text_with_unit(value, quantity.unit, quantity.display))

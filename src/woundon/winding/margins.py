@@ -369,14 +369,17 @@ def _state(roll: RollResult) -> _State:
 
 # ---- the margins --------------------------------------------------------------------------------
 
-SHARE = share("M/M_c", "torque / interlayer slip capacity")
-COMPRESSION = stress("S", "largest hoop (MD) compression")
-BLOCKING = stress("P_max", "largest pressure between layers")
-CORE = stress("P_c,max", "largest pressure on the core")
-STRENGTH = line_load("T_max", "largest tension of the web")
-SLACK = line_load("T_min", "minimum web tension upstream and downstream of the nip")
-BAND = strain("eps_b", "largest strain of the thickest lane (gauge band)")
-RIDGE = length("dR", "height of the ridge over the thickest lane", "um")
+# of outputs, by whose names their units are chosen
+SHARE = share("M/M_c", "torque / interlayer slip capacity").named("torque_share")
+COMPRESSION = stress("S", "largest hoop (MD) compression").named("largest_compression")
+BLOCKING = stress("P_max", "largest pressure between layers").named("peak_pressure")
+CORE = stress("P_c,max", "largest pressure on the core").named("largest_core_pressure")
+STRENGTH = line_load("T_max", "largest tension of the web").named("largest_tension")
+SLACK = line_load("T_min", "minimum web tension upstream and downstream of the nip").named(
+    "least_tension"
+)
+BAND = strain("eps_b", "largest strain of the thickest lane (gauge band)").named("band_strain")
+RIDGE = length("dR", "height of the ridge over the thickest lane", "um").named("ridge_height")
 # where the torque meets no capacity at all: the margin is infinite
 NO_FRICTION = "friction between the layers carries nothing"
 AIR_LEFT_OUT = "air between layers, "  # of the slip, unless the problem has air
@@ -622,8 +625,8 @@ def _gauge_band(roll: RollResult, limits: Limits) -> Margin:
     k = int(np.argmax(strains))
     worst = _WorstValue(float(strains[k]), float(roll.radius[k]), "", roll.radius, strains)
     if excess:
-        ridge = RIDGE.shown(ridge_height(roll))
-        note = f"the lane is {100 * excess:.3g} % thicker, with a ridge of {ridge:.3g} um"
+        ridge = RIDGE.stored_text(ridge_height(roll), ".3g")
+        note = f"the lane is {100 * excess:.3g} % thicker, with a ridge of {ridge}"
     note = "; ".join(filter(None, (note, NO_LIMIT * (limits.yield_strain is None))))
     return _margin("gauge_band", worst, limits.yield_strain, BAND, note)
 
