@@ -48,6 +48,8 @@ Array = np.ndarray
 Progress = Callable[[float], None]
 
 RTOL, NODES = 1e-3, 65
+# Tolerance of the nip-roll iteration with the default ``rtol``.  With a larger ``rtol`` it increases
+# in proportion: the stages of the roll follow ``rtol``, and another stage changes the tension.
 COUPLING_RTOL = {"effective": 1e-6, "linear": 1e-6, "direct": 1e-5}
 MAX_NIPS = 40  # radii
 MAX_ITERATIONS = 30
@@ -75,7 +77,8 @@ NODES_OPTION = Option(
 )
 COUPLING_RTOL_OPTION = Option(
     "Relative tolerance of the nip-roll iteration.",
-    "1e-8 to 1e-2, of the wound-on tension; default 1e-6, and 1e-5 with a direct roll.",
+    "1e-8 to 1e-2, of the wound-on tension; default 1e-6, and 1e-5 with a direct roll, more with an "
+    "rtol above 1e-3.",
 )
 
 
@@ -101,7 +104,7 @@ def solve_winding(
         Number of nodes of every nip, 25 to 1025; an error estimate needs at least 25.
     coupling_rtol : float, optional
         Tolerance of the nip-roll iteration, relative to the wound-on tension, 1e-8 to 1e-2; by
-        default 1e-6, and 1e-5 with a direct roll.
+        default 1e-6, and 1e-5 with a direct roll, multiplied by rtol/1e-3 if rtol is larger.
     start : WindingResult, optional
         A neighbouring case whose tension and nips are the initial guess.  It does not change the
         result beyond the tolerances.
@@ -125,9 +128,9 @@ def solve_winding(
     check_options(rtol=rtol, nodes=nodes, coupling_rtol=coupling_rtol)
     if start is not None:
         check_type("start", start, WindingResult)
-    coupling_tolerance = (
-        COUPLING_RTOL[problem.roll_body] if coupling_rtol is None else coupling_rtol
-    )
+    coupling_tolerance = coupling_rtol
+    if coupling_tolerance is None:
+        coupling_tolerance = COUPLING_RTOL[problem.roll_body] * max(1.0, rtol / RTOL)
     with unwarned():  # reported once, with the radius
         if problem.tension_law != "nip":
             result = _solve_prescribed(problem, rtol, nodes, coupling_tolerance)
