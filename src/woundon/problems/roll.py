@@ -270,6 +270,11 @@ class RollProblem(Problem):
         return Curve(self.wound_on_tension, self.core.radius, self.radius, 1 / self.web_thickness)
 
     @property
+    def input_warnings(self) -> tuple[str, ...]:
+        """Inputs that have no effect or contradict each other, as sentences."""
+        return (*super().input_warnings, *self.stack.input_warnings("stack"))
+
+    @property
     def assumptions(self) -> tuple[str, ...]:
         """The assumptions of the model for this case, as sentences."""
         return of_roll(self)
