@@ -122,7 +122,7 @@ class HardeningSurface:
         """Return a message if a pressure in the roll is outside the range of the law, else ''."""
         state, law = self._solve(p, q).state, self.ring.law
         if self.limit < state.max_pressure < law.radial.max_pressure:
-            E = float(law.radial.modulus(state.max_pressure))
+            E = float(law.radial.modulus(np.array(state.max_pressure)))
             return (
                 f"the pressure in it reaches {state.max_pressure:.4g} [Pa], where E_r = {E:.4g} "
                 f"[Pa]: its poissons_ratio = {law.poissons_ratio:.4g} must be < "
