@@ -40,6 +40,9 @@ LIMITS = {
     "creepage": Limit(0.1, "strains are not small"),
     "pressure on the web": Limit(0.1, "the web's thickness changes too much"),
     "web strain": Limit(0.02, "paper breaks and film yields at a few percent"),
+    "bending strain": Limit(0.02, "paper breaks and film yields at a few percent"),
+    "layer compression": Limit(0.2, "strains are not small"),
+    "stack modulus": Limit(1.0, "no stack is stiffer than its web"),
     "web thickness": Limit(0.1, "the web is no thin strip in so narrow a nip"),
 }
 # A zone boundary is known to a cell, and so the length of such a zone to a quarter.

@@ -109,3 +109,79 @@ def test_a_stage_of_exactly_ten_layers():
     core, h = result.problem.core.radius, result.problem.web_thickness
     stage = result.at((core + 10 * h) * (1 - 1e-15))
     assert stage.layer_count == pytest.approx(10, rel=1e-9)
+
+
+# ---- validity limits ----------------------------------------------------------------------------
+
+
+def warned(problem: wo.RollProblem | wo.WindingProblem) -> tuple[str, ...]:
+    """Return the warnings of the solved problem, which are also issued as Python's."""
+    with pytest.warns(wo.ValidityWarning) as issued:
+        result = wo.solve(problem)
+    assert [str(one.message) for one in issued] == list(result.warnings)
+    assert all(f"warning: {text[:40]}" in str(result) for text in result.warnings)
+    return result.warnings
+
+
+def test_an_ordinary_roll_earns_no_warning():
+    assert wo.solve(wo.RollProblem.example()).warnings == ()
+
+
+def test_a_film_wound_at_a_strain_of_a_third():
+    stack = wo.Stack(radial=wo.Pfeiffer(K1=2e3, K2=200.0), tangential=4.8e9, poissons_ratio=0.01,
+                     shear=1e7)  # fmt: skip
+    film = wo.RollProblem(
+        core=wo.Core(radius=0.05, stiffness=1e9), radius=0.2, stack=stack, web_thickness=50e-6,
+        wound_on_tension=0.33 * 4.8e9 * 50e-6,
+    )  # fmt: skip
+    texts = warned(film)
+    assert any("wound at a strain of 33%" in text and "(limit 2%)" in text for text in texts)
+    # E_r = K2 (K1 + P) above E_t: Pfeiffer's law does not hold there
+    assert any("% of the modulus along the web (limit 100%)" in text for text in texts)
+
+
+def test_layers_compressed_beyond_small_strains():
+    # K1 = 10 kPa and K2 = 10 at some 90 kPa: F = ln(10)/10 = 23 %
+    soft = wo.RollProblem.example().replace(**{"stack.radial.K2": 10.0})
+    result = wo.solve(soft)
+    F = np.log1p(result.peak_pressure / 10e3) / 10
+    assert any(f"compressed by {100 * F:.3g}% at" in text for text in result.warnings)
+
+
+def test_a_strip_that_is_bent_on_its_mandrel():
+    """Bending strain h/2R of 12.7 mm on 254 mm: 2.5 %, E h/2R = 5 GPa at 200 GPa."""
+    steel = wo.Stack(radial=2e9, tangential=200e9, poissons_ratio=0.01, shear=1e9)
+    (text,) = warned(wo.RollProblem(
+        core=wo.Core(radius=0.254, stiffness=200e9), radius=0.75, stack=steel,
+        web_thickness=0.0127, wound_on_tension=30e6 * 0.0127,
+    ))  # fmt: skip
+    assert text.startswith("the web is bent to a strain of 2.5% on the core of 254 mm radius")
+
+
+def test_the_bending_strain_is_compared_with_a_known_yield_strain():
+    winding = wo.WindingProblem.example().replace(
+        radius=0.06, tension_law="fixed", nip_induced_tension=50.0, web_tension=300.0
+    )
+    bending = 66e-6 / 2 / 0.05
+    assert wo.solve(winding.replace(limits={"yield_strain": 1.01 * bending})).warnings == ()
+    (text,) = warned(winding.replace(limits={"yield_strain": 0.99 * bending}))
+    assert f"bending strain of {100 * bending:.3g}% exceeds the yield strain" in text
+    margins = wo.margins(wo.solve(wo.RollProblem.example()), wo.Limits(yield_strain=1e-4))
+    assert "the web yields where it is bent" in margins["gauge_band"].note
+
+
+def test_poissons_ratio_must_leave_the_energy_definite():
+    """nu^2 < E_t/E_r at every pressure that occurs: of a constant law when it is defined."""
+    E_t = 3.38e9
+    with pytest.raises(wo.InvalidProblem, match=r"^poissons_ratio: 9 is .* < .* = 6.128, with E_r"):
+        wo.Stack(radial=90e6, tangential=E_t, poissons_ratio=9.0, shear=1e7)
+    roll = wo.RollProblem.example().replace(
+        wound_on_tension=1500.0, **{"stack.poissons_ratio": 4.0}
+    )
+    with pytest.warns(wo.InputWarning, match=r"stack.poissons_ratio = 4: .* not that in the plane"):
+        peak = wo.solve(roll).peak_pressure
+    largest = np.sqrt(E_t / (40 * (10e3 + peak)))  # with the peak pressure for 4, 4 % above
+    with pytest.raises(wo.InvalidProblem, match=r"^stack.poissons_ratio: 9 is") as fault:
+        wo.solve(roll.replace(**{"stack.poissons_ratio": 9.0}))
+    permitted = float(str(fault.value).split("(1/2) = ")[1].split(",")[0])
+    assert permitted == pytest.approx(largest, rel=0.1)

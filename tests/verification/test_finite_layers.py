@@ -148,16 +148,16 @@ def test_the_rings_of_constant_moduli_are_a_sum():
     ids=["newsprint, 264 um", "132 um", "taper", "soft core", "constant", "few stiff laps"],
 )  # fmt: skip
 def test_what_finite_layers_change_is_reported(problem: wo.RollProblem):
-    """To 12 % of it: of first order in the thickness, where the change is up to 35 % of P."""
+    """To 1.3 % of it here; the estimates add terms of higher order, up to 6 %."""
     result, rings, change = of(problem)
     found = np.interp(rings.r, result.radius, result.finite_layer_change)
     largest = np.max(np.abs(change))
-    assert np.max(np.abs(found - change)) < 0.12 * largest
+    assert np.max(np.abs(found - change)) < 0.02 * largest
     assert result.finite_layer_effect == pytest.approx(
-        change[np.argmax(np.abs(change))] / result.peak_pressure, rel=0.12
+        change[np.argmax(np.abs(change))] / result.peak_pressure, rel=0.02
     )
     for name, by in (("core_pressure", abs(change[0])), ("peak_pressure", largest)):
-        assert 0.88 * by < result.errors[name] < 1.12 * by + 1e-4 * result.peak_pressure
+        assert 0.98 * by < result.errors[name] < 1.12 * by + 1e-4 * result.peak_pressure
     shallow = np.min(rings.P) - np.min(result.pressure)
     assert abs(shallow) <= result.errors["peak_pressure"]
 
@@ -247,7 +247,7 @@ def misses(problem: wo.RollProblem) -> dict[str, float] | None:
     """
     try:
         result = wo.solve(problem)
-    except wo.NotConverged:  # the energy of the stack is indefinite at the pressure reached
+    except wo.InvalidProblem:  # the energy of the stack is indefinite at the pressure reached
         return None
     rings = Rings(problem, 6)
     middle = (problem.core.radius + problem.radius) / 2
@@ -265,6 +265,7 @@ def misses(problem: wo.RollProblem) -> dict[str, float] | None:
 
 
 # 12: a soft core; 30: 19 laps, 3.5 times the pressure of thin ones; 59: a kink of the tension
+@pytest.mark.filterwarnings("ignore:the web is bent", "ignore:the layers are compressed")
 @pytest.mark.parametrize("seed", [12, 30, 59])
 def test_few_thick_laps_are_covered_by_the_error_estimates(seed: int):
     found = misses(random_roll(seed))
@@ -273,6 +274,7 @@ def test_few_thick_laps_are_covered_by_the_error_estimates(seed: int):
 
 
 @pytest.mark.campaign
+@pytest.mark.filterwarnings("ignore")
 def test_a_hundred_rolls_of_few_thick_laps():
     found = [miss for seed in range(110) if (miss := misses(random_roll(seed))) is not None]
     assert len(found) >= 100

@@ -11,6 +11,7 @@ import pytest
 from coarse_solutions import coarse_solution
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.integrate import quad
 from slow_cases import slow_case
 
 import woundon as wo
@@ -83,6 +84,46 @@ def test_schedules_and_changes_against_their_closed_forms(case: dict, more: dict
     found = wo.solve(problem, rtol=3e-6).at_radius(RADII)
     # error estimates are estimates: where few stages do (a dozen here) up to three times too low
     assert np.max(np.abs(found["pressure"] - exact.pressure)) < 1e-5 * exact.pressure.max()
+
+
+@pytest.mark.parametrize("core", [1e5, 1.0])
+def test_steel_on_a_soft_or_missing_core(core: float):
+    """Closed form by SciPy's quadrature: F = r^(g-1) - r^(-g-1) without a core, T/(s F) integrated.
+
+    A core of 0.1 MPa differs by some 2 E_c/E_t, 1e-6; one of 1 Pa is replaced by E_t/1e7.
+    """
+    steel = wo.Stack(radial=2e9, tangential=200e9, poissons_ratio=0.3, shear=1e9)
+    coil = wo.RollProblem(
+        core=wo.Core(radius=0.254, stiffness=core), radius=0.75, stack=steel, web_thickness=1e-3,
+        wound_on_tension=30e6 * 1e-3,
+    )  # fmt: skip
+    result, r = wo.solve(coil), np.array([0.2578, 0.3, 0.5, 0.7])
+
+    def F(x: float) -> float:
+        return 2 * np.exp(-x) * np.sinh(10 * x)  # g = 10, x = ln(r/r_c)
+
+    exact = [
+        30e6 * F(x) * quad(lambda y: 1 / F(y), x, np.log(0.75 / 0.254), epsrel=1e-10)[0]
+        for x in np.log(r / 0.254)
+    ]
+    assert result.at_radius(r)["pressure"] == pytest.approx(exact, rel=1e-3)
+    assert (result.pressure[:-1] > 0).all()
+    # The first layer of finite thickness alone presses on the core, with T h/r_c
+    assert result.core_pressure < 1e-4 * result.peak_pressure
+    laid = 30e6 * 1e-3 / 0.254
+    assert laid / 1.25 < result.errors["core_pressure"] < 1.25 * laid
+    assert constant_moduli(coil, r).pressure == pytest.approx(exact, rel=1e-4)
+
+
+@pytest.mark.parametrize("radial", [slow_case(40e6), wo.Pfeiffer(K1=10e3, K2=40.0)])
+def test_paper_on_a_core_of_a_kilopascal(radial: object):
+    """Far from the core, its stiffness has no effect; at the core the pressure tends to zero."""
+    on_soft, on_stiff = (
+        wo.solve(NEWSPRINT.replace(**{"stack.radial": radial, "core.stiffness": stiffness}))
+        for stiffness in (1e3, 1e9)
+    )
+    assert on_soft.mid_pressure == pytest.approx(on_stiff.mid_pressure, rel=1e-3)
+    assert 0 < on_soft.core_pressure < 1e-3 * on_soft.peak_pressure
 
 
 def test_newsprint_by_the_independent_value():

@@ -121,6 +121,14 @@ class HardeningSurface:
     def range_message(self, p: Array, q: Array) -> str:
         """Return a message if a pressure in the roll is outside the range of the law, else ''."""
         state, law = self._solve(p, q).state, self.ring.law
+        if self.limit < state.max_pressure < law.radial.max_pressure:
+            E = float(law.radial.modulus(np.array(state.max_pressure)))
+            return (
+                f"the pressure in it reaches {state.max_pressure:.4g} [Pa], where E_r = {E:.4g} "
+                f"[Pa]: its poissons_ratio = {law.poissons_ratio:.4g} must be < "
+                f"(tangential/E_r)^(1/2) = {(law.tangential / E) ** 0.5:.4g}, or the strain energy "
+                "is indefinite"
+            )
         if state.max_pressure > self.limit:
             return (
                 f"the pressure in it reaches {state.max_pressure:.4g} [Pa], beyond the range of "

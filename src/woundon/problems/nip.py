@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import InitVar
 from functools import cached_property
+from itertools import chain
 from math import exp, pi
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
@@ -20,6 +21,7 @@ from .consistency import different_moduli
 from .contact_problem import ContactProblem
 from .fields import Nested, Number, OptionalNested, OptionalNumber, default
 from .materials import material
+from .stack import Stack
 from .web import Web
 
 if TYPE_CHECKING:
@@ -186,7 +188,15 @@ class NipProblem(ContactProblem):
         """Inputs that have no effect or contradict each other, as sentences."""
         name = "stack" if hasattr(self.roll, "stack") else "material"
         layers = getattr(self.roll, name, None)
-        return (*super().input_warnings, *different_moduli(self.web, f"roll.{name}", layers))
+        return (
+            *super().input_warnings,
+            *different_moduli(self.web, f"roll.{name}", layers),
+            *chain.from_iterable(
+                stack.input_warnings(field)
+                for field, stack in (("web.material", self.web.material), (f"roll.{name}", layers))
+                if isinstance(stack, Stack)
+            ),
+        )
 
     @model_validator(mode="after")
     def _has_steady_state(self) -> Self:

@@ -282,6 +282,11 @@ class RollProblem(Problem):
         )
 
     @property
+    def input_warnings(self) -> tuple[str, ...]:
+        """Inputs that have no effect or contradict each other, as sentences."""
+        return (*super().input_warnings, *self.stack.input_warnings("stack"))
+
+    @property
     def assumptions(self) -> tuple[str, ...]:
         """The assumptions of the model for this case, as sentences."""
         return of_roll(self)

@@ -14,6 +14,7 @@ elastic: the hysteresis of paper is neglected (docs/theory/hardening.md).
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import cached_property
 from math import inf
 from typing import TYPE_CHECKING, Annotated, Any, Self
@@ -41,6 +42,8 @@ Array = np.ndarray
 GAUSS, SMALLEST_CELL = 12, 24
 # Newton's method for the plateau pressure, in ln P: the error after a step is about its square.
 PLATEAU_STEP, LARGEST_STEP, PLATEAU_STEPS = 1e-8, 3.0, 60
+# Thinning per strain along the web above which a web held in its width loses volume by stretching.
+MOST_THINNING = 1.0
 # Pressure above which no roll is wound [Pa].  Laws that stiffen faster than P^2 have a bounded work
 # of compression: above a certain tension no plateau exists.
 LAST_PRESSURE = 1e10
@@ -65,7 +68,7 @@ class Stack(Solid):
     Raises
     ------
     InvalidProblem
-        If E_r(0) >= E_t/nu^2: the energy would be indefinite.
+        If nu^2 >= E_t/E_r(0): the strain energy would be indefinite.
 
     Examples
     --------
@@ -100,13 +103,42 @@ class Stack(Solid):
     def _has_energy(self) -> Self:
         """Reject a stack with an indefinite strain energy at zero pressure."""
         if self.limit <= 0:
-            E = float(self.radial.modulus(np.zeros(1))[0])
-            raise InvalidProblem.at(
-                "radial",
-                f"a modulus of {quote(E)} without pressure is out of range; must be < "
-                f"tangential/poissons_ratio^2 = {quote(self.stiffest)} [Pa]",
-            )
+            raise self.beyond_limit(0.0)
         return self
+
+    def beyond_limit(self, P: float) -> InvalidProblem:
+        """Return the error for a pressure P >= :attr:`limit` [Pa].
+
+        The strain energy is positive definite if the determinant of the compliances is positive,
+        c_rr c_tt > c_rt^2, that is nu^2 < E_t/E_r(P).
+        """
+        end, E = self.radial.max_pressure, float(self.radial.modulus(P))
+        if end <= P:
+            text = f"the pressure reaches {P:.4g} [Pa], beyond the range of the stack law, which "
+            text += f"ends at {end:.4g} [Pa]; lower the load, or extend the law"
+            return InvalidProblem.at("radial", text)
+        return InvalidProblem.at(
+            "poissons_ratio",
+            f"{quote(self.poissons_ratio)} is out of range; must be >= 0 and < "
+            f"(tangential/E_r)^(1/2) = {(self.tangential / E) ** 0.5:.4g}, with E_r = {E:.4g} [Pa] "
+            f"at the pressure {P:.4g} [Pa], or the strain energy is indefinite",
+        )
+
+    def input_warnings(self, field: str) -> Iterator[str]:
+        """Yield a sentence if Poisson's ratio appears to be one in the plane of the web.
+
+        Parameters
+        ----------
+        field : str
+            Name of the field that describes the stack.
+        """
+        if self.poissons_ratio > MOST_THINNING:
+            percent = f"{self.poissons_ratio:.3g} %"
+            yield (
+                f"{field}.poissons_ratio = {self.poissons_ratio:.4g}: stretched by 1 %, the layers "
+                f"become {percent} thinner and lose volume; it is the ratio through the thickness, "
+                "not that in the plane of the web"
+            )
 
     @property
     def stiffest(self) -> float:

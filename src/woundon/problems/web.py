@@ -11,7 +11,6 @@ import numpy as np
 from pydantic import BeforeValidator, Field, SerializeAsAny
 
 from ..elasticity.strip import Compliance, compliance
-from ..errors import InvalidProblem
 from ..quantities import Quantity, density_of_web, thickness_of_web
 from .description import Description
 from .fields import Number, OptionalNumber
@@ -101,8 +100,4 @@ class Web(Description):
         InvalidProblem
         """
         if isinstance(self.material, Stack) and pressure > self.material.limit:
-            raise InvalidProblem.at(
-                "web.material",
-                f"the pressure on the web reaches {pressure:.4g} [Pa], beyond the range of its "
-                f"stack law ({self.material.limit:.4g} [Pa]): lower the nip load or extend the law",
-            )
+            raise self.material.beyond_limit(pressure).under("web.material")

@@ -269,7 +269,11 @@ class WindingProblem(Problem):
     @property
     def input_warnings(self) -> tuple[str, ...]:
         """Inputs that have no effect or contradict each other, as sentences."""
-        texts = [*super().input_warnings, *different_moduli(self.web, "stack", self.stack)]
+        texts = [
+            *super().input_warnings,
+            *different_moduli(self.web, "stack", self.stack),
+            *self.stack.input_warnings("stack"),
+        ]
         if self.web_speed is not None and self.air is None and not self.drum.viscoelastic:
             texts.append(unused_speed("web_speed", self.web_speed))
         return tuple(texts)

@@ -76,11 +76,13 @@ class WoundRoll(Body):
         """Reject a core out of range, or a pressure outside the range of the stack law."""
         check_core(self)
         for name, P in values_of(self.pressure).items():
+            if self.stack.limit <= P < self.stack.radial.max_pressure:
+                raise self.stack.beyond_limit(P).under("stack")
             if not 0 <= P < self.stack.limit:
+                end = self.stack.radial.max_pressure
+                range_ = ">= 0" + f" and < {end:.6g}, where the stack law ends" * isfinite(end)
                 raise InvalidProblem.at(
-                    f"pressure{name}",
-                    f"{quote(P)} is out of range; must be >= 0 and < {self.stack.limit:.6g} [Pa], "
-                    "where the stack's law ends or its modulus is tangential/poissons_ratio^2",
+                    f"pressure{name}", f"{quote(P)} is out of range; must be {range_} [Pa]"
                 )
         if self.hardening == "direct" and self.stack.shear_exponent > 0:
             _check_shear_slope(self.stack)

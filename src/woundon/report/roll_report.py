@@ -135,6 +135,9 @@ def _other_theories(result: RollResult) -> Iterator[Section]:
     tension, law = problem.wound_on_tension, problem.stack.radial
     if not isinstance(tension, float) or not isinstance(law, Pfeiffer):
         return
-    plateau = plateau_pressure(problem.stack, tension / problem.web_thickness)
+    try:
+        plateau = plateau_pressure(problem.stack, tension / problem.web_thickness)
+    except InvalidProblem:  # no plateau is wound at this tension
+        return
     label = "plateau pressure of thin layers, curvature neglected"
     yield Section("Other theories", (output_row(result, "mid_pressure", plateau, meaning=label),))

@@ -117,6 +117,7 @@ def nodes_between(
     surface_layer: float,
     kinks: Array | None = None,
     changes: Array | None = None,
+    core_layer: float = np.inf,
 ) -> Array:
     """Return ln r of nodes, dense at the core, at the surface and at kinks.
 
@@ -130,22 +131,30 @@ def nodes_between(
         Depth of the layer below the surface, in ln r.
     kinks, changes : (K,) arrays, optional
         ln r of kinks, which become nodes, and the relative changes of the source there.
+    core_layer : float
+        Depth of the layer at the core, in ln r, if it is thinner than that below the surface.
     """
     length = surface - core
     surface_layer = min(surface_layer, length)
+    core_layer = min(core_layer, surface_layer)
+    # node density: 1/(distance + depth of the layer) from both ends, plus a constant with the mean
+    # of their integrals; the nodes are at even steps of the integral of this density
+    at_core, at_surface = np.log1p(length / core_layer), np.log1p(length / surface_layer)
+    uniform = (at_core + at_surface) / 2
     # fine distances y from the core, at which the cumulative number of nodes is tabulated
-    even = np.linspace(0, length, 2 * cells)
-    graded = surface_layer * np.expm1(np.log1p(length / surface_layer) / length * even)
-    y = np.sort(np.concatenate([graded, length - graded, even]))
-    # node density: 1/(distance + surface_layer) from both ends, plus a constant with the same
-    # integral; the nodes are at even steps of the integral of this density
-    end_integral = np.log1p(length / surface_layer)
-    cumulative = (
-        end_integral * y / length
-        + np.log1p(y / surface_layer)
-        - np.log1p((length - y) / surface_layer)
+    t = np.linspace(0, 1, 2 * cells)
+    y = np.concatenate(
+        [
+            core_layer * np.expm1(at_core * t),
+            length - surface_layer * np.expm1(at_surface * t),
+            length * t,
+        ]
     )
-    steps = np.linspace(-end_integral, 2 * end_integral, cells + 1)
+    y = np.clip(np.sort(y), 0, length)
+    cumulative = (
+        uniform * y / length + np.log1p(y / core_layer) - np.log1p((length - y) / surface_layer)
+    )
+    steps = np.linspace(-at_surface, uniform + at_core, cells + 1)
     nodes = core + np.interp(steps, cumulative, y)
     nodes[0], nodes[-1] = core, surface
     if kinks is None:
@@ -276,6 +285,7 @@ class _Roll:
             self.cells,
             self.surface_layer,
             *kinks_of(self.tension, self.growth),
+            self.equations.core_layer,
         )
         previous = self.growth
         if reference is None:
@@ -348,7 +358,8 @@ def wind(
     """
     roll = _Roll(Layers(equations, tension), core, cells, surface_layer, report)
     accepted_error = STAGE_TOLERANCE * tolerance
-    x, end, step, last_kink = roll.start, log(radius), 0.1 * surface_layer, -np.inf
+    first_step = 0.1 * min(surface_layer, equations.core_layer)
+    x, end, step, last_kink = roll.start, log(radius), first_step, -np.inf
     while x < end:
         kinks, changes = kinks_of(tension, roll.growth)
         kink = float(np.append(kinks[(kinks > x) & (changes > WEAK_KINK * tolerance)], end)[0])

@@ -95,6 +95,14 @@ class StageEquations:
     own_pressure: Callable[[Array], Array] | None = None
     steps: int = field(default=0, init=False)  # number of Newton steps
 
+    @property
+    def core_layer(self) -> float:
+        """Depth of the layer at a soft core, in ln r: kappa decreases from b as 1/(ln r/r_c + 1/b).
+
+        It follows from the Riccati equation of kappa (:meth:`solve_with_growth`).
+        """
+        return 1 / max(abs(self.core), 1e-300)
+
     def _total(self, x: Array, P: Array) -> Array:
         """Return P + p at ln r."""
         return P if self.own_pressure is None else P + self.own_pressure(x)

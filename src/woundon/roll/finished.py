@@ -30,12 +30,16 @@ __all__ = [
 
 Array = np.ndarray
 
+# Largest E_t/E_c that is distinguished from an infinite one: the pressure on the core is then about
+# 1e-5 of the largest.  The nodes are E_c/E_t apart there; closer ones differ by rounding in ln r.
+SOFTEST_CORE = 1e7
+
 
 def equations_of(problem: RollProblem) -> StageEquations:
     """Return the equations of the stages of a roll."""
     stack, E_c = problem.stack, problem.core.effective_stiffness
     E_t, law = stack.tangential, stack.radial
-    core = E_t / E_c - 1 + stack.poissons_ratio
+    core = min(E_t / E_c, SOFTEST_CORE) - 1 + stack.poissons_ratio
     return StageEquations(law.strain_at, law.modulus, law.modulus_slope, E_t, core)
 
 

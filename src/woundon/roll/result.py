@@ -18,6 +18,7 @@ from .density import density_during_winding, finished_density, volume, wound_mas
 from .finite_layers import finite_layer_effects, finite_layer_stresses
 from .growth import Growth
 from .stages import stage_arrays, stresses_between
+from .validity import roll_warnings
 
 __all__ = ["RollResult"]
 
@@ -262,7 +263,8 @@ class RollResult(Result):
         errors = {
             name: error - finished[name] + at_stage[name] for name, error in self.errors.items()
         }
-        return stage.replace(residuals=certificate(stage), errors=errors).checked()
+        residuals, warnings = certificate(stage), roll_warnings(stage)
+        return stage.replace(residuals=residuals, errors=errors, warnings=warnings).checked()
 
     def certified(self) -> Residuals:
         """Recompute the residuals from problem and arrays."""

@@ -32,9 +32,10 @@ from .build_up import (
 )
 from .certificate import certificate
 from .equations import interpolate_pressure
-from .finished import equations_of, finished_arrays, surface_layer_depth
+from .finished import equations_of, final_changes, finished_arrays, surface_layer_depth
 from .finite_layers import finite_layer_effects, layers_of
 from .result import RollResult
+from .validity import roll_warnings
 
 __all__ = [
     "ThinLayerRoll",
@@ -110,7 +111,7 @@ def solve_wound_roll(
         if progress is not None:
             progress(min(max((radius - core) / (R - core), 0.0), 1.0))
 
-    return solve_thin_layers(problem, rtol, report).with_finite_layers()
+    return solve_thin_layers(problem, rtol, report).with_finite_layers().warned()
 
 
 class ThinLayerRoll(NamedTuple):
@@ -132,7 +133,8 @@ class ThinLayerRoll(NamedTuple):
     def with_finite_layers(self) -> RollResult:
         """Return the certified result with the effect of the web thickness."""
         result = _with_finite_layers(self.result, self.build_up, self.cells)
-        return result.replace(residuals=certificate(result)).checked()
+        residuals, warnings = certificate(result), roll_warnings(result)
+        return result.replace(residuals=residuals, warnings=warnings).checked()
 
     def wound_with(self, problem: RollProblem) -> ThinLayerRoll:
         """Return the roll with a neighbouring tension, with the same stages and number of cells.
@@ -283,11 +285,14 @@ def _check_stack_law(result: RollResult, build_up: BuildUp) -> RollResult:
     largest pressure before the changes after winding.
     """
     _check_layers_in_contact(result, ROUNDING)
-    limit, wound = result.problem.stack.limit, float(np.max(build_up.solved.P))
-    if max(wound, result.peak_pressure) >= limit:
+    stack, wound = result.problem.stack, float(np.max(build_up.solved.P))
+    largest, limit = max(wound, result.peak_pressure), stack.radial.max_pressure
+    if stack.limit <= largest < limit:
+        raise stack.beyond_limit(largest).under("stack")
+    if largest >= limit:
         when = " as wound" if wound > result.peak_pressure else ""
         raise NotConverged(
-            f"the pressure reaches {max(wound, result.peak_pressure):.4g} Pa{when}, beyond the "
+            f"the pressure reaches {largest:.4g} Pa{when}, beyond the "
             f"range of the stack law, which ends at {limit:.4g} Pa; lower the tension or extend "
             "the law",
             result,
@@ -296,7 +301,12 @@ def _check_stack_law(result: RollResult, build_up: BuildUp) -> RollResult:
 
 
 def _check_layers_in_contact(result: RollResult, slack: float) -> None:
-    """Raise NotConverged for a roll whose layers separate."""
+    """Raise NotConverged for a roll whose layers are separated by the changes after winding.
+
+    Without changes the pressure is a sum of positive increments.
+    """
+    if not any(final_changes(result.problem)):
+        return
     loosest = int(np.argmin(result.pressure))
     if result.pressure[loosest] < -slack * result.peak_pressure:
         raise NotConverged(

@@ -141,7 +141,7 @@ def _solve_stage(
     )
     curve, equations = stage.tension_curve, equations_of(stage)
     kinks, depth = kinks_of(curve, growth), surface_layer_depth(problem)
-    nodes = nodes_between(float(np.log(core)), x, cells, depth, *kinks)
+    nodes = nodes_between(float(np.log(core)), x, cells, depth, *kinks, equations.core_layer)
     T_c = float(curve.at(np.array([core]))[0])
     guess = T_c * (x - nodes), np.full_like(nodes, -T_c)
     solved = equations.solve(nodes, cell_source(curve, growth, nodes), T_c, *guess)

@@ -63,7 +63,8 @@ def constant_moduli(problem: RollProblem, radius: ArrayLike) -> RollStresses:
         )
     r = np.atleast_1d(np.asarray(radius, dtype=float))
     core, R, E_t = problem.core.radius, problem.radius, stack.tangential
-    g, b = float(np.sqrt(E_t / stack.radial.modulus(0.0))), equations_of(problem).core
+    equations = equations_of(problem)
+    g, b = float(np.sqrt(E_t / stack.radial.modulus(0.0))), equations.core
     A = (g - 1 - b) / (g + 1 + b)
 
     def homogeneous_solution(x: Array) -> tuple[Array, Array]:
@@ -74,7 +75,8 @@ def constant_moduli(problem: RollProblem, radius: ArrayLike) -> RollStresses:
     # int_r^R T/(s F(s)) ds over y = ln(s/rc); the scaled integrand decays as exp(-(g-1)(y - x))
     curve = problem.tension_curve
     start, end, kinks = float(np.log(core)), float(np.log(R)), np.log(curve.kinks)
-    grid = nodes_between(start, end, 400, min(1 / g, 0.3), kinks) - start
+    layer = equations.core_layer
+    grid = nodes_between(start, end, 400, min(1 / g, 0.3), kinks, core_layer=layer) - start
     points, weights = np.polynomial.legendre.leggauss(GAUSS)
     integral = np.empty(r.size)
     for k, x in enumerate(np.log(r / core)):

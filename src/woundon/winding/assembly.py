@@ -11,6 +11,7 @@ from ..errors import RESOLUTION
 from ..problems.winding import LOADS, WindingProblem
 from ..results import Residuals
 from ..roll.solve import ThinLayerRoll
+from ..roll.validity import yield_warnings
 from .bodies import tension_on_roll
 from .nips import Nips
 from .result import WindingResult
@@ -59,6 +60,7 @@ def assemble_result(
     loads: dict[str, Any] = {name: problem.at(name, r) for name in LOADS}
     samples = nips.from_core_to_surface()
     results = [sample.result for sample in samples]
+    wound = roll.with_finite_layers()
     result = WindingResult(
         problem=problem,
         radius=r,
@@ -83,8 +85,13 @@ def assemble_result(
         coupling_rtol=coupling_rtol,
         nips_solved=nips.solved,
         residuals=Residuals(),
-        warnings=(*nips.warnings(), *_unevenness_warning(interpolation[0], rtol, len(samples))),
-        wound=roll.with_finite_layers(),
+        warnings=(
+            *nips.warnings(),
+            *_unevenness_warning(interpolation[0], rtol, len(samples)),
+            *wound.warnings,
+            *yield_warnings(wound.problem, problem.limits.yield_strain),
+        ),
+        wound=wound,
         nips=tuple(samples),
     )
     if curved is None:

@@ -33,6 +33,7 @@ from ..quantities import Quantity, length, line_load, share, strain, stress
 from ..results import Presented
 from ..roll.gauge_band import gauge_band_over, lane_strain
 from ..roll.result import RollResult
+from ..roll.validity import yield_warnings
 from .criteria import (
     collapse_pressure,
     sliding_layers_buckling_stress,
@@ -627,7 +628,9 @@ def _gauge_band(roll: RollResult, limits: Limits) -> Margin:
     if excess:
         ridge = RIDGE.stored_text(ridge_height(roll), ".3g")
         note = f"the lane is {100 * excess:.3g} % thicker, with a ridge of {ridge}"
-    note = "; ".join(filter(None, (note, NO_LIMIT * (limits.yield_strain is None))))
+    known = NO_LIMIT * (limits.yield_strain is None)
+    bent = yield_warnings(roll.problem, limits.yield_strain)
+    note = "; ".join(filter(None, (note, known, *bent)))
     return _margin("gauge_band", worst, limits.yield_strain, BAND, note)
 
 

@@ -1,0 +1,98 @@
+"""Validity checks of a wound roll: strains of the web, and the range of the stack law."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from ..problems.radial_laws import Constant
+from ..validity import limit_warning
+from .finite_layers import finite_layer_stresses
+
+__all__ = ["roll_warnings", "yield_warnings"]
+
+
+def roll_warnings(result: Any) -> tuple[str, ...]:
+    """Return the warnings of a wound roll outside the validity limits."""
+    return (*_strain_warnings(result), *_stack_warnings(result))
+
+
+def _strain_warnings(result: Any) -> Iterator[str]:
+    """Yield warnings about the strains of the web as it is wound, and in the finished roll."""
+    problem = result.problem
+    T = problem.tension_curve.at(result.radius)
+    k = int(np.argmax(T))
+    yield from limit_warning(
+        "web strain",
+        float(T[k]) / problem.stack.tangential,
+        "the web is wound at a strain of {}, by a tension of {0:.4g} N/m",
+        T[k] * problem.web_thickness,
+    )
+    k = int(np.abs(result.layer_strain).argmax())
+    if abs(result.layer_strain[k]) > T.max() / problem.stack.tangential:
+        yield from limit_warning(
+            "web strain",
+            float(result.layer_strain[k]),
+            "the strain of the layers is {} at the radius {0:.4g} m",
+            result.radius[k],
+        )
+    yield from limit_warning(
+        "bending strain",
+        _bending_strain(problem),
+        "the web is bent to a strain of {} on the core of {0:.4g} mm radius",
+        problem.core.radius * 1e3,
+    )
+
+
+def _stack_warnings(result: Any) -> Iterator[str]:
+    """Yield warnings about pressures beyond the range of the stack law."""
+    stack, change = result.problem.stack, finite_layer_stresses(result)[0]
+    law, k = stack.radial, int(np.argmax(result.pressure))
+    P = float(result.pressure[k])
+    yield from limit_warning(
+        "layer compression",
+        float(law.strain_at(P)),
+        "the layers are compressed by {} at the pressure {0:.4g} kPa",
+        P / 1e3,
+    )
+    if not isinstance(law, Constant):
+        yield from limit_warning(
+            "stack modulus",
+            float(law.modulus(P)) / stack.tangential,
+            "the stack law gives a radial modulus of {0:.4g} MPa at the pressure {1:.4g} kPa, {} "
+            "of the modulus along the web",
+            law.modulus(P) / 1e6,
+            P / 1e3,
+        )
+    finite = float(np.max(result.pressure + change))
+    if finite > law.max_pressure:
+        yield (
+            f"with layers of the web thickness the pressure reaches {finite / 1e3:.4g} kPa, beyond "
+            f"the range of the stack law, which ends at {law.max_pressure / 1e3:.4g} kPa"
+        )
+
+
+def yield_warnings(problem: Any, yield_strain: float | None) -> tuple[str, ...]:
+    """Return a warning if the web yields where it is bent on the core.
+
+    Parameters
+    ----------
+    problem : RollProblem
+    yield_strain : float, optional
+        Of the web, if it is known [1].
+    """
+    bending = _bending_strain(problem)
+    if yield_strain is None or bending <= yield_strain:
+        return ()
+    return (
+        f"the web yields where it is bent on the core of {problem.core.radius * 1e3:.4g} mm "
+        f"radius: its bending strain of {100 * bending:.3g}% exceeds the yield strain of "
+        f"{100 * yield_strain:.3g}%",
+    )
+
+
+def _bending_strain(problem: Any) -> float:
+    """Return h/(2 r_c), the strain at the faces of a web that is bent on the core [1]."""
+    return float(problem.web_thickness / (2 * problem.core.radius))
