@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from math import log, pi
+from math import log, pi, sqrt
 
 import numpy as np
 import pytest
 
-from woundon.elasticity.mesh import LARGEST_CELL, Mesh, Wrap, cosine_nodes, nip_mesh
+from woundon.elasticity.mesh import END_ANGLE, GRADED_LENGTH, Mesh, Wrap, cosine_nodes, nip_mesh
 
 NONE = Wrap()
 ROLL = Wrap(length=0.8 * pi * 40.0, radius=40.0)  # in half widths
@@ -47,12 +47,26 @@ def test_wraps_have_their_length_and_their_largest_cell() -> None:
     assert mesh.nodes[-1] - 1 == pytest.approx(ROLL.length, rel=1e-12)
     behind, before = mesh.cells[mesh.last :], mesh.cells[: mesh.first]
     # distances are sampled with even steps, over which cells grow
-    assert behind.max() <= 1.1 * LARGEST_CELL * ROLL.radius
-    assert before.max() <= 1.1 * LARGEST_CELL * DRUM.radius
+    step = pi / 32 / sqrt(2 * GRADED_LENGTH)  # of the grading, and largest cell in rad
+    assert behind.max() <= 1.1 * step * ROLL.radius
+    assert before.max() <= 1.1 * step * DRUM.radius
     assert (np.diff(behind[: behind.size // 2]) > -1e-9).all()  # graded from the nip on
     assert before[0] < before.max()  # and to the far end where the web arrives
     # cells on both sides of an edge have the same size: the mesh is graded alike
     assert 0.5 < behind[0] / mesh.cells[mesh.last - 1] < 2
+
+
+@pytest.mark.parametrize("size", [33, 129])
+def test_all_cells_shrink_with_those_of_the_nip(size: int) -> None:
+    """Twice as many cells in the nip: every cell of the wraps becomes two, near the nip and far."""
+    coarse, fine = (nip_mesh(n, DRUM, ROLL) for n in (size, 2 * size - 1))
+    for wrap in (slice(0, coarse.first), slice(coarse.last, None)):
+        cells = coarse.cells[wrap]
+        middle = (coarse.nodes[:-1] + coarse.nodes[1:])[wrap] / 2
+        halves = fine.cells[np.searchsorted(fine.nodes, middle) - 1]
+        # the first cell of quadratic growth becomes a quarter and three quarters
+        assert (halves / cells).min() > 0.2
+        assert (halves / cells).max() < 0.8
 
 
 @each_mesh
@@ -114,11 +128,25 @@ def test_faces_are_parts_of_the_mesh(mesh: Mesh, name: str) -> None:
 @pytest.mark.parametrize("mesh", MESHES.values(), ids=MESHES)
 def test_displacements_and_curvatures_of_a_parabola_are_exact(mesh: Mesh) -> None:
     """v = c x^2/2: v from slopes at the points, and -v'' from their differences."""
-    a, c = 2e-3, 7.0
+    a, c, R = 2e-3, 7.0, 2e-3 * ROLL.radius
     face = mesh.roll_face
     slope = c * a * face.points
     v = c / 2 * (a * face.nodes) ** 2
     found = face.displacement_at_nodes(slope, v[face.last], a)
     # the midpoint rule is exact where points lie in the middle; graded cells have them off it
     np.testing.assert_allclose(found, v, rtol=0, atol=2e-2 * np.abs(v).max())
-    np.testing.assert_allclose(face.curvature_change(slope, a), -c, rtol=1e-6)
+    np.testing.assert_allclose(face.curvature_change(slope, a, R), -c, rtol=1e-6)
+
+
+def test_the_curvature_is_constant_before_the_end_of_the_roll_wrap() -> None:
+    """v = c x^3/6: -v'' = -c x up to 0.1 rad before the end, where it has its last value."""
+    a, c, R = 2e-3, 7.0, 2e-3 * ROLL.radius
+    face = MESHES["roll wrap"].roll_face
+    found = face.curvature_change(c * (a * face.points) ** 2 / 2, a, R)
+    x = face.nodes
+    start = x[-1] - END_ANGLE * ROLL.radius
+    inside = slice(face.last + 1, np.searchsorted(x, start) - 1)
+    # exact where points lie in the middle of cells; they grow by up to a tenth
+    np.testing.assert_allclose(found[inside], -c * a * x[inside], rtol=0.05)
+    np.testing.assert_allclose(found[x > start], -c * a * start, rtol=0.05)
+    assert np.ptp(found[x > start]) == 0.0

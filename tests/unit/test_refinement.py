@@ -106,6 +106,20 @@ def test_refinement_ends_where_the_criterion_is_met() -> None:
     assert found.iterations >= len(sizes)
 
 
+def test_two_meshes_that_agree_by_chance_do_not_end_the_refinement() -> None:
+    """The third last change counts as well; the estimate that decides is the reported one."""
+
+    class Erratic(Toy):
+        def main_outputs(self, state: Any) -> dict[str, float]:
+            return {"Q": 0.9 if self.size == 13 else 1.08 if self.size < 90 else 1.09}
+
+    tolerance = 1e-2  # the estimate on 81 nodes is 3 * 0.18/2.13 (23/81)^2 = 0.02
+    found = refine(Erratic, criterion=lambda outputs, errors: errors["Q"] / tolerance)
+    assert [mesh.size for mesh in found.meshes[:4]] == [13, 23, 41, 81]
+    assert found.last.size > 81
+    assert found.errors()["Q"] <= tolerance
+
+
 def test_refinement_ends_at_the_largest_mesh_or_at_the_nodes_requested() -> None:
     never = {"criterion": lambda outputs, errors: inf}
     assert refine(Toy, most_nodes=129, **never).last.size == 129

@@ -8,7 +8,8 @@ The discretisation is of order two on average.  With the changes of an output Q,
 the estimated error of the last value Q_m is  3 max_k d_k (N_k/N_m)^2  over the last three changes.
 Zone boundaries move through the cells, so convergence is not monotone: one change may be small by
 chance, and the factor of safety is that of Roache's grid convergence index.  Refinement ends when
-the estimate by the last two changes meets the criterion.
+the estimate of the fourth or a further mesh meets the criterion: two changes that are both small by
+chance do not end it.
 
 The first three meshes are fixed.  Each further one, at least one, is predicted from the ratio r of
 the estimate and the tolerance: N = N_last sqrt(r/0.6), at least 1.3 and at most 2 times the last.
@@ -51,8 +52,8 @@ SIZES = (
     *range(769, 1026, 128),
 )
 SAFETY_FACTOR = 3.0
-# Changes between meshes that decide whether the last mesh suffices, and those of the reported
-# estimate: convergence is not monotone, and two changes may both be small by chance.
+# Changes between meshes: the fewest for an estimate, and those that it uses, because convergence is
+# not monotone, and two changes may both be small by chance.
 CHANGES, REPORTED = 2, 3
 # The predicted error of the next mesh, relative to the tolerance, and the ratio of its size to that
 # of the last mesh.
@@ -119,8 +120,8 @@ class Refinement:
         return {name: error_estimate(history, name, order) for name in history[-1][1]}
 
     def deciding_errors(self) -> dict[str, float]:
-        """Return the error estimates of the main outputs by the last two changes alone."""
-        history = [(mesh.size, mesh.main_outputs) for mesh in self.meshes[-CHANGES - 1 :]]
+        """Return the error estimates of the main outputs, without evaluating the others."""
+        history = [(mesh.size, mesh.main_outputs) for mesh in self.meshes[-REPORTED - 1 :]]
         return {name: error_estimate(history, name) for name in history[-1][1]}
 
 

@@ -74,6 +74,7 @@ class Lag:
         """Return one of the kernels."""
         return Lag(self.length, self.amplitude[kernel : kernel + 1], self.max_distance)
 
+    @np.errstate(under="ignore")  # t^2 and exp(-t/l) of far points vanish
     def evaluate(self, t: Array, order: int = 0) -> Array:
         """Return second integrals, slopes or kernels at t (k,) in closed form, (kernels, k).
 
@@ -120,6 +121,7 @@ class Lag:
         table = quintics(values.reshape(3, len(amplitudes), 2, -1))
         return np.moveaxis(table, -1, 0).reshape(6, len(amplitudes), -1), coefficients
 
+    @np.errstate(under="ignore")  # t^2 and exp(-t/l) of far points vanish
     def second_integral(self, negative: Array, logarithm: Array) -> Array:
         """Return the second integrals from the table, (kernels, *shape).
 

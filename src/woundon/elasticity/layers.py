@@ -65,6 +65,7 @@ SectionMatrices = tuple[Array, Array, Array]  # E, Q, H
 Factors = Callable[[Array], Array]
 
 
+@np.errstate(under="ignore")  # short waves vanish across a layer
 def stacked_compliance(
     n: Array, layers: Layers, open_bore: bool = False, factors: Factors | None = None
 ) -> Array:
@@ -98,6 +99,7 @@ def _blocks(n: Array, layers: Layers) -> list[Array]:
     return np.array_split(n, max(1, n.size * len(layers) // 4096))
 
 
+@np.errstate(under="ignore")  # short waves vanish across a layer
 def traction_transfer(n: Array, upper: Layers, lower: Layers, open_bore: bool = False) -> Array:
     """Return B, t = B t1, from the outer surface to a boundary between layers, (2, 2, n).
 

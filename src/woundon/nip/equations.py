@@ -48,6 +48,9 @@ __all__ = ["Fields", "Geometry", "NipEquations", "NipState"]
 
 Array = np.ndarray
 
+# Shortest roll wrap of an iterate beyond the trailing edge of the nip, in half widths.
+LEAST_WRAP = 1e-3
+
 
 class Geometry(NamedTuple):
     """Mesh and surfaces for one half width a."""
@@ -154,7 +157,7 @@ class NipEquations(ContactEquations):
         problem = self.problem
         a = min(min(body.radius, body.max_half_width) for body in problem.bodies)
         if self.roll_wrap:
-            a = min(a, self.roll_wrap * problem.roll.radius / 2)
+            a = min(a, self.roll_wrap * problem.roll.radius / (1 + LEAST_WRAP))
         return log(a)
 
     @property
@@ -195,7 +198,7 @@ class NipEquations(ContactEquations):
         return nip_mesh(
             self.size,
             Wrap(self.drum_wrap * drum, drum, graded_end=True),
-            Wrap(max(self.roll_wrap * roll - 1, 0.0), roll),
+            Wrap(max(self.roll_wrap * roll - 1, LEAST_WRAP) if self.roll_wrap else 0.0, roll),
             self._first_mesh,
         )
 

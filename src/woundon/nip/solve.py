@@ -11,14 +11,14 @@ The result of the last mesh is returned with its certificate, if all conditions 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from math import nan
+from math import nan, pi
 from typing import Annotated, Any
 
 import numpy as np
 
 from ..arguments import Option, check_type, nodes_or_rtol, tolerance, whole_number
 from ..contact.newton import NewtonFailed
-from ..contact.refinement import REPORTED, MeshSolution, Refinement, refine
+from ..contact.refinement import FIRST_SIZES, REPORTED, MeshSolution, Refinement, refine
 from ..errors import RESOLUTION, InvalidProblem, NoSteadyState, NotConverged
 from ..parallel import one_thread
 from ..problems.bodies import half_width_guess
@@ -58,6 +58,12 @@ CERTAINLY_SLACK = 0.2
 # The nip-induced tension is compared with at least this share of the roll's friction limit: it may
 # be zero.
 LEAST_TENSION = 0.01
+# Length of the roll wrap from the line of centres, in half widths, from which on the initial guess
+# is good enough.
+LONG_WRAP = 4.0
+# Shortest roll wrap that is solved, from the trailing edge, in half widths: the hoop pressure on a
+# shorter one changes within less than its length T C (docs/theory/wraps.md).
+SHORTEST_WRAP = 0.02
 
 
 @one_thread
@@ -136,7 +142,14 @@ def solve_with_film(problem: NipProblem, **options: Any) -> NipResult:
     return result.replace(warnings=(*result.warnings, *dry_warnings))
 
 
-def _solve(
+def _solve(problem: NipProblem, *, start: NipResult | None = None, **options: Any) -> NipResult:
+    """Solve a nip without air; options as of :func:`solve_nip`."""
+    check_load(problem, "nip_load")
+    _check_force(problem)
+    return _refined(problem, start=_longer_wrap(problem) or start, **options)
+
+
+def _refined(
     problem: NipProblem,
     *,
     nodes: int | None = None,
@@ -145,9 +158,7 @@ def _solve(
     errors: bool = True,
     progress: Callable[[float], None] | None = None,
 ) -> NipResult:
-    """Solve a nip without air."""
-    check_load(problem, "nip_load")
-    _check_force(problem)
+    """Solve on a sequence of meshes until the error estimates meet their tolerance."""
     default = RTOL if problem.linear else RTOL_NONLINEAR
     max_nodes = MOST_NODES if problem.linear else MOST_NODES_NONLINEAR
     criterion = _criterion(problem, rtol or default)
@@ -176,6 +187,37 @@ def _solve(
         text = f"{RESOLUTION}the error estimate is {ratio:.2g} times the default tolerance"
         result = result.replace(warnings=(*result.warnings, text))
     return result
+
+
+def _longer_wrap(problem: NipProblem) -> NipResult | None:
+    """Return a coarse solution as the initial guess for a roll wrap that ends next to the nip.
+
+    The wrap is shortened from LONG_WRAP half widths, half the distance to the trailing edge at a
+    time (continuation).  None for a longer wrap, or without one.
+
+    Raises
+    ------
+    InvalidProblem
+        If the wrap ends in the nip, with the smallest value permitted.
+    """
+    theta, R = problem.roll_wrap, problem.roll.radius
+    if not 0 < theta < 1:
+        return None
+    guess = NipSystem(problem.replace(roll_wrap=pi), FIRST_SIZES[0]).initial_half_width()
+    wrap, start = min(LONG_WRAP * guess / R, pi), None
+    while wrap > theta:
+        start = _refined(problem.replace(roll_wrap=wrap), nodes=FIRST_SIZES[-1], start=start)
+        edge = start.half_width / R
+        smallest = (1 + SHORTEST_WRAP) * edge
+        if wrap <= (1 + SHORTEST_WRAP / 10) * smallest:
+            text = f"{theta:.6g} is out of range; must be 0 or >= {1.001 * wrap:.4g} [rad]"
+            raise InvalidProblem.at(
+                "roll_wrap",
+                f"{text}, downstream of the trailing edge of the nip, which lies {edge:.4g} [rad] "
+                "from the line of centres",
+            )
+        wrap = max(theta, smallest, (wrap + edge) / 2)
+    return start
 
 
 def check_options(*, nodes: Any = None, rtol: Any = None, errors: Any = True) -> None:

@@ -48,8 +48,8 @@ Array = np.ndarray
 Progress = Callable[[float], None]
 
 RTOL, NODES = 1e-3, 65
-# Tolerance of the nip-roll iteration with the default ``rtol``.  With a larger ``rtol`` it increases
-# in proportion: the stages of the roll follow ``rtol``, and another stage changes the tension.
+# Tolerance of the nip-roll iteration with the default ``rtol``.  It increases in proportion to a
+# larger ``rtol``: the stages of the roll follow ``rtol``, and another stage changes the tension.
 COUPLING_RTOL = {"effective": 1e-6, "linear": 1e-6, "direct": 1e-5}
 MAX_NIPS = 40  # radii
 MAX_ITERATIONS = 30
@@ -77,8 +77,8 @@ NODES_OPTION = Option(
 )
 COUPLING_RTOL_OPTION = Option(
     "Relative tolerance of the nip-roll iteration.",
-    "1e-8 to 1e-2, of the wound-on tension; default 1e-6, and 1e-5 with a direct roll, more with an "
-    "rtol above 1e-3.",
+    "1e-8 to 1e-2, of the wound-on tension; default 1e-6, and 1e-5 with a direct roll, more with "
+    "an rtol above 1e-3.",
 )
 
 
