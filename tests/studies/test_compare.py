@@ -145,6 +145,16 @@ def test_a_pull_tab_is_calibrated_by_a_line_or_by_friction_and_area():
     assert wo.PullTab(friction=0.25, area=1e-3, faces=1).pressure(50.0) == strip.pressure(100.0)
 
 
+def test_the_deviation_of_a_calibration_is_not_that_of_the_readings():
+    table = {"measured_radius": [0.06, 0.1], "pull_tab_force [N]": [90.0, 80.0]}
+    tab = {"slope": "2 kPa/N"}
+    without = str(wo.compare(ROLL, table, tab=wo.PullTab(**tab)))
+    assert "pressure: no standard deviations of the measurement" in without
+    with_tab = str(wo.compare(ROLL, table, tab=wo.PullTab(**tab, deviation="5 %")))
+    assert "no standard deviations of the measurement" not in with_tab
+    assert "that of the calibration is known, but the single readings" in with_tab
+
+
 def test_pressures_of_pull_tabs_are_compared_at_their_radii(roll):
     radius = np.array([0.06, 0.08, 0.1, 0.12, 0.14])
     true = np.asarray(roll.at_radius(radius)["pressure"])

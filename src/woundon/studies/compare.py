@@ -30,7 +30,7 @@ from ..quantities import Quantity
 from ..results import Presented, ReadOnly
 from .explanations import Explanation, explain
 from .kind_model import KindModel, field_quantity, get_field, model_of
-from .measurements import Observations, error_at, predict, read_observations
+from .measurements import TAB, Observations, error_at, predict, read_observations
 from .progress import Progress, progress_reporter
 from .pull_tab import PullTab
 
@@ -40,7 +40,6 @@ if TYPE_CHECKING:
 __all__ = ["Agreement", "Comparison", "compare"]
 
 Array = np.ndarray
-TAB = "pull tab"  # name of the uncertainty of its calibration
 
 
 class Agreement(NamedTuple):
