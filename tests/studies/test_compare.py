@@ -55,7 +55,7 @@ def test_residuals_are_measured_minus_a_single_solve(predicted):
 
 
 def test_totals_are_divided_by_the_width_of_the_case():
-    """In comparisons and fits; a width in the table is that of the row, so that totals need it."""
+    """In comparisons and fits; a width in the table is that of the row."""
     wide = NIP.replace(width=2.0)
     totals = {"nip_load [kN]": [2.0, 4.0], "wound_on_tension [N]": [900.0, 1100.0],
               "wound_on_tension +- [N]": [10.0, 20.0]}  # fmt: skip
@@ -65,9 +65,10 @@ def test_totals_are_divided_by_the_width_of_the_case():
     np.testing.assert_allclose(check.deviation, [5.0, 10.0])
     fit = wo.fit(wide, totals, ["roll_friction"], nodes=17, starts=1, profiles=False)
     np.testing.assert_allclose(fit.measured, [450.0, 550.0])
-    for problem, table in ((NIP, totals), (wide, {**totals, "width [m]": [2.0, 2.0]})):
-        with pytest.raises(wo.InvalidProblem, match="a force is divided by the width of the web"):
-            wo.compare(problem, table, nodes=17)
+    rows = wo.compare(wide, {**totals, "width [m]": [2.0, 4.0]}, nodes=17)
+    np.testing.assert_allclose(rows.measured, [450.0, 275.0])
+    with pytest.raises(wo.InvalidProblem, match="is a force; expected a force per width"):
+        wo.compare(NIP, totals, nodes=17)
 
 
 def test_rows_without_a_value_and_rows_of_other_outputs_do_not_mix():
