@@ -57,7 +57,7 @@ def test_residuals_are_measured_minus_a_single_solve(predicted):
 
 
 def test_totals_are_divided_by_the_width_of_the_case():
-    """In comparisons and fits; a width in the table is that of the row, so that totals need it."""
+    """In comparisons and fits; a width in the table is that of the row."""
     wide = NIP.replace(width=2.0)
     totals = {"nip_load [kN]": [2.0, 4.0], "wound_on_tension [N]": [900.0, 1100.0],
               "wound_on_tension +- [N]": [10.0, 20.0]}  # fmt: skip
@@ -67,9 +67,10 @@ def test_totals_are_divided_by_the_width_of_the_case():
     np.testing.assert_allclose(check.deviation, [5.0, 10.0])
     fit = wo.fit(wide, totals, ["roll_friction"], nodes=17, starts=1, profiles=False)
     np.testing.assert_allclose(fit.measured, [450.0, 550.0])
-    for problem, table in ((NIP, totals), (wide, {**totals, "width [m]": [2.0, 2.0]})):
-        with pytest.raises(wo.InvalidProblem, match="a force is divided by the width of the web"):
-            wo.compare(problem, table, nodes=17)
+    rows = wo.compare(wide, {**totals, "width [m]": [2.0, 4.0]}, nodes=17)
+    np.testing.assert_allclose(rows.measured, [450.0, 275.0])
+    with pytest.raises(wo.InvalidProblem, match="is a force; expected a force per width"):
+        wo.compare(NIP, totals, nodes=17)
 
 
 def test_rows_without_a_value_and_rows_of_other_outputs_do_not_mix():
@@ -145,6 +146,16 @@ def test_a_pull_tab_is_calibrated_by_a_line_or_by_friction_and_area():
     strip = wo.PullTab(friction=0.25, area="10 cm^2")
     assert strip.pressure(100.0) == pytest.approx(100.0 / (2 * 0.25 * 1e-3))
     assert wo.PullTab(friction=0.25, area=1e-3, faces=1).pressure(50.0) == strip.pressure(100.0)
+
+
+def test_the_deviation_of_a_calibration_is_not_that_of_the_readings():
+    table = {"measured_radius": [0.06, 0.1], "pull_tab_force [N]": [90.0, 80.0]}
+    tab = {"slope": "2 kPa/N"}
+    without = str(wo.compare(ROLL, table, tab=wo.PullTab(**tab)))
+    assert "pressure: no standard deviations of the measurement" in without
+    with_tab = str(wo.compare(ROLL, table, tab=wo.PullTab(**tab, deviation="5 %")))
+    assert "no standard deviations of the measurement" not in with_tab
+    assert "that of the calibration is known, but the single readings" in with_tab
 
 
 def test_pressures_of_pull_tabs_are_compared_at_their_radii(roll):

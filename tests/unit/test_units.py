@@ -49,6 +49,56 @@ def test_read_to_the_last_bit(text, unit, value):
     assert parse(text, unit) == pytest.approx(value, rel=2.3e-16)
 
 
+LB, IN, FT, GRAVITY = 0.45359237, 0.0254, 0.3048, 9.80665  # exact
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "value"),
+    [
+        ("2 yd", "m", 1.8288),
+        ("3 oz", "kg", 3 * LB / 16),
+        ("3 oz", "N", 3 * LB * GRAVITY / 16),
+        ("3 ozf/in", "N/m", 3 * LB * GRAVITY / 16 / IN),
+        ("2 oz/yd^2", "kg/m**2", 2 * LB / 16 / 0.9144**2),
+        ("5 dN", "N", 0.5),
+        ("5 dN/cm", "N/m", 50.0),
+        ("3 kp/cm", "N/m", 3 * GRAVITY * 100),
+        ("3 kg/cm", "N/m", 3 * GRAVITY * 100),
+        ("1.5 g/in", "N/m", 1.5e-3 * GRAVITY / IN),
+        ("1.5 gf/in", "N/m", 1.5e-3 * GRAVITY / IN),
+        ("400 g/25 mm", "N/m", 0.4 * GRAVITY / 0.025),
+        ("45 N/15 mm", "N/m", 3000.0),
+        ("45 N / 15mm", "N/m", 3000.0),
+        ("-9 degF", "K", -5.0),
+        ("-9 \N{DEGREE SIGN}F", "K", -5.0),
+        ("12 degC", "K", 12.0),
+        ("12 \N{DEGREE SIGN}C", "K", 12.0),
+        ("1.8e-5 1/degC", "1/K", 1.8e-5),
+        ("1e-5 1/degF", "1/K", 1.8e-5),
+        ("18 um/m/degC", "1/K", 1.8e-5),
+        ("30 lb/3000 ft^2", "kg/m**2", 30 * LB / (3000 * FT**2)),
+        ("30 lb/3000 ft\N{SUPERSCRIPT TWO}", "kg/m**2", 30 * LB / (3000 * FT**2)),
+        ("30 lb/ream 24x36", "kg/m**2", 30 * LB / (3000 * FT**2)),
+        ("30 lb/ream (24x36/500)", "kg/m**2", 30 * LB / (3000 * FT**2)),
+        ("30 lb/24x36/480", "kg/m**2", 30 * LB / (2880 * FT**2)),  # tissue
+        ("50 lbs/ream 25 x 38", "kg/m**2", 50 * LB / (25 * 38 * 500 * IN**2)),
+        ("20 lb/ream 17x22 in/500", "kg/m**2", 20 * LB / (17 * 22 * 500 * IN**2)),
+        ("20 lb/ream 25.5x30.5", "kg/m**2", 20 * LB / (25.5 * 30.5 * 500 * IN**2)),
+    ],
+)
+def test_units_of_mills_and_laboratories(text, unit, value):
+    # exact fractions against up to four roundings here
+    assert parse(text, unit) == pytest.approx(value, rel=1e-15)
+
+
+def test_reams_of_paper_against_tables_of_the_trade():
+    """Areas of Ivex, to a square foot; Sylvamo: gsm = lb 1406.5/(sheet [in^2]), exact: 1406.14."""
+    for width, height, area in ((24, 36, 3000), (25, 38, 3299), (17, 22, 1299)):
+        gsm = 1e3 * parse(f"1 lb/ream {width}x{height}", "kg/m^2")
+        assert gsm == pytest.approx(1406.5 / (width * height), rel=3e-4)
+        assert round(1e3 * LB / gsm / FT**2) == area
+
+
 def test_mill_units():
     # definitions: 1 lbf = 4.4482216152605 N and 1 in = 25.4 mm exactly
     pli = 4.4482216152605 / 0.0254

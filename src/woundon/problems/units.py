@@ -7,6 +7,7 @@ as a milli-inch.  Conversion multiplies exact fractions.
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from decimal import Decimal
 from fractions import Fraction
 from functools import cache, lru_cache
@@ -34,6 +35,8 @@ s
 rad
 kg
 K
+degC = 1 K
+degF = 5/9 K
 deg = 0.017453292519943295 rad
 % = 0.01
 um = 1e-6 m
@@ -42,6 +45,7 @@ cm = 1e-2 m
 km = 1e3 m
 in = 0.0254 m
 ft = 0.3048 m
+yd = 3 ft
 mil = 2.54e-5 m
 pt = 1 mil
 gauge = 1e-2 mil
@@ -53,12 +57,16 @@ Hz = 1 / s
 kHz = 1e3 / s
 g = 1e-3 kg
 lb = 0.45359237 kg
+oz = 1/16 lb
 N = kg * m / s**2
 mN = 1e-3 N
+dN = 0.1 N
 daN = 10 N
 kN = 1e3 N
 kgf = 9.80665 N
+gf = 1e-3 kgf
 lbf = 4.4482216152605 N
+ozf = 1/16 lbf
 W = N * m / s
 kW = 1e3 W
 Pa = N / m**2
@@ -89,6 +97,9 @@ _SPELLINGS = {
     "microns": "um",
     "mils": "mil",
     "lbs": "lb",
+    "kp": "kgf",
+    "\N{DEGREE SIGN}C": "degC",
+    "\N{DEGREE SIGN}F": "degF",
     "PLI": "pli",
     "PSI": "psi",
     "KSI": "ksi",
@@ -101,6 +112,11 @@ _SPELLINGS = {
     "\N{GREEK SMALL LETTER MU}m": "um",
     "\N{GREEK SMALL LETTER MU}": "um",
 }
+
+# Masses that are read as forces where the dimension of a quantity is that of the force: "lb/in".
+# kg and g are forces per width only: kg/m^2 is a basis weight, and mills weigh in kg.
+_FORCES = {"lb": "lbf", "lbs": "lbf", "oz": "ozf"}
+_LINE_FORCES = {"kg": "kgf", "g": "gf"}
 
 # Full names are rejected, with the unit in the message.
 _FULL_NAMES = {
@@ -116,7 +132,12 @@ _FULL_NAMES = {
     "pascal": "Pa",
     "degree": "deg",
     "kelvin": "K",
-    "degc": "K",
+    "c": "degC",
+    "f": "degF",
+    "celsius": "degC",
+    "fahrenheit": "degF",
+    "yard": "yd",
+    "ounce": "oz",
     "radian": "rad",
     "pound": "lbf",
     "second": "s",
@@ -156,7 +177,7 @@ _EXAMPLES = {
     "N/m": ", e.g. '3.5 kN/m', '20 pli' or 3500",
     "Pa": ", e.g. '10 MPa' or 10e6",
     "rad": ", e.g. '90 deg' or '1.57 rad'",
-    "K": ", e.g. '-10 K', a difference",
+    "K": ", e.g. '-10 K' or '-10 degC', a difference",
     "1/K": ", e.g. '1e-5 1/K' or 1e-5",
     "1": ", e.g. 0.2 or '20 %'",
 }
@@ -170,9 +191,18 @@ _THOUSANDS = re.compile(r"\s*([+-]?\d{1,3}(?:[,' _\N{NO-BREAK SPACE}]\d{3})+(?:\
 _DECIMAL_COMMA = re.compile(r"\s*([+-]?\d+),(\d+)(?![,.\d])(.*)")
 _POWER = r"(?:(?:\*\*|\^)?-?\d|[\N{SUPERSCRIPT TWO}\N{SUPERSCRIPT THREE}])"
 _FACTOR = f"{_NAME}{_POWER}?"
-_UNIT = re.compile(rf"1/[Ks]|{_FACTOR}(?:(?:\s*[*/\N{{MIDDLE DOT}}]\s*|\s+){_FACTOR})*")
+_DIVISOR = rf"/\s*\d+(?:\.\d+)?\s*{_FACTOR}"  # N/15 mm, lb/3000 ft^2
+_UNIT = re.compile(
+    rf"1/(?:[Ks]|deg[CF])|{_FACTOR}(?:(?:\s*[*/\N{{MIDDLE DOT}}]\s*|\s+){_FACTOR}|\s*{_DIVISOR})*"
+)
+# pounds per ream of so many sheets, by default 500: lb/ream 24x36, lb (25x38/500)
+_REAM = re.compile(
+    r"(lbs?)\s*(?:/|per)?\s*(?:ream)?\s*\(?"
+    r"(\d{1,3}(?:\.\d)?)\s*[xX\N{MULTIPLICATION SIGN}]\s*(\d{1,3}(?:\.\d)?)"
+    r"(?:\s*in)?(?:\s*[/-]\s*(\d{3}))?\)?"
+)
 _QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*(.*?)\s*")
-_TERMS = re.compile(rf"([*/\N{{MIDDLE DOT}}]?)\s*({_NAME})({_POWER}?)")
+_TERMS = re.compile(rf"([*/\N{{MIDDLE DOT}}]?)\s*(\d+(?:\.\d+)?)?\s*({_NAME})({_POWER}?)")
 _RAISED = str.maketrans("\N{SUPERSCRIPT TWO}\N{SUPERSCRIPT THREE}", "23", "*^")
 _MAX_LENGTH = 60
 
@@ -202,11 +232,11 @@ def _definitions() -> dict[str, _Unit]:
 
 
 def _product(text: str, known: dict[str, _Unit]) -> _Unit:
-    """Return the unit of a product of units such as "N/m" or "kg m^-3"."""
+    """Return the unit of a product of units such as "N/m", "kg m^-3" or "N/15 mm"."""
     factor, powers = Fraction(1), dict[str, int]()
-    for sign, name, written_power in _TERMS.findall(text):
+    for sign, divisor, name, written_power in _TERMS.findall(text):
         power = int(written_power.translate(_RAISED) or 1) * (-1 if sign == "/" else 1)
-        factor *= known[name].factor ** power
+        factor *= known[name].factor ** power / Fraction(divisor or 1)
         for base, times in known[name].powers.items():
             powers[base] = powers.get(base, 0) + times * power
     return _Unit(factor, {base: times for base, times in powers.items() if times})
@@ -236,7 +266,18 @@ def is_unit(text: str) -> bool:
     """Return True if text is a known unit."""
     if len(text) > _MAX_LENGTH:
         return False
+    text = _with_area(text)
     return bool(_UNIT.fullmatch(text)) and set(re.findall(_NAME, text)) <= set(known_units())
+
+
+def _with_area(text: str) -> str:
+    """Return pounds per ream as pounds per area; any other unit unchanged."""
+    match = _REAM.fullmatch(text.strip())
+    if match is None:
+        return text
+    pound, width, height, sheets = match.groups()
+    area = Decimal(width) * Decimal(height) * int(sheets or 500)
+    return f"{pound}/{area:f} in^2"
 
 
 def compatible_units(unit: str, *further: str) -> dict[str, float]:
@@ -374,6 +415,7 @@ def _as_float(value: float, unit: str, field: str) -> float:
 
 def _factor(text: str, unit: str, field: str, value: str) -> Fraction:
     """Return the conversion factor to an SI unit; ``value`` is quoted in the error message."""
+    text = _with_area(text) if len(text) <= _MAX_LENGTH else text
     if len(text) > _MAX_LENGTH or not _UNIT.fullmatch(text):
         raise _fault(field, value, f"has the unreadable unit {text!r}", unit)
     for name in re.findall(_NAME, text):
@@ -383,6 +425,8 @@ def _factor(text: str, unit: str, field: str, value: str) -> Fraction:
     if factor is None:
         total = unit == "N/m" and _conversion_factor(text, "N") is not None
         hint = "; a force is divided by the width of the web" if total else ""
+        if _in_unit_of(text, unit, _LINE_FORCES) is not None:
+            hint = "; kg and g are masses: write kgf and gf for forces"
         raise _fault(field, value, "has the wrong dimension", unit, hint)
     return factor
 
@@ -390,18 +434,26 @@ def _factor(text: str, unit: str, field: str, value: str) -> Fraction:
 @lru_cache(maxsize=256)
 def _conversion_factor(text: str, unit: str) -> Fraction | None:
     """Return the conversion factor; "lb" may be a force, so that lb/in is lbf/in."""
+    text = _with_area(text)
+    forces = _FORCES | (_LINE_FORCES if unit == "N/m" else {})
+    as_mass = _in_unit_of(text, unit, {})
+    return _in_unit_of(text, unit, forces) if as_mass is None else as_mass
+
+
+def _in_unit_of(text: str, unit: str, forces: Mapping[str, str]) -> Fraction | None:
+    """Return the conversion factor with some masses read as forces; None if it does not fit."""
     known = _definitions()
     target = _product(unit, known)
-    for pound in ("lb", "lbf"):
-        source = _product(text, {**known, "lb": known[pound], "lbs": known[pound]})
-        if source.powers == target.powers:
-            return source.factor / target.factor
-    return None
+    source = _product(text, known | {name: known[force] for name, force in forces.items()})
+    return source.factor / target.factor if source.powers == target.powers else None
 
 
 def _nearest(name: str) -> str:
     """Return a hint for an unknown unit; wrong case ("mpa") is the most common mistake."""
     word = name.lower()
+    if word == "ream":
+        sizes = "lb/3000 ft^2, lb/ream 24x36, lb/ream 25x38 or lb/ream 17x22"
+        return f"; reams have several sizes: write {sizes}"
     full = _FULL_NAMES.get(word) or _FULL_NAMES.get(word.removesuffix("s"))
     if full:
         return f"; did you mean {full!r}?"

@@ -32,7 +32,7 @@ from ..quantities import Quantity, walk
 from ..results import Presented, ReadOnly
 from .explanations import Explanation, Inputs, explain
 from .kind_model import KindModel, field_quantity, get_field, model_of
-from .measurements import Observations, error_at, predict, read_observations
+from .measurements import TAB, Observations, error_at, predict, read_observations
 from .progress import Progress, progress_reporter
 from .pull_tab import PullTab
 
@@ -42,7 +42,6 @@ if TYPE_CHECKING:
 __all__ = ["Agreement", "Comparison", "compare"]
 
 Array = np.ndarray
-TAB = "pull tab"  # name of the uncertainty of its calibration
 STEP = 1e-3  # relative, of an input; errors: its square, and the solver tolerance divided by it
 
 

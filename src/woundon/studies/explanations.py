@@ -22,6 +22,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..quantities import length, pure
+from .measurements import TAB, TAB_FORCE
 
 __all__ = ["Explanation", "explain"]
 
@@ -287,10 +288,14 @@ def _budget(comparison: Any, output: str, rows: Array, significant: bool) -> Ite
     """Yield findings from the parts of the error budget."""
     agreement = comparison.agreement(output)
     if np.isnan(comparison.deviation[rows]).any():
-        text = (
-            "no standard deviations of the measurement: the scatter of the rows stands in for them"
+        calibrated = TAB in comparison.sources and output == PRESSURE
+        readings = (
+            "that of the calibration is known, but the single readings of the pull tab have no "
+            f"standard deviations (column '{TAB_FORCE} +-')"
+            if calibrated
+            else "no standard deviations of the measurement"
         )
-        yield Explanation(output, text)
+        yield Explanation(output, f"{readings}: the scatter of the rows stands in for them")
     elif np.nansum(comparison.error[rows] ** 2) > 0.5 * np.sum(comparison.total[rows] ** 2):
         text = (
             "the discretisation error is the largest part of the error budget: use a smaller rtol"

@@ -37,6 +37,7 @@ POSITIONS: dict[str, float] = {
     "diameter": 0.5,
 }  # radius of each
 FORCE = Quantity("F_t", "N", "force that moves a pull tab")
+TAB = "pull tab"  # name of the uncertainty of its calibration
 TAB_FORCE, PRESSURE, LENGTH = "pull_tab_force", "pressure", "length"
 SURFACE = 1 - 1e-6  # of the radius of a roll: below it by less than the rounding of a table
 REFERENCE_DENSITY = 1000.0  # of the web [kg/m^3], where a length is computed: it cancels

@@ -6,8 +6,13 @@ const SPELT = { um: "µm", deg: "°", "kg/m^3": "kg/m³", "kg/m^2": "kg/m²", "m
 // The grammar of "66 um" and "20 lbf/in", as on the command line
 const NAME = "(?:[A-Za-zµμ%°]+|[\"″])";
 const TERM = `${NAME}(?:(?:\\*\\*|\\^)?-?\\d|[²³])?`;
-const UNIT = new RegExp(`^(?:1/[Ks]|${TERM}(?:(?:\\s*[*/·]\\s*|\\s+)${TERM})*)$`);
-const FACTOR = new RegExp(`([*/·]?)\\s*(${NAME})((?:(?:\\*\\*|\\^)?-?\\d|[²³])?)`, "g");
+const DIVISOR = `/\\s*\\d+(?:\\.\\d+)?\\s*${TERM}`; // N/15 mm
+const UNIT = new RegExp(`^(?:1/(?:[Ks]|deg[CF])|${TERM}(?:(?:\\s*[*/·]\\s*|\\s+)${TERM}|\\s*${DIVISOR})*)$`);
+const FACTOR = new RegExp(`([*/·]?)\\s*(\\d+(?:\\.\\d+)?)?\\s*(${NAME})((?:(?:\\*\\*|\\^)?-?\\d|[²³])?)`, "g");
+const REAM = /^(lbs?)\s*(?:\/|per)?\s*(?:ream)?\s*\(?(\d{1,3}(?:\.\d)?)\s*[xX×]\s*(\d{1,3}(?:\.\d)?)(?:\s*in)?(?:\s*[/-]\s*(\d{3}))?\)?$/;
+// masses that are read as forces: lb/in is lbf/in; kg and g are forces per width only
+const FORCES = { lb: "lbf", lbs: "lbf", oz: "ozf" };
+const LINE_FORCES = { ...FORCES, kg: "kgf", g: "gf" };
 const QUANTITY = /^([+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d{1,3})?)\s*(.*)$/i;
 const GROUPED = /^[+-]?\d+[,' _]\d/; // 1,000 and 3,5
 // Messages: the number that they begin with, and numbers that are neither a factor or divisor
@@ -70,27 +75,28 @@ export class Units {
     if (!unit) return { value: this.si(quantity, Number(number)) };
     const given = this.product(unit);
     if (!given) return { fault: T.form.unknownUnit(unit, this.text(quantity)) };
-    for (const pound of [given, this.product(unit.replace(/\blbs?\b/g, "lbf"))]) { // lb/in is lbf/in
-      for (const [from, needed, factor] of formsOf(quantity, web)) {
-        const due = this.product(from);
-        if (!due || !same(pound.powers, due.powers)) continue;
-        if (!(factor > 0)) return { fault: T.form.needed(unit, needed) };
-        return { value: Number((Number(number) * pound.factor / due.factor * factor).toPrecision(15)) };
-      }
+    for (const [from, needed, factor] of formsOf(quantity, web)) {
+      const due = this.product(from);
+      const readings = [given, this.product(unit, from === "N/m" ? LINE_FORCES : FORCES)];
+      const fitting = due && readings.find((reading) => same(reading.powers, due.powers));
+      if (!fitting) continue;
+      if (!(factor > 0)) return { fault: T.form.needed(unit, needed) };
+      return { value: Number((Number(number) * fitting.factor / due.factor * factor).toPrecision(15)) };
     }
     return { fault: T.form.wrongDimension(unit, this.text(quantity)) };
   }
 
   /** The factor to SI base units and their powers of a unit such as "lbf/in"; null if unknown. */
-  product(unit) {
-    if (unit === "1") return { factor: 1, powers: {} };
+  product(text, forces = {}) {
+    if (text === "1") return { factor: 1, powers: {} };
+    const unit = text.replace(REAM, (_, pound, a, b, sheets) => `${pound}/${a * b * (sheets ?? 500)} in^2`);
     if (!UNIT.test(unit)) return null;
     const result = { factor: 1, powers: {} };
-    for (const [, sign, name, raised] of unit.matchAll(FACTOR)) {
+    for (const [, sign, divisor, name, raised] of unit.matchAll(FACTOR)) {
       if (!Object.hasOwn(this.definitions, name)) return null;
-      const known = this.definitions[name];
+      const known = this.definitions[forces[name] ?? name];
       const power = Number(raised.replace("²", "2").replace("³", "3").replace(/[*^]/g, "") || 1) * (sign === "/" ? -1 : 1);
-      result.factor *= known.factor ** power;
+      result.factor *= known.factor ** power / Number(divisor ?? 1);
       for (const [base, times] of Object.entries(known.powers)) result.powers[base] = (result.powers[base] ?? 0) + times * power;
     }
     return result;
