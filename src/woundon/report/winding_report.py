@@ -15,7 +15,14 @@ from .report_parts import Line, Part, Row, Section, field_row, output_row
 __all__ = ["winding_report"]
 
 SCHEDULES = ("web_tension", "nip_load", "winding_force", "torque_split", "nip_induced_tension")
-ROLL = ["core_pressure", "mid_pressure", "peak_pressure", "least_hoop_stress", "length"]
+ROLL = [
+    "core_pressure",
+    "mid_pressure",
+    "peak_pressure",
+    "least_hoop_stress",
+    "length",
+    "wound_length",
+]
 # in other rows, or among the margins
 LEFT_OUT = frozenset(
     {
@@ -74,6 +81,7 @@ def winding_report(result: WindingResult) -> list[Part]:
             (
                 field_row(problem.core, "radius"),
                 field_row(problem, "radius"),
+                *([field_row(problem, "caliper_pressure")] if problem.caliper_pressure else []),
                 *_schedules(result),
             ),
         ),
