@@ -182,6 +182,11 @@ def test_the_length_at_a_diameter_is_that_of_pressed_layers(roll):
     known = [stage.wound_mass / (ROLL.density * ROLL.web_thickness) for stage in stages]
     table = {"diameter": 2 * radius, "length": known}
     assert wo.compare(ROLL, table).residual == pytest.approx(np.zeros(3), abs=1e-6)
+    assert known[-1] == pytest.approx(roll.wound_length)
+    assert f"compressed as wound (wound_length), {roll.wound_length:.5g} m" in str(
+        wo.compare(ROLL, table)
+    )
+    assert f"without pressure (length), {roll.length:.5g} m" in str(wo.compare(ROLL, table))
     without = wo.compare(ROLL.replace(density=None), table)
     assert without.residual == pytest.approx(np.zeros(3), abs=1e-6)
     loose = ROLL.replace(wound_on_tension=1.0)

@@ -61,6 +61,48 @@ def test_a_piece_of_the_roll_has_the_density_of_its_strains(name: str):
     assert miss.max() < 0.1 * np.max(np.abs(result.density / problem.density - 1))
 
 
+def test_under_the_caliper_pressure_the_web_has_its_own_density():
+    """The thickness and the density of the web are those under the caliper pressure."""
+    wound = coarse_solution(NEWSPRINT)
+    pressure = wound.mid_pressure
+    result = wo.solve(NEWSPRINT.replace(caliper_pressure=pressure))
+    middle = (result.radius[0] + result.radius[-1]) / 2
+    density = np.interp(middle, result.radius, result.density)
+    strain = NEWSPRINT.stack.radial.strain_at(pressure)
+    # but for squares of the strains, and the strain along the web, of 0.16 %
+    assert density == pytest.approx(680.0, rel=strain**2)
+    assert np.interp(middle, wound.radius, wound.density) > (1 + strain) * 680.0 * (1 - strain**2)
+    # lengths, masses and layers decrease by one factor, pressures do not depend on it
+    for name in ("length", "wound_length", "layer_count", "mass", "wound_mass", "mean_density"):
+        assert getattr(result, name) == pytest.approx(getattr(wound, name) * (1 - strain)), name
+    assert result.pressure == pytest.approx(wound.pressure)
+
+
+def test_the_two_lengths_of_a_roll_are_those_of_its_masses():
+    """The mass per area of the web is rho h, whatever the caliper pressure."""
+    for pressure in (None, 50e3):
+        roll = wo.solve(NEWSPRINT.replace(caliper_pressure=pressure))
+        per_area = NEWSPRINT.density * NEWSPRINT.web_thickness
+        assert roll.mass == pytest.approx(roll.length * per_area)
+        assert roll.wound_mass == pytest.approx(roll.wound_length * per_area)
+        text = " ".join(str(roll).split())
+        assert "length of web, counted in layers without pressure L" in text
+        assert "length of web, its layers compressed as wound L_w" in text
+        without = "that without pressure, as caliper_pressure is not given"
+        assert (without in text) == (pressure is None)
+
+
+def test_an_air_film_is_added_to_the_thickness_without_pressure():
+    """The caliper of the web is measured without the film, that of the film at no pressure."""
+    stack = NEWSPRINT.stack
+    law = wo.AirBetween(law=stack.radial, film=3e-6, web_thickness=66e-6)
+    airy = NEWSPRINT.replace(
+        stack=stack.replace(radial=law), web_thickness=69e-6, caliper_pressure=1e5
+    )
+    dry = NEWSPRINT.replace(caliper_pressure=1e5)
+    assert airy.unloaded_thickness == pytest.approx(dry.unloaded_thickness + 3e-6)
+
+
 def test_layers_without_tension_are_as_dense_as_the_web():
     thin = wo.solve(NEWSPRINT.replace(wound_on_tension=1e-3))
     assert thin.mean_density == pytest.approx(680.0, rel=1e-4)

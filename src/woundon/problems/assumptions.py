@@ -13,6 +13,10 @@ PLANE = "Steady state, small strains, plane strain."
 FRICTION = "Coulomb friction with constant coefficients."
 UNIFORM = "The web has a uniform thickness and tension across its width."
 UNIFORM_THICKNESS = "The web has a uniform thickness across its width."
+THICKNESS = {
+    True: "The web thickness is that without pressure, as caliper_pressure is not given.",
+    False: "The web thickness is that under the caliper pressure.",
+}
 LANE = "The thickest lane does not change the stresses in the rest of the roll."
 BONDED = "The layers of the roll are bonded: they do not slip on each other."
 AIR = (
@@ -73,6 +77,7 @@ def of_roll(problem: Any) -> tuple[str, ...]:
     return (
         axisymmetric,
         UNIFORM_THICKNESS if problem.gauge_excess == 0 else LANE,
+        THICKNESS[problem.caliper_pressure is None],
         "The radial stiffness depends on the pressure alone, loading and unloading alike.",
         "The layers neither slip nor creep.",
         *([change] if changes else []),
@@ -109,6 +114,7 @@ def of_winding(problem: Any) -> tuple[str, ...]:
     return (
         *assumptions,
         "The roll is axisymmetric, its layers elastic, and without creep.",
+        THICKNESS[problem.caliper_pressure is None],
         UNIFORM if problem.gauge_excess == 0 else LANE,
         *([AIR] if problem.air is not None else []),
         *_centrifugal(problem, float(tensions.min()), float(tensions.max())),

@@ -12,6 +12,7 @@ from pydantic import Field, model_validator
 
 from ..errors import InvalidProblem
 from ..quantities import Quantity, length, share, strain, stress, tension, thickness_of_web
+from .air_law import AirBetween
 from .assumptions import of_roll
 from .description import Description
 from .fields import Nested, Number, OptionalNumber, default
@@ -19,10 +20,10 @@ from .materials import Isotropic, OptionalMaterial
 from .messages import quote
 from .permitted import is_within
 from .problem import Problem
-from .radial_laws import Pfeiffer
+from .radial_laws import Pfeiffer, RadialLaw
 from .schedules import Curve, Profile, Taper, WindingSchedule, unused_in_tapers, values_of
 from .stack import AnyStack, Stack
-from .web import WebDensity
+from .web import CaliperPressure, WebDensity
 
 if TYPE_CHECKING:
     from .grades import Grade
@@ -31,6 +32,7 @@ __all__ = ["Core", "GaugeExcess", "RollProblem"]
 
 # The layers are a continuum, which needs many of them; above a million the web is no paper or film.
 FEWEST_LAYERS, MOST_LAYERS = 10, 1e6
+MOST_COMPRESSED = 0.5  # strain under the caliper pressure; small strains end far below
 PER_KELVIN = 1e-2  # larger than the thermal expansion of any solid
 
 # Field of rolls and windings.
@@ -143,6 +145,10 @@ class RollProblem(Problem):
         2h [m].
     wound_on_tension : float, Taper or Profile
         WOT over the radius [N/m], > 0.
+    caliper_pressure : float, optional
+        Pressure under which web_thickness was measured [Pa], 100 kPa in ISO 534.  Without it
+        web_thickness is that of the web without pressure.  Length, number of layers, mass and
+        density depend on it, pressures and stresses do not.
     density : float, optional
         Density of the web [kg/m^3]; with it the result contains the mass of the roll.
     gauge_excess : float
@@ -185,6 +191,7 @@ class RollProblem(Problem):
         ...
     )
     wound_on_tension: Annotated[WindingSchedule, tension("WOT", "wound-on tension", (50.0, 1500.0))]
+    caliper_pressure: CaliperPressure = default(None)
     density: WebDensity = default(None)
     temperature_change: Annotated[
         Number,
@@ -228,6 +235,16 @@ class RollProblem(Problem):
                 f"{thickest:.4g} [m]: {FEWEST_LAYERS} to {MOST_LAYERS:.0e} layers",
             )
         self._tension_is_positive()
+        highest = self._law_of_web.max_pressure
+        if float(self._law_of_web.strain_at(1e7)) > MOST_COMPRESSED:
+            highest = min(highest, float(self._law_of_web.pressure_at(MOST_COMPRESSED)))
+        if (self.caliper_pressure or 0.0) > highest:
+            raise InvalidProblem.at(
+                "caliper_pressure",
+                f"{quote(self.caliper_pressure)} is out of range; must be >= 0 and <= "
+                f"{highest:.4g} [Pa], where the stack's law ends or its strain is "
+                f"{MOST_COMPRESSED:g}",
+            )
         return self
 
     def _tension_is_positive(self) -> None:
@@ -285,6 +302,20 @@ class RollProblem(Problem):
     def input_warnings(self) -> tuple[str, ...]:
         """Inputs that have no effect or contradict each other, as sentences."""
         return (*super().input_warnings, *self.stack.input_warnings("stack"))
+
+    @property
+    def _law_of_web(self) -> RadialLaw:
+        """The law of the stack without air."""
+        law = self.stack.radial
+        return law.law if isinstance(law, AirBetween) else law
+
+    @property
+    def unloaded_thickness(self) -> float:
+        """Thickness of a layer without pressure [m]: h_0 = h/(1 - F(p_c)), and the air film."""
+        law = self.stack.radial
+        film = law.film if isinstance(law, AirBetween) else 0.0
+        strain = float(self._law_of_web.strain_at(self.caliper_pressure or 0.0))
+        return (self.web_thickness - film) / (1 - strain) + film
 
     @property
     def assumptions(self) -> tuple[str, ...]:

@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import BeforeValidator, Field, SerializeAsAny
 
 from ..elasticity.strip import Compliance, compliance
-from ..quantities import Quantity, density_of_web, thickness_of_web
+from ..quantities import Quantity, density_of_web, stress, thickness_of_web
 from .description import Description
 from .fields import Number, OptionalNumber
 from .materials import Material, Solid
@@ -21,9 +21,14 @@ from .stack import Stack
 if TYPE_CHECKING:
     from .fields import CoercedField
 
-__all__ = ["Web", "WebDensity"]
+__all__ = ["CaliperPressure", "Web", "WebDensity"]
 
 WebDensity = Annotated[OptionalNumber, density_of_web((500.0, 1500.0)), Field(gt=0, le=3e4)]
+CaliperPressure = Annotated[
+    OptionalNumber,
+    stress("p_c", "pressure under which the web thickness was measured", typical=(2e3, 100e3)),
+    Field(ge=0, le=1e7),
+]
 
 Array = np.ndarray
 

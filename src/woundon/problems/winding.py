@@ -45,7 +45,7 @@ from .schedules import (
     values_of,
 )
 from .stack import AnyStack, Stack
-from .web import Web, WebDensity
+from .web import CaliperPressure, Web, WebDensity
 
 if TYPE_CHECKING:
     from .fields import CoercedField
@@ -121,6 +121,9 @@ class WindingProblem(Problem):
         nip_induced_tension.  A Profile is the wound-on tension itself [N/m].
     nip_induced_tension : float, Taper or Profile, optional
         WOT - T_in [N/m], with tension_law "fixed" only.
+    caliper_pressure : float, optional
+        Pressure under which the web thickness was measured [Pa], as of
+        :class:`~woundon.RollProblem`.
     density : float, optional
         Density [kg/m^3] or basis weight, "45 gsm", of the web; with it the result contains the mass
         of the roll.
@@ -203,6 +206,7 @@ class WindingProblem(Problem):
         OptionalWindingSchedule,
         tension("NIT", "prescribed nip-induced tension, WOT - T_in", (0.0, 500.0)),
     ] = default(None)
+    caliper_pressure: CaliperPressure = default(None)
     density: WebDensity = default(None)
     gauge_excess: GaugeExcess = default(0.0)
     limits: Annotated[Nested[Limits], Field(description="limits of web, roll and core")] = default(
@@ -390,6 +394,7 @@ class WindingProblem(Problem):
             stack=self.stack,
             web_thickness=self.web.thickness,
             wound_on_tension=wound_on_tension,
+            caliper_pressure=self.caliper_pressure,
             density=self.density,
             gauge_excess=self.gauge_excess,
         )

@@ -26,6 +26,7 @@ NAMES = [
     "peak_pressure",
     "least_hoop_stress",
     "length",
+    "wound_length",
     "layer_count",
     "mass",
     "wound_mass",
@@ -56,6 +57,7 @@ def roll_report(result: RollResult) -> list[Part]:
             (
                 field_row(problem.core, "radius"),
                 *(field_row(problem, name) for name in ("radius", "web_thickness")),
+                *([field_row(problem, "caliper_pressure")] if problem.caliper_pressure else []),
                 *_tension(result),
             ),
         ),

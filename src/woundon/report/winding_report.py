@@ -17,7 +17,14 @@ from .trade_rule import winding_trade_rule
 __all__ = ["winding_report"]
 
 SCHEDULES = ("web_tension", "nip_load", "winding_force", "torque_split", "nip_induced_tension")
-ROLL = ["core_pressure", "mid_pressure", "peak_pressure", "least_hoop_stress", "length"]
+ROLL = [
+    "core_pressure",
+    "mid_pressure",
+    "peak_pressure",
+    "least_hoop_stress",
+    "length",
+    "wound_length",
+]
 # in other rows, or among the margins
 LEFT_OUT = frozenset(
     {
@@ -76,6 +83,7 @@ def winding_report(result: WindingResult) -> list[Part]:
             (
                 field_row(problem.core, "radius"),
                 field_row(problem, "radius"),
+                *([field_row(problem, "caliper_pressure")] if problem.caliper_pressure else []),
                 *_schedules(result),
             ),
         ),

@@ -3,9 +3,11 @@ r"""Density of a wound roll over its radius.
 A layer wound at s with the stress T loads the roll below by T h/s.  The surface moves inwards by
 (1 + kappa) T h/E_t, so that the radius increases by less than the layer thickness,
 
-    ds = h g dn,    g = 1 - (1 + kappa) T/E_t,
+    ds = h_0 g dn,    g = 1 - (1 + kappa) T/E_t,    h_0 = h/(1 - F(p_c)),
 
-and the mass of this web, stretched by T/E_t, is dm = rho 2 pi s ds/(g (1 + T/E_t)).  Divided by the
+where h_0 is the thickness without pressure of a web that has the thickness h under the pressure
+p_c.  The length of this web, stretched by T/E_t, is dL = 2 pi s ds/(h_0 g (1 + T/E_t)), and its
+mass is dm = rho h dL.  Divided by the
 increase of the roll volume, it is the density that a density analyser measures during winding, from
 the diameter and the length of web on the roll.  Divided by the final volume of these layers, at
 r + u, it is the density of the finished roll.  In the finished roll
@@ -13,7 +15,8 @@ r + u, it is the density of the finished roll.  In the finished roll
     du/dr = (1 + kappa) T/E_t + eps_r,    eps_r = -F(P) - nu sigma_t/E_t + alpha_r dT
 
 follows from the equations (:mod:`.equations`), so that a layer of the finished roll has the
-thickness h (1 + eps_r) to first order of the strains: mass is conserved.
+thickness h_0 (1 + eps_r) to first order of the strains, h (1 - (F(P) - F(p_c))) without the other
+parts of eps_r: mass is conserved, and a layer under the pressure p_c has the thickness h.
 """
 
 from __future__ import annotations
@@ -23,7 +26,7 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["density_during_winding", "finished_density", "volume", "wound_mass"]
+__all__ = ["density_during_winding", "finished_density", "volume", "wound_length"]
 
 Array = np.ndarray
 GAUSS = 4  # points of a cell
@@ -35,16 +38,24 @@ def _winding_strains(result: Any, r: Array) -> tuple[Array, Array]:
     return (1 + result.kappa(np.log(r))) * strain, strain
 
 
-def density_during_winding(result: Any, r: Array) -> Array:
-    """Return the mass of web per increase of the roll volume [kg/m^3].
+def _length_per_volume(result: Any, r: Array) -> Array:
+    """Return the length of web per increase of the roll volume, dL/(2 pi s ds) [1/m].
 
-    It is nan without the density of the web, and where the surface moves inwards by more than the
-    layer thickness, which is outside the range of small strains.
+    It is nan where the surface moves inwards by more than the layer thickness, which is outside the
+    range of small strains.
     """
     inward, strain = _winding_strains(result, r)
     g = np.where(inward < 1, 1 - inward, np.nan)
-    density = result.problem.density
-    return np.asarray((np.nan if density is None else density) / (g * (1 + strain)))
+    return np.asarray(1 / (result.problem.unloaded_thickness * g * (1 + strain)))
+
+
+def density_during_winding(result: Any, r: Array) -> Array:
+    """Return the mass of web per increase of the roll volume [kg/m^3].
+
+    It is nan without the density of the web, and outside the range of small strains.
+    """
+    density, h = result.problem.density, result.problem.web_thickness
+    return (np.nan if density is None else density) * h * _length_per_volume(result, r)
 
 
 def finished_density(result: Any) -> Array:
@@ -61,14 +72,14 @@ def finished_density(result: Any) -> Array:
     return np.asarray(density_during_winding(result, r) / volume_ratio)
 
 
-def wound_mass(result: Any) -> float:
-    """Return the mass of all layers, per metre of width [kg/m]."""
+def wound_length(result: Any) -> float:
+    """Return the length of web without stress of all layers [m]."""
     points, weights = np.polynomial.legendre.leggauss(GAUSS)
     ends = np.union1d(result.radius, result.stage_radius)
     half = np.diff(ends)[:, None] / 2
     r = ends[:-1, None] + half * (1 + points)
-    density = density_during_winding(result, r.ravel()).reshape(r.shape)
-    return float(np.sum(half * weights * 2 * pi * r * density))
+    length = _length_per_volume(result, r.ravel()).reshape(r.shape)
+    return float(np.sum(half * weights * 2 * pi * r * length))
 
 
 def volume(result: Any) -> float:

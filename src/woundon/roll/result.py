@@ -14,7 +14,7 @@ import numpy as np
 from ..quantities import Quantity, length, line_load, pure, share, strain, stress
 from ..results import Residuals, Result
 from .certificate import certificate
-from .density import density_during_winding, finished_density, volume, wound_mass
+from .density import density_during_winding, finished_density, volume, wound_length
 from .finite_layers import finite_layer_effects, finite_layer_stresses
 from .growth import Growth
 from .stages import stage_arrays, stresses_between
@@ -163,21 +163,30 @@ class RollResult(Result):
         return Growth.of(np.log(self.stage_radius), self.layer_growth, self.stage_order)
 
     @property
-    def length(self) -> Annotated[float, length("L", "length of web on the roll", "m")]:
-        """Area of the end face of the roll divided by the web thickness [m]."""
+    def length(
+        self,
+    ) -> Annotated[float, length("L", "length of web, counted in layers without pressure", "m")]:
+        """Area of the end face divided by the thickness of the web without pressure [m]."""
         R, core = float(self.radius[-1]), float(self.radius[0])
-        return pi * (R**2 - core**2) / float(self.problem.web_thickness)
+        return pi * (R**2 - core**2) / self.problem.unloaded_thickness
+
+    @property
+    def wound_length(
+        self,
+    ) -> Annotated[float, length("L_w", "length of web, its layers compressed as wound", "m")]:
+        """Length of web without stress whose layers, compressed as wound, fill the roll [m]."""
+        return float(wound_length(self))
 
     @property
     def layer_count(self) -> Annotated[float, pure("n", "layers on the roll")]:
-        """Build-up divided by the thickness of the uncompressed web [1]."""
-        return float(self.radius[-1] - self.radius[0]) / float(self.problem.web_thickness)
+        """Build-up divided by the thickness of the web without pressure [1]."""
+        return float(self.radius[-1] - self.radius[0]) / self.problem.unloaded_thickness
 
     @property
     def mass(
         self,
     ) -> Annotated[float, Quantity("m", "kg/m", "mass of the web, per metre of width")]:
-        """Mass of the web with layers of full thickness [kg/m]; nan without its density."""
+        """Mass of ``length`` of the web [kg/m]; nan without its density."""
         density = self.problem.density
         if density is None:
             return float("nan")
@@ -213,8 +222,11 @@ class RollResult(Result):
     def wound_mass(
         self,
     ) -> Annotated[float, Quantity("m_w", "kg/m", "mass of the web with compressed layers")]:
-        """Mass of all layers, compressed by the pressure [kg/m]; nan as ``mass``."""
-        return float(wound_mass(self))
+        """Mass of ``wound_length`` of the web [kg/m]; nan as ``mass``."""
+        density = self.problem.density
+        if density is None:
+            return float("nan")
+        return self.wound_length * float(self.problem.web_thickness) * float(density)
 
     @property
     def mean_density(

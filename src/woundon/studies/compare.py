@@ -32,7 +32,7 @@ from ..quantities import Quantity, walk
 from ..results import Presented, ReadOnly
 from .explanations import Explanation, Inputs, explain
 from .kind_model import KindModel, field_quantity, get_field, model_of
-from .measurements import TAB, Observations, error_at, predict, read_observations
+from .measurements import TAB, Observations, definitions, error_at, predict, read_observations
 from .progress import Progress, progress_reporter
 from .pull_tab import PullTab
 
@@ -99,6 +99,8 @@ class Comparison(Presented, ReadOnly):
         they are used for trends only.
     failures : tuple of str
         Why a value has no prediction, '' if it has one.
+    notes : tuple of str
+        Definitions of measured quantities that have two.
     quantities : mapping of str to Quantity
     explanations : tuple of Explanation
         Possible causes of systematic differences; the data do not decide between them.
@@ -127,6 +129,7 @@ class Comparison(Presented, ReadOnly):
     quantities: Mapping[str, Quantity]
     problem: Any
     covariates: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
     explanations: tuple[Explanation, ...] = field(default=())
 
     @property
@@ -205,6 +208,7 @@ class Comparison(Presented, ReadOnly):
             texts.append(f"{count} without a prediction, e.g. row {number}: {reason}")
         for name in self.covariates:
             texts.append(f"{name} is not part of this problem: it is used for trends only")
+        texts += self.notes
         for explanation in self.explanations:
             texts += explanation.lines()
         return texts
@@ -379,6 +383,7 @@ def compare(
         problem=problem,
         inputs={name: values[data.rows] for name, values in data.inputs.items()},
         covariates=covariates,
+        notes=tuple(definitions(solved[0].result, data.names)) if solved else (),
     )
     inputs = cache(lambda: _inputs(model, data, solved))
     return replace(comparison, explanations=explain(comparison, inputs))

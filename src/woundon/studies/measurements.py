@@ -1,19 +1,15 @@
 """Measured quantities of a winder and their predictions by the result of any kind of problem.
 
-    scalar output                     the result's own
-    scalar output at a diameter       that of the roll when its surface was there
-    array over the radius at a radius interpolated in the finished roll
-    length at a diameter              length of web laid, the layers pressed thinner
-    pull_tab_force at a radius        converted to a pressure by the calibration of the tab
-
-The length of web laid up to the radius s follows from the density rho_w by which the roll grows,
-L = integral of 2 pi r rho_w dr / (rho h) from the core to s, with the density rho and the thickness
-h of the web; rho cancels (:mod:`woundon.roll.density`).
+scalar output                     the result's own
+scalar output at a diameter       that of the roll when its surface was there
+array over the radius at a radius interpolated in the finished roll
+length, at a diameter             wound_length: length of web, its layers compressed as wound
+pull_tab_force at a radius        converted to a pressure by the calibration of the tab
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import nan
 from typing import Any, get_args, get_type_hints
@@ -27,7 +23,14 @@ from .kind_model import columns_of, conversion_of, kind_of, measurable_outputs, 
 from .measured import read_measured
 from .pull_tab import PullTab
 
-__all__ = ["Observations", "arrays_over_radius", "error_at", "predict", "read_observations"]
+__all__ = [
+    "Observations",
+    "arrays_over_radius",
+    "definitions",
+    "error_at",
+    "predict",
+    "read_observations",
+]
 
 Array = np.ndarray
 
@@ -40,7 +43,6 @@ FORCE = Quantity("F_t", "N", "force that moves a pull tab")
 TAB = "pull tab"  # name of the uncertainty of its calibration
 TAB_FORCE, PRESSURE, LENGTH = "pull_tab_force", "pressure", "length"
 SURFACE = 1 - 1e-6  # of the radius of a roll: below it by less than the rounding of a table
-REFERENCE_DENSITY = 1000.0  # of the web [kg/m^3], where a length is computed: it cancels
 
 
 @dataclass(frozen=True, eq=False)
@@ -199,8 +201,8 @@ def predict(result: Any, name: str, position: float) -> float:
     """
     roll = getattr(result, "roll", result)
     at_radius = position == position
-    if name == LENGTH and hasattr(roll, "wound_mass"):
-        return _length_laid(roll, position)
+    if name == LENGTH and hasattr(roll, "wound_length"):
+        return float((roll.at(position) if at_radius else roll).wound_length)
     if not at_radius:
         return float(value_of(result, name))
     if name == PRESSURE and hasattr(roll, "radius") and position >= SURFACE * roll.radius[-1]:
@@ -226,11 +228,16 @@ def predict(result: Any, name: str, position: float) -> float:
     return float(np.interp(position, holder.radius, values))
 
 
-def _length_laid(roll: Any, position: float) -> float:
-    """Return the length of web wound up to a radius, with compressed layers [m]."""
-    known = roll.replace(problem=roll.problem.replace(density=REFERENCE_DENSITY))
-    stage = known if position != position else known.at(position)
-    return float(stage.wound_mass / (REFERENCE_DENSITY * roll.problem.web_thickness))
+def definitions(result: Any, names: Sequence[str]) -> Iterator[str]:
+    """Yield the definitions of measured quantities that have two, with their values."""
+    roll = getattr(result, "roll", result)
+    if LENGTH in names and hasattr(roll, "wound_length"):
+        known = scalar_outputs(type(roll))
+        texts = (
+            f"{known[name].meaning} ({name}), {known[name].text(value_of(roll, name), '.5g')}"
+            for name in ("wound_length", LENGTH)
+        )
+        yield f"{LENGTH}: compared is the {'; the finished roll also has the '.join(texts)}"
 
 
 def error_at(result: Any, name: str, position: float) -> float:

@@ -206,9 +206,18 @@ class WindingResult(WithMargins, Result):
         return self.roll.least_hoop_stress
 
     @property
-    def length(self) -> Annotated[float, length("L", "length of web on the roll", "m")]:
-        """Length of web on the roll [m]."""
+    def length(
+        self,
+    ) -> Annotated[float, length("L", "length of web, counted in layers without pressure", "m")]:
+        """Length of web on the roll, of layers without pressure [m]."""
         return self.roll.length
+
+    @property
+    def wound_length(
+        self,
+    ) -> Annotated[float, length("L_w", "length of web, its layers compressed as wound", "m")]:
+        """Length of web on the roll, of layers compressed as wound [m]."""
+        return self.roll.wound_length
 
     @property
     def mass(
