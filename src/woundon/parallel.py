@@ -4,6 +4,7 @@
     in_processes(work, items, workers)      yields (item, work(item)) as they are done
     Worker().submit(work, item)             a process that works at one item at a time
     progress(fraction)                      called by long work; raises Cancelled when that is asked
+    terminations_as_interrupts()            SIGTERM and SIGHUP end a command as Ctrl-C does
 
 A worker is a loky executor of joblib with a single process: it is known which item a process died
 over, and one that is stopped does not affect the others.  Work that is defined in a script is
@@ -42,6 +43,7 @@ __all__ = [
     "one_thread",
     "progress",
     "stoppable",
+    "terminations_as_interrupts",
     "usable_cores",
 ]
 
@@ -155,10 +157,11 @@ def progress(fraction: float) -> None:
 
 
 def _prepare(flag: str, parent: Any, prepare: Callable[[], Any] | None) -> None:
-    """Prepare a worker: ignore Ctrl-C, which its parent handles, and end with the parent."""
+    """Prepare a worker: ignore the signals that its parent handles, and end with the parent."""
     global _flag
     _flag = flag
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    for number in INTERRUPTS:
+        signal.signal(number, signal.SIG_IGN)
     threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
     if prepare is not None:
         prepare()
@@ -169,6 +172,45 @@ def _end_with(parent: Any) -> None:
     with suppress(EOFError, OSError):
         parent.recv()
     os._exit(1)
+
+
+# ---- signals that end a command ----------------------------------------------------------------
+
+# sent by "kill", by batch systems and service managers, and when a terminal closes; Windows has
+# no SIGHUP
+TERMINATIONS = {getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)}
+INTERRUPTS = {signal.SIGINT, *TERMINATIONS}
+
+
+@contextmanager
+def terminations_as_interrupts() -> Iterator[list[int]]:
+    """Let SIGTERM and SIGHUP do what Ctrl-C does; provide the list of those that arrive.
+
+    A signal that is ignored, as SIGHUP under nohup, or that has a handler, is left alone.
+    """
+    arrived: list[int] = []
+
+    def interrupt(number: int, frame: types.FrameType | None) -> None:
+        """Call the present handler of Ctrl-C."""
+        arrived.append(number)
+        handler = signal.getsignal(signal.SIGINT)
+        if not callable(handler):  # Ctrl-C is ignored, as in the background of a shell
+            handler = signal.default_int_handler
+        handler(number, frame)
+
+    in_main_thread = threading.current_thread() is threading.main_thread()
+    caught = [
+        number
+        for number in TERMINATIONS
+        if in_main_thread and signal.getsignal(number) is signal.SIG_DFL
+    ]
+    for number in caught:
+        signal.signal(number, interrupt)
+    try:
+        yield arrived
+    finally:
+        for number in caught:
+            signal.signal(number, signal.SIG_DFL)
 
 
 # ---- workers ------------------------------------------------------------------------------------
@@ -287,15 +329,18 @@ def _interrupts_deferred() -> Iterator[None]:
 
 @contextmanager
 def _interrupts_masked() -> Iterator[None]:
-    """Mask Ctrl-C in this thread and in the processes that it starts."""
+    """Mask Ctrl-C, SIGTERM and SIGHUP in this thread and in the processes that it starts."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
     from joblib.externals.loky.backend import resource_tracker
 
-    resource_tracker.ensure_running()  # which would lift the mask
-    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, TERMINATIONS)
     try:
+        # the tracker ignores Ctrl-C and SIGTERM, and inherits the mask of SIGHUP; its start would
+        # lift the mask of Ctrl-C and SIGTERM
+        resource_tracker.ensure_running()
+        signal.pthread_sigmask(signal.SIG_BLOCK, INTERRUPTS)
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, mask)
@@ -389,7 +434,9 @@ def stoppable(finishing: str) -> Iterator[Callable[[], bool]]:
     pressed: list[int] = []
 
     def note(number: int, frame: types.FrameType | None) -> None:
-        """Count the signal; the next Ctrl-C raises KeyboardInterrupt."""
+        """Count Ctrl-C; the next one, or another signal, raises KeyboardInterrupt."""
+        if number != signal.SIGINT:  # its sender does not wait for a chunk
+            signal.default_int_handler(number, frame)
         pressed.append(number)
         signal.signal(signal.SIGINT, signal.default_int_handler)
         with suppress(RuntimeError):  # pressed while this stream was being written to

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import logging
 import signal
 import socket
 import threading
+import types
 from collections.abc import Iterable, Iterator
 from typing import Any
 
@@ -113,6 +115,11 @@ class _Server(uvicorn.Server):
         """Start the server; stop it at once if Ctrl-C was pressed before."""
         await super().startup(sockets)
         self.should_exit |= bool(self.pressed)
+
+    def handle_exit(self, sig: int, frame: types.FrameType | None) -> None:
+        """Stop without a report for every request that is cancelled."""
+        logging.getLogger("uvicorn.error").setLevel(logging.CRITICAL)
+        super().handle_exit(sig, frame)
 
 
 def serve(

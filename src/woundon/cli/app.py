@@ -78,6 +78,7 @@ def app(port: int, no_browser: bool, host: str, names: tuple[str, ...], token: s
         if not no_browser:
             threading.Timer(0.3, webbrowser.open, [address]).start()
         serve(socket, (host, *names), token, pressed=pressed)
+    click.echo("stopped; open pages keep their cases until the server is started again", err=True)
 
 
 def _address(host: str, names: tuple[str, ...], port: int, token: str) -> str:

@@ -4,12 +4,13 @@ Every command stands in a module of this package; plug-ins add theirs (:mod:`wou
 Libraries that take long to import are imported inside the commands, so that ``--help`` is fast.
 
 Exit codes: 0 success, 2 invalid input (one line for each error), 3 not converged or (``find``) no
-solution in the range, 130 interrupted by Ctrl-C.
+solution in the range, 130 interrupted by Ctrl-C, 143 by SIGTERM, 129 by SIGHUP.
 """
 
 from __future__ import annotations
 
 import os
+import signal
 import sys
 import warnings
 from collections.abc import Iterator, Sequence
@@ -20,7 +21,7 @@ import click
 
 from .. import __version__, plugins
 from ..errors import InvalidProblem, NoSolution, NotConverged, did_you_mean, printable_line
-from ..parallel import environment
+from ..parallel import environment, terminations_as_interrupts
 from .app import app
 from .compare import compare
 from .describe import describe, grades, materials
@@ -37,7 +38,8 @@ __all__ = ["commands", "main"]
 
 INVALID_INPUT = 2
 NOT_CONVERGED = 3
-INTERRUPTED = 130  # the exit code of shells after Ctrl-C
+SIGNAL = 128  # shells add the number of the signal that ended a command
+INTERRUPTED = SIGNAL + signal.SIGINT
 
 SECTIONS = {
     "Cases": (new, describe, solve, report, app),
@@ -57,7 +59,8 @@ def main(args: Sequence[str] | None = None) -> int:
     for name, value in environment().items():  # read by NumPy when it is imported
         os.environ.setdefault(name, value)
     code = INTERRUPTED
-    try:
+    with suppress(KeyboardInterrupt), terminations_as_interrupts() as arrived:
+        # a second signal does not change the exit code
         try:
             with _warnings_in_one_line():
                 code = _run(args)
@@ -68,9 +71,7 @@ def main(args: Sequence[str] | None = None) -> int:
                 stream.flush()
             except OSError:  # Python would report it when it exits
                 os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
-    except KeyboardInterrupt:  # a second Ctrl-C does not change the exit code
-        pass
-    return code
+    return SIGNAL + arrived[0] if arrived else code
 
 
 def _run(args: Sequence[str] | None) -> int:
@@ -92,13 +93,13 @@ def _run(args: Sequence[str] | None) -> int:
         return INVALID_INPUT
     except click.ClickException as fault:
         return _print_errors([fault.format_message()], INVALID_INPUT)
-    except click.Abort:
-        return INTERRUPTED
+    except click.Abort as fault:
+        return _print_interruption(str(fault))
     except RuntimeError as fault:
         # Python 3.11 raises it for Ctrl-C while a class is defined, as during an import
         if not isinstance(fault.__cause__, KeyboardInterrupt):
             raise
-        return INTERRUPTED
+        return _print_interruption()
     except BrokenPipeError:
         raise
     except OSError as fault:
@@ -112,6 +113,13 @@ def _print_errors(lines: Sequence[str], code: int) -> int:
         for line in lines:
             click.secho(f"error: {printable_line(line)}", fg="red", err=True)
     return code
+
+
+def _print_interruption(text: str = "") -> int:
+    """Print one line to the error channel, whose terminal may be closed; return the exit code."""
+    with suppress(OSError):
+        click.echo(text or "interrupted; nothing is kept", err=True)
+    return INTERRUPTED
 
 
 @contextmanager
@@ -146,6 +154,8 @@ class Commands(click.Group):
             return super().invoke(ctx)
         except BrokenPipeError:
             raise _ClosedPipeError from None
+        except KeyboardInterrupt:  # click would print an empty line
+            raise click.Abort from None
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """Return the names of all commands."""

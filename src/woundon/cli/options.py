@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +28,7 @@ __all__ = [
     "Pair",
     "as_number",
     "check_output_files",
+    "resumable",
 ]
 
 
@@ -159,6 +162,18 @@ JSON = click.option("--json", "as_json", is_flag=True, help="Print the complete 
 NODES = click.option("--nodes", type=int, help="Number of nodes on the last mesh.")
 RTOL = click.option("--rtol", type=float, help="Relative error of the solver.")
 WORKERS = click.option("--workers", type=int, help="Number of processes; by default one per core.")
+
+
+@contextmanager
+def resumable(out: Path | None) -> Iterator[None]:
+    """End a study in a folder, after Ctrl-C, with a line that says how to resume it."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        if out is None:
+            raise
+        text = f"interrupted; the solved cases are in {out}, --resume continues"
+        raise click.Abort(text) from None
 
 
 def check_output_files(plot: Path | None, *others: Path | None) -> None:

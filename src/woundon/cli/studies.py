@@ -24,6 +24,7 @@ from .options import (
     WORKERS,
     FieldRange,
     check_output_files,
+    resumable,
 )
 
 if TYPE_CHECKING:
@@ -140,15 +141,10 @@ def _export_folder(out: Path, export_to: Path | None) -> Path:
 
 def _resumable(run: Callable[..., Any], *args: Any, **kwargs: Any) -> Any:
     """Run a study; after Ctrl-C say how to resume it."""
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("always")
-            warnings.simplefilter("ignore", ValidityWarning)  # the summary counts them
-            return run(*args, **kwargs)
-    except KeyboardInterrupt:
-        text = f"interrupted; the solved cases are in {kwargs['out']}, --resume continues"
-        click.echo(text, err=True)
-        raise click.Abort from None
+    with resumable(kwargs["out"]), warnings.catch_warnings():
+        warnings.simplefilter("always")
+        warnings.simplefilter("ignore", ValidityWarning)  # the summary counts them
+        return run(*args, **kwargs)
 
 
 def _print_summary(table: Table, seconds: float) -> int:

@@ -19,6 +19,7 @@ from .options import (
     Pair,
     as_number,
     check_output_files,
+    resumable,
 )
 
 __all__ = ["window"]
@@ -129,7 +130,7 @@ def window(
         if plot:
             result.plot(plot)
 
-    with unwarned():
+    with resumable(out), unwarned():
         result = operating_window(
             problem,
             **ranges,

@@ -59,8 +59,8 @@ def thesis(
                 click.echo("\n".join(_brief(one)) if everything else one.judged.report())
                 tell()
     except KeyboardInterrupt:
-        click.echo(f"stopped; {len(done)} of {len(wanted)} are in {out}", err=True)
-        raise
+        text = f"interrupted; {len(done)} of {len(wanted)} are in {out}"
+        raise click.Abort(text) from None
     if everything:
         click.echo(_total(done))
         (out / "index.md").write_text(summary(done), encoding="utf-8")
