@@ -150,6 +150,33 @@ def test_describe_lists_fields_outputs_and_options(kind, capsys: Capture):
     assert ranges.get(kind.name, "(1e-08 to 10)") in text
 
 
+def test_describe_states_which_fields_are_required(capsys: Capture):
+    assert cli.main(["describe", "roll"]) == 0
+    text = " ".join(capsys.readouterr().out.split())
+    assert "(> 0 to 1e+12); required unless inner_radius and material define a tube" in text
+    assert "web thickness, 10 to 500 (> 0 to 100000); or from a grade" in text
+    assert "shrinkage of the core in the finished roll (-10 to 10); default 0" in text
+
+
+@pytest.mark.parametrize(
+    ("command", "hint"),
+    [
+        (["report", "x.toml", "-o", "y.html"], "'-o'; did you mean --out?"),
+        (["solve", "x.toml", "-o", "y.html"], "'-o'; known: --help, --json, --plot, --save"),
+        (["sweep", "--otu", "x"], "'--otu'; did you mean '--out'?"),
+    ],
+)
+def test_an_unknown_option_names_the_right_one(command, hint, capsys: Capture):
+    assert cli.main(command) == 2
+    assert capsys.readouterr().err.startswith(f"error: No such option {hint}")
+
+
+def test_an_unknown_name_of_the_package_names_those_like_it():
+    with pytest.raises(AttributeError, match=r"'load'; did you mean load_case or load_result\?"):
+        wo.load  # noqa: B018
+    assert not hasattr(wo, "xyzzy")
+
+
 # ---- processes of its own ------------------------------------------------------------------------
 
 

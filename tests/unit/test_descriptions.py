@@ -12,6 +12,9 @@ import numpy as np
 import pytest
 
 import woundon as wo
+from woundon import kinds
+from woundon.problems.permitted import requirement
+from woundon.quantities import members_of
 
 
 def nip(**changes: Any) -> wo.NipProblem:
@@ -134,3 +137,68 @@ def test_errors_survive_pickling_with_their_faults(kind: type[wo.InvalidProblem]
     assert type(other) is kind
     assert other.faults == (("case.web.thickness", "66 is out of range"), ("case", "odd"))
     assert str(other) == str(error) == "case.web.thickness: 66 is out of range\ncase: odd"
+
+
+# ---- required and optional fields ----------------------------------------------------------------
+
+RUBBER = wo.Isotropic(youngs_modulus=5e6, poissons_ratio=0.45, prony=[(3e6, 1e-3)])
+STACK = wo.RollProblem.example().stack
+PFEIFFER = wo.Pfeiffer(K1=1e4, K2=40.0)
+TABLE = wo.Profile(radius=[0.05, 0.6], value=[300.0, 400.0])
+COVER = wo.HalfPlane(radius=0.1, material=RUBBER)
+WINDING = wo.WindingProblem.example()
+# Every class, and each way to meet a condition.
+EXAMPLES = [
+    *DESCRIPTIONS, RUBBER, RUBBER.prony[0], STACK, PFEIFFER, TABLE,
+    STACK.replace(radial=2e7).radial,
+    wo.LossAngle(youngs_modulus=5e6, poissons_ratio=0.45, loss_angle=0.1, frequency=100.0),
+    wo.DynamicTest(
+        poissons_ratio=0.45, frequency=[1.0, 10.0, 100.0],
+        storage_modulus=[5e6, 5.5e6, 6e6], loss_modulus=[5e5, 5e5, 5e5]),
+    wo.Polynomial(coefficients=[1e6, 40.0]), wo.PowerLaw(E0=1e6, k=2e7, m=0.9),
+    wo.StackTest(pressure=[1e3, 1e4, 1e5, 1e6], strain=[0.002, 0.02, 0.07, 0.13]),
+    wo.AirBetween(law=PFEIFFER, film=2e-6, web_thickness=66e-6),
+    wo.Layer(thickness=0.01, material=RUBBER),
+    wo.Layered(radius=0.1, layers=[wo.Layer(thickness=0.01, material="rubber")]),
+    wo.WoundRoll(radius=0.1, core_radius=0.0445, stack=STACK, pressure=2e5),
+    wo.Taper(start=350.0, taper=0.3), wo.Limits(blocking_pressure=1e6), wo.Air(roughness=3e-6),
+    wo.Core(radius=0.05, stiffness=1e9),
+    wo.Core(radius=0.05, inner_radius=0.04, material="steel"),
+    nip(air=wo.Air(roughness=3e-6), web_speed=10.0),
+    rollers().replace(upper=COVER, speed=10.0),
+    wo.RollProblem.example(), WINDING, WINDING.replace(drum=COVER, web_speed=10.0),
+    WINDING.replace(tension_law="fixed", nip_induced_tension=50.0),
+    WINDING.replace(**{"limits.acceleration": 1.0}),
+]  # fmt: skip
+
+
+def reachable() -> set[type]:
+    """Return the classes of all descriptions that a case of any kind may contain."""
+    waiting: list[type] = [
+        k.problem for k in kinds.every() if k.problem.__module__[:7] == "woundon"
+    ]
+    for model in waiting:  # grows in the loop
+        members = {m for f in model.model_fields.values() for m in members_of(f.annotation)}
+        waiting += [member for member in members if member not in waiting]
+    return {model for model in waiting if model.__module__.startswith("woundon")}
+
+
+@pytest.mark.parametrize("model", sorted(reachable(), key=lambda m: m.__name__))
+def test_described_as_required_is_what_the_constructor_demands(model: Any) -> None:
+    examples = [example for example in EXAMPLES if type(example) is model]
+    assert examples
+    for name, field in model.model_fields.items():
+        can_be_omitted = set()
+        for example in examples:
+            others = {n: getattr(example, n) for n in model.model_fields if n != name}
+            try:
+                model(**others)
+            except wo.InvalidProblem as error:
+                can_be_omitted.add(name not in dict(error.faults))
+            else:
+                can_be_omitted.add(True)
+        note = requirement(field)
+        if note.startswith("required"):  # on a condition
+            assert can_be_omitted == {True, False}, name
+        else:
+            assert can_be_omitted == {note != ""}, name

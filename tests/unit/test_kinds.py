@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from functools import cache
 from typing import Annotated, Any
@@ -11,7 +12,7 @@ import pytest
 import woundon as wo
 from woundon import kinds, plugins
 from woundon.problems.fields import Number
-from woundon.quantities import length, line_load
+from woundon.quantities import find, length, line_load, output
 from woundon.report.plots import PANELS
 from woundon.report.result_report import REPORTS
 
@@ -20,6 +21,7 @@ OWN = {
     "rollers": (wo.RollerProblem, wo.RollerResult),
     "roll": (wo.RollProblem, wo.RollResult),
 }
+KINDS = (*OWN, "winding")
 # an option of each out of range
 WRONG = dict.fromkeys(OWN, ("nodes", 3)) | {"roll": ("rtol", 3)}
 
@@ -159,3 +161,31 @@ def test_plug_ins_are_imported_once_before_the_first_look_up(
     assert wo.solve(HAMMOCK).sag == pytest.approx(5e-3)
     assert kinds.named("hammock") is kinds.of(HAMMOCK)
     assert loaded == ["hammock"]
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_a_field_of_another_kind_is_rejected_with_its_counterpart(name: str) -> None:
+    """Every field of every other kind: a field or output in its place, or the kind that has it."""
+    model, result = kinds.named(name).problem, kinds.named(name).result
+    classes = {kinds.named(other).problem.__name__: kinds.named(other).problem for other in KINDS}
+    foreign = {f for other in classes.values() for f in other.model_fields} - set(
+        model.model_fields
+    )
+    assert len(foreign) > 10
+    for field in foreign:
+        with pytest.raises(wo.InvalidProblem) as report:
+            model.example().replace(**{field: 1.0})
+        (text,) = (text for path, text in report.value.faults if path == field)
+        assert "known:" not in text, (field, text)
+        words = re.findall(r"[\w.]+", text.removeprefix(f"no such field in {model.__name__}"))
+        named = [classes[word] for word in words if word in classes]
+        assert all(field in other.model_fields for other in named), text
+        own = [word for word in words if find(model, word) or output(result, word)]
+        assert named or own or "it is an output" in text, (field, text)
+        if text.endswith("it is an output"):
+            assert output(result, field), text
+
+
+def test_the_torque_split_of_a_nip_is_its_winding_force() -> None:
+    with pytest.raises(wo.InvalidProblem, match=r"winding_force = -torque_split \* web_tension"):
+        wo.NipProblem.example().replace(torque_split=0.5)

@@ -20,7 +20,14 @@ from typing import Any
 import click
 
 from .. import __version__, plugins
-from ..errors import InvalidProblem, NoSolution, NotConverged, did_you_mean, printable_line
+from ..errors import (
+    InvalidProblem,
+    NoSolution,
+    NotConverged,
+    did_you_mean,
+    one_of,
+    printable_line,
+)
 from ..parallel import environment, terminations_as_interrupts
 from .app import app
 from .compare import compare
@@ -91,6 +98,8 @@ def _run(args: Sequence[str] | None) -> int:
         with suppress(OSError):
             click.echo(fault.format_message(), err=True)
         return INVALID_INPUT
+    except click.NoSuchOption as fault:
+        return _print_errors([_no_such_option(fault)], INVALID_INPUT)
     except click.ClickException as fault:
         return _print_errors([fault.format_message()], INVALID_INPUT)
     except click.Abort as fault:
@@ -105,6 +114,16 @@ def _run(args: Sequence[str] | None) -> int:
     except OSError as fault:
         place = f"{fault.filename}: " if fault.filename else ""
         return _print_errors([f"{place}{fault.strerror or fault}"], INVALID_INPUT)
+
+
+def _no_such_option(fault: click.NoSuchOption) -> str:
+    """Return the message for an unknown option, with those of the command that are like it."""
+    name = fault.option_name
+    params = fault.ctx.command.params if fault.ctx else []
+    known = [option for param in params for option in param.opts if option.startswith("--")]
+    alike = [option for option in known if option[2:].startswith(name.lstrip("-"))]
+    hint = f"; did you mean {one_of(alike)}?" if alike else did_you_mean(name, [*known, "--help"])
+    return f"No such option {name!r}{hint}"
 
 
 def _print_errors(lines: Sequence[str], code: int) -> int:

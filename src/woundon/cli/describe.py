@@ -65,7 +65,11 @@ def _lines(rows: list[Row]) -> Iterator[str]:
 
 def _field_tables(problem: type[Any]) -> Iterator[tuple[str, list[Row]]]:
     """Yield the fields of a problem, then those of its members, every member once."""
-    yield "Fields of a case", [_field_row(name, f) for name, f in problem.model_fields.items()]
+    graded = getattr(problem, "graded", ())
+    yield (
+        "Fields of a case; required unless they have a default or are optional",
+        [_field_row(name, f, name in graded) for name, f in problem.model_fields.items()],
+    )
     for names, members in _members(problem):
         kind: Row = ("kind", "", "", one_of(map(_member_name, members)))
         rows = [kind] if len(members) > 1 else []
@@ -106,19 +110,21 @@ def _member_name(member: Any) -> str:
     return str(member.member_name()) if hasattr(member, "member_name") else member.__name__
 
 
-def _field_row(name: str, field: Any) -> Row:
-    """Return name, symbol, unit and meaning of a field."""
+def _field_row(name: str, field: Any, is_graded: bool = False) -> Row:
+    """Return name, symbol, unit and meaning of a field, and whether it is required."""
     from ..io.case_texts import field_comment, field_ranges
+    from ..problems.permitted import requirement
     from ..quantities import members_of, quantity_of
 
-    quantity = quantity_of(field)
+    quantity, note = quantity_of(field), requirement(field)
+    if is_graded and not note:
+        note = "or from a grade"
     if quantity is None:
-        text = field_comment(field)
-        return name, "", "", text or ("see below" if members_of(field.annotation) else "")
+        text = field_comment(field) or ("see below" if members_of(field.annotation) else "")
+        return name, "", "", "; ".join(filter(None, (text, note)))
     ranges = field_ranges(field, quantity, with_unit=False)
     meaning = f"{quantity.meaning}, {ranges}".replace(", (", " (").removesuffix(", ")
-    optional = "" if field.is_required() or field.default is not None else "; optional"
-    return name, quantity.symbol, quantity.display or "-", f"{meaning}{optional}"
+    return name, quantity.symbol, quantity.display or "-", "; ".join(filter(None, (meaning, note)))
 
 
 def _output_tables(result: type[Any]) -> Iterator[tuple[str, list[Row]]]:

@@ -17,7 +17,7 @@ from ..problems.description import Description
 from ..problems.family import Family
 from ..problems.grades import grade, grades, states_all
 from ..problems.materials import MATERIALS
-from ..problems.permitted import bounds
+from ..problems.permitted import bounds, requirement
 from ..problems.problem import Problem
 from ..problems.units import text_with_unit
 from ..quantities import Quantity, members_of, quantity_of
@@ -386,7 +386,8 @@ def field_comment(field: Any) -> str:
     if ranges:
         comma = "" if ranges.startswith("(") else ","
         text += f"{comma} {ranges.replace(' ', _UNBREAKABLE).replace(f'{_UNBREAKABLE}(', ' (')}"
-    return text if field.is_required() or field.default is not None else f"{text}; optional"
+    note = requirement(field)
+    return text if not note or note.startswith("default") else f"{text}; {note}"
 
 
 def field_ranges(field: Any, quantity: Quantity, with_unit: bool = True) -> str:

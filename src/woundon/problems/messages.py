@@ -119,6 +119,8 @@ def no_such_field(name: str, model: type[BaseModel]) -> str:
             f"no such field in {model.__name__}, but in {one_of(owners, 'and')}; "
             f"known: {', '.join(fields)}"
         )
+    if name in (counterparts := getattr(model, "counterparts", {})):
+        return f"no such field in {model.__name__}: {counterparts[name]}"
     # The user may know the symbol ("P"), a word of the meaning, or a part of the name ("friction").
     similar = [
         known

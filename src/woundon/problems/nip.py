@@ -21,6 +21,8 @@ from .consistency import different_moduli
 from .contact_problem import ContactProblem
 from .fields import Nested, Number, OptionalNested, OptionalNumber, default
 from .materials import material
+from .permitted import Conditional
+from .problem import OF_FINISHED_ROLL, only_in
 from .stack import Stack
 from .web import Web
 
@@ -126,6 +128,23 @@ class NipProblem(ContactProblem):
     pair: ClassVar[tuple[str, str]] = ("roll", "drum")
     speed_field: ClassVar[str] = "web_speed"
     tables: ClassVar[Mapping[str, tuple[str, ...]]] = WRAP_TABLE
+    counterparts: ClassVar[Mapping[str, str]] = {
+        "torque_split": "give winding_force = -torque_split * web_tension [N/m]",
+        "tangential_load": "give winding_force",
+        "creepage": "it is an output, drum_creepage",
+        "upper": "give roll",
+        "lower": "give drum",
+        "radius": "give roll.radius",
+        "core": "give roll.core_radius",
+        "stack": "give roll.stack of a wound roll, or web.material",
+        "web_thickness": "give web.thickness",
+        "wound_on_tension": "it is an output",
+        "nip_induced_tension": "it is an output; a WindingProblem may prescribe it",
+        "roll_body": "give roll, a cylinder or a wound roll",
+        **only_in("WindingProblem", "tension_law", "limits", "density", "gauge_excess"),
+        **only_in("RollProblem", *OF_FINISHED_ROLL),
+        **only_in("RollerProblem", "motion"),
+    }
 
     # Fields that the grade supplies are required without one; type checkers must accept both.
     if TYPE_CHECKING:
@@ -153,6 +172,7 @@ class NipProblem(ContactProblem):
         OptionalNumber,
         velocity("V", "web speed", (1.0, 50.0)),
         Field(ge=0, le=1e4),
+        Conditional("required with air or a viscoelastic body"),
     ] = default(None)
     air: Annotated[OptionalNested[Air], Field(description="entrained air")] = default(None)
     width: Width = default(None)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any, get_args
 
 from pydantic.fields import FieldInfo
@@ -9,7 +10,15 @@ from pydantic.fields import FieldInfo
 from ..errors import one_of
 from ..quantities import members_of, quantity_of
 
-__all__ = ["accepts_number", "admissible", "bounds", "is_within", "unit_of"]
+__all__ = [
+    "Conditional",
+    "accepts_number",
+    "admissible",
+    "bounds",
+    "is_within",
+    "requirement",
+    "unit_of",
+]
 
 ROUNDING = 1e-9  # relative; inputs are often computed, such as radius = core + 10 layers
 
@@ -17,6 +26,33 @@ ROUNDING = 1e-9  # relative; inputs are often computed, such as radius = core + 
 def is_within(value: Any, low: float, high: float) -> Any:
     """Return True where low <= value <= high, except for rounding errors of computed bounds."""
     return (low - ROUNDING * abs(low) <= value) & (value <= high + ROUNDING * abs(high))
+
+
+@dataclass(frozen=True)
+class Conditional:
+    """Metadata of a field with the default None that some descriptions require: when, in words."""
+
+    text: str
+
+
+def requirement(field: FieldInfo) -> str:
+    """Return when a field may be left out; empty for a field that is always required.
+
+    >>> from woundon import NipProblem
+    >>> [requirement(NipProblem.model_fields[n]) for n in ("nip_load", "winding_force", "width")]
+    ['', 'default 0', 'optional']
+    """
+    condition = next((part for part in field.metadata if isinstance(part, Conditional)), None)
+    if condition is not None:
+        return condition.text
+    if field.is_required():
+        return ""
+    if isinstance(field.default, str):
+        return f'default "{field.default}"'
+    quantity = quantity_of(field)
+    if quantity is None or not isinstance(field.default, float):
+        return "optional"
+    return f"default {quantity.shown(field.default):.6g}"
 
 
 def bounds(field: FieldInfo) -> list[tuple[str, float]]:

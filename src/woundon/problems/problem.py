@@ -9,7 +9,21 @@ from ..errors import InvalidProblem
 from .description import Description
 from .grades import Grade, changes_of_grade, grade, warn_of_contradictions, with_grade
 
-__all__ = ["Problem"]
+__all__ = ["OF_FINISHED_ROLL", "Problem", "only_in"]
+
+# Fields of a RollProblem: changes after winding.
+OF_FINISHED_ROLL = (
+    "temperature_change",
+    "tangential_expansion",
+    "radial_expansion",
+    "core_expansion",
+    "core_shrinkage",
+)
+
+
+def only_in(kind: str, *names: str) -> dict[str, str]:
+    """Return counterparts of fields that only another kind of problem has."""
+    return dict.fromkeys(names, f"only a {kind} has it")
 
 
 class Problem(Description):
@@ -23,6 +37,9 @@ class Problem(Description):
         Fields that a case file groups in a table, by the name of the table.
     graded : tuple of str
         Fields that ``grade = "newsprint"`` supplies.
+    counterparts : mapping of str to str
+        Name of a field of another kind -> what a problem of this kind has in its place, for the
+        message that rejects it.
 
     Examples
     --------
@@ -33,6 +50,7 @@ class Problem(Description):
 
     tables: ClassVar[Mapping[str, tuple[str, ...]]] = {}
     graded: ClassVar[tuple[str, ...]] = ()
+    counterparts: ClassVar[Mapping[str, str]] = {}
 
     def __init__(self, /, **fields: Any) -> None:
         super().__init__(**fields)

@@ -18,8 +18,8 @@ from .description import Description
 from .fields import Nested, Number, OptionalNumber, default
 from .materials import Isotropic, OptionalMaterial
 from .messages import quote
-from .permitted import is_within
-from .problem import Problem
+from .permitted import Conditional, is_within
+from .problem import Problem, only_in
 from .radial_laws import Pfeiffer, RadialLaw
 from .schedules import Curve, Profile, Taper, WindingSchedule, unused_in_tapers, values_of
 from .stack import AnyStack, Stack
@@ -83,11 +83,17 @@ class Core(Description):
         OptionalNumber,
         stress("E_c", "stiffness of the core", "MPa", (1e8, 1e11)),
         Field(gt=0, le=1e18),
+        Conditional("required unless inner_radius and material define a tube"),
     ] = default(None)
     inner_radius: Annotated[
-        OptionalNumber, length("r_i", "inner radius of a tube"), Field(ge=0)
+        OptionalNumber,
+        length("r_i", "inner radius of a tube"),
+        Field(ge=0),
+        Conditional("required with material, without stiffness"),
     ] = default(None)
-    material: OptionalMaterial = default(None)
+    material: Annotated[
+        OptionalMaterial, Conditional("required with inner_radius, without stiffness")
+    ] = default(None)
     if TYPE_CHECKING:
         diameter: InitVar[float | str] = Field(...)
         inner_diameter: InitVar[float | str] = Field(...)
@@ -175,6 +181,19 @@ class RollProblem(Problem):
     """
 
     graded: ClassVar[tuple[str, ...]] = ("stack", "web_thickness", "density")
+    counterparts: ClassVar[Mapping[str, str]] = {
+        "web": "give web_thickness and stack",
+        "roll": "give core, radius and stack",
+        "web_tension": "give wound_on_tension, web tension plus nip-induced tension",
+        "nip_induced_tension": "give wound_on_tension, web tension plus nip-induced tension",
+        "tension_law": "give wound_on_tension",
+        "limits": "give them to woundon.margins; a WindingProblem has it",
+        **only_in("WindingProblem", "drum", "roll_friction", "drum_friction", "nip_load"),
+        **only_in("WindingProblem", "winding_force", "torque_split", "roll_wrap", "drum_wrap"),
+        **only_in("WindingProblem", "wrap_friction", "roll_body", "web_speed", "air", "width"),
+        **only_in("RollerProblem", "upper", "lower", "load", "friction", "tangential_load"),
+        **only_in("RollerProblem", "creepage", "motion", "speed"),
+    }
 
     # Fields that the grade supplies are required without one; type checkers must accept both.
     if TYPE_CHECKING:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
@@ -13,7 +14,9 @@ from .bodies import AnyBody, HalfPlane
 from .contact_problem import ContactProblem
 from .fields import Number, OptionalNumber, default
 from .materials import material
-from .nip import LEAST_FRICTION
+from .nip import LEAST_FRICTION, WRAP_TABLE
+from .permitted import Conditional
+from .problem import OF_FINISHED_ROLL, only_in
 
 __all__ = ["RollerProblem"]
 
@@ -54,6 +57,22 @@ class RollerProblem(ContactProblem):
 
     pair: ClassVar[tuple[str, str]] = ("upper", "lower")
     speed_field: ClassVar[str] = "speed"
+    counterparts: ClassVar[Mapping[str, str]] = {
+        "roll": "give upper",
+        "drum": "give lower",
+        "roll_friction": "give friction",
+        "drum_friction": "give friction",
+        "nip_load": "give load",
+        "winding_force": "give tangential_load",
+        "web_speed": "give speed",
+        "radius": "give upper.radius and lower.radius",
+        "core": "give upper.core_radius",
+        "stack": "give upper.stack of a wound roll",
+        **only_in("NipProblem", "web", "web_tension", "air", "width", *WRAP_TABLE["wrap"]),
+        **only_in("RollProblem", "web_thickness", "wound_on_tension", *OF_FINISHED_ROLL),
+        **only_in("WindingProblem", "torque_split", "roll_body", "tension_law", "limits"),
+        **only_in("WindingProblem", "nip_induced_tension", "density", "gauge_excess"),
+    }
 
     upper: Annotated[AnyBody, Field(description="the upper roller")]
     lower: Annotated[AnyBody, Field(description="the lower roller")]
@@ -68,8 +87,9 @@ class RollerProblem(ContactProblem):
     motion: Literal["rolling", "static"] = "rolling"
     speed: Annotated[
         OptionalNumber,
-        velocity("V", "surface speed (needed with viscoelastic rollers)", (0.1, 50.0)),
+        velocity("V", "surface speed", (0.1, 50.0)),
         Field(gt=0, le=1e4),
+        Conditional("required with a viscoelastic roller"),
     ] = default(None)
 
     @model_validator(mode="after")

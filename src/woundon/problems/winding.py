@@ -31,8 +31,8 @@ from .nip import (
     Width,
     WrapFriction,
 )
-from .permitted import is_within
-from .problem import Problem
+from .permitted import Conditional, is_within
+from .problem import OF_FINISHED_ROLL, Problem, only_in
 from .radial_laws import Pfeiffer
 from .roll import Core, GaugeExcess, RollProblem
 from .schedules import (
@@ -164,6 +164,15 @@ class WindingProblem(Problem):
         "density",
         "limits",
     )
+    counterparts: ClassVar[Mapping[str, str]] = {
+        "roll": "give core, radius and stack",
+        "web_thickness": "give web.thickness",
+        "wound_on_tension": "give it as tension_law, a Profile",
+        "tangential_load": "give winding_force or torque_split",
+        "lower": "give drum",
+        **only_in("RollProblem", *OF_FINISHED_ROLL),
+        **only_in("RollerProblem", "upper", "creepage", "motion"),
+    }
 
     # Fields that the grade supplies are required without one; type checkers must accept both.
     if TYPE_CHECKING:
@@ -205,16 +214,20 @@ class WindingProblem(Problem):
     nip_induced_tension: Annotated[
         OptionalWindingSchedule,
         tension("NIT", "prescribed nip-induced tension, WOT - T_in", (0.0, 500.0)),
+        Conditional('required with tension_law = "fixed", not allowed otherwise'),
     ] = default(None)
     caliper_pressure: CaliperPressure = default(None)
-    density: WebDensity = default(None)
+    density: Annotated[WebDensity, Conditional("required with limits.acceleration")] = default(None)
     gauge_excess: GaugeExcess = default(0.0)
     limits: Annotated[Nested[Limits], Field(description="limits of web, roll and core")] = default(
         Limits()
     )
 
     web_speed: Annotated[
-        OptionalNumber, velocity("V", "web speed", (1.0, 50.0)), Field(ge=0, le=200)
+        OptionalNumber,
+        velocity("V", "web speed", (1.0, 50.0)),
+        Field(ge=0, le=200),
+        Conditional("required with air or a viscoelastic drum"),
     ] = default(None)
     air: OptionalNested[Air] = default(None)
     width: Width = default(None)
