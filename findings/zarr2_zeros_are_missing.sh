@@ -5,7 +5,8 @@
 # Versions: zarr 3.1.6, xarray 2026.9.0.
 # Behaviour: zarr's fill_value is what unwritten chunks contain, by default 0. For format 2 xarray takes it as the netCDF
 #   attribute _FillValue and replaces equal values by NaN, also in chunks that were written; integers become floats. For
-#   format 3 it does not. use_zarr_fill_value_as_mask=False does not switch it off.
+#   format 3 it does not. use_zarr_fill_value_as_mask=False does not switch it off: the backend
+#   accepts the argument and passes None on.
 # Output: tension 0, 0, 5, -1: nan, nan, 5, -1 in format 2; 0, 0, 5, -1 in format 3. With fill_value=-1 the -1 is lost
 #   instead, with fill_value=None or NaN nothing is. Counter 0, 1, 2 in format 2: float64.
 # Why it matters: zero tension is a stop of the winder. As NaN it disappears from sums and means without a message: the mean
