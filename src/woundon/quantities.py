@@ -268,7 +268,7 @@ def shown_in(choice: Choice) -> Iterator[None]:
 
 
 _NUMBER = r"[+-]?\d+(?:\.\d+)?(?:e[+-]?\d+)?"
-_SENTENCE_DIGITS = 4  # at least: the last zero of "2500 N/m" may be significant
+_SENTENCE_DIGITS = 3  # at least: the zeros of "100 mm" may be significant
 
 
 def in_chosen_units(text: str) -> str:

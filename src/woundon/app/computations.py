@@ -26,7 +26,7 @@ from ..problems.schedules import Profile
 from ..problems.units import parse
 from ..quantities import find as find_places
 from ..quantities import scalar_outputs, value_of, walk
-from ..report.answer import answer_lines
+from ..report.answer import answer_lines, main_outputs
 from ..report.report_parts import Section, certificate_of, friction_bounds, zone_strips
 from ..report.result_report import report_parts
 from ..results import ACCEPTED_RESIDUAL, Result, zone_runs
@@ -174,6 +174,9 @@ def state_of(result: Result, report: bool = False, drawn: bool = False) -> dict[
         },
         **({"panels": panels_of(result)} if drawn else _arrays(result)),
         "answer": [line.text for line in answer_lines(result, full=report)],
+        "headline": [
+            {"name": name, "words": words} for name, words in main_outputs(result).items()
+        ],
         "certificate": _certificate(result),
         "margins": [_margin(margin) for margin in getattr(result, "margins", ())],
         "warnings": [*getattr(result.problem, "input_warnings", ()), *result.warnings],

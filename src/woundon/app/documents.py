@@ -6,14 +6,14 @@ Case files are read from the text that is sent; no path is ever opened.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import AbstractContextManager
 from typing import Any
 
 from .. import kinds, plugins
 from ..errors import InvalidProblem, did_you_mean
 from ..io.case_files import make_problem, tables_of_text
 from ..io.case_texts import to_toml
-from ..io.chosen_units import units
+from ..io.chosen_units import units, units_of
 from ..io.python_texts import to_python
 from ..io.result_files import writer_for
 from ..problems.messages import quote
@@ -100,5 +100,6 @@ def _solved_cases(cases: Sequence[Mapping[str, Any]]) -> tuple[list[Any], list[s
     return results, [entry["label"] or "ABCD"[k] for k, entry in enumerate(cases)]
 
 
-def _units(names: Mapping[str, str]) -> AbstractContextManager[None]:
-    return units(names) if names else nullcontext()
+def _units(chosen: Mapping[str, str] | str) -> AbstractContextManager[None]:
+    """Use a system of units, or units by the names of fields and outputs."""
+    return units_of([chosen]) if isinstance(chosen, str) else units(chosen)

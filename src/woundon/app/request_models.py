@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from fastapi import Body
 from pydantic import BaseModel, ConfigDict, Field
@@ -164,7 +164,9 @@ class Cases(_Request):
             [{"label": "A", "case": NIP}, {"label": "B", "case": NIP | {"nip_load": "5 kN/m"}}]
         ],
     )
-    units: dict[str, str] = Field({}, examples=[{"nip_load": "pli"}])
+    units: dict[str, str] | Literal["SI", "mill"] = Field(
+        {}, examples=["mill", {"nip_load": "pli"}]
+    )
     title: str = ""
     remarks: str = ""
 

@@ -202,11 +202,15 @@ def in_units(result: Result, chosen: Iterable[str], by_name: Mapping[str, str]) 
 
 
 def _displayed(places: Iterable[Place]) -> dict[str, str]:
-    """Return the units in which quantities are displayed by default, with their SI units."""
+    """Return the units in which quantities are displayed by default, with their SI units.
+
+    SI units are among them, which texts of results have.
+    """
     quantities = [place.quantity for place in places if place.quantity is not None]
     si_units = {quantity.unit for quantity in quantities}
     usual = {name: unit for name, (unit, _) in DISPLAYED.items() if unit in si_units}
-    return usual | {q.shown_unit or q.unit: q.unit for q in quantities}
+    plain = {unit: unit for unit in si_units}
+    return plain | usual | {q.shown_unit or q.unit: q.unit for q in quantities}
 
 
 def _system(system: str) -> System:
@@ -216,7 +220,8 @@ def _system(system: str) -> System:
     for name, si_unit in _displayed(places).items():
         unit = si_unit if system == "SI" else MILL.get(name, "")
         if unit and unit != "1":
-            sizes[name] = (unit, float(factor(unit, si_unit, name)))
+            size = 1.0 if unit == si_unit else float(factor(unit, si_unit, name))
+            sizes[name] = (unit, size)
     return sizes
 
 

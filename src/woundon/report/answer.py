@@ -15,9 +15,15 @@ from ..roll.result import RollResult
 from ..winding.result import WindingResult
 from .margins_report import verdict_lines
 from .outputs_report import LEAST_FRICTION
-from .report_parts import Line, Section, output_row, row_of
+from .report_parts import Line, Section, output_row, quantity_of, row_of
 
-__all__ = ["answer", "answer_lines", "assumptions_section", "defaults_section"]
+__all__ = [
+    "answer",
+    "answer_lines",
+    "assumptions_section",
+    "defaults_section",
+    "main_outputs",
+]
 
 
 def answer(result: Result) -> str:
@@ -32,12 +38,29 @@ def answer_lines(result: Result, full: bool = True) -> list[Line]:
         return [*lines, *map(Line, _air(result))] if full and result.air is not None else lines
     if isinstance(result, WindingResult):
         return [*verdict_lines(result.margins), Line(_values(result, WINDING))]
+    names = main_outputs(result)
+    return [Line(_values(result, names), "answer")] if names else []
+
+
+def main_outputs(result: Result) -> dict[str, str]:
+    """Return the words for the outputs of the answer, by name.
+
+    Empty for a nip, whose answer is a sum, and for a winding, whose answer is a verdict.
+    """
+    if isinstance(result, NipResult | WindingResult):
+        return {}
     if isinstance(result, RollResult):
-        return [Line(_values(result, ROLL), "answer")]
-    if isinstance(result, RollerResult):
-        return [Line(_values(result, _of_rollers(result)), "answer")]
-    names = [name for name in kinds.of(result).result.MAIN if quantities.output(result, name)]
-    return [Line(_values(result, dict.fromkeys(names, "")), "answer")] if names else []
+        names = ROLL
+    elif isinstance(result, RollerResult):
+        names = _of_rollers(result)
+    else:
+        known = quantities.scalar_outputs(result)
+        names = {
+            name: known[name].meaning for name in kinds.of(result).result.MAIN if name in known
+        }
+    return {
+        name: words for name, words in names.items() if not isnan(quantities.value_of(result, name))
+    }
 
 
 # ---- a nip --------------------------------------------------------------------------------------
@@ -120,12 +143,10 @@ def _of_rollers(result: RollerResult) -> dict[str, str]:
 
 def _values(result: Result, names: dict[str, str]) -> str:
     """Return outputs with their names and units, separated by commas."""
-    texts: list[str] = []
-    for name, label in names.items():
-        row = output_row(result, name)
-        if not isnan(float(row.value)):
-            texts.append(f"{label or row.meaning} {float(row.value):.4g} {row.unit}".rstrip())
-    text = ", ".join(texts)
+    text = ", ".join(
+        f"{words} {quantity_of(result, name).text(quantities.value_of(result, name))}"
+        for name, words in names.items()
+    )
     return text[:1].upper() + text[1:]
 
 

@@ -185,7 +185,7 @@ class RollResult(Result):
     @property
     def mass(
         self,
-    ) -> Annotated[float, Quantity("m", "kg/m", "mass of the web, per metre of width")]:
+    ) -> Annotated[float, Quantity("m", "kg/m", "mass of the web, per width")]:
         """Mass of ``length`` of the web [kg/m]; nan without its density."""
         density = self.problem.density
         if density is None:

@@ -139,7 +139,7 @@ def _estimates(fit: Any) -> Iterator[str]:
         if name in fit.not_identified:
             text += "; not identified by the data (standard error above 100 %)"
         elif isfinite(error):
-            text += f", standard error {error:.2g}"
+            text += f", standard error {error:.2g} {unit}".rstrip()
             text += f" ({error / abs(value):.0%})" if value else ""
         if name in profiles:
             text += f"; 95 % profile interval {_interval(fit, profiles[name])}"
@@ -151,8 +151,10 @@ def _estimates(fit: Any) -> Iterator[str]:
 
 
 def _interval(fit: Any, profile: ProfileLikelihood) -> str:
-    ends = (_in_table(fit, profile.name, end)[1] for end in (profile.low, profile.high))
-    return " to ".join(f"{end:.4g}" if isfinite(end) else "open" for end in ends)
+    ends = (_in_table(fit, profile.name, end) for end in (profile.low, profile.high))
+    return " to ".join(
+        f"{end:.4g} {unit}".rstrip() if isfinite(end) else "open" for unit, end in ends
+    )
 
 
 def _minima(fit: Any, rms_unit: str) -> Iterator[str]:

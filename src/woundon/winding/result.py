@@ -222,7 +222,7 @@ class WindingResult(WithMargins, Result):
     @property
     def mass(
         self,
-    ) -> Annotated[float, Quantity("m", "kg/m", "mass of the web, per metre of width")]:
+    ) -> Annotated[float, Quantity("m", "kg/m", "mass of the web, per width")]:
         """Mass of the web per metre of width [kg/m]; nan if its density is not given."""
         return self.roll.mass
 

@@ -85,24 +85,8 @@ function seen(store) {
   return pins.length >= store.catalogue.limits.compare ? pins : [live, ...pins];
 }
 
-/** The units of a system as the command line takes them: by path or output. */
-function unitsOf(store) {
-  if (store.units.name === "SI") return undefined;
-  const chosen = {};
-  for (const output of store.kind.outputs) if (!output.whole && output.unit !== "1") chosen[output.name] = store.units.of(output).name;
-  const walk = (tables, prefix) => {
-    for (const [name, value] of Object.entries(tables)) {
-      const path = prefix ? `${prefix}.${name}` : name;
-      if (value && typeof value === "object") walk(value, path);
-      else if (typeof value === "number") {
-        const field = store.fieldAt(path);
-        if (field?.unit && field.unit !== "1" && field.unit !== "holder") chosen[path] = store.units.of(field).name;
-      }
-    }
-  };
-  walk(store.state.solved, "");
-  return chosen;
-}
+/** The system of units that is shown, as the server takes it. */
+const unitsOf = ({ units }) => (units.name === "SI" ? undefined : units.name);
 
 /** What the panels show as a table: a block for every x. */
 export function csvOf(store) {

@@ -111,7 +111,7 @@ function Found({ store, found: { parameters, rows, remarks, rms, is_weighted: we
       ${interval && html`<span class="quiet"> ${T.fit.interval(text(field, interval[0]), text(field, interval[1]))}</span>`}</p>`;
   })}
     <p>${T.fit.rms(weighted ? `${digits(rms, 2)} ${T.fit.deviations}` : `${text(first, rms, 2)} ${units.text(first)}`, rows.length)} <button type="button" id="fit-take" onClick=${take}>${T.fit.take}</button></p>
-    ${warnings.length > 0 && html`<ul class="remarks">${warnings.map((line) => html`<li key=${line}>${line}</li>`)}</ul>`}
+    ${warnings.length > 0 && html`<ul class="remarks">${warnings.map((line) => html`<li key=${line}>${units.sentence(line)}</li>`)}</ul>`}
   </section>
   <div class="panels">${outputs.map((name) => html`<${Agreement} key=${name} store=${store} output=${store.output(name)} rows=${rows.filter((row) => row.output === name)} />`)}</div>`;
 }

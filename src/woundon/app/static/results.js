@@ -41,11 +41,18 @@ export function errorText(units, output, { value, error }) {
   return shown < last ? `± < ${digits(last, 1)}` : `± ${digits(shown, 2)}`;
 }
 
-/** The answer in the first line: of a nip in the shown units, else as the reports have it. */
+/** The answer in the first line, as the reports have it, in the shown units. */
 function answerText({ units, kind, state: { result } }) {
+  if (result.headline.length) {
+    const values = result.headline.map(({ name, words }) => {
+      const output = kind.outputs.find((one) => one.name === name);
+      return `${words} ${digits(units.shown(output, valueOf(result.outputs[name])), 4)} ${units.text(output)}`.trim();
+    }).join(", ");
+    return values[0].toUpperCase() + values.slice(1);
+  }
   const [total, added] = ["wound_on_tension", "nip_induced_tension"].map((name) => kind.outputs.find((output) => output.name === name && !output.array));
   const web = result.problem.web_tension;
-  if (!total || !added || typeof web !== "number") return result.answer[0] ?? "";
+  if (!total || !added || typeof web !== "number") return units.sentence(result.answer[0] ?? "");
   const value = (si) => `${digits(Number(units.shown(total, si).toPrecision(4)))} ${units.text(total)}`;
   return T.results.sum(...[result.outputs[total.name].value, web, result.outputs[added.name].value].map(value));
 }
@@ -60,8 +67,7 @@ function difference(units, output, from, to) {
 function Answer({ store }) {
   const { answer, kind } = store.state.result;
   const more = kind === "winding" ? answer.slice(1, -1) : answer.slice(1);
-  const shown = more.filter((line) => store.units.name === "SI" || !line.includes("N/m"));
-  return html`<p class="answer">${answerText(store)}</p>${shown.map((line) => html`<p class="advice" key=${line}>${line}</p>`)}`;
+  return html`<p class="answer">${answerText(store)}</p>${more.map((line) => html`<p class="advice" key=${line}>${store.units.sentence(line)}</p>`)}`;
 }
 
 export function Numbers({ store }) {
@@ -110,7 +116,7 @@ export function Verdict({ store }) {
           <td>${value == null ? "–" : value.toExponential(1)}</td></tr>`)}</tbody></table>
     </details>
     ${warnings.length > 0 && html`<details class="warnings" open=${warnings.length < 3}><summary><span class="mark" aria-hidden="true">!</span> ${T.results.warnings} (${warnings.length})</summary>
-      <ul>${warnings.map((text) => html`<li key=${text}>${text}</li>`)}</ul></details>`}
+      <ul>${warnings.map((text) => html`<li key=${text}>${store.units.sentence(text)}</li>`)}</ul></details>`}
   <//>`;
 }
 
@@ -262,8 +268,8 @@ export function Sections({ store }) {
     <summary>${T.results.report}</summary>
     <div class="section-grid">${report.map((section) => html`<section key=${section.title}><h3>${section.title}</h3>
       <table><tbody>${section.rows.map((row, k) => html`<tr key=${k}><th scope="row"><${Label} of=${row.label} /></th><td class="symbol"><${Symbol} of=${row.symbol} /></td>
-        <${SectionValue} store=${store} row=${row} /><td class="note">${row.note.replace(/^,\s*/, "")}</td></tr>`)}</tbody></table>
-      ${section.text && store.units.name === "SI" && html`<p>${section.text}</p>`}</section>`)}</div>
+        <${SectionValue} store=${store} row=${row} /><td class="note">${store.units.sentence(row.note.replace(/^,\s*/, ""))}</td></tr>`)}</tbody></table>
+      ${section.text && html`<p>${store.units.sentence(section.text)}</p>`}</section>`)}</div>
   </details>`, [report, stale, store.units]);
 }
 

@@ -19,6 +19,9 @@ const GROUPED = /^[+-]?\d+[,' _]\d/; // 1,000 and 3,5
 // ("0.5 * radius") nor a part of a name ("E0")
 const LEADING = /^(-?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?= )|)(.*)$/s;
 const NUMBERS = /(?<![*/]\s*)(?<![\w.])-?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?![\w.]*\s*[*/])(?!\w)/g;
+// Texts of results: numbers before their common unit, "23.4 mm", "2 and 3 GPa"
+const PLAIN = /[+-]?\d+(?:\.\d+)?(?:e[+-]?\d+)?/g;
+const WITH_UNIT = new RegExp(`(?<![\\w.])(${PLAIN.source}(?:(?:, | to | and )${PLAIN.source})*) ([A-Za-z][\\w/^]*)(?![\\w/^*])`, "g");
 const USUAL = { m: "mm", Pa: "kPa", rad: "deg" };
 
 /** A quantity of an SI unit that no field has, e.g. a radius in a message. */
@@ -112,6 +115,17 @@ export class Units {
     if (pure && !rest.includes("[")) return start + rest.replace(NUMBERS, (value) => shown(value, quantity) + pure);
     return start + rest.replace(/([^[\]]*)\[([^[\]]+)\]/g, (part, words, unit) => (this.units[unit]
       ? `${words.replace(NUMBERS, (value) => shown(value, as(unit)))}[${this.text(as(unit))}]` : part));
+  }
+
+  /** A text of a result, such as a warning, in the shown units; the server writes it in the usual ones. */
+  sentence(text) {
+    return text.replace(WITH_UNIT, (part, numbers, usualUnit) => {
+      const unit = this.system[usualUnit];
+      if (!unit) return part;
+      const ratio = this.product(usualUnit).factor / this.product(unit).factor;
+      const count = (number) => Math.max(3, number.replace(/e.*|\D/g, "").replace(/^0+/, "").length);
+      return `${numbers.replace(PLAIN, (number) => digits(Number(number) * ratio, count(number)))} ${SPELT[unit] ?? unit}`;
+    });
   }
 
   /** "words [unit]" */
