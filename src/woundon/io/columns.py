@@ -17,8 +17,9 @@ from typing import Any
 from ..errors import InvalidProblem, one_of
 from ..problems.messages import quote
 from ..quantities import Quantity, counterpart, find, is_list, members_of
+from .cells import Fault, raise_faults, texts
 from .sheets import read_sheet
-from .tables import Fault, Names, match_columns, raise_faults, texts
+from .tables import Names, match_columns
 
 __all__ = ["read_columns", "with_columns"]
 

@@ -34,7 +34,7 @@ from .records import (
     saved_values,
     to_record,
 )
-from .sheets import as_csv_cell
+from .spreadsheets import as_csv_cell
 
 if TYPE_CHECKING:
     import xarray

@@ -1,34 +1,27 @@
-"""Read and write tables: CSV of any locale, Excel files, columns in memory.
+"""Read tables: CSV of any locale, Excel files, columns in memory.
 
 A sheet has a header and rows, which keep the row numbers of the spreadsheet.  Titles above the
 header, blank rows, columns without a header and lines that start with # are ignored; the value of a
-merged cell is repeated in all cells of the block.  :mod:`.tables` interprets headers and cells.
+merged cell is repeated in all cells of the block.  :mod:`.tables` interprets the headers,
+:mod:`.cells` the cells.
 
 pandas fills short rows of a text; openpyxl skips the rest of merged blocks, reads formulas without
 a value as empty cells and creates all cells up to a distant one.  Text and XML are checked for this
-before.
-
-A spreadsheet computes a cell of a CSV file that starts like a formula, so texts that do are written
-behind an apostrophe, which the reader removes; in an Excel file they are cells of the type text.
+before.  :mod:`.spreadsheets` writes tables.
 """
 
 from __future__ import annotations
 
 import io
-import json
 import os
 import re
 import zipfile
 from collections.abc import Iterable, Mapping, Sequence
-from datetime import date, time, timedelta
-from decimal import Decimal
 from functools import cache
 from importlib.util import find_spec
-from math import isfinite
-from numbers import Real
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 from xml.etree.ElementTree import iterparse
 
 import numpy as np
@@ -37,21 +30,9 @@ from ..errors import InvalidProblem
 from ..problems.messages import quote
 from ..problems.units import is_unit
 from .files import read_whole
+from .spreadsheets import Percentage, without_apostrophe
 
-if TYPE_CHECKING:
-    import pandas as pd
-
-__all__ = [
-    "Percentage",
-    "Sheet",
-    "as_csv_cell",
-    "need_openpyxl",
-    "read_sheet",
-    "record_table",
-    "sheet_of_content",
-    "write_csv",
-    "write_workbook",
-]
+__all__ = ["Sheet", "need_openpyxl", "read_sheet", "sheet_of_content"]
 
 MAX_BYTES = 50_000_000  # bytes of a file, and of the unpacked parts of an Excel file
 MAX_CELLS = 2_000_000  # of a table, empty cells included
@@ -61,28 +42,13 @@ MAX_HEADER = 200  # characters; the time to search names is proportional to the 
 MAX_CELL = 32_767  # characters, the limit of Excel
 MAX_BLANK_ROWS = 1000  # between rows of an Excel table
 MAX_MERGED = 1000  # blocks of merged cells
-MAX_WIDTH = 60  # characters
 EXCEL = (".xlsx", ".xlsm")
 _BINARY = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0")  # zip archives, Excel before 2007
 
-# the first characters of a formula; a lone one, such as "-" for no unit, is a text
-_FORMULA = re.compile(r"[=+\-@\t\r].", re.DOTALL)
-_NUMBER_WITH_UNIT = re.compile(r"[+-]?[\d.,]+(?:[eE][+-]?\d{1,3})?\s*(.*)")
 # parts of a number format of Excel that are displayed as they are (ECMA-376 part 1, 18.8.31)
 _LITERAL = re.compile(r'"[^"]*"|\\.|[_*].|\[[^\]]*\]')
 
 Rows = list[list[Any]]
-
-
-class Percentage(float):
-    """A number that a spreadsheet displays as a percentage: 0.2 as 20 %.
-
-    >>> str(Percentage(0.07))
-    '7.0 %'
-    """
-
-    def __str__(self) -> str:
-        return f"{float(Decimal(float.__repr__(self)) * 100)!r} %"
 
 
 class Sheet(NamedTuple):
@@ -161,7 +127,7 @@ def sheet_of_content(content: bytes, where: str, *, excel: bool) -> Sheet:
     if content[:4] in _BINARY:
         raise InvalidProblem.at(where, "is not a text file; save it as .xlsx or .csv")
     rows, separator = _text_rows(_decode(content, where), where)
-    rows = [[_without_apostrophe(cell) for cell in row] for row in rows]
+    rows = [[without_apostrophe(cell) for cell in row] for row in rows]
     return _sheet(where, rows)._replace(separator=separator)
 
 
@@ -438,81 +404,3 @@ def need_openpyxl() -> None:
     if find_spec("openpyxl") is None:
         text = "Excel files need openpyxl: pip install 'woundon[excel]'"
         raise InvalidProblem.at("xlsx", text)
-
-
-def record_table(record: Mapping[str, Any]) -> pd.DataFrame:
-    """Return the entries of a record as a table; values that are not texts are JSON."""
-    import pandas as pd
-
-    values = [value if isinstance(value, str) else json.dumps(value) for value in record.values()]
-    return pd.DataFrame({"entry": list(record), "value": values})
-
-
-def write_workbook(path: Path, sheets: Mapping[str, pd.DataFrame]) -> None:
-    """Write tables to the sheets of an Excel file, with a bold and frozen header; nan is empty."""
-    from openpyxl import Workbook
-    from openpyxl.styles import Font
-    from openpyxl.utils import get_column_letter
-
-    book = Workbook()
-    book.remove(book.active)
-    for title, frame in sheets.items():
-        sheet = book.create_sheet(title)
-        sheet.freeze_panes = "A2"
-        for k, (header, cells) in enumerate(frame.items(), 1):
-            width = 8
-            for row, value in enumerate((header, *cells), 1):
-                _write_excel_cell(sheet.cell(row, k), value)
-                if isinstance(value, str):  # numbers are rounded to the width, texts are not
-                    width = max(width, len(value))
-            sheet.cell(1, k).font = Font(bold=True)
-            sheet.column_dimensions[get_column_letter(k)].width = min(width + 3, MAX_WIDTH)
-    book.save(path)
-
-
-def _write_excel_cell(cell: Any, value: Any) -> None:
-    """Write a number, a date or a text, which is never a formula; nan and None are left out."""
-    from openpyxl.cell.cell import ILLEGAL_CHARACTERS_RE
-
-    if value is None or value != value:
-        return
-    if isinstance(value, Percentage):
-        cell.number_format = "0.0###%"
-    if isinstance(value, date | time | timedelta) or (isinstance(value, Real) and isfinite(value)):
-        cell.value = value
-        return
-    text = ILLEGAL_CHARACTERS_RE.sub("\N{REPLACEMENT CHARACTER}", str(value))
-    cell.value, cell.data_type = text, "s"
-    cell.quotePrefix = _may_be_formula(text)  # the cell remains a text when it is edited
-
-
-def write_csv(path: Path, frame: pd.DataFrame, gap: str = "") -> None:
-    """Write a table as CSV with commas; ``gap`` stands for nan."""
-    cells = frame.rename(columns=as_csv_cell)
-    texts = [dtype.kind not in "fiub" for dtype in cells.dtypes]
-    cells.loc[:, texts] = cells.loc[:, texts].map(as_csv_cell)
-    cells.to_csv(path, index=False, na_rep=gap, lineterminator="\n")
-
-
-def as_csv_cell(value: Any) -> Any:
-    """Return a value as a cell of CSV; a text that starts like a formula behind an apostrophe.
-
-    >>> [as_csv_cell(value) for value in ("=1+1", "-2 kN/m", "@x", -2.0)]
-    ["'=1+1", '-2 kN/m', "'@x", -2.0]
-    """
-    if isinstance(value, str) and _may_be_formula(value.lstrip("'")):
-        return f"'{value}"
-    return str(value) if isinstance(value, Percentage) else value
-
-
-def _without_apostrophe(text: str) -> str:
-    """Return the text that :func:`as_csv_cell` has written."""
-    is_quoted = text.startswith("'") and _FORMULA.match(text.lstrip("'"))
-    return text[1:] if is_quoted else text
-
-
-def _may_be_formula(text: str) -> bool:
-    """Return True for a text that a spreadsheet may compute: "=1+1", but not "-2 kN/m"."""
-    number = _NUMBER_WITH_UNIT.fullmatch(text)
-    is_number = number is not None and (not number[1] or is_unit(number[1]))
-    return bool(_FORMULA.match(text)) and not is_number

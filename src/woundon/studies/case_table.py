@@ -20,18 +20,11 @@ import numpy as np
 from .. import __version__, kinds
 from ..errors import InvalidProblem, one_of
 from ..io.case_files import SCHEMA, load_case, make_problem
+from ..io.cells import Fault, as_plain_number, decimal_sign, numbers, raise_faults
 from ..io.files import replaced_file
-from ..io.sheets import Sheet, need_openpyxl, read_sheet, record_table, write_csv, write_workbook
-from ..io.tables import (
-    Column,
-    Fault,
-    Names,
-    as_plain_number,
-    decimal_sign,
-    match_columns,
-    numbers,
-    raise_faults,
-)
+from ..io.sheets import Sheet, need_openpyxl, read_sheet
+from ..io.spreadsheets import record_table, write_csv, write_workbook
+from ..io.tables import Column, Names, match_columns
 from ..problems.problem import Problem
 from ..quantities import Quantity, is_on_request, pattern, scalar_outputs
 from . import design as designs

@@ -12,7 +12,8 @@ import numpy as np
 
 from ..errors import InvalidProblem
 from ..io.files import replaced_file
-from ..io.sheets import need_openpyxl, record_table, write_csv, write_workbook
+from ..io.sheets import need_openpyxl
+from ..io.spreadsheets import record_table, write_csv, write_workbook
 from .table import Table
 
 __all__ = ["check_export", "export"]

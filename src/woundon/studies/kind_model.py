@@ -19,7 +19,7 @@ import numpy as np
 from .. import __version__, kinds
 from ..arguments import check_type
 from ..errors import InvalidProblem, NotConverged, did_you_mean, unwarned
-from ..io.tables import Conversion
+from ..io.cells import Conversion
 from ..parallel import progress
 from ..problems.description import Description
 from ..problems.family import best_match

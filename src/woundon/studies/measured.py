@@ -17,17 +17,9 @@ import numpy as np
 
 from ..errors import InvalidProblem
 from ..io.case_files import check_like_a_case
+from ..io.cells import MAX_COUNTED, Conversion, Fault, numbers, raise_faults
 from ..io.sheets import Sheet, read_sheet
-from ..io.tables import (
-    MAX_COUNTED,
-    Column,
-    Conversion,
-    Fault,
-    Names,
-    match_columns,
-    numbers,
-    raise_faults,
-)
+from ..io.tables import Column, Names, match_columns
 from ..quantities import Quantity
 
 __all__ = ["ANNOTATIONS", "Measured", "read_cases", "read_measured"]

@@ -1,0 +1,351 @@
+"""Read the cells of the columns of a table: numbers in SI, or texts with units.
+
+A cell is a number in the unit of its column, or a number with its own unit, with a decimal point or
+comma.  Totals, stresses and basis weights are converted with the width, thickness and density of
+their row.  All errors are reported together, by row and column.
+"""
+
+from __future__ import annotations
+
+import re
+import shlex
+from collections.abc import Callable, Mapping, Sequence
+from fractions import Fraction
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..errors import InvalidProblem
+from ..problems.inputs import (
+    Context,
+    conversion_order,
+    convert_number,
+    is_basis_weight,
+    other_units,
+)
+from ..problems.messages import quote
+from ..problems.units import factor, has_dimension, is_unit
+from ..quantities import Quantity
+from .sheets import Sheet
+from .spreadsheets import Percentage
+from .tables import Column, Names
+
+__all__ = [
+    "MAX_COUNTED",
+    "Conversion",
+    "Fault",
+    "as_plain_number",
+    "decimal_sign",
+    "numbers",
+    "raise_faults",
+    "texts",
+]
+
+Array = np.ndarray
+
+MAX_REPORTED = 10  # errors of a table
+MAX_COUNTED = 1000  # errors of a table
+MAX_NUMBER = 60  # characters, with the unit
+NO_UNIT = ("", "1", "-", "\N{EN DASH}")  # units in headers of dimensionless columns
+_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?")
+_WHOLE = re.compile(r"[+-]?(?:0|[1-9]\d{0,14})")
+_DECIMAL = re.compile(r"[+-]?(?=\.?\d)(?:0|[1-9]\d{0,14})?(?:\.\d*)?(?:[eE][+-]?\d{1,2})?")
+_COMMA = re.compile(r"[+-]?\d*,[\d,]+(?:[eE][+-]?\d{1,3})?\D*")
+_THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(?:,\d{3})+\D*")
+
+
+class Fault(NamedTuple):
+    """An error of a table: where it is, its text, and its row; row 0 is the header."""
+
+    where: str
+    text: str
+    row: int = 0
+
+
+class Conversion(NamedTuple):
+    """Values with which totals, stresses and basis weights are converted.
+
+    Attributes
+    ----------
+    context : Context
+        Values of the case; a column replaces its value in each row.
+    helpers : mapping of str to Quantity
+        Columns that convert others and are no fields, such as the density of a web.
+    """
+
+    context: Context = Context()
+    helpers: Mapping[str, Quantity] = MappingProxyType({})
+
+
+def numbers(
+    sheet: Sheet,
+    columns: Sequence[Column],
+    names: Names,
+    faults: list[Fault],
+    *,
+    gaps: Callable[[Column], bool],
+    conversion: Conversion = Conversion(),  # noqa: B008
+    most_faults: float = MAX_COUNTED,
+) -> list[Array]:
+    """Return columns in SI; invalid cells are nan, and are added to ``faults``.
+
+    Parameters
+    ----------
+    sheet, columns : Sheet, sequence of Column
+    names : Names
+        Gives the quantities of the columns.
+    faults : list of Fault
+        Errors are appended.
+    gaps : callable
+        Whether cells of a column may be empty, or nan.
+    conversion : Conversion
+    most_faults : float
+        Number of errors after which reading stops.
+    """
+    sign, count = decimal_sign(sheet), len(sheet.numbers)
+    values = np.full((len(columns), count), np.nan)
+    possible = conversion.context
+    for column in columns:
+        possible = possible.with_field(_converter(column), 1.0)
+    scales: dict[int, tuple[Quantity, Fraction | None]] = {}
+    for k, column in enumerate(columns):
+        try:
+            quantity = _number_of(column, names)
+            scales[k] = quantity, _scale(column, quantity, possible, sheet.in_si)
+        except InvalidProblem as fault:
+            faults.append(Fault(sheet.where, f"column {column.header!r}: {fault}"))
+    densities = [column for column in columns if _converter(column) == "density"]
+    orders = [_order(columns, density) for density in ("1 kg/m^3", "1 kg/m^2")]
+    for row in range(count):
+        context = conversion.context
+        for k in orders[any(_is_basis_weight(column, row) for column in densities)]:
+            column, cell = columns[k], columns[k].cells[row]
+            if k not in scales or (gaps(column) and _is_empty(cell)):
+                continue
+            if len(faults) >= most_faults:
+                return list(values)
+            quantity, scale = scales[k]
+            try:
+                values[k, row] = _number(cell, sign, column.unit, scale, quantity, context)
+            except InvalidProblem as fault:
+                faults.append(_cell_fault(sheet, column, row, fault))
+            else:
+                context = context.with_field(_converter(column), float(values[k, row]))
+    return list(values)
+
+
+def _converter(column: Column) -> str:
+    """Return the value of a context that a column replaces; '' if it converts no others."""
+    name = column.name.removeprefix("web.").removeprefix("web_")
+    return name if name in Context._fields and not column.deviation else ""
+
+
+def _order(columns: Sequence[Column], density: str) -> list[int]:
+    """Return the columns in the order of their conversion, for a density of this form."""
+    order = conversion_order({c.name: density for c in columns})
+    return sorted(range(len(columns)), key=lambda k: order.index(columns[k].name))
+
+
+def _is_basis_weight(column: Column, row: int) -> bool:
+    """Return True for a density that is converted with the thickness of its row."""
+    cell = column.cells[row]
+    return is_basis_weight(str(cell) if _has_unit(cell) else f"1 {column.unit}")
+
+
+def texts(
+    sheet: Sheet, columns: Sequence[Column], names: Names, faults: list[Fault]
+) -> list[list[str]]:
+    """Return columns as a case file holds them: numbers with units as texts, not yet converted.
+
+    Parameters as of :func:`numbers`; no cell may be empty.
+    """
+    sign = decimal_sign(sheet)
+    lists: list[list[str]] = []
+    for column in columns:
+        lists.append([])
+        try:
+            _check_unit(column, _number_of(column, names), assignable=False)
+        except InvalidProblem as fault:
+            faults.append(Fault(sheet.where, f"column {column.header!r}: {fault}"))
+            continue
+        unit = "" if column.unit in NO_UNIT else column.unit
+        for row, cell in enumerate(column.cells):
+            if len(faults) >= MAX_COUNTED:
+                break
+            try:
+                text = _plain_text(cell, sign)
+                lists[-1].append(f"{text} {unit}".strip() if _NUMBER.fullmatch(text) else text)
+            except InvalidProblem as fault:
+                faults.append(_cell_fault(sheet, column, row, fault))
+    return lists
+
+
+def _cell_fault(sheet: Sheet, column: Column, row: int, fault: InvalidProblem) -> Fault:
+    number = sheet.numbers[row]
+    return Fault(sheet.where, f"row {number}, column {column.header!r}: {fault}", number)
+
+
+def _number_of(column: Column, names: Names) -> Quantity:
+    """Return the quantity of a column; reject a field that is not a number."""
+    quantity = names.quantity(column.name)
+    if quantity is None:
+        raise InvalidProblem("is not a number, so it cannot be a column here")
+    return quantity
+
+
+def _check_unit(column: Column, quantity: Quantity, *, assignable: bool = True) -> None:
+    """Reject a column without a unit, unless it is a pure number or all cells have units.
+
+    ``assignable`` tells whether the user can assign names and units to columns.
+    """
+    if column.unit not in NO_UNIT or quantity.unit == "1":
+        return
+    if all(_has_unit(cell) for cell in column.cells if not _is_empty(cell)):
+        return
+    header = f"{column.name} [{quantity.unit}]"
+    in_file = f"has no unit; write it into the header, as in {header!r}"
+    if not assignable:
+        raise InvalidProblem(f"{in_file}, or into a row below the headers")
+    raise InvalidProblem(
+        f"{in_file}, into a row below the headers, or into columns, as in "
+        f"{{{column.header!r}: {header!r}}} or "
+        f"--column {shlex.quote(f'{column.header}={header}')}"
+    )
+
+
+def _scale(column: Column, quantity: Quantity, context: Context, in_si: bool) -> Fraction | None:
+    """Return the size in SI of the unit of a column; None if each cell is converted by itself.
+
+    ``context`` has all values that the case or other columns contain.
+    """
+    if column.unit in NO_UNIT:
+        if not in_si:
+            _check_unit(column, quantity)
+        return Fraction(1)
+    one = f"1 {column.unit}"
+    if not any(has_dimension(one, unit) for unit in other_units(quantity)):
+        return factor(column.unit, quantity.unit, "")
+    convert_number(one, quantity, "", context)  # is rejected if its conversion is not known
+    return None
+
+
+def _is_empty(cell: Any) -> bool:
+    """Return True for an empty cell."""
+    if isinstance(cell, int):  # Python limits the digits of the text of one
+        return False
+    return cell is None or str(cell).strip() in ("", "nan", "<NA>")  # of pandas too
+
+
+def _has_unit(cell: Any) -> bool:
+    """Return True for a text that consists of a number and a unit, or a percentage."""
+    if isinstance(cell, Percentage):
+        return True
+    short = isinstance(cell, str) and len(cell) <= MAX_NUMBER
+    number = _NUMBER.match(cell.strip().replace(",", ".")) if short else None
+    return number is not None and is_unit(cell.strip()[number.end() :].strip())
+
+
+def _number(
+    cell: Any, sign: str, unit: str, scale: Fraction | None, quantity: Quantity, context: Context
+) -> float:
+    """Return a cell in SI.
+
+    Raises
+    ------
+    InvalidProblem
+        Describes the error of the cell, without naming the field.
+    """
+    text = _plain_text(cell, sign)
+    try:
+        if not _NUMBER.fullmatch(text):  # with its own unit
+            return convert_number(text, quantity, "", context)
+        if scale is None:
+            return convert_number(f"{text} {unit}", quantity, "", context)
+        return float(Fraction(text) * scale)
+    except OverflowError:
+        raise InvalidProblem(f"{quote(cell)} is not a finite number") from None
+
+
+def _plain_text(cell: Any, sign: str) -> str:
+    """Return a number, with or without a unit, as text with a decimal point.
+
+    Raises
+    ------
+    InvalidProblem
+        For a cell that is empty or is not a number.
+    """
+    if _is_empty(cell):
+        raise InvalidProblem("the cell is empty")
+    overflows = isinstance(cell, int) and cell.bit_length() > 1024
+    text = "inf" if overflows else str(cell).strip()
+    if len(text) > MAX_NUMBER:
+        limit = f"must have at most {MAX_NUMBER} characters"
+        raise InvalidProblem(f"{quote(cell)} is not a number; {limit}")
+    if isinstance(cell, str):
+        text = _with_point(text, sign)
+    if _NUMBER.fullmatch(text) or _has_unit(text):
+        return text
+    finite = " finite" if text in ("inf", "-inf") else ""
+    raise InvalidProblem(f"{quote(cell)} is not a{finite} number")
+
+
+def _with_point(text: str, sign: str) -> str:
+    """Return a number with a decimal point; reject thousands separators."""
+    if sign == "," and _COMMA.fullmatch(text) and text.count(",") == 1:
+        return text.replace(",", ".")
+    if "," in text:
+        hint = "write a decimal point and no thousands separator"
+        raise InvalidProblem(f"{text!r} is not a number; {hint}")
+    if sign == "," and "." in text:
+        raise InvalidProblem(f"{text!r} has a point where other cells have decimal commas")
+    return text
+
+
+def decimal_sign(sheet: Sheet) -> str:
+    """Return the decimal sign of a table's texts, "." or ",".
+
+    If the separator is a semicolon, a comma is the decimal sign; if it is a comma, it is not.  In
+    other tables it is, if a number has a comma that cannot separate thousands: "1,900" is rejected.
+    """
+    if sheet.separator == ",":
+        return "."
+    short = (
+        cell.strip()
+        for cells in sheet.columns.values()
+        for cell in cells
+        if isinstance(cell, str) and len(cell) <= MAX_NUMBER
+    )
+    with_comma = [text for text in short if _COMMA.fullmatch(text)]
+    decimal_commas = (
+        with_comma
+        if sheet.separator == ";"
+        else [text for text in with_comma if not _THOUSANDS.fullmatch(text)]
+    )
+    return "," if decimal_commas else "."
+
+
+def as_plain_number(cell: Any, sign: str) -> Any:
+    """Return a cell of a text file as a number if it is a plain one; other cells unchanged.
+
+    Whole numbers with leading zeros, or more digits than a spreadsheet holds, are identifiers.
+
+    >>> [as_plain_number(cell, ",") for cell in ("-3,5", "12", "007", "2 kN")]
+    [-3.5, 12, '007', '2 kN']
+    """
+    if not isinstance(cell, str) or (sign == "," and "." in cell):
+        return cell
+    text = cell.strip().replace(sign, ".")
+    if _WHOLE.fullmatch(text):
+        return int(text)
+    return float(text) if _DECIMAL.fullmatch(text) else cell
+
+
+def raise_faults(faults: Sequence[Fault]) -> None:
+    """Raise InvalidProblem with the first errors of a table, if there are any."""
+    if not faults:
+        return
+    at_least = "at least " if len(faults) >= MAX_COUNTED else ""
+    remaining = [(faults[0].where, f"{at_least}{len(faults) - MAX_REPORTED} more errors")]
+    reported = [fault[:2] for fault in faults[:MAX_REPORTED]]
+    raise InvalidProblem(reported + remaining * (len(faults) > MAX_REPORTED))

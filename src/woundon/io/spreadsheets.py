@@ -1,0 +1,126 @@
+"""Write tables for spreadsheets, CSV and Excel.
+
+A spreadsheet computes a cell of a CSV file that starts like a formula, so texts that do are written
+behind an apostrophe, which :mod:`.sheets` removes; in an Excel file they are cells of the type
+text.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping
+from datetime import date, time, timedelta
+from decimal import Decimal
+from math import isfinite
+from numbers import Real
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..problems.units import is_unit
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+__all__ = [
+    "Percentage",
+    "as_csv_cell",
+    "record_table",
+    "without_apostrophe",
+    "write_csv",
+    "write_workbook",
+]
+
+MAX_WIDTH = 60  # characters
+# the first characters of a formula; a lone one, such as "-" for no unit, is a text
+_FORMULA = re.compile(r"[=+\-@\t\r].", re.DOTALL)
+_NUMBER_WITH_UNIT = re.compile(r"[+-]?[\d.,]+(?:[eE][+-]?\d{1,3})?\s*(.*)")
+
+
+class Percentage(float):
+    """A number that a spreadsheet displays as a percentage: 0.2 as 20 %.
+
+    >>> str(Percentage(0.07))
+    '7.0 %'
+    """
+
+    def __str__(self) -> str:
+        return f"{float(Decimal(float.__repr__(self)) * 100)!r} %"
+
+
+def record_table(record: Mapping[str, Any]) -> pd.DataFrame:
+    """Return the entries of a record as a table; values that are not texts are JSON."""
+    import pandas as pd
+
+    values = [value if isinstance(value, str) else json.dumps(value) for value in record.values()]
+    return pd.DataFrame({"entry": list(record), "value": values})
+
+
+def write_workbook(path: Path, sheets: Mapping[str, pd.DataFrame]) -> None:
+    """Write tables to the sheets of an Excel file, with a bold and frozen header; nan is empty."""
+    from openpyxl import Workbook
+    from openpyxl.styles import Font
+    from openpyxl.utils import get_column_letter
+
+    book = Workbook()
+    book.remove(book.active)
+    for title, frame in sheets.items():
+        sheet = book.create_sheet(title)
+        sheet.freeze_panes = "A2"
+        for k, (header, cells) in enumerate(frame.items(), 1):
+            width = 8
+            for row, value in enumerate((header, *cells), 1):
+                _write_excel_cell(sheet.cell(row, k), value)
+                if isinstance(value, str):  # numbers are rounded to the width, texts are not
+                    width = max(width, len(value))
+            sheet.cell(1, k).font = Font(bold=True)
+            sheet.column_dimensions[get_column_letter(k)].width = min(width + 3, MAX_WIDTH)
+    book.save(path)
+
+
+def _write_excel_cell(cell: Any, value: Any) -> None:
+    """Write a number, a date or a text, which is never a formula; nan and None are left out."""
+    from openpyxl.cell.cell import ILLEGAL_CHARACTERS_RE
+
+    if value is None or value != value:
+        return
+    if isinstance(value, Percentage):
+        cell.number_format = "0.0###%"
+    if isinstance(value, date | time | timedelta) or (isinstance(value, Real) and isfinite(value)):
+        cell.value = value
+        return
+    text = ILLEGAL_CHARACTERS_RE.sub("\N{REPLACEMENT CHARACTER}", str(value))
+    cell.value, cell.data_type = text, "s"
+    cell.quotePrefix = _may_be_formula(text)  # the cell remains a text when it is edited
+
+
+def write_csv(path: Path, frame: pd.DataFrame, gap: str = "") -> None:
+    """Write a table as CSV with commas; ``gap`` stands for nan."""
+    cells = frame.rename(columns=as_csv_cell)
+    texts = [dtype.kind not in "fiub" for dtype in cells.dtypes]
+    cells.loc[:, texts] = cells.loc[:, texts].map(as_csv_cell)
+    cells.to_csv(path, index=False, na_rep=gap, lineterminator="\n")
+
+
+def as_csv_cell(value: Any) -> Any:
+    """Return a value as a cell of CSV; a text that starts like a formula behind an apostrophe.
+
+    >>> [as_csv_cell(value) for value in ("=1+1", "-2 kN/m", "@x", -2.0)]
+    ["'=1+1", '-2 kN/m', "'@x", -2.0]
+    """
+    if isinstance(value, str) and _may_be_formula(value.lstrip("'")):
+        return f"'{value}"
+    return str(value) if isinstance(value, Percentage) else value
+
+
+def without_apostrophe(text: str) -> str:
+    """Return the text that :func:`as_csv_cell` has written."""
+    is_quoted = text.startswith("'") and _FORMULA.match(text.lstrip("'"))
+    return text[1:] if is_quoted else text
+
+
+def _may_be_formula(text: str) -> bool:
+    """Return True for a text that a spreadsheet may compute: "=1+1", but not "-2 kN/m"."""
+    number = _NUMBER_WITH_UNIT.fullmatch(text)
+    is_number = number is not None and (not number[1] or is_unit(number[1]))
+    return bool(_FORMULA.match(text)) and not is_number
