@@ -15,6 +15,9 @@ __all__ = ["finite_layer_effects", "finite_layer_stresses", "layers_of"]
 
 Array = np.ndarray
 
+NEIGHBOURHOOD = 0.15  # of the build-up, in which the largest error counts for the middle
+FEW_LAYERS = 1000  # in a roll of more layers a node is the beginning of a layer
+
 
 def layers_of(result: Any) -> Layers:
     """Return layers with the web thickness of a result."""
@@ -49,17 +52,20 @@ def finite_layer_effects(result: Any) -> dict[str, float]:
     """Return the change by finite layers of each output that has an error estimate [Pa].
 
     The hoop stress varies across a layer: its minimum is compared with that of a smooth curve
-    through the layers, and at both faces of the layers.
+    through the layers, and at both faces of the layers.  The change may have a zero in the middle
+    of the roll: its largest size in a neighbourhood counts.
     """
     change, hoop_change = finite_layer_stresses(result)
-    middle = (result.radius[0] + result.radius[-1]) / 2
+    r, build_up = result.radius, result.radius[-1] - result.radius[0]
+    middle = r[0] + build_up * (0.5 + NEIGHBOURHOOD * np.array([-1.0, 1.0]))
+    near_middle = (middle[0] <= r) & (r <= middle[1])
     size = np.abs(change) * _higher_order_factor(change, result.pressure)
     hoop = result.hoop_stress + hoop_change, *_hoop_stress_at_faces(result, change, hoop_change)
     least = result.least_hoop_stress
     return {
         "peak_pressure": float(np.max(size)),
         "core_pressure": float(size[0]),
-        "mid_pressure": float(np.interp(middle, result.radius, size)),
+        "mid_pressure": float(max(*np.interp(middle, r, size), *size[near_middle])),
         "least_hoop_stress": max(abs(float(np.min(curve)) - least) for curve in hoop),
     }
 
@@ -79,9 +85,10 @@ def _higher_order_factor(change: Array, pressure: Array) -> Array:
 def _hoop_stress_at_faces(result: Any, change: Array, hoop_change: Array) -> tuple[Array, Array]:
     """Return the hoop stress at the inner and at the outer face of layers [Pa].
 
-    The layers begin at the nodes.  Equilibrium gives the mean hoop stress of a layer from the
-    pressures on its faces.  In a layer, wound with the stress T under its own pressure P_own, the
-    source of the equations of a stage is -T - E_t F(P_own), plus dC by the changes after winding:
+    The layers begin at the nodes, few layers at their own radii.  Equilibrium gives the mean hoop
+    stress of a layer from the pressures on its faces.  In a layer, wound with the stress T under
+    its own pressure P_own, the source of the equations of a stage is -T - E_t F(P_own), plus dC by
+    the changes after winding:
 
         r d sigma_t/dr = T - sigma_t - E_t (F(P) - F(P_own)) - dC = D,
 
@@ -92,13 +99,20 @@ def _hoop_stress_at_faces(result: Any, change: Array, hoop_change: Array) -> tup
     result : RollResult
     change, hoop_change : (M,) arrays
         Of pressure and hoop stress by layers of finite thickness, at the nodes [Pa].
+
+    Returns
+    -------
+    two (K,) arrays
     """
     layers, h = layers_of(result), float(result.problem.web_thickness)
     E_t, strain = layers.equations.tangential, layers.equations.strain
     source_change, _ = final_changes(result.problem)
     x, P = np.log(result.radius), result.pressure + change
     Q = -(result.hoop_stress + hoop_change) - P
-    r = result.radius[result.radius <= result.radius[-1] - h]
+    core, surface = result.radius[[0, -1]].tolist()
+    count = round((surface - core) / h)
+    r = core + h * np.arange(count) if count <= FEW_LAYERS else result.radius
+    r = r[r <= (surface - h) * (1 + 1e-12)]
     T = layers.tension.at(r)
     faces = [interpolate_pressure(x, P, Q, np.log(r + part * h))[0] for part in (0, 0.5, 1)]
     mean = (r * faces[0] - (r + h) * faces[2]) / h

@@ -33,7 +33,7 @@ from .build_up import (
 from .certificate import certificate
 from .equations import interpolate_pressure
 from .finished import equations_of, final_changes, finished_arrays, surface_layer_depth
-from .finite_layers import finite_layer_effects, layers_of
+from .finite_layers import NEIGHBOURHOOD, finite_layer_effects, layers_of
 from .result import RollResult
 from .validity import roll_warnings
 
@@ -68,7 +68,6 @@ ROUNDING = 1e-9
 # error is about its square.
 NEIGHBOUR_TOLERANCE = 5e-13
 ESTIMATED = "peak_pressure", "core_pressure", "mid_pressure", "least_hoop_stress"
-NEIGHBOURHOOD = 0.15  # of the build-up
 
 
 @one_thread

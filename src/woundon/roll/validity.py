@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -48,7 +49,7 @@ def _strain_warnings(result: Any) -> Iterator[str]:
 
 def _stack_warnings(result: Any) -> Iterator[str]:
     """Yield warnings about pressures beyond the range of the stack law."""
-    stack, change = result.problem.stack, finite_layer_stresses(result)[0]
+    stack = result.problem.stack
     law, k = stack.radial, int(np.argmax(result.pressure))
     P = float(result.pressure[k])
     yield from limit_warning(
@@ -66,7 +67,9 @@ def _stack_warnings(result: Any) -> Iterator[str]:
             law.modulus(P) / 1e6,
             P / 1e3,
         )
-    finite = float(np.max(result.pressure + change))
+    if not isfinite(law.max_pressure):
+        return
+    finite = float(np.max(result.pressure + finite_layer_stresses(result)[0]))
     if finite > law.max_pressure:
         yield (
             f"with layers of the web thickness the pressure reaches {finite / 1e3:.4g} kPa, beyond "
