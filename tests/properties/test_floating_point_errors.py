@@ -1,4 +1,4 @@
-"""NumPy's error settings of the user do not change an answer: invariance, one case of every kind."""
+"""NumPy's error settings of the user do not change an answer: one case of every kind."""
 
 from __future__ import annotations
 
