@@ -14,6 +14,7 @@ from wrapped_nips import solve_wrapped
 
 import woundon as wo
 from woundon.contact.refinement import refine
+from woundon.elasticity.half_plane import coefficients
 from woundon.nip.outputs import NipSystem
 
 FOAM = wo.Isotropic(youngs_modulus=10e6, poissons_ratio=0.1)
@@ -182,6 +183,57 @@ def test_capstan_downstream_of_the_nip() -> None:
     # exact but for the rule of integration; measured 2e-6
     assert gained == pytest.approx(0.19 * turned, rel=1e-4)
     assert result.roll_pressure[last] == pytest.approx(result.tension[last] * kappa[-1])
+
+
+# ---- short wraps ---------------------------------------------------------------------------------
+
+
+def test_roll_wraps_are_solved_from_the_trailing_edge_on() -> None:
+    """The smallest value that a rejection states is solved, 1 % less is rejected."""
+    problem = newsprint_nip()
+    edge = wo.solve(problem.replace(roll_wrap=1.0), nodes=41).half_width / problem.roll.radius
+    with pytest.raises(wo.InvalidProblem, match=r"roll_wrap: 1e-09 is out of range") as fault:
+        wo.solve(problem.replace(roll_wrap=1e-9))
+    smallest = float(str(fault.value).split(">= ")[1].split()[0])
+    # 1.02 a/R1, and the nip of a short wrap is wider by 1 % at most
+    assert 1.02 * edge < smallest < 1.03 * edge
+    with pytest.raises(wo.InvalidProblem, match=f">= {smallest:g} "):
+        wo.solve(problem.replace(roll_wrap=0.99 * smallest))
+    tensions = []
+    for wrap in (smallest, 1.1 * edge, 2 * edge, 4 * edge):
+        result = wo.solve(problem.replace(roll_wrap=wrap), nodes=41)
+        assert result.x[-1] == pytest.approx(wrap * problem.roll.radius, rel=1e-12)
+        tensions.append(result.wound_on_tension)
+    # the surface recovers along the web, the more of it the longer the wrap
+    assert tensions == sorted(tensions)
+
+
+def test_the_shortest_wrap_is_another_model_than_no_wrap() -> None:
+    """Closed form: hoop pressure in the nip and at the end, where the web is held (wraps.md)."""
+    problem = newsprint_nip()
+    held = wo.solve(problem.replace(roll_wrap=0.0), nodes=81)
+    short = wo.solve(problem.replace(roll_wrap=0.0256), nodes=81)
+    T, web = short.wound_on_tension, problem.web
+    in_nip = problem.roll_friction * short.nip_width * T / problem.drum.radius
+    m, p_end = problem.roll.material, short.roll_pressure[-1]
+    A, *_ = coefficients(m.radial, m.tangential, m.cross, m.shear)  # local strain -A p
+    at_end = web.thickness / web.compliance.c11 * A * p_end
+    assert p_end > 5 * T / problem.roll.radius
+    # at most, because the strain of the roll follows the tension
+    drop = held.wound_on_tension - T
+    assert 0.25 * (in_nip + at_end) < drop < in_nip + at_end
+
+
+@pytest.mark.parametrize("name", ["paper", "foam cover"])
+def test_a_vanishing_drum_wrap_is_no_drum_wrap(name: str) -> None:
+    problem = NIPS[name].replace(roll_wrap=pi)
+    none = wo.solve(problem, nodes=41)
+    for wrap in (1e-9, 1e-5):
+        result = wo.solve(problem.replace(drum_wrap=wrap), nodes=41)
+        # the arc adds cells, whose lengths change with the root of the arc
+        assert result.wound_on_tension == pytest.approx(
+            none.wound_on_tension, abs=0.2 * none.error("wound_on_tension")
+        )
 
 
 # ---- the end of slip on the roll -----------------------------------------------------------------

@@ -114,15 +114,18 @@ class Refinement:
         """Newton iterations on all meshes."""
         return sum(mesh.solver.counts.iterations for mesh in self.meshes)
 
-    def errors(self, order: int = 2) -> dict[str, float]:
-        """Return the error estimates of all outputs; nan with fewer than three meshes."""
-        history = [(mesh.size, mesh.outputs) for mesh in self.meshes[-REPORTED - 1 :]]
-        return {name: error_estimate(history, name, order) for name in history[-1][1]}
+    def errors(self, order: int = 2, of: str = "outputs") -> dict[str, float]:
+        """Return the error estimates of all or of the main outputs; nan with fewer than 3 meshes.
 
-    def deciding_errors(self) -> dict[str, float]:
-        """Return the error estimates of the main outputs, without evaluating the others."""
-        history = [(mesh.size, mesh.main_outputs) for mesh in self.meshes[-REPORTED - 1 :]]
-        return {name: error_estimate(history, name) for name in history[-1][1]}
+        Parameters
+        ----------
+        order : int
+            Order of convergence.
+        of : str
+            "outputs", or "main_outputs" without evaluating the others.
+        """
+        history = [(mesh.size, getattr(mesh, of)) for mesh in self.meshes[-REPORTED - 1 :]]
+        return {name: error_estimate(history, name, order) for name in history[-1][1]}
 
 
 def error_estimate(
@@ -235,7 +238,7 @@ def _refine(
             check(refinement.last)
             if progress:
                 progress(min(size / (nodes or most_nodes), 1.0))
-        ratio = criterion(refinement.last.main_outputs, refinement.deciding_errors())
+        ratio = criterion(refinement.last.main_outputs, refinement.errors(of="main_outputs"))
         # the first meshes are too coarse for an estimate that decides
         is_last = len(refinement.meshes) > len(FIRST_SIZES) and not ratio > 1
         if nodes or is_last or refinement.last.size >= most_nodes:

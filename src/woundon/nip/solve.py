@@ -113,16 +113,9 @@ def solve_nip(
     check_options(nodes=nodes, rtol=rtol, errors=errors)
     if start is not None:
         check_type("start", start, NipResult)
-    options: dict[str, Any] = {
-        "nodes": nodes,
-        "rtol": rtol,
-        "start": start,
-        "errors": errors,
-        "progress": progress,
-    }
-    if problem.air is None:
-        return _solve(problem, **options).warned()
-    return solve_with_film(problem, **options).warned()
+    solve = _solve if problem.air is None else solve_with_film
+    options = {"nodes": nodes, "rtol": rtol, "errors": errors, "progress": progress}
+    return solve(problem, start=start, **options).warned()
 
 
 def solve_with_film(problem: NipProblem, **options: Any) -> NipResult:
@@ -150,13 +143,7 @@ def _solve(problem: NipProblem, *, start: NipResult | None = None, **options: An
 
 
 def _refined(
-    problem: NipProblem,
-    *,
-    nodes: int | None = None,
-    rtol: float | None = None,
-    start: NipResult | None = None,
-    errors: bool = True,
-    progress: Callable[[float], None] | None = None,
+    problem: NipProblem, *, nodes: Any = None, rtol: Any = None, start: Any = None, **options: Any
 ) -> NipResult:
     """Solve on a sequence of meshes until the error estimates meet their tolerance."""
     default = RTOL if problem.linear else RTOL_NONLINEAR
@@ -168,10 +155,9 @@ def _refined(
             nodes=nodes,
             criterion=criterion,
             most_nodes=MOST_NODES_RTOL if rtol else max_nodes,
-            progress=progress,
             start=getattr(start, "refinement", None),
-            errors=errors,
             check=lambda mesh: _check_taut(problem, mesh, CERTAINLY_SLACK),
+            **options,
         )
     except NewtonFailed as failed:
         reason = _outside_model(problem)
@@ -179,7 +165,11 @@ def _refined(
     _check_taut(problem, refinement.last)
     _check_pressed(problem, refinement.last)
     result = result_of(problem, refinement).checked()
-    ratio = nan if nodes else criterion(refinement.last.main_outputs, refinement.deciding_errors())
+    ratio = (
+        nan
+        if nodes
+        else criterion(refinement.last.main_outputs, refinement.errors(of="main_outputs"))
+    )
     if rtol is not None and not ratio <= 1:
         text = f"rtol = {rtol:g} is not reached with {result.nodes} nodes"
         raise NotConverged(f"{text}: the estimated error is {ratio:.2g} times as large", result)

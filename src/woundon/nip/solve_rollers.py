@@ -186,7 +186,7 @@ class Criterion:
 
     def unmet(self, refinement: Refinement) -> str:
         """Return a text about the output with the largest ratio above 1; empty if there is none."""
-        errors = refinement.deciding_errors()
+        errors = refinement.errors(of="main_outputs")
         ratios = self.ratios(refinement.last.main_outputs, errors)
         name = max(ratios, key=lambda key: ratios[key])
         if not ratios[name] > 1:

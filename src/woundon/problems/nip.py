@@ -95,7 +95,8 @@ class NipProblem(ContactProblem):
     web_tension : float
         T_in upstream of drum wrap and nip [N/m], >= 0; > 0 with a drum wrap.
     roll_wrap : float
-        Angle from the line of centres to where the web is held to the roll [rad], 0 to pi.
+        Angle from the line of centres to where the web is held to the roll [rad]: 0, or from 2 % of
+        the half width downstream of the trailing edge to pi.
     drum_wrap : float
         Angle of the arc on which the web lies on the drum upstream of the nip [rad], 0 to pi.
     wrap_friction : float, optional
