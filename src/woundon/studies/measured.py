@@ -29,10 +29,13 @@ from ..io.tables import (
 )
 from ..quantities import Quantity
 
-__all__ = ["ANNOTATIONS", "Measured", "read_cases", "read_measured"]
+__all__ = ["ANNOTATIONS", "MEASURED_AS", "Measured", "read_cases", "read_measured"]
 
 Array = np.ndarray
 ANNOTATIONS = ("case", "failure", "warnings")  # further columns of the tables of studies
+# Measured quantity -> the output with which it is compared.  A counter measures the length of web
+# with its layers as they are, compressed.
+MEASURED_AS = {"length": "wound_length"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +114,12 @@ def read_measured(
         kind = "deviations" if column.deviation else "outputs" if output else "inputs"
         quantity = names.quantity(column.name)
         values = numbers(sheet, column, quantity, faults, gaps=output, sign=sign, width=width)
-        groups[kind][column.name] = values
+        name = MEASURED_AS.get(column.name, column.name)
+        name = name if name in outputs else column.name
+        if name in groups[kind]:
+            text = f"has columns {column.name} and {name}; must be one of them"
+            raise InvalidProblem.at(sheet.where, text)
+        groups[kind][name] = values
     raise_faults(faults)
     _check(groups, sheet.where)
     return Measured(**groups, where=sheet.where, numbers=sheet.numbers)
