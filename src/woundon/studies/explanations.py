@@ -47,7 +47,7 @@ _CLASSES = {
     "pressure": PRESSURE,
     "core_pressure": PRESSURE,
     "mid_pressure": PRESSURE,
-    "length": LENGTH,
+    "wound_length": LENGTH,
 }
 
 _AIR = "entrained air, which this problem does not contain"  # only without air

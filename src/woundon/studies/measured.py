@@ -22,10 +22,13 @@ from ..io.sheets import Sheet, read_sheet
 from ..io.tables import Column, Names, match_columns
 from ..quantities import Quantity
 
-__all__ = ["ANNOTATIONS", "Measured", "read_cases", "read_measured"]
+__all__ = ["ANNOTATIONS", "MEASURED_AS", "Measured", "read_cases", "read_measured"]
 
 Array = np.ndarray
 ANNOTATIONS = ("case", "failure", "warnings")  # further columns of the tables of studies
+# Measured quantity -> the output with which it is compared.  A counter measures the length of web
+# with its layers as they are, compressed.
+MEASURED_AS = {"length": "wound_length"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,9 +106,16 @@ def read_measured(
         sheet, matched, names, faults, gaps=lambda c: c.name in outputs, conversion=conversion
     )
     for column, of_rows in zip(matched, values, strict=True):
-        if column.name not in conversion.helpers:
-            measured = "outputs" if column.name in outputs else "inputs"
-            groups["deviations" if column.deviation else measured][column.name] = of_rows
+        if column.name in conversion.helpers:
+            continue
+        measured = "outputs" if column.name in outputs else "inputs"
+        group = groups["deviations" if column.deviation else measured]
+        name = MEASURED_AS.get(column.name, column.name)
+        name = name if name in outputs else column.name
+        if name in group:
+            text = f"has columns {column.name} and {name}; must be one of them"
+            raise InvalidProblem.at(sheet.where, text)
+        group[name] = of_rows
     raise_faults(faults)
     _check(groups, sheet.where)
     return Measured(**groups, where=sheet.where, numbers=sheet.numbers)

@@ -41,7 +41,7 @@ POSITIONS: dict[str, float] = {
 }  # radius of each
 FORCE = Quantity("F_t", "N", "force that moves a pull tab")
 TAB = "pull tab"  # name of the uncertainty of its calibration
-TAB_FORCE, PRESSURE, LENGTH = "pull_tab_force", "pressure", "length"
+TAB_FORCE, PRESSURE, LENGTH = "pull_tab_force", "pressure", "wound_length"
 SURFACE = 1 - 1e-6  # of the radius of a roll: below it by less than the rounding of a table
 
 
@@ -201,8 +201,6 @@ def predict(result: Any, name: str, position: float) -> float:
     """
     roll = getattr(result, "roll", result)
     at_radius = position == position
-    if name == LENGTH and hasattr(roll, "wound_length"):
-        return float((roll.at(position) if at_radius else roll).wound_length)
     if not at_radius:
         return float(value_of(result, name))
     if name == PRESSURE and hasattr(roll, "radius") and position >= SURFACE * roll.radius[-1]:
@@ -231,13 +229,13 @@ def predict(result: Any, name: str, position: float) -> float:
 def definitions(result: Any, names: Sequence[str]) -> Iterator[str]:
     """Yield the definitions of measured quantities that have two, with their values."""
     roll = getattr(result, "roll", result)
-    if LENGTH in names and hasattr(roll, "wound_length"):
+    if LENGTH in names and hasattr(roll, LENGTH):
         known = scalar_outputs(type(roll))
         texts = (
             f"{known[name].meaning} ({name}), {known[name].text(value_of(roll, name), '.5g')}"
-            for name in ("wound_length", LENGTH)
+            for name in (LENGTH, "length")
         )
-        yield f"{LENGTH}: compared is the {'; the finished roll also has the '.join(texts)}"
+        yield f"{LENGTH}: the {'; the finished roll also has the '.join(texts)}"
 
 
 def error_at(result: Any, name: str, position: float) -> float:

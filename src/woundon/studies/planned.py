@@ -31,6 +31,7 @@ from .kind_model import (
     model_of,
     number_in_si,
 )
+from .measured import MEASURED_AS
 from .measurements import POSITIONS, PRESSURE, arrays_over_radius, predict
 
 __all__ = ["Measurement", "Planned", "plan_measurement"]
@@ -290,7 +291,8 @@ def plan_measurement(
     kind = kind_of(base)
     arrays = arrays_over_radius(kind.result, set(columns_of(base)))
     known = {**arrays, **measurable_outputs(base)}
-    output = PRESSURE if measurement.quantity == PULL_TAB else measurement.quantity
+    aliases = {PULL_TAB: PRESSURE} | {a: b for a, b in MEASURED_AS.items() if b in known}
+    output = aliases.get(measurement.quantity, measurement.quantity)
     where = measurement.quantity
     if output not in known:
         names = (*known, *([PULL_TAB] if PRESSURE in known else []))

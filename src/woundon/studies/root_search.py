@@ -10,8 +10,9 @@
 
        |D| / (sqrt(1 + |x0 - x1|/g) - 1).
 
-   The bisection ends when it is smaller than |f|, and than 0.1 % of the range of the output if no
-   solution is bracketed.
+   The bisection ends when it is smaller than |f|, and than 0.05 % of the output or the target if no
+   solution is bracketed.  Then the range up to the limit is scanned with as many points as the
+   whole range.
 3. Brackets: neighbouring points between which f changes its sign; a local minimum of |f| that may
    reach zero is searched by Brent's minimisation (scipy.optimize.minimize_scalar).
 4. Each bracket is solved by Brent's method (scipy.optimize.brentq) on one mesh, on which the output
@@ -27,6 +28,7 @@ from bisect import insort
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
+from itertools import groupby
 from math import isfinite, nan, sqrt
 from typing import Any, NamedTuple
 
@@ -49,6 +51,7 @@ LIMIT_ERROR = 5e-4  # of an output at a limit of existence, relative to its scal
 # At a minimum: evaluations, 1e-3 of the interval by golden section; and its width, at which a
 # parabola changes by 1e-8 of its change over the interval.
 MINIMISATIONS, MINIMUM_WIDTH = 16, 1e-4
+INSIDE = 1e-2  # of the distance of two samples, where an extreme value next to an end shows
 # |f| relative to the target at which Brent's method stops: ten times the residual of a solution,
 # 1e-8, and below every discretisation error
 CLOSE = 1e-7
@@ -176,6 +179,8 @@ class RootSearch:
             for outward in (-1, 1):
                 self._extend(outward)
         self._approach_limits()
+        for stretch in self._stretches():
+            self._scan_sparse(stretch, count)
         self._search_minima()
 
     def solutions(self) -> list[Sample]:
@@ -214,6 +219,20 @@ class RootSearch:
             if value == edge or not self._approaches(outward) or self._brackets():
                 return
             self.evaluate(value)
+
+    def _stretches(self) -> list[list[Sample]]:
+        """Return the samples between two limits of existence each."""
+        groups = groupby(self.samples, key=lambda sample: sample.result is not None)
+        return [list(group) for is_solved, group in groups if is_solved]
+
+    def _scan_sparse(self, stretch: list[Sample], count: int) -> None:
+        """Evaluate points where samples are sparse relative to the range that they cover."""
+        known = np.array([sample.value for sample in stretch])
+        if known.size > 1:
+            points = self.interval._replace(low=known[0], high=known[-1]).points(count)
+            for value, spacing in zip(points[1:-1], np.diff(points[:-1]), strict=True):
+                if np.abs(known - value).min() > spacing:
+                    self.evaluate(float(value))
 
     def limits(self) -> list[tuple[Sample, Sample]]:
         """Return the neighbours (solved, failed) at the limits of existence, in ascending order."""
@@ -298,10 +317,20 @@ class RootSearch:
     def refine_range(self) -> None:
         """Compute the smallest and the largest output, where they lie between the points."""
         for sign in (1, -1):
+            self._look_inside(sign)
             lowest = min((sign * s.output for s in self.solved), default=nan)
             for a, b, c in self._solved_triples():
                 if sign * b.output == lowest < max(sign * a.output, sign * c.output):
                     self._minimise(a, b, c, sign)
+
+    def _look_inside(self, sign: int) -> None:
+        """Evaluate a point next to an extreme value at an end: the extreme one may be inside."""
+        for stretch in self._stretches():
+            outputs = [sign * sample.output for sample in stretch]
+            for end, adjacent in ((0, 1), (-1, -2)):
+                if len(stretch) > 1 and outputs[end] == min(sign * s.output for s in self.solved):
+                    x = stretch[end].value
+                    self.evaluate(x + INSIDE * (stretch[adjacent].value - x))
 
     def _solved_triples(self) -> list[tuple[Sample, Sample, Sample]]:
         """Return three neighbouring samples each, all of which are solved."""
