@@ -83,8 +83,9 @@ async function isCase(store, kind, tables) {
     return (await api.readCase(await api.writeCase(tables))).kind === kind;
   } catch ({ errors }) {
     return errors?.length > 0 && errors.every(({ field }) => {
-      const number = field ? at(tables, field) : 0;
-      return typeof number === "number" || (number === undefined && store.fieldOf(kind, tables, field)?.type === "number");
+      if (!field) return true; // of several fields together
+      const known = store.fieldOf(kind, tables, field) ?? store.fieldOf(kind, tables, field.replace(/\.\d+$/, ""));
+      return (["number", "numbers"].includes(known?.type) || known?.number) && ["number", "undefined"].includes(typeof at(tables, field));
     });
   }
 }
