@@ -231,8 +231,9 @@ def test_a_link_restores_case_units_and_pins_and_pictures_that_followed_are_its(
     seen.put("nip_load", "5000")
     seen.page.click(".segmented >> text=mill")
     seen.from_menu("Copy link")
-    seen.page.wait_for_function("() => location.hash.length > 10")
+    seen.page.wait_for_selector(".says:not(:empty), dialog .snippet")  # it is complete
     fragment = seen.page.evaluate("() => location.hash")
+    seen.page.keyboard.press("Escape")
     other = look(fragment)
     other.page.wait_for_selector(".chip.pin-B")
     assert other.output("wound_on_tension") == seen.output("wound_on_tension")

@@ -1,4 +1,5 @@
 // Requests to the server; a rejected request throws a Problem.
+import { T } from "./texts.js";
 
 const session = Array.from(crypto.getRandomValues(new Uint8Array(12)), (b) => b.toString(16).padStart(2, "0")).join("");
 
@@ -9,6 +10,14 @@ export class Problem extends Error {
     this.errors = details.errors ?? [];
     this.superseded = String(details.type ?? "").endsWith("superseded");
   }
+}
+
+/** Is told when the server does not respond, or does not know the page any more. */
+export const connection = { lost: () => {} };
+
+function unreachable() {
+  connection.lost();
+  return new Problem({ detail: T.lost.interrupted }, 0);
 }
 
 async function asked(path, body, signal) {
@@ -22,11 +31,12 @@ async function asked(path, body, signal) {
     });
   } catch (fault) {
     if (fault.name === "AbortError") throw fault;
-    throw new Problem({ type: "unreachable", detail: "" }, 0);
+    throw unreachable();
   }
   if (answer.ok) return answer;
-  const details = await answer.json().catch(() => ({ title: answer.statusText }));
-  throw new Problem(details, answer.status);
+  if (answer.status === 401) connection.lost();
+  const details = await answer.json().catch(() => null); // a server that stops, and a proxy without one, write no JSON
+  throw details ? new Problem(details, answer.status) : unreachable();
 }
 
 const json = async (...call) => (await asked(...call)).json();
@@ -57,7 +67,7 @@ async function stream(path, body, handle, signal) {
   const reader = answer.body.pipeThrough(new TextDecoderStream()).getReader();
   let rest = "";
   for (;;) {
-    const { value, done } = await reader.read();
+    const { value, done } = await reader.read().catch((fault) => { throw fault.name === "AbortError" ? fault : unreachable(); });
     if (done) break;
     const lines = (rest + value).split("\n");
     rest = lines.pop();

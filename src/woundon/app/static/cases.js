@@ -38,6 +38,22 @@ export function held(field, holder) {
   return { ...field, symbol, unit, shown_unit, typical, limits, other_form };
 }
 
+const SHARED = ["web", "drum", "roll_friction", "drum_friction", "wrap_friction", "nip_load", "web_tension", "winding_force",
+  "roll_wrap", "drum_wrap", "web_speed", "air", "width"]; // fields of a nip and a winding
+
+/** The values of a nip with which a roll or a winding starts, by path; the roll is wound to that of the nip. */
+export function ofNip(catalogue, kind, nip, tension) {
+  const { web, roll } = nip;
+  const material = (described) => (typeof described === "string" ? catalogue.materials.find(({ name }) => name === described)?.material : described);
+  const { tangential } = material(web.material) ?? {};
+  const stack = roll.stack ? { stack: roll.stack } : { "stack.tangential": tangential, "stack.shear": material(roll.material)?.shear };
+  const rounded = Number((tension ?? nip.web_tension).toPrecision(5));
+  const own = kind === "roll" ? { web_thickness: web.thickness, wound_on_tension: rounded }
+    : Object.fromEntries(SHARED.map((name) => [name, nip[name]]));
+  const values = { ...own, radius: roll.radius, "core.radius": roll.core_radius, ...stack };
+  return Object.fromEntries(Object.entries(values).filter(([, value]) => value !== undefined));
+}
+
 /** A value to start a field from, keeping what an earlier description had of the same name. */
 export function started(catalogue, field, before, holder) {
   const own = held(field, holder);

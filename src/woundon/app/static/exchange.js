@@ -1,4 +1,5 @@
 // In and out: case files, data, pictures, a link to the state, Python, the report.
+import { writeAddress } from "./address.js";
 import * as api from "./api.js";
 import { same } from "./cases.js";
 import { html, useEffect, useRef, useState } from "./html.js";
@@ -6,7 +7,6 @@ import { T } from "./texts.js";
 import { digits } from "./units.js";
 
 const MOST = 1_000_000; // bytes of a case file
-const LONGEST = 60_000; // characters of a link
 
 function save(blob, name) {
   const link = document.createElement("a");
@@ -14,46 +14,6 @@ function save(blob, name) {
   link.download = name;
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
-}
-
-// ---- the link: the state in the fragment, which stays in the browser ----
-
-export function linkOf(store) {
-  const { kind, case: tables, system, tab, pins } = store.state;
-  const state = { kind, case: tables, system, tab, pins: pins.map((pin) => ({ label: pin.label, kind: pin.kind, case: pin.case })) };
-  const bytes = new TextEncoder().encode(JSON.stringify(state));
-  const code = btoa(String.fromCharCode(...bytes)).replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "");
-  return `${location.origin}${location.pathname}#${code}`;
-}
-
-/** Restore what a link holds; what does not fit is left out. */
-export async function restore(store) {
-  const code = location.hash.slice(1);
-  if (!code) return false;
-  try {
-    if (code.length > LONGEST) throw new Error("too long");
-    const bytes = Uint8Array.from(atob(code.replaceAll("-", "+").replaceAll("_", "/")), (c) => c.charCodeAt(0));
-    const state = JSON.parse(new TextDecoder().decode(bytes));
-    const plain = (thing) => thing && typeof thing === "object" && !Array.isArray(thing);
-    if (!store.kindOf(state.kind) || !plain(state.case)) throw new Error("no case");
-    // the server says whether it is a case, before anything of it is drawn
-    await api.solve(state.case, {});
-    const pins = (Array.isArray(state.pins) ? state.pins : []).slice(0, 4)
-      .filter((pin) => store.kindOf(pin?.kind) && plain(pin.case) && /^[A-D]$/.test(pin.label));
-    if (store.catalogue.systems[state.system]) store.set({ system: state.system });
-    if (["case", "study", "fit", "winding", "window", "thesis"].includes(state.tab)) store.set({ tab: state.tab });
-    const solved = []; // one after the other: of several at once the newest wins
-    for (const pin of pins) {
-      const result = await api.solve(pin.case, {}).catch(() => null);
-      if (result) solved.push({ ...pin, result, extras: {} });
-    }
-    store.set({ pins: solved });
-    store.take(state.kind, state.case);
-    return true;
-  } catch {
-    store.say(T.menu.linkBroken);
-    return false;
-  }
 }
 
 // ---- files ----
@@ -143,7 +103,7 @@ export function Menu({ store }) {
     [T.menu.png, picture("png")],
     [T.menu.svg, picture("svg")],
     [T.menu.link, async () => {
-      history.replaceState(null, "", linkOf(store));
+      await writeAddress(store);
       await navigator.clipboard?.writeText(location.href).then(() => store.say(T.menu.copied), () => setDialog({ title: T.menu.link, text: location.href }));
     }],
     [T.menu.python, async () => setDialog({ title: T.menu.python, text: await api.python(tables) })],

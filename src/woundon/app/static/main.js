@@ -1,14 +1,15 @@
 // The page: header, form on the left, what the case says on the right.
+import { keepAddress, restore } from "./address.js";
 import * as api from "./api.js";
 import { forgetColours } from "./chart.js";
 import { Patterns } from "./drawing.js";
-import { Menu, restore } from "./exchange.js";
+import { Menu } from "./exchange.js";
 import { Find } from "./find.js";
 import { Fit } from "./fit.js";
 import { Form } from "./form.js";
 import { html, render, useEffect, useLayoutEffect, useMemo } from "./html.js";
 import { Differences, Numbers, Panels, Pending, Pins, Sections, Verdict } from "./results.js";
-import { Store, useStore } from "./store.js";
+import { ROLLS, Store, useStore } from "./store.js";
 import { Study } from "./study.js";
 import { T } from "./texts.js";
 import { Thesis } from "./thesis.js";
@@ -17,7 +18,6 @@ import { Window } from "./window.js";
 
 const TABS = ["case", "study", "fit", "winding", "window", "thesis"];
 const tabsOf = ({ catalogue }) => TABS.filter((name) => name !== "thesis" || catalogue.exhibits?.length);
-const ROLLS = ["roll", "winding"]; // shown in a tab of their own, the quick one first
 
 function Page({ store }) {
   const state = useStore(store);
@@ -50,6 +50,8 @@ function Page({ store }) {
     <div class="split">
       <aside class="left">${state.tab !== "thesis" && form}</aside>
       <main class="right" id="results" tabindex="-1" aria-label=${T.results.name}>
+        ${state.lost && html`<div class="notice" id="lost" role="alert">${state.lost}</div>`}
+        ${state.notice && html`<div class="notice" id="notice" role="alert">${state.notice}</div>`}
         <div role="tabpanel" id=${`panel-${state.tab}`} aria-labelledby=${`tab-${state.tab}`} class="view"><${views[state.tab]} store=${store} /></div>
       </main>
     </div>
@@ -79,27 +81,19 @@ function Header({ store }) {
 function Tabs({ store }) {
   const { tab } = store.state;
   const tabs = tabsOf(store);
-  const go = (name) => {
-    const { kind } = store.state;
-    store.set({ tab: name });
-    const roll = ROLLS.includes(kind);
-    if (name === "window" && kind !== "winding") store.goTo("winding");
-    if (name === "winding" && !roll) store.goTo(ROLLS.find((one) => store.kindOf(one)));
-    if (name === "case" && roll) store.goTo(store.state.nip ?? "nip");
-  };
   const keys = (event) => {
     const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
     if (!step) return;
     const next = tabs[(tabs.indexOf(tab) + step + tabs.length) % tabs.length];
-    go(next);
+    store.show(next);
     document.getElementById(`tab-${next}`).focus();
   };
   return html`<div class="tabs" role="tablist" aria-label=${T.tabs.name} onKeyDown=${keys}>${tabs.map((name) => html`<button type="button" role="tab"
-    id=${`tab-${name}`} aria-selected=${tab === name} aria-controls=${`panel-${name}`} tabindex=${tab === name ? 0 : -1} onClick=${() => go(name)}>${T.tabs[name]}</button>`)}</div>`;
+    id=${`tab-${name}`} aria-selected=${tab === name} aria-controls=${`panel-${name}`} tabindex=${tab === name ? 0 : -1} onClick=${() => store.show(name)}>${T.tabs[name]}</button>`)}</div>`;
 }
 
 function Case({ store }) {
-  const { kind, result, solved, problem, faults, misread, unreachable, extras, pins, tables, system, theme, scheme } = store.state;
+  const { kind, result, solved, problem, faults, misread, extras, pins, tables, system, theme, scheme } = store.state;
   const stale = Object.keys(extras).filter((name) => store.extra(name).stale).join();
   return useMemo(() => {
     if (!result || result.kind !== kind) return html`<${Pending} store=${store} />`;
@@ -112,7 +106,7 @@ function Case({ store }) {
       <p class="quiet hint">${T.panels.hint}</p>
       <${Differences} store=${store} />
       <${Sections} store=${store} />`;
-  }, [kind, result, solved, problem, faults, misread, unreachable, extras, stale, pins, tables, system, theme, scheme]);
+  }, [kind, result, solved, problem, faults, misread, extras, stale, pins, tables, system, theme, scheme]);
 }
 
 async function begin() {
@@ -123,7 +117,7 @@ async function begin() {
     if (!await restore(store)) store.solve();
     document.title = `${T.title}: ${T.about}`;
     render(html`<${Page} store=${store} />`, place);
-    addEventListener("hashchange", () => restore(store));
+    keepAddress(store);
   } catch (fault) {
     render(html`<p class="loading" role="alert">${T.failed}: ${fault.message}</p>`, place);
     throw fault;

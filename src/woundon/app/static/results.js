@@ -91,8 +91,7 @@ export function Numbers({ store }) {
 
 /** The errors of the case, and whose results are shown. */
 function Errors({ store, consequence }) {
-  const { unreachable } = store.state;
-  const errors = unreachable ? [{ label: "", text: T.unreachable }] : store.errors.slice(0, ERRORS);
+  const errors = store.errors.slice(0, ERRORS);
   return html`<div class="notice wrong" role="alert">${errors.map(({ label, text }) => html`<p>${label && html`<b>${label}: </b>`}${text}</p>`)}<p>${consequence}</p></div>`;
 }
 

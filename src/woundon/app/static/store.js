@@ -1,13 +1,16 @@
 // The state of the page: the case, its history, the last valid result, the pinned states.
 import * as api from "./api.js";
-import { changed, fieldsOf, held, memberOf, same, started } from "./cases.js";
+import { at, changed, fieldsOf, held, memberOf, ofNip, same, started } from "./cases.js";
 import { useEffect, useState } from "./html.js";
 import { atCore } from "./schedules.js";
+import { T } from "./texts.js";
 import { Units, usual } from "./units.js";
 
 const PINS = 4;
 const REST = 220; // [ms] without a change, after which slower answers are requested
 const KEPT = 200; // steps of undo
+const RETRY = 1500; // [ms] between requests to a server that does not respond
+export const ROLLS = ["roll", "winding"]; // shown in a tab of their own, the quick one first
 const NO_FAULTS = Object.freeze({});
 
 export class Store {
@@ -21,9 +24,10 @@ export class Store {
       kind: first.name, case: first.example, system: kept("system", "SI"), theme: kept("theme", ""),
       tab: "case", past: [], future: [], faults: NO_FAULTS, misread: NO_FAULTS, problem: "",
       result: null, solved: null, extras: {}, busy: false, rough: false, pins: [], tables: false,
-      others: {}, study: null, fit: null, window: null, message: "", grade: null,
+      others: {}, study: null, fit: null, window: null, message: "", grade: null, lost: "", notice: "",
     };
     this.units = new Units(catalogue, this.state.system);
+    api.connection.lost = () => this.reconnect();
   }
 
   set(patch) {
@@ -45,11 +49,16 @@ export class Store {
     return found ?? { name, symbol: name, label: name, unit: "1", shown_unit: "" };
   }
 
-  /** The field of a dotted path of a case; null where there is none. */
+  /** The field of a dotted path of the case; null where there is none. */
   fieldAt(path) {
+    return this.fieldOf(this.state.kind, this.state.case, path);
+  }
+
+  /** The field of a dotted path of some case. */
+  fieldOf(kind, tables, path) {
     const { catalogue } = this;
-    let fields = fieldsOf(catalogue, this.kind.form);
-    let table = this.state.case;
+    let fields = fieldsOf(catalogue, this.kindOf(kind).form);
+    let table = tables;
     let holder = null;
     for (const name of path.split(".")) {
       if (/^\d+$/.test(name)) {
@@ -115,7 +124,7 @@ export class Store {
     this.moving = moving;
     this.changedPath = path; // the field from which studies and searches start
     this.set({
-      case: next, future: [],
+      case: next, future: [], notice: "",
       past: merged ? past : [...past, { path, kind: this.state.kind, case: this.state.case }].slice(-KEPT),
     });
     this.solve(moving);
@@ -138,7 +147,7 @@ export class Store {
   take(kind, tables) {
     const past = [...this.state.past, { kind: this.state.kind, case: this.state.case }].slice(-KEPT);
     this.moving = false;
-    this.set({ kind, case: tables, past, future: [], faults: NO_FAULTS, problem: "" });
+    this.set({ kind, case: tables, past, future: [], faults: NO_FAULTS, problem: "", notice: "" });
     this.solve();
   }
 
@@ -181,10 +190,21 @@ export class Store {
     this.solve();
   }
 
+  /** Show a tab, with a case of a kind that it has: a roll starts with the values of the nip. */
+  show(tab) {
+    const { kind } = this.state;
+    const isRoll = ROLLS.includes(kind);
+    this.set({ tab });
+    if (tab === "window" && kind !== "winding") this.goTo("winding");
+    if (tab === "winding" && !isRoll) this.goTo(ROLLS.find((one) => this.kindOf(one)));
+    if (tab === "case" && isRoll) this.goTo("nip");
+  }
+
   /** Change the kind; values that both kinds have stay, a schedule with its value at the core. */
   async goTo(name) {
-    const { case: now, kind, others } = this.state;
+    const { case: now, kind, others, result, solved } = this.state;
     const next = this.kindOf(name);
+    if (kind === "nip") this.tensionOfNip = solved === now ? result.outputs.roll_wound_on_tension?.value : undefined;
     const { grade } = this;
     const fields = new Map(fieldsOf(this.catalogue, next.form).map((field) => [field.name, field]));
     let before = others[name] ?? next.example;
@@ -199,9 +219,20 @@ export class Store {
     const shared = Object.entries(now).filter(([field]) => fields.has(field) && field in before).map(carried);
     const related = shared.length >= 7; // a nip and a winding share eight fields, a roll and a winding five
     this.set({ others: { ...others, [kind]: now } });
-    const tables = related ? { ...before, ...Object.fromEntries(shared) } : before;
+    const tables = this.withNip(name, related ? { ...before, ...Object.fromEntries(shared) } : before);
     this.take(name, tables);
     if (grade && next.has_grades) this.set({ grade: { name: grade, web: webOf(tables) } });
+  }
+
+  /** A roll or a winding with the values of the nip, or those that have changed since it had them. */
+  withNip(name, tables) {
+    const { nip } = this.state.others;
+    if (!ROLLS.includes(name) || !nip || same(nip, this.kindOf("nip").example)) return tables;
+    const values = ofNip(this.catalogue, name, nip, this.tensionOfNip);
+    const before = this.carried?.[name] ?? {};
+    this.carried = { ...this.carried, [name]: values };
+    return Object.entries(values).filter(([path, value]) => !same(value, before[path]) && atCore(at(tables, path)) !== value)
+      .reduce((inner, [path, value]) => changed(inner, path, value), tables);
   }
 
   // ---- the picture ----
@@ -242,7 +273,26 @@ export class Store {
       else left.push(this.units.message(message));
     }
     if (!fault.errors.length) left.push(fault.message);
-    this.set({ faults, problem: left.join("\n"), unreachable: fault.status === 0, busy: false, rough: false });
+    this.set({ faults, problem: left.join("\n"), busy: false, rough: false });
+  }
+
+  /** Wait until the server responds, then solve again. */
+  async reconnect() {
+    if (this.state.lost) return;
+    this.set({ lost: T.lost.stopped(location.host) });
+    let catalogue = null;
+    while (!catalogue) {
+      await new Promise((resolve) => setTimeout(resolve, RETRY));
+      try {
+        catalogue = await api.catalogue();
+      } catch (fault) {
+        if (fault.status === 401) this.set({ lost: T.lost.token });
+      }
+    }
+    if (catalogue.version !== this.catalogue.version) return this.set({ lost: T.lost.version(catalogue.version) });
+    this.set({ lost: "", extras: {} }); // answers that failed among them
+    this.say(T.lost.back);
+    return this.solve();
   }
 
   /** At rest: the converged result, then slower answers that are in sight. */

@@ -4,7 +4,16 @@ export const T = {
   about: "Winding mechanics: what the nip does to a paper or film web",
   loading: "Loading the catalogue of quantities",
   failed: "The page could not be loaded",
-  unreachable: "No response from the server; the next change will retry.",
+  lost: {
+    stopped: (place) => `The server at ${place} does not respond; the numbers shown are those of its last response. Start it again, as with 'woundon app', at the same address: the page then continues by itself. The address keeps your case, and a computation that was interrupted must be started again.`,
+    token: "The server was restarted with another token. Open the address that it printed when it started; this page then continues by itself.",
+    version: (version) => `The server was restarted with another version, woundon ${version}. Reload the page; its address keeps your case.`,
+    back: "The server responds again.", interrupted: "No response from the server.",
+  },
+  address: {
+    broken: "The address of the page did not contain a complete case; it was ignored.",
+    long: "The case is too long for the address of the page; save it as a file.",
+  },
   skip: "Skip to the results",
   and: "and",
   // results that are shown first, if a kind has them
@@ -75,7 +84,7 @@ export const T = {
     open: "Open a case file …", save: "Save the case (TOML)", csv: "Export plotted data (CSV)", png: "Picture (PNG)",
     svg: "Picture (SVG)", link: "Copy link to this case", python: "Export as Python script", report: "Report …",
     tooBig: (size) => `The file has ${size}; a case file has at most 1 MB`, notText: "This is not a text file",
-    copied: "Copied", opened: (name) => `${name} is open`, linkBroken: "The link does not contain a complete case; showing the example.",
+    copied: "Copied", opened: (name) => `${name} is open`,
     close: "Close", copy: "Copy", remarks: "Remarks", heading: "Heading", make: "Make the report",
     reportAbout: "One HTML file: inputs with units, results with errors and certificate, figures, pinned states next to each other. It prints to PDF.",
     api: "HTTP API",

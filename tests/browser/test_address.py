@@ -1,0 +1,163 @@
+"""The address of the page: reload, links, back and forward; a server that is restarted."""
+
+from __future__ import annotations
+
+import base64
+import json
+import zlib
+
+import pytest
+from page_server import serving
+
+import woundon as wo
+
+CLOSE = 1e-7  # a solve from the previous case and a cold one
+
+
+def fragment_of(state):
+    """Return the fragment that holds a state."""
+    packed = zlib.compress(json.dumps(state).encode())
+    return "#" + base64.urlsafe_b64encode(packed).decode().rstrip("=")
+
+
+def held(page):
+    """Return the state in the address of a page that is at rest."""
+    page.wait_for_timeout(500)  # the address follows 300 ms later
+    code = page.evaluate("() => location.hash")[1:]
+    assert len(code) < 4000
+    return json.loads(zlib.decompress(base64.urlsafe_b64decode(code + "=" * (-len(code) % 4))))
+
+
+def test_a_reload_keeps_case_tab_units_and_pins(look):
+    seen = look()
+    page = seen.page
+    assert page.evaluate("() => location.hash") == ""
+    seen.put("nip_load", "20 pli")
+    page.click(".pin")
+    seen.put("nip_load", "5000")
+    page.click(".segmented >> text=mill")
+    number = seen.output("wound_on_tension")
+    assert held(page)["case"]["nip_load"] == 5000
+    page.reload()
+    page.wait_for_selector(".chip.pin-A")
+    seen.rest()
+    assert seen.output("wound_on_tension") == pytest.approx(number, rel=CLOSE)
+    assert float(seen.box("nip_load")) == pytest.approx(5000 / 175.1268352, rel=1e-5)
+    page.fill("#f-drum_friction", "50")  # rejected, and to be corrected after a reload too
+    assert page.locator(".fault").count() == 1
+    page.click("#tab-fit")
+    held(page)
+    page.reload()
+    page.wait_for_selector("#fit-table")
+
+
+def test_a_case_without_a_steady_state_is_kept_with_its_error(look):
+    seen = look()
+    seen.put("winding_force", "5000")
+    assert held(seen.page)["case"]["winding_force"] == 5000
+    seen.page.reload()
+    seen.page.wait_for_selector("[data-path=winding_force] .fault")
+    assert seen.box("winding_force") == "5000"
+
+
+def test_tabs_are_entries_of_the_history(look):
+    seen = look()
+    page = seen.page
+    page.click("#tab-study")
+    seen.put("nip_load", "4321")
+    page.click("#tab-fit")
+    page.go_back()
+    page.wait_for_selector("#study-run")
+    page.go_back()
+    page.wait_for_selector("[data-output=wound_on_tension]")
+    assert seen.box("nip_load") == "4321"  # tabs go back, the case does not: that is undone
+    page.go_forward()
+    page.wait_for_selector("#study-run")
+    assert held(page)["tab"] == "study"
+    assert page.get_attribute("#tab-study", "aria-selected") == "true"
+
+
+def test_damaged_addresses_are_rejected(look):
+    seen = look()
+    seen.put("nip_load", "4000")
+    state = held(seen.page)
+    good = fragment_of(state)
+    middle = len(good) // 2
+    other = "A" if good[middle] != "A" else "B"
+    fragments = [
+        good[:middle] + other + good[middle + 1 :],
+        good[:middle],
+        "#" + "A" * 40_000,
+        fragment_of(" " * 2_000_000),
+        fragment_of(state | {"kind": "roll"}),
+        fragment_of(state | {"kind": "no such"}),
+        fragment_of(state | {"case": state["case"] | {"web": 5}}),
+        fragment_of(state | {"case": state["case"] | {"drum": {"kind": "<img src=x>"}}}),
+        fragment_of([]),
+    ]
+    for fragment in fragments:
+        seen.open(fragment)
+        assert seen.page.locator("#notice").count() == 1, fragment[:80]
+        assert seen.box("nip_load") == "3502"
+    assert seen.open(good).box("nip_load") == "4000"
+    seen.page.evaluate("fragment => { location.hash = fragment }", fragment_of(
+        state | {"case": state["case"] | {"nip_load": 2000}}))  # fmt: skip
+    seen.page.wait_for_function(
+        "() => document.querySelector('[data-path=nip_load] .box').value === '2000'"
+    )
+
+
+def test_the_tab_winding_starts_with_the_values_of_the_nip(look):
+    seen = look()
+    page = seen.page
+    for path, text in (("web.thickness", "80"), ("roll.radius", "200"), ("roll.core_radius", "50"),
+                       ("web_tension", "300")):  # fmt: skip
+        seen.put(path, text)
+    page.evaluate("() => document.querySelectorAll('.group').forEach(one => one.open = true)")
+    nip = wo.NipProblem.example()
+    nip = nip.replace(**{"web.thickness": 80e-6, "roll.radius": 0.2, "roll.core_radius": 0.05})
+    wound_on = wo.solve(nip.replace(web_tension=300)).roll_wound_on_tension
+    page.click("#tab-winding")
+    page.wait_for_selector(".schedule-plot")
+    seen.rest()
+    roll = wo.RollProblem.example().replace(
+        **{"web_thickness": 80e-6, "radius": 0.2, "core.radius": 0.05, "wound_on_tension": wound_on}
+    )
+    # the tension is taken over with five digits
+    assert seen.output("core_pressure") == pytest.approx(wo.solve(roll).core_pressure, rel=1e-4)
+    seen.put("web_thickness", "90")
+    page.select_option(".kind", "winding")
+    page.wait_for_selector("[id='f-tension_law']")
+    assert seen.box("web.thickness") == "80"
+    assert [seen.box(path) for path in ("radius", "core.radius")] == ["200", "50"]
+    assert seen.box("web_tension") == "300"
+    page.click("#tab-case")
+    seen.rest()
+    assert seen.box("web.thickness") == "80"
+    seen.put("roll.radius", "250")
+    page.click("#tab-winding")
+    page.wait_for_selector(".schedule-plot")
+    # what has changed in the nip since then, and what was entered for the roll
+    assert [seen.box(path) for path in ("radius", "web_thickness")] == ["250", "90"]
+
+
+@pytest.mark.slow
+def test_a_restarted_server_is_explained_and_the_page_continues(browser):
+    page = browser.new_page()
+    shown = "[data-output=wound_on_tension] .value"
+    with serving() as server:
+        port = server.address.rpartition(":")[2]
+        page.goto(server.address)
+        number = page.get_attribute(shown, "data-si", timeout=60_000)
+    page.fill("#f-nip_load", "5000")
+    page.wait_for_selector("#lost")
+    assert "does not respond" in page.inner_text("#lost")
+    assert "woundon app" in page.inner_text("#lost")
+    assert page.get_attribute(shown, "data-si") == number
+    with serving("--port", port):
+        page.wait_for_selector("#lost", state="detached", timeout=60_000)
+        page.wait_for_selector(f"{shown}:not([data-si='{number}'])", timeout=60_000)
+        result = wo.solve(wo.NipProblem.example().replace(nip_load=5000))
+        found = float(page.get_attribute(shown, "data-si"))
+        assert found == pytest.approx(result.wound_on_tension, rel=CLOSE)
+    page.close()
