@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import re
+import tomllib
 import warnings
 from contextlib import contextmanager
 
@@ -12,8 +14,10 @@ from slow_cases import slow_case
 
 import woundon as wo
 from woundon.io.case_files import apply_settings, load_case, make_problem, to_toml
+from woundon.io.case_texts import grade_template
 from woundon.problems.library import library
 from woundon.problems.materials import MATERIALS
+from woundon.problems.units import parse
 
 GRADES = wo.grades()
 CORE = {"diameter": "100 mm", "stiffness": "1 GPa"}
@@ -212,3 +216,14 @@ def test_replace_with_another_grade():
     assert (winding.web, winding.stack, winding.limits) == (lwc.web(), lwc.stack, lwc.limits)
     with pytest.warns(wo.InputWarning, match="roll_friction"):
         assert nip.replace(grade="newsprint", roll_friction=0.3).roll_friction == 0.3
+
+
+@pytest.mark.parametrize("kind", ["nip", "winding"])
+@pytest.mark.parametrize("name", wo.grades())
+def test_templates_state_the_tension_of_their_grade(name, kind):
+    # Consistency: the web tension is half the wound-on tension of the grade, which is stated
+    text = grade_template(kind, name)
+    tension = parse(tomllib.loads(text)["web_tension"], "N/m", "web_tension")
+    assert tension == pytest.approx(wo.grade(name).tension / 2, rel=1e-12)
+    stated = re.search(r"usual for the grade, (.*?): the nip", " ".join(text.split()))
+    assert parse(stated[1], "N/m", "tension") == pytest.approx(wo.grade(name).tension, rel=1e-12)

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from slow_cases import slow_case
 
 import woundon as wo
 from woundon.parallel import Cancelled
@@ -291,8 +292,23 @@ def test_progress_is_a_fraction_after_every_nip():
         **rough,
         progress=seen.append,
     )
-    assert len(seen) == run.nips_solved
-    assert 0 < seen[0] < seen[-1] <= 1
+    assert len(seen) == run.nips_solved + 1
+    assert 0 < seen[0] < seen[-1] == 1
+
+
+@pytest.mark.parametrize(
+    "changes", [{}, slow_case({"web_speed": 10.0, "air": wo.Air(roughness=1e-6)})]
+)
+def test_progress_is_about_proportional_to_the_nips_that_are_solved(changes: dict[str, Any]):
+    seen: list[float] = []
+    wo.solve(CASE.replace(radius=0.1, **changes), rtol=1e-2, nodes=25, progress=seen.append)
+    fractions = np.array(seen)
+    assert (np.diff(fractions) >= 0).all()
+    assert fractions[-1] == 1
+    # an estimate, from the convergence of the iteration; above all it does not stay at its end
+    share = np.arange(1, fractions.size + 1) / fractions.size
+    assert np.abs(fractions - share).max() < 0.35
+    assert share[fractions >= 0.9][0] > 0.7
 
 
 def test_a_winding_stops_where_its_progress_raises():

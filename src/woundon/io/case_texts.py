@@ -69,6 +69,8 @@ _GRADE_HEADER = """\
 # 'woundon grades {grade}' lists its values, 'woundon describe {kind}' all fields.
 # A value is a text with its unit: "20 pli", "1.5 kN/m", "30 in", "60 gsm" for the thickness; with
 # the width of the web also a total, "3.6 kN"; for the web tension also a stress, "5 MPa".
+# The web tension is half of the wound-on tension that is usual for the grade, {wound_on}: the nip
+# adds about as much.
 """
 _GRADE_ROWS = {
     "nip": (
@@ -110,7 +112,7 @@ def grade_template(kind: str, grade_name: str, file: str | None = None) -> str:
         )
     grade_data, summary = grade(grade_name, file), kinds.named(kind).about
     # the nip adds about as much as the winder pulls
-    web_tension = text_with_unit(float(f"{grade_data.tension / 2:.2g}"), "N/m")
+    wound_on, web_tension = (text_with_unit(grade_data.tension * k, "N/m") for k in (1.0, 0.5))
     rows = [
         ("grade", grade_name),
         *([("grades", file)] if file else []),
@@ -127,7 +129,7 @@ def grade_template(kind: str, grade_name: str, file: str | None = None) -> str:
     for name, *value in rows:
         lines.append(f"{name:<13} = {json.dumps(value[0])}" if value else f"\n{name}")
     header = _GRADE_HEADER.format(
-        about=summary, grade=grade_name, title=grade_data.title, kind=kind
+        about=summary, grade=grade_name, title=grade_data.title, kind=kind, wound_on=wound_on
     )
     return header + "\n" + "\n".join(lines) + "\n"
 

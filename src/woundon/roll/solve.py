@@ -62,6 +62,9 @@ NODE_ERROR_FACTOR = 0.6
 STAGE_ERROR_FACTOR = 1.6
 STAGE_ERROR_SHARE = 0.7  # fraction of rtol for the stage error
 MAX_LEVELS = 12
+# Fractions of the work at the ends of the passes over the radius, for the reported progress: two
+# usually suffice, the second one on more nodes.
+PASSES = (0.0, 0.4, 0.9, 0.95, 0.975, 0.99)
 COARSE = 1e-2  # rtol reached by the second level; smaller values start at a finer level
 ROUNDING = 1e-9
 # Tolerance of the stages of a neighbouring roll: the last Newton step is at most 5e-8, and the
@@ -106,11 +109,22 @@ def solve_wound_roll(
     check_options(rtol=rtol)
     core, R = problem.core.radius, problem.radius
 
-    def report(radius: float) -> None:
-        if progress is not None:
-            progress(min(max((radius - core) / (R - core), 0.0), 1.0))
+    passes, last = 0, 0.0
 
-    return solve_thin_layers(problem, rtol, report).with_finite_layers().warned()
+    def report(radius: float) -> None:
+        """Report the fraction of the work; a smaller radius begins the next pass."""
+        nonlocal passes, last
+        passes += radius < last
+        last = radius
+        if progress is not None:
+            begin, end = PASSES[min(passes, len(PASSES) - 2) :][:2]
+            share = min(max((radius - core) / (R - core), 0.0), 1.0)
+            progress(begin + share * (end - begin))
+
+    result = solve_thin_layers(problem, rtol, report).with_finite_layers().warned()
+    if progress is not None:
+        progress(1.0)
+    return result
 
 
 class ThinLayerRoll(NamedTuple):

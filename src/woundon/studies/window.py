@@ -73,7 +73,8 @@ def operating_window(
     out : path
         Folder for the windings; ``resume=True`` continues an interrupted computation.
     progress : bool or callable
-        Show the fraction done, or call with (windings done, windings expected).
+        Show the fraction done, or call with (work done, work expected); a winding whose nips are
+        solved counts as 20 with known friction shares.
     preview : callable, optional
         Is called with a coarse window of 3 x 3 points, after about a third of the time.
     options : mapping

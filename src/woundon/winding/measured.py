@@ -28,7 +28,7 @@ from .bodies import PEAK_COEFFICIENT, NipSample, tension_on_roll
 from .curve import MAX_PIECES, TensionCurve, sampling_radii, sharp_kinks
 from .nips import Nips
 
-__all__ = ["Departure", "largest_mismatch", "smoothed"]
+__all__ = ["CHECKS", "Departure", "largest_mismatch", "smoothed"]
 
 Array = np.ndarray
 

@@ -37,7 +37,7 @@ from .bodies import tension_on_roll
 from .certificate import LARGEST_COUPLING_RTOL, certificate
 from .curve import NOMINAL, TensionCurve, polyline_radii, sampling_radii
 from .interpolation import Piece
-from .measured import Departure, largest_mismatch, smoothed
+from .measured import CHECKS, Departure, largest_mismatch, smoothed
 from .nips import Nips
 from .result import WindingResult
 from .roll import recomputed, wind
@@ -55,7 +55,11 @@ MAX_NIPS = 40  # radii
 MAX_ITERATIONS = 30
 # Iterations after which radii are added even if the tension still changes.
 MAX_UNREFINED_ITERATIONS = 10
-EXPECTED_ITERATIONS = 4  # for the reported progress
+# For the reported progress: the iteration reduces the change from 1 to its tolerance at about the
+# same factor in each pass; of a winding without iteration the expected number of nips.  The last
+# part is the roll, the nips that check measured schedules, and the certificate.
+FIRST_GAIN, LEAST_GAIN, EXPECTED_NIPS = 0.2, 0.05, 16
+OF_ITERATIONS, OF_MEASURED = 0.95, 0.75
 ROUGH_CHANGE = 0.03  # relative change of the tension above which lower accuracies are used
 # Relative change below which radii may be added.  With larger changes the choice of the radii would
 # depend on the initial guess.
@@ -140,7 +144,10 @@ def solve_winding(
             ).solve_measured(problem)
         else:
             result = _Winder(problem, rtol, nodes, coupling_tolerance, start, progress).solve()
-    return result.replace(residuals=certificate(result)).checked().warned()
+    result = result.replace(residuals=certificate(result)).checked()
+    if progress is not None:
+        progress(1.0)
+    return result.warned()
 
 
 def check_options(
@@ -194,6 +201,9 @@ class _Winder:
             self._report_progress,
             () if start is None else start.nips,
         )
+        # the progress before and after the present iteration, and the nips solved before it
+        self.reached, self.expected, self.solved_before = 0.0, FIRST_GAIN, 0
+        self.share_of_iterations, self.reported = OF_ITERATIONS, 0.0
 
     def solve(self) -> WindingResult:
         """Solve the winding."""
@@ -224,6 +234,7 @@ class _Winder:
                 may_refine = is_close and not self.nips.coarse
             added = solves_nips and may_refine and self._refine(iteration)
             change = iteration.change
+            self._note_progress(change)
             is_final = may_refine and not (added or rough)
             if is_final and change <= STOP_FRACTION * self.coupling_rtol:
                 return iteration if solves_nips else self._recompute_roll(iteration)
@@ -344,10 +355,32 @@ class _Winder:
             )
         return piece
 
+    def _note_progress(self, change: float) -> None:
+        """Update the progress after an iteration from the relative change of the tension."""
+        tolerance = STOP_FRACTION * self.coupling_rtol
+        reached = np.log(max(change, tolerance)) / np.log(tolerance)
+        gain = max(reached - self.reached, LEAST_GAIN)
+        self.reached = max(self.reached, reached)
+        self.expected = min(self.reached + gain, 1.0)
+        self.solved_before = self.nips.solved
+
     def _report_progress(self, solved: int) -> None:
-        """Report the fraction of the expected number of nips that is solved."""
+        """Report the estimated fraction of the work after a nip, which never decreases."""
+        if self.progress is None:
+            return
+        if self.nips.is_roll_independent:
+            fraction = solved / (EXPECTED_NIPS + max(0, solved - EXPECTED_NIPS))
+        else:
+            done = (solved - self.solved_before) / len(self.curve.places)
+            fraction = self.reached + min(done, 1.0) * (self.expected - self.reached)
+        self.reported = max(self.reported, self.share_of_iterations * fraction)
+        self.progress(self.reported)
+
+    def _report_check(self, solved: int) -> None:
+        """Report the progress after a nip that checks the measured schedules."""
         if self.progress is not None:
-            self.progress(min(solved / (EXPECTED_ITERATIONS * len(self.curve.places)), 1.0))
+            done = min((solved - self.nips.solved) / CHECKS, 1.0)
+            self.progress(OF_MEASURED + done * (OF_ITERATIONS - OF_MEASURED))
 
     def _assemble(self, iteration: _Iteration) -> WindingResult:
         """Assemble the result of an iteration."""
@@ -371,6 +404,7 @@ class _Winder:
 
     def solve_measured(self, problem: WindingProblem) -> WindingResult:
         """Solve a problem whose schedules fluctuate around the smooth ones of this winding."""
+        self.share_of_iterations = OF_MEASURED
         iteration, curve = self._converge(), self.curve
         departure = Departure(problem, self.problem, curve, self.nips)
 
@@ -387,7 +421,7 @@ class _Winder:
             problem,
             self.nodes,
             self.coupling_rtol,
-            nips.report,
+            self._report_check,
             nips.from_core_to_surface(),
             nips.solved,
         )
