@@ -5,7 +5,8 @@
 # Version: asyncua 2.1.0.
 # Behaviour: the server notifies every change of the value, at whatever rate, collected for each publishing interval; the
 #   request is not used, and the server answers that it revised the sampling interval to the publishing interval. Only
-#   queuesize limits the number: the last queuesize changes before each publication. Writing an equal value is no change and is not notified.
+#   queuesize limits the number: the last queuesize changes before each publication. Writing an equal value is no change and
+#   is not notified.
 # Output: 100 changes within 1 s and as many writes of an equal value, publishing interval 500 ms. sampling_interval 0, 500 and
 #   5000 ms: 100 notifications each; 500 ms with queuesize=1: about 3.
 # Why it matters: a simulated winder or a gateway built with asyncua shows a client many more values than the controller of the
