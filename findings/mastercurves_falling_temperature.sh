@@ -7,10 +7,10 @@
 #   as abscissa the factors are below 1 and found. In falling order they exceed 1; the result is the bound itself, factor 1,
 #   with an uncertainty of a few per cent. Steps of more than two decades end at 0.01 in the same way.
 # Output: storage modulus of one relaxation time, 20, 40, 60 degC, one decade apart: rising 1, 0.095, 0.0095 (exact 1, 0.1,
-#   0.01); falling 1, 1, 1 (exact 1, 10, 100); falling with bounds=(0.01, 100) 1, 10, 104. 2.5 decades apart: 1, 0.01 (exact
+#   0.01); falling 1, 1, 1 (exact 1, 10, 100); falling with bounds=(0.01, 100) 1, 9.9, 105. 2.5 decades apart: 1, 0.01 (exact
 #   0.0032).
-# Why it matters: many DMA programs cool down or list the hottest isotherm first. The master curve of a roll cover is then only as
-#   wide as one isotherm, so that the kHz range of a nip seems to be measured although it is not; the uncertainty says it is right.
+# Why it matters: a table that lists the hottest isotherm first is as valid as any. The master curve of a roll cover is then only
+#   as wide as one isotherm, the kHz range of a nip is not reached, and the uncertainties say that the factors are right.
 # Remedy: Multiply(bounds=...) that contain 1, and curves sorted by temperature.
 . "$(dirname "$0")/environment" mastercurves==0.2.3 numpy==2.4.6 scipy==1.17.1
 python -W ignore - <<'EOF'

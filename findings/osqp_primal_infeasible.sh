@@ -5,9 +5,9 @@
 #   in m or in mm changes the number of iterations and not the status.
 # Version: osqp 1.1.3.
 # Behaviour: the status is "primal infeasible" after 25 iterations for feasible problems in which a constraint row has only
-#   coefficients below 1e-4. The certificate of infeasibility needs a vector dy with max|A^T dy| <= eps_prim_inf max|dy| and
-#   b^T dy < 0, with eps_prim_inf = 1e-4; every multiple of a row with small coefficients satisfies the first condition. The
-#   test uses the coefficients of the user, not the equilibrated ones.
+#   coefficients below 1e-4. A vector dy counts as a certificate of infeasibility if max|A^T dy| <= eps_prim_inf max|dy| and
+#   b^T dy <= eps_prim_inf max|dy|, with eps_prim_inf = 1e-4. Every dy along a row with small coefficients meets the first
+#   condition, whether or not A^T dy = 0 can be reached. The test uses the coefficients of the user, not the equilibrated ones.
 # Output: nip of a cylinder (R 0.2 m, line load 2000 N/m) on 6 mm of an elastic foundation, pressures p >= 0 with
 #   sum(p dx) = load: 50 nodes (dx 1.2e-4 m) solved; 100 nodes (dx 6.1e-5 m) primal infeasible; 100 nodes with the load balance
 #   multiplied by 10, or divided by dx, solved. Two unknowns, a (x1 + x2) = 1: infeasible at a = 9e-5, solved at 1.1e-4.

@@ -3,9 +3,9 @@
 #
 # Guess: downsample(time, values, n_out=1000) returns 1000 indices, whatever the spacing of the times.
 # Version: tsdownsample 0.1.5.1.
-# Behaviour: with times the bins have equal duration; bins in a stop are empty and return nothing, and the whole run falls into the
-#   few bins that remain. Without times the bins have equal numbers of records. LTTB alone has bins of equal numbers in both
-#   cases. MinMaxLTTB, which is recommended, selects extremes in bins of equal duration first.
+# Behaviour: with times the bins have equal duration; bins in a stop are empty and return nothing, and the runs
+#   fall into the few bins that remain. Without times the bins have equal numbers of records. LTTB alone has bins of equal
+#   numbers in both cases. MinMaxLTTB selects extremes in bins of equal duration first.
 # Output: two runs of 1000 s with 10 000 records each, n_out = 1000: stop of 10 s: 996 to 1000; of 10 000 s: 670 (MinMaxLTTB) and
 #   168 (MinMax, M4); of 11 days: 10 (MinMaxLTTB), 4 (MinMax) and 8 (M4). LTTB, and all without times: 1000.
 # Why it matters: a plot of a week of winder logs shows straight lines where the tension varies, and the error grows with the
