@@ -102,7 +102,8 @@ class Sensitivity(Presented, ReadOnly):
     def _repr_html_(self) -> str:
         head = "Elasticities: percent of output per percent of parameter"
         remarks = [f"At a zone change: {self.zone_change}"] if self.zone_change else []
-        return self._html_of_table(head, self.sorted().to_dataframe(), remarks)
+        frame = self.sorted().to_dataframe().rename(columns={"value": "value [SI]"})
+        return self._html_of_table(head, frame, remarks)
 
     def sorted(self) -> Sensitivity:
         """Return a copy with the parameters sorted by their elasticity of the first output."""

@@ -54,5 +54,5 @@ def test_the_page_shows_the_same_numbers_in_mill_units(look, tab, kind, headline
     mill = shown(seen)
     assert mill[0].startswith(headline)
     assert differing_numbers("\n".join(usual), "\n".join(mill)) == []
-    assert {"in", "psi"} <= units_in("\n".join(mill))
+    assert "in" in units_in("\n".join(mill))
     assert units_in("\n".join(mill)) & set(MILL) == set()

@@ -107,7 +107,7 @@ def test_fit_from_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture
     assert cli.main([*command, *units]) == 0
     shown = capsys.readouterr().out
     assert "roll.material.shear  13 MPa, standard error " in shown
-    interval = r"interval ([\d.]+) to ([\d.]+)$"
+    interval = r"interval ([\d.]+) MPa to ([\d.]+) MPa$"
     assert [float(e) for e in re.search(interval, shown, re.M).groups()] == pytest.approx(
         [13, 13], rel=1e-3
     )

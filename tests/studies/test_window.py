@@ -334,4 +334,4 @@ def test_the_command(tmp_path: Path, capsys):
     assert "variance of strength: roll_friction 100 %" in text
     assert (tmp_path / "w.png").stat().st_size > 0
     header = (tmp_path / "w.csv").read_text("utf-8").splitlines()[0]
-    assert header.startswith("web_tension,nip_load,probability,binding,margins.")
+    assert header.startswith("web_tension [N/m],nip_load [N/m],probability,binding,margins.")

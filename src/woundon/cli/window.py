@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -23,6 +23,9 @@ from .options import (
 )
 
 __all__ = ["window"]
+
+if TYPE_CHECKING:
+    from ..studies.window_result import OperatingWindow
 
 RANGE = Numbers("LOW:HIGH")
 
@@ -144,7 +147,16 @@ def window(
         )
         draw(result)
         if csv:
-            write_whole(csv, result.to_dataframe().to_csv(index=False).encode())
+            write_whole(csv, _csv_text(result).encode())
         at_points = [result.at(*point) for point in points]
         for line in [result.to_json()] if as_json else result.lines(*at_points):
             click.echo(line)
+
+
+def _csv_text(window: OperatingWindow) -> str:
+    """Return the map as a table with units in its header."""
+    frame = window.to_dataframe()
+    for name in window.names:
+        unit, frame[name] = window.quantities[name].in_table(frame[name])
+        frame = frame.rename(columns={name: name if unit == "1" else f"{name} [{unit}]"})
+    return str(frame.to_csv(index=False))

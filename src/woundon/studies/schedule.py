@@ -23,7 +23,7 @@ from .. import kinds
 from ..errors import InvalidProblem, NotConverged, one_of
 from ..problems.messages import quote
 from ..problems.problem import Problem
-from ..quantities import Quantity, value_of
+from ..quantities import Quantity, in_chosen_units, value_of
 from ..results import Presented, ReadOnly
 from .api import in_si
 from .kind_model import KindModel, field_quantity, get_field, model_of
@@ -133,7 +133,7 @@ class OptimisedSchedule(Presented, ReadOnly):
                 )
                 texts.append(f"  {new.name:<24} {before:>14} -> {after}{mark}")
             else:
-                texts.append(f"  {new.name:<24} not checked: {new.note}")
+                texts.append(f"  {new.name:<24} not checked: {in_chosen_units(new.note)}")
         return texts
 
     def plot(self, path: Any = None, panels: Any = None) -> Any:
