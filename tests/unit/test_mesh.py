@@ -8,7 +8,7 @@ from math import log, pi, sqrt
 import numpy as np
 import pytest
 
-from woundon.elasticity.mesh import END_ANGLE, GRADED_LENGTH, Mesh, Wrap, cosine_nodes, nip_mesh
+from woundon.elasticity.mesh import END_SHARE, GRADED_LENGTH, Mesh, Wrap, cosine_nodes, nip_mesh
 
 NONE = Wrap()
 ROLL = Wrap(length=0.8 * pi * 40.0, radius=40.0)  # in half widths
@@ -128,23 +128,23 @@ def test_faces_are_parts_of_the_mesh(mesh: Mesh, name: str) -> None:
 @pytest.mark.parametrize("mesh", MESHES.values(), ids=MESHES)
 def test_displacements_and_curvatures_of_a_parabola_are_exact(mesh: Mesh) -> None:
     """v = c x^2/2: v from slopes at the points, and -v'' from their differences."""
-    a, c, R = 2e-3, 7.0, 2e-3 * ROLL.radius
+    a, c = 2e-3, 7.0
     face = mesh.roll_face
     slope = c * a * face.points
     v = c / 2 * (a * face.nodes) ** 2
     found = face.displacement_at_nodes(slope, v[face.last], a)
     # the midpoint rule is exact where points lie in the middle; graded cells have them off it
     np.testing.assert_allclose(found, v, rtol=0, atol=2e-2 * np.abs(v).max())
-    np.testing.assert_allclose(face.curvature_change(slope, a, R), -c, rtol=1e-6)
+    np.testing.assert_allclose(face.curvature_change(slope, a), -c, rtol=1e-6)
 
 
 def test_the_curvature_is_constant_before_the_end_of_the_roll_wrap() -> None:
-    """v = c x^3/6: -v'' = -c x up to 0.1 rad before the end, where it has its last value."""
-    a, c, R = 2e-3, 7.0, 2e-3 * ROLL.radius
+    """v = c x^3/6: -v'' = -c x up to the last tenth, in which it is constant."""
+    a, c = 2e-3, 7.0
     face = MESHES["roll wrap"].roll_face
-    found = face.curvature_change(c * (a * face.points) ** 2 / 2, a, R)
+    found = face.curvature_change(c * (a * face.points) ** 2 / 2, a)
     x = face.nodes
-    start = x[-1] - END_ANGLE * ROLL.radius
+    start = x[-1] - END_SHARE * ROLL.length
     inside = slice(face.last + 1, np.searchsorted(x, start) - 1)
     # exact where points lie in the middle of cells; they grow by up to a tenth
     np.testing.assert_allclose(found[inside], -c * a * x[inside], rtol=0.05)

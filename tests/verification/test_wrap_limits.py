@@ -218,7 +218,7 @@ def test_the_shortest_wrap_is_another_model_than_no_wrap() -> None:
     m, p_end = problem.roll.material, short.roll_pressure[-1]
     A, *_ = coefficients(m.radial, m.tangential, m.cross, m.shear)  # local strain -A p
     at_end = web.thickness / web.compliance.c11 * A * p_end
-    assert p_end > 5 * T / problem.roll.radius
+    assert p_end > 3 * T / problem.roll.radius
     # at most, because the strain of the roll follows the tension
     drop = held.wound_on_tension - T
     assert 0.25 * (in_nip + at_end) < drop < in_nip + at_end

@@ -12,7 +12,7 @@ from wrapped_nips import solve_wrapped
 
 import woundon as wo
 from woundon.elasticity.cylinder import sequences
-from woundon.elasticity.mesh import END_ANGLE, Wrap, nip_mesh
+from woundon.elasticity.mesh import END_SHARE, Wrap, nip_mesh
 
 Array = np.ndarray
 HARMONICS = 1 << 15
@@ -89,10 +89,10 @@ def test_the_curvature_of_circles() -> None:
         (1e-4 * np.cos(theta), -1e-4 * np.sin(at) / R, np.zeros(size)),
         (1e-4 * np.cos(3 * theta), -3e-4 * np.sin(3 * at) / R, 8e-4 * np.cos(3 * theta) / R**2),
     ):
-        bent = face.curvature_change(slope, a, R)
+        bent = face.curvature_change(slope, a)
         bent -= face.displacement_at_nodes(slope, v[edge], a) / R**2
         # where the web lies on the roll alone, up to where the curvature is constant
-        inner = slice(edge + 1, np.searchsorted(theta, pi - END_ANGLE))
+        inner = slice(edge + 1, np.searchsorted(theta, (1 - END_SHARE) * pi))
         # cells of at most 0.06 rad: a thirtieth of a wave of cos(3 theta)
         np.testing.assert_allclose(bent[inner], kappa[inner], atol=5e-2 * 1e-4 / R**2)
 

@@ -26,9 +26,9 @@ Array = np.ndarray
 # Distance from a contact edge [a] up to which the cells of a wrap grow as those of the nip do; the
 # fields of the web change over about a tenth of the half width next to the edge.
 GRADED_LENGTH = 0.1
-# Angle [rad] before the end of the roll wrap within which the web has the curvature that it has at
-# its start.
-END_ANGLE = 0.1
+# Last part of the roll wrap, relative to its length, in which the curvature is that at its start
+# (docs/theory/wraps.md).
+END_SHARE = 0.1
 # Cells at the far end of a wrap relative to those next to the nip: the hoop pressure ends there
 # abruptly, but only the outputs at the end depend on it.
 FAR_END_RATIO = 2.0
@@ -210,7 +210,7 @@ class Face:
         edge = np.zeros_like(steps[:1])
         return np.asarray(end + np.concatenate([v_upstream, edge, v_downstream]))
 
-    def curvature_change(self, slope: Array, a: float, radius: float) -> Array:
+    def curvature_change(self, slope: Array, a: float) -> Array:
         """Return -v'' at the nodes from slopes at the points (n+1, ...), (n, ...).
 
         The difference quotient of the slopes at neighbouring points satisfies the normal
@@ -227,7 +227,8 @@ class Face:
             mean = (inner[e] - slope[-2]) / (-2 * a * half)
             fraction = half / self.cells[e]
             out[e] = (mean - fraction * out[e + 1]) / (1 - fraction)
-            x = self.nodes[-1] - min(END_ANGLE * radius / a, (self.nodes[-1] - self.nodes[e]) / 2)
+            # the end of the pressure bends the surface next to it without limit
+            x = self.nodes[-1] - END_SHARE * (self.nodes[-1] - self.nodes[e])
             k = min(int(np.searchsorted(self.nodes, x)), self.nodes.size - 2)
             fraction = min((x - self.nodes[k - 1]) / self.cells[k - 1], 1.0)
             out[k:] = (1 - fraction) * out[k - 1] + fraction * out[k]

@@ -37,7 +37,7 @@ class Side(NamedTuple):
 
     def curvature(self, slope: Array, p: Array, q: Array, a: float) -> Array:
         """Return the curvature of the deformed surface at the nodes, 1/R - v'' - v/R^2."""
-        out = 1 / self.radius + self.face.curvature_change(slope, a, self.radius)
+        out = 1 / self.radius + self.face.curvature_change(slope, a)
         if self.flattening:
             out -= self.flattening * self.displacement(slope, p, q, a)
         return out
@@ -49,7 +49,7 @@ class Side(NamedTuple):
         if self.surface.rigid:
             return None
         slopes = tangent.slope_p, tangent.slope_q
-        by_p, by_q = (self.face.curvature_change(slope, a, self.radius) for slope in slopes)
+        by_p, by_q = (self.face.curvature_change(slope, a) for slope in slopes)
         if self.flattening:
             ends = self.surface.end_tangent(p, q)
             for out, slope, end in zip((by_p, by_q), slopes, ends, strict=True):
