@@ -12,7 +12,7 @@ export class Problem extends Error {
   }
 }
 
-/** Is told when the server does not respond, or does not know the page any more. */
+/** Called when the server does not respond, or rejects the token of the page. */
 export const connection = { lost: () => {} };
 
 function unreachable() {
