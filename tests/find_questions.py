@@ -39,9 +39,8 @@ ROLL = {
     "wound_on_tension.taper": (-3.0, 1.0), "radial_expansion": (-3e-4, 3e-4),
 }  # fmt: skip
 WINDING = {
-    "web_tension": (0.05, 20.0), "nip_induced_tension": (-800.0, 2000.0),
-    "radius": (0.4, 3.0), "core.radius": (0.3, 3.0), "web_tension.taper": (-1.0, 1.0),
-    "core.stiffness": (0.01, 10.0), "nip_load": (0.1, 4.0), "winding_force": (-800.0, 800.0),
+    "nip_induced_tension": (-20.0, 20.0), "radius": (0.1, 3.0), "core.radius": (0.3, 9.0),
+    "stack.poissons_ratio": (0.1, 80.0),
 }  # fmt: skip
 OUTPUTS = {
     "nip": ("wound_on_tension", "nip_induced_tension", "half_width", "peak_pressure",
