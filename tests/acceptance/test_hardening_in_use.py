@@ -63,7 +63,7 @@ def test_a_stack_that_becomes_stiffer_than_its_energy_allows_is_rejected() -> No
     """E_r = E_t/nu^2 at 0.5 MPa."""
     body = roll(tangential=2e9, poissons_ratio=5.6)
     assert 4e5 < body.stack.limit < 6e5
-    with pytest.raises(wo.InvalidProblem, match="beyond the range of its stack law"):
+    with pytest.raises(wo.InvalidProblem, match=r"poissons_ratio = 5\.6 must be <"):
         wo.solve(nip(body), nodes=17)
 
 
@@ -77,9 +77,9 @@ def test_a_modulus_that_turns_negative_is_rejected(where: str) -> None:
     web = nip(linear(roll(), 90e3)).replace(**{"web.material": body.stack}).replace(roll_wrap=pi)
     problem, computed = {
         "roll": (nip(body), "roll: the pressure in it"),
-        "web": (web, "web.material: the press"),
+        "web": (web, "web.material.radial: the pressure"),
     }[where]
-    with pytest.raises(wo.InvalidProblem, match=rf"{computed}.*stack law \(4.455e\+05 "):
+    with pytest.raises(wo.InvalidProblem, match=rf"{computed}.*stack law.*4.455e\+05 "):
         wo.solve(problem, nodes=17)
     light = wo.solve(problem.replace(nip_load=300.0), nodes=17)
     assert light.residuals.largest <= 1e-8
