@@ -40,10 +40,15 @@ def start(*arguments: str, cwd: Path) -> subprocess.Popen[str]:
     """Start a command in a process group of its own."""
     command = [sys.executable, "-m", "woundon", *arguments]
     pipe = subprocess.PIPE
-    # Python ignores Ctrl-C where a shell in the background started it
+
+    def as_in_a_terminal() -> None:
+        # a shell ignores Ctrl-C for what runs in the background, and nohup ignores SIGHUP
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+        signal.signal(signal.SIGHUP, signal.SIG_DFL)
+
     return subprocess.Popen(
         command, cwd=cwd, stdout=pipe, stderr=pipe, text=True, start_new_session=True,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+        preexec_fn=as_in_a_terminal,
     )  # fmt: skip
 
 
