@@ -142,7 +142,8 @@ class NipProblem(ContactProblem):
         "wound_on_tension": "it is an output",
         "nip_induced_tension": "it is an output; a WindingProblem may prescribe it",
         "roll_body": "give roll, a cylinder or a wound roll",
-        **only_in("WindingProblem", "tension_law", "limits", "density", "gauge_excess"),
+        **only_in("WindingProblem", "tension_law", "limits"),
+        **only_in("WindingProblem", "density", "gauge_excess", "caliper_pressure"),
         **only_in("RollProblem", *OF_FINISHED_ROLL),
         **only_in("RollerProblem", "motion"),
     }

@@ -71,7 +71,8 @@ class RollerProblem(ContactProblem):
         **only_in("NipProblem", "web", "web_tension", "air", "width", *WRAP_TABLE["wrap"]),
         **only_in("RollProblem", "web_thickness", "wound_on_tension", *OF_FINISHED_ROLL),
         **only_in("WindingProblem", "torque_split", "roll_body", "tension_law", "limits"),
-        **only_in("WindingProblem", "nip_induced_tension", "density", "gauge_excess"),
+        **only_in("WindingProblem", "nip_induced_tension"),
+        **only_in("WindingProblem", "density", "gauge_excess", "caliper_pressure"),
     }
 
     upper: Annotated[AnyBody, Field(description="the upper roller")]
