@@ -11,6 +11,7 @@ The result of the last mesh is returned with its certificate, if all conditions 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from math import nan, pi
 from typing import Annotated, Any
 
@@ -160,6 +161,13 @@ def _refined(
             **options,
         )
     except NewtonFailed as failed:
+        neighbour = None
+        if problem.drum_wrap and start is None:
+            # continuation: the web on the drum is added to the solution without it
+            with suppress(NotConverged, NoSteadyState):
+                neighbour = _refined(problem.replace(drum_wrap=0.0), nodes=FIRST_SIZES[-1])
+        if neighbour is not None:
+            return _refined(problem, nodes=nodes, rtol=rtol, start=neighbour, **options)
         reason = _outside_model(problem)
         raise NotConverged("; ".join(filter(None, (f"no solution: {failed}", reason)))) from None
     _check_taut(problem, refinement.last)
