@@ -233,7 +233,7 @@ class Result(Presented, ReadOnly):
     >>> result.residuals.largest < 1e-8
     True
     >>> print(f"{result.wound_on_tension:.0f} N/m, {result.error('wound_on_tension'):.1f} N/m")
-    700 N/m, 2.4 N/m
+    700 N/m, 2.2 N/m
     """
 
     MAIN: ClassVar[tuple[str, ...]] = ()

@@ -24,7 +24,7 @@ from woundon.winding.measured import smoothed
 from woundon.winding.roll import wind
 
 CASE = wo.WindingProblem.example().replace(radius=0.12)
-COARSE: dict[str, Any] = {"nodes": 33, "rtol": 5e-3}
+COARSE: dict[str, Any] = {"nodes": 33, "rtol": 5e-3, "coupling_rtol": 1e-6}
 SEEN = 1e4 * ACCEPTED_RESIDUAL
 
 
@@ -165,7 +165,7 @@ def test_a_roll_whose_stages_are_chosen_otherwise_keeps_nothing_from_agreeing():
         radius=0.6, nip_load=1300.0610347693473,
         web_tension=wo.Taper(start=350.0, taper=0.4418487287723576),
     )  # fmt: skip
-    assert wo.solve(problem, **COARSE).coupling_rtol == 1e-6
+    assert wo.solve(problem, **COARSE).residuals.coupling <= ACCEPTED_RESIDUAL
 
 
 @pytest.mark.slow
@@ -174,7 +174,7 @@ def test_the_roll_does_not_depend_on_where_the_winding_was_begun():
     far = CASE.replace(web_tension=800.0, nip_load=500.0, roll_body="linear")
     start = wo.solve(far, nodes=25, rtol=5e-2)
     one, two = (
-        wo.solve(CASE.replace(radius=0.08), **COARSE, coupling_rtol=1e-7, start=begun)
+        wo.solve(CASE.replace(radius=0.08), **(COARSE | {"coupling_rtol": 1e-7}), start=begun)
         for begun in (None, start)
     )
     np.testing.assert_array_equal(one.radius, two.radius)
@@ -266,7 +266,7 @@ def test_nips_whose_tension_jumps_do_not_converge(monkeypatch: pytest.MonkeyPatc
 
     monkeypatch.setattr("woundon.winding.nips.solve_nip", jumping)
     with pytest.raises(wo.NotConverged, match="the nip-roll iteration does not converge") as stop:
-        wo.solve(CASE.replace(radius=0.06), nodes=25, rtol=5e-2)
+        wo.solve(CASE.replace(radius=0.06), nodes=25, rtol=5e-2, coupling_rtol=1e-6)
     assert stop.value.best is not None
 
 

@@ -64,12 +64,12 @@ div.figures figure { flex: 1; min-width: 0; }
 div.columns p { font-size: 7.5pt; }
 thead { display: table-header-group; }
 figure { margin: 3mm 0; }
-figure svg { width: 100%; height: auto; max-height: 92mm; }
+figure svg { width: 100%; height: auto; max-height: 76mm; }
 i { font-family: "STIX Two Text", "Times New Roman", "DejaVu Serif", serif; font-size: 1.08em; }
 tr.differs td { background: #FFF3D6; }
 p.source { margin: 0; font-size: 7.5pt; color: #444; }
 * { print-color-adjust: exact; -webkit-print-color-adjust: exact; }
-div.remarks { min-height: 15mm; border: 0.3mm solid #999; padding: 2mm 3mm; white-space: pre-wrap;
+div.remarks { min-height: 12mm; border: 0.3mm solid #999; padding: 2mm 3mm; white-space: pre-wrap;
   break-inside: avoid; }
 footer { margin-top: 2mm; font-size: 7.5pt; color: #444; }
 @page { size: A4; margin: 12mm; }

@@ -133,8 +133,7 @@ LAYERS = "Interlayer slip in the roll (the model assumes bonded layers)"
 # of the numbers of LayerSlip, whose definitions differ
 SLIP_MEASURES = (
     "S_tau compares the largest shear of an interface with friction under its largest pressure; "
-    "n_slip counts the layers whose shear exceeds friction at any point along the nip, also where "
-    "the pressure is low: layers may slip at S_tau < 1."
+    "n_slip counts layers whose shear exceeds friction anywhere along the nip, also at S_tau < 1."
 )
 LAYER_FRICTION = pure("mu_l", "friction between the layers at S_tau, reduced by the air film")
 

@@ -68,9 +68,9 @@ def _reason(result: NipResult) -> str:
     mu = result.without_air.roll_friction
     Q = result.nip_induced_tension - result.problem.winding_force - result.roll_wrap_traction
     return (
-        f"The rule assumes that the web slips forward on the roll in the whole nip. It does under "
+        "The rule assumes forward slip on the roll in the whole nip. The web slips forward under "
         f"{_percent(forward)} of the nip load, sticks under {_percent(stick)} and slips backward "
-        f"under {_percent(backward)}: friction pulls with "
+        f"under {_percent(backward)}: friction is "
         f"{_percent(Q / (mu * result.problem.nip_load))} of mu N."
     )
 
@@ -122,7 +122,7 @@ def _winding_reason(result: WindingResult, friction: float) -> str:
         return text
     forward, stick, backward = map(np.array, zip(*map(_load_shares, nips), strict=True))
     return (
-        f"{text} The rule assumes that the web slips forward on the roll in the whole nip. It does "
+        f"{text} The rule assumes forward slip on the roll in the whole nip. The web slips forward "
         f"under {_percent(forward)} of the nip load, sticks under {_percent(stick)} and slips "
         f"backward under {_percent(backward)}."
     )

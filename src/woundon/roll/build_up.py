@@ -20,7 +20,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
-from functools import cached_property
 from math import exp, log
 from typing import Protocol
 
@@ -228,9 +227,9 @@ class Layers:
         r = np.exp(x)
         return np.asarray(self.tension.at(r) * self.thickness / (2 * r))
 
-    @cached_property
+    @property
     def equations(self) -> StageEquations:
-        """The equations of the stages."""
+        """The equations of the stages; not kept, because they refer to these layers."""
         if not self.thickness:
             return self.thin
         return replace(self.thin, own_pressure=self.own_pressure)
