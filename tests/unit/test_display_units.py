@@ -322,6 +322,16 @@ def test_planned_measurements_are_named_with_units():
     assert wo.Measurement("nip_width", {"load": 1.0}, "5 %", label="first").name == "first"
 
 
+def test_a_field_has_the_same_unit_in_all_kinds():
+    """So that a measurement without a problem can be named with the units of its state."""
+    units: dict[str, set[str]] = {}
+    for kind in kinds.every():
+        for place in walk(kind.problem):
+            if place.quantity is not None:
+                units.setdefault(place.path, set()).add(place.quantity.unit)
+    assert {name: known for name, known in units.items() if len(known) > 1} == {}
+
+
 def test_sweeps_show_the_same_numbers():
     study = study_of(FREE, {"load": LOADS}, ["nip_width"], options=LEAN)
     table = run_study(*study, runner_for(1, None))

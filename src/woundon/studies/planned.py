@@ -144,7 +144,8 @@ class Measurement:
         """
         if name in RADII:
             return RADIUS
-        problems = [self.problem] if self.problem else [kind.problem for kind in kinds.every()]
+        has_problem = self.problem is not None
+        problems = [self.problem] if has_problem else [kind.problem for kind in kinds.every()]
         places = (place for problem in problems for place in find(problem, name))
         return next((place.quantity for place in places if place.quantity is not None), None)
 
