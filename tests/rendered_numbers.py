@@ -28,7 +28,7 @@ __all__ = [
 
 NUMBER = r"(?<![\w.^])[+-]?\d+(?:\.\d+)?(?:e[+-]?\d+)?(?![\w.])"
 # numbers that share the unit behind the last one: of a value and its limit, of a range
-SHARED = rf"({NUMBER}(?:(?:\s|,|<=|>=|± ?<?|to|and)*{NUMBER})*)\s+([A-Za-z%][\w/*^%]*)(?![\w])"
+SHARED = rf"({NUMBER}(?:(?:\s|,|<=|>=|->|± ?<?|to|and)*{NUMBER})*)\s+([A-Za-z%][\w/*^%]*)(?![\w])"
 # the error of a value, in its unit; an error below the last digit begins with "<"
 ERROR = rf"[ \t]*(?:±|\+-)[ \t]*(<?)({NUMBER})"
 BRACKET = re.compile(r"\[([^\[\]]+)\]")

@@ -275,26 +275,30 @@ def in_chosen_units(text: str) -> str:
     """Return a text of a result, such as a warning, with its numbers in the chosen system of units.
 
     Results keep such texts with the usual units, ``"23.4 mm"``, ``"2 and 3 GPa"``, whatever units
-    were chosen when they were solved.
+    were chosen when they were solved.  Texts of errors that a report quotes have SI units in
+    brackets: ``"5 is out of range; must be >= 1 and <= 2 [m]"``.
     """
     system = _CHOSEN.get().system
     if not system:
         return text
     names = "|".join(re.escape(name) for name in sorted(system, key=len, reverse=True))
-    several = rf"(?<![\w.])({_NUMBER}(?:(?:, | to | and ){_NUMBER})*) ({names})(?![\w/^*])"
+    several = rf"{_NUMBER}(?:(?:, | to | and ){_NUMBER})*"
+    permitted = rf"{_NUMBER} is out of range; must be [^;\[\]]*"
+    sharing = rf"(?<![\w.])({several}|{permitted}) (\[?)({names})(\]?)(?![\w/^*])"
 
     def converted(match: re.Match[str]) -> str:
-        unit, size = system[match[2]]
-        scale = DISPLAYED.get(match[2], ("", 1.0))[1] / size
+        unit, size = system[match[3]]
+        scale = DISPLAYED.get(match[3], ("", 1.0))[1] / size
 
         def number(digits: re.Match[str]) -> str:
             mantissa = re.sub(r"e.*|\D", "", digits[0]).lstrip("0")
             count = max(_SENTENCE_DIGITS, len(mantissa))
             return f"{float(digits[0]) * scale:.{count}g}"
 
-        return f"{re.sub(_NUMBER, number, match[1])} {unit}"
+        values = re.sub(rf"(?<![\w.]){_NUMBER}", number, match[1])
+        return f"{values} {match[2]}{unit}{match[4]}"
 
-    return re.sub(several, converted, text)
+    return re.sub(sharing, converted, text)
 
 
 def pattern(path: str) -> str:

@@ -66,6 +66,7 @@ def test_an_active_constraint_is_met_and_named(best: wo.OptimisedSchedule) -> No
         assert 0 <= best.margins_after[name].reserve < 0.01
     assert "compression" in str(best)
     assert "binds" in str(best)
+    assert f"{START} {best.values[1]:.4g} N/m" in repr(best)
     # what is reported is what it is: wound again
     again = wo.solve(best.problem, **COARSE)
     assert again.mid_pressure == best.after.mid_pressure

@@ -65,8 +65,6 @@ PROBLEMS = {
         winding_force=50.0,
     ),
 }  # fmt: skip
-KINDS = ("nip", "rollers", "roll", "winding")
-OTHERS = tuple(name for name in PROBLEMS if name not in KINDS)
 METRIC = {"N/m": "kN/m", "Pa": "bar", "m": "um", "m/s": "m/s", "rad": "rad"}
 
 
@@ -87,17 +85,15 @@ SYSTEMS: dict[str, Callable[[], Any]] = {
     "metric": lambda: by_name(METRIC),
     "SI": lambda: units_of(["SI"]),
 }
-# a fault in one kind or system shows in the first rows, most of which are quick
-CASES = pytest.mark.parametrize(
-    ("kind", "system"),
-    [
-        *((kind, "mill") for kind in KINDS),
-        ("nip", "single"),
-        ("winding", "single"),
-        *(slow_case(kind, system) for kind in KINDS for system in ("metric", "SI")),
-        *(slow_case(kind, system) for kind in OTHERS for system in SYSTEMS),
-    ],
-)
+
+
+def cases(**quick: str) -> Any:
+    """Return all kinds in all systems as parameters; those that are not named as quick are slow."""
+    pairs = [(kind, system) for kind in PROBLEMS for system in SYSTEMS]
+    rows = [
+        pair if pair[1] in quick.get(pair[0], "").split() else slow_case(*pair) for pair in pairs
+    ]
+    return pytest.mark.parametrize(("kind", "system"), rows)
 
 
 @pytest.fixture(autouse=True)
@@ -124,7 +120,8 @@ def joined(text: str) -> str:
     return " ".join(text.split())  # paragraphs may be wrapped elsewhere
 
 
-@CASES
+# the winding has the same rows on its page
+@cases(nip="mill single", rollers="mill", roll="mill")
 def test_reports_have_the_same_numbers(kind: str, system: str) -> None:
     result = coarse_solution(PROBLEMS[kind], 33)
     usual, chosen = in_both(system, lambda: joined(str(result)))
@@ -132,7 +129,7 @@ def test_reports_have_the_same_numbers(kind: str, system: str) -> None:
     assert_no_other_units(system, units_in(chosen))
 
 
-@CASES
+@cases(nip="mill", rollers="mill", roll="mill", winding="mill")
 def test_pages_have_the_same_numbers(kind: str, system: str, monkeypatch) -> None:
     # the figures are compared by themselves
     monkeypatch.setattr("woundon.report.html_report._figure", lambda *_: iter(()))
@@ -142,7 +139,7 @@ def test_pages_have_the_same_numbers(kind: str, system: str, monkeypatch) -> Non
     assert_no_other_units(system, units_in(chosen))
 
 
-@CASES
+@cases(nip="mill", rollers="mill", roll="mill")
 def test_panels_show_the_same_numbers(kind: str, system: str) -> None:
     result = coarse_solution(PROBLEMS[kind], 33)
     for panel in panels_of(result):
@@ -205,6 +202,12 @@ def test_warnings_are_kept_in_the_usual_units_and_displayed_in_the_chosen_ones()
         ("from 25.4 to 50.8 mm", "from 1 to 2 in"),
         ("a speed of 5 m/s, 3 m wide, 2 kg/m^2", "a speed of 984 fpm, 9.84 ft wide, 2 kg/m^2"),
         ("E0 mm, 2h mm", "E0 mm, 2h mm"),
+        # errors that a report quotes
+        ("the law ends at 6894.757 [Pa], below", "the law ends at 1 [psi], below"),
+        (
+            "radius: 6.096 is out of range; must be >= 0.3048 and <= 3.048 [m], on the roll of K2",
+            "radius: 20 is out of range; must be >= 1 and <= 10 [ft], on the roll of K2",
+        ),
     ],
 )
 def test_texts_of_results_are_converted(text: str, expected: str) -> None:
@@ -221,9 +224,41 @@ MEASURED = {
                   "nip_width +- [mm]": [0.02] * 4},
     "pressure": {"measured_radius [mm]": [60.0, 80.0, 100.0, 120.0],
                  "pressure [kPa]": [190.0, 210.0, 240.0, 260.0], "pressure +- [kPa]": [5.0] * 4},
+    # larger than the predictions, and rising faster: with causes and needed changes
+    "larger": {"load": [4e3, 6e3, 8e3, 1e4, 1.2e4],
+               "nip_width [mm]": [0.15, 0.193, 0.232, 0.267, 0.3], "nip_width +- [mm]": [0.01] * 5},
+    # one value, from which no causes are derived
+    "length": {"diameter [mm]": [200.0], "length [m]": [420.0]},
 }  # fmt: skip
 FREE = PAIR.replace(tangential_load=0.0)
 LEAN = {"nodes": 17}
+PLANNED = [
+    wo.Measurement("peak_pressure", {"lower.radius": [0.3, 0.5]}, "1 %"),
+    wo.Measurement("half_width", {"load": "90 kN/m"}, "0.1 mm"),
+    wo.Measurement("nip_width", {"friction": 0.3, "lower.radius": "400 mm"}, "10 %"),
+]
+
+
+def preview_of_window() -> wo.OperatingWindow:
+    """Return the first, coarse map of an operating window; no nip is solved."""
+    problem = WINDING.replace(
+        radius=0.08, tension_law="friction", limits=wo.Limits(web_strength=700.0),
+        **{"web.thickness": 500e-6},
+    )  # fmt: skip
+    previews: list[wo.OperatingWindow] = []
+
+    def stop(window: wo.OperatingWindow) -> None:
+        previews.append(window)
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        wo.operating_window(
+            problem, web_tension=(150.0, 450.0), nip_load=(500.0, 3e3),
+            uncertain={"roll_friction": 0.3}, samples=100, workers=1, preview=stop,
+        )  # fmt: skip
+    return previews[0]
+
+
 STUDIES: dict[str, Callable[[], Any]] = {
     "find": lambda: wo.find(FREE, "load", nip_width="0.8 mm", **LEAN),
     "fit": lambda: wo.fit(
@@ -231,16 +266,70 @@ STUDIES: dict[str, Callable[[], Any]] = {
     ),
     "comparison": lambda: wo.compare(FREE, MEASURED["nip_width"], **LEAN),
     "comparison over the radius": lambda: wo.compare(ROLL, MEASURED["pressure"]),
-}
+    "comparison with causes": lambda: wo.compare(FREE, MEASURED["larger"], **LEAN),
+    "comparison of a length": lambda: wo.compare(ROLL, MEASURED["length"], rtol=1e-3),
+    "window": preview_of_window,
+    "plan": lambda: wo.next_experiment(
+        FREE, {"upper.radius": "5 %", "load": "10 %"}, PLANNED[::2], draws=0, **LEAN
+    ),
+    "Sobol' indices": lambda: wo.global_sensitivity(
+        FREE, {"load": (5e4, 1e5), "upper.radius": (0.2, 0.3)}, ["half_width"],
+        samples=4, workers=1, **LEAN,
+    ),
+    "schedule": lambda: wo.optimise_schedule(
+        ROLL.replace(**{"stack.radial": 8e6}),  # does not harden: quickly solved
+        {"wound_on_tension": (200.0, 400.0)}, limits=LIMITS, evaluations=5,
+        options={"rtol": 3e-3},
+    ),
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("study", STUDIES)
 def test_studies_show_the_same_numbers(study: str) -> None:
     outcome = STUDIES[study]()
-    usual, mill = in_both("mill", lambda: joined("\n".join(outcome.lines())))
+    usual, mill = in_both("mill", lambda: joined("\n".join([*outcome.lines(), repr(outcome)])))
     assert differing_numbers(usual, mill) == []
     assert_no_other_units("mill", units_in(mill))
     assert differing_artists(*in_both("mill", outcome.plot)) == []
+
+
+@pytest.mark.parametrize("measured", ["larger", "length"])
+def test_texts_of_a_comparison_are_kept_in_the_usual_units(measured: str):
+    problem, options = (ROLL, {"rtol": 1e-3}) if measured == "length" else (FREE, LEAN)
+    usual, mill = in_both("mill", lambda: wo.compare(problem, MEASURED[measured], **options))
+    assert mill.explanations == usual.explanations
+    assert mill.notes == usual.notes
+    texts = [*usual.notes, *(text for e in usual.explanations for text in (e.finding, *e.causes))]
+    assert units_in("\n".join(texts)) >= {"length": {"m"}, "larger": {"mm", "MPa"}}[measured]
+
+
+def test_planned_measurements_are_named_with_units():
+    series, text, several = PLANNED
+    usual = (
+        "2 values of peak_pressure at lower.radius 300 mm to 500 mm",
+        "half_width at load 9e+04 N/m",
+        "nip_width at friction 0.3, lower.radius 400 mm",
+    )
+    assert (series.name, text.name, several.name) == usual
+    with SYSTEMS["mill"]():
+        assert text.name == "half_width at load 513.9 pli"
+        assert (series.stored_name, text.stored_name, several.stored_name) == usual
+    with wo.units(load="kN/m"):
+        assert text.name == "half_width at load 90 kN/m"
+    # a position in a roll, and a text that needs the thickness of the web
+    tab = wo.Measurement("pull_tab_pressure", {"radius": 0.1, "web_tension": "2 MPa"}, "5 %")
+    assert tab.name == "pull_tab_pressure at radius 100 mm, web_tension 2 MPa"
+    assert wo.Measurement("nip_width", {"load": 1.0}, "5 %", label="first").name == "first"
+
+
+def test_a_field_has_the_same_unit_in_all_kinds():
+    """So that a measurement without a problem can be named with the units of its state."""
+    units: dict[str, set[str]] = {}
+    for kind in kinds.every():
+        for place in walk(kind.problem):
+            if place.quantity is not None:
+                units.setdefault(place.path, set()).add(place.quantity.unit)
+    assert {name: known for name, known in units.items() if len(known) > 1} == {}
 
 
 def test_sweeps_show_the_same_numbers():

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from slow_cases import slow_case
 
 import woundon as wo
 from woundon.cli.commands import main
@@ -23,10 +24,20 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def test_the_tension_comes_back_as_a_case(folder: Path, capsys: pytest.CaptureFixture[str]):
+@pytest.mark.parametrize(
+    ("units", "header"),
+    [
+        (["--unit", "mill"], "radius [in],value [pli]"),
+        slow_case([], "radius [mm],value [N/m]"),
+    ],
+)
+def test_the_tension_comes_back_as_a_case(
+    folder: Path, capsys: pytest.CaptureFixture[str], units: list[str], header: str
+):
     given = ["schedule", "roll.toml", "--pressure", "wanted.csv", "--out", "tension.csv",
-             "--case", "found.toml", "--plot", "design.png"]  # fmt: skip
+             "--case", "found.toml", "--plot", "design.png", *units]  # fmt: skip
     assert main(given) == 0
+    assert Path("tension.csv").read_text().splitlines()[0] == header
     message = capsys.readouterr().out
     assert "largest deviation below the outer layer" in message
     by_case = load_case("found.toml")

@@ -12,6 +12,7 @@ from scipy.optimize import brentq
 from slow_cases import slow_case
 
 import woundon as wo
+from woundon.io.chosen_units import units_of
 from woundon.theories import gauge_band
 
 NEWSPRINT = {"K1": 10e3, "tangential": 3.38e9, "thickness": 66e-6, "tension": 350.0}
@@ -198,4 +199,8 @@ def test_a_law_that_ends_leaves_the_margin_unchecked():
     assert isnan(margin.value)
     assert margin.ok is None
     assert "the law ends" in margin.note
-    assert "Not computed" in str(uneven)
+    assert "Not computed: stack.radial" in str(uneven)
+    assert "[Pa]" in str(uneven)
+    with units_of(["mill"]):
+        assert "[psi]" in str(uneven)
+        assert "[Pa]" not in str(uneven)

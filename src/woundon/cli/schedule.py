@@ -73,7 +73,7 @@ def schedule(
     from ..io.case_files import load_case
     from ..io.case_texts import to_toml
     from ..problems.roll import RollProblem
-    from ..report.schedule_report import plot_schedule, print_schedule
+    from ..report.schedule_report import csv_text, plot_schedule, print_schedule
     from ..roll.design import design_tension
     from ..roll.solve import solve_wound_roll
 
@@ -89,7 +89,7 @@ def schedule(
     roll = solve_wound_roll(solution.problem, rtol=max(rtol, 1e-8))
     print_schedule(solution, roll, console())
     if out:
-        write_whole(out, _csv_text(solution).encode())
+        write_whole(out, csv_text(solution).encode())
     if new_case:
         write_whole(new_case, to_toml(solution.problem).encode())
     if plot:
@@ -118,10 +118,3 @@ def _target_pressure(text: str, smooth: bool) -> Any:
         return Profile(radius=radius, value=target, between="smooth" if smooth else "lines")
     except InvalidProblem as fault:
         raise fault.under(text) from None
-
-
-def _csv_text(solution: Any) -> str:
-    """Return the tension over the radius as the columns of a profile."""
-    rows = zip(solution.tension.radius, solution.tension.value, strict=True)
-    lines = [f"{1e3 * r:.9g},{T:.9g}" for r, T in rows]
-    return "\n".join(["radius [mm],value [N/m]", *lines, ""])

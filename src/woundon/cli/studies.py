@@ -157,7 +157,7 @@ def _print_summary(table: Table, seconds: float) -> int:
     failed, size = table.failed.size, table.design.size
     click.echo(f"{size} cases in {seconds:.1f} s, {failed} failed")
     for reason, count in failures(table.failure):
-        click.secho(f"  {count} x {reason}", fg="red")
+        click.secho(f"  {count} x {in_chosen_units(reason)}", fg="red")
     warned = int(np.count_nonzero(table.warnings != ""))
     if warned:
         first = table.warnings[table.warnings != ""][0]

@@ -168,10 +168,10 @@ def _without_wraps(result: NipResult) -> Iterator[Section]:
                 result.without_air.replace(roll_wrap=0.0, drum_wrap=0.0), nodes=result.nodes
             )
     except NoSteadyState as fault:
-        yield Section(title, (), f"No steady state exists: {fault}")
+        yield Section(title, (), f"No steady state exists: {in_chosen_units(str(fault))}")
         return
     except (InvalidProblem, NotConverged) as fault:
-        yield Section(title, (), f"Not solved: {fault}")
+        yield Section(title, (), f"Not solved: {in_chosen_units(str(fault))}")
         return
     label = "web tension at the trailing edge of the nip, eq. (97)"
     yield Section(title, (output_row(nip, "outlet_tension", meaning=label),))

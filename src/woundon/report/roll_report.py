@@ -9,7 +9,7 @@ import numpy as np
 from ..errors import InvalidProblem
 from ..problems.radial_laws import Pfeiffer
 from ..problems.schedules import Profile, Taper
-from ..quantities import find, length, line_load, strain, stress
+from ..quantities import find, in_chosen_units, length, line_load, strain, stress
 from ..roll.gauge_band import gauge_band_over
 from ..roll.result import RollResult
 from ..roll.theories import plateau_pressure
@@ -119,7 +119,7 @@ def _gauge_band(result: RollResult) -> Iterator[Section]:
     try:
         band = gauge_band_over(problem, result.radius[-1:])
     except InvalidProblem as fault:
-        yield Section(BAND, tuple(rows), f"Not computed: {fault}")
+        yield Section(BAND, tuple(rows), f"Not computed: {in_chosen_units(str(fault))}")
         return
     ridge = float(band.lead[0] * result.radius[-1])
     rows += [

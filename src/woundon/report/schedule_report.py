@@ -15,7 +15,7 @@ from .figures import COLOURS, Picture, axis_label, quantity_of, save_figure, sty
 from .report_parts import Line, Row, Section
 from .terminal import print_columns, print_parts
 
-__all__ = ["plot_schedule", "print_schedule"]
+__all__ = ["csv_text", "plot_schedule", "print_schedule"]
 
 ROWS = 13  # of the printed table
 LAYER = length("d_o", "depth of the outer layer in which the target cannot be reached")
@@ -28,6 +28,18 @@ def _tension_quantity() -> Quantity:
     quantity = find(RollProblem, "wound_on_tension")[0].quantity
     assert quantity is not None
     return quantity
+
+
+def csv_text(design: TensionDesign) -> str:
+    """Return the tension over the radius as the columns of a profile, which a case can read."""
+    columns = {
+        "radius": (quantity_of(RollResult, "radius"), design.tension.radius),
+        "value": (_tension_quantity(), design.tension.value),
+    }
+    header = ",".join(f"{name} [{quantity.display}]" for name, (quantity, _) in columns.items())
+    shown = [quantity.shown(np.array(values)) for quantity, values in columns.values()]
+    rows = (f"{r:.12g},{T:.12g}" for r, T in zip(*shown, strict=True))
+    return "\n".join([header, *rows, ""])
 
 
 def interior_deviation(design: TensionDesign, roll: RollResult) -> float:

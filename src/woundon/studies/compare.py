@@ -28,7 +28,7 @@ from ..io.json_texts import json_text
 from ..problems.messages import quote
 from ..problems.problem import Problem
 from ..problems.units import parse
-from ..quantities import Quantity, walk
+from ..quantities import Quantity, in_chosen_units, walk
 from ..results import Presented, ReadOnly
 from .explanations import Explanation, Inputs, explain
 from .kind_model import KindModel, field_quantity, get_field, model_of
@@ -205,10 +205,11 @@ class Comparison(Presented, ReadOnly):
         if failed:
             number, reason = failed[0]
             count = "1 value" if len(failed) == 1 else f"{len(failed)} values"
-            texts.append(f"{count} without a prediction, e.g. row {number}: {reason}")
+            why = in_chosen_units(reason)
+            texts.append(f"{count} without a prediction, e.g. row {number}: {why}")
         for name in self.covariates:
             texts.append(f"{name} is not part of this problem: it is used for trends only")
-        texts += self.notes
+        texts += [in_chosen_units(note) for note in self.notes]
         for explanation in self.explanations:
             texts += explanation.lines()
         return texts
@@ -260,7 +261,7 @@ class Comparison(Presented, ReadOnly):
             # zero if no part of it is known
             total = float(self.total[k])
             cells += f" {quantity.shown(total):11.5g}" if total else f" {'-':>11}"
-            note = f"  {self.failures[k]}" if self.failures[k] else ""
+            note = f"  {in_chosen_units(self.failures[k])}" if self.failures[k] else ""
             texts.append(f"{number:5}  {name:20} {cells}  {quantity.display}{note}")
         return texts
 
@@ -452,7 +453,7 @@ def _inputs(model: KindModel, data: Observations, solved: Sequence[_Solved]) -> 
 
     def change_text(name: str, change: float) -> str:
         value = get_field(problem, name)
-        old, new = (quantities[name].text(end, ".4g") for end in (value, (1 + change) * value))
+        old, new = (quantities[name].stored_text(end) for end in (value, (1 + change) * value))
         return f"{name} {100 * change:+.2g} %: {new} instead of {old}"
 
     def response(name: str, change: float, k: int) -> float:

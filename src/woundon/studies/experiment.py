@@ -34,7 +34,7 @@ from ..io.json_texts import json_text
 from ..problems.messages import not_one_of, quote
 from ..problems.problem import Problem
 from ..problems.units import parse
-from ..quantities import Quantity
+from ..quantities import Quantity, in_chosen_units
 from ..results import Presented, ReadOnly
 from .api import solver_options
 from .fit import FitResult
@@ -164,7 +164,7 @@ class NextExperiment(Presented, ReadOnly):
                 f"least determined change with all candidates: {change}; "
                 f"standard error {_percent(self.direction_error)}"
             )
-        return [*texts, *(f"warning: {text}" for text in self.warnings)]
+        return [*texts, *(f"warning: {in_chosen_units(text)}" for text in self.warnings)]
 
     def __repr__(self) -> str:
         errors = zip(self.names, self.standard_errors[[0, 1]].T, strict=True)
@@ -185,12 +185,12 @@ class NextExperiment(Presented, ReadOnly):
         }
         columns |= {f"{name} +-": self.standard_errors[:, j] for j, name in enumerate(self.names)}
         columns[f"{self.output} +- [{self.quantities[self.output].unit}]"] = self.output_errors
-        steps = pd.Index(["now", *(m.name for m in self.measurements)], name="measurement")
+        steps = pd.Index(["now", *(m.stored_name for m in self.measurements)], name="measurement")
         return pd.DataFrame(columns, index=steps)
 
     def to_json(self) -> str:
         """Return the plan as JSON, SI units."""
-        names = [candidate.name for candidate in self.candidates]
+        names = [candidate.stored_name for candidate in self.candidates]
         table = {
             "criterion": self.criterion,
             "steps": self.to_dataframe().reset_index().to_dict(orient="records"),
@@ -548,7 +548,7 @@ def _warnings(
     best = int(np.argmax(first[0]))
     other = [int(np.argmax(scores)) for scores in first[1:] if scores[best] < EQUAL * scores.max()]
     if other:
-        name = candidates[max(other, key=other.count)].name
+        name = candidates[max(other, key=other.count)].stored_name
         texts.append(
             f"the ranking depends on the values assumed: at {len(other)} of {len(first) - 1} "
             f"points drawn from the present uncertainty another measurement is best ({name})"

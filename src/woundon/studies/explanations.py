@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..quantities import length, pure
+from ..quantities import in_chosen_units, length, pure
 from .measurements import TAB, TAB_FORCE
 
 __all__ = ["Explanation", "explain"]
@@ -103,6 +103,8 @@ class Explanation(NamedTuple):
         What the data show, with numbers.
     causes : tuple of str
         Possible causes, in no order; empty if the finding needs none.
+
+    The texts have the usual units; :meth:`lines` converts them to the chosen ones.
     """
 
     output: str
@@ -111,10 +113,13 @@ class Explanation(NamedTuple):
 
     def lines(self) -> list[str]:
         """Return finding and causes as lines of text."""
-        head = f"{self.output}: {self.finding}"
+        head = f"{self.output}: {in_chosen_units(self.finding)}"
         if not self.causes:
             return [head]
-        return [f"{head}. Possible causes:", *(f"  - {cause}" for cause in self.causes)]
+        return [
+            f"{head}. Possible causes:",
+            *(f"  - {in_chosen_units(cause)}" for cause in self.causes),
+        ]
 
 
 class Inputs(NamedTuple):
@@ -266,8 +271,8 @@ def _trends(
             continue
         word = "rises" if sign > 0 else "falls"
         quantity = quantities.get(name, pure("", name))
-        ends = " to ".join(quantity.text(end) for end in (x.min(), x.max()))
-        text = comparison.quantities[output].text(abs(changes[0]))
+        ends = " to ".join(quantity.stored_text(end) for end in (x.min(), x.max()))
+        text = comparison.quantities[output].stored_text(abs(changes[0]))
         finding = f"measured - predicted {word} by {text} with {name} from {ends}"
         slope = float(lines[0].slope)
         yield Explanation(

@@ -23,7 +23,7 @@ from ..problems.messages import quote
 from ..problems.permitted import admissible, bounds
 from ..problems.problem import Problem
 from ..problems.units import parse
-from ..quantities import Quantity
+from ..quantities import Quantity, in_chosen_units
 from ..quantities import find as find_places
 from ..results import Presented, ReadOnly
 from .kind_model import get_field, model_of
@@ -400,7 +400,7 @@ def _no_solution(
     values, outputs = scan[:, 0].tolist(), scan[:, 1].tolist()
     low, high = (field_of.text(end, ".6g") for end in scan[[0, -1], 0])
     where = f"{search.name} from {low} to {high}"
-    reasons = f"; the first reason: {failures[0][1]}" if failures else ""
+    reasons = f"; the first reason: {in_chosen_units(failures[0][1])}" if failures else ""
     if len(failures) == len(scan):
         text = f"no point of {where} was solved{reasons}"
         if search.not_converged:
@@ -420,7 +420,7 @@ def _limit_texts(
     name: str, quantity: Quantity, scan: Array, failures: tuple[tuple[float, str], ...]
 ) -> list[str]:
     """Return the limits of existence between neighbouring points, with the reasons."""
-    texts, reasons = [], dict(failures)
+    texts, reasons = [], {value: in_chosen_units(text) for value, text in failures}
     for (a, ya), (b, yb) in zip(scan.tolist(), scan[1:].tolist(), strict=False):
         if isfinite(ya) and not isfinite(yb):
             texts.append(f"solved up to {name} = {quantity.text(a, '.6g')}; above it: {reasons[b]}")

@@ -232,7 +232,8 @@ def definitions(result: Any, names: Sequence[str]) -> Iterator[str]:
     if LENGTH in names and hasattr(roll, LENGTH):
         known = scalar_outputs(type(roll))
         texts = (
-            f"{known[name].meaning} ({name}), {known[name].text(value_of(roll, name), '.5g')}"
+            f"{known[name].meaning} ({name}), "
+            + known[name].stored_text(value_of(roll, name), ".5g")
             for name in (LENGTH, "length")
         )
         yield f"{LENGTH}: the {'; the finished roll also has the '.join(texts)}"

@@ -8,19 +8,20 @@ differences for all other outputs.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from math import exp, isfinite, nan
 from typing import Any
 
 import numpy as np
 
+from .. import kinds
 from ..arguments import check_type
 from ..errors import InvalidProblem, did_you_mean, unwarned
 from ..problems.messages import quote
 from ..problems.problem import Problem
 from ..problems.units import parse
-from ..quantities import Quantity
+from ..quantities import Quantity, find, length
 from .kind_model import (
     KindModel,
     columns_of,
@@ -38,6 +39,7 @@ __all__ = ["Measurement", "Planned", "plan_measurement"]
 
 Array = np.ndarray
 RADII = {**POSITIONS, "radius": 1.0}  # names of the position in a roll, radius of each
+RADIUS = length("r", "position in a roll")
 PULL_TAB = "pull_tab_pressure"
 # of ln(theta): the error of a central difference is about its square, 4e-4; the tolerance of rolls
 # and windings, up to 1e-5 of an output, contributes 1e-5/2e-2
@@ -115,25 +117,51 @@ class Measurement:
 
     @property
     def name(self) -> str:
-        """The label, or quantity and state."""
+        """The label, or quantity and state in the units for display."""
+        return self._name(Quantity.text)
+
+    @property
+    def stored_name(self) -> str:
+        """The name in the usual units, for tables and for texts that a plan keeps."""
+        return self._name(Quantity.stored_text)
+
+    def _name(self, text: Callable[[Quantity, float], str]) -> str:
         if self.label:
             return self.label
-        places = [
-            f"{name} {_short(value[0])} ... {_short(value[-1])}"
-            if _is_series(value)
-            else f"{name} {_short(value)}"
-            for name, value in self.at.items()
-        ]
+        places = []
+        for name, value in self.at.items():
+            ends = (value[0], value[-1]) if _is_series(value) else (value,)
+            quantity = self._quantity_of(name)
+            places.append(f"{name} {' to '.join(_end_text(end, quantity, text) for end in ends)}")
         series = f"{self.size} values of " if self.size > 1 else ""
         return f"{series}{self.quantity}" + (f" at {', '.join(places)}" if places else "")
+
+    def _quantity_of(self, name: str) -> Quantity | None:
+        """Return the quantity of a field of the state.
+
+        Without a problem it is that of any kind which has the field: the same name has the same
+        unit in all of them.
+        """
+        if name in RADII:
+            return RADIUS
+        has_problem = self.problem is not None
+        problems = [self.problem] if has_problem else [kind.problem for kind in kinds.every()]
+        places = (place for problem in problems for place in find(problem, name))
+        return next((place.quantity for place in places if place.quantity is not None), None)
 
 
 def _is_series(value: Any) -> bool:
     return not isinstance(value, str) and hasattr(value, "__len__")
 
 
-def _short(value: Any) -> str:
-    return value if isinstance(value, str) else f"{value:.4g}"
+def _end_text(value: Any, quantity: Quantity | None, text: Callable[[Quantity, float], str]) -> str:
+    """Return a value of a state with its unit; as it was entered if it cannot be converted."""
+    if quantity is None:
+        return str(value)
+    try:
+        return text(quantity, float(parse(value, quantity.unit, "at")))
+    except InvalidProblem:  # another form of the quantity: a web tension as a stress
+        return str(value)
 
 
 @dataclass(frozen=True, eq=False)

@@ -108,7 +108,10 @@ class OptimisedSchedule(Presented, ReadOnly):
         return self.after.problem
 
     def __repr__(self) -> str:
-        values = ", ".join(f"{n}={v:.4g}" for n, v in zip(self.names, self.values, strict=True))
+        values = ", ".join(
+            f"{name} {quantity.text(value) if quantity else f'{value:.4g}'}"
+            for (name, quantity), value in zip(self.quantities.items(), self.values, strict=True)
+        )
         return f"OptimisedSchedule({values}; {'feasible' if self.feasible else 'infeasible'})"
 
     def lines(self) -> list[str]:
