@@ -56,6 +56,14 @@ def test_residuals_are_measured_minus_a_single_solve(predicted):
     assert [entry.finding for entry in check.explanations] == list(FINDINGS)
 
 
+def test_the_tension_of_a_wound_roll_is_an_input_that_rows_may_have():
+    table = {"wound_on_tension": [350.0, 400.0], "core_pressure": [3e5, 3e5]}
+    predicted = [
+        wo.solve(ROLL.replace(wound_on_tension=T)).core_pressure for T in table["wound_on_tension"]
+    ]
+    assert wo.compare(ROLL, table).predicted == pytest.approx(predicted, rel=1e-12)
+
+
 def test_totals_are_divided_by_the_width_of_the_case():
     """In comparisons and fits; a width in the table is that of the row."""
     wide = NIP.replace(width=2.0)

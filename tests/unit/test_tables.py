@@ -175,6 +175,21 @@ def test_a_percentage_of_excel_is_what_is_displayed(tmp_path: Path, header: str)
     np.testing.assert_allclose(solved["wound_on_tension [N/m]"], alone, rtol=1e-8)  # starts differ
 
 
+# ECMA-376 part 1, 18.8.31: a comma that no digit follows divides by a thousand
+@pytest.mark.parametrize("number_format", ["0.0,", "#,##0,,", '0.0, "k"', "0,.0", "0;-0,"])
+def test_a_number_that_excel_displays_in_thousands_is_rejected(tmp_path: Path, number_format: str):
+    path = percentages(tmp_path, "nip_load [N/m]", [(1900, "#,##0.0_);(#,##0.0)")])
+    assert read(path).inputs["nip_load"].tolist() == [1900.0]
+    path = percentages(tmp_path, "nip_load [N/m]", [(1900, number_format)])
+    expected = (
+        "row 2, column 'nip_load [N/m]': 1900 is displayed in thousands by its number format; "
+        "must have a number format without a comma after the last digit"
+    )
+    assert faults(path) == [expected]
+    solved = wo.solve_table(path, NIP, ["wound_on_tension"], nodes=13, workers=1)
+    assert expected.partition(", ")[2] in solved["failure"][0]
+
+
 def test_a_percentage_is_no_length(tmp_path: Path):
     path = percentages(tmp_path, "nip_load [N/m]", [(0.2, "0%")])
     assert "'20.0 %' has the wrong dimension" in faults(path)[0]

@@ -91,6 +91,27 @@ def test_units_of_mills_and_laboratories(text, unit, value):
     assert parse(text, unit) == pytest.approx(value, rel=1e-15)
 
 
+@pytest.mark.parametrize("text", ["1 lb/3000 ft^2", "1 lb/ream 24x36", "1 oz/yd^2"])
+def test_a_basis_weight_in_pounds_is_no_stress(text: str):
+    with pytest.raises(InvalidProblem, match="has the wrong dimension"):
+        parse(text, "Pa")
+    assert parse("1 oz/in^2", "Pa") == pytest.approx(parse("1 psi", "Pa") / 16, rel=4e-16)
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("5 N/0 mm", "has the unreadable unit"),
+        ("5 N/0.0 mm", "has the unreadable unit"),
+        ("5 lb/ream 0x36", "has the unreadable unit"),
+        ("1e308 kN/m", "is not a finite number"),
+    ],
+)
+def test_units_and_numbers_without_a_finite_size(text: str, reason: str):
+    with pytest.raises(InvalidProblem, match=reason):
+        parse(text, "N/m")
+
+
 def test_reams_of_paper_against_tables_of_the_trade():
     """Areas of Ivex, to a square foot; Sylvamo: gsm = lb 1406.5/(sheet [in^2]), exact: 1406.14."""
     for width, height, area in ((24, 36, 3000), (25, 38, 3299), (17, 22, 1299)):

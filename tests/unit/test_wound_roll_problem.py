@@ -136,6 +136,8 @@ def test_a_film_wound_at_a_strain_of_a_third():
     )  # fmt: skip
     texts = warned(film)
     assert any("wound at a strain of 33%" in text and "(limit 2%)" in text for text in texts)
+    # lengths and radii have the same unit as in the report
+    assert any("layers is -" in text and "at the radius 50 mm" in text for text in texts), texts
     # E_r = K2 (K1 + P) above E_t: Pfeiffer's law does not hold there
     assert any("% of the modulus along the web (limit 100%)" in text for text in texts)
 

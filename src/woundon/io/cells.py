@@ -28,7 +28,7 @@ from ..problems.messages import quote
 from ..problems.units import factor, has_dimension, is_unit
 from ..quantities import Quantity
 from .sheets import Sheet
-from .spreadsheets import Percentage
+from .spreadsheets import Percentage, Thousands
 from .tables import Column, Names
 
 __all__ = [
@@ -277,6 +277,10 @@ def _plain_text(cell: Any, sign: str) -> str:
     """
     if _is_empty(cell):
         raise InvalidProblem("the cell is empty")
+    if isinstance(cell, Thousands):
+        limit = "must have a number format without a comma after the last digit"
+        reason = f"{cell:g} is displayed in thousands by its number format; {limit}"
+        raise InvalidProblem(reason)
     overflows = isinstance(cell, int) and cell.bit_length() > 1024
     text = "inf" if overflows else str(cell).strip()
     if len(text) > MAX_NUMBER:

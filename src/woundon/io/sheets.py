@@ -30,7 +30,7 @@ from ..errors import InvalidProblem
 from ..problems.messages import quote
 from ..problems.units import is_unit
 from .files import read_whole
-from .spreadsheets import Percentage, without_apostrophe
+from .spreadsheets import Percentage, Thousands, without_apostrophe
 
 __all__ = ["Sheet", "need_openpyxl", "read_sheet", "sheet_of_content"]
 
@@ -47,6 +47,7 @@ _BINARY = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0")  # zip archives, Excel before 200
 
 # parts of a number format of Excel that are displayed as they are (ECMA-376 part 1, 18.8.31)
 _LITERAL = re.compile(r'"[^"]*"|\\.|[_*].|\[[^\]]*\]')
+_THOUSANDS = re.compile("[0#?],+(?![0#?,])")  # commas that separate no digits divide by 1000 each
 
 Rows = list[list[Any]]
 
@@ -320,22 +321,24 @@ def _excel_rows(content: bytes, where: str) -> Rows:
 
 
 def _excel_cell(cell: Any) -> Any:
-    """Return the value of a cell of Excel as it is displayed: "" if empty, or a percentage."""
+    """Return the value of a cell of Excel with the scale of its format; "" if it is empty."""
     value = cell.value
     if value is None:
         return ""
     if cell.data_type == "n" and isinstance(value, int | float):
-        percent, literal = _percent_signs(cell.number_format)
+        percent, literal, thousands = _scales(cell.number_format)
+        if thousands:
+            return Thousands(value)
         if percent or literal:
             return Percentage(value / 100 if literal else value)
     return value
 
 
 @cache
-def _percent_signs(number_format: str) -> tuple[bool, bool]:
-    """Return whether a number format multiplies by 100, and whether it only displays the sign."""
-    percent = "%" in _LITERAL.sub("", number_format)
-    return percent, not percent and "%" in number_format
+def _scales(number_format: str) -> tuple[bool, bool, bool]:
+    """Return whether a format multiplies by 100, only displays "%", and divides by thousands."""
+    code = _LITERAL.sub("", number_format)
+    return "%" in code, "%" not in code and "%" in number_format, bool(_THOUSANDS.search(code))
 
 
 def _checked_layout(part: bytes, where: str) -> list[tuple[int, int, int, int]]:

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Percentage",
+    "Thousands",
     "as_csv_cell",
     "record_table",
     "without_apostrophe",
@@ -46,6 +47,10 @@ class Percentage(float):
 
     def __str__(self) -> str:
         return f"{float(Decimal(float.__repr__(self)) * 100)!r} %"
+
+
+class Thousands(float):
+    """A number that a spreadsheet displays divided by thousands: 1900 as 1.9."""
 
 
 def record_table(record: Mapping[str, Any]) -> pd.DataFrame:

@@ -191,11 +191,12 @@ _THOUSANDS = re.compile(r"\s*([+-]?\d{1,3}(?:[,' _\N{NO-BREAK SPACE}]\d{3})+(?:\
 _DECIMAL_COMMA = re.compile(r"\s*([+-]?\d+),(\d+)(?![,.\d])(.*)")
 _POWER = r"(?:(?:\*\*|\^)?-?\d|[\N{SUPERSCRIPT TWO}\N{SUPERSCRIPT THREE}])"
 _FACTOR = f"{_NAME}{_POWER}?"
-_DIVISOR = rf"/\s*\d+(?:\.\d+)?\s*{_FACTOR}"  # N/15 mm, lb/3000 ft^2
+_DIVISOR = rf"/\s*(?=[\d.]*[1-9])\d+(?:\.\d+)?\s*{_FACTOR}"  # N/15 mm, lb/3000 ft^2
 _UNIT = re.compile(
     rf"1/(?:[Ks]|deg[CF])|{_FACTOR}(?:(?:\s*[*/\N{{MIDDLE DOT}}]\s*|\s+){_FACTOR}|\s*{_DIVISOR})*"
 )
 # pounds per ream of so many sheets, by default 500: lb/ream 24x36, lb (25x38/500)
+_BASIS_WEIGHT = re.compile(r"/\s*\d|yd")  # not a stress: lb/3000 ft^2, oz/yd^2
 _REAM = re.compile(
     r"(lbs?)\s*(?:/|per)?\s*(?:ream)?\s*\(?"
     r"(\d{1,3}(?:\.\d)?)\s*[xX\N{MULTIPLICATION SIGN}]\s*(\d{1,3}(?:\.\d)?)"
@@ -349,7 +350,10 @@ def parse(value: str | float, unit: str, field: str = "value") -> float:
         if unit == "1":
             return float(number)
         raise _fault(field, value, "has no unit", unit)
-    return float(Fraction(number) * _factor(text, unit, field, value))
+    try:
+        return float(Fraction(number) * _factor(text, unit, field, value))
+    except OverflowError:
+        raise _fault(field, value, "is not a finite number", unit) from None
 
 
 def text_with_unit(value: float, unit: str, shown_unit: str = "") -> str | float:
@@ -436,6 +440,8 @@ def _conversion_factor(text: str, unit: str) -> Fraction | None:
     """Return the conversion factor; "lb" may be a force, so that lb/in is lbf/in."""
     text = _with_area(text)
     forces = _FORCES | (_LINE_FORCES if unit == "N/m" else {})
+    if unit == "Pa" and _BASIS_WEIGHT.search(text):
+        forces = {}
     as_mass = _in_unit_of(text, unit, {})
     return _in_unit_of(text, unit, forces) if as_mass is None else as_mass
 

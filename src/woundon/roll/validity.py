@@ -36,8 +36,8 @@ def _strain_warnings(result: Any) -> Iterator[str]:
         yield from limit_warning(
             "web strain",
             float(result.layer_strain[k]),
-            "the strain of the layers is {} at the radius {0:.4g} m",
-            result.radius[k],
+            "the strain of the layers is {} at the radius {0:.4g} mm",
+            result.radius[k] * 1e3,
         )
     yield from limit_warning(
         "bending strain",

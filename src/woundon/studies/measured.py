@@ -97,7 +97,7 @@ def read_measured(
     names = Names({**dict.fromkeys((*ANNOTATIONS, *replacements)), **known})
     matched = [c for c in match_columns(sheet, names, columns) if c.name not in ANNOTATIONS]
     for column in matched:
-        if column.name in replacements:
+        if column.name in replacements and column.name not in inputs:
             text = f"{column.name}: no such output: {replacements[column.name]}"
             raise InvalidProblem.at(sheet.where, text)
     groups: dict[str, dict[str, Array]] = {"inputs": {}, "outputs": {}, "deviations": {}}
