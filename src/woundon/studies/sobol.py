@@ -207,6 +207,9 @@ def saltelli_design(ranges: Mapping[str, Any], samples: int, seed: int) -> Desig
 
     if not isinstance(ranges, Mapping) or not ranges:
         raise InvalidProblem.at("over", "nothing to vary: give fields and their ranges")
+    if len(ranges) < 2:
+        text = "has one field; must be two or more: the index of a single input is 1"
+        raise InvalidProblem.at("over", text)
     valid = isinstance(samples, (int, np.integer)) and not isinstance(samples, bool)
     if not valid or samples < 4 or samples != 2 ** int(log2(samples)):
         raise InvalidProblem.at("samples", f"{samples!r} is not a power of 2, at least 4")
