@@ -61,6 +61,5 @@ def test_the_nip_knows_its_strong_inputs():
 
 def test_a_failed_case_is_reported_not_dropped():
     with pytest.raises(wo.InvalidProblem, match=r"narrow the ranges: .* failed, .*NoSteadyState"):
-        wo.global_sensitivity(
-            paper_nip(), {"winding_force": (0.0, 1500.0)}, samples=8, nodes=17, workers=1
-        )
+        ranges = {"winding_force": (0.0, 1500.0), "web_tension": (300.0, 400.0)}
+        wo.global_sensitivity(paper_nip(), ranges, samples=8, nodes=17, workers=1)
