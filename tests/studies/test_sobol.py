@@ -60,6 +60,6 @@ def test_the_nip_knows_its_strong_inputs():
 
 
 def test_a_failed_case_is_reported_not_dropped():
+    ranges = {"winding_force": (0.0, 1500.0), "web_tension": (300.0, 400.0)}
     with pytest.raises(wo.InvalidProblem, match=r"narrow the ranges: .* failed, .*NoSteadyState"):
-        ranges = {"winding_force": (0.0, 1500.0), "web_tension": (300.0, 400.0)}
         wo.global_sensitivity(paper_nip(), ranges, samples=8, nodes=17, workers=1)
