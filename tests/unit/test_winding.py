@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import re
 import warnings
 from collections.abc import Callable
 from functools import cache
@@ -195,6 +196,14 @@ def test_what_the_winder_sets_is_reported_over_the_radius():
     assert run.mean_wound_on_tension == pytest.approx(
         np.trapezoid(run.wound_on_tension * r, r) / np.trapezoid(r, r)
     )
+
+
+def test_warnings_of_nips_state_their_radii_in_the_unit_of_the_report():
+    result = wo.solve(CASE.replace(radius=0.053), nodes=25, rtol=5e-3)
+    (text,) = (text for text in result.warnings if "nip at the radius" in text)
+    radii = re.search(r"nip at the radius ([\d.]+) mm and \d+ more up to ([\d.]+) mm: ", text)
+    assert radii is not None, text
+    assert 50.0 <= float(radii[1]) < float(radii[2]) <= 53.0  # from the core to the surface
 
 
 def test_the_interpolation_error_is_reported():

@@ -190,10 +190,10 @@ def warnings_of(nips: Iterable[tuple[float, tuple[str, ...]]]) -> tuple[str, ...
 
 def _radii_text(radii: list[float]) -> str:
     """Return the radii of a warning as text."""
-    first_nip = f"nip at the radius {radii[0]:.4g} m"
+    first_nip = f"nip at the radius {radii[0] * 1e3:.4g} mm"
     if len(radii) == 1:
         return first_nip
-    return f"{first_nip} and {len(radii) - 1} more up to {max(radii):.4g} m"
+    return f"{first_nip} and {len(radii) - 1} more up to {max(radii) * 1e3:.4g} mm"
 
 
 @contextmanager
