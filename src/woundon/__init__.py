@@ -7,7 +7,7 @@ from typing import Any
 
 import lazy_loader
 
-__version__ = "0.3.1"
+__version__ = "0.4.0.dev0"
 
 _imported, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 

@@ -60,7 +60,7 @@ def main(args: Sequence[str] | None = None) -> int:
     """Run the command line; return the exit code.
 
     >>> main(["--version"])
-    woundon, version 0.3.1
+    woundon, version 0.4.0.dev0
     0
     """
     for name, value in environment().items():  # read by NumPy when it is imported
