@@ -29,6 +29,7 @@ def test_the_record_is_that_of_the_file(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(ROOT)
+    monkeypatch.setenv("COLUMNS", "100")
     record = RECORDS[name]
     made = record(tmp_path) if inspect.signature(record).parameters else record()
     path = FOLDER / name
@@ -54,6 +55,10 @@ def assert_same(made: Any, kept: Any, where: str) -> None:
         assert list(made) == list(kept), where
         for name in kept:
             assert_same(made[name], kept[name], f"{where}, {name}")
+    elif isinstance(kept, list) and all(isinstance(one, int | float) for one in kept):
+        # what vanishes is a rounding error of the largest
+        largest = max(map(abs, kept), default=0.0)
+        assert made == pytest.approx(kept, rel=RTOL, abs=RTOL * largest, nan_ok=True), where
     elif isinstance(kept, list):
         assert len(made) == len(kept), where
         for k, (one, other) in enumerate(zip(made, kept, strict=True)):
@@ -67,6 +72,8 @@ def assert_same(made: Any, kept: Any, where: str) -> None:
 
 def assert_same_text(made: str, kept: str) -> None:
     """Assert that two texts have the same words, and printed numbers within 0.1 %."""
+    # which residual is the largest depends on the rounding
+    made, kept = (re.sub(r"largest residual .*", "largest residual", text) for text in (made, kept))
     for line, other in zip(made.splitlines(), kept.splitlines(), strict=False):
         assert NUMBER.sub("#", line).split() == NUMBER.sub("#", other).split(), other
         for one, two in zip(NUMBER.findall(line), NUMBER.findall(other), strict=True):
