@@ -40,7 +40,7 @@ _HELP = (
 
 
 def _help(header: str) -> str:
-    """Return how a column with an unknown name is assigned."""
+    """Return the text on the assignment of a column with an unknown name."""
     assigned = shlex.quote(f"{header}=NAME [UNIT]")
     return _HELP.format(assigned, shlex.quote(f"{header}="), header)
 

@@ -421,7 +421,7 @@ def columns_of(problem: Problem) -> dict[str, Quantity | None]:
 
 
 def conversion_of(problem: Problem, complete: bool = False) -> Conversion:
-    """Return how the columns of a table are converted: with the values of a problem, or without.
+    """Return the conversion of the columns of a table: with the values of a problem, or without.
 
     Parameters
     ----------
