@@ -336,7 +336,7 @@ def _excel_cell(cell: Any) -> Any:
 
 @cache
 def _scales(number_format: str) -> tuple[bool, bool, bool]:
-    """Return three flags of a format: multiplies by 100, only displays "%", divides by thousands."""
+    """Return flags of a format: multiplies by 100, only displays "%", divides by thousands."""
     code = _LITERAL.sub("", number_format)
     return "%" in code, "%" not in code and "%" in number_format, bool(_THOUSANDS.search(code))
 
