@@ -227,6 +227,8 @@ def test_a_pull_tab_at_the_surface_is_left_out(roll):
     assert "1 value without a prediction, e.g. row 2: pressure: is zero at the surface" in str(
         check
     )
+    outside = wo.compare(ROLL, table | {"measured_radius [mm]": [100.0, 500.0]})
+    assert "must be >= 0.0445 and <= 0.15 [m], on the roll" in str(outside)
 
 
 # ---- possible causes ----------------------------------------------------------------------------

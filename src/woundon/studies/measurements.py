@@ -42,7 +42,7 @@ POSITIONS: dict[str, float] = {
 FORCE = Quantity("F_t", "N", "force that moves a pull tab")
 TAB = "pull tab"  # name of the uncertainty of its calibration
 TAB_FORCE, PRESSURE, LENGTH = "pull_tab_force", "pressure", "wound_length"
-SURFACE = 1 - 1e-6  # of the radius of a roll: below it by less than the rounding of a table
+AT_SURFACE = 1e-6  # relative distance from the surface of a roll: the rounding of a table
 
 
 @dataclass(frozen=True, eq=False)
@@ -203,7 +203,8 @@ def predict(result: Any, name: str, position: float) -> float:
     at_radius = position == position
     if not at_radius:
         return float(value_of(result, name))
-    if name == PRESSURE and hasattr(roll, "radius") and position >= SURFACE * roll.radius[-1]:
+    R = roll.radius[-1] if hasattr(roll, "radius") else np.nan
+    if name == PRESSURE and abs(position / R - 1) <= AT_SURFACE:
         text = "is zero at the surface of the roll, so that a value measured there is left out"
         raise InvalidProblem.at(name, text)
     if name in (PRESSURE, "hoop_stress") and hasattr(roll, "at_radius"):
