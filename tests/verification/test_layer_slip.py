@@ -98,7 +98,7 @@ def test_layers_that_slip_where_the_pressure_is_low_give_a_warning():
     assert f"({slip.layers} layers), where the pressure is low" in slip.warning
     report = " ".join(str(nip).split())
     assert slip.warning in report
-    assert "layers may slip at S_tau < 1" in report
+    assert "exceeds friction anywhere along the nip, also at S_tau < 1" in report
 
 
 def nip_with_air(speed: float, roughness: float = 1e-6, **changes: object) -> wo.NipResult:
