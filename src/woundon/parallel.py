@@ -96,8 +96,10 @@ def one_thread(solve: Function) -> Function:
         from numpy import errstate
 
         keep_freed_memory()
-        is_limited = all(os.environ.get(name) == "1" for name in VARIABLES)
-        with nullcontext() if is_limited else _LIMIT, errstate(**FLOATING_POINT_ERRORS):  # type: ignore[arg-type]
+        limit: Any = _LIMIT
+        if all(os.environ.get(name) == "1" for name in VARIABLES):
+            limit = nullcontext()
+        with limit, errstate(**FLOATING_POINT_ERRORS):  # type: ignore[arg-type]
             return solve(*args, **options)
 
     return limited  # type: ignore[return-value]
