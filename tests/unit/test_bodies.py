@@ -60,3 +60,9 @@ def test_the_thinnest_layer_is_the_1_in_2000th() -> None:
     wo.Cylinder(radius=1.0, core_radius=0.9995, material="steel")
     with pytest.raises(wo.InvalidProblem, match=r"core_radius: 0\.99951 is out of range"):
         wo.Cylinder(radius=1.0, core_radius=0.99951, material="steel")
+
+
+@pytest.mark.parametrize("share", [1.0, 1 - 1e-12, 1 + 1e-12])
+def test_layers_as_thick_as_the_radius_are_rejected(share: float):
+    with pytest.raises(wo.InvalidProblem, match="layers: a total thickness of .* is out of range"):
+        wo.Layered(radius=0.2, layers=[wo.Layer(thickness=0.2 * share, material="rubber")])

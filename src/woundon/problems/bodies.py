@@ -485,7 +485,8 @@ class Layered(LayeredBody):
     def _layers_fit(self) -> Self:
         """Reject layers that are thicker than the radius or too thin for the solver."""
         smallest, largest = self.radius / 2000, self.radius * (1 - SMALLEST_CORE)
-        if not is_within(self.thickness, smallest, largest):
+        # the largest is exact: with the radius itself nothing is left for the core
+        if self.thickness > largest or not is_within(self.thickness, smallest, largest):
             raise InvalidProblem.at(
                 "layers",
                 f"a total thickness of {self.thickness:.10g} is out of range; must be >= radius "
