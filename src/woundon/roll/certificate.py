@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from ..results import Residuals, largest
-from .build_up import cell_source
 from .finished import add_constant, equations_of, final_changes
+from .stage_nodes import cell_source
 
 __all__ = ["certificate"]
 

@@ -29,9 +29,9 @@ from ..problems.roll import RollProblem
 from ..problems.schedules import Profile
 from ..problems.wound_roll import WoundRoll
 from ..quantities import find
-from .build_up import evaluate_in_cells, nodes_between
 from .equations import StageSolution, interpolate_pressure
 from .finished import equations_of
+from .stage_nodes import evaluate_in_cells, nodes_between
 
 if TYPE_CHECKING:
     from .equations import StageEquations

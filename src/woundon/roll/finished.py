@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import NotConverged
-from .build_up import cell_source
 from .equations import CellSource, StageEquations, StageSolution
+from .stage_nodes import cell_source
 
 if TYPE_CHECKING:
     from ..problems.roll import RollProblem

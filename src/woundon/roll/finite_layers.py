@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 
 from ..errors import NotConverged
-from .build_up import Layers, cell_source
+from .build_up import Layers
 from .equations import interpolate_pressure
 from .finished import add_constant, equations_of, final_changes
+from .stage_nodes import cell_source
 
 __all__ = ["finite_layer_effects", "finite_layer_stresses", "layers_of"]
 

@@ -15,10 +15,10 @@ from ..problems.messages import quote
 from ..problems.permitted import is_within
 from ..problems.roll import FEWEST_LAYERS, RollProblem
 from ..problems.schedules import Profile, Taper
-from .build_up import cell_source, kinks_of, nodes_between
 from .equations import StageSolution, interpolate_pressure
 from .finished import equations_of, finished_arrays, surface_layer_depth
 from .growth import Growth
+from .stage_nodes import cell_source, kinks_of, nodes_between
 
 __all__ = ["Stage", "stage_arrays", "stage_at", "stresses_between"]
 
