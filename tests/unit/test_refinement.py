@@ -63,7 +63,7 @@ class Toy:
     def __init__(self, size: int, fails: tuple[int, ...] = ()) -> None:
         self.size, self.fails = size, fails
 
-    def evaluate(self, u: Any) -> Any:
+    def evaluate(self, u: Any, tolerance: float) -> Any:
         class State:
             pass
 
@@ -78,8 +78,8 @@ class Toy:
 
         return Jacobian(np.ones((1, 1)), np.zeros((0, 1)), np.zeros((0, 1)))
 
-    def half_width_column(self, state: Any) -> Any:
-        return np.ones(1), np.zeros(0), np.zeros(0)
+    def fill_half_width_column(self, jacobian: Any, state: Any) -> None:
+        """Do nothing: the derivatives are constant."""
 
     def initial_guess(self) -> Any:
         return np.zeros(1), np.zeros(0, dtype=np.int8)

@@ -72,7 +72,6 @@ def largest_differences(equations: Any, state: Any) -> dict[str, float]:
     It is relative to the largest entry of its row.  All columns are in the units of the unknowns.
     """
     jacobian = equations.jacobian(state)
-    columns = equations.half_width_column(state)
     # rounding of residuals, 1e-15, over the step; its square
     step, found = 1e-5, {}
     numerical: dict[str, list[Array]] = {name: [] for name in jacobian._fields}
@@ -85,9 +84,7 @@ def largest_differences(equations: Any, state: Any) -> dict[str, float]:
         for name, values in numerical.items():
             one, two = (getattr(side, name) for side in moved)
             values.append((one - two) / (2 * step))
-    for name, column, matrix in zip(jacobian._fields, columns, jacobian, strict=True):
-        matrix = matrix.copy()
-        matrix[:, equations.ln_a] = column
+    for name, matrix in jacobian._asdict().items():
         expected = np.array(numerical[name]).T
         size = np.abs(expected).max(axis=1, keepdims=True)
         size[size == 0] = 1.0

@@ -152,7 +152,7 @@ class StickSlip:
     def creepage_nodes(self) -> Array:
         return np.zeros(0, int) if self.creep is None else np.flatnonzero(self.creep)
 
-    def evaluate(self, u: Array) -> Any:
+    def evaluate(self, u: Array, tolerance: float = 0.0) -> Any:
         """Return the state of given unknowns."""
         xi, ln_a, q = u[0], u[1], u[2:]
         slip = self.offset - self.A @ q
@@ -179,10 +179,8 @@ class StickSlip:
             slip[:, 0] = self.creep
         return Jacobian(rows, slip, np.zeros((n, n + 2)))
 
-    def half_width_column(self, _: Any) -> tuple[Array, Array, Array]:
-        """Return the derivatives by ln a."""
-        n = self.limit.size
-        return np.array([0.0, 1.0]), np.zeros(n), np.zeros(n)
+    def fill_half_width_column(self, jacobian: Jacobian, state: Any) -> None:
+        """Do nothing: the derivatives are constant."""
 
     def with_active_set(self, active: Array) -> Any:
         """Return the state that has a given active set, None where there is none."""
@@ -224,7 +222,7 @@ def newton(problem: StickSlip, active: Array | None = None) -> tuple[Array, Arra
     """Return tractions and active set of the semismooth Newton method, by default from stick."""
     n = problem.limit.size
     start = np.zeros(n, dtype=np.int8) if active is None else active
-    state, last = SemismoothNewton(problem).solve(problem.evaluate(np.zeros(n + 2)), start, 1e-12)
+    state, last = SemismoothNewton(problem).solve(np.zeros(n + 2), start, 1e-12)
     return state.u[2:], last
 
 

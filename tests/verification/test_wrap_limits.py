@@ -60,7 +60,8 @@ def _held_far_away(problem: wo.NipProblem) -> float:
         def _far(self, f: Any) -> float:
             on_roll = f.p_roll[self.layout.first :], f.q_roll[self.layout.first :]
             far = np.array([pi * self.problem.roll.radius * (1 - 1e-12)])
-            strain = f.geometry.roll.surface.strain_outside(*on_roll, far)
+            roll: Any = self.problem.roll.surface(f.geometry.mesh.roll_face, f.geometry.a)
+            strain = roll.strain_outside(*on_roll, far)
             return float(strain[0] - f.roll.strain[-1])
 
         def jacobian(self, state: Any) -> Any:

@@ -14,7 +14,8 @@ is one of two equations; the active set says which.  An iteration solves the lin
 
 and then updates the active set: a sticking node whose traction exceeds its bound slips in the
 direction of the traction, and a slipping node whose slip opposes its traction sticks (Hueber and
-Wohlmuth 2005).  Factorisations are reused while the step shrinks (modified Newton method).
+Wohlmuth 2005).  Factorisations are reused while the step shrinks (modified Newton method), and
+corrected for the rows that change with the active set.
 
 The method contains no mechanics.  All equations and unknowns are scaled to order one by
 ``System.scales`` and by the system itself.
@@ -41,8 +42,16 @@ MOST_VISITS = 2
 CONTRACTION = 0.1
 # Change of ln a after which the matrices are assembled again; less changes them by about as much.
 REASSEMBLE = 0.02
+# Step in the units of the unknowns after which they are factorised again with a new column by ln a:
+# it varies in proportion to the tractions.
+LARGE_STEP = 1.0
+# Share of the rows that may change with the active set until it is factorised again.
+MOST_CHANGED = 0.1
 # A step below this size that a new factorisation does not reduce is due to rounding.
 ROUNDING = 1e-6
+# Relative error of coefficients: of the tolerance, and of the size of the last step, the error of
+# which it increases by so much (inexact Newton method).
+COEFFICIENTS, INEXACT = 0.01, 1e-3
 # Violation of an inequality, relative to the largest bound or slip, that is due to rounding.
 VIOLATION = 1e-10
 # Largest change of ln a in a step, about a factor of two: the column by ln a is a linearisation.
@@ -125,16 +134,16 @@ class System(Protocol):
         """Traction nodes whose slip velocity contains an unknown creepage."""
         ...
 
-    def evaluate(self, u: Array) -> Any:
-        """Return the :class:`Iterate` of given unknowns."""
+    def evaluate(self, u: Array, tolerance: float) -> Any:
+        """Return the :class:`Iterate` of given unknowns, with coefficients of a relative error."""
         ...
 
     def jacobian(self, state: Any) -> Jacobian:
-        """Return the derivatives; the column by ln a is not needed."""
+        """Return the derivatives."""
         ...
 
-    def half_width_column(self, state: Any) -> tuple[Array, Array, Array]:
-        """Return the derivatives of equilibrium, slip and bound by ln a."""
+    def fill_half_width_column(self, jacobian: Jacobian, state: Any) -> None:
+        """Renew the derivatives by ln a, which vary with the tractions."""
         ...
 
 
@@ -165,12 +174,12 @@ class SemismoothNewton:
         self.jacobian_is_current = False  # True if the last step had the Jacobian of its state
         self.linear: _LinearSystem | None = neighbour.linear if neighbour else None
 
-    def solve(self, state: Any, active: Array, tolerance: float) -> tuple[Any, Array]:
+    def solve(self, u: Array, active: Array, tolerance: float) -> tuple[Any, Array]:
         """Return the solution and its active set.
 
         Parameters
         ----------
-        state : Iterate
+        u : (m+k,) array
             Initial guess.
         active : (k,) int array
             Initial active set: 0 stick, +1 and -1 slip.
@@ -184,12 +193,13 @@ class SemismoothNewton:
         """
         # a diverging iterate may overflow; it is rejected by its residual or its step
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            return self._iterate(state, active, tolerance)
+            return self._iterate(u, active, tolerance)
 
-    def _iterate(self, state: Any, active: Array, tolerance: float) -> tuple[Any, Array]:
+    def _iterate(self, u: Array, active: Array, tolerance: float) -> tuple[Any, Array]:
         """Alternate between Newton steps and updates of the active set; see :meth:`solve`."""
         visits: dict[bytes, int] = {}
         self.size, violated = np.inf, np.ones(active.size, dtype=bool)
+        state = self.system.evaluate(u, COEFFICIENTS * tolerance)
         for _ in range(MAX_ITERATIONS + active.size):
             self.counts.iterations += 1
             step, size = self._step(state, active)
@@ -198,7 +208,8 @@ class SemismoothNewton:
             if not np.isfinite(size):
                 raise NewtonFailed("the step is not finite")
             is_settled = not violated.any() or active.tobytes() in visits  # settled, or cycles
-            state = self.system.evaluate(_limited_update(self.system, state.u, step, is_settled))
+            u = _limited_update(self.system, state.u, step, is_settled)
+            state = self.system.evaluate(u, max(COEFFICIENTS * tolerance, INEXACT * size))
             violated = _violates_inequality(state, active)
             if violated.any():
                 pattern = active.tobytes()
@@ -213,21 +224,25 @@ class SemismoothNewton:
     def _step(self, state: Any, active: Array) -> tuple[Array, float]:
         """Return the Newton step and its size; a size of 0 if rounding prevents a smaller one.
 
-        The latest factorisation is used as long as the active set is the same and the step shrinks.
+        The latest factorisation is used as long as the active set hardly changes, and the step
+        shrinks if it is the same.
         """
         residual = np.append(state.equilibrium, friction_residual(state, active))
         if not np.isfinite(residual).all():
             raise NewtonFailed("the residual is not finite")
-        factored, last_size, was_current = self.linear, self.size, self.jacobian_is_current
+        linear, last_size, was_current = self.linear, self.size, self.jacobian_is_current
         stalled = False
-        if factored is not None and np.array_equal(factored.active, active):
-            step, self.size = factored.newton_step(residual)
+        is_same = linear is not None and np.array_equal(linear.active, active)
+        if linear is not None and (
+            is_same or (last_size <= LARGE_STEP and linear.serves(state, active))
+        ):
+            linear.set_active(active)
+            step, self.size = linear.newton_step(residual)
             self.jacobian_is_current = False
-            if self.size < CONTRACTION * last_size:
+            if not is_same or self.size < CONTRACTION * last_size:
                 return step, self.size
             stalled = True
-        factored = self._factorise(state, active, stalled)
-        step, self.size = factored.newton_step(residual)
+        step, self.size = self._factorise(state, active, stalled).newton_step(residual)
         # two steps with current Jacobians that do not shrink are due to rounding
         if stalled and was_current and last_size < ROUNDING and self.size > CONTRACTION * last_size:
             return step, 0.0
@@ -242,11 +257,9 @@ class SemismoothNewton:
         if self.jacobian_is_current or self.jacobian is None:
             self.jacobian, self.assembled_ln_a = self.system.jacobian(state), ln_a
             self.counts.assemblies += 1
-        # tractions jump with the active set, so the column by ln a is not reused
-        columns = self.system.half_width_column(state)
-        for matrix, column in zip(self.jacobian, columns, strict=True):
-            matrix[:, self.system.ln_a] = column
-        self.linear = _LinearSystem(self.system, self.jacobian, active)
+        else:
+            self.system.fill_half_width_column(self.jacobian, state)
+        self.linear = _LinearSystem(self.system, self.jacobian, self.assembled_ln_a, active)
         self.counts.factorisations += 1
         return self.linear
 
@@ -297,23 +310,56 @@ def _next_active_set(system: System, state: Iterate, active: Array, violated: Ar
 
 
 class _LinearSystem:
-    """The factorised linear system of an active set."""
+    """The factorised linear system of an active set, and of others that differ in a few nodes.
 
-    def __init__(self, system: System, jacobian: Jacobian, active: Array) -> None:
-        self.system, self.active = system, active
+    If k rows of the matrix J change by D, (k, n), with E the columns of the unit matrix for them,
+
+        (J + E D)^-1 = J^-1 - Z (I + D Z)^-1 D J^-1,      Z = J^-1 E        (Woodbury).
+    """
+
+    def __init__(self, system: System, jacobian: Jacobian, ln_a: float, active: Array) -> None:
+        self.system, self.jacobian, self.ln_a = system, jacobian, ln_a
+        self.factored = self.active = active
         matrix = system_matrix(system, jacobian, active)
         matrix *= system.scales
         self.row_size = np.maximum(matrix.max(axis=1), -matrix.min(axis=1))
         matrix /= self.row_size[:, None]
+        self.changes = np.zeros((0, len(matrix)))  # D
+        self.correction = self.changes.T  # Z (I + D Z)^-1
         # rows are contiguous, so LAPACK factorises the transpose
         self.lu, self.pivots, info = _getrf(matrix.T, overwrite_a=1)
         if info != 0:
             raise NewtonFailed("singular Jacobian")
 
+    def serves(self, state: Any, active: Array) -> bool:
+        """Return True if the Jacobian is near, and few rows change with the active set."""
+        distance = abs(state.u[self.system.ln_a] - self.ln_a)
+        few = MOST_CHANGED * self.row_size.size
+        return bool(distance <= REASSEMBLE and np.sum(active != self.factored) <= few)
+
+    def set_active(self, active: Array) -> None:
+        """Change the active set."""
+        if np.array_equal(self.active, active):
+            return
+        self.active, nodes = active, np.nonzero(active != self.factored)[0]
+        rows = len(self.jacobian.equilibrium) + nodes
+        old, new = (
+            friction_rows(self.system, self.jacobian, each, nodes)
+            for each in (self.factored, active)
+        )
+        self.changes = (new - old) * self.system.scales / self.row_size[rows, None]
+        units = np.zeros((self.row_size.size, nodes.size))
+        units[rows, np.arange(nodes.size)] = 1.0
+        Z, _ = _getrs(self.lu, self.pivots, units, trans=1)
+        try:
+            self.correction = Z @ np.linalg.inv(np.eye(nodes.size) + self.changes @ Z)
+        except np.linalg.LinAlgError as singular:
+            raise NewtonFailed("singular Jacobian") from singular
+
     def solve(self, right: Array) -> Array:
         """Solve J x = right; x in the units of the unknowns."""
         x, _ = _getrs(self.lu, self.pivots, right / self.row_size, trans=1)
-        return np.asarray(x)
+        return np.asarray(x - self.correction @ (self.changes @ x))
 
     def newton_step(self, residual: Array) -> tuple[Array, float]:
         """Return -J^-1 r and its size, with the change of ln a limited.
@@ -332,13 +378,15 @@ class _LinearSystem:
 
 def system_matrix(system: System, jacobian: Jacobian, active: Array) -> Array:
     """Return the matrix of the linear system for an active set, (m+k, m+k)."""
-    m, k = len(jacobian.equilibrium), active.size
-    matrix = np.empty((m + k, m + k))
-    matrix[:m] = jacobian.equilibrium
-    slips = active != 0
-    np.copyto(matrix[m:], jacobian.slip)
-    rows = np.nonzero(slips)[0]
-    matrix[m + rows] = jacobian.bound[rows] * -active[rows, None]
-    q = np.arange(m + k)[system.traction_unknowns]
-    matrix[m + rows, q[rows]] += 1 / system.scales[q[rows]]
-    return matrix
+    rows = friction_rows(system, jacobian, active, np.arange(active.size))
+    return np.concatenate([jacobian.equilibrium, rows])
+
+
+def friction_rows(system: System, jacobian: Jacobian, active: Array, nodes: Array) -> Array:
+    """Return the rows of the friction law of some traction nodes, (nodes, m+k)."""
+    rows, slipping = jacobian.slip[nodes], np.nonzero(active[nodes])[0]
+    which = nodes[slipping]
+    rows[slipping] = jacobian.bound[which] * -active[which, None]
+    q = np.arange(rows.shape[1])[system.traction_unknowns][which]
+    rows[slipping, q] += 1 / system.scales[q]
+    return rows

@@ -270,7 +270,7 @@ def _solve(
     # next to the solution on the mesh before, a factorisation of its own converges faster
     neighbouring_solver = None if refinement.meshes else _solver_on_mesh(start, system, size)
     solver = SemismoothNewton(system, neighbouring_solver)
-    state, active = solver.solve(system.evaluate(u), active, COARSE_TOLERANCE)
+    state, active = solver.solve(u, active, COARSE_TOLERANCE)
     return MeshSolution(size, system, state, active, solver)
 
 
@@ -296,7 +296,7 @@ def _prolong(mesh: MeshSolution, system: Any) -> tuple[Array, Array]:
 
 def _solve_to_final_tolerance(mesh: MeshSolution) -> MeshSolution:
     """Return the solution after iterating to the final tolerance."""
-    state, active = mesh.solver.solve(mesh.state, mesh.active, FINAL_TOLERANCE)
+    state, active = mesh.solver.solve(mesh.state.u, mesh.active, FINAL_TOLERANCE)
     return MeshSolution(mesh.size, mesh.system, state, active, mesh.solver)
 
 

@@ -10,12 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
 from .mesh import hat_weights
 
-__all__ = ["by_second_integral", "gauss_points", "singular_integrals"]
+__all__ = ["CellQuadrature", "by_second_integral", "cell_quadrature", "singular_integrals"]
 
 Array = np.ndarray
 
@@ -137,29 +138,49 @@ def by_second_integral(
     return np.diff(np.concatenate([start, slopes, end], axis=-1), axis=-1)
 
 
-def gauss_points(nodes: Array, a: float, length: float) -> tuple[Array, Array]:
-    """Return Gauss points of all cells, and the values of the hats there times weights.
+class CellQuadrature(NamedTuple):
+    """Gauss's rule in the cells between nodes, for integrals against their hat functions.
+
+    Attributes
+    ----------
+    points : (g,) array
+        In units of a.
+    first : (n-1,) int array
+        The first point of each cell.
+    left, right : (g,) arrays
+        Weights times the hats of the node upstream and downstream of each point [m].
+    """
+
+    points: Array
+    first: Array
+    left: Array
+    right: Array
+
+    def integrate(self, values: Array) -> Array:
+        """Return the integrals of functions given at the points against the hats, (..., n)."""
+        out = np.zeros((*values.shape[:-1], self.first.size + 1))
+        out[..., :-1] = np.add.reduceat(values * self.left, self.first, axis=-1)
+        out[..., 1:] += np.add.reduceat(values * self.right, self.first, axis=-1)
+        return out
+
+
+def cell_quadrature(nodes: Array, a: float, length: float) -> CellQuadrature:
+    """Return Gauss's rule for functions that vary on a length.
 
     Parameters
     ----------
     nodes : (n,) array
         In units of a.
     a, length : float
-        Half width, and the length on which the function varies [m].
-
-    Returns
-    -------
-    (g,), (g, n) arrays
-        Points in units of a, and hats times weights [m].
+        Half width, and the length on which the functions vary [m].
     """
     cells = np.diff(nodes)
     ratio = a * cells / length
     orders = np.where(ratio < 0.01, 1, 2 + np.minimum(3 * ratio, MAX_POINTS).astype(int))
     cell, fraction, weight = _points_in_cells(orders.tobytes())
     weight = weight * (cells[cell] * a)
-    hats, k = np.zeros((fraction.size, nodes.size)), np.arange(fraction.size)
-    hats[k, cell], hats[k, cell + 1] = weight * (1 - fraction), weight * fraction
-    return nodes[cell] + cells[cell] * fraction, hats
+    points, right = nodes[cell] + cells[cell] * fraction, weight * fraction
+    return CellQuadrature(points, np.cumsum(orders) - orders, weight - right, right)
 
 
 @lru_cache(maxsize=64)

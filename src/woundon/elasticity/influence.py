@@ -27,11 +27,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .hat_integrals import by_second_integral, gauss_points, singular_integrals
+from .hat_integrals import by_second_integral, cell_quadrature, singular_integrals
 from .kernels import Kernel, SurfaceKernels, singular, smooth_parts
 from .lag import Lag
 from .mesh import Face, cosine_nodes
-from .surface import Deformation, SurfaceTangent
+from .surface import LinearSurface, SurfaceTangent
 
 __all__ = ["InfluenceSurface"]
 
@@ -43,26 +43,25 @@ Smooth = Callable[[Array], Array]
 RANK_FACTOR, MIN_RANK, MAX_RANK = 20.0, 24, 600
 
 
-class SmoothParts(NamedTuple):
-    """Low-rank integration of the smooth parts: to_points @ smooth(targets, sources) @ moments.
+class SourceRule(NamedTuple):
+    """Integration of a function against the hats of some nodes, from its values at the sources.
 
     Attributes
     ----------
-    targets, sources : (k,), (m,) arrays
-        In units of a.
-    to_points : (n+1, k) array
-        Interpolation matrix from the targets to the points of the face.
-    moments : (m, n) array
-        Integrals against the hat functions of a function given at the sources [m].
+    nodes : slice
+        Those of the hats, among the nodes of the face.
+    points : (m,) array
+        The sources, in units of a.
+    integrate : callable
+        Values (..., m) -> integrals (..., nodes) [m].
     """
 
-    targets: Array
-    sources: Array
-    to_points: Array
-    moments: Array
+    nodes: slice
+    points: Array
+    integrate: Callable[[Array], Array]
 
 
-class InfluenceSurface:
+class InfluenceSurface(LinearSurface):
     """The :class:`.surface.SurfaceResponse` of a linear body with known influence functions.
 
     Parameters
@@ -77,45 +76,12 @@ class InfluenceSurface:
         a [m].
     """
 
-    rigid = False
-
     def __init__(
         self, kernels: SurfaceKernels, radius: float, curved: bool, face: Face, half_width: float
     ) -> None:
         self.kernels, self.face, self.a = kernels, face, half_width
         self.period = 2 * pi * radius if curved else inf
         self.max_distance = kernels.max_distance or self.period / 2
-
-    # ---- values and derivatives ----------------------------------------------------------------
-
-    def deform(self, p: Array, q: Array) -> Deformation:
-        """Return the deformation; matrix-free unless the influence matrices exist already."""
-        if "_matrices" in vars(self) or self.kernels.lag is not None or self._is_unresolved:
-            values = self._matrices @ np.array([p, q])[:, :, None]
-            slope, strain = values[..., 0].sum(axis=1)
-            return Deformation(slope, strain)
-        # products with the loads first: singular parts, ln a, then the low-rank smooth parts
-        loads = np.array([p, q]).T
-        out = np.einsum("ijk,kpj->ip", self._factors, self._singular @ loads)
-        out += (self._log_factors @ (self.face.weights @ loads))[:, None]
-        if self._smooth_values is not None:
-            parts = self._smooth_parts
-            weighted = self._smooth_values @ (parts.moments @ loads).T[..., None]
-            out += weighted[..., 0].sum(axis=1) @ parts.to_points.T
-        return Deformation(out[0], out[1])
-
-    def tangent(self, p: Array, q: Array) -> SurfaceTangent:
-        """Return the influence matrices."""
-        (slope_p, slope_q), (strain_p, strain_q) = self._matrices
-        return SurfaceTangent(slope_p, slope_q, strain_p, strain_q)
-
-    def end_displacement(self, p: Array, q: Array) -> float:
-        """Return v at the trailing edge of the nip [m]."""
-        return float(self._end_values[0] @ p + self._end_values[1] @ q)
-
-    def end_tangent(self, p: Array, q: Array) -> tuple[Array, Array]:
-        """Return the influence functions of v at the trailing edge."""
-        return self._end_values[0], self._end_values[1]
 
     def end_tangential_displacement(self, p: Array, q: Array) -> float:
         """Return u at the last node [m]."""
@@ -130,32 +96,28 @@ class InfluenceSurface:
         return surface_strain(self.kernels, self.period, self.max_distance, nodes, p, q, s)
 
     @cached_property
-    def _matrices(self) -> Array:
-        """Influence matrices: (slope or strain, by p or q, n+1, n) [1/Pa].
-
-        The sum of the singular parts, the smooth parts and the lags.
-        """
+    def _tangent(self) -> SurfaceTangent:  # type: ignore[override]
+        """Influence matrices: the sums of the singular parts, the smooth parts and the lags."""
         n, a, face, kernels = self.face.nodes.size, self.a, self.face, self.kernels
-        out: Array = (self._factors.reshape(4, 4) @ self._singular.reshape(4, -1)).reshape(
-            2, 2, n + 1, n
+        out: Array = (_factors(kernels.gradients, a) @ self._singular.reshape(4, -1)).reshape(
+            4, n + 1, n
         )
-        out += self._log_factors[:, :, None, None] * face.weights
-        if self._smooth_values is not None:
-            parts = self._smooth_parts
-            out += parts.to_points @ (self._smooth_values @ parts.moments)
+        out += _log_factors(kernels.gradients, a)[:, None, None] * face.weights
+        if kernels.smooth is not None:
+            out += self._smooth_integrals(kernels.gradients, kernels.smooth)
         if self._is_unresolved:
             # replace the columns of the inner nodes by second differences of the second integrals
-            for matrix, kernel in zip(out.reshape(4, n + 1, n), kernels.gradients, strict=True):
+            for matrix, kernel in zip(out, kernels.gradients, strict=True):
                 K = kernel.second_integral
                 if K is not None:
                     exact = by_second_integral(K, None, a * face.points, a * face.nodes)
                     matrix[:, 1:-1] = exact[:, 1:-1]
         if kernels.lag is not None:
-            out += _lag_integrals(kernels.lag, a * face.points, a * face.nodes).reshape(out.shape)
-        return out
+            out += _lag_integrals(kernels.lag, a * face.points, a * face.nodes)
+        return SurfaceTangent(*out)
 
     @cached_property
-    def _end_values(self) -> Array:
+    def _end(self) -> Array:  # type: ignore[override]
         """v at the trailing edge by p and by q, (2, n) [m/Pa]."""
         kernels = self.kernels
         return self._displacement((kernels.normal_p, kernels.normal_q), kernels.normal_smooth, -2)
@@ -166,9 +128,7 @@ class InfluenceSurface:
         out = _factors(kernels, self.a) @ self._singular[:, k]
         out += _log_factors(kernels, self.a)[:, None] * face.weights
         if smooth is not None:
-            parts = self._smooth_parts
-            values = self._smooth_between(kernels, smooth, point, parts.sources)
-            out += values[:, 0] @ parts.moments
+            out += self._integrals_at(kernels, smooth, point)[:, 0]
         for part, kernel in zip(out, kernels, strict=True):
             if kernel.lag is not None:
                 part += _lag_integrals(kernel.lag, self.a * point, self.a * face.nodes)[0, 0]
@@ -177,24 +137,12 @@ class InfluenceSurface:
     # ---- parts of the influence functions ------------------------------------------------------
 
     @cached_property
-    def _factors(self) -> Array:
-        """Coefficients of 1/t, Dirac, ln|t| and sgn: (slope or strain, by p or q, part)."""
-        return _factors(self.kernels.gradients, self.a).reshape(2, 2, 4)
-
-    @cached_property
-    def _log_factors(self) -> Array:
-        """Coefficients of ln a in ln|a t| = ln|t| + ln a, (slope or strain, by p or q)."""
-        return _log_factors(self.kernels.gradients, self.a).reshape(2, 2)
-
-    @cached_property
     def _singular(self) -> Array:
         """Integrals of 1/t, Dirac, ln|t| and sgn against the hats, (4, points, nodes)."""
         face = self.face
         if face.is_nip:
             return _nip_integrals(face.size)
         return singular_integrals(face.points, face.nodes)
-
-    # ---- smooth parts --------------------------------------------------------------------------
 
     @cached_property
     def _rank(self) -> int:
@@ -207,46 +155,57 @@ class InfluenceSurface:
         return self._rank > min(MAX_RANK, 8 * (self.face.size - 1))
 
     @cached_property
-    def _smooth_values(self) -> Array | None:
-        """Smooth parts between targets and sources, (2, 2, targets, sources)."""
-        smooth = self.kernels.smooth
-        if smooth is None:
-            return None
-        targets, sources, _, _ = self._smooth_parts
-        values = self._smooth_between(self.kernels.gradients, smooth, targets, sources)
-        return values.reshape(2, 2, targets.size, sources.size)
-
-    @cached_property
-    def _smooth_parts(self) -> SmoothParts:
-        """Targets and sources of the smooth parts, with interpolation and integration.
-
-        Both are the Chebyshev points in the nip; on the wraps the targets are the points of the
-        face, and the sources Gauss points.
-        """
-        face, a, length = self.face, self.a, self.kernels.length
-        points, nodes, cells = face.points, face.nodes, face.nip_cells
+    def _sources(self) -> list[SourceRule]:
+        """Chebyshev points in the nip and Gauss points on the wraps, upstream first."""
+        face, nodes = self.face, self.face.nodes
+        upstream, nip, downstream = (
+            slice(0, face.first + 1), slice(face.first, face.last + 1), slice(face.last, nodes.size)
+        )  # fmt: skip
         if self._is_unresolved:
-            gauss, hats = gauss_points(nodes, a, length)
-            return SmoothParts(points, gauss, np.eye(points.size), hats)
-        rank, chebyshev = self._rank, _chebyshev_points(self._rank)
-        at_points, nip_moments = _nip_interpolation(face.size, rank)
-        if face.is_nip:
-            return SmoothParts(chebyshev, chebyshev, at_points, a * nip_moments)
-        # rows: points in the nip interpolate the Chebyshev points, others are targets themselves
-        on_wraps = np.r_[0 : cells.start, cells.stop : points.size]
-        to_points = np.zeros((points.size, rank + on_wraps.size))
-        to_points[cells, :rank] = at_points[:-2]
-        to_points[on_wraps, rank + np.arange(on_wraps.size)] = 1.0
-        sources, moments = [chebyshev], [np.zeros((rank, nodes.size))]
-        moments[0][:, face.first : face.last + 1] = a * nip_moments
-        for wrap in (slice(0, face.first + 1), slice(face.last, None)):
-            if nodes[wrap].size > 1:
-                gauss, hats = gauss_points(nodes[wrap], a, length)
-                sources.append(gauss)
-                moments.append(np.zeros((gauss.size, nodes.size)))
-                moments[-1][:, wrap] = hats
-        targets = np.append(chebyshev, points[on_wraps])
-        return SmoothParts(targets, np.concatenate(sources), to_points, np.concatenate(moments))
+            return [self._gauss_rule(slice(0, nodes.size))]
+        moments = self.a * _nip_interpolation(face.size, self._rank)[1]
+        rules = [SourceRule(nip, _chebyshev_points(self._rank), lambda values: values @ moments)]
+        if face.first:
+            rules.insert(0, self._gauss_rule(upstream))
+        if face.extends_downstream:
+            rules.append(self._gauss_rule(downstream))
+        return rules
+
+    def _gauss_rule(self, nodes: slice) -> SourceRule:
+        """Return Gauss's rule in the cells between some nodes."""
+        rule = cell_quadrature(self.face.nodes[nodes], self.a, self.kernels.length)
+        return SourceRule(nodes, rule.points, rule.integrate)
+
+    def _smooth_integrals(self, kernels: tuple[Kernel, ...], smooth: Smooth) -> Array:
+        """Return the integrals of smooth parts at all points of the face, (kernels, n+1, n).
+
+        Those in the nip are interpolated between the Chebyshev points.
+        """
+        face, points, nip = self.face, self.face.points, self.face.nip_cells
+        if self._is_unresolved:
+            return self._integrals_at(kernels, smooth, points)
+        at_points, _ = _nip_interpolation(face.size, self._rank)
+        if face.is_nip:  # the edge included
+            nip = slice(0, points.size)
+        upstream, downstream = points[: nip.start], points[nip.stop :]
+        targets = np.concatenate([upstream, _chebyshev_points(self._rank), downstream])
+        out = self._integrals_at(kernels, smooth, targets)
+        before, interpolated, after = np.split(
+            out, [upstream.size, upstream.size + self._rank], axis=1
+        )
+        inside = at_points[: nip.stop - nip.start] @ interpolated
+        return np.concatenate([before, inside, after], axis=1)
+
+    def _integrals_at(self, kernels: tuple[Kernel, ...], smooth: Smooth, targets: Array) -> Array:
+        """Return the integrals of smooth parts at targets, (kernels, targets, n)."""
+        sources = np.concatenate([rule.points for rule in self._sources])
+        values, start = self._smooth_between(kernels, smooth, targets, sources), 0
+        out = np.zeros((*values.shape[:2], self.face.nodes.size))
+        for rule in self._sources:
+            stop = start + rule.points.size
+            out[..., rule.nodes] += rule.integrate(values[..., start:stop])
+            start = stop
+        return out
 
     def _smooth_between(
         self, kernels: tuple[Kernel, ...], smooth: Smooth, points: Array, sources: Array
@@ -295,8 +254,8 @@ def surface_strain(
     (k,) array
     """
     out, singular_parts = np.zeros(s.size), singular_integrals(s, nodes)
-    sources, hats = gauss_points(nodes, 1.0, kernels.length)
-    t = s[:, None] - sources
+    rule = cell_quadrature(nodes, 1.0, kernels.length)
+    t = s[:, None] - rule.points
     on_longer_arc = np.abs(t) > max_distance
     t_short = np.where(on_longer_arc, t - np.sign(t) * period, t)
     for kernel, load in ((kernels.strain_p, p), (kernels.strain_q, q)):
@@ -307,7 +266,7 @@ def surface_strain(
                 singular((kernel,), t_short[on_longer_arc])[0]
                 - singular((kernel,), t[on_longer_arc])[0]
             )
-            out += values @ (hats @ load)
+            out += rule.integrate(values) @ load
         if kernel.lag is not None:
             out += _lag_integrals(kernel.lag, s, nodes)[0] @ load
     return out

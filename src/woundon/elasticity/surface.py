@@ -14,13 +14,21 @@ any body whose influence matrices are known.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from .mesh import Face
 
-__all__ = ["Deformation", "LinearSurface", "RigidSurface", "SurfaceResponse", "SurfaceTangent"]
+__all__ = [
+    "Deformation",
+    "InterpolatedSurface",
+    "LinearSurface",
+    "RigidSurface",
+    "SurfaceResponse",
+    "SurfaceTangent",
+]
 
 Array = np.ndarray
 
@@ -136,3 +144,47 @@ class LinearSurface:
     def end_tangential_displacement(self, p: Array, q: Array) -> float:
         """Return nan: strains determine u up to a constant."""
         return float("nan")
+
+
+class InterpolatedSurface:
+    """The surface of a body at a half width between two others, linear in its logarithm.
+
+    Parameters
+    ----------
+    first, second : SurfaceResponse
+        The body at two half widths, on faces with the same numbers of nodes.
+    share : float
+        Position between them: 0 at the first, 1 at the second.
+    """
+
+    rigid = False
+
+    def __init__(self, first: SurfaceResponse, second: SurfaceResponse, share: float) -> None:
+        self.first, self.second, self.share = first, second, share
+
+    def deform(self, p: Array, q: Array) -> Deformation:
+        """Return the interpolated deformation."""
+        return Deformation(*self._between(self.first.deform(p, q), self.second.deform(p, q)))
+
+    def tangent(self, p: Array, q: Array) -> SurfaceTangent:
+        """Return the derivatives of ``deform``."""
+        return SurfaceTangent(*self._between(self.first.tangent(p, q), self.second.tangent(p, q)))
+
+    def end_displacement(self, p: Array, q: Array) -> float:
+        """Return v at the trailing edge of the nip [m]."""
+        one, two = (each.end_displacement(p, q) for each in (self.first, self.second))
+        return one + self.share * (two - one)
+
+    def end_tangent(self, p: Array, q: Array) -> tuple[Array, Array]:
+        """Return the derivatives of ``end_displacement`` by p and by q, (n,) each [m/Pa]."""
+        by_p, by_q = self._between(self.first.end_tangent(p, q), self.second.end_tangent(p, q))
+        return by_p, by_q
+
+    def end_tangential_displacement(self, p: Array, q: Array) -> float:
+        """Return u at the last node [m]; nan if it is not known."""
+        one, two = (each.end_tangential_displacement(p, q) for each in (self.first, self.second))
+        return one + self.share * (two - one)
+
+    def _between(self, first: Sequence[Array], second: Sequence[Array]) -> list[Array]:
+        """Return the interpolated arrays."""
+        return [one + self.share * (two - one) for one, two in zip(first, second, strict=True)]

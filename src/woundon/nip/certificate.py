@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..contact.newton import SemismoothNewton
-from ..contact.refinement import MeshSolution, error_estimate
+from ..contact.refinement import FINAL_TOLERANCE, MeshSolution, error_estimate
 from ..errors import RESOLUTION
 from ..results import ACCEPTED_RESIDUAL, Residuals, largest
 from .conditions import LARGEST_MESH, body_equilibrium, difference, friction_law, negative_pressure
@@ -70,6 +70,8 @@ def equations_of(result: Any) -> NipEquations:
 def state_of(result: Any, equations: NipEquations) -> NipState:
     """Return the state of the unknowns that a result reports.
 
+    Responses may be interpolated between half widths of ``equations`` next to that of the result.
+
     Raises
     ------
     ValueError
@@ -89,7 +91,7 @@ def state_of(result: Any, equations: NipEquations) -> NipState:
         result.roll_traction[layout.roll_nodes],
         result.drum_traction[layout.drum_nodes],
     )
-    return equations.evaluate(u)
+    return equations.evaluate(u, FINAL_TOLERANCE)
 
 
 def certificate(result: Any, equations: NipEquations) -> Residuals:

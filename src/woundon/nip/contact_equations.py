@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from math import exp, log, pi
+from math import exp, inf, log, pi, prod
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..contact.newton import Jacobian
 from ..elasticity.mesh import Face
-from ..elasticity.surface import SurfaceResponse, SurfaceTangent
+from ..elasticity.surface import InterpolatedSurface, SurfaceResponse, SurfaceTangent
 from .load_limit import frictionless_half_width
 
-__all__ = ["ContactEquations", "Side", "nearest", "side_of"]
+__all__ = ["ContactEquations", "Side", "nearest"]
 
 Array = np.ndarray
 
@@ -19,8 +20,9 @@ Array = np.ndarray
 DIFFERENCE = 1e-5
 # Bound of the estimated half width, relative to the largest one that the bodies permit.
 BELOW_LARGEST = 0.9
-# Distance in ln a within which the surfaces of an earlier half width are used for the difference.
-NEAREST, FARTHEST = 1e-7, 1e-2
+# Distance in ln a of the second half width at which responses are computed, and the smallest one of
+# two half widths between which they are interpolated: rounding errors are 1e-15 over it.
+SECOND, NEAREST = 1e-4, 1e-7
 
 
 class Side(NamedTuple):
@@ -57,17 +59,27 @@ class Side(NamedTuple):
         return by_p, by_q
 
 
-def side_of(body: Any, face: Face, a: float, speed: float | None) -> Side:
-    """Return a body on a face for the half width a."""
-    flattening = body.curvature**2 if not body.rigid else 0.0
-    return Side(face, body.surface(face, a, speed), body.radius, flattening)
+class ExactSurfaces(NamedTuple):
+    """The surfaces of both bodies at one half width."""
+
+    ln_a: float
+    surfaces: tuple[SurfaceResponse, ...]
 
 
 class ContactEquations:
-    """The initial half width, the scales, and the derivatives by ln a.
+    """The initial half width, the scales, and the dependence on the half width.
 
-    A subclass has the bodies for a half width, ``geometry(a)``, and the residuals of unknowns u,
-    ``evaluate(u, geometry)``; its states hold the geometry.
+    Meshes are scaled by the half width a, so that the responses of the surfaces depend on it.  They
+    are computed at some half widths and in between interpolated linearly in x = ln a,
+
+        M(x) = M(x1) + (x - x1)/(x2 - x1) [M(x2) - M(x1)],
+
+    with the error M'' (x - x1)(x - x2)/2, where M'' is of the size of M.  x1 and x2 are the latest
+    two; with a single one M is constant, with an error of |x - x1|.  The derivative of the
+    residuals by ln a contains the slope of this line.
+
+    A subclass has the bodies for a half width, ``geometry(a, tolerance)``, and the residuals of
+    unknowns u, ``state(u, geometry)``; its states hold the geometry.
 
     Parameters
     ----------
@@ -79,21 +91,79 @@ class ContactEquations:
     """
 
     largest_ln_a: Any
+    ln_a: Any
 
     def __init__(self, problem: Any, load: float, guess: float) -> None:
         self.problem, self.load = problem, load
         self.guessed_half_width = a = min(guess, BELOW_LARGEST * exp(self.largest_ln_a))
         # scales: the maximum pressure of Hertz, and the slope of the gap at the contact edge
         self.pressure_scale, self.slope_scale = 2 * load / (pi * a), a / problem.contact_radius
-        self._neighbour: Any = None
+        self._exact: list[ExactSurfaces] = []
 
-    def geometry(self, a: float) -> Any:
-        """Return the surfaces for a half width; ``a`` is its first item."""
+    def geometry(self, a: float, tolerance: float = 0.0) -> Any:
+        """Return the surfaces for a half width, with an error below a tolerance (:meth:`sides`).
+
+        ``a`` is its first item.
+        """
         raise NotImplementedError
 
-    def evaluate(self, u: Array, geometry: Any = None) -> Any:
+    def state(self, u: Array, geometry: Any) -> Any:
         """Return the state of the unknowns u."""
         raise NotImplementedError
+
+    def evaluate(self, u: Array, tolerance: float = 0.0) -> Any:
+        """Return the state of the unknowns u with responses of a relative error below a tolerance.
+
+        By default they are exact.
+        """
+        return self.state(u, self.geometry(exp(u[self.ln_a]), tolerance))
+
+    def sides(self, a: float, faces: tuple[Face, Face], tolerance: float) -> list[Side]:
+        """Return both bodies for a half width.
+
+        Parameters
+        ----------
+        a : float
+        faces : two Face
+            Those of the mesh for ``a``.
+        tolerance : float
+            Relative error of interpolated responses above which they are computed; inf for
+            interpolated ones, whatever their error.
+        """
+        ln_a, bodies = log(a), self.problem.bodies
+        if self._interpolation_error(ln_a) > tolerance:
+            speed = self.problem.rolling_speed
+            pairs = zip(bodies, faces, strict=True)
+            computed = tuple(body.surface(face, a, speed) for body, face in pairs)
+            other = [known for known in self._exact if abs(known.ln_a - ln_a) > NEAREST]
+            self._exact = [ExactSurfaces(ln_a, computed), *other[:1]]
+        return [
+            Side(face, surface, body.radius, 0.0 if body.rigid else body.curvature**2)
+            for body, face, surface in zip(bodies, faces, self._surfaces(ln_a), strict=True)
+        ]
+
+    def _interpolation_error(self, ln_a: float) -> float:
+        """Return the estimated relative error of interpolated responses.
+
+        Those of nonlinear bodies, which cost an equilibrium each, are not interpolated.
+        """
+        distances = [abs(ln_a - known.ln_a) for known in self._exact]
+        if 0 in distances:
+            return 0.0
+        is_known = distances and self.problem.linear
+        return prod(distances) / len(distances) if is_known else inf
+
+    def _surfaces(self, ln_a: float) -> tuple[SurfaceResponse, ...]:
+        """Return the surfaces at a half width by interpolation."""
+        for known in self._exact:
+            if known.ln_a == ln_a or len(self._exact) == 1:
+                return known.surfaces
+        latest, other = self._exact
+        share = (ln_a - latest.ln_a) / (other.ln_a - latest.ln_a)
+        return tuple(
+            one if one.rigid else InterpolatedSurface(one, two, share)
+            for one, two in zip(latest.surfaces, other.surfaces, strict=True)
+        )
 
     def initial_half_width(self) -> float:
         """Return the half width of the frictionless contact [m].
@@ -105,21 +175,19 @@ class ContactEquations:
             return a
         return frictionless_half_width(problem, self.load, a, exp(self.largest_ln_a))
 
-    def half_width_column(self, state: Any) -> tuple[Array, Array, Array]:
-        """Return the derivatives of equilibrium, slip and bound by ln a as a difference quotient.
+    def fill_half_width_column(self, jacobian: Jacobian, state: Any) -> None:
+        """Write the derivatives by ln a, by a difference quotient, into their column.
 
-        The surfaces of an earlier half width are used if it is near: an error of 1 % in this column
-        only slows the convergence of one step.
+        The responses are interpolated: an error of 1 % in this column only slows the convergence.
         """
-        a, neighbour = state.geometry.a, self._neighbour
-        if neighbour is None or not NEAREST < abs(log(neighbour.a / a)) < FARTHEST:
-            neighbour = self._neighbour = self.geometry(a * exp(DIFFERENCE))
-        shifted, step = self.evaluate(state.u, neighbour), log(neighbour.a / a)
-        return (
-            (shifted.equilibrium - state.equilibrium) / step,
-            (shifted.slip - state.slip) / step,
-            (shifted.bound - state.bound) / step,
-        )
+        a = state.geometry.a
+        if len(self._exact) == 1:
+            self.geometry(a * exp(SECOND))
+        a *= exp(DIFFERENCE)
+        shifted = self.state(state.u, self.geometry(a, inf))
+        for name, matrix in jacobian._asdict().items():
+            change = getattr(shifted, name) - getattr(state, name)
+            matrix[:, self.ln_a] = change / DIFFERENCE
 
 
 def nearest(old: Array, values: Array, new: Array) -> Array:

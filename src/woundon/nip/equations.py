@@ -32,7 +32,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import exp, log
+from math import log
 from typing import Any, NamedTuple, Self
 
 import numpy as np
@@ -41,7 +41,7 @@ from ..contact.newton import Jacobian
 from ..elasticity.mesh import Mesh, Wrap, nip_mesh
 from ..elasticity.surface import Deformation
 from ..problems.bodies import half_width_guess
-from .contact_equations import ContactEquations, Side, nearest, side_of
+from .contact_equations import ContactEquations, Side, nearest
 from .layout import Layout
 
 __all__ = ["Fields", "Geometry", "NipEquations", "NipState"]
@@ -202,19 +202,17 @@ class NipEquations(ContactEquations):
             self._first_mesh,
         )
 
-    def geometry(self, a: float) -> Geometry:
-        """Return mesh and surfaces for a half width."""
-        mesh, problem = self.mesh(a), self.problem
-        roll = side_of(problem.roll, mesh.roll_face, a, problem.rolling_speed)
-        drum = side_of(problem.drum, mesh.drum_face, a, problem.rolling_speed)
-        return Geometry(a, mesh, roll, drum)
+    def geometry(self, a: float, tolerance: float = 0.0) -> Geometry:
+        """Return mesh and surfaces for a half width, with an error below a tolerance."""
+        mesh = self.mesh(a)
+        return Geometry(a, mesh, *self.sides(a, (mesh.roll_face, mesh.drum_face), tolerance))
 
     # ---- residual ------------------------------------------------------------------------------
 
-    def evaluate(self, u: Array, geometry: Geometry | None = None) -> NipState:
+    def state(self, u: Array, geometry: Geometry) -> NipState:
         """Evaluate fields, residuals, slip velocities and friction bounds of the unknowns u."""
         layout = self.layout
-        f = self._fields(u, geometry or self.geometry(exp(u[layout.ln_a])))
+        f = self._fields(u, geometry)
         rows = [self._gap_slope(u, f), *self._normal_equilibrium(f), self._force_and_load(u, f)]
         p = np.append(f.p_roll[layout.roll_nodes], f.p_drum[layout.drum_nodes])
         # the slip velocity of a traction node is that of the cell upstream of it
@@ -314,8 +312,10 @@ class NipEquations(ContactEquations):
     # ---- Jacobian ------------------------------------------------------------------------------
 
     def jacobian(self, state: NipState) -> Jacobian:
-        """Return the derivatives of equilibrium, slip and bound by u; zero for ln a."""
-        return _Assembly(self, state).jacobian()
+        """Return the derivatives of equilibrium, slip and bound by u."""
+        jacobian = _Assembly(self, state).jacobian()
+        self.fill_half_width_column(jacobian, state)
+        return jacobian
 
     # ---- transfer to another mesh --------------------------------------------------------------
 
@@ -366,7 +366,7 @@ class _Assembly:
         self.dp_roll = self._derivative_of_p_roll()
 
     def jacobian(self) -> Jacobian:
-        """Assemble all blocks."""
+        """Assemble all blocks but the column by ln a."""
         layout, equations = self.layout, self.equations
         gap = self._gap_slope_rows() / equations.slope_scale
         wraps = [rows / equations.pressure_scale for rows in self._wrap_rows()]

@@ -15,6 +15,7 @@ increasing load leads to them, and the gap of such a contact is not x^2/2R*.
 
 from __future__ import annotations
 
+from functools import lru_cache
 from math import inf, log
 
 import numpy as np
@@ -164,7 +165,8 @@ def frictionless_half_width(
     largest : float
         Largest half width that is permitted [m].
     """
-    a, P = guess, frictionless_load(problem, guess)
+    a = min(2 * guess, largest)
+    P = frictionless_load(problem, a)
     is_increased = load > P
     for _ in range(DOUBLINGS):
         b, Q = a, P
@@ -178,6 +180,7 @@ def frictionless_half_width(
     return b * (a / b) ** min(max(exponent, 0.0), 1.0)
 
 
+@lru_cache(maxsize=2)  # the load limit and the initial guess use the same half width
 def frictionless_load(problem: ContactProblem, a: float) -> float:
     """Return the load of a frictionless contact of half width ``a`` [N/m]."""
     face = nip_mesh(NODES, Wrap(), Wrap()).roll_face

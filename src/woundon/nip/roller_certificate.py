@@ -43,7 +43,7 @@ def state_of(result: Any) -> tuple[RollerEquations, RollerState] | None:
     u[equations.shift] = result.offset / result.problem.contact_radius
     u[equations.ln_a] = log(a)
     u[equations.xi] = 0.0 if equations.static else result.creepage
-    return equations, equations.evaluate(u, equations.geometry(a))
+    return equations, equations.state(u, equations.geometry(a))
 
 
 def certificate(result: Any) -> Residuals:

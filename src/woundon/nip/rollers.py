@@ -43,7 +43,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import exp, log
+from math import log
 from typing import NamedTuple
 
 import numpy as np
@@ -53,7 +53,7 @@ from ..elasticity.mesh import Face, Wrap, nip_mesh
 from ..elasticity.surface import Deformation
 from ..problems.bodies import half_width_guess
 from ..problems.rollers import RollerProblem
-from .contact_equations import ContactEquations, Side, nearest, side_of
+from .contact_equations import ContactEquations, Side, nearest
 from .energy import dissipation, pressure_resultant
 from .roller_energy import work_on_rollers
 from .zones import slip_share
@@ -157,15 +157,13 @@ class RollerEquations(ContactEquations):
 
     # ---- residual ------------------------------------------------------------------------------
 
-    def geometry(self, a: float) -> RollerGeometry:
-        """Return the rollers for a half width."""
-        speed = self.problem.rolling_speed
-        upper, lower = (side_of(body, self.face, a, speed) for body in self.problem.bodies)
-        return RollerGeometry(a, upper, lower)
+    def geometry(self, a: float, tolerance: float = 0.0) -> RollerGeometry:
+        """Return the rollers for a half width, with an error below a tolerance."""
+        return RollerGeometry(a, *self.sides(a, (self.face, self.face), tolerance))
 
-    def evaluate(self, u: Array, geometry: RollerGeometry | None = None) -> RollerState:
+    def state(self, u: Array, geometry: RollerGeometry) -> RollerState:
         """Evaluate residuals, slip and friction bounds of the unknowns u."""
-        s, problem = geometry or self.geometry(exp(u[self.ln_a])), self.problem
+        s, problem = geometry, self.problem
         p, q = np.zeros((2, self.size))
         p[1:-1] = u[self.p]
         if problem.friction:
@@ -245,7 +243,7 @@ class RollerEquations(ContactEquations):
     # ---- Jacobian ------------------------------------------------------------------------------
 
     def jacobian(self, state: RollerState) -> Jacobian:
-        """Return the derivatives of equilibrium, slip and bound by u; zero for ln a."""
+        """Return the derivatives of equilibrium, slip and bound by u."""
         problem, (a, *pair), n = self.problem, state.geometry, self.size - 2
         inner, size = slice(1, -1), self.q.stop
         k = size - self.q.start
@@ -282,7 +280,9 @@ class RollerEquations(ContactEquations):
             slip[:, self.xi] = 1.0
             bound[np.arange(k), np.arange(k)] = 1 / self.pressure_scale
         equilibrium = np.concatenate([gap / self.slope_scale, rows])
-        return Jacobian(equilibrium, slip / self.slip_scale, bound)
+        jacobian = Jacobian(equilibrium, slip / self.slip_scale, bound)
+        self.fill_half_width_column(jacobian, state)
+        return jacobian
 
     # ---- fields and outputs --------------------------------------------------------------------
 
