@@ -134,7 +134,7 @@ class ContactEquations:
         if self._interpolation_error(ln_a) > tolerance:
             speed = self.problem.rolling_speed
             pairs = zip(bodies, faces, strict=True)
-            computed = tuple(body.surface(face, a, speed) for body, face in pairs)
+            computed = tuple(self.surface_of(body, face, a, speed) for body, face in pairs)
             other = [known for known in self._exact if abs(known.ln_a - ln_a) > NEAREST]
             self._exact = [ExactSurfaces(ln_a, computed), *other[:1]]
         return [
@@ -164,6 +164,11 @@ class ContactEquations:
             one if one.rigid else InterpolatedSurface(one, two, share)
             for one, two in zip(latest.surfaces, other.surfaces, strict=True)
         )
+
+    def surface_of(self, body: Any, face: Face, a: float, speed: float | None) -> SurfaceResponse:
+        """Return the surface of a body on a face."""
+        surface: SurfaceResponse = body.surface(face, a, speed)
+        return surface
 
     def initial_half_width(self) -> float:
         """Return the half width of the frictionless contact [m].

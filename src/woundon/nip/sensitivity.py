@@ -1,14 +1,15 @@
 r"""Sensitivities of a solved contact by implicit differentiation.
 
 On its last mesh and with its active set, a solution u of a problem with the inputs theta satisfies
-R(u, theta) = 0.  For another theta one Newton step from u with the Jacobian J = dR/du,
+R(u, theta) = 0, so that
 
-    u(theta + h) = u - J^-1 R(u, theta + h) + O(h^2),
+    du/dtheta = -J^-1 dR/dtheta,    dQ/dtheta = dQ/dtheta (u fixed) + dQ/du du/dtheta
 
-gives the solution to first order.  The derivative of any output Q(u, theta) follows from the
-central difference of Q(u(theta + h), theta + h), with an error of the order h^2.  J is factorised
-once; each input needs two residuals and two back-substitutions.  The derivatives on the last three
-meshes give the error estimates.
+for any output Q(u, theta), J = dR/du.  Differences of R and Q by an input at the same u, and along
+du/dtheta at the same inputs, are central, with an error of the square of the step.  J is factorised
+once for all inputs.  The friction f of a nip with air is F(u, theta) of its air film
+(:mod:`.solve_air`), so that df/dtheta = dF/dtheta + dF/du du/dtheta.  The derivatives on the last
+three meshes give the error estimates.
 
 The active set is kept: where a node is about to change its zone, derivatives to both sides differ,
 and slip lengths have a kink.
@@ -17,21 +18,19 @@ and slip lengths have a kink.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from scipy.linalg import lu_factor, lu_solve
 
 from ..contact.newton import friction_residual, system_matrix
 from ..contact.refinement import CHANGES, MeshSolution, error_estimate
+from ..elasticity.mesh import Face
 from ..errors import InvalidProblem, did_you_mean
 from ..parallel import one_thread
 from ..quantities import scalar_outputs, value_of, walk
 from ..sensitivity import Sensitivity
 from .entrained_air import AirFilm, film_of_state
-
-if TYPE_CHECKING:
-    from ..problems.nip import NipProblem
 
 __all__ = ["contact_sensitivity", "continuous_fields"]
 
@@ -40,12 +39,12 @@ Array = np.ndarray
 # Step relative to the scale of an input: the error of a central difference is its square, rounding
 # of residuals (1e-14) over it.
 STEP = 1e-4
-# Newton steps with the Jacobian of the solution: one leaves the error of the Jacobian (tangents of
-# nonlinear bodies and the column by ln a are inexact by up to 1e-2), two leave its square.
-STEPS = 2
-# Iterations of the friction that an air film leaves: the film depends on the pressure at the inlet,
-# which changes by about 1e-2 of the change of the friction.
-AIR_ITERATIONS = 4
+# Solutions with the Jacobian, whose tangents of nonlinear bodies are inexact by up to 1e-2: two
+# leave its square.
+STEPS_NONLINEAR = 2
+# Relative error of responses at the half widths next to that of the solution: differences of
+# interpolated ones are those of the line.
+INTERPOLATION = 1e-7
 # Margin of a node's inequality, relative to the largest value, below which its zone may change.
 NEAR_CHANGE = 1e-6
 
@@ -116,10 +115,18 @@ def contact_sensitivity(
         if name in excluded:
             raise InvalidProblem.at(name, excluded[name])
     names = parameters or tuple(name for name in known if name not in excluded)
-    history = [
-        (mesh.size, _derivatives_on_mesh(mesh, problem, names, known, outputs))
-        for mesh in meshes[-CHANGES - 1 :]
-    ]
+    linearised = [_Linearisation(mesh, problem, outputs) for mesh in meshes[-CHANGES - 1 :]]
+    for name in names:
+
+        def perturbed(changed: Any) -> Array:
+            """Return the conditions of a problem on all meshes: its bodies are tabulated once."""
+            return np.concatenate([each.perturbed(changed, each.frictions) for each in linearised])
+
+        columns = _central_difference(perturbed, problem, name, known[name])
+        ends = np.cumsum([each.conditions for each in linearised])[:-1]
+        for each, column in zip(linearised, np.split(columns, ends), strict=True):
+            each.by_input[name] = column
+    history = [(each.mesh.size, each.derivatives()) for each in linearised]
     errors = {key: error_estimate(history, key) for key in history[-1][1]}
     shape = len(outputs), len(names)
     keys = [f"{output}/{name}" for output in outputs for name in names]
@@ -139,94 +146,108 @@ def contact_sensitivity(
     )
 
 
-def _derivatives_on_mesh(
-    mesh: MeshSolution,
-    problem: Any,
-    names: tuple[str, ...],
-    known: Mapping[str, float],
-    outputs: tuple[str, ...],
-) -> dict[str, float]:
-    """Return the derivatives on one mesh by "output/parameter"."""
-    solved = _PerturbedProblems(mesh, outputs)
-    derivatives: dict[str, float] = {}
-    for name in names:
-        derivative = _central_difference(solved, problem, name, known[name])
-        derivatives |= {
-            f"{output}/{name}": value
-            for output, value in zip(outputs, derivative.tolist(), strict=True)
-        }
-    return derivatives
+class _Linearisation:
+    """Residuals and outputs on one mesh, linearised at its solution.
 
-
-class _PerturbedProblems:
-    """Outputs of perturbed problems on one mesh, by Newton steps from its solution.
-
-    The Jacobian of the solution is factorised once, with its rows scaled to a maximum of one.
+    The conditions are the residuals, with air the frictions by the air film, and the outputs.
     """
 
-    def __init__(self, mesh: MeshSolution, outputs: tuple[str, ...]) -> None:
-        self.mesh, self.outputs = mesh, outputs
-        system, state, active = mesh.system, mesh.state, mesh.active
-        matrix = system_matrix(system, system.jacobian(state), active)
-        matrix[:, system.ln_a] = self._half_width_column()
-        matrix *= system.scales
+    def __init__(self, mesh: MeshSolution, problem: Any, outputs: tuple[str, ...]) -> None:
+        self.mesh, self.problem, self.outputs = mesh, problem, outputs
+        self.u, self.size = mesh.state.u, mesh.state.u.size
+        self.has_air = getattr(problem, "air", None) is not None
+        dry = mesh.system.problem
+        self.frictions = (dry.roll_friction, dry.friction_on_wrap) if self.has_air else ()
+        self.by_input: dict[str, Array] = {}  # derivatives of the conditions at the same u
+        self.conditions = self.size + len(self.frictions) + len(outputs)
+        self.surfaces: dict[Any, Any] = {}
+        self.system = self._system(dry)
+        a = mesh.state.geometry.a
+        for sign in (1, -1):  # responses next to a are interpolated between these
+            self.system.geometry(a * np.exp(sign * STEP))
+        matrix = system_matrix(self.system, self.system.jacobian(mesh.state), mesh.active)
+        by_ln_a = self._along(np.eye(1, self.size, self.system.ln_a)[0])
+        matrix[:, self.system.ln_a] = by_ln_a[: self.size]
+        matrix *= self.system.scales
         self.row_size = np.abs(matrix).max(axis=1)
         self.factors = lu_factor(matrix / self.row_size[:, None], check_finite=False)
-        self.residual = self._residual(state)
 
-    def _half_width_column(self) -> Array:
-        """Return the derivatives of all residuals by ln a, by a central difference.
+    def _system(self, problem: Any) -> Any:
+        """Return the equations of a problem, with the known surfaces of bodies that it shares."""
+        system = self.mesh.system.for_problem(problem)
+        system.surface_of = self._surface
+        return system
 
-        The column of Newton's method is accurate to a few digits only.
-        """
-        system, state = self.mesh.system, self.mesh.state
-        above, below = state.u.copy(), state.u.copy()
-        above[system.ln_a] += STEP
-        below[system.ln_a] -= STEP
-        change = self._residual(system.evaluate(above)) - self._residual(system.evaluate(below))
-        return np.asarray(change / (2 * STEP))
+    def _surface(self, body: Any, face: Face, a: float, speed: float | None) -> Any:
+        """Return the surface of a body, computed once for the same arguments."""
+        key = body, face.points.tobytes(), a, speed
+        if key not in self.surfaces:
+            self.surfaces[key] = body.surface(face, a, speed)
+        return self.surfaces[key]
 
-    def _residual(self, state: Any) -> Array:
-        """Return the residual of all equations with the active set of the solution."""
-        return np.append(state.equilibrium, friction_residual(state, self.mesh.active))
-
-    def __call__(self, problem: Any) -> Array:
-        """Return the outputs of a problem that differs slightly from the solved one."""
-        has_air = getattr(problem, "air", None) is not None
-        if has_air:
-            system, u = self._solve_neighbour_with_air(problem)
-        else:
-            system, u = self._solve_neighbour(problem, self.mesh.state.u)
-        state = system.evaluate(u)
-        outputs = dict(system.outputs(state, self.mesh.active))
-        if has_air:
+    def _conditions(self, system: Any, u: Array, problem: Any) -> Array:
+        """Return the conditions of the equations of a problem at u."""
+        state, active = system.evaluate(u, INTERPOLATION), self.mesh.active
+        residual, frictions = np.append(state.equilibrium, friction_residual(state, active)), []
+        found = dict(system.outputs(state, active))
+        if self.has_air:
             film = film_of_state(problem, system, state)
-            outputs |= {name: value_of(film, name.partition(".")[2]) for name in air_outputs()}
-        return np.array([outputs[name] for name in self.outputs])
+            found |= {name: value_of(film, name.partition(".")[2]) for name in air_outputs()}
+            frictions = [film.roll_friction, film.wrap_friction]
+        return np.concatenate([residual, frictions, [found[name] for name in self.outputs]])
 
-    def _solve_neighbour(self, problem: Any, u: Array) -> tuple[Any, Array]:
-        """Return the system of a problem and its solution u, by Newton steps from a guess.
+    def perturbed(self, problem: Any, frictions: tuple[float, ...]) -> Array:
+        """Return the conditions of a perturbed problem at the solution."""
+        dry = problem.without_air(*frictions) if self.has_air else problem
+        return self._conditions(self._system(dry), self.u, problem)
 
-        The residual that the solution itself has on this mesh is subtracted.
-        """
-        scales, system = self.mesh.system.scales, self.mesh.system.for_problem(problem)
-        for _ in range(STEPS):
-            change = self._residual(system.evaluate(u)) - self.residual
-            step = lu_solve(self.factors, change / self.row_size, check_finite=False) * scales
-            u = u - step
-        return system, u
+    def derivatives(self) -> dict[str, float]:
+        """Return the total derivatives of the outputs by "output/parameter"."""
+        total = np.array([self._with_solution(column) for column in self.by_input.values()])
+        if self.has_air:
+            by_friction = np.array([self._with_solution(column) for column in self._by_friction()])
+            film = slice(self.size, self.size + len(self.frictions))
+            unit = np.eye(len(self.frictions))
+            df = np.linalg.solve(unit - by_friction[:, film].T, total[:, film].T)
+            total += df.T @ by_friction
+        return {
+            f"{output}/{name}": value
+            for name, row in zip(
+                self.by_input, total[:, -len(self.outputs) :].tolist(), strict=True
+            )
+            for output, value in zip(self.outputs, row, strict=True)
+        }
 
-    def _solve_neighbour_with_air(self, problem: NipProblem) -> tuple[Any, Array]:
-        """Return the system and the solution of a problem with air.
+    def _by_friction(self) -> list[Array]:
+        """Return the derivatives of the conditions by the frictions that the film leaves."""
+        columns = []
+        for k, friction in enumerate(self.frictions):
+            step = STEP * friction * np.eye(len(self.frictions))[k]
+            after, before = (
+                self.perturbed(self.problem, tuple(self.frictions + sign * step))
+                for sign in (1, -1)
+            )
+            columns.append((after - before) / (2 * STEP * friction))
+        return columns
 
-        Each iteration updates the friction coefficients by the air film.
-        """
-        system, u = self.mesh.system, self.mesh.state.u
-        for _ in range(AIR_ITERATIONS):
-            film = film_of_state(problem, system, system.evaluate(u))
-            dry = problem.without_air(film.roll_friction, film.wrap_friction)
-            system, u = self._solve_neighbour(dry, u)
-        return system, u
+    def _with_solution(self, by_input: Array) -> Array:
+        """Return the total derivatives of the conditions: those at the same u, and along du."""
+        du, total = np.zeros(self.size), by_input
+        for _ in range(1 if self.problem.linear else STEPS_NONLINEAR):
+            right = total[: self.size] / self.row_size
+            du -= lu_solve(self.factors, right, check_finite=False) * self.system.scales
+            total = by_input + self._along(du)
+        return total
+
+    def _along(self, direction: Array) -> Array:
+        """Return the derivatives of the conditions along a direction of u."""
+        largest = np.abs(direction / self.system.scales).max()
+        step = STEP / max(largest, 1e-300)
+        after, before = (
+            self._conditions(self.system, self.u + sign * step * direction, self.problem)
+            for sign in (1, -1)
+        )
+        return np.asarray((after - before) / (2 * step))
 
 
 def _central_difference(
