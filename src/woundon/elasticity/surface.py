@@ -78,37 +78,6 @@ class SurfaceResponse(Protocol):
         ...
 
 
-class RigidSurface:
-    """The surface of a body that does not deform."""
-
-    rigid = True
-
-    def __init__(self, face: Face) -> None:
-        n = face.nodes.size
-        self._zero = np.zeros(n + 1)
-        self._matrix, self._vector = np.zeros((n + 1, n)), np.zeros(n)
-
-    def deform(self, p: Array, q: Array) -> Deformation:
-        """Return zeros."""
-        return Deformation(self._zero, self._zero)
-
-    def tangent(self, p: Array, q: Array) -> SurfaceTangent:
-        """Return zeros."""
-        return SurfaceTangent(self._matrix, self._matrix, self._matrix, self._matrix)
-
-    def end_displacement(self, p: Array, q: Array) -> float:
-        """Return zero."""
-        return 0.0
-
-    def end_tangent(self, p: Array, q: Array) -> tuple[Array, Array]:
-        """Return zeros."""
-        return self._vector, self._vector
-
-    def end_tangential_displacement(self, p: Array, q: Array) -> float:
-        """Return zero."""
-        return 0.0
-
-
 class LinearSurface:
     """The surface of a linear body with known influence matrices.
 
@@ -144,6 +113,26 @@ class LinearSurface:
     def end_tangential_displacement(self, p: Array, q: Array) -> float:
         """Return nan: strains determine u up to a constant."""
         return float("nan")
+
+
+class RigidSurface(LinearSurface):
+    """The surface of a body that does not deform."""
+
+    rigid = True
+
+    def __init__(self, face: Face) -> None:
+        n = face.nodes.size
+        none = np.zeros((n + 1, n))
+        super().__init__(SurfaceTangent(none, none, none, none), np.zeros((2, n)))
+        self._undeformed = Deformation(np.zeros(n + 1), np.zeros(n + 1))
+
+    def deform(self, p: Array, q: Array) -> Deformation:
+        """Return zeros."""
+        return self._undeformed
+
+    def end_tangential_displacement(self, p: Array, q: Array) -> float:
+        """Return zero."""
+        return 0.0
 
 
 class InterpolatedSurface:

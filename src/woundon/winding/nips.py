@@ -108,6 +108,22 @@ class Nips:
         """Return the latest solution of every nip, from the core to the surface."""
         return [self.samples[radius] for radius in sorted(self.samples)]
 
+    def estimate_errors(self) -> None:
+        """Add the error estimates to the nips that were solved without: solve their coarse meshes.
+
+        The solution on the last mesh stays the same.
+        """
+        for radius, sample in self.samples.items():
+            if not self._has_estimates:
+                nip = sample.result
+                result = solve_nip(nip.problem, nodes=self.nodes, start=nip)
+                self.samples[radius] = sample._replace(result=result)
+
+    @property
+    def _has_estimates(self) -> bool:
+        """True if nips are solved with estimates: once, or with the iteration of their air."""
+        return self.is_roll_independent or self.problem.air is not None
+
     def mean_film(self) -> float:
         """Return the mean air film of the nips over the length of web [m]."""
         if not any(self.films.values()):
@@ -157,7 +173,7 @@ class Nips:
         radius = nip.roll.radius
         if nip.air is None:
             self.films[radius] = 0.0
-            return solve_nip(nip, nodes=nodes, start=start)
+            return solve_nip(nip, nodes=nodes, start=start, errors=self._has_estimates)
         nearest = min(self.films, key=lambda other: abs(other - radius), default=None)
         result = solve_with_film(
             nip,

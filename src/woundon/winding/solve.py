@@ -386,6 +386,7 @@ class _Winder:
         """Assemble the result of an iteration."""
         curve, r = self.curve, iteration.r
         tension = curve.tension(iteration.shares, r)
+        self.nips.estimate_errors()
         return assemble_result(
             self.problem,
             r,
@@ -406,6 +407,7 @@ class _Winder:
         """Solve a problem whose schedules fluctuate around the smooth ones of this winding."""
         self.share_of_iterations = OF_MEASURED
         iteration, curve = self._converge(), self.curve
+        self.nips.estimate_errors()
         departure = Departure(problem, self.problem, curve, self.nips)
 
         def tension(r: Array, *, curved: bool = False) -> Array:
