@@ -173,7 +173,7 @@ def test_a_half_width_beyond_the_largest_fails() -> None:
 
 @pytest.mark.parametrize("seed", range(3))
 def test_a_factorisation_serves_active_sets_that_differ_in_a_few_nodes(seed: int) -> None:
-    """Reference: the matrix of the changed active set, factorised anew."""
+    """Reference: the matrix of the changed active set, factorised itself."""
     system = row(seed, k=30)
     u, active = start(system)
     state = system.evaluate(u + 0.1)
