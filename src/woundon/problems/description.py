@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NoReturn, Self, dataclass_transform
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from ..errors import InvalidProblem
-from ..quantities import Quantity, counterpart, find, is_item, walk
+from ..quantities import Quantity, walk
 from .help_texts import documentation, signature
 from .inputs import (
     Context,
@@ -24,7 +24,8 @@ from .inputs import (
     convert,
     convert_fields,
 )
-from .messages import no_such_field, validation_error
+from .messages import validation_error
+from .paths import change_fields, find_places, is_part_of
 
 __all__ = ["Description"]
 
@@ -118,28 +119,8 @@ class Description(BaseModel, metaclass=DocumentedMeta):
         InvalidProblem
             If a name does not exist or the variant is not admissible.
         """
-        fields = {name: getattr(self, name) for name in type(self).model_fields}
-        nested: dict[str, dict[str, Any]] = {}
         faults: list[tuple[str, str]] = []
-        for path, value in self._changes(changes, faults).items():
-            head, dot, rest = path.partition(".")
-            if not dot and (radius := counterpart(head, "diameter")) in type(self).model_fields:
-                if radius not in changes:
-                    del fields[radius]
-                fields[head] = value
-            elif head not in fields:
-                faults.append((path or "''", no_such_field(head, type(self))))
-            elif dot and rest:
-                nested.setdefault(head, {})[rest] = value
-            elif dot:
-                faults.append((path, "the name of a field is missing after the dot"))
-            else:
-                fields[head] = value
-        for head, inner in nested.items():
-            try:
-                fields[head] = _changed(fields[head], head, inner)
-            except InvalidProblem as fault:
-                faults += fault.under(head).faults
+        fields = change_fields(self, self._changes(changes, faults), faults)
         if faults:
             raise InvalidProblem(faults)
         return type(self)(**fields)
@@ -177,7 +158,7 @@ class Description(BaseModel, metaclass=DocumentedMeta):
 
     def _change(self, path: str, value: str | FloatWithUnit, context: Context) -> Any:
         """Return the value of a field from a text with its unit."""
-        places = find(type(self), path)
+        places = find_places(self, path)
         place = next((p for p in places if p.quantity is not None), None)
         return value if place is None else convert(value, place, context)
 
@@ -186,30 +167,10 @@ class Description(BaseModel, metaclass=DocumentedMeta):
         return self.replace(**update) if update else super().model_copy(deep=deep)
 
 
-def _changed(value: Any, name: str, changes: Mapping[str, Any]) -> Any:
-    """Return the value of a field with nested changes, by path; items of lists by number."""
-    if isinstance(value, Description):
-        return value.replace(**changes)
-    if not isinstance(value, tuple):
-        raise InvalidProblem([(path, f"{name} has no fields of its own") for path in changes])
-    items = list(value)
-    for path, new in changes.items():
-        place, dot, rest = path.partition(".")
-        if not is_item(place, len(items)):
-            text = f"{name} has no item {place!r}; known: 0 to {len(items) - 1}"
-            raise InvalidProblem.at(path, text)
-        k = int(place)
-        try:
-            items[k] = _changed(items[k], f"{name}.{place}", {rest: new}) if dot else new
-        except InvalidProblem as fault:
-            raise fault.under(place) from None
-    return tuple(items)
-
-
 def _position(field: str, changes: Mapping[str, Any]) -> int:
     """Return the index of the change that a fault belongs to."""
     paths = list(changes)
-    return next((k for k, path in enumerate(paths) if f"{field}.".startswith(path)), len(paths))
+    return next((k for k, path in enumerate(paths) if is_part_of(field, path)), len(paths))
 
 
 def _cells(path: str, quantity: Quantity | None, value: Any) -> tuple[str, str, str, str]:

@@ -32,6 +32,7 @@ from .library import Entry, entry_of, library, read_file
 from .limits import Limits
 from .materials import SOFTEST, STIFFEST, Orthotropic
 from .messages import quote
+from .paths import field_or_none, is_part_of
 from .radial_laws import Pfeiffer
 from .schedules import Profile
 from .stack import Stack
@@ -199,10 +200,7 @@ class Grade(Description):
         """Return the relative standard deviations of the fields of a problem, by dotted name."""
         spreads = {}
         for path, name in _FIELDS:
-            value = problem
-            for part in path.split("."):
-                value = getattr(value, part, None)
-            if value is not None and name in self.spread:
+            if name in self.spread and field_or_none(problem, path) is not None:
                 spreads[path] = self.spread[name]
         return spreads
 
@@ -469,25 +467,29 @@ def changes_of_grade(grade: Grade, problem: Any, changes: Mapping[str, Any]) -> 
     for name, value in _fields_of_grade(grade, type(problem), parts).items():
         nested = name in parts or name in ("web", "limits")
         values |= {f"{name}.{k}": v for k, v in value.items()} if nested else {name: value}
-    replaced = {path for path in changes if "." not in path}
-    return {path: value for path, value in values.items() if path.partition(".")[0] not in replaced}
+    return {
+        path: value
+        for path, value in values.items()
+        if not any(is_part_of(path, changed) for changed in changes)
+    }
 
 
 def states_all(problem: Any, named_grade: Grade) -> bool:
     """Return True if a problem has a value for everything that a grade would supply."""
     return all(
-        _has_values(getattr(problem, path.partition(".")[0], None), path.partition(".")[2], value)
-        for path, value in changes_of_grade(named_grade, problem, {}).items()
+        _has_values(field_or_none(problem, path), supplied)
+        for path, supplied in changes_of_grade(named_grade, problem, {}).items()
     )
 
 
-def _has_values(part: Any, path: str, supplied: Any) -> bool:
-    """Return True if a part of a problem, or its item ``path``, has all values of a table."""
-    if path:
-        return _has_values(getattr(part, path, None), "", supplied)
+def _has_values(part: Any, supplied: Any) -> bool:
+    """Return True if a part of a problem has a value for each name of a table."""
     if isinstance(part, Description) and isinstance(supplied, Mapping):
-        names = (name for name in supplied if name != "kind")
-        return all(_has_values(part, name, supplied[name]) for name in names)
+        return all(
+            _has_values(field_or_none(part, name), value)
+            for name, value in supplied.items()
+            if name != "kind"
+        )
     return part is not None
 
 
@@ -530,9 +532,7 @@ def warn_of_contradictions(named_grade: Grade, problem: Any) -> None:
     """Warn of values of a problem that differ from those of its grade."""
     texts = []
     for path, name in _FIELDS:
-        value = problem
-        for part in path.split("."):
-            value = getattr(value, part, None)
+        value = field_or_none(problem, path)
         grade_value = getattr(named_grade, name)
         if isinstance(value, float) and abs(value - grade_value) > SAME * abs(grade_value):
             quantity = quantity_of(Grade.model_fields[name])

@@ -16,16 +16,11 @@ from collections.abc import Iterable, Mapping
 from functools import cache
 from typing import Any, Literal, NamedTuple, get_args, get_origin
 
+from pydantic import BaseModel
+
 from ..errors import InvalidProblem
-from ..quantities import (
-    OF_FIELD,
-    Place,
-    Quantity,
-    counterpart,
-    find,
-    is_list,
-    members_of,
-)
+from ..quantities import OF_FIELD, Place, Quantity, is_list, members_of
+from .paths import counterpart, find_places
 from .permitted import accepts_number
 from .units import has_dimension, parse
 
@@ -39,6 +34,7 @@ __all__ = [
     "convert_number",
     "is_basis_weight",
     "is_word",
+    "number_in_si",
     "other_units",
 ]
 
@@ -157,6 +153,37 @@ def convert(value: Any, place: Place, context: Context) -> Any:
     return converted
 
 
+def number_in_si(base: BaseModel, path: str, value: Any, where: str = "") -> Any:
+    """Return the value of a field that is a number in SI; a text is read with its unit.
+
+    Parameters
+    ----------
+    base : Description
+        Gives width, thickness and density, with which totals and stresses are converted.
+    path : str
+    value : float or str
+    where : str
+        Name of the value in an error message; the path by default.
+
+    Raises
+    ------
+    InvalidProblem
+        For a text that is not a value of the field.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> number_in_si(wo.RollerProblem.example(), "load", "89 kN/m")
+    89000.0
+    """
+    place, quantity = next(
+        (p, p.quantity) for p in find_places(base, path) if p.quantity is not None
+    )
+    if not isinstance(value, str):
+        return parse(value, quantity.unit, where or path)
+    return convert(value, place._replace(path=where or path), conversion_context(base))
+
+
 def _needs_conversion(value: Any) -> bool:
     """Return True if a value is or contains text, a table or a number with a unit."""
     if type(value) in (float, int) or value is None:
@@ -201,7 +228,7 @@ def _convert_table(
     for name in dict.fromkeys((*first, *values)):
         converted[name] = values[name]
         if _needs_conversion(values[name]):
-            places = [p for m in models for p in find(m, str(name), of_field)]
+            places = [p for m in models for p in find_places(m, str(name), of_field)]
             places = places or [p for m in models for p in _input_only(m, str(name))]
             converted[name] = _convert_value(
                 values[name], places, f"{prefix}{name}", faults, context
@@ -323,7 +350,7 @@ def _convert_schedule(
     changed = {
         name: _convert_value(
             getattr(value, name),
-            [p for holder in places for p in find(type(value), name, holder.quantity)],
+            [p for holder in places for p in find_places(type(value), name, holder.quantity)],
             f"{path}.{name}",
             faults,
             context,

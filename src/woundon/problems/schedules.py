@@ -13,7 +13,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from ..errors import InvalidProblem
 from ..quantities import OF_FIELD, length, pure
 from .description import Description
-from .family import best_match
+from .family import from_table
 from .fields import Number, NumberOfField, Numbers, NumbersOfField, default
 from .messages import quote
 
@@ -162,7 +162,7 @@ def _profile(value: Any) -> Any:
 
 
 def _profile_or_taper(value: Any) -> Any:
-    return best_match(value, (Taper, Profile))(**value) if isinstance(value, Mapping) else value
+    return from_table(value, (Taper, Profile)) if isinstance(value, Mapping) else value
 
 
 # Schedule: a number or a profile.  WindingSchedule: also a taper, for the inputs of a winder.

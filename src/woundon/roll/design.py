@@ -24,11 +24,11 @@ from ..errors import InvalidProblem, NotConverged
 from ..parallel import one_thread
 from ..problems.inputs import Context, convert
 from ..problems.messages import quote
+from ..problems.paths import find_places
 from ..problems.permitted import is_within
 from ..problems.roll import RollProblem
 from ..problems.schedules import Profile
 from ..problems.wound_roll import WoundRoll
-from ..quantities import find
 from .equations import StageSolution, interpolate_pressure
 from .finished import equations_of
 from .stage_nodes import evaluate_in_cells, nodes_between
@@ -142,7 +142,7 @@ def design_tension(
             "changes after winding; must be a roll as wound: temperature_change and "
             "core_shrinkage 0",
         )
-    (place,) = find(WoundRoll, "pressure")
+    (place,) = find_places(WoundRoll, "pressure")
     target = _TargetPressure(problem, _as_profile(problem, convert(pressure, place, Context())))
     stages = _TargetStages(equations_of(problem), target)
     x = _refined_radii(stages, rtol)

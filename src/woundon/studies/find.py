@@ -20,13 +20,13 @@ from ..errors import InvalidProblem, NoSolution, NotConverged, warn
 from ..io.json_texts import json_text
 from ..problems.inputs import conversion_context, convert_number
 from ..problems.messages import quote
+from ..problems.paths import find_places, get_field
 from ..problems.permitted import admissible, bounds
 from ..problems.problem import Problem
 from ..problems.units import parse
 from ..quantities import Quantity, in_chosen_units
-from ..quantities import find as find_places
 from ..results import Presented, ReadOnly
-from .kind_model import get_field, model_of
+from .kind_model import model_of
 from .model import quantities_of
 from .progress import Progress, progress_reporter
 from .root_search import DECADE, Interval, RootSearch, Sample, error_of

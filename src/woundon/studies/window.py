@@ -16,9 +16,9 @@ from ..arguments import whole_number
 from ..errors import InvalidProblem
 from ..problems.grades import Grade, grade
 from ..problems.messages import quote
+from ..problems.paths import field_quantity, get_field
 from ..problems.problem import Problem
 from .api import in_si
-from .kind_model import field_quantity, get_field
 from .progress import Progress, progress_reporter
 from .window_cases import CaseSolver
 from .window_map import SetPoints

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from ..errors import InvalidProblem
+from ..problems.paths import get_field
 from .design import make_design
 from .engine import run_study
-from .kind_model import get_field
 from .runners import runner_for
 from .window_map import SetPoints, fitted, from_reserve
 from .window_model import FRICTION_SHARE, WindowModel

@@ -19,9 +19,10 @@ from typing import Any
 
 import numpy as np
 
+from ..problems.paths import get_field
 from ..problems.schedules import Profile, Taper
 from ..quantities import Quantity, scalar_outputs
-from .kind_model import KindModel, get_field, kind_of, model_of
+from .kind_model import KindModel, kind_of, model_of
 from .model import Answer
 
 __all__ = ["FRICTION_SHARE", "WindowModel", "margin_names", "window_model", "with_value"]

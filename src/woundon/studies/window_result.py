@@ -11,12 +11,12 @@ import numpy as np
 
 from ..errors import InvalidProblem
 from ..io.json_texts import json_text
+from ..problems.paths import get_field
 from ..quantities import Quantity
 from ..results import Presented, ReadOnly
 from .api import in_si
 from .design import make_design
 from .engine import Progress, run_study
-from .kind_model import get_field
 from .runners import runner_for
 from .window_map import NEGLIGIBLE, MarginMap, SetPoints, distance, standard_normal
 
