@@ -310,8 +310,7 @@ def _bounds_in_si(
     problem: Any, name: str, bounds: tuple[str | float, str | float] | None
 ) -> tuple[float, float] | None:
     """Return the bounds of a field in SI; None for an unknown field, which the fit rejects."""
-    from ..problems.inputs import number_in_si
-    from ..problems.paths import field_quantity
+    from ..problems.paths import field_quantity, number_in_si
 
     if bounds is None or field_quantity(problem, name) is None:
         return None

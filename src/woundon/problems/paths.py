@@ -15,7 +15,9 @@ from pydantic import BaseModel
 
 from ..errors import InvalidProblem, did_you_mean
 from ..quantities import Place, Quantity, is_list, members_of, quantity_of
+from .inputs import Inputs, read_number
 from .messages import no_such_field
+from .units import parse
 
 __all__ = [
     "change_fields",
@@ -24,9 +26,11 @@ __all__ = [
     "field_quantity",
     "find_places",
     "get_field",
+    "halve_diameters",
     "is_part_of",
     "models_at",
     "nest_tables",
+    "number_in_si",
     "set_in_tables",
 ]
 
@@ -166,6 +170,52 @@ def counterpart(name: str, word: str) -> str:
     return head + opposite if match and not tail and (not head or head.endswith("_")) else ""
 
 
+def halve_diameters(
+    model: type[BaseModel], values: Mapping[str, Any], faults: Faults
+) -> dict[str, Any]:
+    """Return values by name with radii in place of the diameters that a class does not have.
+
+    Parameters
+    ----------
+    model : type
+        Class of a description.
+    values : mapping
+        Diameters are numbers [m], texts with a unit, or lists of them.
+    faults : list
+        Receives (field, text) for a diameter that is not a length, or next to its radius.
+    """
+    if model.model_fields.keys() >= values.keys():
+        return dict(values)
+    radii = dict(values)
+    for name in values:
+        radius = counterpart(name, "diameter")
+        if name in model.model_fields or radius not in model.model_fields:
+            continue
+        diameter = radii.pop(name)
+        if radius in values:
+            faults.append((name, f"is given together with {radius}; give one of the two"))
+            continue
+        count = len(faults)
+        radii[radius] = _half(diameter, name, faults)
+        if len(faults) > count:
+            del radii[radius]
+            faults.append((radius, ""))  # it is not missing
+    return radii
+
+
+def _half(diameter: Any, name: str, faults: Faults) -> Any:
+    """Return the radius of a diameter, or of each diameter in a list [m]; None for a fault."""
+    if isinstance(diameter, (list, tuple)):
+        return [_half(item, f"{name}.{k}", faults) for k, item in enumerate(diameter)]
+    if hasattr(diameter, "dtype"):
+        return diameter / 2
+    try:
+        return parse(diameter, "m", name) / 2
+    except InvalidProblem as fault:
+        faults += fault.faults
+        return None
+
+
 def is_part_of(name: str, path: str) -> bool:
     """Return True if a dotted name is ``path``, or names a part of it.
 
@@ -200,6 +250,35 @@ def get_field(base: BaseModel, path: str) -> Any:
         except KeyError:
             raise InvalidProblem.at(path, _no_inner(value, name, above)) from None
     return value
+
+
+def number_in_si(base: BaseModel, path: str, value: str | float, where: str = "") -> float:
+    """Return a value of a field that is a number in SI; a text is read with its unit.
+
+    Parameters
+    ----------
+    base : Description
+        Gives width, thickness and density, with which totals and stresses are converted.
+    path : str
+    value : float or str
+    where : str
+        Name of the value in an error message; the path by default.
+
+    Raises
+    ------
+    InvalidProblem
+        For a text that is not a value of the field.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> number_in_si(wo.RollerProblem.example(), "load", "89 kN/m")
+    89000.0
+    """
+    quantity = field_quantity(base, path)
+    if quantity is None:
+        raise InvalidProblem.at(where or path, f"{value!r} is given, but {path} is not a number")
+    return read_number(value, quantity, where or path, Inputs.of(base))
 
 
 def field_or_none(base: BaseModel, path: str) -> Any:
@@ -283,11 +362,14 @@ def change_fields(base: BaseModel, changes: Mapping[str, Any], faults: Faults) -
             faults.append((path, "the name of a field is missing after the dot"))
         else:
             fields[head] = value
-    for head, inner in nested.items():
-        try:
-            fields[head] = _changed(fields[head], head, inner)
-        except InvalidProblem as fault:
-            faults += fault.under(head).faults
+    # the thickness of the web converts tensions
+    for head in sorted(nested, key=lambda head: head != "web"):
+        with Inputs(type(base), fields, Inputs.current()) as inputs:
+            inputs.field = head
+            try:
+                fields[head] = _changed(fields[head], head, nested[head])
+            except InvalidProblem as fault:
+                faults += fault.under(head).faults
     return fields
 
 

@@ -22,12 +22,11 @@ import numpy as np
 from ..arguments import check_type, tolerance
 from ..errors import InvalidProblem, NotConverged
 from ..parallel import one_thread
-from ..problems.inputs import Context, convert
+from ..problems.inputs import Inputs, read_text
 from ..problems.messages import quote
-from ..problems.paths import find_places
 from ..problems.permitted import is_within
 from ..problems.roll import RollProblem
-from ..problems.schedules import Profile
+from ..problems.schedules import Profile, as_schedule
 from ..problems.wound_roll import WoundRoll
 from .equations import StageData, StageSolution, interpolate_pressure
 from .finished import equations_of
@@ -142,8 +141,7 @@ def design_tension(
             "changes after winding; must be a roll as wound: temperature_change and "
             "core_shrinkage 0",
         )
-    (place,) = find_places(WoundRoll, "pressure")
-    target = _TargetPressure(problem, _as_profile(problem, convert(pressure, place, Context())))
+    target = _TargetPressure(problem, _as_profile(problem, _in_si(pressure)))
     stages = _TargetStages(equations_of(problem), target)
     x = _refined_radii(stages, rtol)
     WOT = np.array([stages.tension(s) for s in x]) * problem.web_thickness
@@ -163,6 +161,18 @@ def _radii(problem: RollProblem, x: Array) -> Array:
     r = np.exp(x)
     r[0], r[-1] = problem.core.radius, problem.radius
     return r
+
+
+def _in_si(pressure: float | str | Profile) -> float | Profile:
+    """Return a target pressure as the pressure of a wound roll is held [Pa]."""
+    with Inputs(WoundRoll, {}):
+        try:
+            if isinstance(pressure, str):
+                return read_text(pressure, "pressure")
+            held: float | Profile = as_schedule(pressure, "pressure")
+            return held
+        except InvalidProblem as fault:
+            raise fault.under("pressure") from None
 
 
 def _as_profile(problem: RollProblem, pressure: float | Profile) -> Profile:

@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import InvalidProblem, NoSteadyState
 from ..problems.family import field_from_table
-from ..problems.inputs import number_in_si
 from ..problems.messages import not_one_of, quote
-from ..problems.paths import field_quantity, get_field
+from ..problems.paths import field_quantity, get_field, number_in_si
 from ..problems.problem import Problem
 from ..quantities import Quantity, scalar_outputs
 from .design import Design, make_design

@@ -21,7 +21,7 @@ from ..arguments import check_type
 from ..errors import InvalidProblem, NotConverged, did_you_mean, unwarned
 from ..io.cells import Conversion
 from ..parallel import progress
-from ..problems.inputs import Context, conversion_context
+from ..problems.inputs import Inputs
 from ..problems.paths import counterpart, field_quantity, get_field, is_part_of
 from ..problems.problem import Problem
 from ..quantities import Quantity, scalar_outputs, value_of, walk
@@ -336,8 +336,8 @@ def conversion_of(problem: Problem, complete: bool = False) -> Conversion:
         for place in walk(type(problem))
         for name, quantity in getattr(place.owner, "input_only", {}).items()
     }
-    accepts_width = Context(accepts_width=hasattr(problem, "width"))
-    return Conversion(accepts_width if complete else conversion_context(problem), helpers)
+    inputs = Inputs(type(problem), {}) if complete else Inputs.of(problem)
+    return Conversion(inputs, helpers)
 
 
 def _if_number(problem: Problem, path: str) -> Quantity | None:

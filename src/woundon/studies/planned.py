@@ -18,9 +18,8 @@ import numpy as np
 from .. import kinds
 from ..arguments import check_type
 from ..errors import InvalidProblem, did_you_mean, unwarned
-from ..problems.inputs import number_in_si
 from ..problems.messages import quote
-from ..problems.paths import field_quantity, find_places, get_field
+from ..problems.paths import field_quantity, find_places, get_field, number_in_si
 from ..problems.problem import Problem
 from ..problems.units import parse
 from ..quantities import Quantity, length

@@ -12,8 +12,7 @@ import numpy as np
 
 from ..errors import InvalidProblem, did_you_mean
 from ..io.case_files import load_case, make_problem, read_case
-from ..problems.inputs import number_in_si
-from ..problems.paths import field_quantity
+from ..problems.paths import field_quantity, number_in_si
 from ..problems.problem import Problem
 from .design import DESIGNS
 
