@@ -481,35 +481,30 @@ def _version(cls: type) -> tuple[tuple[str, int], ...]:
 @cache
 def _annotated(cls: type, version: object) -> Mapping[str, tuple[Quantity, Any]]:
     """Return the outputs of a class by name with what their annotation says."""
-    annotations: dict[str, Any] = {}
-    if dataclasses.is_dataclass(cls):
-        hints = get_type_hints(cls, include_extras=True)
-        for field in dataclasses.fields(cls):
-            hint = hints[field.name]
-            annotations[field.name] = hint
-            for part in get_args(hint):
-                if getattr(part, "part_of_result", False):
-                    inner = _annotated(part, version)
-                    annotations |= {
-                        f"{field.name}.{name}": inner_hint
-                        for name, (_, inner_hint) in inner.items()
-                    }
-    for base in reversed(cls.__mro__):
-        for name, attribute in vars(base).items():
-            hint = _returned(attribute)
-            parts = [h for h in (hint, *get_args(hint)) if getattr(h, "part_of_result", False)]
-            if parts:
-                inner = _annotated(parts[0], version)
-                annotations |= {
-                    f"{name}.{inner_hint}": part for inner_hint, (_, part) in inner.items()
-                }
-            elif hint is not None and not name.startswith("_"):
-                annotations[name] = hint
+    hints: dict[str, Any] = {}
+    for name, hint in _hints(cls):
+        parts = [h for h in (hint, *get_args(hint)) if getattr(h, "part_of_result", False)]
+        if parts:
+            inner = _annotated(parts[0], version)
+            hints |= {f"{name}.{part}": part_hint for part, (_, part_hint) in inner.items()}
+        elif not name.startswith("_"):
+            hints[name] = hint
     return {
         name: (quantity, hint)
-        for name, hint in annotations.items()
+        for name, hint in hints.items()
         if (quantity := _quantity_in(hint)) is not None
     }
+
+
+def _hints(cls: type) -> Iterator[tuple[str, Any]]:
+    """Yield name and annotation of the fields of a dataclass, its properties and methods."""
+    if dataclasses.is_dataclass(cls):
+        hints = get_type_hints(cls, include_extras=True)
+        yield from ((field.name, hints[field.name]) for field in dataclasses.fields(cls))
+    for base in reversed(cls.__mro__):
+        for name, attribute in vars(base).items():
+            if (hint := _returned(attribute)) is not None:
+                yield name, hint
 
 
 def _returned(attribute: Any) -> Any:

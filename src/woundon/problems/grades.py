@@ -28,7 +28,7 @@ from .bodies import Cylinder
 from .description import Description
 from .fields import Nested, Number, Numbers, default
 from .inputs import is_basis_weight
-from .library import Entry, entry_of, library, read_file
+from .library import entry_of, library, read_file
 from .limits import Limits
 from .materials import SOFTEST, STIFFEST, Orthotropic
 from .messages import quote
@@ -198,11 +198,11 @@ class Grade(Description):
 
     def spread_of(self, problem: Any) -> dict[str, float]:
         """Return the relative standard deviations of the fields of a problem, by dotted name."""
-        spreads = {}
-        for path, name in _FIELDS:
-            if name in self.spread and field_or_none(problem, path) is not None:
-                spreads[path] = self.spread[name]
-        return spreads
+        return {
+            path: self.spread[name]
+            for path, name in _FIELDS
+            if name in self.spread and field_or_none(problem, path) is not None
+        }
 
     def tied_fields(self, problem: Any) -> dict[str, str]:
         """Return the fields with the same value of the grade as another one: follower -> leader."""
@@ -347,67 +347,41 @@ def grade(name: str | Grade | Mapping[str, Any], path: str | Path | None = None)
     known = library()["grades"]
     if path is None and isinstance(name, str) and name in known:
         return _make_grade(name, known[name], Grades())
-    known_grades = grades(path)
-    if not isinstance(name, str) or name not in known_grades:
-        text = f"{quote(name)} is not a known grade{did_you_mean(name, known_grades)}"
-        raise InvalidProblem.at("grade", text)
-    return known_grades[name]
+    return _named(name, grades(path), "grade")
+
+
+def _named(name: Any, known: Mapping[str, Grade], where: str) -> Grade:
+    """Return a known grade by its name; ``where`` is the field of the name."""
+    if not isinstance(name, str) or name not in known:
+        text = f"{quote(name)} is not a known grade{did_you_mean(name, known)}"
+        raise InvalidProblem.at(where, text)
+    return known[name]
 
 
 def _make_grade(name: str, table: Mapping[str, Any], known: Mapping[str, Grade]) -> Grade:
     """Create the grade of a table; missing values are those of the grade named by ``like``."""
     try:
         entry = entry_of({key: value for key, value in table.items() if key != "like"})
-        base = _base(table.get("like"), known)
-        values = {**base.values, "title": name, **entry.values}
-        limits = values.get("limits", {})
-        if isinstance(limits, Mapping):
-            values["limits"] = {**base.values.get("limits", {}), **limits}
-        names = _names(entry.values)
-        inherited = {
-            key: {k: v for k, v in getattr(base, key).items() if k not in names}
-            for key in ("spread", "sources")
-        }
-        return Grade(
-            **{
-                "name": name,
-                **values,
-                "spread": inherited["spread"] | entry.spread,
-                "sources": inherited["sources"] | entry.sources,
-            }
-        )
+        if table.get("like") is None:
+            fields = {"name": name, "title": name, **entry.values}
+            return Grade(**fields | {"spread": entry.spread, "sources": entry.sources})
+        base = _named(table["like"], known, "like")
+        changes = _by_dotted_name(entry.values)
+        spread = {key: value for key, value in base.spread.items() if key not in changes}
+        sources = {key: value for key, value in base.sources.items() if key not in changes}
+        changes |= {"spread": spread | entry.spread, "sources": sources | entry.sources}
+        return base.replace(**{"name": name, "title": name, **changes})
     except InvalidProblem as fault:
         raise fault.under(f"grades.{name}") from None
 
 
-def _names(values: Mapping[str, Any], prefix: str = "") -> set[str]:
-    """Return the dotted names of all values."""
-    names: set[str] = set()
+def _by_dotted_name(values: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+    """Return the values of nested tables by dotted name."""
+    flat: dict[str, Any] = {}
     for name, value in values.items():
-        inner = isinstance(value, Mapping)
-        names |= _names(value, f"{prefix}{name}.") if inner else {f"{prefix}{name}"}
-    return names
-
-
-def _base(like: Any, known: Mapping[str, Grade]) -> Entry:
-    """Return values, spreads and sources of the grade that another one is based on."""
-    if like is None:
-        return Entry({}, {}, {})
-    if not isinstance(like, str) or like not in known:
-        text = f"{quote(like)} is not a known grade{did_you_mean(like, known)}"
-        raise InvalidProblem.at("like", text)
-    base = known[like]
-    values = {
-        name: getattr(base, name)
-        for name in Grade.model_fields
-        if name not in ("name", "title", "spread", "sources")
-    }
-    limits = {
-        name: value
-        for name in Limits.model_fields
-        if (value := getattr(base.limits, name)) is not None
-    }
-    return Entry({**values, "limits": limits}, dict(base.spread), dict(base.sources))
+        path = f"{prefix}{name}"
+        flat |= _by_dotted_name(value, f"{path}.") if isinstance(value, Mapping) else {path: value}
+    return flat
 
 
 # ---- in a case ----------------------------------------------------------------------------------
@@ -548,17 +522,12 @@ def _fields_of_grade(
     named_grade: Grade, model: type[Any], fields: Mapping[str, Any]
 ) -> dict[str, Any]:
     """Return the fields of a problem that a grade supplies, as tables."""
-    limits = {
-        name: value
-        for name in Limits.model_fields
-        if (value := getattr(named_grade.limits, name)) is not None
-    }
     known: dict[str, Any] = {
         "web": {"thickness": named_grade.thickness, "material": _table(named_grade.material)},
         "web_thickness": named_grade.thickness,
         "density": named_grade.density,
         "stack": _table(named_grade.stack),
-        "limits": limits,
+        "limits": _table(named_grade.limits),
         "roll_friction": named_grade.friction,
         "drum_friction": named_grade.drum_friction,
     }

@@ -34,13 +34,11 @@ def validation_error(
         Field and text of inputs that could not be converted.  They replace what pydantic reports
         on the same fields; an empty text only suppresses its report.
     """
-    if report is None:
-        return InvalidProblem([fault for fault in faults if fault[1]])
-    error = _translate(report, model)
+    error = InvalidProblem(()) if report is None else _translate(report, model)
     if not faults:
         return error
-    converted = {field for field, _ in faults}
-    rejected = [fault for fault in error.faults if fault[0] not in converted]
+    replaced = {field for field, _ in faults}
+    rejected = [fault for fault in error.faults if fault[0] not in replaced]
     return InvalidProblem([*(fault for fault in faults if fault[1]), *rejected])
 
 

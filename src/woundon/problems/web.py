@@ -35,6 +35,10 @@ CaliperPressure = Annotated[
 
 Array = np.ndarray
 
+_ONLY_FOR_BASIS_WEIGHT = (
+    "converts a thickness that is given as a basis weight; must be left out here"
+)
+
 
 def _solid(value: Any) -> Any:
     """Convert the name of a material or a table to a material or stack."""
@@ -78,18 +82,15 @@ class Web(Description):
     def _fields_of(cls, inputs: Inputs, faults: Faults) -> dict[str, Any]:
         """Return the values by field, without the density that converts a basis weight."""
         fields = super()._fields_of(inputs, faults)
-        if "density" not in fields:
-            return fields
-        density = fields["density"]
-        if not is_basis_weight(fields.get("thickness")):
-            text = "converts a thickness that is given as a basis weight; must be left out here"
-            faults.append(("density", text))
-        elif isinstance(density, str):
+        if "density" in fields:
+            density = fields.pop("density")
             try:
+                if not is_basis_weight(fields.get("thickness")):
+                    raise InvalidProblem.at("density", _ONLY_FOR_BASIS_WEIGHT)
                 read_number(density, cls.input_only["density"], "density", inputs)
             except InvalidProblem as fault:
                 faults += fault.faults
-        return {name: value for name, value in fields.items() if name != "density"}
+        return fields
 
     @property
     def linear(self) -> bool:
