@@ -7,7 +7,7 @@ import pytest
 from coarse_solutions import coarse_solution
 
 from woundon import kinds, quantities
-from woundon.problems.paths import get_field
+from woundon.problems.paths import find_places, get_field
 from woundon.quantities import walk
 
 # woundon's own, whatever other tests have registered
@@ -59,8 +59,11 @@ def test_every_number_of_every_problem_is_a_quantity(kind: kinds.Kind) -> None:
     places = list(walk(example))
     assert len({place.path for place in places}) == len(places)
     for place in places:
-        value = get_field(example, place.path)
-        assert value == place.value or (value is None and place.value is None)
+        assert get_field(example, place.path) == place.value
+        assert example.replace(**{place.path: place.value}) == example
+        in_class = find_places(kind.problem, place.path)
+        assert place.field in [other.field for other in in_class]
+        assert place.quantity in [None, *(other.quantity for other in in_class)]
         assert place.name == place.path.split(".")[-1]
         none_given = place.path in ("core.material", "air") or place.name == "prony"
         assert (place.quantity is None) == (isinstance(place.value, str) or none_given), place.path

@@ -80,7 +80,7 @@ class Description(BaseModel, metaclass=DocumentedMeta):
             except ValidationError as rejected:
                 report = rejected
             if report is not None or faults:
-                raise validation_error(type(self), report, faults) from None
+                raise validation_error(type(self), report, faults)
 
     @classmethod
     def _fields_of(cls, inputs: Inputs, faults: Faults) -> dict[str, Any]:
