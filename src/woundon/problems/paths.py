@@ -35,15 +35,14 @@ __all__ = [
 ]
 
 Faults = list[tuple[str, str]]
+Described = type[BaseModel] | BaseModel  # a class of descriptions, or one of them
 Holder = tuple[type[Any], Quantity | None]  # a class, and the quantity of the field that holds it
 
 
 # ---- in a class ---------------------------------------------------------------------------------
 
 
-def find_places(
-    thing: type[BaseModel] | BaseModel, path: str, of_field: Quantity | None = None
-) -> tuple[Place, ...]:
+def find_places(thing: Described, path: str, of_field: Quantity | None = None) -> tuple[Place, ...]:
     """Return the places of a dotted name in the class of a description; () if it does not exist.
 
     Fields of all bodies and materials that the class admits are included, and those of all items
@@ -72,7 +71,7 @@ def find_places(
 
 
 def _places_of_parts(
-    thing: type[BaseModel] | BaseModel, path: str, of_field: Quantity | None = None
+    thing: Described, path: str, of_field: Quantity | None = None
 ) -> Iterator[tuple[Place, ...]]:
     """Yield the places of the first part of a dotted name, of the first two parts, ..."""
     holders: list[Holder] = [(thing if isinstance(thing, type) else type(thing), of_field)]
@@ -110,7 +109,7 @@ def _diameter(radius: Quantity | None) -> Quantity | None:
     return dataclasses.replace(radius, symbol=symbol, meaning=meaning, typical=ends)
 
 
-def models_at(thing: type[BaseModel] | BaseModel, path: str) -> tuple[type[Any], ...]:
+def models_at(thing: Described, path: str) -> tuple[type[Any], ...]:
     """Return the classes of the descriptions that the field of a dotted name admits."""
     return _members(find_places(thing, path))
 
@@ -119,7 +118,7 @@ def _members(places: Iterable[Place]) -> tuple[type[Any], ...]:
     return tuple(model for place in places for model in members_of(place.field.annotation))
 
 
-def field_quantity(thing: type[BaseModel] | BaseModel, path: str) -> Quantity | None:
+def field_quantity(thing: Described, path: str) -> Quantity | None:
     """Return the quantity of a field; None if it is not a number.
 
     The field may be one of another body or material than the present one.
@@ -135,7 +134,7 @@ def field_quantity(thing: type[BaseModel] | BaseModel, path: str) -> Quantity | 
     return next((place.quantity for place in places if place.quantity is not None), None)
 
 
-def _check_exists(thing: type[BaseModel] | BaseModel, path: str) -> None:
+def _check_exists(thing: Described, path: str) -> None:
     """Raise an error if a dotted name is not a field.
 
     Raises
@@ -309,7 +308,9 @@ def _inner(value: Any, name: str) -> Any:
     if radius not in fields:
         raise KeyError(name)
     held = getattr(value, radius)
-    return tuple(2 * r for r in held) if isinstance(held, tuple) else 2 * held
+    if isinstance(held, tuple):
+        return tuple(2 * r for r in held)
+    return None if held is None else 2 * held
 
 
 def _no_inner(value: Any, name: str, above: str) -> str:
@@ -333,6 +334,13 @@ def _is_item(name: str, count: int) -> bool:
     """Return True if a part of a dotted name is the number of an item in a list of ``count``."""
     # Python limits the digits of int(), and isdecimal() admits digits of other scripts.
     return name.isascii() and name.isdecimal() and len(name) < 10 and int(name) < count
+
+
+def _index_of(name: str, items: list[Any], path: str) -> int:
+    """Return the index of the item of a list with that name; ``path`` is quoted in the error."""
+    if not _is_item(name, len(items)):
+        raise InvalidProblem.at(path, _no_item(name, len(items)))
+    return int(name)
 
 
 def change_fields(base: BaseModel, changes: Mapping[str, Any], faults: Faults) -> dict[str, Any]:
@@ -382,9 +390,7 @@ def _changed(value: Any, name: str, changes: Mapping[str, Any]) -> Any:
     items = list(value)
     for path, new in changes.items():
         number, dot, rest = path.partition(".")
-        if not _is_item(number, len(items)):
-            raise InvalidProblem.at(path, _no_item(number, len(items)))
-        k = int(number)
+        k = _index_of(number, items, path)
         try:
             items[k] = _changed(items[k], number, {rest: new}) if dot else new
         except InvalidProblem as fault:
@@ -423,7 +429,7 @@ def set_in_tables(tables: dict[str, Any], path: str, value: Any, model: type[Any
             break
         inner = _table_below(inner, head, _members(places), path)
     if isinstance(inner, list):
-        inner[_number_of_item(inner, leaf, path)] = value
+        inner[_index_of(leaf, inner, path)] = value
         return
     if leaf not in inner:
         for word in ("diameter", "radius"):  # one of the two is given
@@ -444,7 +450,7 @@ def _is_group(path: str, groups: Mapping[str, tuple[str, ...]]) -> bool:
 
 def _table_below(table: Any, name: str, models: tuple[type[Any], ...], path: str) -> Any:
     """Return the table, or the list, of a name in a table or a list of tables."""
-    key: Any = _number_of_item(table, name, path) if isinstance(table, list) else name
+    key: Any = _index_of(name, table, path) if isinstance(table, list) else name
     inner = table[key] if isinstance(table, list) else table.setdefault(name, {})
     if isinstance(inner, str):
         # the name of a material is replaced by its fields, so that one of them can be changed
@@ -464,13 +470,6 @@ def _named_fields(text: str, name: str, models: tuple[type[Any], ...]) -> Any:
         if isinstance(named, BaseModel):
             return named.model_dump()
     return text
-
-
-def _number_of_item(items: list[Any], name: str, path: str) -> int:
-    """Return the index of the item of a list with that name."""
-    if not _is_item(name, len(items)):
-        raise InvalidProblem.at(path, _no_item(name, len(items)))
-    return int(name)
 
 
 def nest_tables(fields: Mapping[str, Any]) -> dict[str, Any]:
