@@ -27,12 +27,12 @@ from ..quantities import (
 from .bodies import Cylinder
 from .description import Description
 from .fields import Nested, Number, Numbers, default
-from .inputs import is_basis_weight
+from .inputs import Inputs, is_basis_weight
 from .library import entry_of, library, read_file
 from .limits import Limits
 from .materials import SOFTEST, STIFFEST, Orthotropic
 from .messages import quote
-from .paths import field_or_none, is_part_of
+from .paths import Faults, field_or_none, is_part_of
 from .radial_laws import Pfeiffer
 from .schedules import Profile
 from .stack import Stack
@@ -143,6 +143,12 @@ class Grade(Description):
     )
     spread: Mapping[str, float] = {}
     sources: Mapping[str, str] = {}
+
+    @classmethod
+    def _fields_of(cls, inputs: Inputs, faults: Faults) -> dict[str, Any]:
+        """Return the values by field; those of a problem that names the grade convert none."""
+        inputs.outer = None
+        return super()._fields_of(inputs, faults)
 
     @property
     def material(self) -> Orthotropic:
@@ -387,9 +393,7 @@ def _by_dotted_name(values: Mapping[str, Any], prefix: str = "") -> dict[str, An
 # ---- in a case ----------------------------------------------------------------------------------
 
 
-def with_grade(
-    model: type[Any], fields: Mapping[str, Any], faults: list[tuple[str, str]]
-) -> dict[str, Any]:
+def with_grade(model: type[Any], fields: Mapping[str, Any], faults: Faults) -> dict[str, Any]:
     """Return the fields of a problem, completed by those of its grade.
 
     A value that is given next to the grade has precedence; :func:`warn_of_contradictions` names it.

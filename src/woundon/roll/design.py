@@ -164,15 +164,17 @@ def _radii(problem: RollProblem, x: Array) -> Array:
 
 
 def _in_si(pressure: float | str | Profile) -> float | Profile:
-    """Return a target pressure as the pressure of a wound roll is held [Pa]."""
+    """Return a target pressure, given as text or as a profile with units, in SI [Pa]."""
+    if not isinstance(pressure, (str, Profile)):
+        return pressure
     with Inputs(WoundRoll, {}):
         try:
             if isinstance(pressure, str):
                 return read_text(pressure, "pressure")
-            held: float | Profile = as_schedule(pressure, "pressure")
-            return held
+            profile: Profile = as_schedule(pressure, "pressure", Profile)
         except InvalidProblem as fault:
             raise fault.under("pressure") from None
+    return profile
 
 
 def _as_profile(problem: RollProblem, pressure: float | Profile) -> Profile:
