@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -26,7 +27,12 @@ WORDS = {"gauge_band": "gauge band"}
 NONE = "#BBBBBB"
 
 
-def plot_window(window: OperatingWindow, path: Any = None, ax: Axes | None = None) -> Any:
+def plot_window(
+    window: OperatingWindow,
+    path: str | Path | None = None,
+    ax: Axes | None = None,
+    panels: str | Sequence[str] | None = None,
+) -> Any:
     """Plot the contours of the probability over the regions of the binding margins.
 
     With a torque split, the level of the best point is drawn.
@@ -34,11 +40,11 @@ def plot_window(window: OperatingWindow, path: Any = None, ax: Axes | None = Non
     Parameters
     ----------
     window : OperatingWindow
-    path, ax
+    path, ax, panels
         As of :func:`~woundon.report.panels.draw_panels`.
     """
-    panels = {"window": Panel(_draw_window, "window", 7.2, 4.2, legend="right")}
-    return draw_panels(panels, [Case(window)], path, ax, None, lettered=False)
+    known = {"window": Panel(_draw_window, "window", 7.2, 4.2, legend="right")}
+    return draw_panels(known, [Case(window)], path, ax, panels, lettered=False)
 
 
 def _draw_window(axes: Axes, cases: Sequence[Case]) -> list[Any]:

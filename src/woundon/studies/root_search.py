@@ -127,7 +127,7 @@ class RootSearch:
         self.interval, self.report = interval, report
         self.samples: list[Sample] = []
         self.jumps: list[tuple[float, float]] = []
-        self.not_converged = ""
+        self.not_converged = False
 
     def f(self, sample: Sample) -> float:
         """Return output - target."""
@@ -158,7 +158,7 @@ class RootSearch:
         except InvalidProblem as fault:
             sample = Sample(value, nan, None, str(fault).replace("\n", "; "))
         except NotConverged as fault:
-            self.not_converged = str(fault)
+            self.not_converged = True
             sample = Sample(value, nan, None, f"not converged: {fault}")
         self.report(len(self.samples) + 1)
         # a sample on another mesh replaces the one at the same value

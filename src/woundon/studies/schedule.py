@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import inf, isinf, nan
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -24,10 +24,13 @@ from ..errors import InvalidProblem, NotConverged, one_of
 from ..problems.messages import quote
 from ..problems.problem import Problem
 from ..quantities import Quantity, in_chosen_units, value_of
-from ..results import Presented, ReadOnly
 from .api import in_si
 from .kind_model import KindModel, field_quantity, get_field, model_of
+from .outcome import Outcome
 from .progress import Progress, progress_reporter
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 __all__ = ["OptimisedSchedule", "optimise_schedule"]
 
@@ -43,7 +46,7 @@ MIN_EVALUATIONS = 5
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class OptimisedSchedule(Presented, ReadOnly):
+class OptimisedSchedule(Outcome):
     """Result of :func:`woundon.optimise_schedule`: initial and best schedule.
 
     Attributes
@@ -114,8 +117,8 @@ class OptimisedSchedule(Presented, ReadOnly):
         )
         return f"OptimisedSchedule({values}; {'feasible' if self.feasible else 'infeasible'})"
 
-    def lines(self) -> list[str]:
-        """Return schedule and margins as lines of text."""
+    def answer(self) -> list[str]:
+        """Return whether limits are kept, and the schedule, as lines of text."""
         words = "All limits are kept" if self.feasible else "NO schedule keeps all limits"
         texts = [f"{words}: {self.goal}, {len(self.tried)} windings, {self.ended}"]
         ends = np.isclose(self.ranges, self.values[:, None], rtol=1e-3, atol=0)
@@ -126,34 +129,30 @@ class OptimisedSchedule(Presented, ReadOnly):
             texts.append(
                 f"  {name:<24} {old * size:>14.4g} -> {new * size:.4g} {unit}{mark}".rstrip()
             )
-        texts.append(f"  {'margin':<24} {'reserve before':>14} -> after")
-        for old, new in zip(self.margins_before, self.margins_after, strict=True):
-            if new.checked:
-                mark = "  binds" * (new.name in self.binding) + "  VIOLATED" * (new.ok is False)
-                before, after = (
-                    "no friction" if isinf(m.reserve) else f"{100 * m.reserve:.4g} %"
-                    for m in (old, new)
-                )
-                texts.append(f"  {new.name:<24} {before:>14} -> {after}{mark}")
-            else:
-                texts.append(f"  {new.name:<24} not checked: {in_chosen_units(new.note)}")
         return texts
 
-    def plot(self, path: Any = None, panels: Any = None) -> Any:
-        """Draw the winding before and after: schedules, stresses, reserves.
+    def remarks(self) -> list[str]:
+        """Return the reserves of the margins before and after as lines of text."""
+        texts = [f"  {'margin':<24} {'reserve before':>14} -> after"]
+        for old, new in zip(self.margins_before, self.margins_after, strict=True):
+            if not new.checked:
+                texts.append(f"  {new.name:<24} not checked: {in_chosen_units(new.note)}")
+                continue
+            mark = "  binds" * (new.name in self.binding) + "  VIOLATED" * (new.ok is False)
+            before, after = (
+                "no friction" if isinf(m.reserve) else f"{100 * m.reserve:.4g} %"
+                for m in (old, new)
+            )
+            texts.append(f"  {new.name:<24} {before:>14} -> {after}{mark}")
+        return texts
 
-        Parameters
-        ----------
-        path : path, optional
-            As of :func:`woundon.plot`.
-        panels : str or sequence of str, optional
-            Those of the winding, and "reserves".
+    def to_dataframe(self) -> pd.DataFrame:
+        """Return a row for each field: initial and best value, ends of its range [SI]."""
+        import pandas as pd
 
-        Returns
-        -------
-        matplotlib.figure.Figure
-        """
-        return self._figure(path, panels)
+        low, high = self.ranges.T
+        columns = {"start": self.start, "value": self.values, "low": low, "high": high}
+        return pd.DataFrame(columns, index=pd.Index(self.names, name="field"))
 
 
 def optimise_schedule(

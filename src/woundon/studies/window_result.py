@@ -10,13 +10,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ..errors import InvalidProblem
-from ..io.json_texts import json_text
 from ..quantities import Quantity
-from ..results import Presented, ReadOnly
 from .api import in_si
 from .design import make_design
 from .engine import Progress, run_study
 from .kind_model import get_field
+from .outcome import Outcome
 from .runners import runner_for
 from .window_map import NEGLIGIBLE, MarginMap, SetPoints, distance, standard_normal
 
@@ -67,7 +66,7 @@ class OperatingPoint(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class OperatingWindow(Presented, ReadOnly):
+class OperatingWindow(Outcome):
     """The probability that all margins of a winding hold, over its set points.
 
     Attributes
@@ -235,14 +234,15 @@ class OperatingWindow(Presented, ReadOnly):
             texts.append(f"{name} {self.quantities[name].text(value)}")
         return ", ".join(texts)
 
-    def lines(self, *points: OperatingPoint) -> list[str]:
-        """Return the window as lines of text: the best point, then others, and the errors."""
-        rows = self._point_lines("highest probability", self.best)
-        for point in points:
-            rows += self._point_lines("probability", point)
-        size = self.probability.size
+    def answer(self) -> list[str]:
+        """Return the point with the highest probability as lines of text."""
+        return self._point_lines("highest probability", self.best)
+
+    def remarks(self) -> list[str]:
+        """Return how much of the map is safe, the errors and the windings as lines of text."""
+        rows = []
         for level in LEVELS:
-            share = 100 * np.sum(self.probability >= level) / size
+            share = 100 * np.mean(self.probability >= level)
             rows.append(f"share of the map with a probability of at least {level:g}: {share:.0f} %")
         known = [f"{name} {value:.2f}" for name, value in self.errors.items() if isfinite(value)]
         rows.append(f"estimated errors of the probability, at most: {', '.join(known)}")
@@ -252,6 +252,11 @@ class OperatingWindow(Presented, ReadOnly):
         preview = " (preview)" * self.is_coarse
         rows.append(f"{self.windings} windings, {len(self.failures)} failed{preview}")
         return rows
+
+    def lines(self, *points: OperatingPoint) -> list[str]:
+        """Return the best point, then other points, and the remarks as lines of text."""
+        others = [line for point in points for line in self._point_lines("probability", point)]
+        return [*self.answer(), *others, *self.remarks()]
 
     def _point_lines(self, head: str, point: OperatingPoint) -> list[str]:
         """Return lines on a point: probability, margins, contributions to the variance."""
@@ -284,16 +289,21 @@ class OperatingWindow(Presented, ReadOnly):
             columns[f"margins.{name} +-"] = np.where(unknown, np.nan, deviation[:, k])
         return pd.DataFrame(columns)
 
-    def to_json(self) -> str:
-        """Return the best point and the error estimates as JSON, SI units."""
-        table = {
+    def table_for_display(self) -> pd.DataFrame:
+        """Return a row for each margin at the best point: reserve and standard deviation."""
+        import pandas as pd
+
+        columns = ["reserve", "standard deviation"]
+        return pd.DataFrame.from_dict(dict(self.best.margins), "index", columns=columns)
+
+    def _record(self) -> dict[str, Any]:
+        return {
             "best": self.best._asdict(),
             "errors": self.errors,
             "uncertain": self.uncertain,
             "windings": self.windings,
             "failures": self.failures,
         }
-        return json_text(table)
 
     def simulate(
         self,
@@ -337,20 +347,6 @@ class OperatingWindow(Presented, ReadOnly):
         table = run_study(self.model, design, runner, chunk=SIMULATED_TOGETHER, progress=progress)
         reserves = np.column_stack(list(table.outputs.values()))
         return float(np.mean((reserves >= 0).all(axis=1)))
-
-    def plot(self, path: Any = None, ax: Any = None) -> Any:
-        """Draw the probability, its contours and the binding margins.
-
-        Parameters
-        ----------
-        path, ax
-            As of :func:`woundon.plot`.
-
-        Returns
-        -------
-        matplotlib.figure.Figure, or ``ax`` where it is given
-        """
-        return self._figure(path, ax)
 
 
 def log_deviation(spread: float) -> float:
