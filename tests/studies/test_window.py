@@ -16,6 +16,7 @@ from scipy.stats import norm
 import woundon as wo
 from woundon.cli.commands import main
 from woundon.io.case_files import to_toml
+from woundon.studies.window_cases import window_model, with_value
 from woundon.studies.window_map import (
     MarginMap,
     expansion_of,
@@ -26,7 +27,6 @@ from woundon.studies.window_map import (
     standard_normal,
     to_reserve,
 )
-from woundon.studies.window_model import window_model, with_value
 
 RANGES = {"web_tension": (150.0, 450.0), "nip_load": (500.0, 3000.0)}
 STRENGTH = 700.0  # N/m
@@ -130,11 +130,10 @@ def test_an_expansion_of_second_order_is_found_exactly():
     x, z = rng.uniform(-1, 1, (20, 2)), rng.standard_normal((20, 3))
     # 1e-12: rounding of a least-squares solution
     np.testing.assert_allclose(mapped.margins(x, z), f(x, z), atol=1e-12)
-    mean, deviation = mapped.moments(x)
-    np.testing.assert_allclose(mean, 1.0, atol=1e-12)
+    np.testing.assert_allclose(expansion.mean(x), 1.0, atol=1e-12)
     parts = np.stack([(2 + x[:, 0]) ** 2 + 0.125, 0 * x[:, 0] + 2.125, 0 * x[:, 0] + 0.01], axis=-1)
     np.testing.assert_allclose(mapped.variances(x)[:, 0], parts, atol=1e-12)
-    np.testing.assert_allclose(deviation[:, 0] ** 2, parts.sum(axis=-1), atol=1e-12)
+    np.testing.assert_allclose(mapped.distances(x)[:, 0] ** 2 * parts.sum(axis=-1), 1.0, atol=1e-12)
 
 
 def test_few_points_permit_few_quadratic_terms():
@@ -143,7 +142,7 @@ def test_few_points_permit_few_quadratic_terms():
     x, z = rng.uniform(-1, 1, (24, 2)), rng.standard_normal((24, 6))
     slopes = np.arange(6.0)[:, None]
     expansion = expansion_of(x, z, z @ slopes, list(range(6)))
-    assert len(expansion.products) < 24 / 2
+    assert len(expansion.powers) < 24 / 2
     np.testing.assert_allclose(expansion.variances(x)[:, 0], [slopes[:, 0] ** 2] * 24, atol=1e-12)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import isfinite, log
+from math import isfinite
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -12,17 +12,15 @@ import numpy as np
 from ..errors import InvalidProblem
 from ..quantities import Quantity
 from .api import in_si
-from .design import make_design
-from .engine import Progress, run_study
-from .kind_model import get_field
 from .outcome import Outcome
-from .runners import runner_for
-from .window_map import NEGLIGIBLE, MarginMap, SetPoints, distance, standard_normal
+from .progress import Progress
+from .window_cases import CaseSolver, WindowModel
+from .window_map import NEGLIGIBLE, MarginMap, SetPoints, grid, standard_normal
 
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["LEVELS", "OperatingPoint", "OperatingWindow", "log_deviation"]
+__all__ = ["LEVELS", "OperatingPoint", "OperatingWindow"]
 
 Array = np.ndarray
 LEVELS = (0.5, 0.9, 0.99)  # of the contours
@@ -142,7 +140,7 @@ class OperatingWindow(Outcome):
     is_coarse: bool
     quantities: Mapping[str, Quantity]
     map: MarginMap
-    model: Any
+    model: WindowModel
 
     @property
     def set_points(self) -> SetPoints:
@@ -160,8 +158,7 @@ class OperatingWindow(Outcome):
 
         Over the map; -1 where no steady state exists or no input matters.
         """
-        mesh = np.stack(np.meshgrid(*self.axes, indexing="ij"), axis=-1)
-        x = self.set_points.coordinates(mesh.reshape(-1, len(self.names)))
+        x = self.set_points.coordinates(grid(*self.axes))
         binding = self.binding.ravel()
         variances = self.map.variances(x)[np.arange(len(x)), binding]
         known = (binding >= 0) & (variances.sum(axis=-1) > NEGLIGIBLE**2)
@@ -197,7 +194,7 @@ class OperatingWindow(Outcome):
         """
         point = self._in_si(values)
         x = self.set_points.coordinates(point[None])
-        k = int(np.argmin(distance(*self.map.moments(x))[0]))
+        k = int(np.argmin(self.map.distances(x)[0]))
         reserves, deviations = (part[0].tolist() for part in self.map.reserves(x))
         variances = self.map.variances(x)[0, k]
         shares = variances / max(float(variances.sum()), NEGLIGIBLE**2)
@@ -276,8 +273,7 @@ class OperatingWindow(Outcome):
         """
         import pandas as pd
 
-        mesh = np.stack(np.meshgrid(*self.axes, indexing="ij"), axis=-1)
-        mesh = mesh.reshape(-1, len(self.names))
+        mesh = grid(*self.axes)
         reserve, deviation = self.map.reserves(self.set_points.coordinates(mesh))
         columns: dict[str, Any] = dict(zip(self.names, mesh.T, strict=True))
         columns["probability"] = self.probability.ravel()
@@ -337,27 +333,10 @@ class OperatingWindow(Outcome):
         InvalidProblem
             As of :meth:`at`.
         """
+        x = self.set_points.coordinates(self._in_si(values)[None]).repeat(samples, axis=0)
         z = standard_normal(len(self.uncertain), samples, seed)
-        set_point = zip(self.names, self._in_si(values), strict=True)
-        columns: dict[str, Any] = {name: np.full(samples, value) for name, value in set_point}
-        for k, (name, spread) in enumerate(self.uncertain.items()):
-            median = float(get_field(self.problem, name))
-            columns[name] = median * np.exp(log_deviation(spread) * z[:, k])
-        design, runner = make_design(columns, "table"), runner_for(workers, None)
-        table = run_study(self.model, design, runner, chunk=SIMULATED_TOGETHER, progress=progress)
-        reserves = np.column_stack(list(table.outputs.values()))
-        return float(np.mean((reserves >= 0).all(axis=1)))
-
-
-def log_deviation(spread: float) -> float:
-    """Return the standard deviation of the logarithm of a log-normal distribution.
-
-    >>> round(log_deviation(0.3), 4)
-    0.2936
-
-    Parameters
-    ----------
-    spread : float
-        Standard deviation relative to the mean.
-    """
-    return log(1 + spread**2) ** 0.5
+        solver = CaseSolver(
+            self.model, self.set_points, self.uncertain, workers, chunk=SIMULATED_TOGETHER
+        )
+        margins = solver.solve("", x, z, progress=progress).margins
+        return float(np.mean((margins >= 0).all(axis=1)))
