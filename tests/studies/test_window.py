@@ -22,7 +22,6 @@ from woundon.studies.window_map import (
     expansion_of,
     fitted,
     from_reserve,
-    linear_expansion,
     lobatto,
     standard_normal,
     to_reserve,
@@ -107,7 +106,8 @@ def test_the_probability_of_linear_margins(slopes, expected):
     """Closed form: margins 0.5 + s_1 z and 1 + s_2 z of standard normal z."""
     centre = np.zeros((1, 2))
     nominal = fitted(centre, np.array([[0.5, 1.0]]), [0, 0])
-    expansion = linear_expansion(np.array(slopes).T, 2)
+    none = np.zeros((0, 2))  # without further points the changes are linear
+    expansion = expansion_of(none, none, none, np.array(slopes).T)
     mapped = MarginMap(nominal, expansion, standard_normal(2, 4096, 0))
     # 0.003: Sobol points err by less than 1/5 of the standard deviation of independent draws
     assert mapped.probability(centre)[0] == pytest.approx(expected, abs=0.003)
@@ -125,7 +125,7 @@ def test_an_expansion_of_second_order_is_found_exactly():
         return ((2 + x[:, 0]) * z[:, 0] + 0.5 * z[:, 0] * z[:, 1] + z[:, 1] ** 2
                 + 0.1 * z[:, 2])[:, None]  # fmt: skip
 
-    expansion = expansion_of(x, z, f(x, z), [1, 0])
+    expansion = expansion_of(x, z, f(x, z), np.array([[2.0], [1.0], [0.1]]))
     mapped = MarginMap(fitted(np.zeros((1, 2)), np.zeros((1, 1)), [0, 0]), expansion, z)
     x, z = rng.uniform(-1, 1, (20, 2)), rng.standard_normal((20, 3))
     # 1e-12: rounding of a least-squares solution
@@ -140,8 +140,8 @@ def test_few_points_permit_few_quadratic_terms():
     """Invariance: with too few points for all inputs, linear changes remain exact."""
     rng = np.random.default_rng(0)
     x, z = rng.uniform(-1, 1, (24, 2)), rng.standard_normal((24, 6))
-    slopes = np.arange(6.0)[:, None]
-    expansion = expansion_of(x, z, z @ slopes, list(range(6)))
+    slopes = np.arange(1.0, 7.0)[:, None]  # all cause more than 1 % of the variance
+    expansion = expansion_of(x, z, z @ slopes, slopes)
     assert len(expansion.powers) < 24 / 2
     np.testing.assert_allclose(expansion.variances(x)[:, 0], [slopes[:, 0] ** 2] * 24, atol=1e-12)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,15 +12,12 @@ from matplotlib.colors import ListedColormap
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from ..studies.window_result import LEVELS, OperatingWindow
 from .figures import COLOURS, axis_label, wrapped_text
 from .panels import Case, Panel, draw_panels
 
-if TYPE_CHECKING:
-    from ..studies.window_result import OperatingWindow
-
 __all__ = ["plot_window"]
 
-LEVELS = (0.5, 0.9, 0.99)
 STYLES: Any = (":", "--", "-")
 FAINT = 0.35  # opacity of the regions
 WORDS = {"gauge_band": "gauge band"}

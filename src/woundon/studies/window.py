@@ -18,7 +18,6 @@ the probabilities.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -26,11 +25,8 @@ import numpy as np
 
 from ..arguments import whole_number
 from ..errors import InvalidProblem, NotConverged
-from ..problems.grades import Grade, grade
-from ..problems.messages import quote
+from ..problems.grades import Grade
 from ..problems.problem import Problem
-from .api import in_si
-from .kind_model import field_quantity, get_field
 from .progress import Progress, progress_reporter
 from .window_cases import (
     CaseSolver,
@@ -38,7 +34,9 @@ from .window_cases import (
     Windings,
     joined,
     margin_names,
+    range_of,
     share_polynomials,
+    spreads_and_ties,
     window_model,
 )
 from .window_map import (
@@ -47,7 +45,6 @@ from .window_map import (
     expansion_of,
     fitted,
     grid,
-    linear_expansion,
     lobatto,
     sobol_points,
     standard_normal,
@@ -60,10 +57,7 @@ __all__ = ["operating_window"]
 
 Array = np.ndarray
 Case = tuple[tuple[float, ...], tuple[float, ...]]  # coordinates of set point and inputs
-MOST_SPREAD = 2.0
 GRID = 33  # points of the map along web tension and nip load
-# of the variance of some margin at the centre, from which an input has quadratic effects as well
-IMPORTANT = 0.01
 # windings with drawn inputs: for each coefficient of an expansion in which all inputs matter, but
 # at most so many of rolls, which are fast, or with nips
 DRAWN_PER_TERM, DRAWN, DRAWN_WITH_NIPS = 3, 128, 48
@@ -71,7 +65,6 @@ DRAWN_PER_TERM, DRAWN, DRAWN_WITH_NIPS = 3, 128, 48
 # reported progress: ten nips of 33 nodes and three iterations take as long as about 20 rolls.
 WORK_WITH_NIPS = 20
 FEWEST = 4  # solved windings from which a map is made
-FEWEST_DRAWN = 2  # for each coefficient of an expansion that is linear in the inputs
 INNER = 0.5**0.5  # torque split of the checks, between two of its three levels
 # off all lines of the 5 x 5 points, halfway between them in the angle
 OUTER, MIDDLE = 0.92387953, 0.38268343
@@ -161,84 +154,21 @@ def operating_window(
         raise InvalidProblem.at("problem", text)
     if resume and out is None:
         raise InvalidProblem.at("resume", "needs out, the folder of the windings")
-    spreads, ties = _spreads(problem, uncertain, tie)
+    spreads, ties = spreads_and_ties(problem, uncertain, tie)
     whole_number("samples", samples, 100, 100_000)
     model = window_model(problem, ties, options)
     for name in spreads:
         model.check_varied([name])
-    given = {"web_tension": web_tension, "nip_load": nip_load, "torque_split": torque_split}
-    given = {
-        name: ends for name, ends in given.items() if name != "torque_split" or ends is not None
-    }
-    ranges = np.array([_range(problem, name, ends) for name, ends in given.items()])
+    given = {"web_tension": web_tension, "nip_load": nip_load}
+    if torque_split is not None:
+        given["torque_split"] = torque_split
+    ranges = np.array([range_of(problem, name, ends) for name, ends in given.items()])
     set_points = SetPoints(tuple(given), ranges)
     sample = standard_normal(len(spreads), samples, seed)
     folder = None if out is None else Path(out)
     solver = CaseSolver(model, set_points, spreads, workers, folder, resume)
     with progress_reporter(progress, "winding") as report:
         return _Study(solver, sample, report).run(preview)
-
-
-# ---- input --------------------------------------------------------------------------------------
-
-
-def _spreads(
-    problem: Problem, uncertain: Any, tie: Mapping[str, str] | None
-) -> tuple[dict[str, float], dict[str, str]]:
-    """Return the relative standard deviations of the inputs, and the fields that follow others."""
-    base_grade: Grade | None = getattr(problem, "named_grade", None)
-    overrides: Mapping[str, Any] = {}
-    if isinstance(uncertain, Mapping):
-        overrides = uncertain
-    elif isinstance(uncertain, (str, Grade)):
-        base_grade = grade(uncertain)
-    elif uncertain is not None:
-        text = f"{quote(uncertain)} is out of place; must be {{field: relative deviation}}"
-        raise InvalidProblem.at("uncertain", text)
-    spreads, ties = dict[str, float](), dict(tie or {})
-    if base_grade is not None:
-        ties = {**base_grade.tied_fields(problem), **ties}
-        spreads = {n: s for n, s in base_grade.spread_of(problem).items() if n not in ties}
-    for name, spread in overrides.items():
-        _check_spread(problem, name, spread)
-        spreads[name] = float(spread)
-    if not spreads:
-        text = (
-            "missing, and the case names no grade that has spreads; must be {field: relative "
-            "standard deviation}, on the command line --uncertain FIELD=DEVIATION"
-        )
-        raise InvalidProblem.at("uncertain", text)
-    return {n: s for n, s in spreads.items() if s > 0 and get_field(problem, n) > 0}, ties
-
-
-def _check_spread(problem: Problem, name: str, spread: Any) -> None:
-    """Reject what is not a relative standard deviation of a field > 0."""
-    is_number = isinstance(spread, (int, float)) and not isinstance(spread, bool)
-    if not is_number or not 0 <= spread <= MOST_SPREAD:
-        text = f"{quote(spread)} is out of range; must be >= 0 and <= {MOST_SPREAD:g}"
-        raise InvalidProblem.at(f"uncertain.{name}", text)
-    value = get_field(problem, name)
-    if field_quantity(problem, name) is None or not isinstance(value, float) or value <= 0:
-        text = f"{quote(value)} is not a number > 0, so it has no log-normal distribution"
-        raise InvalidProblem.at(f"uncertain.{name}", text)
-
-
-def _range(problem: Problem, name: str, ends: Any) -> tuple[float, float]:
-    """Return a range in SI units; only the torque split may be 0."""
-    if isinstance(ends, str) or not hasattr(ends, "__len__") or len(ends) != 2:
-        raise InvalidProblem.at(name, f"{quote(ends)} is out of place; must be (low, high)")
-    numbers = in_si(problem, {name: ends})[name]
-    for value in numbers:
-        if isinstance(value, bool) or not isinstance(value, (int, float, np.number)):
-            raise InvalidProblem.at(name, f"{quote(value)} is not a number")
-    low, high = map(float, numbers)
-    if not 0 <= low < high < inf or (low == 0 and name != "torque_split"):
-        text = f"({low:g}, {high:g}) is out of range; must be 0 < low < high"
-        raise InvalidProblem.at(name, text)
-    return low, high
-
-
-# ---- windings and maps --------------------------------------------------------------------------
 
 
 class _Study:
@@ -472,15 +402,11 @@ class _Study:
             raise NotConverged(f"{text}: {self._reasons(nominal)}")
         degrees = self._degrees(2 if drawn is None else 4)
         polynomial = fitted(known.x, known.margins, degrees)
+        changed = steps if drawn is None else joined(steps, drawn)
+        changed = changed.rows(np.isfinite(changed.margins).all(axis=1))
+        changes = changed.margins - polynomial(changed.x)
         differences = steps.margins - base.margins
-        expansion = linear_expansion(differences, self.dimension)
-        if drawn is not None:
-            changed = joined(steps, drawn)
-            changed = changed.rows(np.isfinite(changed.margins).all(axis=1))
-            if len(changed.x) >= FEWEST_DRAWN * (self.inputs + self.dimension + 1):
-                changes = changed.margins - polynomial(changed.x)
-                important = _important(differences)
-                expansion = expansion_of(changed.x, changed.z, changes, important)
+        expansion = expansion_of(changed.x, changed.z, changes, differences)
         return MarginMap(polynomial, expansion, self.sample)
 
     def _degrees(self, degree: int) -> list[int]:
@@ -547,21 +473,3 @@ def _nearest_to_centre(windings: Windings) -> int:
     """Return the row of the solved winding whose set point is nearest to the centre."""
     squares = np.sum(windings.x**2, axis=1)
     return int(np.argmin(np.where(windings.is_solved, squares, np.inf)))
-
-
-def _important(differences: Array) -> list[int]:
-    """Return the inputs that matter for some margin, the most important one first.
-
-    Inputs of an unknown effect are among them.
-
-    Parameters
-    ----------
-    differences : (inputs, margins) array
-        Changes for one standard deviation of each input.
-    """
-    variance = differences**2
-    total = np.nansum(variance, axis=0)
-    share = (variance / np.where(total > 0, total, 1.0)).max(axis=1)
-    share[np.isnan(share)] = 1.0
-    order = np.argsort(-share, kind="stable")
-    return [k for k in order.tolist() if share[k] > IMPORTANT]

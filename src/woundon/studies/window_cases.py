@@ -15,17 +15,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import log
+from math import inf, log
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..errors import InvalidProblem
+from ..problems.grades import Grade, grade
+from ..problems.messages import quote
+from ..problems.problem import Problem
 from ..problems.schedules import Profile, Taper
 from ..quantities import Quantity, scalar_outputs
+from .api import in_si
 from .design import make_design
 from .engine import run_study
-from .kind_model import KindModel, get_field, kind_of, model_of
+from .kind_model import KindModel, field_quantity, get_field, kind_of, model_of
 from .model import Answer
 from .progress import Progress
 from .runners import runner_for
@@ -37,7 +42,9 @@ __all__ = [
     "Windings",
     "joined",
     "margin_names",
+    "range_of",
     "share_polynomials",
+    "spreads_and_ties",
     "window_model",
     "with_value",
 ]
@@ -52,7 +59,67 @@ FRICTION_SHARE = "friction_share"  # the column of the shares, one tuple for eac
 # even in the radius
 BY_LOGARITHM, EVEN = 25, 17
 SAME_DEPTH = 9  # decimals of d
+MOST_SPREAD = 2.0
 TOGETHER = 3  # windings that one worker solves in a row, each from the one before
+
+
+# ---- input --------------------------------------------------------------------------------------
+
+
+def spreads_and_ties(
+    problem: Problem, uncertain: Any, tie: Mapping[str, str] | None
+) -> tuple[dict[str, float], dict[str, str]]:
+    """Return the relative standard deviations of the inputs, and the fields that follow others."""
+    base_grade: Grade | None = getattr(problem, "named_grade", None)
+    overrides: Mapping[str, Any] = {}
+    if isinstance(uncertain, Mapping):
+        overrides = uncertain
+    elif isinstance(uncertain, (str, Grade)):
+        base_grade = grade(uncertain)
+    elif uncertain is not None:
+        text = f"{quote(uncertain)} is out of place; must be {{field: relative deviation}}"
+        raise InvalidProblem.at("uncertain", text)
+    spreads, ties = dict[str, float](), dict(tie or {})
+    if base_grade is not None:
+        ties = {**base_grade.tied_fields(problem), **ties}
+        spreads = {n: s for n, s in base_grade.spread_of(problem).items() if n not in ties}
+    for name, spread in overrides.items():
+        _check_spread(problem, name, spread)
+        spreads[name] = float(spread)
+    if not spreads:
+        text = (
+            "missing, and the case names no grade that has spreads; must be {field: relative "
+            "standard deviation}, on the command line --uncertain FIELD=DEVIATION"
+        )
+        raise InvalidProblem.at("uncertain", text)
+    return {n: s for n, s in spreads.items() if s > 0 and get_field(problem, n) > 0}, ties
+
+
+def _check_spread(problem: Problem, name: str, spread: Any) -> None:
+    """Reject what is not a relative standard deviation of a field > 0."""
+    is_number = isinstance(spread, (int, float)) and not isinstance(spread, bool)
+    if not is_number or not 0 <= spread <= MOST_SPREAD:
+        text = f"{quote(spread)} is out of range; must be >= 0 and <= {MOST_SPREAD:g}"
+        raise InvalidProblem.at(f"uncertain.{name}", text)
+    value = get_field(problem, name)
+    if field_quantity(problem, name) is None or not isinstance(value, float) or value <= 0:
+        text = f"{quote(value)} is not a number > 0, so it has no log-normal distribution"
+        raise InvalidProblem.at(f"uncertain.{name}", text)
+
+
+def range_of(problem: Problem, name: str, ends: Any) -> tuple[float, float]:
+    """Return a range in SI units; only the torque split may be 0."""
+    if isinstance(ends, str) or not hasattr(ends, "__len__") or len(ends) != 2:
+        raise InvalidProblem.at(name, f"{quote(ends)} is out of place; must be (low, high)")
+    numbers = in_si(problem, {name: ends})[name]
+    for value in numbers:
+        if isinstance(value, bool) or not isinstance(value, (int, float, np.number)):
+            raise InvalidProblem.at(name, f"{quote(value)} is not a number")
+    low, high = map(float, numbers)
+    if not 0 <= low < high < inf or (low == 0 and name != "torque_split"):
+        text = f"({low:g}, {high:g}) is out of range; must be 0 < low < high"
+        raise InvalidProblem.at(name, text)
+    return low, high
 
 
 # ---- problems -----------------------------------------------------------------------------------

@@ -38,7 +38,6 @@ __all__ = [
     "fitted",
     "from_reserve",
     "grid",
-    "linear_expansion",
     "lobatto",
     "sobol_points",
     "standard_normal",
@@ -51,6 +50,8 @@ Array = np.ndarray
 # through scattered points oscillate when there are as many coefficients as points.
 USED_SHARE = 0.7
 POINTS_PER_TERM = 2  # of an expansion by least squares, the usual number
+# of the variance of some margin at the centre, from which an input has quadratic effects as well
+IMPORTANT = 0.01
 RATIO = 5.0  # a: logarithmic from a fifth of the limit
 NEGLIGIBLE = 1e-6  # standard deviation of y below which a margin is certain
 ERROR_POINTS = 3  # every third point of the map gives the errors, which vary slowly
@@ -254,24 +255,10 @@ class Expansion:
         return np.asarray(self.at(x) ** 2 @ shares)
 
 
-def linear_expansion(differences: Array, d: int) -> Expansion:
-    """Return the expansion of changes that are linear in the inputs.
+def expansion_of(x: Array, z: Array, changes: Array, differences: Array) -> Expansion:
+    """Return the expansion of changes of the margins at set points with inputs.
 
-    Parameters
-    ----------
-    differences : (inputs, margins) array
-        For one standard deviation of each input; those that are nan count as zero.
-    d : int
-        Number of coordinates of the set points.
-    """
-    inputs, margins = differences.shape
-    factors = np.zeros((inputs, 1 + d, margins))
-    factors[:, 0] = np.nan_to_num(differences)
-    return Expansion(np.eye(inputs, dtype=int), factors)
-
-
-def expansion_of(x: Array, z: Array, changes: Array, important: Sequence[int]) -> Expansion:
-    """Return the expansion of changes that are known at set points with inputs, by least squares.
+    If the points are too few for least squares, the changes are linear in the inputs.
 
     Parameters
     ----------
@@ -279,13 +266,29 @@ def expansion_of(x: Array, z: Array, changes: Array, important: Sequence[int]) -
     z : (points, inputs) array
     changes : (points, margins) array
         y(x, z) - M(x).
-    important : sequence of int
-        Inputs, the most important one first.  Their linear effects depend on the set point, and
-        their squares and products are included, of as many of them as the points permit.
+    differences : (inputs, margins) array
+        Changes at one set point for one standard deviation of each input; nan if unknown.
     """
-    (d, inputs), important = (x.shape[1], z.shape[1]), list(important)
+    inputs, d = z.shape[1], x.shape[1]
+    if len(x) < POINTS_PER_TERM * (inputs + d + 1):
+        factors = np.zeros((inputs, 1 + d, changes.shape[1]))
+        factors[:, 0] = np.nan_to_num(differences)
+        return Expansion(np.eye(inputs, dtype=int), factors)
+    important = _important(differences)
     while important and POINTS_PER_TERM * terms_of(inputs, len(important), d) > len(x):
         important.pop()
+    return _least_squares_expansion(x, z, changes, important)
+
+
+def _least_squares_expansion(
+    x: Array, z: Array, changes: Array, important: Sequence[int]
+) -> Expansion:
+    """Return the expansion by least squares.
+
+    The linear effects of the important inputs depend on the set point, and their squares and
+    products are included.
+    """
+    inputs, d = z.shape[1], x.shape[1]
     unit = np.eye(inputs, dtype=int)  # the degrees of z_1, z_2, ...
     pairs = combinations_with_replacement(sorted(important), 2)
     seconds = [unit[j] + unit[k] for j, k in pairs]
@@ -298,6 +301,24 @@ def expansion_of(x: Array, z: Array, changes: Array, important: Sequence[int]) -
     factors = np.zeros((*used.shape, changes.shape[1]))
     factors[used] = np.linalg.lstsq(rows[:, used], changes, rcond=1e-10)[0]
     return Expansion(powers, factors)
+
+
+def _important(differences: Array) -> list[int]:
+    """Return the inputs that matter for some margin, the most important one first.
+
+    Inputs of an unknown effect are among them.
+
+    Parameters
+    ----------
+    differences : (inputs, margins) array
+        Changes for one standard deviation of each input.
+    """
+    variance = differences**2
+    total = np.nansum(variance, axis=0)
+    share = (variance / np.where(total > 0, total, 1.0)).max(axis=1)
+    share[np.isnan(share)] = 1.0
+    order = np.argsort(-share, kind="stable")
+    return [k for k in order.tolist() if share[k] > IMPORTANT]
 
 
 def terms_of(inputs: int, important: int, d: int) -> int:
