@@ -29,7 +29,7 @@ from .kind_model import get_field, model_of
 from .model import quantities_of
 from .outcome import Outcome
 from .progress import Progress, progress_reporter
-from .root_search import DECADE, Interval, RootSearch, Sample, error_of
+from .root_search import DECADE, Interval, RootSearch, Sample
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -296,7 +296,7 @@ def find(
             search.refine_range()
             roots = search.solutions()
     slopes = np.array([_slope(search, sample) for sample in roots])
-    errors = np.array([error_of(sample.result, output) for sample in roots])
+    errors = np.array([search.error(sample) for sample in roots])
     with np.errstate(divide="ignore", invalid="ignore"):
         uncertainties = np.where(slopes == 0, nan, errors / np.abs(slopes))
     found = FindResult(
@@ -411,7 +411,7 @@ def _slope(search: RootSearch, sample: Sample) -> float:
     step = STEP * (abs(value) or width)
     fixed = search.on_one_mesh(sample, sample)
     sides = [search.evaluate(value + side, fixed) for side in (-step, step)]
-    ends = [side for side in sides if side.result is not None]
+    ends = [side for side in sides if side.is_solved]
     if len(ends) == 1:  # the other one is outside the range of steady states
         ends.append(sample)
     if not ends:
