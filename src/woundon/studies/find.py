@@ -20,11 +20,12 @@ from ..arguments import whole_number
 from ..errors import InvalidProblem, NoSolution, NotConverged, warn
 from ..problems.inputs import conversion_context, convert_number
 from ..problems.messages import quote
-from ..problems.permitted import admissible, bounds
+from ..problems.permitted import admissible, admits, bounds
 from ..problems.problem import Problem
 from ..problems.units import parse
 from ..quantities import Quantity, in_chosen_units
 from ..quantities import find as find_places
+from .api import solver_options
 from .kind_model import get_field, model_of
 from .model import quantities_of
 from .outcome import Outcome
@@ -274,8 +275,7 @@ def find(
     4.0
     """
     output, value = _one_target(target)
-    settings = {"nodes": nodes, "rtol": rtol, **(options or {})}
-    model = model_of(problem, output, tie, settings)
+    model = model_of(problem, output, tie, solver_options(nodes, rtol, options))
     model.check_varied([name])
     quantities = quantities_of(model, (name, output))
     base = get_field(problem, name)
@@ -346,23 +346,21 @@ def _interval(
     """Return the range of the scan."""
     info = find_places(problem, name)[0].field
     limits = bounds(info)
-    permitted = (
-        max((bound for sign, bound in limits if sign[0] == ">"), default=-inf),
-        min((bound for sign, bound in limits if sign[0] == "<"), default=inf),
-    )
+    lowest = max((bound for sign, bound in limits if sign in (">", ">=")), default=-inf)
+    highest = min((bound for sign, bound in limits if sign in ("<", "<=")), default=inf)
     if between is not None:
         low, high = _ends(between, quantity, name)
         for end in (low, high):
-            if not _admits(limits, end):
+            if not admits(info, end):
                 text = f"{quote(end)} is out of range; must be {admissible(info)}"
                 raise InvalidProblem.at(f"between: {name}", text)
-        return Interval(low, high, permitted, may_grow=False)
-    low, high = _usual_range(base, permitted, quantity.typical)
-    low, high = max(low, permitted[0]), min(high, permitted[1])
+        return Interval(low, high, (lowest, highest), may_grow=False)
+    low, high = _usual_range(base, (lowest, highest), quantity.typical)
+    low, high = max(low, lowest), min(high, highest)
     if not (isfinite(low) and isfinite(high) and low < high):
         text = f"{quote(base)} has no scale to search around; give between=(low, high)"
         raise InvalidProblem.at(name, text)
-    return Interval(low, high, permitted, may_grow=True)
+    return Interval(low, high, (lowest, highest), may_grow=True)
 
 
 def _ends(between: Any, quantity: Quantity, name: str) -> tuple[float, float]:
@@ -375,11 +373,6 @@ def _ends(between: Any, quantity: Quantity, name: str) -> tuple[float, float]:
     if not (isfinite(low) and isfinite(high) and low < high):
         raise InvalidProblem.at("between", f"{quote(between)} is not a range: must be low < high")
     return low, high
-
-
-def _admits(limits: Sequence[tuple[str, float]], value: float) -> bool:
-    tests = {">": float.__gt__, ">=": float.__ge__, "<": float.__lt__, "<=": float.__le__}
-    return all(tests[sign](value, float(bound)) for sign, bound in limits)
 
 
 def _usual_range(
