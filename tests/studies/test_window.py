@@ -262,6 +262,19 @@ def test_the_best_point_and_the_table(strength):
         strength.at(1000.0, 1500.0)
 
 
+def test_without_uncertain_inputs_margins_hold_or_do_not():
+    """Closed form: T + mu N <= T_b; no input dominates."""
+    window = wo.operating_window(
+        winding(radius=0.06), **RANGES, uncertain=dict.fromkeys(
+            wo.grade("newsprint").spread_of(winding()), 0
+        ), workers=1, options={"rtol": 0.02},
+    )  # fmt: skip
+    T, N = np.meshgrid(*window.axes, indexing="ij")
+    holds = T + 0.19 * N < STRENGTH
+    np.testing.assert_array_equal(window.probability, holds.astype(float))
+    assert (window.dominant == -1).all()
+
+
 @pytest.mark.slow
 @pytest.mark.campaign
 def test_monte_carlo_simulation_agrees():

@@ -162,8 +162,10 @@ class OperatingWindow(Outcome):
         binding = self.binding.ravel()
         variances = self.map.variances(x)[np.arange(len(x)), binding]
         known = (binding >= 0) & (variances.sum(axis=-1) > NEGLIGIBLE**2)
-        numbers = np.where(known, np.argmax(variances, axis=-1), -1)
-        return np.asarray(numbers.reshape(self.probability.shape))
+        numbers = np.full(len(x), -1)
+        if known.any():
+            numbers[known] = np.argmax(variances[known], axis=-1)
+        return numbers.reshape(self.probability.shape)
 
     @property
     def best(self) -> OperatingPoint:
