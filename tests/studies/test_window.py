@@ -7,6 +7,7 @@ friction), independent method (every sample a winding), invariance (workers, res
 from __future__ import annotations
 
 import json
+from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
@@ -38,14 +39,8 @@ def winding(**changes) -> wo.WindingProblem:
         "drum": wo.Rigid(radius=0.25), "web_tension": 300.0, "nip_load": 1500.0,
         "tension_law": "friction", "limits": wo.Limits(web_strength=STRENGTH), **changes,
     }  # fmt: skip
-    with pytest.warns(wo.InputWarning) if "roll_friction" in changes else _nothing():
+    with pytest.warns(wo.InputWarning) if "roll_friction" in changes else nullcontext():
         return wo.WindingProblem(**given)
-
-
-class _nothing:  # noqa: N801
-    def __enter__(self) -> None: ...
-
-    def __exit__(self, *_: object) -> None: ...
 
 
 # ---- maps ---------------------------------------------------------------------------------------
