@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import inf, isinf, nan
+from math import inf, isfinite, isinf, nan
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -26,6 +26,7 @@ from ..problems.problem import Problem
 from ..quantities import Quantity, in_chosen_units, value_of
 from .api import in_si
 from .kind_model import KindModel, field_quantity, get_field, model_of
+from .model import quantities_of
 from .outcome import Outcome
 from .progress import Progress, progress_reporter
 
@@ -41,6 +42,7 @@ USUAL_SHARES = {"nip_load": (0.25, 2.0)}  # relative to the present value
 FIRST_STEP, LAST_STEP = 0.2, 5e-4  # of the ranges
 TOLERANCE = 1e-4  # of a limit: tolerance of the constraints
 FAILED = -1.0  # reserve of a winding that cannot be solved
+FAILED_OBJECTIVE = 2.0  # of such a winding, in magnitudes of the output of the first one
 BINDING = 0.01  # of a limit: a margin with a smaller reserve is active
 MIN_EVALUATIONS = 5
 
@@ -103,7 +105,7 @@ class OptimisedSchedule(Outcome):
     goals: Array
     ended: str
     ranges: Array
-    quantities: Mapping[str, Quantity | None]
+    quantities: Mapping[str, Quantity]
 
     @property
     def problem(self) -> Any:
@@ -111,11 +113,12 @@ class OptimisedSchedule(Outcome):
         return self.after.problem
 
     def __repr__(self) -> str:
-        values = ", ".join(
-            f"{name} {quantity.text(value) if quantity else f'{value:.4g}'}"
-            for (name, quantity), value in zip(self.quantities.items(), self.values, strict=True)
-        )
-        return f"OptimisedSchedule({values}; {'feasible' if self.feasible else 'infeasible'})"
+        values = [
+            f"{name} {self.quantities[name].text(value)}"
+            for name, value in zip(self.names, self.values, strict=True)
+        ]
+        word = "feasible" if self.feasible else "infeasible"
+        return f"OptimisedSchedule({', '.join(values)}; {word})"
 
     def answer(self) -> list[str]:
         """Return whether limits are kept, and the schedule, as lines of text."""
@@ -124,11 +127,10 @@ class OptimisedSchedule(Outcome):
         ends = np.isclose(self.ranges, self.values[:, None], rtol=1e-3, atol=0)
         for name, old, new, end in zip(self.names, self.start, self.values, ends, strict=True):
             quantity = self.quantities[name]
-            size, unit = (quantity.shown(1.0), quantity.display) if quantity else (1.0, "")
+            before, after = f"{quantity.shown(old):.4g}", f"{quantity.shown(new):.4g}"
             mark = "  at the end of its range" * bool(end.any())
-            texts.append(
-                f"  {name:<24} {old * size:>14.4g} -> {new * size:.4g} {unit}{mark}".rstrip()
-            )
+            line = f"  {name:<24} {before:>14} -> {after} {quantity.display}{mark}"
+            texts.append(line.rstrip())
         return texts
 
     def remarks(self) -> list[str]:
@@ -411,7 +413,7 @@ class _Search:
         if self.goal is None:
             return -float(v[-1])
         goal = self.at(v).goal
-        return self.sign * goal / self.scale if goal == goal else 1.0 + abs(self.sign)
+        return self.sign * goal / self.scale if isfinite(goal) else FAILED_OBJECTIVE
 
     def _constraints(self, v: Array) -> Array:
         """Return the constraints, >= 0: the reserves, minus t if the smallest one is maximised."""
@@ -458,5 +460,5 @@ class _Search:
             goals=np.array([case.goal for case in every]),
             ended=ended,
             ranges=np.column_stack([self.low, self.high]),
-            quantities={name: field_quantity(self.model.problem, name) for name in self.names},
+            quantities=quantities_of(self.model, self.names),
         )
