@@ -211,10 +211,12 @@ class _Study:
             nips, degree = joined(nips, self._solve("more_nips", self.added)), 4
         self._select_checked(nips)
         rough, nips = self._checked(rough), self._checked(nips)
+
+        # each input one standard deviation higher, at one set point
         reference = nips.rows([_nearest_to_centre(nips)])
         x, z = np.repeat(reference.x, self.inputs, axis=0), np.eye(self.inputs)
-
         if has_shares:
+            # without nips, as if the inputs had no effect on the friction shares
             without_effects = reference.rows([0] * self.inputs)
             shares = share_polynomials(nips, self._degrees(degree), reference, without_effects)
             places = np.vstack([reference.x, x]), np.vstack([reference.z, z])
