@@ -32,7 +32,7 @@ from .library import entry_of, library, read_file
 from .limits import Limits
 from .materials import SOFTEST, STIFFEST, Orthotropic
 from .messages import quote
-from .paths import Faults, field_or_none, is_part_of
+from .paths import Faults, field_or_none, is_part_of, nest_tables
 from .radial_laws import Pfeiffer
 from .schedules import Profile
 from .stack import Stack
@@ -369,25 +369,16 @@ def _make_grade(name: str, table: Mapping[str, Any], known: Mapping[str, Grade])
     try:
         entry = entry_of({key: value for key, value in table.items() if key != "like"})
         if table.get("like") is None:
-            fields = {"name": name, "title": name, **entry.values}
+            fields = {"name": name, "title": name, **nest_tables(entry.values)}
             return Grade(**fields | {"spread": entry.spread, "sources": entry.sources})
         base = _named(table["like"], known, "like")
-        changes = _by_dotted_name(entry.values)
-        spread = {key: value for key, value in base.spread.items() if key not in changes}
-        sources = {key: value for key, value in base.sources.items() if key not in changes}
+        spread = {key: value for key, value in base.spread.items() if key not in entry.values}
+        sources = {key: value for key, value in base.sources.items() if key not in entry.values}
+        changes = {"name": name, "title": name, **entry.values}
         changes |= {"spread": spread | entry.spread, "sources": sources | entry.sources}
-        return base.replace(**{"name": name, "title": name, **changes})
+        return base.replace(**changes)
     except InvalidProblem as fault:
         raise fault.under(f"grades.{name}") from None
-
-
-def _by_dotted_name(values: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
-    """Return the values of nested tables by dotted name."""
-    flat: dict[str, Any] = {}
-    for name, value in values.items():
-        path = f"{prefix}{name}"
-        flat |= _by_dotted_name(value, f"{path}.") if isinstance(value, Mapping) else {path: value}
-    return flat
 
 
 # ---- in a case ----------------------------------------------------------------------------------
