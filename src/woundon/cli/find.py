@@ -91,9 +91,7 @@ def find(
 
 def _lines(result: FindResult) -> Iterator[str]:
     """Yield the solutions, then the table of all points, then the remarks."""
-    from ..studies.find import remarks
-
-    yield from result.lines()[: len(result.solutions)]
+    yield from result.answer()
     yield ""
     field, output = result.quantities[result.name], result.quantities[result.output]
     heads = [
@@ -109,4 +107,4 @@ def _lines(result: FindResult) -> Iterator[str]:
         note = "solution" if value in solutions else reasons.get(value, "")
         yield f"{left}  {right:>{len(heads[1])}}  {note}".rstrip()
     yield ""
-    yield from remarks(result)
+    yield from result.remarks()
