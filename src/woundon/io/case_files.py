@@ -159,17 +159,20 @@ def check_like_a_case(case: Mapping[str, Any], where: str = "") -> None:
 
 def _excess(case: Mapping[str, Any]) -> str:
     """Return the limit that the tables exceed; '' if they exceed none."""
-    inner: list[Any] = [case]
+    level: list[Any] = [case]  # tables and lists of one depth
     names = 0
     for _ in range(MAX_DEPTH):
-        names += sum(len(part) for part in inner if isinstance(part, dict))
-        values = [
-            value for part in inner for value in (part.values() if isinstance(part, dict) else part)
-        ]
+        values: list[Any] = []
+        for part in level:
+            if isinstance(part, Mapping):
+                names += len(part)
+                values += part.values()
+            else:
+                values += part
         if any(isinstance(value, int) and value.bit_length() > 10_000 for value in values):
             return "it has a number of thousands of digits"
-        inner = [value for value in values if isinstance(value, (dict, list))]
-    if inner:
+        level = [value for value in values if isinstance(value, (dict, list))]
+    if level:
         return "it is nested too deeply"
     return f"it has {names} names" if names > MAX_NAMES else ""
 
