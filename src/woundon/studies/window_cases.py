@@ -244,8 +244,9 @@ def input_values(problem: Any, spreads: Mapping[str, float], z: Array) -> dict[s
     --------
     >>> import woundon as wo
     >>> problem = wo.WindingProblem.example()  # friction 0.19
-    >>> input_values(problem, {"roll_friction": 0.3}, np.array([[0.0], [1.0]]))
-    {'roll_friction': array([0.19      , 0.25484087])}
+    >>> values = input_values(problem, {"roll_friction": 0.3}, np.array([[0.0], [1.0]]))
+    >>> values["roll_friction"].round(4)
+    array([0.19  , 0.2548])
     """
     values = {}
     for (name, spread), column in zip(spreads.items(), z.T, strict=True):
