@@ -18,8 +18,8 @@ from ..errors import (
     NotConverged,
     printable_line,
 )
-from ..problems.permitted import bounds
 from ..quantities import find
+from .input_forms import limits_of
 from .json_texts import to_json
 
 __all__ = ["MEDIA", "REJECTIONS", "RequestError", "request_error_of"]
@@ -103,11 +103,10 @@ def _error_at(path: str, message: str) -> dict[str, Any]:
     error: dict[str, Any] = {"field": path, "message": printable_line(message)}
     if not FIELD_PATH.fullmatch(path):
         return error
-    for place in (place for kind in kinds.every() for place in find(kind.problem, path)):
-        if limits := bounds(place.field):
-            names = {">": "gt", ">=": "ge", "<": "lt", "<=": "le"}
-            error["range"] = {names[sign]: end for sign, end in limits}
+    places = (place for kind in kinds.every() for place in find(kind.problem, path))
+    if place := next(places, None):
+        if limits := limits_of(place.field):
+            error["range"] = limits
         if place.quantity is not None:
             error["unit"] = place.quantity.unit
-        break
     return error
