@@ -36,7 +36,6 @@ from ..studies.kind_model import KindModel, field_quantity, get_field, measurabl
 from ..winding.margins import FIELDS
 from .input_forms import quantity_schema, tables_of
 from .json_texts import records, to_json
-from .limits import LIMITS
 from .plot_data import panels_of
 
 __all__ = [
@@ -362,9 +361,6 @@ def curve(
     quantity = field_quantity(problem, field)
     if quantity is None or isinstance(base, bool) or not isinstance(base, int | float):
         raise InvalidProblem.at(field, f"{quote(base)} is not a number, so it cannot be varied")
-    if not 2 <= points <= LIMITS["curve_points"]:
-        text = f"{points} is out of range; must be >= 2 and <= {LIMITS['curve_points']}"
-        raise InvalidProblem.at("points", text)
     names = tuple(outputs) or _usual_outputs(problem)
     model = model_of(problem, names, {}, checked_options(kinds.of(problem), options))
     values = np.linspace(*_ends(problem, field, float(base), low, high), points).tolist()

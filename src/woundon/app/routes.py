@@ -214,11 +214,9 @@ def application(names: Iterable[str] = (), token: str = "") -> FastAPI:
         redoc_url=None,
         middleware=middleware(names, token),
         responses=REJECTIONS,
-        exception_handlers={
-            RequestError: _rejected,
-            HTTPException: _rejected_by_starlette,
-            RequestValidationError: _invalid,
-        },
+        exception_handlers=dict.fromkeys(
+            (RequestError, HTTPException, RequestValidationError), _rejected
+        ),
     )
     app.state.workers, app.state.token = workers, token
     app.include_router(router)
@@ -227,19 +225,15 @@ def application(names: Iterable[str] = (), token: str = "") -> FastAPI:
     return app
 
 
-async def _rejected(request: Request, error: Any) -> Response:
-    response: Response = error.response()
-    return response
-
-
-async def _rejected_by_starlette(request: Request, error: Any) -> Response:
-    return RequestError(error.status_code, "rejected", str(error.detail)).response()
-
-
-async def _invalid(request: Request, error: Any) -> Response:
-    """Return the response to a request of invalid form."""
-    faults = [(".".join(map(str, fault["loc"][1:])), fault["msg"]) for fault in error.errors()]
-    return request_error_of(InvalidProblem(faults)).response()
+async def _rejected(request: Request, fault: Any) -> Response:
+    """Return the response to a request that a route, Starlette or FastAPI rejects."""
+    if isinstance(fault, HTTPException):
+        fault = RequestError(fault.status_code, "rejected", str(fault.detail))
+    elif isinstance(fault, RequestValidationError):
+        fault = InvalidProblem(
+            (".".join(map(str, error["loc"][1:])), error["msg"]) for error in fault.errors()
+        )
+    return request_error_of(fault).response()
 
 
 # ---- the page, the description of the interface, the catalogue ----------------------------------
