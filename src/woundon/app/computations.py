@@ -343,27 +343,21 @@ def find(
 # ---- around a state ---------------------------------------------------------------------------
 
 
-def curve(
-    tables: Any,
-    field: str,
-    options: Mapping[str, Any],
-    points: int = 11,
-    low: float | None = None,
-    high: float | None = None,
-    outputs: Sequence[str] = (),
-) -> bytes:
+def curve(tables: Any, query: Mapping[str, Any], options: Mapping[str, Any]) -> bytes:
     """Return outputs against one field around a case, as JSON.
 
-    Each solve starts from the previous one.  By default from 0.5 to 1.5 times the field's value.
+    ``query`` is as :class:`.request_models.CurveQuery`.  Each solve starts from the previous one.
+    By default from 0.5 to 1.5 times the field's value.
     """
-    problem = problem_of(tables)
+    problem, field, points = problem_of(tables), query["field"], query["points"]
     base = get_field(problem, field)
     quantity = field_quantity(problem, field)
     if quantity is None or isinstance(base, bool) or not isinstance(base, int | float):
         raise InvalidProblem.at(field, f"{quote(base)} is not a number, so it cannot be varied")
-    names = tuple(outputs) or _usual_outputs(problem)
+    names = tuple(filter(None, query["outputs"].split(","))) or _usual_outputs(problem)
     model = model_of(problem, names, {}, checked_options(kinds.of(problem), options))
-    values = np.linspace(*_ends(problem, field, float(base), low, high), points).tolist()
+    ends = _ends(problem, field, float(base), query["low"], query["high"])
+    values = np.linspace(*ends, points).tolist()
     rows, failures, start = np.full((points, len(names)), np.nan), [], None
     for k, value in enumerate(values):
         try:

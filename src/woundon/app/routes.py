@@ -41,6 +41,7 @@ from .request_models import (
     Case,
     Cases,
     CaseText,
+    CurveQuery,
     DesignRequest,
     FindRequest,
     FitRequest,
@@ -301,18 +302,9 @@ async def design(request: APIRequest, body: DesignRequest) -> Response:
 
 
 @router.post("/api/curve", tags=["states"])
-async def curve(
-    request: APIRequest,
-    case: Case,
-    field: str,
-    points: Annotated[int, Query(ge=2, le=LIMITS["curve_points"])] = 11,
-    low: Annotated[float | None, Query(allow_inf_nan=False)] = None,
-    high: Annotated[float | None, Query(allow_inf_nan=False)] = None,
-    outputs: str = "",
-) -> Response:
+async def curve(request: APIRequest, case: Case, query: Annotated[CurveQuery, Query()]) -> Response:
     """Return outputs against one field around a case."""
-    options = request.solver_options("field", "points", "low", "high", "outputs")
-    args = (case, field, options, points, low, high, _names(outputs))
+    args = (case, query.model_dump(), request.solver_options(*CurveQuery.model_fields))
     return await request.json_of(request.workers.others, computations.curve, *args)
 
 
@@ -328,11 +320,6 @@ async def find(request: APIRequest, body: FindRequest) -> Response:
     """Find the values of a field for which an output reaches a target."""
     args = (body.case, body.field, body.output, body.target, body.between)
     return await request.json_of(request.workers.others, computations.find, *args)
-
-
-def _names(text: str) -> list[str]:
-    """Return the names in a text with commas."""
-    return [name for name in text.split(",") if name]
 
 
 # ---- studies, which stream their events ----------------------------------------------------------
@@ -445,7 +432,7 @@ async def figure(
     panels: str = "",
 ) -> Response:
     """Return a figure of one case or of several cases."""
-    args = (cases.model_dump(), format, _names(panels))
+    args = (cases.model_dump(), format, [name for name in panels.split(",") if name])
     return _file(await _written(request, documents.figure, *args), f"figure.{format}")
 
 

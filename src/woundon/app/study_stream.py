@@ -263,8 +263,8 @@ async def _written(start: Callable[[Journal], Awaitable[Any]]) -> Lines:
 # ---- fits -------------------------------------------------------------------------------------
 
 
-async def fit(pool: Pool, request: Mapping[str, Any], session: str) -> Lines:
-    """Yield the events of a fit: ``started``, ``progress``, ``fitted``.
+def fit(pool: Pool, request: Mapping[str, Any], session: str) -> Lines:
+    """Return the events of a fit: ``started``, ``progress``, ``fitted``.
 
     Parameters
     ----------
@@ -273,11 +273,9 @@ async def fit(pool: Pool, request: Mapping[str, Any], session: str) -> Lines:
     request : mapping
         As :class:`.request_models.FitRequest`.
     """
-    yield _line("started")
-    async for line in _written(
+    return _written(
         lambda journal: pool.run(fit_table, request, journal, rank=RANK, session=session)
-    ):
-        yield line
+    )
 
 
 def fit_table(request: Mapping[str, Any], journal: Journal) -> None:
@@ -289,6 +287,7 @@ def fit_table(request: Mapping[str, Any], journal: Journal) -> None:
     RequestError
         If the table has more rows than a fit of the page may have.
     """
+    journal.write("started")
     problem, sheet = problem_of(request["case"]), _sheet_of(request)
     with unwarned():
         result = fit_problem(problem, sheet, request["vary"], workers=1, progress=journal.progress)
@@ -340,16 +339,15 @@ def _fitted(result: FitResult) -> dict[str, Any]:
 # ---- operating windows ------------------------------------------------------------------------
 
 
-async def window(request: Mapping[str, Any]) -> Lines:
-    """Yield the events of an operating window: ``progress``, ``window`` (first coarse), ``done``.
+def window(request: Mapping[str, Any]) -> Lines:
+    """Return the events of an operating window: ``progress``, ``window`` (first coarse), ``done``.
 
     Parameters
     ----------
     request : mapping
         As :class:`.request_models.WindowRequest`.
     """
-    async for line in _written(lambda journal: _in_thread(map_window, request, journal)):
-        yield line
+    return _written(lambda journal: _in_thread(map_window, request, journal))
 
 
 def map_window(request: Mapping[str, Any], journal: Journal) -> None:
