@@ -11,7 +11,7 @@ from collections import OrderedDict
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from inspect import signature
-from math import inf, isinf
+from math import isinf
 from typing import Annotated, Any
 
 import numpy as np
@@ -21,7 +21,7 @@ from ..errors import InvalidProblem, NotConverged, did_you_mean, unwarned
 from ..io.case_files import SCHEMA, check_like_a_case, make_problem
 from ..problems.description import Description
 from ..problems.messages import quote
-from ..problems.permitted import admissible, bounds
+from ..problems.permitted import admissible, extremes
 from ..problems.problem import Problem
 from ..problems.schedules import Schedule
 from ..quantities import find as find_places
@@ -413,8 +413,7 @@ def _ends(
     if not low < high:
         text = f"{quote(low)} is out of range; must be < high = {quote(high)}"
         raise InvalidProblem.at("low", text)
-    least = max((bound for sign, bound in bounds(place.field) if sign in (">", ">=")), default=-inf)
-    most = min((bound for sign, bound in bounds(place.field) if sign in ("<", "<=")), default=inf)
+    least, most = extremes(place.field)
     if not max(low, least) < min(high, most):
         name, value = ("high", high) if high < least else ("low", low)
         text = f"{quote(value)} is out of range of {field}; must be {admissible(place.field)}"
