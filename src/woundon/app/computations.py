@@ -12,27 +12,25 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from inspect import signature
 from math import isinf
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 
 from .. import kinds
 from ..errors import InvalidProblem, NotConverged, did_you_mean, unwarned
 from ..io.case_files import SCHEMA, check_like_a_case, make_problem
-from ..problems.description import Description
 from ..problems.messages import quote
+from ..problems.paths import field_quantity, find_places, get_field
 from ..problems.permitted import admissible, extremes
 from ..problems.problem import Problem
-from ..problems.schedules import Schedule
-from ..quantities import find as find_places
-from ..quantities import scalar_outputs, stress, value_of, walk
+from ..quantities import scalar_outputs, value_of, walk
 from ..report.answer import answer_lines, main_outputs
 from ..report.report_parts import Section, certificate_of, friction_bounds, zone_strips
 from ..report.result_report import report_parts
 from ..results import ACCEPTED_RESIDUAL, Result, zone_runs
 from ..roll.design import design_tension
 from ..studies.find import find as find_values
-from ..studies.kind_model import KindModel, field_quantity, get_field, measurable_outputs, model_of
+from ..studies.kind_model import KindModel, measurable_outputs, model_of
 from ..winding.margins import FIELDS
 from .input_forms import quantity_schema, tables_of
 from .json_texts import records, to_json
@@ -286,16 +284,10 @@ def with_grade(tables: Any, name: str) -> bytes:
 # ---- inverse problems -------------------------------------------------------------------------
 
 
-class _Target(Description):
-    """Target of a design, read as a field of a problem."""
-
-    pressure: Annotated[Schedule, stress("P", "target pressure")]
-
-
 def design(tables: Any, pressure: Any, rtol: float) -> bytes:
     """Return the tension over the radius that gives a wound roll a target pressure, as JSON."""
     problem: Any = problem_of(tables)  # design_tension rejects other kinds
-    solution = design_tension(problem, _Target(pressure=pressure).pressure, rtol=rtol)
+    solution = design_tension(problem, pressure, rtol=rtol)
     return to_json(
         {
             "tension": tables_of(solution.tension),

@@ -18,7 +18,7 @@ from ..errors import (
     NotConverged,
     printable_line,
 )
-from ..quantities import find
+from ..problems.paths import find_places
 from .input_forms import limits_of
 from .json_texts import to_json
 
@@ -103,7 +103,7 @@ def _error_at(path: str, message: str) -> dict[str, Any]:
     error: dict[str, Any] = {"field": path, "message": printable_line(message)}
     if not FIELD_PATH.fullmatch(path):
         return error
-    places = (place for kind in kinds.every() for place in find(kind.problem, path))
+    places = (place for kind in kinds.every() for place in find_places(kind.problem, path))
     if place := next(places, None):
         if limits := limits_of(place.field):
             error["range"] = limits
