@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import woundon as wo
+from woundon.parallel import Cancelled
 
 
 def events(client, study):
@@ -93,6 +94,28 @@ def test_a_study_above_the_stated_size_is_rejected(client, cases, catalogue, ove
     assert answer.status_code == 413
     assert answer.json()["detail"].startswith(f"{cases_asked} cases are too many")
     assert str(catalogue["limits"]["sweep_cases"]) in answer.json()["detail"]
+
+
+def test_the_size_of_a_study_of_rows_is_their_number(cases):
+    from woundon.app.study_stream import start_sweep
+
+    over = {"nip_load": list(range(1000, 1060)), "web_tension": list(range(300, 360))}
+    tables = {"case": cases["nip"], "over": over, "design": {"kind": "table"}}
+    assert json.loads(start_sweep(tables).first)["cases"] == 60
+
+
+def test_a_study_ends_whose_journal_is_gone(tmp_path):
+    from woundon.app.study_stream import Journal
+
+    folder = tmp_path / "study"
+    folder.mkdir()
+    journal = Journal(folder / "journal")
+    journal.progress(1, 3)
+    assert journal.path.read_bytes() == b'{"event":"progress","done":1,"of":3}\n'
+    journal.path.unlink()
+    folder.rmdir()
+    with pytest.raises(Cancelled):
+        journal.progress(2, 3)
 
 
 @pytest.mark.parametrize(
