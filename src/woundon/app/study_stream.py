@@ -14,14 +14,13 @@ from collections.abc import AsyncIterator, Awaitable, Callable, Hashable, Mappin
 from math import prod
 from typing import Any
 
-import numpy as np
-
 from ..errors import InvalidProblem
 from ..io.case_files import check_like_a_case
 from ..problems.messages import quote
 from ..studies.api import study_of
-from ..studies.evaluate import Chunk, solve_chunk
+from ..studies.cases import Chunk, as_labels
 from ..studies.kind_model import KindModel
+from ..studies.run import solve_chunk
 from ..studies.studyfile import SCHEMA, study_of_tables
 from .json_texts import to_json
 from .limits import LIMITS
@@ -53,7 +52,7 @@ def start_study(tables: Any) -> tuple[bytes, KindModel, list[Chunk]]:
     study = study_of_tables({"schema": SCHEMA, **tables}, None)
     if not study.over:
         raise InvalidProblem.at("over", "nothing is varied; give fields and their values")
-    model, design = study_of(
+    model, cases = study_of(
         study.problem,
         study.over,
         study.outputs,
@@ -61,19 +60,16 @@ def start_study(tables: Any) -> tuple[bytes, KindModel, list[Chunk]]:
         options=study.options,
         **study.design,
     )
-    chunks = [
-        Chunk(number, rows, design.inputs(rows)) for number, rows in enumerate(design.chunks(CHUNK))
-    ]
-    labels = {c.name: c.labels.tolist() for c in design.columns}
+    labels = {name: as_labels(values).tolist() for name, values in cases.columns.items()}
     first = {
         "event": "started",
-        "cases": design.size,
+        "cases": len(cases),
         "kind": model.kind.name,
-        "dims": list(design.names) if design.gridded else ["case"],
+        "dims": list(cases.names) if cases.axes else ["case"],
         "inputs": labels,
         "outputs": list(model.outputs),
     }
-    return _line(first), model, chunks
+    return _line(first), model, cases.chunks(CHUNK)
 
 
 def _check_size(tables: Mapping[str, Any]) -> None:
@@ -103,16 +99,16 @@ def _entries(over: Mapping[str, Any]) -> Any:
 
 def solve_cases(model: KindModel, chunk: Chunk) -> tuple[int, bytes]:
     """Return the number of cases solved, and their event without the progress."""
-    block = solve_chunk(model, chunk)
-    values = dict(zip(model.outputs, block.values.T.tolist(), strict=True))
+    solved = solve_chunk(model, chunk)
+    values = dict(zip(model.outputs, solved.values.T.tolist(), strict=True))
     event = {
         "event": "cases",
-        "numbers": np.asarray(block.cases).tolist(),
+        "numbers": chunk.cases.tolist(),
         "values": values,
-        "failures": block.failure.tolist(),
-        "warnings": block.warnings.tolist(),
+        "failures": solved.failure,
+        "warnings": solved.warnings,
     }
-    return len(block.cases), to_json(event)
+    return len(chunk.cases), to_json(event)
 
 
 def _line(event: Mapping[str, Any]) -> bytes:

@@ -87,12 +87,12 @@ def compare(
 ) -> None:
     """Compare a table of measured values with the predictions for a case."""
     from ..io.case_files import load_case
-    from ..studies.case_table import check_table_path, write_table
     from ..studies.compare import compare as compare_with
+    from ..studies.export import TABLES, check_export, write_table
     from ..studies.pull_tab import PullTab
 
     if save:
-        check_table_path(save)
+        check_export(save, TABLES)
     check_output_files(plot, save)
     problem = load_case(case, settings)
     values = {name: tab[f"tab_{name}"] for name in TAB_OPTIONS}

@@ -28,7 +28,7 @@ from .options import (
 )
 
 if TYPE_CHECKING:
-    from ..studies.table import Table
+    from ..studies.run import Table
 
 __all__ = ["fit", "plan", "sobol", "sweep"]
 
@@ -88,9 +88,8 @@ def sweep(
 ) -> int:
     """Solve all cases of a study file."""
     from ..studies.api import study_of
-    from ..studies.engine import run_study
     from ..studies.export import check_export, export
-    from ..studies.runners import runner_for
+    from ..studies.run import Workers, run_study
     from ..studies.studyfile import load_study
 
     loaded = load_study(study)
@@ -112,7 +111,7 @@ def sweep(
         run_study,
         model,
         cases,
-        runner_for(workers, scheduler),
+        Workers(workers, scheduler),
         out=out,
         resume=resume,
         chunk=chunk,
@@ -152,9 +151,9 @@ def _print_summary(table: Table, seconds: float) -> int:
     import numpy as np
 
     from ..quantities import in_chosen_units
-    from ..studies.table import failures
+    from ..studies.run import failures
 
-    failed, size = table.failed.size, table.design.size
+    failed, size = table.failed.size, len(table.cases)
     click.echo(f"{size} cases in {seconds:.1f} s, {failed} failed")
     for reason, count in failures(table.failure):
         click.secho(f"  {count} x {in_chosen_units(reason)}", fg="red")
@@ -349,12 +348,12 @@ def plan(
     plot: Path | None,
 ) -> None:
     """Rank the candidate measurements of a study file."""
-    from ..studies.case_table import check_table_path, write_table
     from ..studies.experiment import next_experiment
+    from ..studies.export import TABLES, check_export, write_table
     from ..studies.plan_file import load_plan
 
     if save:
-        check_table_path(save)
+        check_export(save, TABLES)
     check_output_files(plot, save)
     keywords = load_plan(study)
     settings = {name: v for name, v in (("count", count), ("draws", draws)) if v is not None}

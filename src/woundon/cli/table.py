@@ -68,10 +68,11 @@ def table(
 ) -> int:
     """Solve the cases of a table (.csv or .xlsx), one in each row."""
     from ..io.case_files import load_case
-    from ..studies.case_table import check_table_path, solve_table, write_table
-    from ..studies.table import failures
+    from ..studies.case_table import solve_table
+    from ..studies.export import TABLES, check_export, write_table
+    from ..studies.run import failures
 
-    check_table_path(out)
+    check_export(out, TABLES)
     check_writable(out)
     if settings and case is None:
         raise InvalidProblem.at("--set", "changes a field of --case, which is not given")

@@ -6,7 +6,6 @@ Problem, solver and result class are looked up in :mod:`woundon.kinds`, fields a
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -38,7 +37,6 @@ from ..quantities import (
     walk,
 )
 from .model import Answer
-from .sources import source_digest
 
 __all__ = [
     "KindModel",
@@ -222,23 +220,11 @@ class KindModel:
         plain = (str, int, float, type(None))
         return {
             "version": __version__,
-            "sources": source_digest(*self._packages()),
             "kind": self.kind.name,
             "problem": self.problem.model_dump(),
             "options": {k: v if isinstance(v, plain) else repr(v) for k, v in self.options.items()},
             "tie": dict(self.tie),
         }
-
-    def _packages(self) -> tuple[str, ...]:
-        """Return the names of this package and of the packages of plug-ins."""
-        code = (self.kind.problem, self.kind.solver, self.kind.result)
-        roots = {part.__module__.partition(".")[0] for part in code}
-        this_package = __name__.partition(".")[0]
-        return this_package, *sorted(name for name in roots - {this_package} if _is_package(name))
-
-
-def _is_package(name: str) -> bool:
-    return hasattr(sys.modules.get(name), "__path__")
 
 
 def model_of(

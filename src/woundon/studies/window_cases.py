@@ -10,10 +10,9 @@ from typing import Any
 import numpy as np
 
 from ..errors import InvalidProblem
-from .design import make_design
-from .engine import run_study
+from .cases import table_of_cases
 from .kind_model import get_field
-from .runners import runner_for
+from .run import Workers, run_study
 from .window_map import SetPoints, fitted, from_reserve
 from .window_model import FRICTION_SHARE, WindowModel
 from .window_result import log_deviation
@@ -111,8 +110,8 @@ class CaseSolver:
             return
         table = run_study(
             self.model,
-            make_design(self._columns(new, shares), "table"),
-            runner_for(self.workers, None),
+            table_of_cases(self._columns(new, shares)),
+            Workers(self.workers),
             out=None if self.out is None else self.out / stage,
             resume=self.resume,
             chunk=TOGETHER,

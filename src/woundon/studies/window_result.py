@@ -14,10 +14,10 @@ from ..io.json_texts import json_text
 from ..quantities import Quantity
 from ..results import Presented, ReadOnly
 from .api import in_si
-from .design import make_design
-from .engine import Progress, run_study
+from .cases import table_of_cases
 from .kind_model import get_field
-from .runners import runner_for
+from .progress import Progress
+from .run import Workers, run_study
 from .window_map import NEGLIGIBLE, MarginMap, SetPoints, distance, standard_normal
 
 if TYPE_CHECKING:
@@ -333,8 +333,10 @@ class OperatingWindow(Presented, ReadOnly):
         for k, (name, spread) in enumerate(self.uncertain.items()):
             median = float(get_field(self.problem, name))
             columns[name] = median * np.exp(log_deviation(spread) * z[:, k])
-        design, runner = make_design(columns, "table"), runner_for(workers, None)
-        table = run_study(self.model, design, runner, chunk=SIMULATED_TOGETHER, progress=progress)
+        cases = table_of_cases(columns)
+        table = run_study(
+            self.model, cases, Workers(workers), chunk=SIMULATED_TOGETHER, progress=progress
+        )
         reserves = np.column_stack(list(table.outputs.values()))
         return float(np.mean((reserves >= 0).all(axis=1)))
 
