@@ -93,6 +93,36 @@ def test_dask_gives_the_same_numbers(kind: str, request: pytest.FixtureRequest):
     assert here.identical(there)
 
 
+@pytest.mark.filterwarnings("ignore")
+def test_any_work_is_done_on_a_cluster(thread):
+    """Here the solution of a list of problems."""
+    pair = wo.RollerProblem.example()
+    problems = [pair.replace(load=load) for load in (5e4, 1e5)]
+    solved = dict(Workers(scheduler=thread.scheduler_address).map(wo.solve, problems))
+    assert [solved[each].half_width for each in problems] == [
+        wo.solve(each).half_width for each in problems
+    ]
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_a_machine_of_a_cluster_without_the_program_is_named(
+    thread, monkeypatch: pytest.MonkeyPatch
+):
+    """Otherwise its worker would leave the cluster, and the study would wait for others."""
+    client = pytest.importorskip("distributed").Client
+    get_versions = client.get_versions
+
+    def without_program(*args, **options):
+        versions = get_versions(*args, **options)
+        for worker in versions["workers"].values():
+            worker["packages"]["woundon"] = None
+        return versions
+
+    monkeypatch.setattr(client, "get_versions", without_program)
+    with pytest.raises(wo.InvalidProblem, match=r"scheduler: tcp://\S+ has no woundon; install"):
+        list(Workers(scheduler=thread.scheduler_address).map(abs, [1]))
+
+
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
 def test_a_dask_worker_killed_in_the_middle_changes_nothing(cluster):

@@ -36,6 +36,7 @@ from .store import open_store
 if TYPE_CHECKING:
     import pandas as pd
     import xarray
+    from distributed import Client
 
 __all__ = ["Table", "Workers", "failures", "run_study", "solve_chunk"]
 
@@ -283,6 +284,7 @@ def _on_cluster(
         client = Client(address, timeout=CONNECTING, set_as_default=False)
     except (OSError, ValueError) as fault:
         raise InvalidProblem.at("scheduler", f"{address!r} cannot be reached: {fault}") from None
+    _check_installed(client)
     waiting, running = deque(items), dict[Future[tuple[str, Answer]], Item]()
     limit = QUEUED * max(1, sum(client.nthreads().values()))
     with stoppable(finishing) as stopped, client, client.get_executor(pure=False) as cluster:
@@ -298,10 +300,25 @@ def _on_cluster(
                     if died is None:
                         raise WorkerDied("several workers of the cluster died") from fault
                     version, answer = __version__, died(item)
-                if version != __version__:
-                    text = f"workers run woundon {version}, not {__version__}"
+                if version != __version__:  # of a worker that has joined since
+                    text = f"a worker runs woundon {version}, not {__version__}"
                     raise InvalidProblem.at("scheduler", text)
                 yield item, answer
+
+
+def _check_installed(client: Client) -> None:
+    """Reject a cluster that does not have the client's version of the program everywhere.
+
+    The scheduler and the workers unpickle the work.  A worker that cannot import it leaves the
+    cluster without an answer.
+    """
+    installed = client.get_versions(packages=["woundon"])
+    expected = installed["client"]["packages"]["woundon"]
+    for name, machine in {"the scheduler": installed["scheduler"], **installed["workers"]}.items():
+        if (version := machine["packages"]["woundon"]) != expected:
+            present = f"woundon {version}" if version else "no woundon"
+            text = f"{name} has {present}; install version {expected} on all machines"
+            raise InvalidProblem.at("scheduler", text)
 
 
 def _with_version(work: Callable[[Item], Answer], item: Item) -> tuple[str, Answer]:
