@@ -312,7 +312,7 @@ def _check_installed(client: Client) -> None:
     The scheduler and the workers unpickle the work.  A worker that cannot import it leaves the
     cluster without an answer.
     """
-    installed = client.get_versions(packages=["woundon"])
+    installed: Any = client.get_versions(packages=["woundon"])
     expected = installed["client"]["packages"]["woundon"]
     for name, machine in {"the scheduler": installed["scheduler"], **installed["workers"]}.items():
         if (version := machine["packages"]["woundon"]) != expected:
