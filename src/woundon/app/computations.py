@@ -20,11 +20,11 @@ from .. import kinds
 from ..errors import InvalidProblem, NotConverged, did_you_mean, unwarned
 from ..io.case_files import SCHEMA, check_like_a_case, make_problem
 from ..problems.messages import quote
+from ..problems.paths import field_quantity, find_places, get_field
 from ..problems.permitted import admissible, bounds
 from ..problems.problem import Problem
 from ..problems.schedules import Profile
 from ..problems.units import parse
-from ..quantities import find as find_places
 from ..quantities import scalar_outputs, value_of, walk
 from ..report.answer import answer_lines, main_outputs
 from ..report.report_parts import Section, certificate_of, friction_bounds, zone_strips
@@ -32,7 +32,7 @@ from ..report.result_report import report_parts
 from ..results import ACCEPTED_RESIDUAL, Result, zone_runs
 from ..roll.design import design_tension
 from ..studies.find import find as find_values
-from ..studies.kind_model import KindModel, field_quantity, get_field, measurable_outputs, model_of
+from ..studies.kind_model import KindModel, measurable_outputs, model_of
 from .input_forms import quantity_schema, tables_of
 from .json_texts import to_json
 from .limits import LIMITS

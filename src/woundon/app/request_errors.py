@@ -17,8 +17,8 @@ from ..errors import (
     NotConverged,
     printable_line,
 )
+from ..problems.paths import find_places
 from ..problems.permitted import bounds
-from ..quantities import find
 from .json_texts import to_json
 
 __all__ = ["MEDIA", "REJECTIONS", "RequestError", "request_error_of"]
@@ -99,7 +99,7 @@ def _error_at(path: str, message: str) -> dict[str, Any]:
     error: dict[str, Any] = {"field": path, "message": printable_line(message)}
     if not FIELD_PATH.fullmatch(path):
         return error
-    for place in (place for kind in kinds.every() for place in find(kind.problem, path)):
+    for place in (place for kind in kinds.every() for place in find_places(kind.problem, path)):
         if limits := bounds(place.field):
             names = {">": "gt", ">=": "ge", "<": "lt", "<=": "le"}
             error["range"] = {names[sign]: end for sign, end in limits}

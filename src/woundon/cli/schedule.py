@@ -89,16 +89,15 @@ def schedule(
 
 
 def _target_pressure(text: str, smooth: bool) -> Any:
-    """Return a target pressure: a number [Pa], or the profile in a file."""
+    """Return a target pressure: a number [Pa], a text with a unit, or the profile in a file."""
     from ..io.columns import read_columns
     from ..problems.schedules import Profile
-    from ..problems.units import parse
     from ..quantities import length, stress
 
     if not text.lower().endswith((".csv", ".xlsx")):
         if smooth:
             raise InvalidProblem.at("--smooth", "is given with one value; must be with a table")
-        return parse(options.as_number(text), "Pa", "pressure")
+        return options.as_number(text)
     pressure = stress("P", "pressure between the layers")
     known = {"radius": length("r", "radius"), "pressure": pressure, "value": pressure}
     columns = read_columns(Path(text), known)

@@ -10,20 +10,16 @@ from __future__ import annotations
 import re
 import shlex
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from fractions import Fraction
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
+from pydantic import BaseModel
 
 from ..errors import InvalidProblem
-from ..problems.inputs import (
-    Context,
-    conversion_order,
-    convert_number,
-    is_basis_weight,
-    other_units,
-)
+from ..problems.inputs import Inputs, other_units, read_number
 from ..problems.messages import quote
 from ..problems.units import factor, has_dimension, is_unit
 from ..quantities import Quantity
@@ -68,13 +64,13 @@ class Conversion(NamedTuple):
 
     Attributes
     ----------
-    context : Context
+    inputs : Inputs
         Values of the case; a column replaces its value in each row.
     helpers : mapping of str to Quantity
         Columns that convert others and are no fields, such as the density of a web.
     """
 
-    context: Context = Context()
+    inputs: Inputs = Inputs(BaseModel, {})
     helpers: Mapping[str, Quantity] = MappingProxyType({})
 
 
@@ -105,9 +101,8 @@ def numbers(
     """
     sign, count = decimal_sign(sheet), len(sheet.numbers)
     values = np.full((len(columns), count), np.nan)
-    possible = conversion.context
-    for column in columns:
-        possible = possible.with_field(_converter(column), 1.0)
+    converters = [column for column in columns if _converter(column)]
+    possible = _with_columns(conversion.inputs, {_converter(column): 1.0 for column in converters})
     scales: dict[int, tuple[Quantity, Fraction | None]] = {}
     for k, column in enumerate(columns):
         try:
@@ -115,42 +110,42 @@ def numbers(
             scales[k] = quantity, _scale(column, quantity, possible, sheet.in_si)
         except InvalidProblem as fault:
             faults.append(Fault(sheet.where, f"column {column.header!r}: {fault}"))
-    densities = [column for column in columns if _converter(column) == "density"]
-    orders = [_order(columns, density) for density in ("1 kg/m^3", "1 kg/m^2")]
     for row in range(count):
-        context = conversion.context
-        for k in orders[any(_is_basis_weight(column, row) for column in densities)]:
-            column, cell = columns[k], columns[k].cells[row]
+        inputs = _inputs_of_row(conversion.inputs, converters, row, sign)
+        for k, column in enumerate(columns):
+            cell = column.cells[row]
             if k not in scales or (gaps(column) and _is_empty(cell)):
                 continue
             if len(faults) >= most_faults:
                 return list(values)
             quantity, scale = scales[k]
             try:
-                values[k, row] = _number(cell, sign, column.unit, scale, quantity, context)
+                values[k, row] = _number(cell, sign, column.unit, scale, quantity, inputs)
             except InvalidProblem as fault:
                 faults.append(_cell_fault(sheet, column, row, fault))
-            else:
-                context = context.with_field(_converter(column), float(values[k, row]))
     return list(values)
 
 
 def _converter(column: Column) -> str:
-    """Return the value of a context that a column replaces; '' if it converts no others."""
+    """Return the value of the web that a column contains; '' if it converts no other columns."""
     name = column.name.removeprefix("web.").removeprefix("web_")
-    return name if name in Context._fields and not column.deviation else ""
+    return name if name in ("width", "thickness", "density") and not column.deviation else ""
 
 
-def _order(columns: Sequence[Column], density: str) -> list[int]:
-    """Return the columns in the order of their conversion, for a density of this form."""
-    order = conversion_order({c.name: density for c in columns})
-    return sorted(range(len(columns)), key=lambda k: order.index(columns[k].name))
+def _with_columns(inputs: Inputs, fields: Mapping[str, Any]) -> Inputs:
+    """Return the values of the case with those of columns."""
+    return Inputs(inputs.model, fields, inputs)
 
 
-def _is_basis_weight(column: Column, row: int) -> bool:
-    """Return True for a density that is converted with the thickness of its row."""
-    cell = column.cells[row]
-    return is_basis_weight(str(cell) if _has_unit(cell) else f"1 {column.unit}")
+def _inputs_of_row(inputs: Inputs, columns: Sequence[Column], row: int, sign: str) -> Inputs:
+    """Return the values of the case with those of some columns in a row."""
+    fields: dict[str, str | float] = {}
+    for column in columns:
+        unit = "" if column.unit in NO_UNIT else column.unit
+        with suppress(InvalidProblem):  # it is reported when the cell itself is read
+            text = _text_with_unit(column.cells[row], unit, sign)
+            fields[_converter(column)] = float(text) if _NUMBER.fullmatch(text) else text
+    return _with_columns(inputs, fields)
 
 
 def texts(
@@ -174,8 +169,7 @@ def texts(
             if len(faults) >= MAX_COUNTED:
                 break
             try:
-                text = _plain_text(cell, sign)
-                lists[-1].append(f"{text} {unit}".strip() if _NUMBER.fullmatch(text) else text)
+                lists[-1].append(_text_with_unit(cell, unit, sign))
             except InvalidProblem as fault:
                 faults.append(_cell_fault(sheet, column, row, fault))
     return lists
@@ -214,10 +208,10 @@ def _check_unit(column: Column, quantity: Quantity, *, assignable: bool = True) 
     )
 
 
-def _scale(column: Column, quantity: Quantity, context: Context, in_si: bool) -> Fraction | None:
+def _scale(column: Column, quantity: Quantity, inputs: Inputs, in_si: bool) -> Fraction | None:
     """Return the size in SI of the unit of a column; None if each cell is converted by itself.
 
-    ``context`` has all values that the case or other columns contain.
+    ``inputs`` has all values that the case or other columns contain.
     """
     if column.unit in NO_UNIT:
         if not in_si:
@@ -226,7 +220,7 @@ def _scale(column: Column, quantity: Quantity, context: Context, in_si: bool) ->
     one = f"1 {column.unit}"
     if not any(has_dimension(one, unit) for unit in other_units(quantity)):
         return factor(column.unit, quantity.unit, "")
-    convert_number(one, quantity, "", context)  # is rejected if its conversion is not known
+    read_number(one, quantity, "", inputs)  # is rejected if its conversion is not known
     return None
 
 
@@ -247,7 +241,7 @@ def _has_unit(cell: Any) -> bool:
 
 
 def _number(
-    cell: Any, sign: str, unit: str, scale: Fraction | None, quantity: Quantity, context: Context
+    cell: Any, sign: str, unit: str, scale: Fraction | None, quantity: Quantity, inputs: Inputs
 ) -> float:
     """Return a cell in SI.
 
@@ -259,9 +253,9 @@ def _number(
     text = _plain_text(cell, sign)
     try:
         if not _NUMBER.fullmatch(text):  # with its own unit
-            return convert_number(text, quantity, "", context)
+            return read_number(text, quantity, "", inputs)
         if scale is None:
-            return convert_number(f"{text} {unit}", quantity, "", context)
+            return read_number(f"{text} {unit}", quantity, "", inputs)
         return float(Fraction(text) * scale)
     except OverflowError:
         raise InvalidProblem(f"{quote(cell)} is not a finite number") from None
@@ -292,6 +286,12 @@ def _plain_text(cell: Any, sign: str) -> str:
         return text
     finite = " finite" if text in ("inf", "-inf") else ""
     raise InvalidProblem(f"{quote(cell)} is not a{finite} number")
+
+
+def _text_with_unit(cell: Any, unit: str, sign: str) -> str:
+    """Return a cell as text with its own unit, or with that of its column."""
+    text = _plain_text(cell, sign)
+    return f"{text} {unit}".strip() if _NUMBER.fullmatch(text) else text
 
 
 def _with_point(text: str, sign: str) -> str:

@@ -16,7 +16,8 @@ from typing import Any
 
 from ..errors import InvalidProblem, one_of
 from ..problems.messages import quote
-from ..quantities import Quantity, counterpart, find, is_list, members_of
+from ..problems.paths import counterpart, find_places
+from ..quantities import Quantity, is_list, members_of
 from .cells import Fault, raise_faults, texts
 from .sheets import read_sheet
 from .tables import Names, match_columns
@@ -71,14 +72,14 @@ def with_columns(part: Any, folder: Path, problem: Callable[[], type], path: str
 def _lists(problem: type, path: str, kind: Any) -> dict[str, Quantity]:
     """Return the quantities of the fields of a table that are lists of numbers."""
     known: dict[str, Quantity] = {}
-    for place in find(problem, path):
+    for place in find_places(problem, path):
         for member in members_of(place.field.annotation):
             if kind not in (None, getattr(member, "member_name", str)()):
                 continue
             fields: Mapping[str, Any] = getattr(member, "model_fields", {})
             lists = [name for name, field in fields.items() if is_list(field.annotation)]
             for name in (*lists, *(counterpart(name, "radius") for name in lists)):
-                for field in find(member, name, place.quantity) if name else ():
+                for field in find_places(member, name, place.quantity) if name else ():
                     if field.quantity is not None:
                         known[name] = field.quantity
     return known

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import InvalidProblem, NoSteadyState
 from ..problems.messages import not_one_of, quote
+from ..problems.paths import field_quantity, get_field, number_in_si
 from ..problems.problem import Problem
 from ..quantities import Quantity
 from .case_table import read_cases
@@ -18,13 +19,10 @@ from .kind_model import (
     KindModel,
     columns_of,
     conversion_of,
-    field_quantity,
-    get_field,
+    kind_of,
     measurable_outputs,
     model_of,
-    number_in_si,
     options_of,
-    replaced,
 )
 from .measured import Measured, read_measured
 from .model import quantities_of
@@ -357,7 +355,7 @@ def fit(
         columns_of(problem),
         outputs,
         columns,
-        replaced(problem),
+        kind_of(problem).result.REPLACED,
         conversion_of(problem),
     )
     settings = _on_one_mesh(problem, solver_options(nodes, rtol, options))

@@ -24,10 +24,12 @@ from ..io.cells import MAX_COUNTED, Fault, as_plain_number, decimal_sign, number
 from ..io.sheets import Sheet, read_sheet
 from ..io.tables import Column, Names, match_columns
 from ..problems.description import Description
+from ..problems.family import field_from_table
+from ..problems.paths import field_or_none, nest_tables
 from ..problems.problem import Problem
 from ..quantities import Quantity, is_on_request, pattern, scalar_outputs
 from .cases import table_of_cases
-from .kind_model import KindModel, build, columns_of, conversion_of, get_field, kind_of, model_of
+from .kind_model import KindModel, columns_of, conversion_of, kind_of, model_of
 from .measured import ANNOTATIONS
 from .model import quantities_of
 from .progress import Progress
@@ -214,40 +216,12 @@ class _RowModel(KindModel):
         fields = {name: value for name, value in inputs.items() if not _is_missing(value)}
         if not self.complete:
             return super().variant(fields)
-        problem = make_problem({"schema": SCHEMA, **_nest_tables(fields)}, self.kind.name)
-        ties = {follower: get_field(problem, leader) for follower, leader in self.tie.items()}
-        return problem.replace(**ties) if ties else problem
+        problem = make_problem({"schema": SCHEMA, **nest_tables(fields)}, self.kind.name)
+        return self.with_ties(problem)
 
 
 def _is_missing(value: Any) -> bool:
     return value is None or (isinstance(value, float) and isnan(value))
-
-
-def _nest_tables(fields: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the tables of dotted names; items of a list, whose names are numbers, as a list."""
-    tables: dict[str, Any] = {}
-    # a body or material in a cell comes before its fields in further columns
-    for path, value in sorted(fields.items()):
-        *heads, leaf = path.split(".")
-        inner = tables
-        for k, head in enumerate(heads):
-            inner = inner.setdefault(head, {})
-            if not isinstance(inner, dict):
-                above = ".".join(heads[: k + 1])
-                text = f"has no fields of its own in a table without case: {above} has a column"
-                raise InvalidProblem.at(path, text)
-        inner[leaf] = value
-    return {name: _tables_to_lists(value) for name, value in tables.items()}
-
-
-def _tables_to_lists(table: Any) -> Any:
-    """Return tables with the names "0", "1", ... as lists."""
-    if not isinstance(table, dict):
-        return table
-    inner = {name: _tables_to_lists(value) for name, value in table.items()}
-    if inner and all(name.isdecimal() for name in inner):
-        return [inner[name] for name in sorted(inner, key=int)]
-    return inner
 
 
 # ---- columns ------------------------------------------------------------------------------------
@@ -370,7 +344,7 @@ def _word_or_body(problem: Problem, name: str, cell: Any) -> Any:
         return text or None
     table = json.loads(text)
     check_like_a_case(table, "a table of fields")
-    return build(problem, name, table)
+    return field_from_table(problem, name, table)
 
 
 def _reasons(sheet: Sheet, faults: Sequence[Fault]) -> list[str]:
@@ -388,10 +362,7 @@ def _without_gaps(problem: Problem, cells: Mapping[str, list[Any]]) -> dict[str,
     """
     filled: dict[str, list[Any]] = {}
     for name, of_rows in cells.items():
-        try:
-            present = get_field(problem, name)
-        except InvalidProblem:  # of another body or material, which has a column too
-            present = None
+        present = field_or_none(problem, name)  # None also of another body, which has a column too
         is_number = isinstance(present, float)
         filled[name] = [present if is_number and _is_missing(v) else v for v in of_rows]
     return filled

@@ -18,15 +18,15 @@ import numpy as np
 
 from ..arguments import whole_number
 from ..errors import InvalidProblem, NoSolution, NotConverged, warn
-from ..problems.inputs import conversion_context, convert_number
+from ..problems.inputs import Inputs, read_number
 from ..problems.messages import quote
+from ..problems.paths import find_places, get_field
 from ..problems.permitted import admissible, admits, bounds
 from ..problems.problem import Problem
 from ..problems.units import parse
 from ..quantities import Quantity, in_chosen_units
-from ..quantities import find as find_places
 from .api import solver_options
-from .kind_model import get_field, model_of
+from .kind_model import model_of
 from .model import quantities_of
 from .outcome import Outcome
 from .progress import Progress, progress_reporter
@@ -325,9 +325,7 @@ def find(
 
 def _target_in_si(value: float | str, quantity: Quantity, output: str, problem: Problem) -> float:
     """Return the target in SI; with the width of the web a total force is one per width."""
-    if isinstance(value, str):
-        return convert_number(value, quantity, output, conversion_context(problem))
-    return parse(value, quantity.unit, output)
+    return read_number(value, quantity, output, Inputs.of(problem))
 
 
 def _one_target(target: Mapping[str, float | str]) -> tuple[str, float | str]:
