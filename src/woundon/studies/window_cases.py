@@ -24,13 +24,14 @@ import numpy as np
 from ..errors import InvalidProblem
 from ..problems.grades import Grade, grade
 from ..problems.messages import quote
+from ..problems.paths import field_quantity, get_field
 from ..problems.problem import Problem
 from ..problems.schedules import Profile, Taper
 from ..quantities import Quantity, scalar_outputs
 from .api import in_si
 from .design import make_design
 from .engine import run_study
-from .kind_model import KindModel, field_quantity, get_field, kind_of, model_of
+from .kind_model import KindModel, kind_of, model_of
 from .model import Answer
 from .progress import Progress
 from .runners import runner_for
