@@ -33,7 +33,7 @@ from .minimise import ACCURACY, Linearisation, minimise
 from .predict import Parameter, Predictor
 from .profiles import End, ProfileLikelihood, find_end, profile_of, threshold
 from .progress import Progress
-from .runners import WORTH_A_POOL
+from .run import WORTH_PROCESSES
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -217,7 +217,7 @@ def fit_parameters(
     minima, count = _minima(predictor, starts, seed, tasks)
     if not minima:
         raise NotConverged(f"no start of the fit could be solved: {predictor.fault}")
-    if time.perf_counter() - began < WORTH_A_POOL:
+    if time.perf_counter() - began < WORTH_PROCESSES:
         workers = 1
     ends: dict[tuple[int, int], End] = {}
     for _ in range(MOST_STARTS):
