@@ -67,7 +67,6 @@ from .studies.api import sweep as sweep
 from .studies.case_table import solve_table as solve_table
 from .studies.compare import Comparison as Comparison
 from .studies.compare import compare as compare
-from .studies.derivatives import derivatives as derivatives
 from .studies.experiment import NextExperiment as NextExperiment
 from .studies.experiment import next_experiment as next_experiment
 from .studies.find import FindResult as FindResult
@@ -77,6 +76,7 @@ from .studies.planned import Measurement as Measurement
 from .studies.pull_tab import PullTab as PullTab
 from .studies.schedule import OptimisedSchedule as OptimisedSchedule
 from .studies.schedule import optimise_schedule as optimise_schedule
+from .studies.slopes import derivatives as derivatives
 from .studies.sobol import SobolIndices as SobolIndices
 from .studies.window import operating_window as operating_window
 from .studies.window_result import OperatingPoint as OperatingPoint

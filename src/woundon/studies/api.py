@@ -8,10 +8,12 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from ..errors import InvalidProblem, NoSteadyState
 from ..problems.messages import not_one_of, quote
 from ..problems.problem import Problem
-from ..quantities import Quantity, scalar_outputs
+from ..quantities import scalar_outputs
 from .design import Design, make_design
 from .engine import run_study
 from .fit import FitResult, fit_parameters
@@ -23,13 +25,12 @@ from .kind_model import (
     field_quantity,
     get_field,
     kind_of,
-    measurable_outputs,
     model_of,
     number_in_si,
     options_of,
-    replaced,
 )
-from .measured import Measured, read_cases, read_measured
+from .measured import read_cases
+from .measurements import Observations, read_observations
 from .model import quantities_of
 from .predict import Parameter, Predictor
 from .progress import Progress, progress_reporter
@@ -371,25 +372,17 @@ def fit(
     >>> round(found.estimate("upper.radius"), 2)  # m
     0.25
     """
-    outputs = measurable_outputs(problem)
-    data = read_measured(
-        measured,
-        columns_of(problem),
-        outputs,
-        columns,
-        replaced(problem),
-        conversion_of(problem),
-    )
+    data = read_observations(problem, measured, columns, over_radius=False)
     settings = _on_one_mesh(problem, solver_options(nodes, rtol, options))
-    model = model_of(problem, tuple(data.outputs), tie, settings)
+    model = model_of(problem, tuple(dict.fromkeys(data.names)), tie, settings)
     bounds = in_si(problem, _bounds(vary))
     parameters = tuple(_parameter(problem, name, ends) for name, ends in bounds.items())
     model.check_varied([*(p.name for p in parameters), *data.inputs])
     for parameter in parameters:
         _check_bounds(problem, parameter)
     _check_rows(problem, data)
-    quantities = quantities_of(model, (*(p.name for p in parameters), *data.outputs))
-    _check_units(quantities, data)
+    quantities = quantities_of(model, (*(p.name for p in parameters), *data.names))
+    _check_units(data)
     predictor, profiled = Predictor(model, data, parameters), _names_of_profiles(profiles, bounds)
     with progress_reporter(progress, "fitting") as report:
         result = fit_parameters(
@@ -468,21 +461,20 @@ def _check_bounds(problem: Problem, parameter: Parameter) -> None:
                 raise InvalidProblem.at(parameter.name, f"bounds: {reasons[0]}") from None
 
 
-def _check_rows(problem: Problem, data: Measured) -> None:
+def _check_rows(problem: Problem, data: Observations) -> None:
     """Reject rows with invalid inputs; rows without a steady state are left to the fit."""
-    columns = [values.tolist() for values in data.inputs.values()]
-    for number, *row in zip(data.numbers, *columns, strict=bool(columns)):
+    for row, number in dict(zip(data.rows.tolist(), data.numbers, strict=True)).items():
         try:
-            problem.replace(**dict(zip(data.inputs, row, strict=True)))
+            problem.replace(**{name: float(values[row]) for name, values in data.inputs.items()})
         except NoSteadyState:
             continue
         except InvalidProblem as fault:
             raise fault.under(f"{data.where}: row {number}") from None
 
 
-def _check_units(quantities: Mapping[str, Quantity], data: Measured) -> None:
+def _check_units(data: Observations) -> None:
     """Reject outputs of different units without standard deviations."""
-    units = {quantities[name].unit for name in data.outputs}
-    if len(units) > 1 and set(data.deviations) != set(data.outputs):
+    units = {data.quantities[name].unit for name in data.names}
+    if len(units) > 1 and np.isnan(data.deviation).any():
         text = f"outputs of different units ({', '.join(sorted(units))}) need standard deviations"
         raise InvalidProblem.at("measured", text)

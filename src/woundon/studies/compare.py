@@ -4,8 +4,8 @@
     total^2 = deviation^2 + error^2 + spread^2
 
 deviation: standard deviation of the measurement; error: estimated discretisation error; spread:
-standard deviation of the prediction from those of uncertain inputs, (Q(x + s) - Q(x - s))/2 for
-each input x with the standard deviation s, or s dQ/dx where the result has exact derivatives.
+standard deviation of the prediction from those of uncertain inputs, s dQ/dx for each input x with
+the standard deviation s.
 Deviations are independent; errors and spreads are common to all rows, and do not average out.
 
 Reference: Evaluation of measurement data - Guide to the expression of uncertainty in measurement,
@@ -18,7 +18,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
-from math import nan, sqrt
+from math import isfinite, nan, sqrt
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -32,9 +32,18 @@ from ..quantities import Quantity, in_chosen_units, walk
 from ..results import Presented, ReadOnly
 from .explanations import Explanation, Inputs, explain
 from .kind_model import KindModel, field_quantity, get_field, model_of
-from .measurements import TAB, Observations, definitions, error_at, predict, read_observations
+from .measurements import (
+    TAB,
+    Observable,
+    Observations,
+    definitions,
+    error_at,
+    predict,
+    read_observations,
+)
 from .progress import Progress, progress_reporter
 from .pull_tab import PullTab
+from .slopes import on_mesh_of, slopes, solve_case
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -42,7 +51,6 @@ if TYPE_CHECKING:
 __all__ = ["Agreement", "Comparison", "compare"]
 
 Array = np.ndarray
-STEP = 1e-3  # relative, of an input; errors: its square, and the solver tolerance divided by it
 
 
 class Agreement(NamedTuple):
@@ -347,7 +355,7 @@ def compare(
     >>> [round(float(value) * 1e3, 2) for value in check.predicted]  # mm
     [0.53, 0.71]
     """
-    data = read_observations(problem, measured, tab, columns)
+    data = read_observations(problem, measured, columns, tab)
     settings = {"nodes": nodes, "rtol": rtol, **(options or {})}
     scalars = tuple(
         dict.fromkeys(
@@ -419,14 +427,14 @@ def _predictions(
             for k in rows:
                 failures[k] = str(fault).replace("\n", "; ")
             continue
-        places = [(data.names[k], float(data.position[k])) for k in rows]
-        for k, (name, place) in zip(rows, places, strict=True):
+        places = [Observable(data.names[k], float(data.position[k])) for k in rows]
+        for k, place in zip(rows, places, strict=True):
             try:
-                predicted[k] = predict(result, name, place)
+                predicted[k] = predict(result, place)
             except InvalidProblem as fault:
                 failures[k] = str(fault)
                 continue
-            error[k] = error_at(result, name, place)
+            error[k] = error_at(result, place)
         effects[rows] = _effects(model, result, inputs, places, deviations)
         solved.append(_Solved(rows, inputs, places, result))
     if np.isnan(predicted).all():
@@ -458,22 +466,21 @@ def _inputs(model: KindModel, data: Observations, solved: Sequence[_Solved]) -> 
 
     def response(name: str, change: float, k: int) -> float:
         rows, inputs, places, result = next(group for group in solved if k in group.rows)
-        fixed, value = model.on_mesh_of(result), (1 + change) * get_field(problem, name)
+        value = (1 + change) * get_field(problem, name)
         try:
-            with unwarned():
-                changed = fixed.solve(fixed.variant({**inputs, name: value}), result)
+            changed = solve_case(on_mesh_of(model, result), {**inputs, name: value}, result)
         except (InvalidProblem, NotConverged):
             return nan
         place = places[rows.index(k)]
-        return _or_nan(changed, *place) - _or_nan(result, *place)
+        return _or_nan(changed, place) - _or_nan(result, place)
 
     if hasattr(model.kind.result, "roll"):  # each derivative costs two windings
         note = "inputs are not examined for windings; spread= states the effect of one of them"
         return Inputs({}, response, change_text, note)
     derivatives = {name: np.full(len(data.names), nan) for name in quantities}
     for rows, inputs, places, result in solved:
-        steps = {name: STEP * get_field(problem, name) for name in quantities}
-        effects = _effects(model, result, inputs, places, steps) / STEP
+        values = {name: get_field(problem, name) for name in quantities}
+        effects = _effects(model, result, inputs, places, values)
         for name, column in zip(quantities, effects.T, strict=True):
             derivatives[name][rows] = column
     return Inputs(derivatives, response, change_text)
@@ -502,7 +509,7 @@ class _Solved(NamedTuple):
 
     rows: list[int]
     inputs: Mapping[str, float]
-    places: list[tuple[str, float]]
+    places: list[Observable]
     result: Any
 
 
@@ -538,40 +545,28 @@ def _effects(
     model: KindModel,
     result: Any,
     inputs: Mapping[str, float],
-    places: Sequence[tuple[str, float]],
+    places: Sequence[Observable],
     deviations: Mapping[str, float],
 ) -> Array:
     """Return the changes by one standard deviation of each input, (places, inputs)."""
-    names, effects = tuple(deviations), np.zeros((len(places), len(deviations)))
-    if not names:
-        return effects
-    if all(place != place for _, place in places):
-        gradient = model.gradient(result, names)
-        if gradient is not None:
-            rows = [model.outputs.index(name) for name, _ in places]
-            return np.asarray(gradient[rows] * np.array(list(deviations.values())))
-    fixed = model.on_mesh_of(result)
-    base = np.array([_or_nan(result, *place) for place in places])
-    for j, (name, deviation) in enumerate(deviations.items()):
-        value = get_field(model.variant(inputs), name)
-        sides = []
-        for sign in (1, -1):
-            try:
-                with unwarned():
-                    side = fixed.solve(
-                        fixed.variant({**inputs, name: value + sign * deviation}), result
-                    )
-            except (InvalidProblem, NotConverged):  # one-sided, if this side has no solution
-                continue
-            sides.append(sign * (np.array([_or_nan(side, *place) for place in places]) - base))
-        effects[:, j] = np.mean(sides, axis=0) if sides else nan
-    return effects
+    effects = np.zeros((len(places), len(deviations)))
+    known = [j for j, place in enumerate(places) if isfinite(_or_nan(result, place))]
+    if known and deviations:
+        effects[known] = slopes(
+            model,
+            result,
+            [places[j] for j in known],
+            list(deviations),
+            inputs,
+            nan_if_unsolved=True,
+        )
+    return effects * np.array(list(deviations.values()))
 
 
-def _or_nan(result: Any, name: str, place: float) -> float:
+def _or_nan(result: Any, place: Observable) -> float:
     """Return the prediction of an output at a radius; nan outside the roll."""
     try:
-        return predict(result, name, place)
+        return predict(result, place)
     except InvalidProblem:
         return nan
 

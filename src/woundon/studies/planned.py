@@ -10,14 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from math import exp, isfinite, nan
+from math import isfinite, nan
 from typing import Any
 
 import numpy as np
 
 from .. import kinds
 from ..arguments import check_type
-from ..errors import InvalidProblem, did_you_mean, unwarned
+from ..errors import InvalidProblem, did_you_mean
 from ..problems.messages import quote
 from ..problems.problem import Problem
 from ..problems.units import parse
@@ -33,7 +33,8 @@ from .kind_model import (
     number_in_si,
 )
 from .measured import MEASURED_AS
-from .measurements import POSITIONS, PRESSURE, arrays_over_radius, predict
+from .measurements import POSITIONS, PRESSURE, Observable, arrays_over_radius, predict
+from .slopes import slopes, solve_case
 
 __all__ = ["Measurement", "Planned", "plan_measurement"]
 
@@ -41,9 +42,6 @@ Array = np.ndarray
 RADII = {**POSITIONS, "radius": 1.0}  # names of the position in a roll, radius of each
 RADIUS = length("r", "position in a roll")
 PULL_TAB = "pull_tab_pressure"
-# of ln(theta): the error of a central difference is about its square, 4e-4; the tolerance of rolls
-# and windings, up to 1e-5 of an output, contributes 1e-5/2e-2
-STEP = 2e-2
 
 
 @dataclass(frozen=True, eq=False)
@@ -213,7 +211,7 @@ class Planned:
         """
         solved = {} if solved is None else solved
         values = np.empty(len(self.states))
-        slopes = np.zeros((len(self.states), len(theta)))
+        derivatives = np.zeros((len(self.states), len(theta)))
         groups: dict[tuple[tuple[str, float], ...], list[int]] = {}
         for k, state in enumerate(self.states):
             groups.setdefault(tuple(sorted(state.items())), []).append(k)
@@ -222,31 +220,32 @@ class Planned:
             state = dict(fields)
             key = (id(self.model.problem), fields, tuple(theta.items()))
             if key not in solved:
-                with unwarned():
-                    solved[key] = self.model.solve(self._variant(state, theta), start)
+                solved[key] = solve_case(self.model, {**self._parameters(theta), **state}, start)
             start = solved[key]
             values[rows] = self._values(start, rows)
-            slopes[rows] = self._slopes(start, state, rows, theta)
-        return values, slopes
+            derivatives[rows] = self._slopes(start, state, rows, theta)
+        return values, derivatives
 
     def information(
         self, theta: Mapping[str, float], solved: dict[Any, Any] | None = None
     ) -> Array:
         """Return the Fisher information on ln(theta), (p, p); arguments as of :meth:`predict`."""
-        values, slopes = self.predict(theta, solved)
+        values, derivatives = self.predict(theta, solved)
         sigma = self.deviation * (np.abs(values) if self.is_relative else np.ones(values.shape))
         if not np.all(sigma > 0):
             text = f"{quote(self.measurement.standard_deviation)} of a predicted value of 0"
             raise InvalidProblem.at(f"{self.measurement.name}: standard_deviation", text)
-        rows = slopes / sigma[:, None]
+        rows = derivatives / sigma[:, None]
         return np.asarray(rows.T @ rows)
 
-    def _variant(self, state: Mapping[str, float], theta: Mapping[str, float]) -> Any:
-        parameters = {path: theta[name] for name, paths in self.paths.items() for path in paths}
-        return self.model.variant({**parameters, **state})
+    def _parameters(self, theta: Mapping[str, float]) -> dict[str, float]:
+        return {path: theta[name] for name, paths in self.paths.items() for path in paths}
+
+    def _observables(self, rows: list[int]) -> list[Observable]:
+        return [Observable(self.output, float(self.position[k])) for k in rows]
 
     def _values(self, result: Any, rows: list[int]) -> Array:
-        return np.array([predict(result, self.output, float(self.position[k])) for k in rows])
+        return np.array([predict(result, observable) for observable in self._observables(rows)])
 
     def _slopes(
         self,
@@ -256,37 +255,15 @@ class Planned:
         theta: Mapping[str, float],
     ) -> Array:
         """Return the derivatives by ln(theta) of the values at one state, (rows, p)."""
-        slopes = np.zeros((len(rows), len(theta)))
-        paths = tuple(path for group in self.paths.values() for path in group)
-        gradient = None
-        if paths and np.isnan(self.position[rows]).all():
-            gradient = self.model.gradient(result, paths)
-        fixed = self.model.on_mesh_of(result)
-        for j, (name, value) in enumerate(theta.items()):
-            group = self.paths.get(name, ())
-            if gradient is not None:
-                slopes[:, j] = value * sum(float(gradient[0, paths.index(path)]) for path in group)
-            elif group:
-                upper, lower = (
-                    self._values(self._moved(fixed, result, state, theta, name, step), rows)
-                    for step in (STEP, -STEP)
-                )
-                slopes[:, j] = (upper - lower) / (2 * STEP)
-        return slopes
-
-    def _moved(
-        self,
-        model: KindModel,
-        start: Any,
-        state: Mapping[str, float],
-        theta: Mapping[str, float],
-        name: str,
-        step: float,
-    ) -> Any:
-        """Return the result for a parameter that is larger by the factor exp(step)."""
-        with unwarned():
-            moved = {**theta, name: theta[name] * exp(step)}
-            return model.solve(self._variant(state, moved), start)
+        columns = np.zeros((len(rows), len(theta)))
+        paths = [path for group in self.paths.values() for path in group]
+        if paths:
+            inputs = {**self._parameters(theta), **state}
+            by_path = slopes(self.model, result, self._observables(rows), paths, inputs)
+            for j, (name, value) in enumerate(theta.items()):
+                for path in self.paths.get(name, ()):
+                    columns[:, j] += value * by_path[:, paths.index(path)]
+        return columns
 
 
 def plan_measurement(
