@@ -5,13 +5,14 @@ header, blank rows, columns without a header and lines that start with # are ign
 merged cell is repeated in all cells of the block.  :mod:`.tables` interprets the headers,
 :mod:`.cells` the cells.
 
-pandas fills short rows of a text; openpyxl skips the rest of merged blocks, reads formulas without
-a value as empty cells and creates all cells up to a distant one.  Text and XML are checked for this
-before.  :mod:`.spreadsheets` writes tables.
+openpyxl skips the rest of merged blocks, reads formulas without a value as empty cells and creates
+all cells up to a distant one.  The XML is checked for this before.  :mod:`.spreadsheets` writes
+tables.
 """
 
 from __future__ import annotations
 
+import csv
 import io
 import os
 import re
@@ -238,8 +239,6 @@ def _decode(content: bytes, where: str) -> str:
 
 def _text_rows(text: str, where: str) -> tuple[Rows, str]:
     """Return the cells of the lines of a text, and their separator."""
-    import pandas as pd
-
     text = text.replace("\r\n", "\n").replace("\r", "\n")
     if text.count("\n") >= MAX_ROWS:
         raise InvalidProblem.at(where, f"has too many rows; must be at most {MAX_ROWS}")
@@ -248,45 +247,39 @@ def _text_rows(text: str, where: str) -> tuple[Rows, str]:
     declaration = re.match("sep=(.) *$", text, flags=re.MULTILINE)  # a line that Excel understands
     if declaration:
         text = text[declaration.end() :]
+    separator = declaration[1] if declaration else _separator(text)
+    lines = csv.reader(io.StringIO(text), delimiter=separator, skipinitialspace=True, strict=True)
+    rows: Rows = []
+    widest = 1
+    try:
+        for row in lines:
+            rows.append(row)
+            widest = max(widest, len(row))
+            if len(row) > MAX_COLUMNS:
+                _check_header("", len(row), where, len(rows))
+            if len(rows) * widest > MAX_CELLS:
+                raise InvalidProblem.at(where, f"has more than {MAX_CELLS} cells")
+    except csv.Error as fault:
+        text = f"row {1 + len(rows)}: is not a table: {_csv_reason(str(fault))}"
+        raise InvalidProblem.at(where, text) from None
+    return rows, separator
+
+
+def _csv_reason(fault: str) -> str:
+    """Return the reason for which the csv module rejects a row."""
+    if fault.startswith("field larger"):
+        limit = csv.field_size_limit()
+        return f"a quote has no end, or a cell has more than {limit} characters"
+    if "expected after" in fault:
+        return f"in a cell in quotes, {fault}; a quote inside of it must be doubled"
+    return "a quote has no end"
+
+
+def _separator(text: str) -> str:
+    """Return the character that separates the cells: the one that most of the first lines have."""
     first = text.split("\n", 100)[:100]
     # the first one of equals: "1,5;2,5" could be three cells too
-    separator = (
-        declaration[1]
-        if declaration
-        else max(";\t,", key=lambda sign: sum(sign in line for line in first))
-    )
-    sizes = _sizes_of_rows(text, separator, where)
-    if not text or len(sizes) * max(sizes) > MAX_CELLS:
-        reason = f"has more than {MAX_CELLS} cells" if text else "has no header with rows below it"
-        raise InvalidProblem.at(where, reason)
-    frame = pd.read_csv(
-        io.StringIO(text),
-        sep=separator,
-        header=None,
-        names=range(max(sizes)),
-        index_col=False,
-        dtype=str,
-        na_filter=False,
-        skipinitialspace=True,
-        skip_blank_lines=False,
-    )
-    cells = frame.to_numpy().tolist()
-    return [row[:size] for row, size in zip(cells, sizes, strict=True)], separator
-
-
-def _sizes_of_rows(text: str, separator: str, where: str) -> list[int]:
-    """Return the number of cells of each row, before pandas fills the short ones."""
-    sign, blank = re.escape(separator), " " if separator == "\t" else "[ \t]"
-    opening = rf'(^|{sign}){blank}*"'
-    # separators and ends of lines in quotes do not count; a quote in quotes is doubled
-    unquoted = re.sub(rf'{opening}(?:[^"]++|"")*+"', r"\1x", text, flags=re.MULTILINE)
-    if unclosed := re.search(opening, unquoted, flags=re.MULTILINE):
-        row = 1 + unquoted.count("\n", 0, unclosed.end())
-        raise InvalidProblem.at(where, f"row {row}: is not a table: a quote has no end")
-    sizes = [1 + line.count(separator) for line in unquoted.split("\n")]
-    if max(sizes) > MAX_COLUMNS:
-        _check_header("", max(sizes), where, 1 + sizes.index(max(sizes)))
-    return sizes
+    return max(";\t,", key=lambda sign: sum(sign in line for line in first))
 
 
 # ---- Excel --------------------------------------------------------------------------------------

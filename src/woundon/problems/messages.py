@@ -13,7 +13,7 @@ from pydantic.fields import FieldInfo
 
 from ..errors import InvalidProblem, NoSteadyState, did_you_mean, nearest, one_of
 from ..quantities import members_of, quantity_of
-from .permitted import admissible, bounds, unit_of
+from .permitted import admissible, admits, unit_of
 
 __all__ = ["NotANumber", "no_such_field", "not_one_of", "quote", "validation_error"]
 
@@ -147,11 +147,10 @@ def _other_unit_hint(value: Any, field: FieldInfo) -> str:
     """Return a hint if the number is in range in another unit (66 for 66 um)."""
     if value < 1:
         return ""
-    tests = {">": float.__gt__, ">=": float.__ge__, "<": float.__lt__, "<=": float.__le__}
     fits = [
         f"{value:g} {unit} is {value * factor:g}"
         for unit, factor in _OTHER_UNITS.get(unit_of(field), {}).items()
-        if all(tests[sign](value * factor, float(bound)) for sign, bound in bounds(field))
+        if admits(field, value * factor)
     ]
     return f" (plain numbers are SI: {', '.join(fits)})" if fits else ""
 

@@ -14,6 +14,7 @@ __all__ = [
     "Conditional",
     "accepts_number",
     "admissible",
+    "admits",
     "bounds",
     "is_within",
     "requirement",
@@ -64,6 +65,12 @@ def bounds(field: FieldInfo) -> list[tuple[str, float]]:
         for part in field.metadata
         if hasattr(part, name)
     ]
+
+
+def admits(field: FieldInfo, value: float) -> bool:
+    """Return True if a number is within the bounds of a field."""
+    tests = {">": float.__gt__, ">=": float.__ge__, "<": float.__lt__, "<=": float.__le__}
+    return all(tests[sign](float(value), float(bound)) for sign, bound in bounds(field))
 
 
 def unit_of(field: FieldInfo) -> str:

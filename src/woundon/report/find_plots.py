@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,17 +20,22 @@ __all__ = ["plot_find"]
 DECADE = 10.0  # from this ratio of the ends the field has a logarithmic axis
 
 
-def plot_find(outcome: FindResult, path: Any = None, ax: Axes | None = None) -> Any:
+def plot_find(
+    outcome: FindResult,
+    path: str | Path | None = None,
+    ax: Axes | None = None,
+    panels: str | Sequence[str] | None = None,
+) -> Any:
     """Plot the output over the field with the target and the solutions.
 
     Parameters
     ----------
     outcome : FindResult
-    path, ax
+    path, ax, panels
         As of :func:`~woundon.report.panels.draw_panels`.
     """
-    panels = {"scan": Panel(_draw_scan, "scan", 5.2, 3.4)}
-    return draw_panels(panels, [Case(outcome)], path, ax, None, lettered=False)
+    known = {"scan": Panel(_draw_scan, "scan", 5.2, 3.4)}
+    return draw_panels(known, [Case(outcome)], path, ax, panels, lettered=False)
 
 
 def _draw_scan(axes: Axes, cases: Sequence[Case]) -> list[Any]:

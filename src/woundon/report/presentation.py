@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..results import Result
 from ..sensitivity import Sensitivity
+from ..studies.outcome import Outcome
 from ..winding.margins import Margins
 from .html import parts_html, table_html
 from .margins_report import margins_html, margins_text
@@ -42,6 +43,12 @@ def html_of(thing: Any) -> str:
 
 html_of.register(Result, lambda result: parts_html(report_parts(result)))
 html_of.register(Margins, margins_html)
+
+
+@html_of.register
+def _html_of_outcome(outcome: Outcome) -> str:
+    """Return the first line, the table and the remarks of a study."""
+    return table_html(outcome.answer()[0], outcome.table_for_display(), outcome.remarks())
 
 
 def html_of_table(head: str, frame: pd.DataFrame, remarks: Iterable[str] = ()) -> str:

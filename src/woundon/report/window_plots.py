@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,22 +12,24 @@ from matplotlib.colors import ListedColormap
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from ..studies.window_result import LEVELS, OperatingWindow
 from .figures import COLOURS, axis_label, wrapped_text
 from .panels import Case, Panel, draw_panels
 
-if TYPE_CHECKING:
-    from ..studies.window_result import OperatingWindow
-
 __all__ = ["plot_window"]
 
-LEVELS = (0.5, 0.9, 0.99)
 STYLES: Any = (":", "--", "-")
 FAINT = 0.35  # opacity of the regions
 WORDS = {"gauge_band": "gauge band"}
 NONE = "#BBBBBB"
 
 
-def plot_window(window: OperatingWindow, path: Any = None, ax: Axes | None = None) -> Any:
+def plot_window(
+    window: OperatingWindow,
+    path: str | Path | None = None,
+    ax: Axes | None = None,
+    panels: str | Sequence[str] | None = None,
+) -> Any:
     """Plot the contours of the probability over the regions of the binding margins.
 
     With a torque split, the level of the best point is drawn.
@@ -34,11 +37,11 @@ def plot_window(window: OperatingWindow, path: Any = None, ax: Axes | None = Non
     Parameters
     ----------
     window : OperatingWindow
-    path, ax
+    path, ax, panels
         As of :func:`~woundon.report.panels.draw_panels`.
     """
-    panels = {"window": Panel(_draw_window, "window", 7.2, 4.2, legend="right")}
-    return draw_panels(panels, [Case(window)], path, ax, None, lettered=False)
+    known = {"window": Panel(_draw_window, "window", 7.2, 4.2, legend="right")}
+    return draw_panels(known, [Case(window)], path, ax, panels, lettered=False)
 
 
 def _draw_window(axes: Axes, cases: Sequence[Case]) -> list[Any]:

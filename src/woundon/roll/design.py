@@ -29,7 +29,7 @@ from ..problems.roll import RollProblem
 from ..problems.schedules import Profile
 from ..problems.wound_roll import WoundRoll
 from ..quantities import find
-from .equations import StageSolution, interpolate_pressure
+from .equations import StageData, StageSolution, interpolate_pressure
 from .finished import equations_of
 from .stage_nodes import evaluate_in_cells, nodes_between
 
@@ -282,7 +282,7 @@ class _TargetStages:
             nodes = nodes_between(knots[0], x, CELLS, self.surface_layer, kinks)
             guess = self._guess(x, nodes)
             source = evaluate_in_cells(nodes, self.target.source)
-            solved = self.equations.solve(nodes, source, self.T_c, *guess)
+            solved = self.equations.solve(StageData(nodes, source, self.T_c), *guess)
             if solved is None:
                 raise NotConverged(f"no stage at the radius {np.exp(x):.6g} m has this pressure")
             self.solved[x] = nodes, solved
