@@ -61,7 +61,6 @@ from .roll.design import TensionDesign as TensionDesign
 from .roll.design import design_tension as design_tension
 from .roll.result import RollResult as RollResult
 from .sensitivity import Sensitivity as Sensitivity
-from .studies.api import fit as fit
 from .studies.api import global_sensitivity as global_sensitivity
 from .studies.api import sweep as sweep
 from .studies.case_table import solve_table as solve_table
@@ -71,7 +70,8 @@ from .studies.experiment import NextExperiment as NextExperiment
 from .studies.experiment import next_experiment as next_experiment
 from .studies.find import FindResult as FindResult
 from .studies.find import find as find
-from .studies.fit import FitResult as FitResult
+from .studies.fit import fit as fit
+from .studies.fit_result import FitResult as FitResult
 from .studies.planned import Measurement as Measurement
 from .studies.pull_tab import PullTab as PullTab
 from .studies.schedule import OptimisedSchedule as OptimisedSchedule

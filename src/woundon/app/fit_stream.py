@@ -18,8 +18,8 @@ from typing import Any
 
 from ..errors import InvalidProblem, unwarned
 from ..io.sheets import Sheet, sheet_of_content
-from ..studies.api import fit
-from ..studies.fit import FitResult
+from ..studies.fit import fit
+from ..studies.fit_result import FitResult
 from .computations import problem_of
 from .json_texts import to_json
 from .limits import LIMITS

@@ -37,7 +37,7 @@ from ..problems.units import parse
 from ..quantities import Quantity, in_chosen_units
 from ..results import Presented, ReadOnly
 from .api import solver_options
-from .fit import FitResult
+from .fit_result import FitResult
 from .kind_model import field_quantity, get_field, kind_of
 from .planned import Measurement, Planned, plan_measurement
 from .progress import Progress, progress_reporter
