@@ -24,6 +24,7 @@ from typing import Any
 import numpy as np
 
 from .. import kinds, quantities
+from ..problems.paths import field_quantity
 from ..quantities import Quantity
 from ..report.report_parts import friction_bounds, zone_strips
 from ..results import Result, zone_runs
@@ -331,7 +332,7 @@ def _roll_panels(result: Any) -> list[Panel]:
     r = np.linspace(result.radius[0], result.radius[-1], POINTS)
     values = result.at_radius(r)
     stages = np.unique(np.concatenate([result.stage_radius, curve.kinks]))
-    wound_on_tension = quantities.find(type(result.problem), "wound_on_tension")[0].quantity
+    wound_on_tension = field_quantity(result.problem, "wound_on_tension")
     assert wound_on_tension is not None
     tension = {
         "name": "wound_on_tension",

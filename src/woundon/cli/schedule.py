@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import click
 
 from ..errors import InvalidProblem
 from ..io.files import write_whole
 from . import options
+
+if TYPE_CHECKING:
+    from ..problems.schedules import Profile
 
 __all__ = ["schedule"]
 
@@ -88,17 +91,16 @@ def schedule(
         plot_schedule(solution, roll, plot)
 
 
-def _target_pressure(text: str, smooth: bool) -> Any:
-    """Return a target pressure: a number [Pa], or the profile in a file."""
+def _target_pressure(text: str, smooth: bool) -> float | str | Profile:
+    """Return a target pressure: a number [Pa], a text with a unit, or the profile in a file."""
     from ..io.columns import read_columns
     from ..problems.schedules import Profile
-    from ..problems.units import parse
     from ..quantities import length, stress
 
     if not text.lower().endswith((".csv", ".xlsx")):
         if smooth:
             raise InvalidProblem.at("--smooth", "is given with one value; must be with a table")
-        return parse(options.as_number(text), "Pa", "pressure")
+        return options.as_number(text)
     pressure = stress("P", "pressure between the layers")
     known = {"radius": length("r", "radius"), "pressure": pressure, "value": pressure}
     columns = read_columns(Path(text), known)

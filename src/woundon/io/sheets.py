@@ -162,43 +162,62 @@ def _listed(cells: Any, where: str) -> list[Any]:
 # ---- from rows to a sheet -----------------------------------------------------------------------
 
 
+class _Row(NamedTuple):
+    """A row with its number in the spreadsheet and the texts of the cells that are not empty."""
+
+    number: int
+    cells: list[Any]
+    texts: list[str]
+
+
 def _sheet(where: str, rows: Rows) -> Sheet:
     """Return the table of rows of cells: title rows are skipped, then header, units and values."""
-    filled = [
-        (k, cells, texts) for k, cells in enumerate(rows, 1) if (texts := _nonempty_cells(cells))
-    ]
-    for number, cells, texts in filled:
-        if max(map(len, texts)) > MAX_CELL:
-            column, cell = max(enumerate(cells, 1), key=lambda place: len(str(place[1])))
-            text = f"the cell has {len(cell)} characters; must be at most {MAX_CELL}"
-            raise InvalidProblem.at(where, f"row {number}, column {column}: {text}")
-    if any(len(texts) > 1 for _, _, texts in filled):
-        while len(filled[0][2]) == 1:  # a title
+    filled = _filled_rows(rows, where)
+    if any(len(row.texts) > 1 for row in filled):
+        while len(filled[0].texts) == 1:  # a title
             del filled[0]
     if len(filled) < 2:
         raise InvalidProblem.at(where, "has no header with rows below it")
-    (number, header), *body = ((number, cells) for number, cells, _ in filled)
-    names = [" ".join(str(cell).split()) for cell in header]
-    while not names[-1]:
-        names.pop()
-    headers: set[str] = set()
-    for k, name in enumerate(names, 1):
-        _check_header(name, k, where, number)
-        if name and name in headers:
-            text = f"row {number}: two columns have the same header {name!r}"
-            raise InvalidProblem.at(where, text)
-        headers.add(name)
-    for number, cells in body:
-        if len(cells) < len(names) or _nonempty_cells(cells[len(names) :]):
-            text = f"row {number} has {len(cells)} cells, the header {len(names)}"
+    header, *body = filled
+    names = _headers(header, where)
+    for row in body:
+        if len(row.cells) < len(names) or _nonempty_cells(row.cells[len(names) :]):
+            text = f"row {row.number} has {len(row.cells)} cells, the header {len(names)}"
             raise InvalidProblem.at(where, text)
     units: dict[str, str] = {}
-    first = body[0][1]
-    if len(body) > 1 and _are_units(first[: len(names)]):
-        units = {name: str(unit).strip("[]() ") for name, unit in zip(names, first, strict=False)}
+    below_header = body[0].cells[: len(names)]
+    if len(body) > 1 and _are_units(below_header):
+        units = {n: str(unit).strip("[]() ") for n, unit in zip(names, below_header, strict=True)}
         del body[0]
-    columns = {name: [cells[k] for _, cells in body] for k, name in enumerate(names) if name}
-    return Sheet(where, columns, [number for number, _ in body], units)
+    columns = {name: [row.cells[k] for row in body] for k, name in enumerate(names) if name}
+    return Sheet(where, columns, [row.number for row in body], units)
+
+
+def _filled_rows(rows: Rows, where: str) -> list[_Row]:
+    """Return the rows that are not blank; reject cells that are too long."""
+    filled = []
+    for number, cells in enumerate(rows, 1):
+        texts = _nonempty_cells(cells)
+        if texts:
+            filled.append(_Row(number, cells, texts))
+            if max(map(len, texts)) > MAX_CELL:
+                column, cell = max(enumerate(cells, 1), key=lambda place: len(str(place[1])))
+                text = f"the cell has {len(cell)} characters; must be at most {MAX_CELL}"
+                raise InvalidProblem.at(where, f"row {number}, column {column}: {text}")
+    return filled
+
+
+def _headers(row: _Row, where: str) -> list[str]:
+    """Return the headers of all columns, '' for none, up to the last; reject equal ones."""
+    names = [" ".join(str(cell).split()) for cell in row.cells]
+    while not names[-1]:
+        names.pop()
+    for k, name in enumerate(names):
+        _check_header(name, k + 1, where, row.number)
+        if name and name in names[:k]:
+            text = f"row {row.number}: two columns have the same header {name!r}"
+            raise InvalidProblem.at(where, text)
+    return names
 
 
 def _check_header(header: str, column: int, where: str, row: int = 0) -> None:

@@ -17,6 +17,7 @@ import numpy as np
 from .. import quantities
 from ..nip.result import NipResult
 from ..nip.roller_result import RollerResult
+from ..problems.paths import field_quantity
 from ..quantities import Quantity, in_chosen_units
 from ..results import ACCEPTED_RESIDUAL, Residuals, Result, Zone, zone_runs
 
@@ -218,7 +219,7 @@ def output_row(result: Result, name: str, value: float | None = None, **texts: s
 
 def field_row(problem: Any, name: str, *, empty: float = nan, **texts: str) -> Row:
     """Return the row of a problem's field; ``empty`` is the value of a field that is None."""
-    quantity = quantities.find(problem, name)[0].quantity
+    quantity = field_quantity(problem, name)
     if quantity is None:
         raise AttributeError(f"{name} of a {type(problem).__name__} has no quantity")
     value = getattr(problem, name)

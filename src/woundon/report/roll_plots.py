@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
+from ..problems.paths import field_quantity
 from ..problems.roll import RollProblem
-from ..quantities import find
 from ..roll.result import RollResult
 from .figures import COLOURS, axis_label, quantity_of
 from .margin_plots import Disc
@@ -149,7 +149,7 @@ def _shade_compression(axes: Axes, x: np.ndarray, hoop: np.ndarray) -> Handles:
 
 def _draw_tension(axes: Axes, cases: Cases) -> Handles:
     """Plot the wound-on tension over the radius."""
-    quantity = find(RollProblem, "wound_on_tension")[0].quantity
+    quantity = field_quantity(RollProblem, "wound_on_tension")
     assert quantity is not None
     radius = quantity_of(cases[0].result, "radius")
     for case in cases:

@@ -7,9 +7,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..errors import InvalidProblem
+from ..problems.paths import field_quantity
 from ..problems.radial_laws import Pfeiffer
 from ..problems.schedules import Profile, Taper
-from ..quantities import find, in_chosen_units, length, line_load, strain, stress
+from ..quantities import in_chosen_units, length, line_load, strain, stress
 from ..roll.gauge_band import gauge_band_over
 from ..roll.result import RollResult
 from ..roll.theories import plateau_pressure
@@ -83,7 +84,7 @@ def _tension(result: RollResult) -> Iterator[Row]:
     if not isinstance(schedule, Taper | Profile):
         yield field_row(problem, "wound_on_tension")
         return
-    quantity = find(problem, "wound_on_tension")[0].quantity
+    quantity = field_quantity(problem, "wound_on_tension")
     assert quantity is not None
     T = problem.tension_curve.at(result.radius[[0, -1]]) * problem.web_thickness
     for where, value in zip(("core", "surface"), T.tolist(), strict=True):

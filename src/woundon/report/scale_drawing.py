@@ -16,7 +16,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon
 
-from ..quantities import Quantity, find
+from ..problems.paths import field_quantity
+from ..quantities import Quantity
 from ..results import zone_runs
 from .figures import ZONE_COLOURS, ZONE_HATCHES, Picture, quantity_of, style, text_of
 from .report_parts import zone_strips
@@ -140,7 +141,7 @@ def _draw_nip(axes: Axes, result: Any) -> None:
 
 def _field(problem: Any, name: str) -> Quantity:
     """Return the quantity of a field."""
-    quantity = find(problem, name)[0].quantity
+    quantity = field_quantity(problem, name)
     assert quantity is not None
     return quantity
 

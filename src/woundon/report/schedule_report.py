@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 from rich.console import Console
 
+from ..problems.paths import field_quantity
 from ..problems.roll import RollProblem
-from ..quantities import Quantity, find, length, share, stress
+from ..quantities import Quantity, length, share, stress
 from ..roll.design import TensionDesign
 from ..roll.result import RollResult
 from .figures import COLOURS, Picture, axis_label, quantity_of, save_figure, style
@@ -25,7 +26,7 @@ SURFACE = stress("dP", "largest deviation in the outer layer")
 
 def _tension_quantity() -> Quantity:
     """Return the quantity of the wound-on tension."""
-    quantity = find(RollProblem, "wound_on_tension")[0].quantity
+    quantity = field_quantity(RollProblem, "wound_on_tension")
     assert quantity is not None
     return quantity
 

@@ -11,6 +11,7 @@ from rich.text import Text
 
 from .. import kinds, quantities
 from ..problems.nip import NipProblem
+from ..problems.paths import field_quantity
 from .terminal import plain_console, print_columns
 
 if TYPE_CHECKING:
@@ -29,7 +30,7 @@ def sensitivity_text(sensitivity: Sensitivity) -> str:
 
 def _field(name: str) -> quantities.Quantity:
     """Return the quantity of a field."""
-    quantity = quantities.find(NipProblem, name)[0].quantity
+    quantity = field_quantity(NipProblem, name)
     assert quantity is not None
     return quantity
 

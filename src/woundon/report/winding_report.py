@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from ..problems.paths import field_quantity
 from ..problems.schedules import Profile, Taper
-from ..quantities import find
 from ..winding.margins import TITLES
 from ..winding.result import WindingResult
 from .margins_report import margins_part
@@ -108,7 +108,7 @@ def _schedules(result: WindingResult) -> Iterator[Row]:
         if not isinstance(schedule, Taper | Profile):
             yield field_row(problem, name)
             continue
-        quantity = find(problem, name)[0].quantity
+        quantity = field_quantity(problem, name)
         assert quantity is not None
         for where, value in zip(("core", "surface"), problem.at(name, problem.ends), strict=True):
             yield Row(

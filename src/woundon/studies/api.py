@@ -8,19 +8,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InvalidProblem
+from ..problems.family import field_from_table
+from ..problems.paths import field_quantity, number_in_si
 from ..problems.problem import Problem
 from ..quantities import scalar_outputs
 from .design import Design, make_design
 from .engine import run_study
 from .kind_model import (
     KindModel,
-    build,
     columns_of,
     conversion_of,
-    field_quantity,
     kind_of,
     model_of,
-    number_in_si,
 )
 from .measured import read_cases
 from .progress import Progress
@@ -182,7 +181,8 @@ def _cases(
     outputs |= {f"errors.{name}": quantity for name, quantity in outputs.items()}
     inputs = columns_of(problem)
     conversion = conversion_of(problem)
-    return read_cases(data, inputs, outputs, partial(build, problem), columns, conversion)
+    build = partial(field_from_table, problem)
+    return read_cases(data, inputs, outputs, build, columns, conversion)
 
 
 def _model_of_study(

@@ -11,22 +11,22 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
-from math import inf, isfinite, nan
+from math import isfinite, nan
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from ..arguments import whole_number
 from ..errors import InvalidProblem, NoSolution, NotConverged, warn
-from ..problems.inputs import conversion_context, convert_number
+from ..problems.inputs import Inputs, read_number
 from ..problems.messages import quote
-from ..problems.permitted import admissible, admits, bounds
+from ..problems.paths import find_places, get_field
+from ..problems.permitted import admissible, admits, extremes
 from ..problems.problem import Problem
 from ..problems.units import parse
 from ..quantities import Quantity, in_chosen_units
-from ..quantities import find as find_places
 from .api import solver_options
-from .kind_model import get_field, model_of
+from .kind_model import model_of
 from .measurements import Observable
 from .model import quantities_of
 from .outcome import Outcome
@@ -324,9 +324,7 @@ def find(
 
 def _target_in_si(value: float | str, quantity: Quantity, output: str, problem: Problem) -> float:
     """Return the target in SI; with the width of the web a total force is one per width."""
-    if isinstance(value, str):
-        return convert_number(value, quantity, output, conversion_context(problem))
-    return parse(value, quantity.unit, output)
+    return read_number(value, quantity, output, Inputs.of(problem))
 
 
 def _one_target(target: Mapping[str, float | str]) -> tuple[str, float | str]:
@@ -344,9 +342,7 @@ def _interval(
 ) -> Interval:
     """Return the range of the scan."""
     info = find_places(problem, name)[0].field
-    limits = bounds(info)
-    lowest = max((bound for sign, bound in limits if sign in (">", ">=")), default=-inf)
-    highest = min((bound for sign, bound in limits if sign in ("<", "<=")), default=inf)
+    lowest, highest = extremes(info)
     if between is not None:
         low, high = _ends(between, quantity, name)
         for end in (low, high):

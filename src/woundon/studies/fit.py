@@ -27,11 +27,12 @@ import numpy as np
 from ..errors import InvalidProblem, NoSteadyState, NotConverged
 from ..parallel import in_processes
 from ..problems.messages import not_one_of, quote
+from ..problems.paths import field_quantity, get_field
 from ..problems.problem import Problem
 from ..quantities import Quantity
 from .api import in_si, solver_options
 from .fit_result import FitResult
-from .kind_model import field_quantity, get_field, model_of, options_of
+from .kind_model import model_of, options_of
 from .measurements import Observations, read_observations
 from .minimise import ACCURACY, Linearisation, minimise
 from .model import quantities_of

@@ -22,10 +22,11 @@ import numpy as np
 from .. import kinds
 from ..errors import InvalidProblem, NotConverged, one_of
 from ..problems.messages import quote
+from ..problems.paths import field_quantity, get_field
 from ..problems.problem import Problem
 from ..quantities import Quantity, in_chosen_units, value_of
 from .api import in_si
-from .kind_model import KindModel, field_quantity, get_field, model_of
+from .kind_model import KindModel, model_of
 from .model import quantities_of
 from .outcome import Outcome
 from .progress import Progress, progress_reporter

@@ -21,9 +21,10 @@ import numpy as np
 
 from ..arguments import check_type
 from ..errors import InvalidProblem, NotConverged, unwarned
+from ..problems.paths import field_or_none, get_field, is_part_of
 from ..results import Result
 from ..sensitivity import Sensitivity
-from .kind_model import KindModel, get_field, model_of, options_of
+from .kind_model import KindModel, model_of, options_of
 from .measurements import Observable, predict
 
 __all__ = ["derivatives", "on_mesh_of", "slopes", "solve_case"]
@@ -136,7 +137,7 @@ def _exact_slopes(
         name: [
             path + name.removeprefix(leader)
             for path, leader in model.tie.items()
-            if name == leader or name.startswith(f"{leader}.")
+            if is_part_of(name, leader)
         ]
         for name in names
     }
@@ -246,7 +247,7 @@ def derivatives(result: Any, *parameters: str, **options: Any) -> Sensitivity:
 
 def _continuous_field(problem: Any, name: str) -> float:
     """Return the value of a field that can be varied by a share of it."""
-    value = get_field(problem, name)
+    value = field_or_none(problem, name)
     if not isinstance(value, float):
         raise InvalidProblem.at(name, "is not a continuous field")
     if value == 0:

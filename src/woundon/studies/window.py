@@ -408,8 +408,8 @@ class _Study:
         changed = changed.rows(np.isfinite(changed.margins).all(axis=1))
         changes = changed.margins - polynomial(changed.x)
         differences = steps.margins - base.margins
-        expansion = expansion_of(changed.x, changed.z, changes, differences)
-        return MarginMap(polynomial, expansion, self.sample)
+        powers, factors = expansion_of(changed.x, changed.z, changes, differences)
+        return MarginMap(polynomial, powers, factors, self.sample)
 
     def _degrees(self, degree: int) -> list[int]:
         """Return the degrees along all coordinates; the torque split has three levels."""

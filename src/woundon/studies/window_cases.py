@@ -24,13 +24,14 @@ import numpy as np
 from ..errors import InvalidProblem
 from ..problems.grades import Grade, grade
 from ..problems.messages import quote
+from ..problems.paths import field_quantity, get_field
 from ..problems.problem import Problem
 from ..problems.schedules import Profile, Taper
 from ..quantities import Quantity, scalar_outputs
 from .api import in_si
 from .design import make_design
 from .engine import run_study
-from .kind_model import KindModel, field_quantity, get_field, kind_of, model_of
+from .kind_model import KindModel, kind_of, model_of
 from .model import Answer
 from .progress import Progress
 from .runners import runner_for
@@ -244,8 +245,9 @@ def input_values(problem: Any, spreads: Mapping[str, float], z: Array) -> dict[s
     --------
     >>> import woundon as wo
     >>> problem = wo.WindingProblem.example()  # friction 0.19
-    >>> input_values(problem, {"roll_friction": 0.3}, np.array([[0.0], [1.0]]))
-    {'roll_friction': array([0.19      , 0.25484087])}
+    >>> values = input_values(problem, {"roll_friction": 0.3}, np.array([[0.0], [1.0]]))
+    >>> values["roll_friction"].round(4)
+    array([0.19  , 0.2548])
     """
     values = {}
     for (name, spread), column in zip(spreads.items(), z.T, strict=True):

@@ -30,7 +30,6 @@ from numpy.polynomial import chebyshev, hermite_e
 
 __all__ = [
     "NEGLIGIBLE",
-    "Expansion",
     "MarginMap",
     "Polynomial",
     "SetPoints",
@@ -216,46 +215,7 @@ def _hermite(z: Array, degree: int) -> Array:
 # ---- effects of the inputs ----------------------------------------------------------------------
 
 
-@dataclass(frozen=True, eq=False)
-class Expansion:
-    """Changes of the margins with the uncertain inputs: sum_t c_t(x) psi_t(z).
-
-    Attributes
-    ----------
-    powers : (terms, inputs) int array
-        Degree of psi in each input.  The psi are orthonormal for z of the standard normal
-        distribution.
-    factors : (terms, 1 + d, margins) array
-        Of 1, x_1, ..., x_d in c.
-    """
-
-    powers: Array
-    factors: Array
-
-    def at(self, x: Array) -> Array:
-        """Return c at set points, (points, margins, terms)."""
-        return np.einsum("pk,tkm->pmt", _with_one(x), self.factors)
-
-    def basis(self, z: Array) -> Array:
-        """Return psi of inputs, (draws, terms)."""
-        return _products(_hermite, self.powers, z)
-
-    def mean(self, x: Array) -> Array:
-        """Return the mean change, (points, margins)."""
-        is_one = self.powers.sum(axis=1) == 0
-        return np.asarray(self.at(x)[..., is_one].sum(axis=-1))
-
-    def variances(self, x: Array) -> Array:
-        """Return the contributions of the inputs to the variance, (points, margins, inputs).
-
-        The variance of a product is divided equally among its inputs (Shapley effects).
-        """
-        is_factor = self.powers > 0
-        shares = is_factor / np.maximum(is_factor.sum(axis=1, keepdims=True), 1)
-        return np.asarray(self.at(x) ** 2 @ shares)
-
-
-def expansion_of(x: Array, z: Array, changes: Array, differences: Array) -> Expansion:
+def expansion_of(x: Array, z: Array, changes: Array, differences: Array) -> tuple[Array, Array]:
     """Return the expansion of changes of the margins at set points with inputs.
 
     If the points are too few for least squares, the changes are linear in the inputs.
@@ -268,12 +228,18 @@ def expansion_of(x: Array, z: Array, changes: Array, differences: Array) -> Expa
         y(x, z) - M(x).
     differences : (inputs, margins) array
         Changes at one set point for one standard deviation of each input; nan if unknown.
+
+    Returns
+    -------
+    powers : (terms, inputs) int array
+    factors : (terms, 1 + d, margins) array
+        As of :class:`MarginMap`.
     """
     inputs, d = z.shape[1], x.shape[1]
     if len(x) < POINTS_PER_TERM * (inputs + d + 1):
         factors = np.zeros((inputs, 1 + d, changes.shape[1]))
         factors[:, 0] = np.nan_to_num(differences)
-        return Expansion(np.eye(inputs, dtype=int), factors)
+        return np.eye(inputs, dtype=int), factors
     important = _important(differences)
     while important and POINTS_PER_TERM * terms_of(inputs, len(important), d) > len(x):
         important.pop()
@@ -282,8 +248,8 @@ def expansion_of(x: Array, z: Array, changes: Array, differences: Array) -> Expa
 
 def _least_squares_expansion(
     x: Array, z: Array, changes: Array, important: Sequence[int]
-) -> Expansion:
-    """Return the expansion by least squares.
+) -> tuple[Array, Array]:
+    """Return powers and factors of the expansion by least squares.
 
     The linear effects of the important inputs depend on the set point, and their squares and
     products are included.
@@ -300,7 +266,7 @@ def _least_squares_expansion(
     rows = _products(_hermite, powers, z)[:, :, None] * _with_one(x)[:, None, :]
     factors = np.zeros((*used.shape, changes.shape[1]))
     factors[used] = np.linalg.lstsq(rows[:, used], changes, rcond=1e-10)[0]
-    return Expansion(powers, factors)
+    return powers, factors
 
 
 def _important(differences: Array) -> list[int]:
@@ -338,31 +304,49 @@ class MarginMap:
     ----------
     nominal : Polynomial
         M, of (margins,) coefficients.
-    expansion : Expansion
+    powers : (terms, inputs) int array
+        Degree of psi in each input.  The psi are orthonormal for z of the standard normal
+        distribution.
+    factors : (terms, 1 + d, margins) array
+        Of 1, x_1, ..., x_d in c.
     sample : (draws, inputs) array
         z.
     """
 
     nominal: Polynomial
-    expansion: Expansion
+    powers: Array
+    factors: Array
     sample: Array
 
     def margins(self, x: Array, z: Array) -> Array:
         """Return y at set points with inputs z, one for each point, (points, margins)."""
-        change = np.einsum("pmt,pt->pm", self.expansion.at(x), self.expansion.basis(z))
-        return np.asarray(self.nominal(x) + change)
+        basis = _products(_hermite, self.powers, z)
+        return np.asarray(self.nominal(x) + np.einsum("pmt,pt->pm", self._effects(x), basis))
+
+    def _effects(self, x: Array) -> Array:
+        """Return c at set points, (points, margins, terms)."""
+        return np.einsum("pk,tkm->pmt", _with_one(x), self.factors)
+
+    def means(self, x: Array) -> Array:
+        """Return the means of y, (points, margins)."""
+        is_one = self.powers.sum(axis=1) == 0
+        return np.asarray(self.nominal(x) + self._effects(x)[..., is_one].sum(axis=-1))
 
     def variances(self, x: Array) -> Array:
-        """Return the contributions to the variance of y, (points, margins, inputs)."""
-        return self.expansion.variances(x)
+        """Return the contributions of the inputs to the variance of y, (points, margins, inputs).
+
+        The variance of a product is divided equally among its inputs (Shapley effects).
+        """
+        is_factor = self.powers > 0
+        shares = is_factor / np.maximum(is_factor.sum(axis=1, keepdims=True), 1)
+        return np.asarray(self._effects(x) ** 2 @ shares)
 
     def distances(self, x: Array) -> Array:
         """Return the means of y in standard deviations, (points, margins).
 
         Without a deviation they are a large multiple of the mean.
         """
-        mean = self.nominal(x) + self.expansion.mean(x)
-        return np.asarray(mean / np.maximum(self._deviations(x), NEGLIGIBLE))
+        return np.asarray(self.means(x) / np.maximum(self._deviations(x), NEGLIGIBLE))
 
     def reserves(self, x: Array) -> tuple[Array, Array]:
         """Return the reserves with median inputs and their standard deviations (first order)."""
@@ -381,11 +365,11 @@ class MarginMap:
         shift : (margins,) array, optional
             Added to y.
         """
-        mean, factors = self.nominal(x) + shift, self.expansion.at(x)
-        basis = self.expansion.basis(self.sample).T
+        nominal, effects = self.nominal(x) + shift, self._effects(x)
+        basis = _products(_hermite, self.powers, self.sample).T
         all_hold = np.ones((len(x), len(self.sample)), dtype=bool)
-        for k in range(mean.shape[1]):
-            all_hold &= mean[:, k, None] + factors[:, k] @ basis >= 0
+        for k in range(nominal.shape[1]):
+            all_hold &= nominal[:, k, None] + effects[:, k] @ basis >= 0
         return np.asarray(all_hold.mean(axis=1))
 
     def probability_errors(self, x: Array, deviations: Mapping[str, Array]) -> dict[str, float]:
