@@ -198,7 +198,6 @@ def stored(out: Path) -> dict[int, bytes]:
 def table_of(problem: Any, over: Any, outputs: Any = None, **how: Any) -> Any:
     """Return the table of a sweep, solved here."""
     from woundon.studies.api import study_of
-    from woundon.studies.engine import run_study
-    from woundon.studies.runners import SerialRunner
+    from woundon.studies.run import Workers, run_study
 
-    return run_study(*study_of(problem, over, outputs, **how), SerialRunner())
+    return run_study(*study_of(problem, over, outputs, **how), Workers(1))

@@ -406,7 +406,7 @@ def test_the_expected_decrease_is_that_of_the_linear_model_within_the_bounds():
 
 @pytest.mark.slow
 def test_processes_give_the_same_fit_as_one(monkeypatch):
-    monkeypatch.setattr(woundon.studies.fit, "WORTH_A_POOL", 0.0)
+    monkeypatch.setattr(woundon.studies.fit, "WORTH_PROCESSES", 0.0)
     y = 2 * (1 - np.exp(-0.4 * X)) + 0.3 * NOISE
     parameters = (Parameter("a", 0.1, 100.0, 1.0), Parameter("b", 0.01, 10.0, 1.0))
     one = _fitted(models.SaturationModel(), y, parameters)

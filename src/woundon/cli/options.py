@@ -183,9 +183,9 @@ def _check_figure(path: Path) -> None:
 
 def _check_table(path: Path) -> None:
     # the tables of cases import NumPy
-    from ..studies.case_table import check_table_path
+    from ..studies.export import TABLES, check_export
 
-    check_table_path(path)
+    check_export(path, TABLES)
 
 
 PATH = click.Path(path_type=Path)
@@ -308,7 +308,7 @@ def print_failures(cases: str, reasons: Iterable[str], seconds: float) -> int:
     import numpy as np
 
     from ..quantities import in_chosen_units
-    from ..studies.table import failures
+    from ..studies.run import failures
 
     texts = np.array([*reasons], dtype=object)
     failed = int((texts != "").sum())

@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from ..quantities import Quantity
+from ..studies.cases import as_labels, is_numeric
 from .figures import (
     COLOURS,
     Picture,
@@ -28,8 +29,8 @@ from .panels import Case, Panel, draw_panels
 if TYPE_CHECKING:
     from ..studies.fit_result import FitResult
     from ..studies.profiles import ProfileLikelihood
+    from ..studies.run import Table
     from ..studies.sobol import SobolIndices
-    from ..studies.table import Table
 
 __all__ = ["plot_fit", "plot_indices", "plot_sweep"]
 
@@ -56,7 +57,7 @@ def plot_sweep(table: Table, output: str, path: str | Path | None = None) -> Fig
         Where to save; without it the figure is pyplot's.
     """
     with style():
-        draw = _grid_figure if table.design.gridded else _scatter
+        draw = _grid_figure if table.cases.axes else _scatter
         figure = draw(table, output, path is None)
     if path is not None:
         save_figure(figure, path)
@@ -65,15 +66,13 @@ def plot_sweep(table: Table, output: str, path: str | Path | None = None) -> Fig
 
 def _grid_figure(table: Table, output: str, registered: bool) -> Figure:
     """Return the figure of a grid: curves over the longest axis, panels for the third."""
-    design = table.design
+    shape, axes_of_grid = table.cases.shape, list(table.cases.axes.values())
     flat, text = _scaled(table.quantities.get(output), output, table.outputs[output])
-    values = flat.reshape(design.shape)
+    values = flat.reshape(shape)
     # numeric inputs first, then by the number of values; from the fourth on at the middle value
-    inputs = sorted(
-        range(len(design.shape)), key=lambda k: (not design.columns[k].numeric, -design.shape[k])
-    )
-    axes_order, fixed = inputs[:3], {k: design.shape[k] // 2 for k in inputs[3:]}
-    values = values[tuple(fixed.get(k, slice(None)) for k in range(len(design.shape)))]
+    inputs = sorted(range(len(shape)), key=lambda k: (not is_numeric(axes_of_grid[k]), -shape[k]))
+    axes_order, fixed = inputs[:3], {k: shape[k] // 2 for k in inputs[3:]}
+    values = values[tuple(fixed.get(k, slice(None)) for k in range(len(shape)))]
     values = np.transpose(values, [sorted(axes_order).index(k) for k in axes_order])
     while values.ndim < 3:
         values = values[..., None]
@@ -108,11 +107,12 @@ def _omissions(shape: tuple[int, ...]) -> str:
 
 def _draw_curves(axes: Axes, table: Table, axes_order: list[int], values: Array) -> None:
     """Plot one panel of a grid."""
-    x = table.design.columns[axes_order[0]]
-    numeric = x.numeric
-    positions, text = np.arange(len(x.values)), x.name
+    name = table.cases.names[axes_order[0]]
+    x = table.cases.axes[name]
+    numeric = is_numeric(x)
+    positions, text = np.arange(len(x)), name
     if numeric:
-        positions, text = _scaled(table.quantities.get(x.name), x.name, x.labels.astype(float))
+        positions, text = _scaled(table.quantities.get(name), name, x)
     order = np.argsort(positions, kind="stable")
     for place, k in enumerate(_evenly_spaced(values.shape[1], _MOST_CURVES)):
         label = _value_label(table, axes_order[1], k) if len(axes_order) > 1 else None
@@ -126,7 +126,7 @@ def _draw_curves(axes: Axes, table: Table, axes_order: list[int], values: Array)
             label=label,
         )
     if not numeric:
-        axes.set_xticks(positions, [str(label) for label in x.labels], rotation=20)
+        axes.set_xticks(positions, [str(label) for label in as_labels(x)], rotation=20)
     elif _logarithmic(positions):
         _log_axis(axes.xaxis)
     axes.set_xlabel(text)
@@ -134,7 +134,7 @@ def _draw_curves(axes: Axes, table: Table, axes_order: list[int], values: Array)
 
 def _scatter(table: Table, output: str, registered: bool) -> Figure:
     """Return the figure of a design without a grid: the output over each input."""
-    columns = [c for c in table.design.columns if c.numeric]
+    columns = {name: v for name, v in table.cases.columns.items() if is_numeric(v)}
     wide = min(len(columns), 3)
     rows = -(-len(columns) // max(wide, 1))
     figure = Picture.new((2.9 * wide + 0.6, 2.6 * rows + 0.4), registered)
@@ -142,11 +142,8 @@ def _scatter(table: Table, output: str, registered: bool) -> Figure:
     for axes in panels.flat[len(columns) :]:
         axes.set_visible(False)
     values, text = _scaled(table.quantities.get(output), output, table.outputs[output])
-    for axes, column in zip(panels.flat, columns, strict=False):
-        quantity = table.quantities.get(column.name)
-        positions, x_label = _scaled(
-            quantity, column.name, column.labels.astype(float), words=False
-        )
+    for axes, (name, inputs) in zip(panels.flat, columns.items(), strict=False):
+        positions, x_label = _scaled(table.quantities.get(name), name, inputs, words=False)
         axes.plot(
             positions, values, ".", color=COLOURS[0], markersize=3, alpha=0.6, rasterized=True
         )
@@ -321,9 +318,9 @@ def _log_axis(axis: Axis) -> None:
 
 def _value_label(table: Table, axis: int, place: int) -> str:
     """Return a label such as "shear = 10 MPa" for an index on an axis."""
-    column = table.design.columns[axis]
-    value, quantity = column.labels[place], table.quantities.get(column.name)
-    name = column.name.rpartition(".")[2].replace("_", " ")
-    if not column.numeric:
+    field = table.cases.names[axis]
+    values, quantity = table.cases.axes[field], table.quantities.get(field)
+    value, name = as_labels(values)[place], field.rpartition(".")[2].replace("_", " ")
+    if not is_numeric(values):
         return f"{name} = {value}"
     return f"{name} = {value:.4g}" if quantity is None else f"{name} = {text_of(quantity, value)}"

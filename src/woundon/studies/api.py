@@ -3,28 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InvalidProblem
-from ..problems.family import field_from_table
 from ..problems.paths import field_quantity, number_in_si
 from ..problems.problem import Problem
-from ..quantities import scalar_outputs
-from .design import Design, make_design
-from .engine import run_study
+from .case_table import read_cases
+from .cases import Cases, make_cases
 from .kind_model import (
     KindModel,
-    columns_of,
-    conversion_of,
-    kind_of,
     model_of,
 )
-from .measured import read_cases
 from .progress import Progress
-from .runners import runner_for
-from .sobol import SobolIndices, saltelli_design, sobol_indices_of
+from .run import Workers, run_study
+from .sobol import SobolIndices, saltelli_cases, sobol_indices_of
 
 if TYPE_CHECKING:
     import xarray
@@ -98,17 +91,12 @@ def sweep(
     Raises
     ------
     InvalidProblem
-        For a name that does not exist, a folder that contains another study, or if all values are
-        invalid.
+        For a name that does not exist, a folder that contains another study or a damaged one, or
+        if all values are invalid.
     NotConverged
         If no case was solved, with the reasons; has the dataset.
     OSError
         If ``out`` cannot be written, e.g. on a full disk; chunks in the file remain valid.
-
-    Warns
-    -----
-    UserWarning
-        If the file in ``out`` is damaged; the damaged chunks are solved again.
 
     Examples
     --------
@@ -132,7 +120,7 @@ def sweep(
     table = run_study(
         model,
         cases,
-        runner_for(workers, scheduler),
+        Workers(workers, scheduler),
         out=out,
         resume=resume,
         chunk=chunk,
@@ -152,37 +140,24 @@ def study_of(
     seed: int = 0,
     tie: Mapping[str, str] | None = None,
     options: Mapping[str, Any] | None = None,
-) -> tuple[KindModel, Design]:
-    """Return the model and the design of a :func:`sweep`, for :func:`~.engine.run_study`.
+) -> tuple[KindModel, Cases]:
+    """Return the model and the cases of a :func:`sweep`, for :func:`~.run.run_study`.
 
     >>> import woundon as wo
     >>> over = {"load": [1e4, 2e4], "friction": [0.3]}
-    >>> _, design = study_of(wo.RollerProblem.example(), over, ["half_width"])
-    >>> design.shape
+    >>> _, cases = study_of(wo.RollerProblem.example(), over, ["half_width"])
+    >>> cases.shape
     (2, 1)
     """
     if columns is not None or isinstance(over, (str, Path)) or hasattr(over, "iloc"):
-        over, design = _cases(problem, over, columns, design), "table"
+        if design not in ("grid", "table"):
+            text = f"{design!r} draws samples, which cannot be combined with a table"
+            raise InvalidProblem.at("design", text)
+        over, design = read_cases(over, problem, columns), "table"
     return (
         _model_of_study(problem, over, outputs, tie, options or {}),
-        make_design(in_si(problem, over), design, samples, seed),
+        make_cases(in_si(problem, over), design, samples, seed),
     )
-
-
-def _cases(
-    problem: Problem, data: Any, columns: Mapping[str, str | None] | None, design: str
-) -> dict[str, list[Any]]:
-    """Return the cases of a table, row by row."""
-    if design not in ("grid", "table"):
-        raise InvalidProblem.at(
-            "design", f"{design!r} draws samples, which cannot be combined with a table"
-        )
-    outputs = scalar_outputs(kind_of(problem).result)
-    outputs |= {f"errors.{name}": quantity for name, quantity in outputs.items()}
-    inputs = columns_of(problem)
-    conversion = conversion_of(problem)
-    build = partial(field_from_table, problem)
-    return read_cases(data, inputs, outputs, build, columns, conversion)
 
 
 def _model_of_study(
@@ -284,8 +259,8 @@ def global_sensitivity(
     True
     """
     model = _model_of_study(problem, over, outputs, tie, solver_options(nodes, rtol, options))
-    cases = saltelli_design(in_si(problem, over), samples, seed)
+    cases = saltelli_cases(in_si(problem, over), samples, seed)
     table = run_study(
-        model, cases, runner_for(workers, scheduler), out=out, resume=resume, progress=progress
+        model, cases, Workers(workers, scheduler), out=out, resume=resume, progress=progress
     )
     return sobol_indices_of(table, samples, seed)

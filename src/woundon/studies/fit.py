@@ -39,7 +39,7 @@ from .model import quantities_of
 from .predict import Parameter, Predictor
 from .profiles import End, ProfileLikelihood, find_end, profile_of, threshold
 from .progress import Progress, progress_reporter
-from .runners import WORTH_A_POOL, number_of_workers
+from .run import WORTH_PROCESSES, Workers
 
 __all__ = ["fit", "fit_parameters"]
 
@@ -138,7 +138,7 @@ def fit(
             seed=seed,
             profiles=profiled,
             quantities=quantities,
-            workers=number_of_workers(workers),
+            workers=Workers(workers).count,
             progress=report,
         )
     estimates = dict(zip(result.names, result.estimates, strict=True))
@@ -277,7 +277,7 @@ def fit_parameters(
     minima, count = _minima(predictor, starts, seed, tasks)
     if not minima:
         raise NotConverged(f"no start of the fit could be solved: {predictor.fault}")
-    if time.perf_counter() - began < WORTH_A_POOL:
+    if time.perf_counter() - began < WORTH_PROCESSES:
         workers = 1
     ends: dict[tuple[int, int], End] = {}
     for _ in range(MOST_STARTS):
