@@ -238,7 +238,7 @@ def fit(
 ) -> None:
     """Fit fields of a case to measured data (.csv or .xlsx, units in the header)."""
     from ..io.case_files import load_case
-    from ..studies.api import fit as fit_problem
+    from ..studies.fit import fit as fit_problem
 
     result = fit_problem(load_case(case, settings), data, progress=True, **arguments)
     if save:
