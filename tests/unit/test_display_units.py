@@ -30,12 +30,13 @@ from woundon import kinds
 from woundon.io.chosen_units import units_of
 from woundon.problems.units import MILL
 from woundon.quantities import in_chosen_units, outputs, walk
+from woundon.report.drawing import draw_figure
 from woundon.report.html_report import report_file
-from woundon.report.panels import cases_of, draw_panels
-from woundon.report.plots import figure_for_file, output_panels, panels_of
+from woundon.report.plots import figure_for_file
+from woundon.report.result_panels import array_panels, panels_of
 from woundon.report.scale_drawing import REACH, scale_drawing
 from woundon.report.schedule_report import print_schedule
-from woundon.report.study_plots import plot_sweep
+from woundon.report.sweep_panels import plot_sweep
 from woundon.report.terminal import plain_console
 from woundon.studies.api import study_of
 from woundon.studies.engine import run_study
@@ -158,10 +159,8 @@ def test_a_value_in_a_legend_has_the_unit_of_its_axis() -> None:
 def test_panels_of_any_array_show_the_same_numbers(system: str) -> None:
     """The panels of a kind without panels of its own: several arrays on an axis."""
     result = coarse_solution(PROBLEMS["roll"], 33)
-    for panel in output_panels(result).values():
-        pair = in_both(
-            system, lambda panel=panel: draw_panels({"": panel}, cases_of([result], [""]))
-        )
+    for maker in array_panels(result).values():
+        pair = in_both(system, lambda maker=maker: draw_figure([[maker.make(result)]]))
         assert differing_artists(*pair) == []
 
 

@@ -13,7 +13,7 @@ import woundon as wo
 from woundon import kinds, plugins
 from woundon.problems.fields import Number
 from woundon.quantities import find, length, line_load, output
-from woundon.report.plots import PANELS
+from woundon.report.result_panels import PANELS
 from woundon.report.result_report import REPORTS
 
 OWN = {

@@ -5,7 +5,7 @@ The base class in :mod:`woundon.results` calls these functions.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from functools import singledispatch
 from typing import TYPE_CHECKING, Any
 
@@ -56,27 +56,6 @@ def figure_of(thing: Any, *options: Any) -> Any:
         from .plots import plot
 
         return plot(thing, *options)
-    from ..studies.compare import Comparison
-    from ..studies.experiment import NextExperiment
-    from ..studies.find import FindResult
-    from ..studies.fit import FitResult
-    from ..studies.schedule import OptimisedSchedule
-    from ..studies.sobol import SobolIndices
-    from ..studies.window_result import OperatingWindow
-    from .compare_plots import plot_comparison
-    from .find_plots import plot_find
-    from .plan_plots import plot_plan
-    from .schedule_plots import plot_schedule
-    from .study_plots import plot_fit, plot_indices, plot_sweep
-    from .window_plots import plot_window
+    from .study_plots import plot_study
 
-    plots: dict[type[Any], Callable[..., Any]] = {
-        Comparison: plot_comparison,
-        FindResult: plot_find,
-        FitResult: plot_fit,
-        NextExperiment: plot_plan,
-        OperatingWindow: plot_window,
-        OptimisedSchedule: plot_schedule,
-        SobolIndices: plot_indices,
-    }
-    return plots.get(type(thing), plot_sweep)(thing, *options)
+    return plot_study(thing, *options)

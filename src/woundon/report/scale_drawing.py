@@ -18,8 +18,8 @@ from matplotlib.patches import Circle, Polygon
 
 from ..quantities import Quantity, find
 from ..results import zone_runs
-from .figures import ZONE_COLOURS, ZONE_HATCHES, Picture, quantity_of, style, text_of
-from .report_parts import zone_strips
+from .figures import ZONE_COLOURS, ZONE_HATCHES, Picture, style, text_of
+from .report_parts import quantity_of, zone_strips
 
 __all__ = ["scale_drawing"]
 

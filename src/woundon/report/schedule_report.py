@@ -11,8 +11,10 @@ from ..problems.roll import RollProblem
 from ..quantities import Quantity, find, length, share, stress
 from ..roll.design import TensionDesign
 from ..roll.result import RollResult
-from .figures import COLOURS, Picture, axis_label, quantity_of, save_figure, style
-from .report_parts import Line, Row, Section
+from .drawing import show_panels
+from .panels import Axis, Curve, Panel
+from .report_parts import Line, Row, Section, quantity_of
+from .roll_panels import radii_between, radius_axis
 from .terminal import print_columns, print_parts
 
 __all__ = ["csv_text", "plot_schedule", "print_schedule"]
@@ -112,21 +114,31 @@ def _print_table(design: TensionDesign, roll: RollResult, console: Console) -> N
 
 def plot_schedule(design: TensionDesign, roll: RollResult, path: str | Path) -> None:
     """Plot the target pressure, the pressure of the roll wound with the schedule, the tension."""
-    P, r_of, WOT = quantity_of(roll, "pressure"), quantity_of(roll, "radius"), _tension_quantity()
-    r = np.linspace(design.radius[0], design.radius[-1], 801)
-    x = r_of.shown(r)
-    with style():
-        figure = Picture.new((8.4, 3.2), registered=False)
-        left, right = figure.subplots(1, 2)
-        left.plot(x, P.shown(roll.at_radius(r)["pressure"]), color=COLOURS[0], label="result")
-        radius, target = r_of.shown(design.radius), P.shown(design.target_pressure)
-        left.plot(radius, target, "--", color=COLOURS[1], label="target")
-        left.set_ylabel(axis_label("Pressure $P$", P))
-        left.legend()
-        right.plot(x, WOT.shown(design.tension.at(r)), color=COLOURS[0])
-        right.set_ylabel(axis_label("Wound-on tension", WOT))
-        for axes in (left, right):
-            axes.set_xlabel(axis_label("Radius $r$", r_of))
-            axes.set_xlim(x[0], x[-1])
-            axes.set_ylim(bottom=0)
-        save_figure(figure, path)
+    r = radii_between(roll)
+    radius, P = radius_axis(r), quantity_of(roll, "pressure")
+    pressure = roll.at_radius(r)["pressure"]
+    target = Curve("target", design.radius, design.target_pressure, "", "target", "drum", "dashed")
+    panels = (
+        Panel(
+            "pressure",
+            "Pressure",
+            radius,
+            Axis("Pressure $P$", P, from_zero=True),
+            curves=(Curve("pressure", r, pressure, label="result"), target),
+            column="pressure",
+            width=4.2,
+            height=2.8,
+            legend="inside",
+        ),
+        Panel(
+            "tension",
+            "Tension schedule",
+            radius,
+            Axis("Wound-on tension", _tension_quantity(), from_zero=True),
+            curves=(Curve("tension", r, design.tension.at(r)),),
+            column="tension",
+            width=4.2,
+            height=2.8,
+        ),
+    )
+    show_panels([[panel] for panel in panels], path=path, lettered=False)
