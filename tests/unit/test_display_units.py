@@ -6,7 +6,6 @@ several systems; their numbers agree after conversion to SI, up to their last pr
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from typing import Any
 
@@ -37,7 +36,7 @@ from woundon.report.result_panels import array_panels, panels_of
 from woundon.report.scale_drawing import REACH, scale_drawing
 from woundon.report.schedule_report import print_schedule
 from woundon.report.sweep_panels import plot_sweep
-from woundon.report.terminal import plain_console
+from woundon.report.terminal import plain_text
 from woundon.studies.api import study_of
 from woundon.studies.engine import run_study
 from woundon.studies.runners import runner_for
@@ -337,13 +336,12 @@ def test_sweeps_show_the_same_numbers():
     assert differing_artists(*in_both("mill", lambda: plot_sweep(table, "nip_width"))) == []
 
 
-def test_schedules_for_a_target_pressure_show_the_same_numbers(tmp_path, capsys):
+def test_schedules_for_a_target_pressure_show_the_same_numbers():
     design = wo.design_tension(ROLL, 150e3)
     roll = wo.solve(design.problem, rtol=1e-3)
 
     def table() -> str:
-        print_schedule(design, roll, plain_console(sys.stdout))
-        return capsys.readouterr().out
+        return plain_text(lambda console: print_schedule(design, roll, console))
 
     usual, mill = in_both("mill", table)
     assert differing_numbers(usual, mill) == []

@@ -36,20 +36,7 @@ from .figures import (
     text_of,
     wrapped_text,
 )
-from .panels import (
-    SERIES,
-    Area,
-    Axis,
-    Bars,
-    Curve,
-    Disc,
-    Map,
-    Mark,
-    Panel,
-    Regions,
-    Scale,
-    widest,
-)
+from .panels import SERIES, Area, Axis, Bars, Disc, Map, Mark, Panel, Regions, Scale, widest
 
 __all__ = ["check_axes", "draw_figure", "draw_panel", "show_panels"]
 
@@ -277,13 +264,13 @@ def draw_panel(axes: Axes, cases: Sequence[Panel], colours: Colours = (None,)) -
     right = axes.twinx() if panel.right else axes
     for case, colour in zip(cases, colours, strict=True):
         curves = [curve for curve in case.curves if alone or not curve.alone]
-        entries = [_draw_curve(right if c.right else axes, case, c, colour) for c in curves]
+        drawn = [_draw_curve(right if c.right else axes, case, c, colour) for c in curves]
         marks = [mark for mark in case.marks if alone or not mark.alone]
-        entries += [_draw_mark(axes, case, mark, colour if mark.value else None) for mark in marks]
+        drawn += [_draw_mark(axes, case, mark, colour if mark.value else None) for mark in marks]
         if case.map:
-            entries += _draw_map(axes, case, case.map, colour)
+            drawn += _draw_map(axes, case, case.map, colour)
         if case is panel:
-            handles = entries + handles
+            handles = drawn + handles
     if panel.regions:
         handles = _draw_regions(axes, panel, panel.regions) + handles
     if panel.discs and panel.scale:
@@ -301,8 +288,10 @@ def draw_panel(axes: Axes, cases: Sequence[Panel], colours: Colours = (None,)) -
     if panel.right:
         right.set_ylabel(axis_label(panel.right))
         right.grid(visible=False)
-    shown = [handle for handle in handles if handle is not None]
-    return shown if alone else _in_grey(shown)
+    entries = [handle for handle in handles if handle is not None]
+    if len(entries) == 1 and not any(curve.label for curve in panel.curves) and not panel.map:
+        return []  # the axis says it
+    return entries if alone else _in_grey(entries)
 
 
 def _in_grey(handles: Sequence[Artist]) -> list[Artist]:

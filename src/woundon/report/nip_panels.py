@@ -12,18 +12,7 @@ from ..nip.layer_slip import LayerSlip, friction_limit, interior_stress, wound_i
 from ..nip.result import NipResult
 from ..nip.roller_result import RollerResult
 from ..results import zone_runs
-from .panels import (
-    Area,
-    Axis,
-    Contour,
-    Curve,
-    Map,
-    Mark,
-    Panel,
-    PanelMaker,
-    Scale,
-    Strip,
-)
+from .panels import Area, Axis, Contour, Curve, Map, Mark, Panel, PanelMaker, Scale, Strip
 from .report_parts import friction_bounds, quantity_of, zone_strips
 
 __all__ = ["along_contact", "bounds_of_friction", "nip_panels", "zones_panel"]
@@ -177,12 +166,7 @@ def pressure(result: NipResult) -> Panel:
         curves = [_in_nip(result, "drum_pressure", "in the nip", "web")]
     y = Axis("Pressure $p$", quantity_of(result, "drum_pressure"), from_zero=True)
     return Panel(
-        "pressure",
-        "Pressure",
-        along_contact(result, "nip"),
-        y,
-        curves=tuple(curves),
-        column="nip",
+        "pressure", "Pressure", along_contact(result, "nip"), y, curves=tuple(curves), column="nip"
     )
 
 

@@ -6,16 +6,17 @@ The base class in :mod:`woundon.results` calls these functions.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from functools import singledispatch
 from typing import TYPE_CHECKING, Any
 
 from ..results import Result
 from ..sensitivity import Sensitivity
 from ..winding.margins import Margins
 from .html import parts_html, table_html
-from .margins_report import margins_html, margins_text
-from .result_report import report_parts, report_text
-from .sensitivity_report import sensitivity_text
+from .margins_report import margins_parts
+from .report_parts import Part
+from .result_report import report_parts
+from .sensitivity_report import print_sensitivity
+from .terminal import plain_text, print_parts
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -23,25 +24,25 @@ if TYPE_CHECKING:
 __all__ = ["figure_of", "html_of", "html_of_table", "text_of"]
 
 
-@singledispatch
 def text_of(thing: Any) -> str:
     """Return a result, margins or a sensitivity as plain text; the lines of all others."""
+    if isinstance(thing, Result | Margins):
+        return plain_text(lambda console: print_parts(_parts(thing), console))
+    if isinstance(thing, Sensitivity):
+        return plain_text(lambda console: print_sensitivity(thing, console))
     return "\n".join(thing.lines()) if hasattr(thing, "lines") else repr(thing)
 
 
-text_of.register(Result, report_text)
-text_of.register(Sensitivity, sensitivity_text)
-text_of.register(Margins, margins_text)
-
-
-@singledispatch
 def html_of(thing: Any) -> str:
-    """Return the same as HTML, for a notebook."""
-    raise TypeError(f"a {type(thing).__name__} has no report")
+    """Return a result or margins as HTML, for a notebook."""
+    if not isinstance(thing, Result | Margins):
+        raise TypeError(f"a {type(thing).__name__} has no report")
+    return parts_html(_parts(thing))
 
 
-html_of.register(Result, lambda result: parts_html(report_parts(result)))
-html_of.register(Margins, margins_html)
+def _parts(thing: Result | Margins) -> list[Part]:
+    """Return the parts of the report of a result or of margins."""
+    return margins_parts(thing) if isinstance(thing, Margins) else report_parts(thing)
 
 
 def html_of_table(head: str, frame: pd.DataFrame, remarks: Iterable[str] = ()) -> str:

@@ -8,12 +8,12 @@ import numpy as np
 from rich.console import Console
 
 from ..problems.roll import RollProblem
-from ..quantities import Quantity, find, length, share, stress
+from ..quantities import length, share, stress
 from ..roll.design import TensionDesign
 from ..roll.result import RollResult
 from .drawing import show_panels
 from .panels import Axis, Curve, Panel
-from .report_parts import Line, Row, Section, quantity_of
+from .report_parts import Line, Section, field_quantity, quantity_of, row_of
 from .roll_panels import radii_between, radius_axis
 from .terminal import print_columns, print_parts
 
@@ -22,21 +22,15 @@ __all__ = ["csv_text", "plot_schedule", "print_schedule"]
 ROWS = 13  # of the printed table
 LAYER = length("d_o", "depth of the outer layer in which the target cannot be reached")
 INSIDE = share("e_P", "largest deviation below the outer layer, relative to the largest pressure")
+WOT = field_quantity(RollProblem, "wound_on_tension")
 SURFACE = stress("dP", "largest deviation in the outer layer")
-
-
-def _tension_quantity() -> Quantity:
-    """Return the quantity of the wound-on tension."""
-    quantity = find(RollProblem, "wound_on_tension")[0].quantity
-    assert quantity is not None
-    return quantity
 
 
 def csv_text(design: TensionDesign) -> str:
     """Return the tension over the radius as the columns of a profile, which a case can read."""
     columns = {
         "radius": (quantity_of(RollResult, "radius"), design.tension.radius),
-        "value": (_tension_quantity(), design.tension.value),
+        "value": (WOT, design.tension.value),
     }
     header = ",".join(f"{name} [{quantity.display}]" for name, (quantity, _) in columns.items())
     shown = [quantity.shown(np.array(values)) for quantity, values in columns.values()]
@@ -61,7 +55,6 @@ def print_schedule(design: TensionDesign, roll: RollResult, console: Console) ->
         The roll that is wound with the schedule.
     console : Console
     """
-    WOT = _tension_quantity()
     tensions = {
         "at the core": design.tension.value[0],
         "maximum": max(design.tension.value),
@@ -73,13 +66,10 @@ def print_schedule(design: TensionDesign, roll: RollResult, console: Console) ->
         SURFACE: design.surface_deviation,
     }
     schedule = [
-        Row(f"{WOT.meaning}, {place}", WOT.symbol, float(WOT.shown(value)), WOT.display)
+        row_of(WOT, float(value), meaning=f"{WOT.meaning}, {place}")
         for place, value in tensions.items()
     ]
-    pressure = [
-        Row(quantity.meaning, quantity.symbol, float(quantity.shown(value)), quantity.display)
-        for quantity, value in deviations.items()
-    ]
+    pressure = [row_of(quantity, float(value)) for quantity, value in deviations.items()]
     parts = (
         Line(f"{len(design.tension.radius)} radii", "quiet"),
         Section("Tension schedule", tuple(schedule)),
@@ -99,7 +89,7 @@ def _print_table(design: TensionDesign, roll: RollResult, console: Console) -> N
     radius, stress = (quantity_of(RollResult, name) for name in ("radius", "pressure"))
     columns = (
         ("radius", radius, r, 2),
-        ("tension", _tension_quantity(), T, 2),
+        ("tension", WOT, T, 2),
         ("target", stress, target, 3),
         ("result", stress, P, 3),
     )
@@ -134,7 +124,7 @@ def plot_schedule(design: TensionDesign, roll: RollResult, path: str | Path) -> 
             "tension",
             "Tension schedule",
             radius,
-            Axis("Wound-on tension", _tension_quantity(), from_zero=True),
+            Axis("Wound-on tension", WOT, from_zero=True),
             curves=(Curve("tension", r, design.tension.at(r)),),
             column="tension",
             width=4.2,
