@@ -20,6 +20,10 @@ revision than 0.2 uses the packages of this environment.
     winding               the example of a winding, with other loads
     example_winding       the example of a winding
     sweep                 20 wrapped nips, five loads and four shear moduli, for each of them
+    replace               1000 copies of the README's nip with another load, for each of them
+    fit                   the friction of the README's nip without wrap from three measured tensions
+    find                  the nip load of the README's nip for a wound-on tension
+    window                operating window of the example of a winding, with one uncertain input
     command               woundon solve examples/newsprint_table2.toml, from start to answer
 """
 
@@ -59,9 +63,11 @@ SLOW = {
     "example_winding": 3,
     "readme": 20,
     "sweep": 5,
+    "window": 1,
     "command": 10,
 }
 SWEPT = 20  # nips of a sweep
+COPIES = 1000
 CASES = 100
 WARM_UP = 999_999  # a seed that is not timed
 
@@ -118,7 +124,7 @@ def draw(name: str, seed: int) -> Problems:
     if name in FAMILIES:
         return [FAMILIES[name](seed)]
     change = np.random.default_rng(seed).uniform(-1, 1)
-    if not name.endswith("winding"):
+    if not name.endswith("winding") and name != "window":
         nip = wo.NipProblem.example()
         return [nip.replace(**{"roll.radius": nip.roll.radius * (1 + 0.001 * change)})]
     problem = wo.WindingProblem.example()
@@ -158,6 +164,32 @@ def sweep(problems: Problems) -> Callable[[], object]:
     return lambda: wo.sweep(nip, over, workers=1)
 
 
+def replace(problems: Problems) -> Callable[[], object]:
+    """Return the construction of copies of a nip with other loads."""
+    nip = problems[0]
+    loads = nip.nip_load * np.linspace(0.8, 1.2, COPIES)
+    return lambda: [nip.replace(nip_load=float(load)) for load in loads]
+
+
+def fit(problems: Problems) -> Callable[[], object]:
+    """Return the fit of a nip's friction."""
+    nip = problems[0].replace(roll_wrap=0.0)
+    measured = {"nip_load": [900.0, 1800.0, 3500.0], "wound_on_tension": [430.0, 500.0, 600.0]}
+    return lambda: wo.fit(nip, measured, ["roll_friction"], nodes=25, workers=1)
+
+
+def find(problems: Problems) -> Callable[[], object]:
+    """Return the search for the load of a nip with a given wound-on tension."""
+    return lambda: wo.find(problems[0], "nip_load", wound_on_tension=600.0, nodes=25)
+
+
+def window(problems: Problems) -> Callable[[], object]:
+    """Return the operating window of a winding with one limit and one uncertain input."""
+    winding = problems[0].replace(limits=wo.Limits(core_pressure="2 MPa"))
+    options = {"uncertain": {"roll_friction": 0.1}, "samples": 128, "workers": 1}
+    return lambda: wo.operating_window(winding, (200.0, 400.0), (1000.0, 4000.0), **options)
+
+
 def run_command(problems: Problems) -> Callable[[], object]:
     """Return the command line that solves the case file of the README's nip."""
     command = [sys.executable, "-m", "woundon", "solve", "examples/newsprint_table2.toml"]
@@ -168,11 +200,15 @@ METHODS: dict[str, Callable[[Problems], Callable[[], object]]] = {
     "sensitivities": differentiate,
     "nip_and_derivatives": solve_and_differentiate,
     "sweep": sweep,
+    "replace": replace,
+    "fit": fit,
+    "find": find,
+    "window": window,
     "command": run_command,
 }
 WORK = [
     *FAMILIES, "readme", "neighbours", "sensitivities", "nip_and_derivatives", "winding",
-    "example_winding", "sweep", "command",
+    "example_winding", "sweep", "replace", "fit", "find", "window", "command",
 ]  # fmt: skip
 
 
@@ -222,7 +258,7 @@ def serve() -> None:
         try:
             before, problems = baseline.once(), decode(data)
             seconds = timed(METHODS.get(name, solve_all)(problems))
-            seconds /= SWEPT if name == "sweep" else 1
+            seconds /= {"sweep": SWEPT, "replace": COPIES}.get(name, 1)
             answer = [seconds, (before + baseline.once()) / 2]
         except (wo.InvalidProblem, wo.NoSteadyState, wo.NotConverged):
             answer = [None, None]

@@ -402,7 +402,7 @@ class Result(Presented, ReadOnly):
 
     def to_xarray(self) -> xarray.Dataset:
         """Return an xarray Dataset; its variables have the attributes unit and symbol."""
-        from .io.result_files import to_dataset
+        from .io.datasets import to_dataset
 
         return to_dataset(self)
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import inspect
 import json
 import os
+import re
 import warnings
 from collections.abc import Callable, Iterator
 from functools import cache
@@ -161,7 +162,9 @@ def command_lines(folder: Path) -> str:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             answer = runner.invoke(commands, arguments, prog_name="woundon", terminal_width=100)
-        text = answer.stdout.replace(f"{folder}{os.sep}", "")
+        text = re.sub(
+            r" in [\d.]+ s,", " in some s,", answer.stdout.replace(f"{folder}{os.sep}", "")
+        )
         line = " ".join(arguments).replace(f"{folder}{os.sep}", "")
         parts.append(f"$ woundon {line}\n{text}[{answer.exit_code}]\n")
     return "\n".join(parts)

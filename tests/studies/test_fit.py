@@ -17,7 +17,7 @@ from thesis_cases import newsprint_nip, paper_nip
 import woundon as wo
 import woundon.studies.fit
 from woundon.studies.fit import MOST_STARTS, fit_parameters
-from woundon.studies.kind_model import columns_of, measurable_outputs, model_of, replaced
+from woundon.studies.kind_model import columns_of, measurable_outputs, model_of
 from woundon.studies.measured import Measured, read_measured
 from woundon.studies.minimise import Linearisation, minimise
 from woundon.studies.predict import Parameter, Predictor
@@ -187,7 +187,7 @@ def test_intervals_are_those_of_whole_refits_for_the_measured_tensions():
     model = model_of(newsprint_nip(), ("rig_tension",), None, {"nodes": 17})
     data = read_measured(
         POINTS, columns_of(newsprint_nip()), measurable_outputs(newsprint_nip()), RIG,
-        replaced(newsprint_nip()),
+        wo.NipResult.REPLACED,
     )  # fmt: skip
     parameters = tuple(Parameter(name, *ends, None) for name, ends in vary.items())
     predictor = Predictor(model, data, parameters)

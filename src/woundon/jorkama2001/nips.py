@@ -6,13 +6,12 @@ Every variable and coordinate of a dataset has its unit in ``attrs["units"]``.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from functools import reduce
-from itertools import product
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 import woundon as wo
@@ -140,28 +139,31 @@ def _swept_by_procedure(
 ) -> xr.Dataset:
     """Solve a nip for all combinations of values by the procedure of the thesis."""
     assert isinstance(problem, wo.NipProblem)
-    grid = {name: np.asarray(values, dtype=float) for name, values in over.items()}
-    shape, found = tuple(map(len, grid.values())), []
-    own = {output.__name__: output for output in ADDED}
-    for values in product(*(values.tolist() for values in grid.values())):
-        changes = zip((_FIELDS.get(name, name) for name in grid), values, strict=True)
-        one = problem.replace(**dict(changes))
-        one = one.replace(**{own: _nested(one, other) for own, other in ONE_PAPER.items()})
-        nip = procedure.solve(one, THESIS_NODES)
-        found.append([own[name](nip) if name in own else getattr(nip, name) for name in outputs])
-    columns = np.reshape(found, (*shape, len(outputs)))
-    return xr.Dataset(
-        {
-            name: (tuple(grid), columns[..., k], {"units": _unit(name)})
-            for k, name in enumerate(outputs)
-        },
-        {name: (name, values, {"units": _unit(name)}) for name, values in grid.items()},
-    )
+    cases = pd.MultiIndex.from_product(over.values(), names=list(over))
+    rows = []
+    for values in cases:
+        nip = procedure.solve(_of_one_paper(problem, over, values), THESIS_NODES)
+        rows.append([_output(nip, name) for name in outputs])
+    data = pd.DataFrame(rows, index=cases, columns=list(outputs)).to_xarray().reindex(over)
+    for name, column in data.variables.items():
+        column.attrs["units"] = _unit(str(name))
+    return data
 
 
-def _nested(problem: wo.NipProblem, name: str) -> Any:
-    """Return a field by its dotted name."""
-    return reduce(getattr, name.split("."), problem)
+def _of_one_paper(
+    problem: wo.NipProblem, names: Iterable[str], values: Iterable[float]
+) -> wo.NipProblem:
+    """Return a nip with other parameters, and a web of the material of its roll."""
+    changes = {_FIELDS.get(name, name): value for name, value in zip(names, values, strict=True)}
+    changed = problem.replace(**changes)
+    roll: Any = changed.roll  # a body of one material
+    return changed.replace(**{"web.material": roll.material})
+
+
+def _output(nip: ProcedureResult, name: str) -> float:
+    """Return an output of a nip by its name, also one of those that the reproduction adds."""
+    added = {output.__name__: output for output in ADDED}
+    return float(added[name](nip) if name in added else getattr(nip, name))
 
 
 def _unit(name: str) -> str:

@@ -36,7 +36,20 @@ from .figures import (
     text_of,
     wrapped_text,
 )
-from .panels import SERIES, Area, Axis, Bars, Disc, Map, Mark, Panel, Regions, Scale, widest
+from .panels import (
+    SERIES,
+    Area,
+    Axis,
+    Bars,
+    Curve,
+    Disc,
+    Map,
+    Mark,
+    Panel,
+    Regions,
+    Scale,
+    widest,
+)
 
 __all__ = ["check_axes", "draw_figure", "draw_panel", "show_panels"]
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..results import Result
 from ..sensitivity import Sensitivity
+from ..studies.outcome import Outcome
 from ..winding.margins import Margins
 from .html import parts_html, table_html
 from .margins_report import margins_parts
@@ -34,10 +35,12 @@ def text_of(thing: Any) -> str:
 
 
 def html_of(thing: Any) -> str:
-    """Return a result or margins as HTML, for a notebook."""
-    if not isinstance(thing, Result | Margins):
-        raise TypeError(f"a {type(thing).__name__} has no report")
-    return parts_html(_parts(thing))
+    """Return a result, margins or a study as HTML, for a notebook."""
+    if isinstance(thing, Outcome):
+        return table_html(thing.answer()[0], thing.table_for_display(), thing.remarks())
+    if isinstance(thing, Result | Margins):
+        return parts_html(_parts(thing))
+    raise TypeError(f"a {type(thing).__name__} has no report")
 
 
 def _parts(thing: Result | Margins) -> list[Part]:

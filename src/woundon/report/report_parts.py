@@ -17,6 +17,7 @@ import numpy as np
 from .. import quantities
 from ..nip.result import NipResult
 from ..nip.roller_result import RollerResult
+from ..problems.paths import field_quantity
 from ..problems.schedules import Profile, Taper
 from ..quantities import Quantity, in_chosen_units
 from ..results import ACCEPTED_RESIDUAL, Residuals, Result, Zone, zone_runs
@@ -33,12 +34,12 @@ __all__ = [
     "ZoneStrips",
     "certificate_line",
     "certificate_of",
-    "field_quantity",
     "field_row",
     "friction_bounds",
     "nip_zones",
     "output_row",
     "quantity_of",
+    "quantity_of_field",
     "roller_zones",
     "row_of",
     "schedule_rows",
@@ -219,9 +220,9 @@ def output_row(result: Result, name: str, value: float | None = None, **texts: s
     return row_of(quantity, quantities.value_of(result, name), error, **texts)
 
 
-def field_quantity(problem: Any, name: str) -> Quantity:
+def quantity_of_field(problem: Any, name: str) -> Quantity:
     """Return the quantity of a field of a problem, or of a class of problems."""
-    quantity = quantities.find(problem, name)[0].quantity
+    quantity = field_quantity(problem, name)
     if quantity is None:
         raise AttributeError(f"{name} of a {type(problem).__name__} has no quantity")
     return quantity
@@ -230,7 +231,7 @@ def field_quantity(problem: Any, name: str) -> Quantity:
 def field_row(problem: Any, name: str, *, empty: float = nan, **texts: str) -> Row:
     """Return the row of a problem's field; ``empty`` is the value of a field that is None."""
     value = getattr(problem, name)
-    return row_of(field_quantity(problem, name), empty if value is None else value, nan, **texts)
+    return row_of(quantity_of_field(problem, name), empty if value is None else value, nan, **texts)
 
 
 def schedule_rows(problem: Any, name: str, ends: Iterable[float]) -> list[Row]:
@@ -246,7 +247,7 @@ def schedule_rows(problem: Any, name: str, ends: Iterable[float]) -> list[Row]:
     """
     if not isinstance(getattr(problem, name), Taper | Profile):
         return [field_row(problem, name)]
-    quantity = field_quantity(problem, name)
+    quantity = quantity_of_field(problem, name)
     return [
         row_of(quantity, float(value), meaning=f"{quantity.meaning}, at the {where}")
         for where, value in zip(("core", "surface"), ends, strict=True)

@@ -7,7 +7,7 @@ import numpy as np
 from ..problems.roll import RollProblem
 from ..roll.result import RollResult
 from .panels import Area, Axis, Curve, Disc, Limits, Mark, Panel, PanelMaker, Scale
-from .report_parts import field_quantity, quantity_of
+from .report_parts import quantity_of, quantity_of_field
 
 __all__ = [
     "cut_above",
@@ -190,7 +190,7 @@ def compression(roll: RollResult) -> Panel:
 def tension(roll: RollResult) -> Panel:
     """Return the panel of the wound-on tension, on the stages of the build-up."""
     problem = roll.problem
-    quantity = field_quantity(RollProblem, "wound_on_tension")
+    quantity = quantity_of_field(RollProblem, "wound_on_tension")
     r = np.unique(np.concatenate([roll.stage_radius, problem.tension_curve.kinks]))
     values = problem.tension_curve.at(r) * problem.web_thickness
     return Panel(

@@ -19,7 +19,7 @@ from matplotlib.patches import Circle, Polygon
 from ..quantities import Quantity
 from ..results import zone_runs
 from .figures import ZONE_COLOURS, ZONE_HATCHES, Picture, style, text_of
-from .report_parts import field_quantity, quantity_of, zone_strips
+from .report_parts import quantity_of, quantity_of_field, zone_strips
 
 __all__ = ["scale_drawing"]
 
@@ -65,7 +65,7 @@ def _draw_bodies(axes: Axes, result: Any) -> None:
         if core := _core_radius(body):
             axes.add_patch(_circle(centre, core, "white"))
         axes.plot(*centre, "+", color=LINE, markersize=5, markeredgewidth=0.7)
-        size = text_of(field_quantity(problem, f"{name}.radius"), body.radius)
+        size = text_of(quantity_of_field(problem, f"{name}.radius"), body.radius)
         text = f"{NAMES[name]}\n$R$ {size}{', rigid' * body.rigid}"
         axes.annotate(text, (1.1 * body.radius, centre[1]), va="center", fontsize=7)
     if hasattr(problem, "web"):
@@ -132,7 +132,7 @@ def _draw_nip(axes: Axes, result: Any) -> None:
     _draw_dimensions(axes, quantity_of(result, "nip_width"), a, reach, height)
     if web:
         thicker = " (drawn thicker)" if drawn > web else ""
-        text = f"web {text_of(field_quantity(problem, 'web.thickness'), web)}{thicker}"
+        text = f"web {text_of(quantity_of_field(problem, 'web.thickness'), web)}{thicker}"
         axes.annotate(text, (-0.97 * reach, -0.93 * height), fontsize=7)
     axes.set_xlim(-reach, reach)
     axes.set_ylim(-height, height)

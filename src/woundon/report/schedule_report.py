@@ -13,7 +13,7 @@ from ..roll.design import TensionDesign
 from ..roll.result import RollResult
 from .drawing import show_panels
 from .panels import Axis, Curve, Panel
-from .report_parts import Line, Section, field_quantity, quantity_of, row_of
+from .report_parts import Line, Section, quantity_of, quantity_of_field, row_of
 from .roll_panels import radii_between, radius_axis
 from .terminal import print_columns, print_parts
 
@@ -22,7 +22,7 @@ __all__ = ["csv_text", "plot_schedule", "print_schedule"]
 ROWS = 13  # of the printed table
 LAYER = length("d_o", "depth of the outer layer in which the target cannot be reached")
 INSIDE = share("e_P", "largest deviation below the outer layer, relative to the largest pressure")
-WOT = field_quantity(RollProblem, "wound_on_tension")
+WOT = quantity_of_field(RollProblem, "wound_on_tension")
 SURFACE = stress("dP", "largest deviation in the outer layer")
 
 

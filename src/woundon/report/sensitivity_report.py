@@ -10,7 +10,7 @@ from rich.text import Text
 
 from .. import kinds, quantities
 from ..problems.nip import NipProblem
-from .report_parts import field_quantity
+from .report_parts import quantity_of_field
 from .terminal import print_columns
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ def print_sensitivity(sensitivity: Sensitivity, console: Console) -> None:
     table = [
         [
             name,
-            field_quantity(NipProblem, name).text(field, ".5g"),
+            quantity_of_field(NipProblem, name).text(field, ".5g"),
             *(f"{value:+.4f}" for value in values),
         ]
         for name, field, values in zip(
@@ -49,7 +49,7 @@ def print_sensitivity(sensitivity: Sensitivity, console: Console) -> None:
         if not field:  # an elasticity is not defined
             main, one = (
                 known[ordered.outputs[0]].named(ordered.outputs[0]),
-                field_quantity(NipProblem, name),
+                quantity_of_field(NipProblem, name),
             )
             slope = ordered.derivative(ordered.outputs[0], name) / float(one.shown(1.0))
             change = main.text(slope, "+.4g")

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..quantities import Quantity
 from ..roll.result import RollResult
+from ..studies.window_result import LEVELS, OperatingWindow
 from .panels import SERIES, Axis, Bars, Contour, Curve, Map, Mark, Panel, Regions
 from .report_parts import quantity_of
 
@@ -18,7 +19,6 @@ if TYPE_CHECKING:
     from ..studies.fit import FitResult
     from ..studies.profiles import ProfileLikelihood
     from ..studies.sobol import SobolIndices
-    from ..studies.window_result import OperatingWindow
 
 __all__ = [
     "comparison_panels",
@@ -33,7 +33,7 @@ __all__ = [
 
 Array = np.ndarray
 DECADE = 10.0  # ratio of the ends from which the field of a search has a logarithmic axis
-LEVELS = {0.5: "dotted", 0.9: "dashed", 0.99: "solid"}  # of the probability in a window
+LINES = ("dotted", "dashed", "solid")  # of the levels of the probability in a window
 WORDS = {"gauge_band": "gauge band"}
 MARKERS = ("circle", "square", "triangle", "diamond", "point")  # of the outputs of a fit
 LONG_NAME = 32  # characters; a longer one is too long for a legend
@@ -343,7 +343,9 @@ def window_panels(window: OperatingWindow) -> list[Panel]:
         (*margins, "no steady state, or not solved"),
         (*(SERIES[k % 6] for k in range(len(margins))), "soft"),
     )
-    contours = tuple(Contour(value, f"P = {value:g}", line) for value, line in LEVELS.items())
+    contours = tuple(
+        Contour(level, f"P = {level:g}", line) for level, line in zip(LEVELS, LINES, strict=True)
+    )
     point = Curve(
         "",
         np.array([best.values["web_tension"]]),

@@ -71,9 +71,11 @@ def _plot(
 def _plot_schedule(
     study: OptimisedSchedule,
     path: str | Path | None = None,
+    ax: Axes | None = None,
     choice: str | Sequence[str] | None = None,
 ) -> Figure | Axes:
     """Plot a roll or winding before and after the optimisation of its schedule."""
+    check_axes(ax, choice)
     makers = named_panels(study.after)
     default = [name for name, maker in makers.items() if maker.by_default and name != "reserves"]
     names = [*default, "reserves"] if choice is None else chosen(choice, [*makers, "reserves"])
@@ -83,7 +85,7 @@ def _plot_schedule(
         else [makers[name].make(result) for result in (study.before, study.after)]
         for name in names
     ]
-    return show_panels(panels, ["before", "after"], path)
+    return show_panels(panels, ["before", "after"], path, ax)
 
 
 def _reserves(before: Margins, after: Margins) -> list[Panel]:

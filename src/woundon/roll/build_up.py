@@ -21,23 +21,17 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from math import exp, log
-from typing import Protocol
 
 import numpy as np
 
-from .equations import CellSource, StageEquations, StageSolution, interpolate_pressure
+from .equations import StageData, StageEquations, StageSolution, interpolate_pressure
 from .growth import ORDER, Growth
+from .stage_nodes import Tension, cell_source, evaluate_in_cells, kinks_of, nodes_between
 
 __all__ = [
     "BuildUp",
     "Layers",
     "NotWoundError",
-    "Tension",
-    "cell_source",
-    "evaluate_in_cells",
-    "kinks_of",
-    "nodes_between",
-    "source_error",
     "wind",
     "wind_finite_layers",
     "wind_with_stages",
@@ -50,9 +44,6 @@ ONE_NEWTON_STEP = 0.04  # accepted error of kappa for which one Newton step usua
 WEAK_KINK = 0.05  # of the tolerance: kinks that change the source by less are ignored
 STEP_STRETCH = 0.3  # a step is extended by up to this fraction to a kink, to prevent a tiny step
 STRETCH_REDUCTION = 0.75  # factor for an extended step that was rejected, < 1/(1 + STEP_STRETCH)
-# Additional cells on either side of a kink that changes the source by STRONG_KINK or more, relative
-# to the number of cells of a stage
-KINK_CELLS, STRONG_KINK = 0.1, 0.1
 KINK_STEP = 1e-5  # of the surface layer; a shorter step indicates an unknown kink
 SMALLEST_STEP = 1e-12  # of ln r
 # Error of a stage's kappa relative to its difference from the extrapolation: the error of an
@@ -60,23 +51,153 @@ SMALLEST_STEP = 1e-12  # of ln r
 IMPLICIT_ERROR = 0.2
 
 
-class NotWoundError(ArithmeticError):
-    """A stage has no solution, or the steps became too small."""
+def wind(
+    equations: StageEquations,
+    tension: Tension,
+    core: float,
+    radius: float,
+    *,
+    tolerance: float,
+    cells: int,
+    surface_layer: float,
+    report: Callable[[float], None] | None = None,
+) -> BuildUp:
+    """Wind a roll with adaptive steps.
+
+    Parameters
+    ----------
+    equations : StageEquations
+    tension : Tension
+    core, radius : float
+        Both radii [m].
+    tolerance : float
+        Tolerance of kappa, relative to kappa + 2.
+    cells : int
+        Cells of each stage.
+    surface_layer : float
+        Depth of the layer below the surface, in ln r.
+    report : callable, optional
+        Is called with each stage's radius [m].
+
+    Raises
+    ------
+    NotWoundError
+        If a stage cannot be solved.
+    """
+    roll = _Roll(Layers(equations, tension), core, cells, surface_layer, report)
+    accepted_error = STAGE_TOLERANCE * tolerance
+    first_step = 0.1 * min(surface_layer, equations.core_layer)
+    x, end, step, last_kink = roll.start, log(radius), first_step, -np.inf
+    while x < end:
+        kinks, changes = kinks_of(tension, roll.growth)
+        kink = float(np.append(kinks[(kinks > x) & (changes > WEAK_KINK * tolerance)], end)[0])
+        length = min(step, kink - x)
+        surface = kink if kink - x - length < STEP_STRETCH * length else x + length
+        stage, guess = roll.stage(surface, accepted_error)
+        error = _extrapolation_error(stage, guess)
+        if stage is None or error > tolerance:
+            step = (surface - x) * max(0.3, _step_factor(tolerance / error))
+            if surface == kink:  # prevents a repetition of the same extended step
+                step = min(step, STRETCH_REDUCTION * (kink - x))
+            if x == last_kink:  # start the polynomials of kappa at this kink
+                roll.growth.start_new_polynomial()
+                step, last_kink = min(step, surface_layer), -np.inf
+            if step < SMALLEST_STEP:
+                raise NotWoundError(_no_stage_beyond(x))
+            if stage is None or step > KINK_STEP * surface_layer:
+                continue
+            roll.growth.start_new_polynomial()  # an unknown kink, or the discretisation error
+            stage, _ = roll.stage(surface, accepted_error)
+            if stage is None:
+                continue
+        roll.append(stage)
+        step = (surface - x) * min(3.0, _step_factor(tolerance / max(error, 1e-99)))
+        x, last_kink = surface, kink
+    return roll.finished()
 
 
-class Tension(Protocol):
-    """The wound-on stress of the layers over the radius."""
+def wind_with_stages(
+    equations: StageEquations,
+    tension: Tension,
+    reference: BuildUp,
+    *,
+    tolerance: float,
+    cells: int,
+    surface_layer: float,
+    report: Callable[[float], None] | None = None,
+) -> BuildUp:
+    """Wind a roll with the stages of a reference build-up; other parameters as of :func:`wind`."""
+    layers, all_stages = Layers(equations, tension), range(1, reference.growth.x.size)
+    return _wind_selected_stages(
+        layers, reference, all_stages, STAGE_TOLERANCE * tolerance, cells, surface_layer, report
+    )
 
-    kinks: Array  # radii between core and surface at which the slope jumps [m]
-    bends: Array  # jumps of the slope at the kinks, r |dT'|/T [1]
 
-    def at(self, r: Array) -> Array:
-        """Return T [Pa]."""
-        ...
+def wind_finite_layers(
+    layers: Layers, reference: BuildUp, *, cells: int, surface_layer: float
+) -> Array:
+    """Return kappa with layers of finite thickness, at the stages of a build-up with thin ones.
 
-    def slope(self, r: Array, side: int | Array) -> Array:
-        """Return dT/dr [Pa/m]; at a kink, that of its inner (-1) or outer (1) side."""
-        ...
+    The difference is small and smooth.  It is computed at every second stage and at the kinks,
+    usually with one Newton step, and interpolated.
+    """
+    thin = reference.growth
+    kinks = thin.kinks[thin.kinks > 0]  # without the core
+    stage_numbers = np.union1d(np.arange(thin.x.size - 1, 0, -2), kinks)
+    finite = _wind_selected_stages(
+        layers, reference, stage_numbers, ONE_NEWTON_STEP, cells, surface_layer, None
+    ).growth
+    difference = Growth.of(finite.x, finite.kappa - thin(finite.x), finite.point_counts)
+    return np.asarray(thin.kappa + difference(thin.x))
+
+
+def _wind_selected_stages(
+    layers: Layers,
+    reference: BuildUp,
+    stage_numbers: Iterable[int],
+    accepted_error: float,
+    cells: int,
+    surface_layer: float,
+    report: Callable[[float], None] | None,
+) -> BuildUp:
+    """Solve some stages of a reference build-up, with its pressures as initial guesses.
+
+    Parameters
+    ----------
+    layers : Layers
+    reference : BuildUp
+    stage_numbers : iterable of int
+        The stages, in increasing order; they include all kinks of the reference.
+    accepted_error : float
+        Of kappa.
+    cells, surface_layer, report
+        As of :func:`wind`.
+    """
+    roll = _Roll(layers, exp(reference.growth.x[0]), cells, surface_layer, report)
+    stages, kinks = reference.stages(), reference.growth.kinks
+    previous_number = 0  # stage 0 is the core, which is not in stages
+    for number in stage_numbers:
+        if previous_number in kinks:
+            roll.growth.start_new_polynomial()
+        known = stages[number - 1]
+        stage, _ = roll.stage(known.x[-1], accepted_error, known)
+        if stage is None:
+            raise NotWoundError(_no_stage_beyond(known.x[-1]))
+        roll.append(stage)
+        previous_number = number
+    return roll.finished()
+
+
+def _extrapolation_error(stage: BuildUp | None, guess: float) -> float:
+    """Estimate the relative error of kappa of a stage from its extrapolation; inf without stage."""
+    if stage is None:
+        return np.inf
+    return float(IMPLICIT_ERROR * abs(stage.growth.kappa[-1] - guess) / (2 + abs(guess)))
+
+
+def _step_factor(ratio: float) -> float:
+    """Return the factor of the step size from the ratio of tolerance and error."""
+    return float(0.8 * ratio ** (1 / (ORDER + 0.5)))
 
 
 @dataclass
@@ -107,102 +228,6 @@ class BuildUp:
             stages.append(stage)
             stage = stage.previous
         return stages[::-1]
-
-
-def nodes_between(
-    core: float,
-    surface: float,
-    cells: int,
-    surface_layer: float,
-    kinks: Array | None = None,
-    changes: Array | None = None,
-    core_layer: float = np.inf,
-) -> Array:
-    """Return ln r of nodes, dense at the core, at the surface and at kinks.
-
-    Parameters
-    ----------
-    core, surface : float
-        ln r of both ends.
-    cells : int
-        Approximate number of cells without kinks.
-    surface_layer : float
-        Depth of the layer below the surface, in ln r.
-    kinks, changes : (K,) arrays, optional
-        ln r of kinks, which become nodes, and the relative changes of the source there.
-    core_layer : float
-        Depth of the layer at the core, in ln r, if it is thinner than that below the surface.
-    """
-    length = surface - core
-    surface_layer = min(surface_layer, length)
-    core_layer = min(core_layer, surface_layer)
-    # node density: 1/(distance + depth of the layer) from both ends, plus a constant with the mean
-    # of their integrals; the nodes are at even steps of the integral of this density
-    at_core, at_surface = np.log1p(length / core_layer), np.log1p(length / surface_layer)
-    uniform = (at_core + at_surface) / 2
-    # fine distances y from the core, at which the cumulative number of nodes is tabulated
-    t = np.linspace(0, 1, 2 * cells)
-    y = np.concatenate(
-        [
-            core_layer * np.expm1(at_core * t),
-            length - surface_layer * np.expm1(at_surface * t),
-            length * t,
-        ]
-    )
-    y = np.clip(np.sort(y), 0, length)
-    cumulative = (
-        uniform * y / length + np.log1p(y / core_layer) - np.log1p((length - y) / surface_layer)
-    )
-    steps = np.linspace(-at_surface, uniform + at_core, cells + 1)
-    nodes = core + np.interp(steps, cumulative, y)
-    nodes[0], nodes[-1] = core, surface
-    if kinks is None:
-        return nodes
-    inside = (kinks > core + SMALLEST_STEP) & (kinks < surface - SMALLEST_STEP)
-    parts = [nodes, kinks[inside]]
-    if changes is not None:
-        strength = np.minimum(1.0, changes[inside] / STRONG_KINK)
-        ends = np.concatenate([[core], kinks[inside], [surface]])
-        parts += _kink_nodes(ends, np.round(cells * KINK_CELLS * strength), surface_layer)
-    return np.unique(np.concatenate(parts))
-
-
-def _kink_nodes(ends: Array, counts: Array, surface_layer: float) -> list[Array]:
-    """Return graded nodes on either side of each kink, up to half the distance of the next one.
-
-    Parameters
-    ----------
-    ends : (K + 2,) array
-        Core, kinks and surface, in ln r.
-    counts : (K,) array
-        Number of nodes on each side.
-    surface_layer : float
-        Distance on which they are dense, in ln r.
-    """
-    # rows: kinks; t from 0 at the kink to 1 at half the distance, larger values are not used
-    t = np.arange(1, int(counts.max(initial=0)) + 1) / (counts[:, None] + 1)
-    used, kinks = t < 1, ends[1:-1, None]
-    nodes = []
-    for side, gap in ((-1, np.diff(ends)[:-1]), (1, np.diff(ends)[1:])):
-        extent = gap[:, None] / 2
-        depth = np.minimum(surface_layer, extent)
-        nodes.append((kinks + side * depth * np.expm1(np.log1p(extent / depth) * t))[used])
-    return nodes
-
-
-def kinks_of(tension: Tension, growth: Growth) -> tuple[Array, Array]:
-    """Return ln r of a tension's kinks, and the relative changes of the source there.
-
-    After the last stage, kappa of the last stage is used.  Kinks that are closer together than
-    1/(2 + kappa) approximate a smooth curve: they are weighted by their distance.
-    """
-    x = np.log(tension.kinks)
-    if not x.size:
-        return x, x
-    factor = 2 + growth(np.minimum(x, growth.x[-1]))  # of T in the source
-    gaps = np.diff(x, prepend=-np.inf, append=np.inf)
-    weight = np.minimum(1.0, factor * np.maximum(gaps[1:], gaps[:-1]) / 2)
-    return x, tension.bends / factor * weight
 
 
 @dataclass(frozen=True)
@@ -298,13 +323,7 @@ class _Roll:
             nodes, lambda x, _: -self.tension.at(np.exp(x)) * previous.lagrange_basis(surface, x)
         )
         solved = self.equations.solve_with_growth(
-            nodes,
-            source,
-            source_by_kappa,
-            self.T_c,
-            *guess,
-            kappa,
-            accepted_error,
+            StageData(nodes, source, self.T_c), source_by_kappa, *guess, kappa, accepted_error
         )
         if solved is None:
             return None, kappa
@@ -322,163 +341,6 @@ class _Roll:
         return self.last
 
 
-def wind(
-    equations: StageEquations,
-    tension: Tension,
-    core: float,
-    radius: float,
-    *,
-    tolerance: float,
-    cells: int,
-    surface_layer: float,
-    report: Callable[[float], None] | None = None,
-) -> BuildUp:
-    """Wind a roll with adaptive steps.
-
-    Parameters
-    ----------
-    equations : StageEquations
-    tension : Tension
-    core, radius : float
-        Both radii [m].
-    tolerance : float
-        Tolerance of kappa, relative to kappa + 2.
-    cells : int
-        Cells of each stage.
-    surface_layer : float
-        Depth of the layer below the surface, in ln r.
-    report : callable, optional
-        Is called with each stage's radius [m].
-
-    Raises
-    ------
-    NotWoundError
-        If a stage cannot be solved.
-    """
-    roll = _Roll(Layers(equations, tension), core, cells, surface_layer, report)
-    accepted_error = STAGE_TOLERANCE * tolerance
-    first_step = 0.1 * min(surface_layer, equations.core_layer)
-    x, end, step, last_kink = roll.start, log(radius), first_step, -np.inf
-    while x < end:
-        kinks, changes = kinks_of(tension, roll.growth)
-        kink = float(np.append(kinks[(kinks > x) & (changes > WEAK_KINK * tolerance)], end)[0])
-        length = min(step, kink - x)
-        surface = kink if kink - x - length < STEP_STRETCH * length else x + length
-        stage, guess = roll.stage(surface, accepted_error)
-        error = _extrapolation_error(stage, guess)
-        if stage is None or error > tolerance:
-            step = (surface - x) * max(0.3, _step_factor(tolerance / error))
-            if surface == kink:  # prevents a repetition of the same extended step
-                step = min(step, STRETCH_REDUCTION * (kink - x))
-            if x == last_kink:  # start the polynomials of kappa at this kink
-                roll.growth.start_new_polynomial()
-                step, last_kink = min(step, surface_layer), -np.inf
-            if step < SMALLEST_STEP:
-                raise NotWoundError(_no_stage_beyond(x))
-            if stage is None or step > KINK_STEP * surface_layer:
-                continue
-            roll.growth.start_new_polynomial()  # an unknown kink, or the discretisation error
-            stage, _ = roll.stage(surface, accepted_error)
-            if stage is None:
-                continue
-        roll.append(stage)
-        step = (surface - x) * min(3.0, _step_factor(tolerance / max(error, 1e-99)))
-        x, last_kink = surface, kink
-    return roll.finished()
-
-
-def _extrapolation_error(stage: BuildUp | None, guess: float) -> float:
-    """Estimate the relative error of kappa of a stage from its extrapolation; inf without stage."""
-    if stage is None:
-        return np.inf
-    return float(IMPLICIT_ERROR * abs(stage.growth.kappa[-1] - guess) / (2 + abs(guess)))
-
-
-def _step_factor(ratio: float) -> float:
-    """Return the factor of the step size from the ratio of tolerance and error."""
-    return float(0.8 * ratio ** (1 / (ORDER + 0.5)))
-
-
-def wind_with_stages(
-    equations: StageEquations,
-    tension: Tension,
-    reference: BuildUp,
-    *,
-    tolerance: float,
-    cells: int,
-    surface_layer: float,
-    report: Callable[[float], None] | None = None,
-) -> BuildUp:
-    """Wind a roll with the stages of a reference build-up; other parameters as of :func:`wind`."""
-    layers, all_stages = Layers(equations, tension), range(1, reference.growth.x.size)
-    return _wind_selected_stages(
-        layers, reference, all_stages, STAGE_TOLERANCE * tolerance, cells, surface_layer, report
-    )
-
-
-def wind_finite_layers(
-    layers: Layers, reference: BuildUp, *, cells: int, surface_layer: float
-) -> Array:
-    """Return kappa with layers of finite thickness, at the stages of a build-up with thin ones.
-
-    The difference is small and smooth.  It is computed at every second stage and at the kinks,
-    usually with one Newton step, and interpolated.
-    """
-    thin = reference.growth
-    kinks = thin.kinks[thin.kinks > 0]  # without the core
-    stage_numbers = np.union1d(np.arange(thin.x.size - 1, 0, -2), kinks)
-    finite = _wind_selected_stages(
-        layers, reference, stage_numbers, ONE_NEWTON_STEP, cells, surface_layer, None
-    ).growth
-    difference = Growth.of(finite.x, finite.kappa - thin(finite.x), finite.point_counts)
-    return np.asarray(thin.kappa + difference(thin.x))
-
-
-def _wind_selected_stages(
-    layers: Layers,
-    reference: BuildUp,
-    stage_numbers: Iterable[int],
-    accepted_error: float,
-    cells: int,
-    surface_layer: float,
-    report: Callable[[float], None] | None,
-) -> BuildUp:
-    """Solve some stages of a reference build-up, with its pressures as initial guesses.
-
-    Parameters
-    ----------
-    layers : Layers
-    reference : BuildUp
-    stage_numbers : iterable of int
-        The stages, in increasing order; they include all kinks of the reference.
-    accepted_error : float
-        Of kappa.
-    cells, surface_layer, report
-        As of :func:`wind`.
-    """
-    roll = _Roll(layers, exp(reference.growth.x[0]), cells, surface_layer, report)
-    stages, kinks = reference.stages(), reference.growth.kinks
-    previous_number = 0  # stage 0 is the core, which is not in stages
-    for number in stage_numbers:
-        if previous_number in kinks:
-            roll.growth.start_new_polynomial()
-        known = stages[number - 1]
-        stage, _ = roll.stage(known.x[-1], accepted_error, known)
-        if stage is None:
-            raise NotWoundError(_no_stage_beyond(known.x[-1]))
-        roll.append(stage)
-        previous_number = number
-    return roll.finished()
-
-
-def _no_stage_beyond(x: float) -> str:
-    """Return the message for a stage that cannot be solved."""
-    return (
-        f"no stage beyond the radius {exp(x):.6g} m can be solved: the stack at low pressure, or "
-        "the core, is too soft for this tension"
-    )
-
-
 def _stretched_guess(last: BuildUp | None, nodes: Array, T_c: float) -> tuple[Array, Array]:
     """Return the initial guess: the previous stage, stretched linearly to the new surface."""
     if last is None:
@@ -488,27 +350,13 @@ def _stretched_guess(last: BuildUp | None, nodes: Array, T_c: float) -> tuple[Ar
     return interpolate_pressure(last.x, last.solved.P, last.solved.Q, stretched)
 
 
-def cell_source(tension: Tension, growth: Growth, nodes: Array) -> CellSource:
-    """Return C = -r T' - T (2 + kappa) in every cell."""
-
-    def source(x: Array, side: Array) -> Array:
-        """Return C; ``side`` is that of a kink."""
-        r = np.exp(x)
-        return -r * tension.slope(r, side) - tension.at(r) * (2 + growth(x))
-
-    return evaluate_in_cells(nodes, source)
+class NotWoundError(ArithmeticError):
+    """A stage has no solution, or the steps became too small."""
 
 
-def source_error(tension: Tension, growth: Growth, nodes: Array) -> CellSource:
-    """Estimate the error of the source in every cell due to the interpolation of kappa."""
-    return evaluate_in_cells(
-        nodes, lambda x, _: -tension.at(np.exp(x)) * growth.interpolation_error(x)
+def _no_stage_beyond(x: float) -> str:
+    """Return the message for a stage that cannot be solved."""
+    return (
+        f"no stage beyond the radius {exp(x):.6g} m can be solved: the stack at low pressure, or "
+        "the core, is too soft for this tension"
     )
-
-
-def evaluate_in_cells(nodes: Array, values: Callable[[Array, Array], Array]) -> CellSource:
-    """Return values(x, side) at the left end, in the middle and at the right end of every cell."""
-    x = np.concatenate([nodes[:-1], (nodes[1:] + nodes[:-1]) / 2, nodes[1:]])
-    n = nodes.size - 1
-    C = values(x, np.repeat([1, 1, -1], n))  # side: inner or outer side of a kink that is a node
-    return CellSource(C[:n], C[n : 2 * n], C[2 * n :])

@@ -25,7 +25,6 @@ from ..results import Residuals
 from .build_up import (
     BuildUp,
     NotWoundError,
-    source_error,
     wind,
     wind_finite_layers,
     wind_with_stages,
@@ -35,6 +34,7 @@ from .equations import interpolate_pressure
 from .finished import equations_of, final_changes, finished_arrays, surface_layer_depth
 from .finite_layers import NEIGHBOURHOOD, finite_layer_effects, layers_of
 from .result import RollResult
+from .stage_nodes import source_error
 from .validity import roll_warnings
 
 __all__ = [

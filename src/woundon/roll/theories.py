@@ -11,9 +11,9 @@ from ..errors import InvalidProblem
 from ..problems.radial_laws import Constant
 from ..problems.roll import RollProblem
 from ..problems.stack import Stack
-from .build_up import nodes_between
 from .finished import equations_of, final_changes
 from .layer_by_layer import wind_layers
+from .stage_nodes import nodes_between
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike

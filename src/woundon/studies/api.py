@@ -9,7 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InvalidProblem, NoSteadyState
+from ..problems.family import field_from_table
 from ..problems.messages import not_one_of, quote
+from ..problems.paths import field_quantity, get_field, number_in_si
 from ..problems.problem import Problem
 from ..quantities import Quantity, scalar_outputs
 from .design import Design, make_design
@@ -17,17 +19,12 @@ from .engine import run_study
 from .fit import FitResult, fit_parameters
 from .kind_model import (
     KindModel,
-    build,
     columns_of,
     conversion_of,
-    field_quantity,
-    get_field,
     kind_of,
     measurable_outputs,
     model_of,
-    number_in_si,
     options_of,
-    replaced,
 )
 from .measured import Measured, read_cases, read_measured
 from .model import quantities_of
@@ -193,7 +190,8 @@ def _cases(
     outputs |= {f"errors.{name}": quantity for name, quantity in outputs.items()}
     inputs = columns_of(problem)
     conversion = conversion_of(problem)
-    return read_cases(data, inputs, outputs, partial(build, problem), columns, conversion)
+    build = partial(field_from_table, problem)
+    return read_cases(data, inputs, outputs, build, columns, conversion)
 
 
 def _model_of_study(
@@ -377,7 +375,7 @@ def fit(
         columns_of(problem),
         outputs,
         columns,
-        replaced(problem),
+        kind_of(problem).result.REPLACED,
         conversion_of(problem),
     )
     settings = _on_one_mesh(problem, solver_options(nodes, rtol, options))

@@ -25,11 +25,13 @@ from ..io.files import replaced_file
 from ..io.sheets import Sheet, need_openpyxl, read_sheet
 from ..io.spreadsheets import record_table, write_csv, write_workbook
 from ..io.tables import Column, Names, match_columns
+from ..problems.family import field_from_table
+from ..problems.paths import get_field, nest_tables
 from ..problems.problem import Problem
 from ..quantities import Quantity, is_on_request, pattern, scalar_outputs
 from . import design as designs
 from .engine import run_study
-from .kind_model import KindModel, build, columns_of, conversion_of, get_field, kind_of, model_of
+from .kind_model import KindModel, columns_of, conversion_of, kind_of, model_of
 from .measured import ANNOTATIONS
 from .model import quantities_of
 from .progress import Progress
@@ -165,7 +167,7 @@ class _RowModel(KindModel):
         fields = {name: value for name, value in inputs.items() if not _is_missing(value)}
         if not self.complete:
             return super().variant(fields)
-        problem = make_problem({"schema": SCHEMA, **_nest_tables(fields)}, self.kind.name)
+        problem = make_problem({"schema": SCHEMA, **nest_tables(fields)}, self.kind.name)
         ties = {follower: get_field(problem, leader) for follower, leader in self.tie.items()}
         return problem.replace(**ties) if ties else problem
 
@@ -187,33 +189,6 @@ class _RowDesign(designs.Design):
 
 def _is_missing(value: Any) -> bool:
     return value is None or (isinstance(value, float) and isnan(value))
-
-
-def _nest_tables(fields: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the tables of dotted names; items of a list, whose names are numbers, as a list."""
-    tables: dict[str, Any] = {}
-    # a body or material in a cell comes before its fields in further columns
-    for path, value in sorted(fields.items()):
-        *heads, leaf = path.split(".")
-        inner = tables
-        for k, head in enumerate(heads):
-            inner = inner.setdefault(head, {})
-            if not isinstance(inner, dict):
-                above = ".".join(heads[: k + 1])
-                text = f"has no fields of its own in a table without case: {above} has a column"
-                raise InvalidProblem.at(path, text)
-        inner[leaf] = value
-    return {name: _tables_to_lists(value) for name, value in tables.items()}
-
-
-def _tables_to_lists(table: Any) -> Any:
-    """Return tables with the names "0", "1", ... as lists."""
-    if not isinstance(table, dict):
-        return table
-    inner = {name: _tables_to_lists(value) for name, value in table.items()}
-    if inner and all(name.isdecimal() for name in inner):
-        return [inner[name] for name in sorted(inner, key=int)]
-    return inner
 
 
 def _is_field(name: str, problem: Problem) -> bool:
@@ -301,7 +276,7 @@ def _read_cell(problem: Problem, column: Column, row: int, faults: list[str]) ->
     if not text.startswith("{"):
         return text or None
     try:
-        return build(problem, column.name, json.loads(text))
+        return field_from_table(problem, column.name, json.loads(text))
     except (
         ValueError,
         RecursionError,

@@ -26,12 +26,13 @@ import numpy as np
 from ..errors import InvalidProblem, NotConverged, unwarned
 from ..io.json_texts import json_text
 from ..problems.messages import quote
+from ..problems.paths import field_quantity, get_field
 from ..problems.problem import Problem
 from ..problems.units import parse
 from ..quantities import Quantity, in_chosen_units, walk
 from ..results import Presented, ReadOnly
 from .explanations import Explanation, Inputs, explain
-from .kind_model import KindModel, field_quantity, get_field, model_of
+from .kind_model import KindModel, model_of
 from .measurements import TAB, Observations, definitions, error_at, predict, read_observations
 from .progress import Progress, progress_reporter
 from .pull_tab import PullTab

@@ -11,7 +11,7 @@ import numpy as np
 from .. import kinds
 from ..arguments import check_type
 from ..errors import InvalidProblem, NoSteadyState, NotConverged, unwarned
-from ..quantities import walk
+from ..problems.paths import field_or_none
 from ..results import Result
 from ..sensitivity import Sensitivity
 
@@ -84,18 +84,15 @@ def derivatives(result: Any, *parameters: str, **options: Any) -> Sensitivity:
 
 def _fields(problem: Any, names: tuple[str, ...]) -> dict[str, float]:
     """Return the values of named fields."""
-    known: dict[str, Any] = {}
-    for place in walk(problem):
-        items = place.value if isinstance(place.value, tuple) else ()
-        known |= {place.path: place.value} | {f"{place.path}.{k}": x for k, x in enumerate(items)}
     if not names:
         raise InvalidProblem.at("parameters", "missing; must be names of fields")
-    for name in names:
-        if not isinstance(known.get(name), float):
+    fields = {name: field_or_none(problem, name) for name in names}
+    for name, value in fields.items():
+        if not isinstance(value, float):
             raise InvalidProblem.at(name, "is not a continuous field")
-        if known[name] == 0:
+        if value == 0:
             raise InvalidProblem.at(name, "is 0, which has no scale for a difference")
-    return {name: known[name] for name in names}
+    return fields
 
 
 def _difference(outputs: Callable[[Any], Array], problem: Any, name: str, value: float) -> Array:

@@ -32,13 +32,14 @@ from ..arguments import check_type, whole_number
 from ..errors import InvalidProblem, NotConverged
 from ..io.json_texts import json_text
 from ..problems.messages import not_one_of, quote
+from ..problems.paths import field_quantity, get_field
 from ..problems.problem import Problem
 from ..problems.units import parse
 from ..quantities import Quantity, in_chosen_units
 from ..results import Presented, ReadOnly
 from .api import solver_options
 from .fit import FitResult
-from .kind_model import field_quantity, get_field, kind_of
+from .kind_model import kind_of
 from .planned import Measurement, Planned, plan_measurement
 from .progress import Progress, progress_reporter
 

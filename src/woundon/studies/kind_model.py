@@ -21,38 +21,21 @@ from ..arguments import check_type
 from ..errors import InvalidProblem, NotConverged, did_you_mean, unwarned
 from ..io.cells import Conversion
 from ..parallel import progress
-from ..problems.description import Description
-from ..problems.family import best_match
-from ..problems.inputs import Context, conversion_context, convert
-from ..problems.messages import no_such_field, not_one_of
+from ..problems.inputs import Inputs
+from ..problems.paths import counterpart, field_quantity, get_field, is_part_of
 from ..problems.problem import Problem
-from ..problems.units import parse
-from ..quantities import (
-    Quantity,
-    counterpart,
-    find,
-    is_item,
-    members_of,
-    scalar_outputs,
-    value_of,
-    walk,
-)
+from ..quantities import Quantity, scalar_outputs, value_of, walk
 from .model import Answer
 from .sources import source_digest
 
 __all__ = [
     "KindModel",
-    "build",
     "columns_of",
     "conversion_of",
-    "field_quantity",
-    "get_field",
     "kind_of",
     "measurable_outputs",
     "model_of",
-    "number_in_si",
     "options_of",
-    "replaced",
 ]
 
 _ERROR = "errors."  # of an output: "errors.half_width"
@@ -136,10 +119,10 @@ class KindModel:
         varied = [str(name) for name in names]
         for name in varied:
             for follower, leader in self.tie.items():
-                if _is_within(name, follower):
+                if is_part_of(name, follower):
                     text = f"cannot be varied, because {follower} is tied to {leader}"
                     raise InvalidProblem.at(name, text)
-            if not any(name != other and _is_within(name, other) for other in varied):
+            if not any(name != other and is_part_of(name, other) for other in varied):
                 get_field(self.problem, name)
 
     # ---- one case -------------------------------------------------------------------------------
@@ -201,7 +184,7 @@ class KindModel:
         return [
             path + name.removeprefix(leader)
             for path, leader in self.tie.items()
-            if _is_within(name, leader)
+            if is_part_of(name, leader)
         ]
 
     # ---- quantities and record ------------------------------------------------------------------
@@ -302,87 +285,6 @@ def options_of(problem: Problem) -> dict[str, Any]:
 # ---- fields and outputs by name -----------------------------------------------------------------
 
 
-def get_field(base: Description, path: str) -> Any:
-    """Return the value of a field: nested ones by dotted name, items of a list by number.
-
-    Raises
-    ------
-    InvalidProblem
-        If ``base`` has no such field, with a suggestion.
-
-    Examples
-    --------
-    >>> import woundon as wo
-    >>> get_field(wo.RollerProblem.example(), "upper.diameter")
-    0.5
-    """
-    value: Any = base
-    for name in path.split("."):
-        if isinstance(value, Description):
-            radius = counterpart(name, "diameter")
-            if radius in type(value).model_fields:
-                value = _doubled(getattr(value, radius))
-                continue
-            if name not in type(value).model_fields:
-                raise InvalidProblem.at(path, no_such_field(name, type(value)))
-            value = getattr(value, name)
-        elif isinstance(value, tuple):
-            if not is_item(name, len(value)):
-                text = f"no item {name!r} in this list; known: 0 to {len(value) - 1}"
-                raise InvalidProblem.at(path, text)
-            value = value[int(name)]
-        else:
-            raise InvalidProblem.at(path, f"no such field; nothing is below {value!r}")
-    return value
-
-
-def _doubled(radius: Any) -> Any:
-    return tuple(2 * r for r in radius) if isinstance(radius, tuple) else 2 * radius
-
-
-def number_in_si(base: Problem, path: str, value: Any, where: str = "") -> Any:
-    """Return the value of a field that is a number in SI; a text is read with its unit.
-
-    Parameters
-    ----------
-    base : Problem
-        Gives width, thickness and density, with which totals and stresses are converted.
-    path : str
-    value : float or str
-    where : str
-        Name of the value in an error message; the path by default.
-
-    Raises
-    ------
-    InvalidProblem
-        For a text that is not a value of the field.
-
-    Examples
-    --------
-    >>> import woundon as wo
-    >>> number_in_si(wo.RollerProblem.example(), "load", "89 kN/m")
-    89000.0
-    """
-    place, quantity = next((p, p.quantity) for p in find(base, path) if p.quantity is not None)
-    if not isinstance(value, str):
-        return parse(value, quantity.unit, where or path)
-    return convert(value, place._replace(path=where or path), conversion_context(base))
-
-
-def field_quantity(base: Problem, path: str) -> Quantity | None:
-    """Return the quantity of a field, also of one of another body; None if it is not a number.
-
-    Raises
-    ------
-    InvalidProblem
-        If there is no such field.
-    """
-    places = find(base, path)
-    if not places:
-        get_field(base, path)  # raises with the reason
-    return next((place.quantity for place in places if place.quantity is not None), None)
-
-
 def measurable_outputs(problem: Problem) -> dict[str, Quantity]:
     """Return the outputs that a column of measured data may contain.
 
@@ -406,7 +308,7 @@ def columns_of(problem: Problem) -> dict[str, Quantity | None]:
     """
     known: dict[str, Quantity | None] = {}
     for place in walk(type(problem)):
-        heads = place.path.split(".")[:-1]
+        *heads, leaf = place.path.split(".")
         # a number of one material may be a description of another
         for k in range(1, len(heads) + 1):
             head = ".".join(heads[:k])
@@ -414,9 +316,9 @@ def columns_of(problem: Problem) -> dict[str, Quantity | None]:
                 known[head] = _if_number(problem, head)
         known[place.path] = known.get(place.path) or place.quantity
         # "diameter" alone is the position of a measurement on a roll
-        if heads and (diameter := counterpart(place.path.split(".")[-1], "radius")):
+        if heads and (diameter := counterpart(leaf, "radius")):
             path = ".".join((*heads, diameter))
-            known[path] = next((p.quantity for p in find(type(problem), path)), None)
+            known[path] = field_quantity(problem, path)
     return known
 
 
@@ -434,8 +336,8 @@ def conversion_of(problem: Problem, complete: bool = False) -> Conversion:
         for place in walk(type(problem))
         for name, quantity in getattr(place.owner, "input_only", {}).items()
     }
-    accepts_width = Context(accepts_width=hasattr(problem, "width"))
-    return Conversion(accepts_width if complete else conversion_context(problem), helpers)
+    inputs = Inputs(type(problem), {}) if complete else Inputs.of(problem)
+    return Conversion(inputs, helpers)
 
 
 def _if_number(problem: Problem, path: str) -> Quantity | None:
@@ -447,38 +349,9 @@ def _if_number(problem: Problem, path: str) -> Quantity | None:
     return field_quantity(problem, path) if is_number else None
 
 
-def build(problem: Problem, path: str, table: Any) -> Any:
-    """Return the body, material or other description with the fields of a table.
-
-    Raises
-    ------
-    InvalidProblem
-        If it is not a table of fields, or for invalid fields.
-    """
-    models: list[Any] = [
-        model for place in find(problem, path) for model in members_of(place.field.annotation)
-    ]
-    if not models or not isinstance(table, dict):
-        raise InvalidProblem(f"{table!r} is not a table of fields")
-    fields = dict(table)
-    if "kind" in fields and "kind" not in models[0].model_fields:
-        kind = fields.pop("kind")
-        known = {model.member_name(): model for model in models if hasattr(model, "member_name")}
-        if kind not in known:
-            raise InvalidProblem.at("kind", not_one_of(kind, known))
-        return known[kind](**fields)
-    return best_match(fields, models)(**fields)
-
-
-def replaced(problem: Problem) -> Mapping[str, str]:
-    """Return names of outputs that do not exist, with a hint to existing ones."""
-    names: Mapping[str, str] = kinds.of(problem).result.REPLACED
-    return names
-
-
 def _no_output(problem: Problem, name: str) -> str:
     """Return the reason for an unknown output, with an existing one or a suggestion."""
-    replacements = replaced(problem)
+    replacements = kinds.of(problem).result.REPLACED
     if name in replacements:
         return f"no such output: {replacements[name]}"
     known = scalar_outputs(kinds.of(problem).result)
@@ -493,7 +366,3 @@ def _value(result: Any, name: str) -> Any:
     if name.startswith(_ERROR):
         return result.errors.get(name.removeprefix(_ERROR), np.nan)
     return value_of(result, name)
-
-
-def _is_within(name: str, path: str) -> bool:
-    return name == path or name.startswith(f"{path}.")

@@ -19,7 +19,7 @@ import numpy as np
 from ..errors import InvalidProblem, one_of
 from ..problems.problem import Problem
 from ..quantities import Quantity, length, outputs, scalar_outputs, value_of
-from .kind_model import columns_of, conversion_of, kind_of, measurable_outputs, replaced
+from .kind_model import columns_of, conversion_of, kind_of, measurable_outputs
 from .measured import read_measured
 from .pull_tab import PullTab
 
@@ -92,7 +92,8 @@ def read_observations(
     if positioned:
         places = dict.fromkeys(POSITIONS, length("r", "where it was measured"))
         known |= {**places, TAB_FORCE: FORCE}
-    replacements = {name: text for name, text in replaced(problem).items() if name not in known}
+    replaced = kind_of(problem).result.REPLACED
+    replacements = {name: text for name, text in replaced.items() if name not in known}
     table = read_measured(data, fields, known, columns, replacements, conversion_of(problem))
     values_of, deviations = dict(table.outputs), dict(table.deviations)
     radius = _radius(values_of, table.where, len(table.numbers))

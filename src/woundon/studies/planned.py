@@ -19,19 +19,11 @@ from .. import kinds
 from ..arguments import check_type
 from ..errors import InvalidProblem, did_you_mean, unwarned
 from ..problems.messages import quote
+from ..problems.paths import field_quantity, find_places, get_field, number_in_si
 from ..problems.problem import Problem
 from ..problems.units import parse
-from ..quantities import Quantity, find, length
-from .kind_model import (
-    KindModel,
-    columns_of,
-    field_quantity,
-    get_field,
-    kind_of,
-    measurable_outputs,
-    model_of,
-    number_in_si,
-)
+from ..quantities import Quantity, length
+from .kind_model import KindModel, columns_of, kind_of, measurable_outputs, model_of
 from .measured import MEASURED_AS
 from .measurements import POSITIONS, PRESSURE, arrays_over_radius, predict
 
@@ -146,7 +138,7 @@ class Measurement:
             return RADIUS
         has_problem = self.problem is not None
         problems = [self.problem] if has_problem else [kind.problem for kind in kinds.every()]
-        places = (place for problem in problems for place in find(problem, name))
+        places = (place for problem in problems for place in find_places(problem, name))
         return next((place.quantity for place in places if place.quantity is not None), None)
 
 

@@ -8,7 +8,7 @@ const DASHES = { solid: [], dashed: [7, 4], dashdot: [8, 3, 2, 3], dotted: [2, 3
 const DOTS = { dash: [], paths: () => null, points: { show: true, size: 8 } }; // points without a line
 const LEFT = 58;
 const RIGHT = 54;
-const LONG = 30; // characters of a label along y
+const LONG = 28; // characters of a label along y
 
 // ---- colours of the style sheet, read once a theme ----
 

@@ -1,0 +1,49 @@
+"""Text, HTML, JSON and figure of what studies return, which have one base class.
+
+Evidence: invariance; the same numbers in every form.
+"""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+import woundon as wo
+
+
+@pytest.fixture(scope="module")
+def found() -> wo.FindResult:
+    return wo.find(wo.RollerProblem.example(), "load", nip_width="1 mm", nodes=33)
+
+
+@pytest.fixture(scope="module")
+def schedule() -> wo.OptimisedSchedule:
+    return wo.optimise_schedule(
+        wo.RollProblem.example(), {"wound_on_tension": (200.0, 400.0)},
+        limits=wo.Limits(core_pressure="1 MPa"), evaluations=5, options={"rtol": 1e-2},
+    )  # fmt: skip
+
+
+def test_a_notebook_shows_answer_table_and_remarks(found: wo.FindResult) -> None:
+    html = found._repr_html_()
+    assert str(found) == "\n".join([*found.answer(), *found.remarks()])
+    # symbols in the text become letters
+    assert html.count("<p ") == 1 + len(found.remarks())
+    assert f"{found.value:.4g}" in html
+
+
+def test_rows_of_the_table_are_the_json_by_default(schedule: wo.OptimisedSchedule) -> None:
+    (row,) = json.loads(schedule.to_json())["rows"]
+    assert row == {"field": "wound_on_tension", "start": schedule.start[0],
+                   "value": schedule.values[0], "low": 200.0, "high": 400.0}  # fmt: skip
+    assert "All limits are kept" in schedule._repr_html_()
+
+
+def test_a_panel_is_drawn_into_given_axes(schedule: wo.OptimisedSchedule) -> None:
+    from matplotlib.figure import Figure
+
+    ax = Figure().add_subplot()
+    assert schedule.plot(ax=ax, panels="reserves") is ax
+    with pytest.raises(wo.InvalidProblem, match=r"must be .* or reserves"):
+        schedule.plot(panels="reserve")
