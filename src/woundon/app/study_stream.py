@@ -26,10 +26,10 @@ from ..errors import InvalidProblem, unwarned
 from ..io.case_files import check_like_a_case
 from ..io.sheets import Sheet, sheet_of_content
 from ..parallel import Cancelled, usable_cores
-from ..studies.api import fit as fit_problem
 from ..studies.api import study_of
 from ..studies.cases import Chunk, as_labels
-from ..studies.fit import FitResult
+from ..studies.fit import fit as fit_problem
+from ..studies.fit_result import FitResult
 from ..studies.kind_model import KindModel
 from ..studies.run import solve_chunk
 from ..studies.studyfile import SCHEMA, study_of_tables

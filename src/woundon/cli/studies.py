@@ -26,7 +26,7 @@ def _execution_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """Add the options for processes and folders of a study."""
     for option in (
         options.WORKERS,
-        click.option("--scheduler", metavar="ADDRESS", help="Dask scheduler, tcp://host:port."),
+        options.SCHEDULER,
         click.option("--resume", is_flag=True, help="Resume the study in DIR."),
         click.option(
             "--out", type=options.PATH, required=True, metavar="DIR", help="Folder of results."
@@ -238,7 +238,7 @@ def fit(
 ) -> None:
     """Fit fields of a case to measured data (.csv or .xlsx, units in the header)."""
     from ..io.case_files import load_case
-    from ..studies.api import fit as fit_problem
+    from ..studies.fit import fit as fit_problem
 
     result = fit_problem(load_case(case, settings), data, progress=True, **arguments)
     if save:

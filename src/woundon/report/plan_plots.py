@@ -18,18 +18,23 @@ if TYPE_CHECKING:
 __all__ = ["plot_plan"]
 
 
-def plot_plan(plan: NextExperiment, path: Any = None, ax: Axes | None = None) -> Any:
+def plot_plan(
+    plan: NextExperiment,
+    path: Any = None,
+    ax: Axes | None = None,
+    panels: str | Sequence[str] | None = None,
+) -> Any:
     """Plot the expected relative standard errors against the measurements, best first.
 
     Parameters
     ----------
     plan : NextExperiment
-    path, ax
-        As of :func:`~woundon.report.panels.draw_panels`.
+    path, ax, panels
+        As of :func:`~woundon.report.panels.draw_panels`; the only panel is "plan".
     """
     height = 2.0 + 0.45 * len(plan.measurements)
-    panels = {"plan": Panel(_draw_plan, "plan", 7.0, height)}
-    return draw_panels(panels, [Case(plan)], path, ax, None, lettered=False)
+    known = {"plan": Panel(_draw_plan, "plan", 7.0, height)}
+    return draw_panels(known, [Case(plan)], path, ax, panels, lettered=False)
 
 
 def _draw_plan(axes: Axes, cases: Sequence[Case]) -> list[Any]:

@@ -66,7 +66,7 @@ def figure_of(thing: Any, *options: Any) -> Any:
     from ..studies.compare import Comparison
     from ..studies.experiment import NextExperiment
     from ..studies.find import FindResult
-    from ..studies.fit import FitResult
+    from ..studies.fit_result import FitResult
     from ..studies.schedule import OptimisedSchedule
     from ..studies.sobol import SobolIndices
     from ..studies.window_result import OperatingWindow

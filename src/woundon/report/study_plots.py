@@ -27,7 +27,7 @@ from .figures import (
 from .panels import Case, Panel, draw_panels
 
 if TYPE_CHECKING:
-    from ..studies.fit import FitResult
+    from ..studies.fit_result import FitResult
     from ..studies.profiles import ProfileLikelihood
     from ..studies.run import Table
     from ..studies.sobol import SobolIndices

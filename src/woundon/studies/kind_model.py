@@ -158,36 +158,6 @@ class KindModel:
             values = tuple(float(_value(result, name)) for name in self.outputs)
         return Answer(values, "; ".join(result.warnings), result)
 
-    # ---- derivatives ----------------------------------------------------------------------------
-
-    def on_mesh_of(self, result: Any) -> KindModel:
-        """Return the model with the nodes of a result, so that errors of differences cancel."""
-        nodes = getattr(result, "nodes", None)
-        if self.options or not isinstance(nodes, int):
-            return self
-        return replace(self, options={"nodes": nodes})
-
-    def gradient(self, state: Any, names: tuple[str, ...]) -> np.ndarray | None:
-        """Return exact derivatives of the outputs; None if one of them has none."""
-        if not hasattr(state, "sensitivity"):
-            return None
-        paths = [(name, *self._followers(name)) for name in names]
-        flat = dict.fromkeys(path for group in paths for path in group)
-        try:
-            sensitivity = state.sensitivity(*flat, outputs=self.outputs)
-        except InvalidProblem:  # not of this problem, this field or this output
-            return None
-        columns = dict(zip(sensitivity.parameters, sensitivity.derivatives.T, strict=True))
-        return np.column_stack([sum(columns[path] for path in group) for group in paths])
-
-    def _followers(self, name: str) -> list[str]:
-        """Return the tied fields that change when ``name`` does."""
-        return [
-            path + name.removeprefix(leader)
-            for path, leader in self.tie.items()
-            if is_part_of(name, leader)
-        ]
-
     # ---- quantities and record ------------------------------------------------------------------
 
     def quantity(self, name: str) -> Quantity | None:
