@@ -21,6 +21,7 @@ from woundon.report.drawing import draw_figure
 from woundon.report.figures import symbol_text
 from woundon.report.result_panels import array_panels
 from woundon.report.sweep_panels import plot_sweep
+from woundon.studies.cases import make_cases
 
 NODES = 25
 SOFT = wo.Isotropic(youngs_modulus=5e6, poissons_ratio=0.47)
@@ -326,19 +327,15 @@ def test_global_style_is_left_alone(nip):
 
 def table(output: str, quantity: wo.Quantity) -> Any:
     """Return a sweep over loads and moduli, 6 by 2."""
-    loads, moduli = np.geomspace(100.0, 1e4, 6), np.array([5e6, 2e7])
-    columns = [
-        SimpleNamespace(name=name, values=values, labels=values, numeric=True)
-        for name, values in (("nip_load", loads), ("roll.material.shear", moduli))
-    ]
-    design = SimpleNamespace(columns=columns, shape=(6, 2), gridded=True)
+    loads = np.geomspace(100.0, 1e4, 6)
+    cases = make_cases({"nip_load": loads, "roll.material.shear": np.array([5e6, 2e7])})
     known = {
         "nip_load": line_load("P", "nip load"),
         "roll.material.shear": stress("G", "shear modulus", "MPa"),
         output: quantity,
     }
     outputs = {output: np.outer(loads, [1.0, 2.0]).ravel()}
-    return SimpleNamespace(design=design, outputs=outputs, quantities=known)
+    return SimpleNamespace(cases=cases, outputs=outputs, quantities=known)
 
 
 def test_a_sweep_is_drawn_in_the_units_of_its_quantities():
@@ -356,11 +353,9 @@ def grid(*shape: int) -> Any:
     """Return a sweep over so many values of one to four fields, its output their product."""
     names = ("nip_load", "web_tension", "roll_friction", "drum_friction")[: len(shape)]
     values = [np.linspace(1.0, 2.0, size) for size in shape]
-    columns = [SimpleNamespace(name=name, values=one, labels=one, numeric=True)
-               for name, one in zip(names, values, strict=True)]  # fmt: skip
     product = np.prod(np.meshgrid(*values, indexing="ij"), axis=0).ravel()
-    design = SimpleNamespace(columns=columns, shape=shape, gridded=True)
-    return SimpleNamespace(design=design, outputs={"output": product}, quantities={})
+    cases = make_cases(dict(zip(names, values, strict=True)))
+    return SimpleNamespace(cases=cases, outputs={"output": product}, quantities={})
 
 
 @pytest.mark.parametrize(
