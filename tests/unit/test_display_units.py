@@ -38,8 +38,7 @@ from woundon.report.schedule_report import print_schedule
 from woundon.report.sweep_panels import plot_sweep
 from woundon.report.terminal import plain_text
 from woundon.studies.api import study_of
-from woundon.studies.engine import run_study
-from woundon.studies.runners import runner_for
+from woundon.studies.run import Workers, run_study
 
 NIP, PAIR, ROLL = wo.NipProblem.example(), wo.RollerProblem.example(), wo.RollProblem.example()
 WINDING = wo.WindingProblem.example()
@@ -332,7 +331,7 @@ def test_a_field_has_the_same_unit_in_all_kinds():
 
 def test_sweeps_show_the_same_numbers():
     study = study_of(FREE, {"load": LOADS}, ["nip_width"], options=LEAN)
-    table = run_study(*study, runner_for(1, None))
+    table = run_study(*study, Workers(1))
     assert differing_artists(*in_both("mill", lambda: plot_sweep(table, "nip_width"))) == []
 
 

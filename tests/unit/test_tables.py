@@ -166,8 +166,8 @@ def test_a_percentage_of_excel_is_what_is_displayed(tmp_path: Path, header: str)
     path = percentages(tmp_path, header, TWENTY)
     expected = [0.2] * len(TWENTY)
     assert read(path).inputs["roll_friction"].tolist() == pytest.approx(expected, rel=1e-15)
-    _, design = study_of(NIP, path, ["half_width"])
-    assert list(design.inputs(np.arange(design.size))["roll_friction"]) == pytest.approx(expected)
+    _, cases = study_of(NIP, path, ["half_width"])
+    assert cases.frame["roll_friction"].tolist() == pytest.approx(expected)
     solved = wo.solve_table(path, NIP, ["wound_on_tension"], nodes=13, workers=1)
     alone = wo.solve(NIP.replace(roll_friction=0.2), nodes=13).wound_on_tension
     np.testing.assert_allclose(solved["wound_on_tension [N/m]"], alone, rtol=1e-8)  # starts differ

@@ -29,8 +29,11 @@ from ..report.report_parts import Section, certificate_of, friction_bounds, zone
 from ..report.result_report import report_parts
 from ..results import ACCEPTED_RESIDUAL, Result, zone_runs
 from ..roll.design import design_tension
+from ..sensitivity import Sensitivity
 from ..studies.find import find as find_values
 from ..studies.kind_model import KindModel, measurable_outputs, model_of
+from ..studies.measurements import Observable, predict
+from ..studies.slopes import slopes
 from ..winding.margins import FIELDS
 from .input_forms import quantity_schema, tables_of
 from .json_texts import records, to_json
@@ -54,7 +57,6 @@ WARM_OPTIONS = {"nodes": 49, "errors": False}
 WARM_UP = 1.0  # seconds after which no further example is solved
 MOST_OUTPUTS = 6  # of kinds without main outputs
 MOST_SESSIONS = 32  # whose last results are kept as initial guesses
-STEP = 1e-3  # relative, of differences in place of derivatives; a fixed grid is smooth to 1e-8
 # by session: the last result, and the problem and options that it solves without a warm start
 _LAST: OrderedDict[str, tuple[Result | None, Any]] = OrderedDict()
 
@@ -421,51 +423,35 @@ def sensitivities(tables: Any, options: Mapping[str, Any]) -> bytes:
     """
     problem = problem_of(tables)
     result = solved(problem, options)
-    if hasattr(result, "sensitivity"):
-        derivatives = result.sensitivity().sorted()
-        return to_json(
-            {
-                "method": "exact",
-                "outputs": derivatives.outputs,
-                "parameters": derivatives.parameters,
-                "elasticities": derivatives.elasticities.tolist(),
-                "derivatives": derivatives.derivatives.tolist(),
-                "zone_change": derivatives.zone_change,
-            }
-        )
-    return to_json(_differences(problem, result, options))
+    is_exact = hasattr(result, "sensitivity")
+    found: Sensitivity = result.sensitivity() if is_exact else _differences(result, options)
+    largest_first = found.sorted()
+    return to_json(
+        {
+            "method": "exact" if is_exact else "differences",
+            "outputs": largest_first.outputs,
+            "parameters": largest_first.parameters,
+            "elasticities": largest_first.elasticities.tolist(),
+            "derivatives": largest_first.derivatives.tolist(),
+            "zone_change": largest_first.zone_change,
+        }
+    )
 
 
-def _differences(problem: Problem, result: Any, options: Mapping[str, Any]) -> dict[str, Any]:
-    """Return derivatives by central differences on one mesh, for JSON."""
-    kind = kinds.of(problem)
+def _differences(result: Any, options: Mapping[str, Any]) -> Sensitivity:
+    """Return the derivatives with respect to all fields with a unit that are not 0."""
+    problem = result.problem
     outputs = _usual_outputs(problem)
-    settings = dict(options)
-    if "nodes" in kind.solver_options() and not settings.keys() & {"nodes", "rtol"}:
-        settings["nodes"] = result.nodes  # on different grids the outputs differ by their errors
-    model = model_of(problem, outputs, {}, checked_options(kind, settings))
-    base = np.array(model.run({}, None).values)
+    model = model_of(problem, outputs, {}, checked_options(kinds.of(problem), options))
     fields = {
         place.path: place.value
         for place in walk(problem)
         if isinstance(place.value, float) and place.quantity is not None and place.value
     }
-    slopes = dict[str, Any]()
-    for name, value in fields.items():
-        with suppress(InvalidProblem, NotConverged, ArithmeticError):  # at an end of its range
-            ends = [
-                np.array(model.run({name: value * (1 + sign * STEP)}, result).values)
-                for sign in (-1, 1)
-            ]
-            slopes[name] = (ends[1] - ends[0]) / (2 * STEP * value)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        shares = {n: slope * fields[n] / base for n, slope in slopes.items()}
-    order = sorted(slopes, key=lambda name: -abs(np.nan_to_num(shares[name][0])))
-    return {
-        "method": "differences",
-        "outputs": outputs,
-        "parameters": order,
-        "elasticities": np.transpose([shares[name] for name in order]).tolist(),
-        "derivatives": np.transpose([slopes[name] for name in order]).tolist(),
-        "zone_change": "",
-    }
+    observables = [Observable(output) for output in outputs]
+    columns = slopes(model, result, observables, list(fields), nan_if_unsolved=True)
+    values = np.array([predict(result, observable) for observable in observables])
+    is_solved = np.isfinite(columns).any(axis=0)
+    names = tuple(name for name, known in zip(fields, is_solved, strict=True) if known)
+    places = np.array(list(fields.values()))[is_solved]
+    return Sensitivity(outputs, names, columns[:, is_solved], values, places)

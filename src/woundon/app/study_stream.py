@@ -26,11 +26,12 @@ from ..errors import InvalidProblem, unwarned
 from ..io.case_files import check_like_a_case
 from ..io.sheets import Sheet, sheet_of_content
 from ..parallel import Cancelled, usable_cores
-from ..studies.api import fit as fit_problem
 from ..studies.api import study_of
-from ..studies.evaluate import Chunk, solve_chunk
-from ..studies.fit import FitResult
+from ..studies.cases import Chunk, as_labels
+from ..studies.fit import fit as fit_problem
+from ..studies.fit_result import FitResult
 from ..studies.kind_model import KindModel
+from ..studies.run import solve_chunk
 from ..studies.studyfile import SCHEMA, study_of_tables
 from ..studies.window import operating_window
 from ..studies.window_result import OperatingWindow
@@ -123,7 +124,7 @@ def start_sweep(tables: Mapping[str, Any]) -> Sweep:
     if not isinstance(study.over, Mapping) or not study.over:
         raise InvalidProblem.at("over", "nothing is varied; give fields and their values")
     _check_size(study.over, study.design)
-    model, design = study_of(
+    model, cases = study_of(
         study.problem,
         study.over,
         study.outputs,
@@ -131,18 +132,15 @@ def start_sweep(tables: Mapping[str, Any]) -> Sweep:
         options=study.options,
         **study.design,
     )
-    chunks = [
-        Chunk(number, rows, design.inputs(rows)) for number, rows in enumerate(design.chunks(CHUNK))
-    ]
     first = _line(
         "started",
-        cases=design.size,
+        cases=len(cases),
         kind=model.kind.name,
-        dims=design.names if design.gridded else ["case"],
-        inputs={column.name: column.labels for column in design.columns},
+        dims=cases.names if cases.axes else ["case"],
+        inputs={name: as_labels(values) for name, values in cases.columns.items()},
         outputs=model.outputs,
     )
-    return Sweep(first, model, chunks)
+    return Sweep(first, model, cases.chunks(CHUNK))
 
 
 def _check_size(over: Mapping[str, Any], design: Mapping[str, Any]) -> None:
@@ -162,12 +160,12 @@ def _check_size(over: Mapping[str, Any], design: Mapping[str, Any]) -> None:
 
 def solve_cases(model: KindModel, chunk: Chunk) -> dict[str, Any]:
     """Return the solved cases of a chunk, for its event."""
-    block = solve_chunk(model, chunk)
+    solved = solve_chunk(model, chunk)
     return {
-        "numbers": block.cases,
-        "values": dict(zip(model.outputs, block.values.T, strict=True)),
-        "failures": block.failure,
-        "warnings": block.warnings,
+        "numbers": chunk.cases,
+        "values": dict(zip(model.outputs, solved.values.T, strict=True)),
+        "failures": solved.failure,
+        "warnings": solved.warnings,
     }
 
 

@@ -81,8 +81,8 @@ def compare(
 ) -> None:
     """Compare a table of measured values with the predictions for a case."""
     from ..io.case_files import load_case
-    from ..studies.case_table import write_table
     from ..studies.compare import compare as compare_with
+    from ..studies.export import write_table
     from ..studies.pull_tab import PullTab
 
     values = {name: arguments.pop(f"tab_{name}") for name in TAB_OPTIONS}

@@ -27,6 +27,7 @@ __all__ = [
     "PATH",
     "PLOT",
     "RTOL",
+    "SCHEDULER",
     "SETTINGS",
     "TABLE",
     "TIES",
@@ -183,9 +184,9 @@ def _check_figure(path: Path) -> None:
 
 def _check_table(path: Path) -> None:
     # the tables of cases import NumPy
-    from ..studies.case_table import check_table_path
+    from ..studies.export import TABLES, check_export
 
-    check_table_path(path)
+    check_export(path, TABLES)
 
 
 PATH = click.Path(path_type=Path)
@@ -249,6 +250,7 @@ JSON = click.option("--json", "as_json", is_flag=True, help="Print the complete 
 NODES = click.option("--nodes", type=int, help="Number of nodes on the last mesh.")
 RTOL = click.option("--rtol", type=float, help="Relative error of the solver.")
 WORKERS = click.option("--workers", type=int, help="Number of processes; by default one per core.")
+SCHEDULER = click.option("--scheduler", metavar="ADDRESS", help="Dask scheduler, tcp://host:port.")
 
 # ---- running and printing -----------------------------------------------------------------------
 
@@ -308,7 +310,7 @@ def print_failures(cases: str, reasons: Iterable[str], seconds: float) -> int:
     import numpy as np
 
     from ..quantities import in_chosen_units
-    from ..studies.table import failures
+    from ..studies.run import failures
 
     texts = np.array([*reasons], dtype=object)
     failed = int((texts != "").sum())

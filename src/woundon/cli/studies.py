@@ -15,7 +15,7 @@ from ..io.files import write_whole
 from . import options
 
 if TYPE_CHECKING:
-    from ..studies.table import Table
+    from ..studies.run import Table
 
 __all__ = ["fit", "plan", "sobol", "sweep"]
 
@@ -26,7 +26,7 @@ def _execution_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """Add the options for processes and folders of a study."""
     for option in (
         options.WORKERS,
-        click.option("--scheduler", metavar="ADDRESS", help="Dask scheduler, tcp://host:port."),
+        options.SCHEDULER,
         click.option("--resume", is_flag=True, help="Resume the study in DIR."),
         click.option(
             "--out", type=options.PATH, required=True, metavar="DIR", help="Folder of results."
@@ -76,9 +76,8 @@ def sweep(
 ) -> int:
     """Solve all cases of a study file."""
     from ..studies.api import study_of
-    from ..studies.engine import run_study
     from ..studies.export import check_export, export
-    from ..studies.runners import runner_for
+    from ..studies.run import Workers, run_study
     from ..studies.studyfile import load_study
 
     loaded = load_study(study)
@@ -97,8 +96,8 @@ def sweep(
         options=loaded.options,
     )
     with options.resumable(out), unwarned():
-        runner = runner_for(workers, scheduler)
-        table = run_study(model, cases, runner, out=out, progress=True, **arguments)
+        solvers = Workers(workers, scheduler)
+        table = run_study(model, cases, solvers, out=out, progress=True, **arguments)
     seconds = time.perf_counter() - start
     for target in targets:
         export(table, target)
@@ -239,7 +238,7 @@ def fit(
 ) -> None:
     """Fit fields of a case to measured data (.csv or .xlsx, units in the header)."""
     from ..io.case_files import load_case
-    from ..studies.api import fit as fit_problem
+    from ..studies.fit import fit as fit_problem
 
     result = fit_problem(load_case(case, settings), data, progress=True, **arguments)
     if save:
@@ -273,8 +272,8 @@ def plan(
     study: Path, as_json: bool, save: Path | None, plot: Path | None, **arguments: Any
 ) -> None:
     """Rank the candidate measurements of a study file."""
-    from ..studies.case_table import write_table
     from ..studies.experiment import next_experiment
+    from ..studies.export import write_table
     from ..studies.plan_file import load_plan
 
     keywords = load_plan(study)

@@ -56,7 +56,8 @@ def table(
 ) -> int:
     """Solve the cases of a table (.csv or .xlsx), one in each row."""
     from ..io.case_files import load_case
-    from ..studies.case_table import solve_table, write_table
+    from ..studies.case_table import solve_table
+    from ..studies.export import write_table
 
     if settings and case is None:
         raise InvalidProblem.at("--set", "changes a field of --case, which is not given")

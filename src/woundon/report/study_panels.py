@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from ..studies.compare import Comparison
     from ..studies.experiment import NextExperiment
     from ..studies.find import FindResult
-    from ..studies.fit import FitResult
+    from ..studies.fit_result import FitResult
     from ..studies.profiles import ProfileLikelihood
     from ..studies.sobol import SobolIndices
 

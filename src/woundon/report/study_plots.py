@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from ..studies.compare import Comparison
 from ..studies.experiment import NextExperiment
 from ..studies.find import FindResult
-from ..studies.fit import FitResult
+from ..studies.fit_result import FitResult
 from ..studies.schedule import OptimisedSchedule
 from ..studies.sobol import SobolIndices
 from ..studies.window_result import OperatingWindow

@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..studies.cases import as_labels, is_numeric
 from .drawing import show_panels
 from .figures import text_of
 from .panels import SERIES, Axis, Curve, Panel
 from .study_panels import named_axis
 
 if TYPE_CHECKING:
-    from ..studies.table import Table
+    from ..studies.run import Table
 
 __all__ = ["plot_sweep"]
 
@@ -40,7 +41,7 @@ def plot_sweep(table: Table, output: str, path: str | Path | None = None) -> Any
         Where to save; without it the figure is pyplot's.
     """
     title = ""
-    if table.design.gridded:
+    if table.cases.axes:
         panels, title = _grid_panels(table, output)
     else:
         panels = _scatter_panels(table, output)
@@ -50,14 +51,12 @@ def plot_sweep(table: Table, output: str, path: str | Path | None = None) -> Any
 
 def _grid_panels(table: Table, output: str) -> tuple[list[Panel], str]:
     """Return the panels of a grid and the title of its figure."""
-    design = table.design
+    shape, axes = table.cases.shape, list(table.cases.axes.values())
     # numeric inputs first, then by the number of values; from the fourth on at the middle value
-    inputs = sorted(
-        range(len(design.shape)), key=lambda k: (not design.columns[k].numeric, -design.shape[k])
-    )
-    drawn, fixed = inputs[:3], {k: design.shape[k] // 2 for k in inputs[3:]}
-    values = table.outputs[output].reshape(design.shape)
-    values = values[tuple(fixed.get(k, slice(None)) for k in range(len(design.shape)))]
+    inputs = sorted(range(len(shape)), key=lambda k: (not is_numeric(axes[k]), -shape[k]))
+    drawn, fixed = inputs[:3], {k: shape[k] // 2 for k in inputs[3:]}
+    values = table.outputs[output].reshape(shape)
+    values = values[tuple(fixed.get(k, slice(None)) for k in range(len(shape)))]
     values = np.transpose(values, [sorted(drawn).index(k) for k in drawn])
     while values.ndim < 3:
         values = values[..., None]
@@ -84,20 +83,20 @@ def _grid_panels(table: Table, output: str) -> tuple[list[Panel], str]:
 
 def _axis_of_input(table: Table, k: int) -> Axis:
     """Return the axis of an input, with the names of its values if they are not numbers."""
-    column = table.design.columns[k]
-    if not column.numeric:
-        return Axis(column.name, names=tuple(str(label) for label in column.labels))
-    values = column.labels.astype(float)
-    return named_axis(column.name, table.quantities.get(column.name), values)
+    name = table.cases.names[k]
+    values = table.cases.axes[name]
+    if not is_numeric(values):
+        return Axis(name, names=tuple(str(label) for label in as_labels(values)))
+    return named_axis(name, table.quantities.get(name), values)
 
 
 def _curves(table: Table, output: str, drawn: list[int], values: Array) -> list[Curve]:
     """Return the curves of one panel: ``values`` over the first input and the second."""
-    x = table.design.columns[drawn[0]]
-    positions = x.labels.astype(float) if x.numeric else np.arange(len(x.values), dtype=float)
+    x = table.cases.axes[table.cases.names[drawn[0]]]
+    positions = x if is_numeric(x) else np.arange(len(x), dtype=float)
     order = np.argsort(positions, kind="stable")
     marker = "circle"
-    if x.numeric:
+    if is_numeric(x):
         marker = "point" if positions.size <= SPARSE else ""
     return [
         Curve(
@@ -125,15 +124,14 @@ def _omissions(shape: tuple[int, ...]) -> str:
 def _scatter_panels(table: Table, output: str) -> list[Panel]:
     """Return the panels of a design without a grid: the output over each input."""
     panels = []
-    columns = [column for column in table.design.columns if column.numeric]
-    for k, column in enumerate(columns):
-        x = column.labels.astype(float)
+    columns = {name: x for name, x in table.cases.columns.items() if is_numeric(x)}
+    for k, (name, x) in enumerate(columns.items()):
         points = Curve(output, x, table.outputs[output], line="none", marker="point", opacity=0.6)
         panels.append(
             Panel(
-                column.name,
-                column.name,
-                named_axis(column.name, table.quantities.get(column.name), x, words=False),
+                name,
+                name,
+                named_axis(name, table.quantities.get(name), x, words=False),
                 named_axis(output, table.quantities.get(output)),
                 curves=(points,),
                 column=str(k % COLUMNS),
@@ -151,9 +149,10 @@ def _evenly_spaced(count: int, limit: int) -> list[int]:
 
 def _value_label(table: Table, axis: int, place: int) -> str:
     """Return a label such as "shear = 10 MPa" for an index on an axis."""
-    column = table.design.columns[axis]
-    value, quantity = column.labels[place], table.quantities.get(column.name)
-    name = column.name.rpartition(".")[2].replace("_", " ")
-    if not column.numeric:
+    field = table.cases.names[axis]
+    values = table.cases.axes[field]
+    value, quantity = as_labels(values)[place], table.quantities.get(field)
+    name = field.rpartition(".")[2].replace("_", " ")
+    if not is_numeric(values):
         return f"{name} = {value}"
     return f"{name} = {value:.4g}" if quantity is None else f"{name} = {text_of(quantity, value)}"

@@ -27,10 +27,12 @@ from ..problems.units import parse
 from ..quantities import Quantity, in_chosen_units
 from .api import solver_options
 from .kind_model import model_of
+from .measurements import Observable
 from .model import quantities_of
 from .outcome import Outcome
 from .progress import Progress, progress_reporter
 from .root_search import DECADE, Interval, RootSearch, Sample
+from .slopes import slopes as slopes_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -40,9 +42,6 @@ __all__ = ["FindResult", "Solution", "find"]
 Array = np.ndarray
 
 POINTS = 17  # of the scan: a factor of 1.33 between neighbours over two decades
-# of the value, for a difference; its error is the square of the step, and that of the solver, 1e-8,
-# over the step
-STEP = 1e-3
 
 
 class Solution(NamedTuple):
@@ -391,22 +390,18 @@ def _usual_range(
 
 
 def _slope(search: RootSearch, sample: Sample) -> float:
-    """Return d output / d field: exact where the result has it, else a difference on one mesh."""
-    value, model = sample.value, search.model
-    gradient = model.gradient(sample.result, (search.name,)) if value != 0 else None
-    if gradient is not None:
-        return float(gradient[0, 0])
-    width = search.interval.high - search.interval.low
-    step = STEP * (abs(value) or width)
-    fixed = search.on_one_mesh(sample, sample)
-    sides = [search.evaluate(value + side, fixed) for side in (-step, step)]
-    ends = [side for side in sides if side.is_solved]
-    if len(ends) == 1:  # the other one is outside the range of steady states
-        ends.append(sample)
-    if not ends:
-        return nan
-    low, high = sorted(ends, key=lambda end: end.value)
-    return (high.output - low.output) / (high.value - low.value)
+    """Return d output / d field; nan if it cannot be solved on either side."""
+    scale = abs(sample.value) or search.interval.high - search.interval.low
+    slopes = slopes_of(
+        search.model,
+        sample.result,
+        [Observable(search.output)],
+        [search.name],
+        {search.name: sample.value},
+        scales=[scale],
+        nan_if_unsolved=True,
+    )
+    return float(slopes[0, 0])
 
 
 def _no_solution(found: FindResult, not_converged: bool) -> NoSolution | NotConverged:

@@ -6,7 +6,6 @@ Problem, solver and result class are looked up in :mod:`woundon.kinds`, fields a
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -26,7 +25,6 @@ from ..problems.paths import counterpart, field_quantity, get_field, is_part_of
 from ..problems.problem import Problem
 from ..quantities import Quantity, scalar_outputs, value_of, walk
 from .model import Answer
-from .sources import source_digest
 
 __all__ = [
     "KindModel",
@@ -129,11 +127,14 @@ class KindModel:
 
     def variant(self, inputs: Mapping[str, Any]) -> Any:
         """Return the problem of one case."""
-        problem = self.problem.replace(**inputs)
+        return self.with_ties(self.problem.replace(**inputs))
+
+    def with_ties(self, problem: Problem) -> Problem:
+        """Return a problem whose tied fields have the values of the fields that they follow."""
         if not self.tie:
             return problem
         return problem.replace(
-            **{path: get_field(problem, leader) for path, leader in self.tie.items()}
+            **{follower: get_field(problem, leader) for follower, leader in self.tie.items()}
         )
 
     def solve(self, problem: Any, start: Any | None) -> Any:
@@ -157,36 +158,6 @@ class KindModel:
             values = tuple(float(_value(result, name)) for name in self.outputs)
         return Answer(values, "; ".join(result.warnings), result)
 
-    # ---- derivatives ----------------------------------------------------------------------------
-
-    def on_mesh_of(self, result: Any) -> KindModel:
-        """Return the model with the nodes of a result, so that errors of differences cancel."""
-        nodes = getattr(result, "nodes", None)
-        if self.options or not isinstance(nodes, int):
-            return self
-        return replace(self, options={"nodes": nodes})
-
-    def gradient(self, state: Any, names: tuple[str, ...]) -> np.ndarray | None:
-        """Return exact derivatives of the outputs; None if one of them has none."""
-        if not hasattr(state, "sensitivity"):
-            return None
-        paths = [(name, *self._followers(name)) for name in names]
-        flat = dict.fromkeys(path for group in paths for path in group)
-        try:
-            sensitivity = state.sensitivity(*flat, outputs=self.outputs)
-        except InvalidProblem:  # not of this problem, this field or this output
-            return None
-        columns = dict(zip(sensitivity.parameters, sensitivity.derivatives.T, strict=True))
-        return np.column_stack([sum(columns[path] for path in group) for group in paths])
-
-    def _followers(self, name: str) -> list[str]:
-        """Return the tied fields that change when ``name`` does."""
-        return [
-            path + name.removeprefix(leader)
-            for path, leader in self.tie.items()
-            if is_part_of(name, leader)
-        ]
-
     # ---- quantities and record ------------------------------------------------------------------
 
     def quantity(self, name: str) -> Quantity | None:
@@ -205,23 +176,11 @@ class KindModel:
         plain = (str, int, float, type(None))
         return {
             "version": __version__,
-            "sources": source_digest(*self._packages()),
             "kind": self.kind.name,
             "problem": self.problem.model_dump(),
             "options": {k: v if isinstance(v, plain) else repr(v) for k, v in self.options.items()},
             "tie": dict(self.tie),
         }
-
-    def _packages(self) -> tuple[str, ...]:
-        """Return the names of this package and of the packages of plug-ins."""
-        code = (self.kind.problem, self.kind.solver, self.kind.result)
-        roots = {part.__module__.partition(".")[0] for part in code}
-        this_package = __name__.partition(".")[0]
-        return this_package, *sorted(name for name in roots - {this_package} if _is_package(name))
-
-
-def _is_package(name: str) -> bool:
-    return hasattr(sys.modules.get(name), "__path__")
 
 
 def model_of(

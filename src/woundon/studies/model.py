@@ -8,8 +8,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple, Protocol
 
-import numpy as np
-
 from ..quantities import Quantity
 
 __all__ = ["Answer", "Model", "quantities_of"]
@@ -46,10 +44,6 @@ class Model(Protocol):
 
         An exception is the reason for the failure of the case.
         """
-        ...
-
-    def gradient(self, state: Any, names: tuple[str, ...]) -> np.ndarray | None:
-        """Return exact derivatives of a solved case, (outputs, names); None if there are none."""
         ...
 
     def quantity(self, name: str) -> Quantity | None:

@@ -15,14 +15,14 @@ import numpy as np
 
 from ..errors import InvalidProblem
 from ..results import Presented, ReadOnly
-from .design import Column, Design, Range
-from .table import Table, failures
+from .cases import Cases, scaled_to_range, table_of_cases
+from .run import Table, failures
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray
 
-__all__ = ["SobolIndices", "saltelli_design", "sobol_indices_of"]
+__all__ = ["SobolIndices", "saltelli_cases", "sobol_indices_of"]
 
 Array = np.ndarray
 RESAMPLES = 200
@@ -130,7 +130,7 @@ class SobolIndices(Presented, ReadOnly):
     @property
     def samples(self) -> int:
         """Number of samples, the cases without those of mixed columns."""
-        return self.table.design.size // (len(self.inputs) + 2)
+        return len(self.table.cases) // (len(self.inputs) + 2)
 
     @property
     def uncertain(self) -> Array:
@@ -186,7 +186,7 @@ class SobolIndices(Presented, ReadOnly):
         return self._figure(path, ax, panels)
 
 
-def saltelli_design(ranges: Mapping[str, Any], samples: int, seed: int) -> Design:
+def saltelli_cases(ranges: Mapping[str, Any], samples: int, seed: int) -> Cases:
     """Return the samples * (inputs + 2) cases of Saltelli's scheme: A, B, A with columns of B.
 
     Parameters
@@ -218,13 +218,15 @@ def saltelli_design(ranges: Mapping[str, Any], samples: int, seed: int) -> Desig
     A, B = unit[:, :d], unit[:, d:]
     mixed = [np.where(np.arange(d) == k, B, A) for k in range(d)]
     points = np.concatenate([A, B, *mixed])
-    intervals = [Range(name, ends) for name, ends in ranges.items()]
-    columns = (Column(r.name, r.scaled(points[:, k])) for k, r in enumerate(intervals))
-    return Design("table", tuple(columns))
+    columns = {
+        name: scaled_to_range(name, ends, points[:, k])
+        for k, (name, ends) in enumerate(ranges.items())
+    }
+    return table_of_cases(columns)
 
 
 def sobol_indices_of(table: Table, samples: int, seed: int) -> SobolIndices:
-    """Return the indices from the solved cases of :func:`saltelli_design`.
+    """Return the indices from the solved cases of :func:`saltelli_cases`.
 
     Raises
     ------
@@ -236,9 +238,9 @@ def sobol_indices_of(table: Table, samples: int, seed: int) -> SobolIndices:
         raise InvalidProblem.at(
             "over",
             f"narrow the ranges: Sobol's indices need every case, and {table.failed.size} of "
-            f"{table.design.size} failed, {count} like this: {reason}",
+            f"{len(table.cases)} failed, {count} like this: {reason}",
         )
-    inputs, outputs = table.design.names, tuple(table.outputs)
+    inputs, outputs = table.cases.names, tuple(table.outputs)
     values = np.stack(list(table.outputs.values())).reshape(len(outputs), len(inputs) + 2, samples)
     first, total = _indices(values, samples)
     rng = np.random.default_rng(seed)

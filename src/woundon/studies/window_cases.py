@@ -29,12 +29,11 @@ from ..problems.problem import Problem
 from ..problems.schedules import Profile, Taper
 from ..quantities import Quantity, scalar_outputs
 from .api import in_si
-from .design import make_design
-from .engine import run_study
+from .cases import table_of_cases
 from .kind_model import KindModel, kind_of, model_of
 from .model import Answer
 from .progress import Progress
-from .runners import runner_for
+from .run import Workers, run_study
 from .window_map import SetPoints, fitted, from_reserve
 
 __all__ = [
@@ -307,7 +306,8 @@ class CaseSolver:
     set_points : SetPoints
     spreads : mapping of str to float
         Relative standard deviations of the inputs.
-    workers, out, resume
+    workers : Workers
+    out, resume
         As of :func:`~woundon.operating_window`.
     chunk : int
         Windings that one worker solves in a row, each from the one before.
@@ -316,7 +316,7 @@ class CaseSolver:
     model: WindowModel
     set_points: SetPoints
     spreads: Mapping[str, float]
-    workers: int | None = None
+    workers: Workers
     out: Path | None = None
     resume: bool = False
     chunk: int = TOGETHER
@@ -354,8 +354,8 @@ class CaseSolver:
             columns[FRICTION_SHARE] = [tuple(row) for row in shares(x, z).tolist()]
         table = run_study(
             self.model,
-            make_design(columns, "table"),
-            runner_for(self.workers, None),
+            table_of_cases(columns),
+            self.workers,
             out=None if self.out is None else self.out / stage,
             resume=self.resume,
             chunk=self.chunk,
