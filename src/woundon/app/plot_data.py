@@ -4,6 +4,7 @@ A panel is a dict of
 
 - ``name``, ``title``, ``column`` (panels of one column share their x axis), ``x``, ``y``,
   ``right``: the axes, each ``{"label", "quantity", "log", "from_zero", "range"}``
+- ``group``: column of the figure; "outputs" of arrays that no other panel shows
 - ``curves``: ``{"name", "symbol", "label", "role", "dash", "marker", "side", "alone",
   "in_legend", "opacity", "x", "y"}``
 - ``areas``: ``{"label", "shade", "symmetrical", "x", "low", "high"}``, shaded behind them
@@ -32,6 +33,7 @@ __all__ = ["panel_data", "slow_panel_data"]
 
 Array = np.ndarray
 DIGITS = 8  # significant ones: a curve is drawn, the outputs are exact
+PURE = {"symbol": "", "label": "", "unit": "1", "shown_unit": ""}  # without a quantity
 FORMULA = re.compile(r"\s*\$[^$]*\$")
 
 
@@ -93,9 +95,6 @@ def _axis(axis: Axis) -> dict[str, Any]:
         "from_zero": axis.from_zero,
         "range": limits,
     }
-
-
-PURE = {"symbol": "", "label": "", "unit": "1", "shown_unit": ""}
 
 
 def _plain(label: str) -> str:

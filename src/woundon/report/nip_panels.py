@@ -159,9 +159,11 @@ def slips(result: NipResult) -> Panel:
 
 def pressure(result: NipResult) -> Panel:
     """Return the panel of the pressure in the nip; with a wrap, on roll and drum."""
-    curves = [_in_nip(result, "drum_pressure", "on drum", "drum", "dashed")]
     if result.problem.is_wrapped:
-        curves = [_in_nip(result, "roll_pressure", "on roll", "roll"), *curves]
+        curves = [
+            _in_nip(result, "roll_pressure", "on roll", "roll"),
+            _in_nip(result, "drum_pressure", "on drum", "drum", "dashed"),
+        ]
     else:
         curves = [_in_nip(result, "drum_pressure", "in the nip", "web")]
     y = Axis("Pressure $p$", quantity_of(result, "drum_pressure"), from_zero=True)

@@ -223,7 +223,7 @@ class Disc:
 
 @dataclass(frozen=True, eq=False)
 class Bars:
-    """Horizontal bars at the named positions of the y axis, ``shift`` beside them.
+    """Horizontal bars at the named positions of the y axis, moved down by ``shift``.
 
     ``interval`` is (2, n), the ends of the error bars.
     """

@@ -28,6 +28,7 @@ PANELS: Mapping[str, Callable[[Any], PanelMakers]] = {
     "roll": roll_panels,
     "winding": winding_panels,
 }
+ZONES = ("zone", "roll_zone", "drum_zone")  # arrays that strips show
 LINES = ("solid", "dashed", "dashdot", "dotted")
 
 
@@ -60,9 +61,6 @@ def other_arrays(result: Result, panels: Sequence[Panel]) -> dict[str, PanelMake
         for name, along in _arrays(result).items()
         if name not in drawn
     }
-
-
-ZONES = ("zone", "roll_zone", "drum_zone")  # arrays that strips show
 
 
 def chosen(names: str | Sequence[str], known: Sequence[str]) -> list[str]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from ..problems.roll import RollProblem
@@ -109,33 +111,40 @@ def cut_above(lowest: float, values: Array, below: float, above: float) -> Limit
 # ---- over the radius ----------------------------------------------------------------------------
 
 
+def _over_radius(
+    roll: RollResult, curve: Curve, name: str, title: str, label: str, height: float
+) -> Panel:
+    """Return the panel of one output over the radius, from zero on."""
+    quantity = quantity_of(roll, curve.name)
+    return Panel(
+        name,
+        title,
+        radius_axis(roll.radius),
+        Axis(label, quantity, from_zero=True),
+        curves=(replace(curve, symbol=quantity.symbol),),
+        column="left",
+        height=height,
+    )
+
+
 def pressure(roll: RollResult) -> Panel:
     """Return the panel of the pressure between the layers."""
-    r, P = radii_between(roll), quantity_of(roll, "pressure")
-    values = roll.at_radius(r)["pressure"]
-    return Panel(
-        "pressure",
-        "Pressure",
-        radius_axis(roll.radius),
-        Axis("Pressure $P$", P, from_zero=True),
-        curves=(Curve("pressure", r, values, P.symbol),),
-        column="left",
-        height=2.8,
-    )
+    r = radii_between(roll)
+    curve = Curve("pressure", r, roll.at_radius(r)["pressure"])
+    return _over_radius(roll, curve, "pressure", "Pressure", "Pressure $P$", 2.8)
 
 
 def hardness(roll: RollResult) -> Panel:
     """Return the panel of the modulus through the stack."""
-    E_r = quantity_of(roll, "radial_modulus")
-    return Panel(
-        "hardness",
-        "Hardness",
-        radius_axis(roll.radius),
-        Axis("Hardness $E_r$", E_r, from_zero=True),
-        curves=(Curve("radial_modulus", roll.radius, roll.radial_modulus, E_r.symbol),),
-        column="left",
-        height=2.6,
-    )
+    curve = Curve("radial_modulus", roll.radius, roll.radial_modulus)
+    return _over_radius(roll, curve, "hardness", "Hardness", "Hardness $E_r$", 2.6)
+
+
+def displacement(roll: RollResult) -> Panel:
+    """Return the panel of the displacement of the layers since they were wound."""
+    curve = Curve("displacement", roll.radius, roll.displacement)
+    title = "Displacement of the layers since they were wound"
+    return _over_radius(roll, curve, "displacement", title, "Displacement $u$", 2.6)
 
 
 def hoop_stress(roll: RollResult) -> Panel:
@@ -223,20 +232,6 @@ def density(roll: RollResult) -> Panel:
                 line="dashed",
             ),
         ),
-        column="left",
-        height=2.6,
-    )
-
-
-def displacement(roll: RollResult) -> Panel:
-    """Return the panel of the displacement of the layers since they were wound."""
-    u = quantity_of(roll, "displacement")
-    return Panel(
-        "displacement",
-        "Displacement of the layers since they were wound",
-        radius_axis(roll.radius),
-        Axis("Displacement $u$", u, from_zero=True),
-        curves=(Curve("displacement", roll.radius, roll.displacement, u.symbol),),
         column="left",
         height=2.6,
     )

@@ -24,17 +24,21 @@ from .report_parts import (
     schedule_rows,
 )
 
-__all__ = ["roll_report"]
+__all__ = ["ROLL", "roll_report", "thin_layers_note"]
 
 LEFT_OUT = frozenset({"residual", "steps", "compressed_share"})  # in other rows
 BAND = "Thickest lane across the width (closed form)"
-NAMES = [
+# of a roll alone, and of the roll of a winding
+ROLL = [
     "core_pressure",
     "mid_pressure",
     "peak_pressure",
     "least_hoop_stress",
     "length",
     "wound_length",
+]
+NAMES = [
+    *ROLL,
     "layer_count",
     "mass",
     "wound_mass",

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from math import isfinite
 
 import numpy as np
@@ -43,11 +45,11 @@ def winding_panels(result: WindingResult) -> dict[str, PanelMaker]:
         "reserves": PanelMaker(reserves),
         "pressure": PanelMaker(pressure),
         "hoop_stress": PanelMaker(hoop_stress),
-        "compression": PanelMaker(compression, by_default=False),
+        "compression": PanelMaker(OfRoll(roll_panels.compression), by_default=False),
         "loads": PanelMaker(loads, by_default=False),
-        "hardness": PanelMaker(hardness, by_default=False),
-        "disc": PanelMaker(disc, by_default=False, slow=True),
-        "hoop_disc": PanelMaker(hoop_disc, by_default=False, slow=True),
+        "hardness": PanelMaker(OfRoll(roll_panels.hardness), by_default=False),
+        "disc": PanelMaker(OfRoll(roll_panels.disc), by_default=False, slow=True),
+        "hoop_disc": PanelMaker(OfRoll(roll_panels.hoop_disc), by_default=False, slow=True),
         "film": PanelMaker(film, by_default=False, slow=True),
     }
     if "compression" not in of_roll:
@@ -55,27 +57,15 @@ def winding_panels(result: WindingResult) -> dict[str, PanelMaker]:
     return panels
 
 
-# ---- panels of the finished roll ----------------------------------------------------------------
+@dataclass(frozen=True)
+class OfRoll:
+    """A panel of the finished roll."""
 
+    make: Callable[[RollResult], Panel]
 
-def compression(result: WindingResult) -> Panel:
-    """Return the panel of the compressive part of the hoop stress of the finished roll."""
-    return roll_panels.compression(result.roll)
-
-
-def hardness(result: WindingResult) -> Panel:
-    """Return the panel of the modulus through the finished roll."""
-    return roll_panels.hardness(result.roll)
-
-
-def disc(result: WindingResult) -> Panel:
-    """Return the panel of the finished roll from its side, coloured by the pressure."""
-    return roll_panels.disc(result.roll)
-
-
-def hoop_disc(result: WindingResult) -> Panel:
-    """Return the panel of the finished roll from its side, coloured by the hoop stress."""
-    return roll_panels.hoop_disc(result.roll)
+    def __call__(self, result: WindingResult) -> Panel:
+        """Return the panel of a winding's roll."""
+        return self.make(result.roll)
 
 
 # ---- schedules and tensions ---------------------------------------------------------------------

@@ -9,20 +9,12 @@ from ..winding.result import WindingResult
 from .margins_report import margins_part
 from .outputs_report import rows_of
 from .report_parts import Line, Part, Row, Section, field_row, output_row, schedule_rows
-from .roll_report import thin_layers_note
+from .roll_report import ROLL, thin_layers_note
 from .trade_rule import winding_trade_rule
 
 __all__ = ["winding_report"]
 
 SCHEDULES = ("web_tension", "nip_load", "winding_force", "torque_split", "nip_induced_tension")
-ROLL = [
-    "core_pressure",
-    "mid_pressure",
-    "peak_pressure",
-    "least_hoop_stress",
-    "length",
-    "wound_length",
-]
 # in other rows, or among the margins
 LEFT_OUT = frozenset(
     {
