@@ -15,13 +15,13 @@ from scipy import optimize
 from thesis_cases import newsprint_nip, paper_nip
 
 import woundon as wo
-import woundon.studies.fit
 from woundon.studies.fit import MOST_STARTS, fit_parameters
 from woundon.studies.kind_model import model_of
 from woundon.studies.measurements import read_observations
 from woundon.studies.minimise import Linearisation, minimise
 from woundon.studies.predict import Parameter, Predictor
 from woundon.studies.profiles import find_end, threshold
+from woundon.studies.run import Workers
 
 X = np.linspace(1.0, 4.0, 12)
 NOISE = np.random.default_rng(7).normal(0, 0.1, X.size)
@@ -31,7 +31,7 @@ def _fitted(model, y, parameters, *, deviation=np.nan, starts=3, profiles=True, 
     predictor = Predictor(model, models.curve_data(X, y, deviation), tuple(parameters))
     named = [p.name for p in parameters if profiles]
     return fit_parameters(
-        predictor, starts=starts, seed=1, profiles=named, quantities={}, workers=workers
+        predictor, starts=starts, seed=1, profiles=named, quantities={}, workers=Workers(workers)
     )  # fmt: skip
 
 
@@ -405,8 +405,7 @@ def test_the_expected_decrease_is_that_of_the_linear_model_within_the_bounds():
 
 
 @pytest.mark.slow
-def test_processes_give_the_same_fit_as_one(monkeypatch):
-    monkeypatch.setattr(woundon.studies.fit, "WORTH_PROCESSES", 0.0)
+def test_processes_give_the_same_fit_as_one():
     y = 2 * (1 - np.exp(-0.4 * X)) + 0.3 * NOISE
     parameters = (Parameter("a", 0.1, 100.0, 1.0), Parameter("b", 0.01, 10.0, 1.0))
     one = _fitted(models.SaturationModel(), y, parameters)

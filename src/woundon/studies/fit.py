@@ -14,9 +14,7 @@ s^2 = S/(m - p), or 1 where the deviations are known:
 
 from __future__ import annotations
 
-import time
 from collections.abc import Collection, Mapping, Sequence
-from copy import copy
 from dataclasses import replace
 from functools import partial
 from operator import attrgetter
@@ -25,7 +23,6 @@ from typing import Any
 import numpy as np
 
 from ..errors import InvalidProblem, NoSteadyState, NotConverged
-from ..parallel import in_processes
 from ..problems.messages import not_one_of, quote
 from ..problems.paths import field_quantity, get_field
 from ..problems.problem import Problem
@@ -39,7 +36,7 @@ from .model import quantities_of
 from .predict import Parameter, Predictor
 from .profiles import End, ProfileLikelihood, find_end, profile_of, threshold
 from .progress import Progress, progress_reporter
-from .run import WORTH_PROCESSES, Workers
+from .run import Workers
 
 __all__ = ["fit", "fit_parameters"]
 
@@ -61,6 +58,7 @@ def fit(
     seed: int = 0,
     profiles: bool | Sequence[str] = True,
     workers: int | None = None,
+    scheduler: str | None = None,
     progress: bool | Progress = False,
     nodes: int | None = None,
     rtol: float | None = None,
@@ -88,8 +86,10 @@ def fit(
         default until two starts converge to the best minimum, at most 6.
     profiles : bool or sequence of str
         Compute profile-likelihood intervals: of all fitted fields, or of the named ones.
-    workers : int
-        Processes for profiles if they take long; by default one for each core.
+    workers : Workers
+        Processes for profiles; by default one for each core if they take long.
+    scheduler : str
+        Address of a Dask scheduler, "tcp://...", whose workers find the profiles.
     progress : bool or callable
         Show the fraction that is done, or call with (evaluations done, expected).
     nodes, rtol, options
@@ -138,7 +138,7 @@ def fit(
             seed=seed,
             profiles=profiled,
             quantities=quantities,
-            workers=Workers(workers).count,
+            workers=Workers(workers, scheduler),
             progress=report,
         )
     estimates = dict(zip(result.names, result.estimates, strict=True))
@@ -240,7 +240,7 @@ def fit_parameters(
     seed: int,
     profiles: Collection[str],
     quantities: Mapping[str, Quantity],
-    workers: int = 1,
+    workers: Workers = Workers(1),  # noqa: B008
     progress: Progress = lambda done, expected: None,
 ) -> FitResult:
     """Fit the predictor's parameters.
@@ -256,8 +256,8 @@ def fit_parameters(
         Parameters whose profile-likelihood intervals are found.
     quantities : mapping of str to Quantity
         Of parameters and outputs.
-    workers : int
-        Processes for the profiles, if they take long; the result does not depend on it.
+    workers : Workers
+        Where the profiles are found; the result does not depend on it.
     progress : callable
         Is called with the number of evaluated places, and the expected one.
 
@@ -272,13 +272,10 @@ def fit_parameters(
     if m < len(parameters):
         text = f"{len(parameters)} parameters cannot be fitted to {m} measured values"
         raise InvalidProblem.at("vary", text)
-    began = time.perf_counter()
     tasks = _Tasks(predictor, (starts or 2) + 2 * len(profiles), progress)
     minima, count = _minima(predictor, starts, seed, tasks)
     if not minima:
         raise NotConverged(f"no start of the fit could be solved: {predictor.fault}")
-    if time.perf_counter() - began < WORTH_PROCESSES:
-        workers = 1
     ends: dict[tuple[int, int], End] = {}
     for _ in range(MOST_STARTS):
         likelihoods = _profiles(predictor, minima[0], profiles, ends, tasks, workers)
@@ -344,7 +341,7 @@ def _profiles(
     names: Collection[str],
     ends: dict[tuple[int, int], End],
     tasks: _Tasks,
-    workers: int,
+    workers: Workers,
 ) -> tuple[ProfileLikelihood, ...]:
     """Return the profiles of named parameters; none without degrees of freedom.
 
@@ -357,7 +354,7 @@ def _profiles(
         Ends by parameter and sign, computed from a minimum that was not the least one; they are
         replaced.  Their points are still points of the profiles.
     tasks : _Tasks
-    workers : int
+    workers : Workers
     """
     freedom = predictor.measured.size - len(predictor.parameters)
     limit = threshold(minimum.S, freedom, predictor.weighted)
@@ -367,13 +364,9 @@ def _profiles(
     places = [(j, sign) for j in indices for sign in (-1, 1)]
     # points of both ends: the minimum may have moved past them
     known = {j: [p for k, end in ends.items() if k[0] == j for p in end.points] for j in indices}
-    if workers > 1 and len(places) > 1:
-        work = partial(_end_of_profile, predictor.remembering(minimum.u), minimum, limit, known)
-        answers = in_processes(work, places, workers)
-    else:
-        work = partial(_end_of_profile, predictor, minimum, limit, known)
-        answers = ((place, work(place)) for place in places)
-    for place, (end, solves) in answers:
+    predictor.keep_for_workers(minimum.u)
+    work = partial(_end_of_profile, predictor, minimum, limit, known)
+    for place, (end, solves) in workers.map(work, places):
         ends[place] = end
         predictor.solves += solves
         tasks.finish()
@@ -390,10 +383,10 @@ def _end_of_profile(
     place: tuple[int, int],
 ) -> tuple[End, int]:
     """Return an end of a profile and the number of solves."""
-    predictor = copy(predictor)
-    predictor.solves = 0
+    before = predictor.solves
     end = find_end(predictor, *place, minimum, limit, known[place[0]])
-    return end, predictor.solves
+    solves, predictor.solves = predictor.solves - before, before
+    return end, solves
 
 
 class _Tasks:

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
-from copy import copy
 from dataclasses import dataclass
 from math import exp, log
 from typing import Any, NamedTuple
@@ -233,14 +232,19 @@ class Predictor:
         s2 = S / max(self.measured.size - len(self.parameters), 1)
         return min(s2, 1.0) if self.weighted else s2
 
-    def remembering(self, u: Array) -> Predictor:
-        """Return a copy that knows the results of one place only, to be sent to a process."""
-        other = copy(self)
+    def keep_for_workers(self, u: Array) -> None:
+        """Make the place nearest to u the one that a worker receives."""
         nearest = self._nearest(u)
-        other._values = {}
-        other._places = deque(() if nearest is None else (nearest,), self._places.maxlen)
-        other.report = _no_report
-        return other
+        if nearest is not None:
+            self._places = deque(
+                [*(place for place in self._places if place is not nearest), nearest],
+                self._places.maxlen,
+            )
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return the state for a worker: the results of the last place only, and no report."""
+        last = deque([*self._places][-1:], self._places.maxlen)
+        return {**self.__dict__, "_values": {}, "_places": last, "report": _no_report}
 
     def inputs(self, u: Array) -> dict[str, float]:
         """Return the parameters' values by name."""
@@ -274,4 +278,4 @@ class Predictor:
 
 
 def _no_report() -> None:
-    """Report nothing; a lambda could not be sent to a process."""
+    """Report nothing; a lambda could not be sent to a worker."""
