@@ -342,7 +342,7 @@ def _add_legend(axes: Axes, handles: list[Artist], panel: Panel) -> None:
             handles=handles,
             loc="lower left",
             bbox_to_anchor=(0.0, 1.0),
-            ncols=len(handles),
+            ncols=len(handles) if len(handles) < 7 else -(-len(handles) // 2),
             borderaxespad=0.2,
             **(many if len(handles) > 4 else few),
         )
