@@ -14,8 +14,8 @@ from thesis_cases import measured_tensions, newsprint_nip, paper_nip
 
 import woundon as wo
 from woundon import kinds
-from woundon.studies.kind_model import model_of
 from woundon.studies.measured import Measured
+from woundon.studies.model import model_of
 from woundon.studies.predict import Parameter, Predictor
 
 STARTED = 1e-8  # cases start from their neighbours: to the tolerance of the load

@@ -16,10 +16,11 @@ from thesis_cases import newsprint_nip, paper_nip
 
 import woundon as wo
 import woundon.studies.fit
+from woundon.studies.columns import columns_of, measurable_outputs
 from woundon.studies.fit import MOST_STARTS, fit_parameters
-from woundon.studies.kind_model import columns_of, measurable_outputs, model_of
 from woundon.studies.measured import Measured, read_measured
 from woundon.studies.minimise import Linearisation, minimise
+from woundon.studies.model import model_of
 from woundon.studies.predict import Parameter, Predictor
 from woundon.studies.profiles import find_end, threshold
 

@@ -31,8 +31,9 @@ from ..report.report_parts import Section, certificate_of, friction_bounds, zone
 from ..report.result_report import report_parts
 from ..results import ACCEPTED_RESIDUAL, Result, zone_runs
 from ..roll.design import design_tension
+from ..studies.columns import measurable_outputs
 from ..studies.find import find as find_values
-from ..studies.kind_model import KindModel, measurable_outputs, model_of
+from ..studies.model import KindModel, model_of
 from .input_forms import quantity_schema, tables_of
 from .json_texts import to_json
 from .limits import LIMITS

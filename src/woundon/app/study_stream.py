@@ -19,9 +19,9 @@ from ..io.case_files import check_like_a_case
 from ..problems.messages import quote
 from ..studies.api import study_of
 from ..studies.cases import Chunk, as_labels
-from ..studies.kind_model import KindModel
+from ..studies.model import KindModel
 from ..studies.run import solve_chunk
-from ..studies.studyfile import SCHEMA, study_of_tables
+from ..studies.study_file import SCHEMA, study_of_tables
 from .json_texts import to_json
 from .limits import LIMITS
 from .request_errors import RequestError

@@ -14,18 +14,10 @@ from ..problems.problem import Problem
 from ..quantities import Quantity
 from .case_table import read_cases
 from .cases import Cases, make_cases
+from .columns import columns_of, conversion_of, measurable_outputs
 from .fit import FitResult, fit_parameters
-from .kind_model import (
-    KindModel,
-    columns_of,
-    conversion_of,
-    kind_of,
-    measurable_outputs,
-    model_of,
-    options_of,
-)
 from .measured import Measured, read_measured
-from .model import quantities_of
+from .model import KindModel, kind_of, model_of, options_of, quantities_of
 from .predict import Parameter, Predictor
 from .progress import Progress, progress_reporter
 from .run import Workers, run_study

@@ -32,8 +32,8 @@ from ..problems.units import parse
 from ..quantities import Quantity, in_chosen_units, walk
 from ..results import Presented, ReadOnly
 from .explanations import Explanation, Inputs, explain
-from .kind_model import KindModel, model_of
 from .measurements import TAB, Observations, definitions, error_at, predict, read_observations
+from .model import KindModel, model_of
 from .progress import Progress, progress_reporter
 from .pull_tab import PullTab
 

@@ -39,7 +39,7 @@ from ..quantities import Quantity, in_chosen_units
 from ..results import Presented, ReadOnly
 from .api import solver_options
 from .fit import FitResult
-from .kind_model import kind_of
+from .model import kind_of
 from .planned import Measurement, Planned, plan_measurement
 from .progress import Progress, progress_reporter
 

@@ -35,7 +35,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import InvalidProblem, NotConverged, unwarned
-from .kind_model import KindModel, options_of
+from .model import KindModel, options_of
 
 __all__ = ["DECADE", "Interval", "RootSearch", "Sample"]
 
