@@ -21,10 +21,8 @@ from ..errors import InvalidProblem, NotConverged, did_you_mean, unwarned
 from ..io.case_files import SCHEMA, check_like_a_case, make_problem
 from ..problems.messages import quote
 from ..problems.paths import field_quantity, find_places, get_field
-from ..problems.permitted import admissible, bounds
+from ..problems.permitted import admissible, extremes
 from ..problems.problem import Problem
-from ..problems.schedules import Profile
-from ..problems.units import parse
 from ..quantities import scalar_outputs, value_of, walk
 from ..report.answer import answer_lines, main_outputs
 from ..report.report_parts import Section, certificate_of, friction_bounds, zone_strips
@@ -34,9 +32,9 @@ from ..roll.design import design_tension
 from ..studies.columns import measurable_outputs
 from ..studies.find import find as find_values
 from ..studies.model import KindModel, model_of
+from ..winding.margins import FIELDS
 from .input_forms import quantity_schema, tables_of
-from .json_texts import to_json
-from .limits import LIMITS
+from .json_texts import records, to_json
 from .plot_data import panels_of
 
 __all__ = [
@@ -198,14 +196,8 @@ def _certificate(result: Result) -> dict[str, Any]:
 
 
 # by margin the field of its limit
-LIMIT_FIELDS = {
-    "slip": "limits.torque_share",
-    "compression": "limits.compression",
-    "blocking": "limits.blocking_pressure",
-    "core": "limits.core_pressure",
-    "strength": "limits.web_strength",
-    "slack": "limits.slack_tension",
-    "gauge_band": "limits.yield_strain",
+LIMIT_FIELDS = {name: f"limits.{field}" for name, field in FIELDS.items()} | {
+    "slip": "limits.torque_share"
 }
 
 
@@ -235,27 +227,20 @@ def _section(section: Section) -> dict[str, Any]:
 
 
 def _arrays(result: Result) -> dict[str, Any]:
-    arrays = {p.path: p.value.tolist() for p in walk(result) if isinstance(p.value, np.ndarray)}
-    return {"arrays": arrays, **_along_the_contact(result)}
-
-
-def _along_the_contact(result: Any) -> dict[str, Any]:
-    """Return the nodes of the nip, its zones and friction bounds; empty without zones."""
+    """Return all arrays of a result, with the nodes of the nip, zones and friction bounds."""
+    arrays = {p.path: p.value for p in walk(result) if isinstance(p.value, np.ndarray)}
     strips = zone_strips(result)
     if strips is None:
-        return {"nip": None, "zones": [], "zone_words": {}, "bounds": []}
+        return {"arrays": arrays, "nip": None, "zones": [], "zone_words": {}, "bounds": []}
     nip = getattr(result, "in_nip", slice(0, len(strips.x)))
+    runs = [zone_runs(strips.x, zones) for zones in strips.faces.values()]
+    bounds = friction_bounds(result)
     return {
-        "nip": [nip.start, nip.stop - 1],
-        "zones": [
-            {"name": face, "runs": zone_runs(strips.x, zones)}
-            for face, zones in strips.faces.items()
-        ],
+        "arrays": arrays,
+        "nip": (nip.start, nip.stop - 1),
+        "zones": records(name=strips.faces, runs=runs),
         "zone_words": {"-1": strips.slower, "0": "stick", "1": strips.faster},
-        "bounds": [
-            {"of": name, "values": values.tolist()}
-            for name, values in friction_bounds(result).items()
-        ],
+        "bounds": records(of=bounds, values=bounds.values()),
     }
 
 
@@ -303,33 +288,17 @@ def with_grade(tables: Any, name: str) -> bytes:
 def design(tables: Any, pressure: Any, rtol: float) -> bytes:
     """Return the tension over the radius that gives a wound roll a target pressure, as JSON."""
     problem: Any = problem_of(tables)  # design_tension rejects other kinds
-    solution = design_tension(problem, _target_pressure(pressure), rtol=rtol)
+    solution = design_tension(problem, pressure, rtol=rtol)
     return to_json(
         {
             "tension": tables_of(solution.tension),
-            "radius": solution.radius.tolist(),
-            "target_pressure": solution.target_pressure.tolist(),
-            "pressure": solution.pressure.tolist(),
+            "radius": solution.radius,
+            "target_pressure": solution.target_pressure,
+            "pressure": solution.pressure,
             "outer_layer": solution.outer_layer,
             "surface_deviation": solution.surface_deviation,
         }
     )
-
-
-def _target_pressure(pressure: Any) -> float | Profile:
-    """Return a pressure, or one over the radius, in SI."""
-    if not isinstance(pressure, Mapping):
-        return parse(pressure, "Pa", "pressure")
-    columns = dict(pressure)
-    for name, unit in (("radius", "m"), ("value", "Pa")):
-        if isinstance(columns.get(name), list):
-            columns[name] = [
-                parse(item, unit, f"pressure.{name}.{k}") for k, item in enumerate(columns[name])
-            ]
-    try:
-        return Profile(**columns)
-    except InvalidProblem as fault:
-        raise fault.under("pressure") from None
 
 
 def find(
@@ -346,19 +315,19 @@ def find(
     aim: dict[str, Any] = {output: target}
     with unwarned():
         outcome = find_values(problem, field, between=between, **aim)
-    values = [value for value, _ in outcome.solutions]
-    columns = (values, outcome.reached, outcome.uncertainties, outcome.slopes)
-    names = ("value", "reached", "uncertainty", "slope")
     return to_json(
         {
             "field": field,
             "output": output,
             "target": outcome.target,
-            "solutions": [
-                dict(zip(names, map(float, row), strict=True)) for row in zip(*columns, strict=True)
-            ],
-            "values": outcome.values.tolist(),
-            "outputs": outcome.outputs.tolist(),
+            "solutions": records(
+                value=[value for value, _ in outcome.solutions],
+                reached=outcome.reached,
+                uncertainty=outcome.uncertainties,
+                slope=outcome.slopes,
+            ),
+            "values": outcome.values,
+            "outputs": outcome.outputs,
             "failures": [{"value": value, "why": why} for value, why in outcome.failures],
         }
     )
@@ -367,50 +336,36 @@ def find(
 # ---- around a state ---------------------------------------------------------------------------
 
 
-def curve(
-    tables: Any,
-    field: str,
-    options: Mapping[str, Any],
-    points: int = 11,
-    low: float | None = None,
-    high: float | None = None,
-    outputs: Sequence[str] = (),
-) -> bytes:
+def curve(tables: Any, query: Mapping[str, Any], options: Mapping[str, Any]) -> bytes:
     """Return outputs against one field around a case, as JSON.
 
-    Each solve starts from the previous one.  By default from 0.5 to 1.5 times the field's value.
+    ``query`` is as :class:`.request_models.CurveQuery`.  Each solve starts from the previous one.
+    By default from 0.5 to 1.5 times the field's value.
     """
-    problem = problem_of(tables)
+    problem, field, points = problem_of(tables), query["field"], query["points"]
     base = get_field(problem, field)
     quantity = field_quantity(problem, field)
     if quantity is None or isinstance(base, bool) or not isinstance(base, int | float):
         raise InvalidProblem.at(field, f"{quote(base)} is not a number, so it cannot be varied")
-    if not 2 <= points <= LIMITS["curve_points"]:
-        text = f"{points} is out of range; must be >= 2 and <= {LIMITS['curve_points']}"
-        raise InvalidProblem.at("points", text)
-    kind = kinds.of(problem)
-    names = tuple(outputs) or _usual_outputs(problem)
-    model = model_of(problem, names, {}, checked_options(kind, options))
-    values = _spread(problem, field, float(base), points, low, high)
-    rows: list[tuple[float, ...]] = []
-    failures, start = [], None
-    for value in values:
+    names = tuple(filter(None, query["outputs"].split(","))) or _usual_outputs(problem)
+    model = model_of(problem, names, {}, checked_options(kinds.of(problem), options))
+    ends = _ends(problem, field, float(base), query["low"], query["high"])
+    values = np.linspace(*ends, points).tolist()
+    rows, failures, start = np.full((points, len(names)), np.nan), [], None
+    for k, value in enumerate(values):
         try:
             answer = model.run({field: value}, start)
         except (InvalidProblem, NotConverged, ArithmeticError) as fault:
             failures.append({"value": value, "why": str(fault)})
-            rows.append((np.nan,) * len(names))
             continue
-        rows.append(answer.values)
-        start = answer.state
-    columns = zip(*rows, strict=True)
+        rows[k], start = answer.values, answer.state
     return to_json(
         {
             "field": field,
             "unit": quantity.unit,
             "at": base,
             "values": values,
-            "outputs": dict(zip(names, columns, strict=True)),
+            "outputs": dict(zip(names, rows.T, strict=True)),
             "failures": failures,
         }
     )
@@ -425,40 +380,38 @@ def _usual_outputs(problem: Problem) -> tuple[str, ...]:
     return tuple(names or list(known)[:MOST_OUTPUTS])
 
 
-def _spread(
-    problem: Problem, field: str, base: float, points: int, low: float | None, high: float | None
-) -> list[float]:
-    """Return values between ``low`` and ``high``, within the range that the field permits.
+def _ends(
+    problem: Problem, field: str, base: float, low: float | None, high: float | None
+) -> tuple[float, float]:
+    """Return the ends of the range of a curve, within the range that the field permits.
+
+    Parameters
+    ----------
+    problem, field, base
+        The case, the varied field, and its value in the case [SI].
+    low, high : float, optional
+        The requested ends; by default half the value below and above it, and for a value of 0 half
+        of the usual range of the field.
 
     Raises
     ------
     InvalidProblem
         If ``low`` is not less than ``high``, or both are out of the permitted range.
     """
-    span = max(abs(base) / 2, 0.0) or _typical_span(problem, field)
-    ends = [base - span if low is None else low, base + span if high is None else high]
-    if not ends[0] < ends[1]:
-        text = f"{quote(ends[0])} is out of range; must be < high = {quote(ends[1])}"
+    place = find_places(problem, field)[0]
+    typical = (place.quantity.typical if place.quantity else None) or (-1.0, 1.0)
+    half = abs(base) / 2 or (typical[1] - typical[0]) / 2
+    low = base - half if low is None else low
+    high = base + half if high is None else high
+    if not low < high:
+        text = f"{quote(low)} is out of range; must be < high = {quote(high)}"
         raise InvalidProblem.at("low", text)
-    requested = ends
-    for place in find_places(problem, field)[:1]:
-        for sign, bound in bounds(place.field):
-            pick = max if sign.startswith(">") else min
-            ends = [pick(end, bound) for end in ends]
-        if not ends[0] < ends[1]:
-            name, value = (
-                ("high", requested[1]) if ends[1] > requested[1] else ("low", requested[0])
-            )
-            text = f"{quote(value)} is out of range of {field}; must be {admissible(place.field)}"
-            raise InvalidProblem.at(name, text)
-    return [float(value) for value in np.linspace(ends[0], ends[1], points)]
-
-
-def _typical_span(problem: Problem, field: str) -> float:
-    """Return half of the usual range of a field; 1 without a usual range."""
-    quantity = field_quantity(problem, field)
-    low, high = (quantity.typical if quantity else None) or (-1.0, 1.0)
-    return (high - low) / 2
+    least, most = extremes(place.field)
+    if not max(low, least) < min(high, most):
+        name, value = ("high", high) if high < least else ("low", low)
+        text = f"{quote(value)} is out of range of {field}; must be {admissible(place.field)}"
+        raise InvalidProblem.at(name, text)
+    return max(low, least), min(high, most)
 
 
 def sensitivities(tables: Any, options: Mapping[str, Any]) -> bytes:

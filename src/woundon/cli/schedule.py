@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import click
 
 from ..errors import InvalidProblem
 from ..io.files import write_whole
 from . import options
+
+if TYPE_CHECKING:
+    from ..problems.schedules import Profile
 
 __all__ = ["schedule"]
 
@@ -88,7 +91,7 @@ def schedule(
         plot_schedule(solution, roll, plot)
 
 
-def _target_pressure(text: str, smooth: bool) -> Any:
+def _target_pressure(text: str, smooth: bool) -> float | str | Profile:
     """Return a target pressure: a number [Pa], a text with a unit, or the profile in a file."""
     from ..io.columns import read_columns
     from ..problems.schedules import Profile

@@ -43,7 +43,6 @@ Array = np.ndarray
 MAX_REPORTED = 10  # errors of a table
 MAX_COUNTED = 1000  # errors of a table
 MAX_NUMBER = 60  # characters, with the unit
-NO_UNIT = ("", "1", "-", "\N{EN DASH}")  # units in headers of dimensionless columns
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?")
 _WHOLE = re.compile(r"[+-]?(?:0|[1-9]\d{0,14})")
 _DECIMAL = re.compile(r"[+-]?(?=\.?\d)(?:0|[1-9]\d{0,14})?(?:\.\d*)?(?:[eE][+-]?\d{1,2})?")
@@ -103,27 +102,63 @@ def numbers(
     values = np.full((len(columns), count), np.nan)
     converters = [column for column in columns if _converter(column)]
     possible = _with_columns(conversion.inputs, {_converter(column): 1.0 for column in converters})
-    scales: dict[int, tuple[Quantity, Fraction | None]] = {}
+    readers: dict[int, _Reader] = {}  # of the columns without an error in the header
     for k, column in enumerate(columns):
         try:
             quantity = _number_of(column, names)
-            scales[k] = quantity, _scale(column, quantity, possible, sheet.in_si)
+            scale = _scale(column, quantity, possible, sheet.in_si)
+            readers[k] = _Reader(column.unit, scale, quantity, sign)
         except InvalidProblem as fault:
-            faults.append(Fault(sheet.where, f"column {column.header!r}: {fault}"))
+            faults.append(_column_fault(sheet, column, fault))
     for row in range(count):
         inputs = _inputs_of_row(conversion.inputs, converters, row, sign)
-        for k, column in enumerate(columns):
-            cell = column.cells[row]
-            if k not in scales or (gaps(column) and _is_empty(cell)):
+        for k, reader in readers.items():
+            cell = columns[k].cells[row]
+            if gaps(columns[k]) and _is_empty(cell):
                 continue
             if len(faults) >= most_faults:
                 return list(values)
-            quantity, scale = scales[k]
             try:
-                values[k, row] = _number(cell, sign, column.unit, scale, quantity, inputs)
+                values[k, row] = reader.number(cell, inputs)
             except InvalidProblem as fault:
-                faults.append(_cell_fault(sheet, column, row, fault))
+                faults.append(_cell_fault(sheet, columns[k], row, fault))
     return list(values)
+
+
+class _Reader(NamedTuple):
+    """Converts the cells of a column to SI.
+
+    Attributes
+    ----------
+    unit : str
+        Of cells that are plain numbers.
+    scale : Fraction, optional
+        Size of the unit in SI; None if it depends on the other values of a row.
+    quantity : Quantity
+    sign : str
+        Decimal sign of texts.
+    """
+
+    unit: str
+    scale: Fraction | None
+    quantity: Quantity
+    sign: str
+
+    def number(self, cell: Any, inputs: Inputs) -> float:
+        """Return a cell in SI; ``inputs`` are the values of its row.
+
+        Raises
+        ------
+        InvalidProblem
+            Describes the error of the cell, without naming the field.
+        """
+        text = _plain_text(cell, self.sign)
+        try:
+            if _NUMBER.fullmatch(text) and self.scale is not None:
+                return float(Fraction(text) * self.scale)
+            return read_number(_with_unit(text, self.unit), self.quantity, "", inputs)
+        except OverflowError:
+            raise InvalidProblem(f"{quote(cell)} is not a finite number") from None
 
 
 def _converter(column: Column) -> str:
@@ -141,9 +176,8 @@ def _inputs_of_row(inputs: Inputs, columns: Sequence[Column], row: int, sign: st
     """Return the values of the case with those of some columns in a row."""
     fields: dict[str, str | float] = {}
     for column in columns:
-        unit = "" if column.unit in NO_UNIT else column.unit
         with suppress(InvalidProblem):  # it is reported when the cell itself is read
-            text = _text_with_unit(column.cells[row], unit, sign)
+            text = _with_unit(_plain_text(column.cells[row], sign), column.unit)
             fields[_converter(column)] = float(text) if _NUMBER.fullmatch(text) else text
     return _with_columns(inputs, fields)
 
@@ -162,17 +196,20 @@ def texts(
         try:
             _check_unit(column, _number_of(column, names), assignable=False)
         except InvalidProblem as fault:
-            faults.append(Fault(sheet.where, f"column {column.header!r}: {fault}"))
+            faults.append(_column_fault(sheet, column, fault))
             continue
-        unit = "" if column.unit in NO_UNIT else column.unit
         for row, cell in enumerate(column.cells):
             if len(faults) >= MAX_COUNTED:
                 break
             try:
-                lists[-1].append(_text_with_unit(cell, unit, sign))
+                lists[-1].append(_with_unit(_plain_text(cell, sign), column.unit))
             except InvalidProblem as fault:
                 faults.append(_cell_fault(sheet, column, row, fault))
     return lists
+
+
+def _column_fault(sheet: Sheet, column: Column, fault: InvalidProblem) -> Fault:
+    return Fault(sheet.where, f"column {column.header!r}: {fault}")
 
 
 def _cell_fault(sheet: Sheet, column: Column, row: int, fault: InvalidProblem) -> Fault:
@@ -193,7 +230,7 @@ def _check_unit(column: Column, quantity: Quantity, *, assignable: bool = True) 
 
     ``assignable`` tells whether the user can assign names and units to columns.
     """
-    if column.unit not in NO_UNIT or quantity.unit == "1":
+    if column.unit or quantity.unit == "1":
         return
     if all(_has_unit(cell) for cell in column.cells if not _is_empty(cell)):
         return
@@ -213,7 +250,7 @@ def _scale(column: Column, quantity: Quantity, inputs: Inputs, in_si: bool) -> F
 
     ``inputs`` has all values that the case or other columns contain.
     """
-    if column.unit in NO_UNIT:
+    if not column.unit:
         if not in_si:
             _check_unit(column, quantity)
         return Fraction(1)
@@ -238,27 +275,6 @@ def _has_unit(cell: Any) -> bool:
     short = isinstance(cell, str) and len(cell) <= MAX_NUMBER
     number = _NUMBER.match(cell.strip().replace(",", ".")) if short else None
     return number is not None and is_unit(cell.strip()[number.end() :].strip())
-
-
-def _number(
-    cell: Any, sign: str, unit: str, scale: Fraction | None, quantity: Quantity, inputs: Inputs
-) -> float:
-    """Return a cell in SI.
-
-    Raises
-    ------
-    InvalidProblem
-        Describes the error of the cell, without naming the field.
-    """
-    text = _plain_text(cell, sign)
-    try:
-        if not _NUMBER.fullmatch(text):  # with its own unit
-            return read_number(text, quantity, "", inputs)
-        if scale is None:
-            return read_number(f"{text} {unit}", quantity, "", inputs)
-        return float(Fraction(text) * scale)
-    except OverflowError:
-        raise InvalidProblem(f"{quote(cell)} is not a finite number") from None
 
 
 def _plain_text(cell: Any, sign: str) -> str:
@@ -288,9 +304,8 @@ def _plain_text(cell: Any, sign: str) -> str:
     raise InvalidProblem(f"{quote(cell)} is not a{finite} number")
 
 
-def _text_with_unit(cell: Any, unit: str, sign: str) -> str:
-    """Return a cell as text with its own unit, or with that of its column."""
-    text = _plain_text(cell, sign)
+def _with_unit(text: str, unit: str) -> str:
+    """Return the text of a cell with the unit of its column, unless it has its own."""
     return f"{text} {unit}".strip() if _NUMBER.fullmatch(text) else text
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf
 from typing import Any, get_args
 
 from pydantic.fields import FieldInfo
@@ -16,6 +17,7 @@ __all__ = [
     "admissible",
     "admits",
     "bounds",
+    "extremes",
     "is_within",
     "requirement",
     "unit_of",
@@ -65,6 +67,19 @@ def bounds(field: FieldInfo) -> list[tuple[str, float]]:
         for part in field.metadata
         if hasattr(part, name)
     ]
+
+
+def extremes(field: FieldInfo) -> tuple[float, float]:
+    """Return the bounds of a field, infinite where there is none.
+
+    >>> from woundon import RollerProblem
+    >>> extremes(RollerProblem.model_fields["friction"])
+    (0, 10.0)
+    """
+    limits = bounds(field)
+    low = max((bound for sign, bound in limits if sign in (">", ">=")), default=-inf)
+    high = min((bound for sign, bound in limits if sign in ("<", "<=")), default=inf)
+    return low, high
 
 
 def admits(field: FieldInfo, value: float) -> bool:

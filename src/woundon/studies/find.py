@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
-from math import inf, isfinite, nan
+from math import isfinite, nan
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -21,7 +21,7 @@ from ..errors import InvalidProblem, NoSolution, NotConverged, warn
 from ..problems.inputs import Inputs, read_number
 from ..problems.messages import quote
 from ..problems.paths import find_places, get_field
-from ..problems.permitted import admissible, admits, bounds
+from ..problems.permitted import admissible, admits, extremes
 from ..problems.problem import Problem
 from ..problems.units import parse
 from ..quantities import Quantity, in_chosen_units
@@ -342,9 +342,7 @@ def _interval(
 ) -> Interval:
     """Return the range of the scan."""
     info = find_places(problem, name)[0].field
-    limits = bounds(info)
-    lowest = max((bound for sign, bound in limits if sign in (">", ">=")), default=-inf)
-    highest = min((bound for sign, bound in limits if sign in ("<", "<=")), default=inf)
+    lowest, highest = extremes(info)
     if between is not None:
         low, high = _ends(between, quantity, name)
         for end in (low, high):
