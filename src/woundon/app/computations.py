@@ -30,9 +30,10 @@ from ..report.result_report import report_parts
 from ..results import ACCEPTED_RESIDUAL, Result, zone_runs
 from ..roll.design import design_tension
 from ..sensitivity import Sensitivity
+from ..studies.columns import measurable_outputs
 from ..studies.find import find as find_values
-from ..studies.kind_model import KindModel, measurable_outputs, model_of
 from ..studies.measurements import Observable, predict
+from ..studies.model import KindModel, model_of
 from ..studies.slopes import slopes
 from ..winding.margins import FIELDS
 from .input_forms import quantity_schema, tables_of

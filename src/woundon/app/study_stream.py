@@ -30,9 +30,9 @@ from ..studies.api import study_of
 from ..studies.cases import Chunk, as_labels
 from ..studies.fit import fit as fit_problem
 from ..studies.fit_result import FitResult
-from ..studies.kind_model import KindModel
+from ..studies.model import KindModel
 from ..studies.run import solve_chunk
-from ..studies.studyfile import SCHEMA, study_of_tables
+from ..studies.study_file import SCHEMA, study_of_tables
 from ..studies.window import operating_window
 from ..studies.window_result import OperatingWindow
 from .computations import problem_of

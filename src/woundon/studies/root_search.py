@@ -34,7 +34,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import InvalidProblem, NotConverged, unwarned
-from .kind_model import KindModel
+from .model import KindModel
 from .slopes import on_mesh_of
 
 __all__ = ["DECADE", "Interval", "RootSearch", "Sample"]

@@ -26,8 +26,7 @@ from ..problems.paths import field_or_none, field_quantity, get_field
 from ..problems.problem import Problem
 from ..quantities import Quantity, in_chosen_units, value_of
 from .api import in_si
-from .kind_model import KindModel, model_of
-from .model import quantities_of
+from .model import KindModel, model_of, quantities_of
 from .outcome import Outcome
 from .progress import Progress, progress_reporter
 

@@ -30,8 +30,7 @@ from ..problems.schedules import Profile, Taper
 from ..quantities import Quantity, scalar_outputs
 from .api import in_si
 from .cases import table_of_cases
-from .kind_model import KindModel, kind_of, model_of
-from .model import Answer
+from .model import Answer, KindModel, kind_of, model_of
 from .progress import Progress
 from .run import Workers, run_study
 from .window_map import SetPoints, fitted, from_reserve
