@@ -123,6 +123,7 @@ def start_sweep(tables: Mapping[str, Any]) -> Sweep:
     study = study_of_tables({"schema": SCHEMA, **tables}, None)
     if not isinstance(study.over, Mapping) or not study.over:
         raise InvalidProblem.at("over", "nothing is varied; give fields and their values")
+    _check_size(study.over, study.design)
     model, cases = study_of(
         study.problem,
         study.over,
