@@ -112,9 +112,13 @@ class Quantity:
 
         Reports, figures, tables and messages convert by this function alone.
         """
-        default = self.shown_unit or self.unit
-        _, size = DISPLAYED.get(default, ("", 1.0))
-        return self._chosen() or (default, size)
+        return self._chosen() or self._usual()
+
+    def _usual(self) -> tuple[str, float]:
+        """Return the unit for display unless the user has chosen another, and its size."""
+        unit = self.shown_unit or self.unit
+        _, size = DISPLAYED.get(unit, ("", 1.0))
+        return unit, size
 
     def _chosen(self) -> tuple[str, float] | None:
         """Return the unit that the user has chosen, by name or in a system, and its size."""
@@ -147,8 +151,7 @@ class Quantity:
 
         :func:`in_chosen_units` converts such texts when they are displayed.
         """
-        unit = self.shown_unit or self.unit
-        _, size = DISPLAYED.get(unit, ("", 1.0))
+        unit, size = self._usual()
         return f"{float(value) / size:{form}} {unit.removeprefix('1')}".rstrip()
 
     def in_table(self, value: Any) -> tuple[str, Any]:

@@ -15,7 +15,7 @@ from thesis_cases import measured_tensions, paper_nip
 
 import woundon as wo
 from woundon.cli import commands as cli
-from woundon.studies.studyfile import load_study
+from woundon.studies.study_file import load_study
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 CASE = Path(__file__).with_name("nip_alone.toml")

@@ -12,8 +12,8 @@ from thesis_cases import film_nip, paper_nip
 
 import woundon as wo
 from woundon import kinds
-from woundon.studies.kind_model import model_of
 from woundon.studies.measurements import Observable
+from woundon.studies.model import model_of
 from woundon.studies.slopes import slopes
 
 RUBBER = wo.Isotropic(

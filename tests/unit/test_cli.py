@@ -17,7 +17,7 @@ from woundon import kinds
 from woundon.cli import commands as cli
 from woundon.io.case_files import template
 from woundon.io.case_texts import to_toml
-from woundon.studies.studyfile import load_study
+from woundon.studies.study_file import load_study
 
 EXAMPLE = str(Path(__file__).parents[2] / "examples" / "newsprint_table2.toml")
 ALONE = ["--set", "roll_wrap=0"]

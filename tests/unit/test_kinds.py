@@ -14,7 +14,7 @@ from woundon import kinds, plugins
 from woundon.problems.fields import Number
 from woundon.problems.paths import find_places
 from woundon.quantities import length, line_load, output
-from woundon.report.plots import PANELS
+from woundon.report.result_panels import PANELS
 from woundon.report.result_report import REPORTS
 
 OWN = {

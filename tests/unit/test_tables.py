@@ -14,8 +14,8 @@ import woundon as wo
 from woundon.errors import InvalidProblem
 from woundon.io import sheets
 from woundon.studies.api import study_of
+from woundon.studies.columns import columns_of, measurable_outputs
 from woundon.studies.export import check_export
-from woundon.studies.kind_model import columns_of, measurable_outputs
 from woundon.studies.measured import Measured, read_measured
 
 NIP = wo.NipProblem.example()

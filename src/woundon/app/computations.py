@@ -30,14 +30,15 @@ from ..report.result_report import report_parts
 from ..results import ACCEPTED_RESIDUAL, Result, zone_runs
 from ..roll.design import design_tension
 from ..sensitivity import Sensitivity
+from ..studies.columns import measurable_outputs
 from ..studies.find import find as find_values
-from ..studies.kind_model import KindModel, measurable_outputs, model_of
 from ..studies.measurements import Observable, predict
+from ..studies.model import KindModel, model_of
 from ..studies.slopes import slopes
 from ..winding.margins import FIELDS
 from .input_forms import quantity_schema, tables_of
 from .json_texts import records, to_json
-from .plot_data import panels_of
+from .plot_data import panel_data, slow_panel_data
 
 __all__ = [
     "curve",
@@ -162,9 +163,10 @@ def state_of(result: Result, report: bool = False, drawn: bool = False) -> dict[
     """Return a result for JSON, SI units.
 
     ``report`` adds the sections of the report; ``drawn`` returns the panels of the page instead of
-    the arrays.
+    the arrays, the slow ones with the report.
     """
     parts = report_parts(result) if report else []
+    slow = {"slow_panels": slow_panel_data(result)} if report and drawn else {}
     return {
         "kind": kinds.of(result).name,
         "problem": tables_of(result.problem),
@@ -172,7 +174,7 @@ def state_of(result: Result, report: bool = False, drawn: bool = False) -> dict[
             name: {"value": value_of(result, name), "error": result.errors.get(name)}
             for name in scalar_outputs(result)
         },
-        **({"panels": panels_of(result)} if drawn else _arrays(result)),
+        **({"panels": panel_data(result), **slow} if drawn else _arrays(result)),
         "answer": [line.text for line in answer_lines(result, full=report)],
         "headline": [
             {"name": name, "words": words} for name, words in main_outputs(result).items()

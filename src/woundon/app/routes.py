@@ -363,7 +363,7 @@ async def cancel(request: APIRequest) -> dict[str, bool]:
 
 
 async def _of_session(request: APIRequest, study: study_stream.Lines) -> AsyncIterator[bytes]:
-    """Yield the events of a study; it ends an older one of the same session, as a newer one it."""
+    """Yield the events of a study; an older study of the same session is stopped."""
     workers, session, stopped = request.workers, request.session_name, asyncio.Event()
     workers.stop_study(session)
     if session:

@@ -30,9 +30,9 @@ from ..studies.api import study_of
 from ..studies.cases import Chunk, as_labels
 from ..studies.fit import fit as fit_problem
 from ..studies.fit_result import FitResult
-from ..studies.kind_model import KindModel
+from ..studies.model import KindModel
 from ..studies.run import solve_chunk
-from ..studies.studyfile import SCHEMA, study_of_tables
+from ..studies.study_file import SCHEMA, study_of_tables
 from ..studies.window import operating_window
 from ..studies.window_result import OperatingWindow
 from .computations import problem_of
@@ -123,6 +123,7 @@ def start_sweep(tables: Mapping[str, Any]) -> Sweep:
     study = study_of_tables({"schema": SCHEMA, **tables}, None)
     if not isinstance(study.over, Mapping) or not study.over:
         raise InvalidProblem.at("over", "nothing is varied; give fields and their values")
+    _check_size(study.over, study.design)
     model, cases = study_of(
         study.problem,
         study.over,

@@ -156,7 +156,6 @@ class Pool:
         key: Hashable = None,
         session: Hashable = None,
         rank: int = 0,
-        seconds: float | None = None,
     ) -> Any:
         """Return ``call(*args)`` of a worker.
 
@@ -170,21 +169,19 @@ class Pool:
             The worker of this session's last request is preferred if it is idle.
         rank : int
             Lower ones first.
-        seconds : float, optional
-            Time limit; by default the pool's.
 
         Raises
         ------
         RequestError
             If the request is invalid, superseded, too slow, or its worker died.
         """
-        loop, limit = asyncio.get_running_loop(), seconds or self.seconds
+        loop = asyncio.get_running_loop()
         if older := self._newest.get(key):
-            error = RequestError(409, "superseded", SUPERSEDED)
+            superseded = RequestError(409, "superseded", SUPERSEDED)
             if older in self._waiting:
-                self._end(older, error)
+                self._end(older, superseded)
             else:
-                loop.call_later(GRACE, self._end, older, error)
+                loop.call_later(GRACE, self._end, older, superseded)
         if len(self._waiting) >= self.most:
             raise RequestError(503, "busy", "too many requests are waiting; try again")
         request = _Request(call, args, key, session, rank, loop.create_future())
@@ -192,8 +189,9 @@ class Pool:
             self._newest[key] = request
         insort(self._waiting, request, key=lambda waiting: waiting.rank)
         self._assign()
-        too_slow = f"the request took longer than the limit of {limit:g} s"
-        timer = loop.call_later(limit, self._end, request, RequestError(504, "too-slow", too_slow))
+        text = f"the request took longer than the limit of {self.seconds:g} s"
+        too_slow = RequestError(504, "too-slow", text)
+        timer = loop.call_later(self.seconds, self._end, request, too_slow)
         try:
             return await request.answer
         finally:

@@ -27,6 +27,7 @@ __all__ = [
     "PATH",
     "PLOT",
     "RTOL",
+    "SCHEDULER",
     "SETTINGS",
     "TABLE",
     "TIES",
@@ -249,6 +250,7 @@ JSON = click.option("--json", "as_json", is_flag=True, help="Print the complete 
 NODES = click.option("--nodes", type=int, help="Number of nodes on the last mesh.")
 RTOL = click.option("--rtol", type=float, help="Relative error of the solver.")
 WORKERS = click.option("--workers", type=int, help="Number of processes; by default one per core.")
+SCHEDULER = click.option("--scheduler", metavar="ADDRESS", help="Dask scheduler, tcp://host:port.")
 
 # ---- running and printing -----------------------------------------------------------------------
 

@@ -26,7 +26,7 @@ def _execution_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """Add the options for processes and folders of a study."""
     for option in (
         options.WORKERS,
-        click.option("--scheduler", metavar="ADDRESS", help="Dask scheduler, tcp://host:port."),
+        options.SCHEDULER,
         click.option("--resume", is_flag=True, help="Resume the study in DIR."),
         click.option(
             "--out", type=options.PATH, required=True, metavar="DIR", help="Folder of results."
@@ -78,7 +78,7 @@ def sweep(
     from ..studies.api import study_of
     from ..studies.export import check_export, export
     from ..studies.run import Workers, run_study
-    from ..studies.studyfile import load_study
+    from ..studies.study_file import load_study
 
     loaded = load_study(study)
     folder = _export_folder(out, export_to)
@@ -160,7 +160,7 @@ def sobol(
 ) -> None:
     """Compute the Sobol' indices of the ranges of a study file."""
     from ..studies.api import global_sensitivity
-    from ..studies.studyfile import load_study
+    from ..studies.study_file import load_study
 
     loaded = load_study(study, ranges=True)
     folder = _export_folder(out, export_to)

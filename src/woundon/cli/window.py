@@ -67,6 +67,7 @@ RANGE = options.Numbers("LOW:HIGH")
     help="Number of samples of the uncertain inputs.",
 )
 @options.WORKERS
+@options.SCHEDULER
 @click.option(
     "--out", type=options.PATH, metavar="DIR", help="Store the solved windings in a folder."
 )

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from io import StringIO
 from textwrap import wrap
-from typing import TextIO
 
 from rich.console import Console
 from rich.text import Text
 
 from .report_parts import Line, Part, Row, Section, Verdicts, ZoneStrips, zone_line
 
-__all__ = ["WIDTH", "plain_console", "print_columns", "print_parts"]
+__all__ = ["WIDTH", "plain_text", "print_columns", "print_parts"]
 
 WIDTH = 100
 ZONES_WIDTH = 60
@@ -27,15 +27,18 @@ TONES = {
 }
 
 
-def plain_console(paper: TextIO) -> Console:
-    """Return a console that writes plain text in the width of the reports."""
-    return Console(
+def plain_text(write: Callable[[Console], None]) -> str:
+    """Return what a function writes on a console, in the width of the reports."""
+    paper = StringIO()
+    console = Console(
         file=paper,
         width=WIDTH,
         color_system=None,
         legacy_windows=False,
         force_jupyter=False,  # or the text would be shown in a notebook, and not be returned
     )
+    write(console)
+    return paper.getvalue().strip("\n")
 
 
 def print_parts(parts: Iterable[Part], console: Console) -> None:

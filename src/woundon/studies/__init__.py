@@ -2,6 +2,6 @@
 
     inputs and their values --> Cases --> run_study: chunks, workers, store --> Table
 
-A study uses a ``Model`` only: names in, numbers out.  ``kind_model`` provides the model of any
-kind of problem; ``api`` contains the public functions.
+A study uses a ``Model`` only: names in, numbers out; ``KindModel`` is that of any kind of problem.
+``api`` contains the public functions.
 """

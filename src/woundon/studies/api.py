@@ -11,10 +11,7 @@ from ..problems.paths import field_quantity, number_in_si
 from ..problems.problem import Problem
 from .case_table import read_cases
 from .cases import Cases, make_cases
-from .kind_model import (
-    KindModel,
-    model_of,
-)
+from .model import KindModel, model_of
 from .progress import Progress
 from .run import Workers, run_study
 from .sobol import SobolIndices, saltelli_cases, sobol_indices_of

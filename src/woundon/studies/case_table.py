@@ -27,11 +27,17 @@ from ..problems.description import Description
 from ..problems.family import field_from_table
 from ..problems.paths import field_or_none, nest_tables
 from ..problems.problem import Problem
-from ..quantities import Quantity, is_on_request, pattern, scalar_outputs
+from ..quantities import is_on_request, pattern, scalar_outputs
 from .cases import table_of_cases
-from .kind_model import KindModel, columns_of, conversion_of, kind_of, model_of
-from .measured import ANNOTATIONS
-from .model import quantities_of
+from .columns import (
+    ANNOTATIONS,
+    column_names,
+    columns_of,
+    conversion_of,
+    input_columns,
+    output_columns,
+)
+from .model import KindModel, kind_of, model_of, quantities_of
 from .progress import Progress
 from .run import Workers, run_study
 
@@ -114,8 +120,8 @@ def solve_table(
         if kind is not None:
             raise InvalidProblem.at("kind", "is given together with a case, which has its own kind")
         known, complete = kind_of(problem), False
-    fields = _fields(problem)
-    matched = match_columns(sheet, _names(problem), columns)
+    fields = input_columns(problem)
+    matched = match_columns(sheet, column_names(problem), columns)
     inputs = [c for c in matched if pattern(c.name) in fields and not c.deviation]
     if not inputs:
         raise InvalidProblem.at(sheet.where, "has no column that is an input of the model")
@@ -178,8 +184,8 @@ def read_cases(
     {'load': [89000.0, 178000.0]}
     """
     sheet = read_sheet(data, "over")
-    fields, outputs = _fields(problem), _outputs(problem)
-    matched = match_columns(sheet, _names(problem), columns)
+    fields, outputs = input_columns(problem), output_columns(problem)
+    matched = match_columns(sheet, column_names(problem), columns)
     # a quantity that is both input and output, such as the creepage of rollers, is an output in the
     # table of a study, and an input in other tables
     written = any(column.name in ANNOTATIONS for column in matched)
@@ -227,22 +233,6 @@ def _is_missing(value: Any) -> bool:
 # ---- columns ------------------------------------------------------------------------------------
 
 
-def _fields(problem: Problem) -> dict[str, Quantity | None]:
-    """Return the quantities of all columns that are inputs, also of those that only convert."""
-    return {**columns_of(problem), **conversion_of(problem).helpers}
-
-
-def _outputs(problem: Problem) -> dict[str, Quantity]:
-    """Return the quantities of all outputs and of their estimated errors."""
-    known = scalar_outputs(kind_of(problem).result)
-    return known | {f"errors.{name}": quantity for name, quantity in known.items()}
-
-
-def _names(problem: Problem) -> Names:
-    """Return all names that a header may have: fields, outputs and the columns of studies."""
-    return Names({**dict.fromkeys(ANNOTATIONS), **_outputs(problem), **_fields(problem)})
-
-
 def _named(kind: str) -> kinds.Kind:
     return kinds.named(str(kind).replace("-", "_"))
 
@@ -254,7 +244,7 @@ def _kind_of_columns(sheet: Sheet, columns: Mapping[str, str | None] | None) -> 
     for kind in kinds.every():
         try:
             example = kind.example()
-            matched = match_columns(sheet, _names(example), columns)
+            matched = match_columns(sheet, column_names(example), columns)
         except InvalidProblem as fault:
             faults.append(fault)
             continue

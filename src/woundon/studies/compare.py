@@ -30,7 +30,6 @@ from ..problems.problem import Problem
 from ..problems.units import parse
 from ..quantities import Quantity, in_chosen_units, walk
 from .explanations import Explanation, Inputs, explain
-from .kind_model import KindModel, model_of
 from .measurements import (
     TAB,
     Observable,
@@ -40,6 +39,7 @@ from .measurements import (
     predict,
     read_observations,
 )
+from .model import KindModel, model_of
 from .outcome import Outcome
 from .predict import Case, cases_of
 from .progress import Progress, progress_reporter

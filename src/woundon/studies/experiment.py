@@ -37,7 +37,7 @@ from ..problems.units import parse
 from ..quantities import Quantity, in_chosen_units
 from .api import solver_options
 from .fit_result import FitResult
-from .kind_model import kind_of
+from .model import kind_of
 from .outcome import Outcome
 from .planned import Measurement, Planned, plan_measurement
 from .progress import Progress, progress_reporter

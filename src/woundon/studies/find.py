@@ -26,9 +26,8 @@ from ..problems.problem import Problem
 from ..problems.units import parse
 from ..quantities import Quantity, in_chosen_units
 from .api import solver_options
-from .kind_model import model_of
 from .measurements import Observable
-from .model import quantities_of
+from .model import model_of, quantities_of
 from .outcome import Outcome
 from .progress import Progress, progress_reporter
 from .root_search import DECADE, Interval, RootSearch, Sample

@@ -29,10 +29,9 @@ from ..problems.problem import Problem
 from ..quantities import Quantity
 from .api import in_si, solver_options
 from .fit_result import FitResult
-from .kind_model import model_of, options_of
 from .measurements import Observations, read_observations
 from .minimise import ACCURACY, Linearisation, minimise
-from .model import quantities_of
+from .model import model_of, options_of, quantities_of
 from .predict import Parameter, Predictor
 from .profiles import End, ProfileLikelihood, find_end, profile_of, threshold
 from .progress import Progress, progress_reporter

@@ -19,11 +19,11 @@ from ..io.cells import Conversion, Fault, numbers, raise_faults
 from ..io.sheets import read_sheet
 from ..io.tables import Names, match_columns
 from ..quantities import Quantity
+from .columns import ANNOTATIONS
 
-__all__ = ["ANNOTATIONS", "MEASURED_AS", "Measured", "read_measured"]
+__all__ = ["MEASURED_AS", "Measured", "read_measured"]
 
 Array = np.ndarray
-ANNOTATIONS = ("case", "failure", "warnings")  # further columns of the tables of studies
 # Measured quantity -> the output with which it is compared.  A counter measures the length of web
 # with its layers as they are, compressed.
 MEASURED_AS = {"length": "wound_length"}

@@ -19,8 +19,9 @@ import numpy as np
 from ..errors import InvalidProblem, one_of
 from ..problems.problem import Problem
 from ..quantities import Quantity, length, outputs, scalar_outputs, value_of
-from .kind_model import columns_of, conversion_of, kind_of, measurable_outputs
+from .columns import columns_of, conversion_of, measurable_outputs
 from .measured import read_measured
+from .model import kind_of
 from .pull_tab import PullTab
 
 __all__ = [

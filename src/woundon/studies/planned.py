@@ -22,9 +22,10 @@ from ..problems.paths import field_quantity, find_places, get_field, number_in_s
 from ..problems.problem import Problem
 from ..problems.units import parse
 from ..quantities import Quantity, length
-from .kind_model import KindModel, columns_of, kind_of, measurable_outputs, model_of
+from .columns import columns_of, measurable_outputs
 from .measured import MEASURED_AS
 from .measurements import POSITIONS, PRESSURE, Observable, arrays_over_radius
+from .model import KindModel, kind_of, model_of
 from .predict import Case, cases_of
 from .slopes import slopes, solve_case
 

@@ -14,8 +14,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import InvalidProblem
-from .kind_model import KindModel
 from .measurements import Observable, Observations, predict
+from .model import KindModel
 from .slopes import slopes, solve_case
 
 __all__ = ["Case", "Parameter", "Predictor", "cases_of"]

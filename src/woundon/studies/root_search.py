@@ -27,7 +27,6 @@ from __future__ import annotations
 from bisect import insort
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import replace
 from itertools import groupby, pairwise
 from math import isfinite, nan, sqrt
 from typing import Any, NamedTuple
@@ -35,7 +34,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import InvalidProblem, NotConverged, unwarned
-from .kind_model import KindModel, options_of
+from .model import KindModel
+from .slopes import on_mesh_of
 
 __all__ = ["DECADE", "Interval", "RootSearch", "Sample"]
 
@@ -369,7 +369,7 @@ class RootSearch:
         """Return the solutions between two samples of different sign."""
         from scipy.optimize import brentq
 
-        low, high, model = a, b, self.on_one_mesh(a, b)
+        low, high, model = a, b, self._on_one_mesh(a, b)
         if model is not None:
             low, high = self.evaluate(a.value, model), self.evaluate(b.value, model)
             if self.f(low) * self.f(high) > 0 and not any(map(self.is_root, (low, high))):
@@ -416,13 +416,9 @@ class RootSearch:
                 roots += self._solve_bracket(first, second, depth - 1)
         return roots
 
-    def on_one_mesh(self, a: Sample, b: Sample) -> KindModel | None:
-        """Return the model on the finer mesh of two results, where the solver chooses the mesh."""
-        sizes = [
-            size for sample in (a, b) if isinstance(size := getattr(sample.result, "nodes", 0), int)
-        ]
-        is_adaptive = options_of(self.model.problem).get("nodes", ...) is None
-        fixed = any(self.model.options.get(name) is not None for name in ("nodes", "rtol"))
-        if not is_adaptive or fixed or min(sizes, default=0) < 2:
+    def _on_one_mesh(self, a: Sample, b: Sample) -> KindModel | None:
+        """Return the model on the finer mesh of two results; None if the solver has one mesh."""
+        models = [on_mesh_of(self.model, sample.result) for sample in (a, b)]
+        if any(model is self.model for model in models):
             return None
-        return replace(self.model, options={**self.model.options, "nodes": max(sizes)})
+        return max(models, key=lambda model: model.options["nodes"])

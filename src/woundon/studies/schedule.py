@@ -22,12 +22,11 @@ import numpy as np
 from .. import kinds
 from ..errors import InvalidProblem, NotConverged, one_of
 from ..problems.messages import quote
-from ..problems.paths import field_quantity, get_field
+from ..problems.paths import field_or_none, field_quantity, get_field
 from ..problems.problem import Problem
 from ..quantities import Quantity, in_chosen_units, value_of
 from .api import in_si
-from .kind_model import KindModel, model_of
-from .model import quantities_of
+from .model import KindModel, model_of, quantities_of
 from .outcome import Outcome
 from .progress import Progress, progress_reporter
 
@@ -254,10 +253,7 @@ def _usual(problem: Problem) -> dict[str, tuple[float, float]]:
     """Return the usual ranges of those settings that are numbers in the problem."""
     ranges: dict[str, tuple[float, float]] = {}
     for name, (low, high) in (USUAL | USUAL_SHARES).items():
-        try:
-            value = get_field(problem, name)
-        except InvalidProblem:
-            continue
+        value = field_or_none(problem, name)
         if isinstance(value, float):
             size = value if name in USUAL_SHARES else 1.0
             ranges[name] = (low * size, high * size)

@@ -24,8 +24,8 @@ from ..errors import InvalidProblem, NotConverged, unwarned
 from ..problems.paths import field_or_none, get_field, is_part_of
 from ..results import Result
 from ..sensitivity import Sensitivity
-from .kind_model import KindModel, model_of, options_of
 from .measurements import Observable, predict
+from .model import KindModel, model_of, options_of
 
 __all__ = ["derivatives", "on_mesh_of", "slopes", "solve_case"]
 
@@ -90,7 +90,7 @@ def slopes(
     Examples
     --------
     >>> import woundon as wo
-    >>> from woundon.studies.kind_model import model_of
+    >>> from woundon.studies.model import model_of
     >>> roll = wo.RollProblem.example()
     >>> model = model_of(roll, "length", None, {})
     >>> [[slope]] = slopes(model, wo.solve(roll), [Observable("length")], ["radius"])

@@ -70,16 +70,14 @@ class SobolIndices(Presented, ReadOnly):
         """Return the indices as an xarray Dataset along ``output`` and ``input``."""
         import xarray
 
-        dims, ends = ("output", "input"), ("end", "output", "input")
-        return xarray.Dataset(
-            {
-                "first_order": (dims, self.first_order, {"units": "1"}),
-                "total_order": (dims, self.total_order, {"units": "1"}),
-                "first_interval": (ends, self.first_interval, {"units": "1"}),
-                "total_interval": (ends, self.total_interval, {"units": "1"}),
-            },
-            {"output": list(self.outputs), "input": list(self.inputs), "end": ["low", "high"]},
-        )
+        names = ("first_order", "total_order", "first_interval", "total_interval")
+        variables: dict[str, Any] = {}
+        for name in names:
+            values = getattr(self, name)
+            dims = ("end", "output", "input")[-values.ndim :]
+            variables[name] = (dims, values, {"units": "1"})
+        coordinates = {"output": list(self.outputs), "input": list(self.inputs)}
+        return xarray.Dataset(variables, {**coordinates, "end": ["low", "high"]})
 
     def to_dataframe(self) -> pd.DataFrame:
         """Return a row for each output and input: the indices and their 95 % intervals [1]."""

@@ -14,7 +14,7 @@ from ..problems.paths import field_quantity
 from ..problems.problem import Problem
 from ..problems.units import text_with_unit
 from ..quantities import Quantity, scalar_outputs
-from .kind_model import options_of
+from .model import options_of
 
 __all__ = ["study_template"]
 

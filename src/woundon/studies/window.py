@@ -28,6 +28,7 @@ from ..errors import InvalidProblem, NotConverged
 from ..problems.grades import Grade
 from ..problems.problem import Problem
 from .progress import Progress, progress_reporter
+from .run import Workers
 from .window_cases import (
     CaseSolver,
     Shares,
@@ -82,6 +83,7 @@ def operating_window(
     samples: int = 2048,
     seed: int = 0,
     workers: int | None = None,
+    scheduler: str | None = None,
     out: str | Path | None = None,
     resume: bool = False,
     progress: bool | Progress = False,
@@ -110,6 +112,8 @@ def operating_window(
         Draws from the distributions, 100 to 100 000, and the seed of their generator.
     workers : int
         Processes; by default one for each core.
+    scheduler : str
+        Address of a Dask scheduler, "tcp://...", whose workers solve the windings.
     out : path
         Folder for the windings; ``resume=True`` continues an interrupted computation.
     progress : bool or callable
@@ -166,7 +170,7 @@ def operating_window(
     set_points = SetPoints(tuple(given), ranges)
     sample = standard_normal(len(spreads), samples, seed)
     folder = None if out is None else Path(out)
-    solver = CaseSolver(model, set_points, spreads, workers, folder, resume)
+    solver = CaseSolver(model, set_points, spreads, Workers(workers, scheduler), folder, resume)
     with progress_reporter(progress, "winding") as report:
         return _Study(solver, sample, report).run(preview)
 

@@ -30,8 +30,7 @@ from ..problems.schedules import Profile, Taper
 from ..quantities import Quantity, scalar_outputs
 from .api import in_si
 from .cases import table_of_cases
-from .kind_model import KindModel, kind_of, model_of
-from .model import Answer
+from .model import Answer, KindModel, kind_of, model_of
 from .progress import Progress
 from .run import Workers, run_study
 from .window_map import SetPoints, fitted, from_reserve
@@ -306,7 +305,8 @@ class CaseSolver:
     set_points : SetPoints
     spreads : mapping of str to float
         Relative standard deviations of the inputs.
-    workers, out, resume
+    workers : Workers
+    out, resume
         As of :func:`~woundon.operating_window`.
     chunk : int
         Windings that one worker solves in a row, each from the one before.
@@ -315,7 +315,7 @@ class CaseSolver:
     model: WindowModel
     set_points: SetPoints
     spreads: Mapping[str, float]
-    workers: int | None = None
+    workers: Workers
     out: Path | None = None
     resume: bool = False
     chunk: int = TOGETHER
@@ -354,7 +354,7 @@ class CaseSolver:
         table = run_study(
             self.model,
             table_of_cases(columns),
-            Workers(self.workers),
+            self.workers,
             out=None if self.out is None else self.out / stage,
             resume=self.resume,
             chunk=self.chunk,

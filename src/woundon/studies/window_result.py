@@ -14,6 +14,7 @@ from ..quantities import Quantity
 from .api import in_si
 from .outcome import Outcome
 from .progress import Progress
+from .run import Workers
 from .window_cases import CaseSolver, WindowModel
 from .window_map import NEGLIGIBLE, MarginMap, SetPoints, grid, standard_normal
 
@@ -309,6 +310,7 @@ class OperatingWindow(Outcome):
         samples: int = 100,
         seed: int = 1,
         workers: int | None = None,
+        scheduler: str | None = None,
         progress: bool | Progress = False,
     ) -> float:
         """Return the probability by Monte Carlo simulation with windings.
@@ -322,7 +324,7 @@ class OperatingWindow(Outcome):
             As of :meth:`at`.
         samples, seed : int
             Number of draws, and their seed, which differs from that of the map by default.
-        workers, progress
+        workers, scheduler, progress
             As of :func:`~woundon.operating_window`.
 
         Returns
@@ -338,7 +340,11 @@ class OperatingWindow(Outcome):
         x = self.set_points.coordinates(self._in_si(values)[None]).repeat(samples, axis=0)
         z = standard_normal(len(self.uncertain), samples, seed)
         solver = CaseSolver(
-            self.model, self.set_points, self.uncertain, workers, chunk=SIMULATED_TOGETHER
+            self.model,
+            self.set_points,
+            self.uncertain,
+            Workers(workers, scheduler),
+            chunk=SIMULATED_TOGETHER,
         )
         margins = solver.solve("", x, z, progress=progress).margins
         return float(np.mean((margins >= 0).all(axis=1)))
