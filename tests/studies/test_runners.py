@@ -94,6 +94,17 @@ def test_dask_gives_the_same_numbers(kind: str, request: pytest.FixtureRequest):
 
 
 @pytest.mark.filterwarnings("ignore")
+def test_the_profiles_of_a_fit_are_found_on_a_cluster(thread):
+    """The same intervals; a worker starts from the minimum only, to the solver tolerance."""
+    data = {"load": [5e4, 8.9e4, 1.2e5], "half_width": [266e-6, 353e-6, 412e-6]}
+    pair, vary, how = wo.RollerProblem.example(), ["upper.radius"], {"starts": 1, "nodes": 17}
+    here = wo.fit(pair, data, vary, workers=1, **how)
+    there = wo.fit(pair, data, vary, scheduler=thread.scheduler_address, **how)
+    for one, other in zip(here.profiles, there.profiles, strict=True):
+        assert [other.low, other.high] == pytest.approx([one.low, one.high], rel=1e-6)
+
+
+@pytest.mark.filterwarnings("ignore")
 def test_an_operating_window_is_solved_on_a_cluster(thread):
     board = wo.WindingProblem.example().replace(
         stack=wo.Stack(radial=27e6, tangential=3.38e9, poissons_ratio=0.01, shear=10e6),

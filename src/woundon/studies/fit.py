@@ -85,7 +85,7 @@ def fit(
         default until two starts converge to the best minimum, at most 6.
     profiles : bool or sequence of str
         Compute profile-likelihood intervals: of all fitted fields, or of the named ones.
-    workers : Workers
+    workers : int
         Processes for profiles; by default one for each core if they take long.
     scheduler : str
         Address of a Dask scheduler, "tcp://...", whose workers find the profiles.
