@@ -40,6 +40,22 @@ def test_rows_of_the_table_are_the_json_by_default(schedule: wo.OptimisedSchedul
     assert "All limits are kept" in schedule._repr_html_()
 
 
+def test_sobol_indices_and_their_cases_are_shown_like_other_studies() -> None:
+    indices = wo.global_sensitivity(
+        wo.RollerProblem.example(), {"load": (50e3, 100e3), "friction": (0.3, 0.5)},
+        ["half_width"], samples=4, nodes=17, workers=1,
+    )  # fmt: skip
+    assert str(indices) == "\n".join(indices.lines())
+    html = indices._repr_html_()
+    assert "with interactions (total)" in html
+    rows = json.loads(indices.to_json())["rows"]
+    assert [row["total_order"] for row in rows] == pytest.approx(indices.total_order[0])
+    assert f"{rows[0]['total_order']:.4g}" in html
+    cases = indices.table._repr_html_()
+    assert cases.count("<tr") == 1 + len(indices.table.cases)
+    assert "half_width" in cases
+
+
 def test_a_panel_is_drawn_into_given_axes(schedule: wo.OptimisedSchedule) -> None:
     from matplotlib.figure import Figure
 

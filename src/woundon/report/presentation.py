@@ -5,52 +5,48 @@ The base class in :mod:`woundon.results` calls these functions.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ..results import Result
 from ..sensitivity import Sensitivity
 from ..studies.outcome import Outcome
+from ..studies.run import Table
 from ..winding.margins import Margins
 from .html import parts_html, table_html
 from .margins_report import margins_parts
 from .report_parts import Part
 from .result_report import report_parts
-from .sensitivity_report import print_sensitivity
+from .sensitivity_report import print_sensitivity, sensitivity_html
 from .terminal import plain_text, print_parts
 
-if TYPE_CHECKING:
-    import pandas as pd
+__all__ = ["figure_of", "html_of", "text_of"]
 
-__all__ = ["figure_of", "html_of", "html_of_table", "text_of"]
+MOST_ROWS = 60  # of the cases of a study in a notebook
 
 
 def text_of(thing: Any) -> str:
-    """Return a result, margins or a sensitivity as plain text; the lines of all others."""
+    """Return a result, margins or a study as plain text; the cases of a study in one line."""
     if isinstance(thing, Result | Margins):
         return plain_text(lambda console: print_parts(_parts(thing), console))
     if isinstance(thing, Sensitivity):
         return plain_text(lambda console: print_sensitivity(thing, console))
-    return "\n".join(thing.lines()) if hasattr(thing, "lines") else repr(thing)
+    return "\n".join(thing.lines()) if isinstance(thing, Outcome) else repr(thing)
 
 
 def html_of(thing: Any) -> str:
     """Return a result, margins or a study as HTML, for a notebook."""
     if isinstance(thing, Outcome):
-        return table_html(thing.answer()[0], thing.table_for_display(), thing.remarks())
-    if isinstance(thing, Result | Margins):
-        return parts_html(_parts(thing))
-    raise TypeError(f"a {type(thing).__name__} has no report")
+        return table_html(thing.heading(), thing.table_for_display(), thing.remarks())
+    if isinstance(thing, Sensitivity):
+        return sensitivity_html(thing)
+    if isinstance(thing, Table):
+        return str(thing.to_dataframe().to_html(max_rows=MOST_ROWS))
+    return parts_html(_parts(thing))
 
 
 def _parts(thing: Result | Margins) -> list[Part]:
     """Return the parts of the report of a result or of margins."""
     return margins_parts(thing) if isinstance(thing, Margins) else report_parts(thing)
-
-
-def html_of_table(head: str, frame: pd.DataFrame, remarks: Iterable[str] = ()) -> str:
-    """Return a table of numbers between its heading and remarks as HTML."""
-    return table_html(head, frame, remarks)
 
 
 def figure_of(thing: Any, *options: Any) -> Any:

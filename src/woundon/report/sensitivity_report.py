@@ -10,6 +10,7 @@ from rich.text import Text
 
 from .. import kinds, quantities
 from ..problems.nip import NipProblem
+from .html import table_html
 from .report_parts import quantity_of_field
 from .terminal import print_columns
 
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from ..sensitivity import Sensitivity
 
 
-__all__ = ["print_sensitivity"]
+__all__ = ["print_sensitivity", "sensitivity_html"]
 
 
 def print_sensitivity(sensitivity: Sensitivity, console: Console) -> None:
@@ -60,3 +61,12 @@ def print_sensitivity(sensitivity: Sensitivity, console: Console) -> None:
     if ordered.zone_change:
         text = f"warning: at a zone change ({ordered.zone_change}): one-sided derivatives differ"
         console.print(Text(text, style="bold yellow"))
+
+
+def sensitivity_html(sensitivity: Sensitivity) -> str:
+    """Return the elasticities as HTML, the most influential input for the first output first."""
+    head = "Elasticities: percent of output per percent of parameter"
+    zone_change = sensitivity.zone_change
+    remarks = [f"At a zone change: {zone_change}"] if zone_change else []
+    frame = sensitivity.sorted().to_dataframe().rename(columns={"value": "value [SI]"})
+    return table_html(head, frame, remarks)

@@ -38,8 +38,12 @@ class Outcome(Presented, ReadOnly, ABC):
     def to_dataframe(self) -> pd.DataFrame:
         """Return the result as a table, SI units."""
 
+    def heading(self) -> str:
+        """Return the heading of the table in a notebook; by default the first line."""
+        return self.answer()[0]
+
     def table_for_display(self) -> pd.DataFrame:
-        """Return the table that a notebook shows between the first line and the remarks."""
+        """Return the table that a notebook shows between the heading and the remarks."""
         return self.to_dataframe()
 
     def to_json(self) -> str:

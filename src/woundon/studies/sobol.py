@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import InvalidProblem
-from ..results import Presented, ReadOnly
 from .cases import Cases, scaled_to_range, table_of_cases
+from .outcome import Outcome
 from .run import Table, failures
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ MAX_SHOWN = 3  # inputs in one line
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SobolIndices(Presented, ReadOnly):
+class SobolIndices(Outcome):
     """Result of :func:`woundon.global_sensitivity`: Sobol' indices with 95 % intervals.
 
     Attributes
@@ -95,35 +95,41 @@ class SobolIndices(Presented, ReadOnly):
         return pd.DataFrame({name: v.ravel() for name, v in columns.items()}, index=index)
 
     def __repr__(self) -> str:
-        order = np.argsort(-self.total_order[0])[:MAX_SHOWN]
+        order = self._strongest_first(0)[:MAX_SHOWN]
         texts = ", ".join(f"{self.inputs[j]} {self.total_order[0, j]:.2f}" for j in order)
         suffix = f"; {len(self.outputs)} outputs" if len(self.outputs) > 1 else ""
         return f"SobolIndices({self.outputs[0]}: {texts} of {len(self.inputs)} inputs{suffix})"
 
-    def _repr_html_(self) -> str:
-        """Return the indices as an HTML table, the strongest input of each output first."""
-        head = "Share of the variance, alone (first order) and with interactions (total)"
-        strongest = [
+    def heading(self) -> str:
+        """Return the heading of the table in a notebook."""
+        return "Share of the variance, alone (first order) and with interactions (total)"
+
+    def table_for_display(self) -> pd.DataFrame:
+        """Return the indices, the strongest input of each output first."""
+        rows = [
             k * len(self.inputs) + j
             for k in range(len(self.outputs))
-            for j in np.argsort(-self.total_order[k])
+            for j in self._strongest_first(k)
         ]
-        table = self.to_dataframe().iloc[strongest]
-        return self._html_of_table(head, table, self.remarks())
+        return self.to_dataframe().iloc[rows]
 
-    def lines(self) -> list[str]:
+    def _strongest_first(self, output: int) -> Array:
+        """Return the numbers of the inputs in the order of their total index."""
+        return np.argsort(-self.total_order[output])
+
+    def answer(self) -> list[str]:
         """Return the indices as lines of text, by output, the strongest input first."""
         out = []
         for k, output in enumerate(self.outputs):
             out.append(f"{output}: share of the variance, alone / with interactions")
-            for j in np.argsort(-self.total_order[k]):
+            for j in self._strongest_first(k):
                 ends = self.total_interval[:, k, j]
                 mark = "  *" if self.uncertain[k, j] else ""
                 out.append(
                     f"  {self.inputs[j]:<28} {self.first_order[k, j]:6.3f} / "
                     f"{self.total_order[k, j]:.3f}  (95 %: {ends[0]:.3f} to {ends[1]:.3f}){mark}"
                 )
-        return out + self.remarks()
+        return out
 
     @property
     def samples(self) -> int:
@@ -166,22 +172,6 @@ class SobolIndices(Presented, ReadOnly):
             f"* not determined by {self.samples} samples (interval wider than {WIDE:g}, or first "
             f"order above total): use samples={self.proposed_samples}"
         ]
-
-    def plot(self, path: Any = None, ax: Any = None, panels: Any = None) -> Any:
-        """Draw the indices as bars, the input that explains most on top.
-
-        Parameters
-        ----------
-        path, ax
-            As of :func:`woundon.plot`.
-        panels : str or sequence of str, optional
-            Outputs to draw.
-
-        Returns
-        -------
-        matplotlib.figure.Figure, or ``ax`` where it is given
-        """
-        return self._figure(path, ax, panels)
 
 
 def saltelli_cases(ranges: Mapping[str, Any], samples: int, seed: int) -> Cases:
