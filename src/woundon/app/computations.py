@@ -214,16 +214,9 @@ def _margin(margin: Any) -> dict[str, Any]:
 
 def _section(section: Section) -> dict[str, Any]:
     """Return a section of a report for JSON."""
+    names = ("symbol", "value", "unit", "value_text", "error_text", "note")
     rows = [
-        {
-            "label": row.meaning,
-            "symbol": row.symbol,
-            "value": row.value,
-            "unit": row.unit,
-            "value_text": row.value_text,
-            "error_text": row.error_text,
-            "note": row.note,
-        }
+        {"label": row.meaning, **{name: getattr(row, name) for name in names}}
         for row in section.rows
     ]
     return {"title": section.title, "text": section.text, "rows": rows}
@@ -242,7 +235,7 @@ def _arrays(result: Result) -> dict[str, Any]:
         "arrays": arrays,
         "nip": (nip.start, nip.stop - 1),
         "zones": records(name=strips.faces, runs=runs),
-        "zone_words": {"-1": strips.slower, "0": "stick", "1": strips.faster},
+        "zone_words": {str(zone): word for zone, word in strips.words.items()},
         "bounds": records(of=bounds, values=bounds.values()),
     }
 

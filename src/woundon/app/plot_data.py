@@ -20,6 +20,7 @@ None stands for nan and infinity.
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -34,6 +35,8 @@ __all__ = ["panel_data", "slow_panel_data"]
 Array = np.ndarray
 DIGITS = 8  # significant ones: a curve is drawn, the outputs are exact
 PURE = {"symbol": "", "label": "", "unit": "1", "shown_unit": ""}  # without a quantity
+AREA = ("label", "shade", "symmetrical", "x", "low", "high")
+CURVE = ("name", "symbol", "label", "marker", "alone", "in_legend", "opacity", "x", "y")
 FORMULA = re.compile(r"\s*\$[^$]*\$")
 
 
@@ -64,36 +67,30 @@ def _panel(panel: Panel) -> dict[str, Any]:
         "y": _axis(panel.y),
         "right": _axis(panel.right) if panel.right else None,
         "curves": [_curve(curve) for curve in panel.curves],
-        "areas": [
-            {
-                "label": area.label,
-                "shade": area.shade,
-                "symmetrical": area.symmetrical,
-                "x": _numbers(area.x),
-                "low": _numbers(area.low),
-                "high": _numbers(area.high),
-            }
-            for area in panel.areas
-        ],
-        "marks": [
-            {"along": mark.along, "value": mark.value, "label": mark.label} for mark in panel.marks
-        ],
+        "areas": [_fields(area, AREA) for area in panel.areas],
+        "marks": [_fields(mark, ("along", "value", "label")) for mark in panel.marks],
         **_coloured(panel),
         **_zones(panel),
         "note": panel.note,
     }
 
 
+def _fields(part: Any, names: Sequence[str]) -> dict[str, Any]:
+    """Return fields of a part of a panel by name, arrays as lists of numbers."""
+    fields = {name: getattr(part, name) for name in names}
+    return {
+        name: _numbers(value) if isinstance(value, np.ndarray) else value
+        for name, value in fields.items()
+    }
+
+
 def _axis(axis: Axis) -> dict[str, Any]:
     """Return an axis for JSON; its label without the symbols."""
-    quantity = quantity_schema(axis.quantity) if axis.quantity else PURE
-    limits = list(axis.limits) if axis.limits else None
     return {
+        **_fields(axis, ("log", "from_zero")),
         "label": _plain(axis.label),
-        "quantity": quantity,
-        "log": axis.log,
-        "from_zero": axis.from_zero,
-        "range": limits,
+        "quantity": quantity_schema(axis.quantity) if axis.quantity else PURE,
+        "range": list(axis.limits) if axis.limits else None,
     }
 
 
@@ -104,18 +101,10 @@ def _plain(label: str) -> str:
 def _curve(curve: Curve) -> dict[str, Any]:
     """Return a curve for JSON."""
     return {
-        "name": curve.name,
-        "symbol": curve.symbol,
-        "label": curve.label,
+        **_fields(curve, CURVE),
         "role": curve.colour,
         "dash": curve.line,
-        "marker": curve.marker,
         "side": "right" if curve.right else "left",
-        "alone": curve.alone,
-        "in_legend": curve.in_legend,
-        "opacity": curve.opacity,
-        "x": _numbers(curve.x),
-        "y": _numbers(curve.y),
     }
 
 
@@ -138,23 +127,18 @@ def _coloured(panel: Panel) -> dict[str, Any]:
     if panel.scale is None:
         return {}
     scale = {**_axis(panel.scale.axis), "palette": panel.scale.palette}
-    discs = [
-        {"radius": _numbers(disc.radius), "values": _numbers(disc.values), "left": disc.left}
-        for disc in panel.discs
-    ]
     if panel.map is None:
+        discs = [_fields(disc, ("radius", "values", "left")) for disc in panel.discs]
         return {"scale": scale, "discs": discs}
-    values = [_numbers(row) for row in panel.map.values]
-    contours = [{"level": contour.level, "label": contour.label} for contour in panel.map.contours]
-    plane = {"x": _numbers(panel.map.x), "y": _numbers(panel.map.y), "values": values}
+    contours = [_fields(contour, ("level", "label")) for contour in panel.map.contours]
+    plane = _fields(panel.map, ("x", "y", "values"))
     return {"scale": scale, "map": {**plane, "contours": contours}}
 
 
-def _numbers(values: Array) -> list[float | None]:
-    """Return rounded values; None where not finite."""
-    v = np.asarray(values, dtype=float)
-    finite = np.isfinite(v)
-    size = np.where(finite & (np.abs(v) > 1e-290), np.abs(v), 1.0)
+def _numbers(values: Array) -> list[Any]:
+    """Return an array as rounded numbers, rows as lists; None where not finite."""
+    finite = np.isfinite(values)
+    size = np.where(finite & (np.abs(values) > 1e-290), np.abs(values), 1.0)
     scale = 10.0 ** (DIGITS - 1 - np.floor(np.log10(size)))
-    rounded = (np.round(np.where(finite, v, 0.0) * scale) / scale).tolist()
-    return [value if ok else None for value, ok in zip(rounded, finite.tolist(), strict=True)]
+    rounded: list[Any] = np.where(finite, np.round(values * scale) / scale, None).tolist()
+    return rounded

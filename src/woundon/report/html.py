@@ -175,12 +175,11 @@ def _verdict(row: Verdict) -> str:
 
 def _strips(part: ZoneStrips) -> str:
     """Return bars along the contact with the name of each face and a legend of its zones."""
-    words = {0: "stick", 1: part.faster, -1: part.slower}
     rows = []
     for face, zones in part.faces.items():
         long = part.x[-1] - part.x[0]
         bars = "".join(
-            f'<span title="{escape(words[zone])}" style="display:inline-block;height:1em;'
+            f'<span title="{escape(part.words[zone])}" style="display:inline-block;height:1em;'
             f'background:{_ZONES[zone]};width:{100 * (right - left) / long:.2f}%"></span>'
             for zone, left, right in zone_runs(part.x, zones)
         )
@@ -189,7 +188,7 @@ def _strips(part: ZoneStrips) -> str:
     key = " &emsp; ".join(
         f'<span style="display:inline-block;width:1em;height:0.8em;background:{_ZONES[zone]}">'
         f"</span> {escape(word)}"
-        for zone, word in words.items()
+        for zone, word in part.words.items()
     )
     caption = f'<caption style="{LEFT};font-weight:bold">Zones, leading edge on the left</caption>'
     table = f"<table>{caption}<tbody>\n{''.join(rows)}\n</tbody></table>"

@@ -12,7 +12,19 @@ from ..nip.layer_slip import LayerSlip, friction_limit, interior_stress, wound_i
 from ..nip.result import NipResult
 from ..nip.roller_result import RollerResult
 from ..results import zone_runs
-from .panels import Area, Axis, Contour, Curve, Map, Mark, Panel, PanelMaker, Scale, Strip
+from .panels import (
+    Area,
+    Axis,
+    Contour,
+    Curve,
+    Map,
+    Mark,
+    Panel,
+    PanelMaker,
+    Scale,
+    Strip,
+    output_curve,
+)
 from .report_parts import friction_bounds, quantity_of, zone_strips
 
 __all__ = ["along_contact", "bounds_of_friction", "nip_panels", "zones_panel"]
@@ -109,10 +121,8 @@ def zones(result: NipResult) -> Panel:
 
 def _in_nip(result: NipResult, name: str, label: str, colour: str, line: str = "solid") -> Curve:
     """Return the curve of an output between the edges of the nip."""
-    nip = result.in_nip
     x = result.slip_x if name.endswith("_slip") else result.x
-    symbol = quantity_of(result, name).symbol
-    return Curve(name, x[nip], getattr(result, name)[nip], symbol, label, colour, line)
+    return output_curve(result, name, x, label, colour, line, nodes=result.in_nip)
 
 
 def tractions(result: NipResult) -> Panel:
@@ -138,19 +148,16 @@ def tractions(result: NipResult) -> Panel:
 
 def slips(result: NipResult) -> Panel:
     """Return the panel of the slips with the web tension on the right."""
-    nip, T = result.in_nip, quantity_of(result, "tension")
-    x, values = result.x[nip], result.tension[nip]
-    web = Curve("tension", x, values, T.symbol, "", "web", "dashdot", right=True)
     return Panel(
         "slips",
         "Slip and web tension in the nip",
         along_contact(result, "nip"),
         Axis("Relative slip speed $v$", quantity_of(result, "roll_slip")),
-        right=Axis("Web tension $T$", T),
+        right=Axis("Web tension $T$", quantity_of(result, "tension")),
         curves=(
             _in_nip(result, "roll_slip", "at roll", "roll"),
             _in_nip(result, "drum_slip", "at drum", "drum", "dashed"),
-            web,
+            replace(_in_nip(result, "tension", "", "web", "dashdot"), right=True),
         ),
         column="nip",
         height=2.8,

@@ -15,9 +15,13 @@ from typing import Any
 
 import numpy as np
 
+from .. import quantities
 from ..quantities import Quantity
+from ..results import Result
+from .report_parts import quantity_of
 
 __all__ = [
+    "LINES",
     "SERIES",
     "Area",
     "Axis",
@@ -34,6 +38,7 @@ __all__ = [
     "Regions",
     "Scale",
     "Strip",
+    "output_curve",
     "widest",
 ]
 
@@ -42,6 +47,8 @@ Limits = tuple[float, float]
 
 # Names of the colours of several curves in one panel, in their order.
 SERIES = ("roll", "drum", "green", "purple", "sky", "amber", "ink")
+# their lines
+LINES = ("solid", "dashed", "dashdot", "dotted")
 
 
 @dataclass(frozen=True)
@@ -304,6 +311,35 @@ class PanelMaker:
 
 
 PanelMakers = Mapping[str, PanelMaker]
+
+
+def output_curve(
+    result: Result,
+    name: str,
+    x: Array,
+    label: str = "",
+    colour: str = "roll",
+    line: str = "solid",
+    *,
+    nodes: slice = slice(None),
+    **others: Any,
+) -> Curve:
+    """Return the curve of an output, which the legend names by its symbol and a label.
+
+    Parameters
+    ----------
+    result : Result
+    name : str
+        Of an output that is an (n,) array.
+    x : (n,) array
+        Abscissa [SI].
+    label, colour, line, others
+        As of :class:`Curve`.
+    nodes : slice
+        The part of the arrays that is drawn.
+    """
+    y, symbol = quantities.value_of(result, name), quantity_of(result, name).symbol
+    return Curve(name, x[nodes], y[nodes], symbol, label, colour, line, **others)
 
 
 def widest(limits: list[Limits]) -> Limits:

@@ -129,6 +129,11 @@ class ZoneStrips:
     faster: str = f"web {Zone.FORWARD.word}"
     slower: str = f"web {Zone.BACKWARD.word}"
 
+    @property
+    def words(self) -> dict[int, str]:
+        """Words for the zones 0, 1 and -1, in the order of a legend."""
+        return {0: Zone.STICK.word, 1: self.faster, -1: self.slower}
+
 
 @dataclass(frozen=True)
 class Line:

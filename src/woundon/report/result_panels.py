@@ -14,7 +14,7 @@ from ..problems.messages import quote
 from ..quantities import Quantity
 from ..results import Result
 from .nip_panels import nip_panels
-from .panels import SERIES, Axis, Curve, Panel, PanelMaker, PanelMakers
+from .panels import LINES, SERIES, Axis, Curve, Panel, PanelMaker, PanelMakers, output_curve
 from .report_parts import quantity_of
 from .roll_panels import roll_panels
 from .roller_panels import roller_panels
@@ -29,7 +29,6 @@ PANELS: Mapping[str, Callable[[Any], PanelMakers]] = {
     "winding": winding_panels,
 }
 ZONES = ("zone", "roll_zone", "drum_zone")  # arrays that strips show
-LINES = ("solid", "dashed", "dashdot", "dotted")
 
 
 def panels_of(result: Result) -> dict[str, PanelMaker]:
@@ -111,16 +110,14 @@ class Arrays:
 
     def _curve(self, result: Result, k: int, name: str) -> Curve:
         """Return the curve of an array; its legend entry, if there are several, is its meaning."""
-        quantity, values = quantity_of(result, name), quantities.value_of(result, name)
-        return Curve(
+        return output_curve(
+            result,
             name,
             quantities.value_of(result, self.along),
-            values,
-            quantity.symbol,
-            quantity.meaning,
+            quantity_of(result, name).meaning,
             SERIES[k % len(SERIES)],
             LINES[k % len(LINES)],
-            steps=values.dtype.kind in "iub",
+            steps=_is_whole(result, name),
             in_legend=len(self.names) > 1,
         )
 
@@ -138,14 +135,19 @@ def array_panels(result: Result) -> dict[str, PanelMaker]:
     groups: dict[tuple[str, str, str, bool], list[str]] = {}
     for name, along in _arrays(result).items():
         quantity: Quantity = quantity_of(result, name)
-        whole = quantities.value_of(result, name).dtype.kind in "iub"
-        groups.setdefault((along, quantity.unit, quantity.shown_unit, whole), []).append(name)
+        group = along, quantity.unit, quantity.shown_unit, _is_whole(result, name)
+        groups.setdefault(group, []).append(name)
     if not groups:
         raise InvalidProblem.at("plot", f"a {type(result).__name__} has no arrays to draw")
     return {
         ", ".join(names): PanelMaker(Arrays(along, tuple(names)))
         for (along, *_), names in groups.items()
     }
+
+
+def _is_whole(result: Result, name: str) -> bool:
+    """Return True for an array of whole numbers, such as zones."""
+    return quantities.value_of(result, name).dtype.kind in "iub"
 
 
 def _arrays(result: Result) -> dict[str, str]:

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from ..problems.roll import RollProblem
 from ..roll.result import RollResult
-from .panels import Area, Axis, Curve, Disc, Limits, Mark, Panel, PanelMaker, Scale
+from .panels import Area, Axis, Curve, Disc, Limits, Mark, Panel, PanelMaker, Scale, output_curve
 from .report_parts import quantity_of, quantity_of_field
 
 __all__ = [
@@ -115,13 +113,12 @@ def _over_radius(
     roll: RollResult, curve: Curve, name: str, title: str, label: str, height: float
 ) -> Panel:
     """Return the panel of one output over the radius, from zero on."""
-    quantity = quantity_of(roll, curve.name)
     return Panel(
         name,
         title,
         radius_axis(roll.radius),
-        Axis(label, quantity, from_zero=True),
-        curves=(replace(curve, symbol=quantity.symbol),),
+        Axis(label, quantity_of(roll, curve.name), from_zero=True),
+        curves=(curve,),
         column="left",
         height=height,
     )
@@ -130,19 +127,20 @@ def _over_radius(
 def pressure(roll: RollResult) -> Panel:
     """Return the panel of the pressure between the layers."""
     r = radii_between(roll)
-    curve = Curve("pressure", r, roll.at_radius(r)["pressure"])
+    symbol = quantity_of(roll, "pressure").symbol
+    curve = Curve("pressure", r, roll.at_radius(r)["pressure"], symbol)
     return _over_radius(roll, curve, "pressure", "Pressure", "Pressure $P$", 2.8)
 
 
 def hardness(roll: RollResult) -> Panel:
     """Return the panel of the modulus through the stack."""
-    curve = Curve("radial_modulus", roll.radius, roll.radial_modulus)
+    curve = output_curve(roll, "radial_modulus", roll.radius)
     return _over_radius(roll, curve, "hardness", "Hardness", "Hardness $E_r$", 2.6)
 
 
 def displacement(roll: RollResult) -> Panel:
     """Return the panel of the displacement of the layers since they were wound."""
-    curve = Curve("displacement", roll.radius, roll.displacement)
+    curve = output_curve(roll, "displacement", roll.radius)
     title = "Displacement of the layers since they were wound"
     return _over_radius(roll, curve, "displacement", title, "Displacement $u$", 2.6)
 
@@ -222,15 +220,8 @@ def density(roll: RollResult) -> Panel:
         radius_axis(r),
         Axis("Density", quantity),
         curves=(
-            Curve("density", r, roll.density, label="in the roll"),
-            Curve(
-                "density_as_wound",
-                r,
-                roll.density_as_wound,
-                label="as wound",
-                colour="drum",
-                line="dashed",
-            ),
+            Curve("density", r, roll.density, "", "in the roll"),
+            Curve("density_as_wound", r, roll.density_as_wound, "", "as wound", "drum", "dashed"),
         ),
         column="left",
         height=2.6,

@@ -10,7 +10,7 @@ import numpy as np
 from ..studies.cases import as_labels, is_numeric
 from .drawing import show_panels
 from .figures import text_of
-from .panels import SERIES, Axis, Curve, Panel
+from .panels import LINES, SERIES, Axis, Curve, Panel
 from .study_panels import named_axis
 
 if TYPE_CHECKING:
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 __all__ = ["plot_sweep"]
 
 Array = np.ndarray
-LINES = ("solid", "dashed", "dashdot", "dotted")
 MOST_CURVES, MOST_PANELS = 7, 4
 SPARSE = 30  # up to so many points of a curve are marked
 COLUMNS = 3  # of the panels of points
@@ -105,7 +104,7 @@ def _curves(table: Table, output: str, drawn: list[int], values: Array) -> list[
             values[order, k],
             label=_value_label(table, drawn[1], k) if len(drawn) > 1 else "",
             colour=SERIES[place],
-            line=LINES[place % 4],
+            line=LINES[place % len(LINES)],
             marker=marker,
         )
         for place, k in enumerate(_evenly_spaced(values.shape[1], MOST_CURVES))

@@ -110,8 +110,7 @@ def _print_zones(part: ZoneStrips, marks: dict[int, str], console: Console) -> N
         for zone, length in zone_line(part.x, zones, ZONES_WIDTH):
             text.append(marks[zone] * length, style=ZONE_STYLES[zone])
         _print(text, console)
-    words = {0: "stick", 1: part.faster, -1: part.slower}
-    legend = "   ".join(f"{marks[zone]} {word}" for zone, word in words.items())
+    legend = "   ".join(f"{marks[zone]} {word}" for zone, word in part.words.items())
     _print(Text(" " * indent + legend, style="dim"), console)
 
 

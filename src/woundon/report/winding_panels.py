@@ -12,7 +12,7 @@ from ..roll.result import RollResult
 from ..winding.margins import Margin
 from ..winding.result import WindingResult
 from . import roll_panels
-from .panels import SERIES, Area, Axis, Curve, Mark, Panel, PanelMaker
+from .panels import SERIES, Area, Axis, Curve, Mark, Panel, PanelMaker, output_curve
 from .report_parts import quantity_of
 from .roll_panels import cut_above, disc_of, hoop_stress_at, radii_between, radius_axis, scale_of
 
@@ -80,19 +80,9 @@ def tension(result: WindingResult) -> Panel:
         radius_axis(r),
         Axis("Tension", quantity_of(result, "wound_on_tension"), from_zero=True),
         curves=(
-            Curve("wound_on_tension", r, result.wound_on_tension, "WOT", "wound on"),
-            Curve(
-                "web_tension", r, result.web_tension, "T_in", "web", colour="drum", line="dashed"
-            ),
-            Curve(
-                "nip_induced_tension",
-                r,
-                result.nip_induced_tension,
-                "NIT",
-                "by the nip",
-                colour="green",
-                line="dotted",
-            ),
+            output_curve(result, "wound_on_tension", r, "wound on"),
+            output_curve(result, "web_tension", r, "web", "drum", "dashed"),
+            output_curve(result, "nip_induced_tension", r, "by the nip", "green", "dotted"),
             Curve(
                 "nip_wound_on_tension",
                 result.nip_radius,
@@ -117,16 +107,8 @@ def loads(result: WindingResult) -> Panel:
         radius_axis(r),
         Axis("Load", quantity_of(result, "nip_load")),
         curves=(
-            Curve("nip_load", r, result.nip_load, "P", "nip load"),
-            Curve(
-                "winding_force",
-                r,
-                result.winding_force,
-                "F",
-                "winding force",
-                colour="drum",
-                line="dashed",
-            ),
+            output_curve(result, "nip_load", r, "nip load"),
+            output_curve(result, "winding_force", r, "winding force", "drum", "dashed"),
         ),
         column="left",
         height=2.6,
