@@ -140,5 +140,7 @@ def _numbers(values: Array) -> list[Any]:
     finite = np.isfinite(values)
     size = np.where(finite & (np.abs(values) > 1e-290), np.abs(values), 1.0)
     scale = 10.0 ** (DIGITS - 1 - np.floor(np.log10(size)))
-    rounded: list[Any] = np.where(finite, np.round(values * scale) / scale, None).tolist()
-    return rounded
+    rounded = (np.round(values * scale) / scale).astype(object)
+    rounded[~finite] = None
+    numbers: list[Any] = rounded.tolist()
+    return numbers
