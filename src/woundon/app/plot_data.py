@@ -142,4 +142,5 @@ def _numbers(values: Array) -> list[Any]:
     scale = 10.0 ** (DIGITS - 1 - np.floor(np.log10(size)))
     rounded = (np.round(values * scale) / scale).astype(object)
     rounded[~finite] = None
-    return list(rounded.tolist())
+    numbers: list[Any] = rounded.tolist()
+    return numbers

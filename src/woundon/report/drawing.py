@@ -24,8 +24,6 @@ from ..errors import InvalidProblem
 from ..problems.messages import quote
 from .figures import (
     COLOURS,
-    ZONE_COLOURS,
-    ZONE_HATCHES,
     Picture,
     axis_label,
     check_format,
@@ -35,6 +33,7 @@ from .figures import (
     symbol_text,
     text_of,
     wrapped_text,
+    zone_look,
 )
 from .panels import (
     SERIES,
@@ -563,12 +562,11 @@ def _draw_strips(axes: Axes, cases: Sequence[Panel], colours: Colours) -> list[A
         for strip in case.strips
     ]
     rows = range(len(strips))[::-1]
-    edge: Any = {"edgecolor": "#666666", "linewidth": 0.6}
     for row, (strip, _) in zip(rows, strips, strict=True):
         for zone, first, last in strip.runs:
             left, right = _shown(cases[0].x, np.array([first, last]))
-            look = {"color": ZONE_COLOURS[zone], "hatch": ZONE_HATCHES[zone], **edge}
-            axes.barh(row, right - left, left=left, height=0.7, **look)
+            look = zone_look(zone)
+            axes.barh(row, right - left, left=left, height=0.7, linewidth=0.6, **look)
     axes.set_yticks(list(rows), [strip.face for strip, _ in strips])
     for text, (_, colour) in zip(axes.get_yticklabels(), strips, strict=True):
         if colour is not None:
@@ -578,9 +576,4 @@ def _draw_strips(axes: Axes, cases: Sequence[Panel], colours: Colours) -> list[A
     axes.tick_params(axis="y", length=0)
     slower, stick, faster = cases[0].words
     words = {0: stick, 1: f"slip, {faster}", -1: f"slip, {slower}"}
-    return [
-        Patch(
-            facecolor=ZONE_COLOURS[zone], hatch=ZONE_HATCHES[zone], edgecolor="#666666", label=word
-        )
-        for zone, word in words.items()
-    ]
+    return [Patch(**zone_look(zone), label=word) for zone, word in words.items()]

@@ -29,8 +29,6 @@ from .report_parts import GREEK, SYMBOL
 
 __all__ = [
     "COLOURS",
-    "ZONE_COLOURS",
-    "ZONE_HATCHES",
     "Picture",
     "axis_label",
     "check_format",
@@ -42,6 +40,7 @@ __all__ = [
     "text_of",
     "unit_of",
     "wrapped_text",
+    "zone_look",
 ]
 
 # Palette of Okabe and Ito, distinguishable with any colour vision; in grey by line style
@@ -130,6 +129,15 @@ class Picture(Figure):
             import_module("matplotlib_inline.backend_inline")  # now IPython knows figures
             import_module("matplotlib.pyplot").close(self)
         raise NotImplementedError  # so IPython shows it as it shows any figure
+
+
+def zone_look(zone: int) -> dict[str, Any]:
+    """Return fill, hatch and edge of a zone as Matplotlib's properties of a patch."""
+    return {
+        "facecolor": ZONE_COLOURS[zone],
+        "hatch": ZONE_HATCHES[zone],
+        "edgecolor": "#666666",
+    }
 
 
 # ---- saving -------------------------------------------------------------------------------------

@@ -25,6 +25,8 @@ from ..results import ACCEPTED_RESIDUAL, Residuals, Result, Zone, zone_runs
 __all__ = [
     "GREEK",
     "SYMBOL",
+    "VERDICT_HEAD",
+    "ZONES_TITLE",
     "Line",
     "Part",
     "Row",
@@ -50,6 +52,8 @@ __all__ = [
 
 Array = np.ndarray
 DIGITS = 5  # significant ones of a value
+ZONES_TITLE = "Zones, leading edge on the left"
+VERDICT_HEAD = ("value", "limit", "", "worst at", "")  # columns of Verdicts after the first
 _GREEK_NAMES = "alpha beta gamma delta Delta eps kappa mu nu omega rho sigma tau theta xi"
 GREEK = frozenset(_GREEK_NAMES.split())
 # factor, letter, number, index and sign of "2a", "mu+", "s_l+", "K1"

@@ -18,7 +18,7 @@ from matplotlib.patches import Circle, Polygon
 
 from ..quantities import Quantity
 from ..results import zone_runs
-from .figures import ZONE_COLOURS, ZONE_HATCHES, Picture, style, text_of
+from .figures import Picture, style, text_of, zone_look
 from .report_parts import quantity_of, quantity_of_field, zone_strips
 
 __all__ = ["scale_drawing"]
@@ -161,9 +161,7 @@ def _draw_zones(axes: Axes, result: Any, x: Array, above: Array, below: Array, b
             inner = np.interp(ends, x, surface)
             outline = [*zip(ends, inner, strict=True)]
             outline += [*zip(ends[::-1], inner[::-1] + side * band, strict=True)]
-            patch = Polygon(outline, facecolor=ZONE_COLOURS[zone], hatch=ZONE_HATCHES[zone])
-            patch.set(edgecolor="#666666", linewidth=0.5)
-            axes.add_patch(patch)
+            axes.add_patch(Polygon(outline, **zone_look(zone), linewidth=0.5))
 
 
 def _draw_dimensions(axes: Axes, width: Quantity, a: float, reach: float, height: float) -> None:
