@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 
 import woundon as wo
+from woundon.problems.paths import find_places
 from woundon.problems.permitted import bounds
-from woundon.quantities import find
 
 __all__ = ["RANDOM", "ending", "estimate_ratio", "random_roll", "random_winding"]
 
@@ -38,7 +38,7 @@ class _Draw:
         return exp(self.even(log(low), log(high)))
 
     def field(self, of: type[Any], path: str) -> float:
-        place = find(of, path)[0]
+        place = find_places(of, path)[0]
         assert place.quantity is not None
         assert place.quantity.typical is not None
         limits = [bound for _, bound in bounds(place.field)]

@@ -22,13 +22,13 @@ from woundon.problems.family import Family
 from woundon.problems.grades import grades
 from woundon.problems.library import entry_of, library
 from woundon.problems.materials import MATERIALS
+from woundon.problems.paths import find_places
 from woundon.problems.permitted import bounds
 from woundon.problems.roll import RollProblem
 from woundon.quantities import (
     OF_FIELD,
     Place,
     Quantity,
-    find,
     members_of,
     outputs,
     scalar_outputs,
@@ -87,7 +87,7 @@ _INPUT = ("symbol", "name", "SI unit", "meaning", "usual", "admissible", "defaul
 def _heads(description: Any) -> list[Place]:
     """Return the place of each direct field of a description, also of fields with parts."""
     names = dict.fromkeys(place.path.partition(".")[0] for place in walk(description))
-    return [find(description, name)[0] for name in names]
+    return [find_places(description, name)[0] for name in names]
 
 
 def _nested(place: Place) -> tuple[type, ...]:

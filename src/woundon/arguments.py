@@ -45,23 +45,20 @@ def nodes_or_rtol(nodes: Any, rtol: Any) -> None:
 
 def whole_number(name: str, value: Any, low: int, high: int) -> int:
     """Return an integer; raise an error unless it is from ``low`` to ``high``."""
-    if (
-        isinstance(value, bool)
-        or not isinstance(value, (int, np.integer))
-        or not low <= value <= high
-    ):
-        text = f"{quote(value)} is out of range: must be a whole number, {low} to {high}"
-        raise InvalidProblem.at(name, text)
+    _check_range(name, value, (int, np.integer), low, high, f"a whole number, {low} to {high}")
     return int(value)
 
 
 def tolerance(name: str, value: Any, low: float, high: float) -> float:
     """Return a relative tolerance; raise an error unless it is from ``low`` to ``high``."""
-    if (
-        isinstance(value, bool)
-        or not isinstance(value, (int, float, np.floating))
-        or not low <= value <= high
-    ):
-        text = f"{quote(value)} is out of range: must be >= {low:g} and <= {high:g}"
-        raise InvalidProblem.at(name, text)
+    types = (int, float, np.floating)
+    _check_range(name, value, types, low, high, f">= {low:g} and <= {high:g}")
     return float(value)
+
+
+def _check_range(
+    name: str, value: Any, types: tuple[type[Any], ...], low: float, high: float, must: str
+) -> None:
+    """Raise an error unless a value has one of the types and is from ``low`` to ``high``."""
+    if isinstance(value, bool) or not isinstance(value, types) or not low <= value <= high:
+        raise InvalidProblem.at(name, f"{quote(value)} is out of range: must be {must}")

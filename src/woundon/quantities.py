@@ -33,11 +33,8 @@ __all__ = [
     "Place",
     "Quantity",
     "angle",
-    "counterpart",
     "density_of_web",
-    "find",
     "in_chosen_units",
-    "is_item",
     "is_list",
     "length",
     "line_load",
@@ -115,9 +112,13 @@ class Quantity:
 
         Reports, figures, tables and messages convert by this function alone.
         """
-        default = self.shown_unit or self.unit
-        _, size = DISPLAYED.get(default, ("", 1.0))
-        return self._chosen() or (default, size)
+        return self._chosen() or self._usual()
+
+    def _usual(self) -> tuple[str, float]:
+        """Return the unit for display unless the user has chosen another, and its size."""
+        unit = self.shown_unit or self.unit
+        _, size = DISPLAYED.get(unit, ("", 1.0))
+        return unit, size
 
     def _chosen(self) -> tuple[str, float] | None:
         """Return the unit that the user has chosen, by name or in a system, and its size."""
@@ -150,8 +151,7 @@ class Quantity:
 
         :func:`in_chosen_units` converts such texts when they are displayed.
         """
-        unit = self.shown_unit or self.unit
-        _, size = DISPLAYED.get(unit, ("", 1.0))
+        unit, size = self._usual()
         return f"{float(value) / size:{form}} {unit.removeprefix('1')}".rstrip()
 
     def in_table(self, value: Any) -> tuple[str, Any]:
@@ -388,69 +388,6 @@ def _walk_annotation(place: Place) -> Iterator[Place]:
         yield from walk(model, part, place.quantity)
 
 
-def find(thing: Any, path: str, of_field: Quantity | None = None) -> tuple[Place, ...]:
-    """Return the places of a dotted name below a description's class or instance; () if none.
-
-    Fields of other bodies and materials than the present ones are included, and those of all items
-    of a list.  A path that ends at a description gives the places of its field, and a diameter that
-    of the field of the radius.
-    """
-    cls = thing if isinstance(thing, type) else type(thing)
-    models: tuple[tuple[Any, Quantity | None], ...] = ((cls, of_field),)
-    places: tuple[Place, ...] = ()
-    parts = path.split(".")
-    for k, name in enumerate(parts):
-        if places and name.isascii() and name.isdecimal() and is_list(places[0].field.annotation):
-            continue
-        prefix = ".".join(parts[: k + 1])
-        fields = [
-            (m, m.model_fields[name], holder) for m, holder in models if name in m.model_fields
-        ]
-        places = tuple(
-            Place(prefix, quantity and quantity.named(prefix), field, m)
-            for m, field, holder in fields
-            for quantity in (quantity_of(field, holder),)
-        )
-        radius = counterpart(name, "diameter")
-        if radius and not places:
-            places = tuple(
-                Place(
-                    prefix,
-                    _diameter(quantity_of(m.model_fields[radius])),
-                    m.model_fields[radius],
-                    m,
-                )
-                for m, _ in models
-                if radius in m.model_fields
-            )
-        models = tuple((m, p.quantity) for p in places for m in members_of(p.field.annotation))
-    return places
-
-
-def counterpart(name: str, word: str) -> str:
-    """Return the radius of a diameter's name (``core_diameter``), or the reverse; '' for none.
-
-    Parameters
-    ----------
-    name : str
-    word : "diameter" or "radius"
-        The word that is replaced.
-    """
-    opposite = {"diameter": "radius", "radius": "diameter"}[word]
-    head, match, tail = name.rpartition(word)
-    return head + opposite if match and not tail and (not head or head.endswith("_")) else ""
-
-
-def _diameter(radius: Quantity | None) -> Quantity | None:
-    """Return the quantity of the diameter that may be given instead of a radius."""
-    if radius is None:
-        return None
-    symbol = radius.symbol.replace("R", "D", 1).replace("r", "d", 1)
-    ends = radius.typical and (2 * radius.typical[0], 2 * radius.typical[1])
-    meaning = radius.meaning.replace("radius", "diameter").replace("radii", "diameters")
-    return dataclasses.replace(radius, symbol=symbol, meaning=meaning, typical=ends)
-
-
 def quantity_of(field: Any, of_field: Quantity | None = None) -> Quantity | None:
     """Return the quantity in the metadata of a pydantic field.
 
@@ -468,12 +405,6 @@ def members_of(annotation: Any) -> tuple[type, ...]:
         return (annotation,) if members is None else tuple(members.values())
     models = (model for part in get_args(annotation) for model in members_of(part))
     return tuple(dict.fromkeys(models))
-
-
-def is_item(name: str, count: int) -> bool:
-    """Return True if a part of a dotted name is the index of an item in a list of ``count``."""
-    # Python limits the digits of int(), and isdecimal() admits digits of other scripts.
-    return name.isascii() and name.isdecimal() and len(name) < 10 and int(name) < count
 
 
 def is_list(annotation: Any) -> bool:
@@ -553,35 +484,30 @@ def _version(cls: type) -> tuple[tuple[str, int], ...]:
 @cache
 def _annotated(cls: type, version: object) -> Mapping[str, tuple[Quantity, Any]]:
     """Return the outputs of a class by name with what their annotation says."""
-    annotations: dict[str, Any] = {}
-    if dataclasses.is_dataclass(cls):
-        hints = get_type_hints(cls, include_extras=True)
-        for field in dataclasses.fields(cls):
-            hint = hints[field.name]
-            annotations[field.name] = hint
-            for part in get_args(hint):
-                if getattr(part, "part_of_result", False):
-                    inner = _annotated(part, version)
-                    annotations |= {
-                        f"{field.name}.{name}": inner_hint
-                        for name, (_, inner_hint) in inner.items()
-                    }
-    for base in reversed(cls.__mro__):
-        for name, attribute in vars(base).items():
-            hint = _returned(attribute)
-            parts = [h for h in (hint, *get_args(hint)) if getattr(h, "part_of_result", False)]
-            if parts:
-                inner = _annotated(parts[0], version)
-                annotations |= {
-                    f"{name}.{inner_hint}": part for inner_hint, (_, part) in inner.items()
-                }
-            elif hint is not None and not name.startswith("_"):
-                annotations[name] = hint
+    hints: dict[str, Any] = {}
+    for name, hint in _hints(cls):
+        parts = [h for h in (hint, *get_args(hint)) if getattr(h, "part_of_result", False)]
+        if parts:
+            inner = _annotated(parts[0], version)
+            hints |= {f"{name}.{part}": part_hint for part, (_, part_hint) in inner.items()}
+        elif not name.startswith("_"):
+            hints[name] = hint
     return {
         name: (quantity, hint)
-        for name, hint in annotations.items()
+        for name, hint in hints.items()
         if (quantity := _quantity_in(hint)) is not None
     }
+
+
+def _hints(cls: type) -> Iterator[tuple[str, Any]]:
+    """Yield name and annotation of the fields of a dataclass, its properties and methods."""
+    if dataclasses.is_dataclass(cls):
+        hints = get_type_hints(cls, include_extras=True)
+        yield from ((field.name, hints[field.name]) for field in dataclasses.fields(cls))
+    for base in reversed(cls.__mro__):
+        for name, attribute in vars(base).items():
+            if (hint := _returned(attribute)) is not None:
+                yield name, hint
 
 
 def _returned(attribute: Any) -> Any:

@@ -7,7 +7,7 @@ The outputs of a result are its fields and properties that are annotated with a
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import MISSING, dataclass, field, fields, replace
 from enum import IntEnum
 from types import MappingProxyType
@@ -172,12 +172,6 @@ class Presented:
         from .report.presentation import html_of
 
         return html_of(self)
-
-    def _html_of_table(self, head: str, frame: pd.DataFrame, remarks: Iterable[str] = ()) -> str:
-        """Return a table with a heading and remarks as HTML."""
-        from .report.presentation import html_of_table
-
-        return html_of_table(head, frame, remarks)
 
     def _figure(self, *options: Any) -> Any:
         """Draw the figure of this object; options as of its method ``plot``."""
@@ -402,7 +396,7 @@ class Result(Presented, ReadOnly):
 
     def to_xarray(self) -> xarray.Dataset:
         """Return an xarray Dataset; its variables have the attributes unit and symbol."""
-        from .io.result_files import to_dataset
+        from .io.datasets import to_dataset
 
         return to_dataset(self)
 

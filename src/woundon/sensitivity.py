@@ -99,12 +99,6 @@ class Sensitivity(Presented, ReadOnly):
         counts = f"{len(self.parameters)} parameters; {len(self.outputs)} outputs"
         return f"Sensitivity({self.outputs[0]}: {shown} of {counts})"
 
-    def _repr_html_(self) -> str:
-        head = "Elasticities: percent of output per percent of parameter"
-        remarks = [f"At a zone change: {self.zone_change}"] if self.zone_change else []
-        frame = self.sorted().to_dataframe().rename(columns={"value": "value [SI]"})
-        return self._html_of_table(head, frame, remarks)
-
     def sorted(self) -> Sensitivity:
         """Return a copy with the parameters sorted by their elasticity of the first output."""
         order = np.argsort(-np.abs(np.nan_to_num(self.elasticities[0])), kind="stable")

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import woundon as wo
+from woundon.parallel import Cancelled
 
 
 def events(client, study):
@@ -78,10 +79,14 @@ def test_a_study_ends_with_the_page_that_asked(client, cases):
         time.sleep(0.2)
 
 
+EIGHT = ("nip_load", "web_tension", "web_speed", "roll_friction", "drum_friction", "roll_wrap",
+         "drum_wrap", "winding_force")  # fmt: skip
+
+
 @pytest.mark.parametrize(
     ("over", "cases_asked"),
     [({"nip_load": {"from": 1e3, "to": 2e3, "count": 1_000_000}}, 10**6),
-     ({n: {"from": 1, "to": 2, "count": 10**6} for n in "abcdefgh"}, 10**48),
+     ({n: {"from": 1, "to": 2, "count": 10**6} for n in EIGHT}, 10**48),
      ({"nip_load": list(range(1, 100)), "web_tension": list(range(1, 100))}, 9801)],
 )  # fmt: skip
 def test_a_study_above_the_stated_size_is_rejected(client, cases, catalogue, over, cases_asked):
@@ -89,6 +94,28 @@ def test_a_study_above_the_stated_size_is_rejected(client, cases, catalogue, ove
     assert answer.status_code == 413
     assert answer.json()["detail"].startswith(f"{cases_asked} cases are too many")
     assert str(catalogue["limits"]["sweep_cases"]) in answer.json()["detail"]
+
+
+def test_the_size_of_a_study_of_rows_is_their_number(cases):
+    from woundon.app.study_stream import start_sweep
+
+    over = {"nip_load": list(range(1000, 1060)), "web_tension": list(range(300, 360))}
+    tables = {"case": cases["nip"], "over": over, "design": {"kind": "table"}}
+    assert json.loads(start_sweep(tables).first)["cases"] == 60
+
+
+def test_a_study_ends_whose_journal_is_gone(tmp_path):
+    from woundon.app.study_stream import Journal
+
+    folder = tmp_path / "study"
+    folder.mkdir()
+    journal = Journal(folder / "journal")
+    journal.progress(1, 3)
+    assert journal.path.read_bytes() == b'{"event":"progress","done":1,"of":3}\n'
+    journal.path.unlink()
+    folder.rmdir()
+    with pytest.raises(Cancelled):
+        journal.progress(2, 3)
 
 
 @pytest.mark.parametrize(
@@ -226,7 +253,8 @@ def test_an_operating_window_is_that_of_python(client, cases):
 
 def test_an_operating_window_that_fails_or_is_abandoned_admits_the_next(client, cases):
     (failed,) = window_events(client, cases, "no-such-grade")
-    assert "no-such-grade" in failed["detail"]
+    assert failed["problem"]["status"] == 422
+    assert "no-such-grade" in failed["problem"]["detail"]
     stream = window_events(client, cases, SPREADS)
     assert next(stream)["event"] == "progress"
     stream.close()

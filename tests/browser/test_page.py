@@ -96,7 +96,7 @@ def test_a_moved_slider_changes_numbers_and_curves_as_python_does(look, example)
     # of the node next to it, a tenth of the half-width away at most
     assert 1e3 * read == pytest.approx(np.interp(0.0, result.x, result.roll_pressure), rel=5e-3)
     tables = list(blocks(seen.saved("Export plotted data").decode()))
-    curve = "roll_traction on the roll [kPa]"
+    curve = "roll_traction on roll [kPa]"
     tractions = next(table for table in tables if curve in table)
     x, q = tractions["Position along the nip [mm]"], tractions[curve]
     own = result.in_nip

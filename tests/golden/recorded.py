@@ -9,6 +9,7 @@ from __future__ import annotations
 import inspect
 import json
 import os
+import re
 import warnings
 from collections.abc import Callable, Iterator
 from functools import cache
@@ -25,12 +26,13 @@ from thesis_cases import film_nip
 
 import woundon as wo
 from woundon import kinds, quantities
-from woundon.app.plot_data import panels_of as page_panels
+from woundon.app.plot_data import panel_data, slow_panel_data
 from woundon.cli.commands import commands
 from woundon.io.case_files import load_case, to_toml
 from woundon.io.case_texts import grade_template, template
 from woundon.io.python_texts import to_python
-from woundon.report.plots import figure_for_file, panels_of
+from woundon.report.plots import figure_for_file
+from woundon.report.result_panels import panels_of
 from woundon.studies.study_texts import study_template
 
 ROOT = Path(__file__).parents[2]
@@ -160,7 +162,9 @@ def command_lines(folder: Path) -> str:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             answer = runner.invoke(commands, arguments, prog_name="woundon", terminal_width=100)
-        text = answer.stdout.replace(f"{folder}{os.sep}", "")
+        text = re.sub(
+            r" in [\d.]+ s,", " in some s,", answer.stdout.replace(f"{folder}{os.sep}", "")
+        )
         line = " ".join(arguments).replace(f"{folder}{os.sep}", "")
         parts.append(f"$ woundon {line}\n{text}[{answer.exit_code}]\n")
     return "\n".join(parts)
@@ -271,7 +275,7 @@ def panels_of_page() -> dict[str, Any]:
             },
         }
         for name in problems()
-        for panel in page_panels(solution(name))
+        for panel in (*panel_data(solution(name)), *slow_panel_data(solution(name)))
     }
 
 

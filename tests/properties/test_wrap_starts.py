@@ -123,7 +123,7 @@ def test_error_estimates_are_omitted_only_with_a_start_on_as_many_nodes() -> Non
 
 
 def test_the_page_and_studies_start_from_the_case_before() -> None:
-    from woundon.studies.kind_model import KindModel
+    from woundon.studies.model import KindModel
 
     model = KindModel(HARD, ("wound_on_tension",), {"nodes": 33})
     first = model.run({}, None)

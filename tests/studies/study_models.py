@@ -6,15 +6,17 @@ import sqlite3
 import time
 from collections.abc import Mapping
 from contextlib import closing, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import exp, pi, sin
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 from process_tasks import crash_at_three
 
 from woundon.quantities import Quantity, pure
+from woundon.studies.measurements import Observations
 from woundon.studies.model import Answer
 
 
@@ -31,13 +33,6 @@ class LinearModel:
 
     def run(self, inputs: Mapping[str, Any], start: Any | None) -> Answer:
         return Answer((self.value(inputs),), "", (start or 0) + 1)
-
-    @property
-    def free_inputs(self) -> frozenset[str]:
-        return frozenset()
-
-    def gradient(self, state: Any, names: tuple[str, ...]) -> np.ndarray | None:
-        return None
 
     def quantity(self, name: str) -> Quantity | None:
         return pure(name, name)
@@ -97,60 +92,95 @@ class IshigamiModel(LinearModel):
 
 
 @dataclass(frozen=True)
-class LineModel(LinearModel):
-    """y = a + b x with its exact gradient."""
+class ClosedForm:
+    """The value y of a curve model, with the exact derivatives of the model if it has any."""
 
-    def value(self, inputs: Mapping[str, Any]) -> float:
-        return inputs["a"] + inputs["b"] * inputs["x"]
+    y: float
+    model: CurveModel
+    inputs: Mapping[str, float]
 
-    def run(self, inputs: Mapping[str, Any], start: Any | None) -> Answer:
-        return Answer((self.value(inputs),), "", dict(inputs))
+    def __getattr__(self, name: str) -> Any:
+        if name != "sensitivity" or type(self.model).slopes is CurveModel.slopes:
+            raise AttributeError(name)
+        return self._sensitivity
 
-    def gradient(self, state: Any, names: tuple[str, ...]) -> np.ndarray | None:
-        by = {"a": 1.0, "b": state["x"]}
-        return np.array([[by[name] for name in names]])
+    def _sensitivity(self, *names: str, outputs: tuple[str, ...]) -> Any:
+        by_name = self.model.slopes(**self.inputs)
+        slopes = np.array([[by_name[name] for name in names]])
+        return SimpleNamespace(parameters=names, derivatives=slopes)
 
 
 @dataclass(frozen=True)
-class ProductModel(LineModel):
+class CurveModel:
+    """y = f(a, b, x) for a fit of a and b; derivatives by differences."""
+
+    tie: Mapping[str, str] = field(default_factory=dict)
+
+    def variant(self, inputs: Mapping[str, float]) -> Mapping[str, float]:
+        return inputs
+
+    def solve(self, inputs: Mapping[str, float], start: Any) -> ClosedForm:
+        return ClosedForm(self.y(**inputs), self, inputs)
+
+    def y(self, x: float, a: float, b: float = 0.0) -> float:
+        raise NotImplementedError
+
+    def slopes(self, x: float, a: float, b: float) -> dict[str, float]:
+        raise NotImplementedError
+
+
+class LineModel(CurveModel):
+    """y = a + b x with its exact derivatives."""
+
+    def y(self, x: float, a: float, b: float = 0.0) -> float:
+        return a + b * x
+
+    def slopes(self, x: float, a: float, b: float) -> dict[str, float]:
+        return {"a": 1.0, "b": x}
+
+
+class ProductModel(CurveModel):
     """y = a b x: the data tell the product only."""
 
-    def value(self, inputs: Mapping[str, Any]) -> float:
-        return inputs["a"] * inputs["b"] * inputs["x"]
+    def y(self, x: float, a: float, b: float = 0.0) -> float:
+        return a * b * x
 
-    def gradient(self, state: Any, names: tuple[str, ...]) -> np.ndarray | None:
-        a, b, x = (state[name] for name in self.names)
-        by = {"a": b * x, "b": a * x}
-        return np.array([[by[name] for name in names]])
+    def slopes(self, x: float, a: float, b: float) -> dict[str, float]:
+        return {"a": b * x, "b": a * x}
 
 
-@dataclass(frozen=True)
-class DampedSineModel(LinearModel):
-    """y = exp(-a x) sin(b x): valleys next to valleys, bent ones; derivatives by differences."""
+class DampedSineModel(CurveModel):
+    """y = exp(-a x) sin(b x): valleys next to valleys, bent ones."""
 
-    def value(self, inputs: Mapping[str, Any]) -> float:
-        return exp(-inputs["a"] * inputs["x"]) * sin(inputs["b"] * inputs["x"])
+    def y(self, x: float, a: float, b: float = 0.0) -> float:
+        return exp(-a * x) * sin(b * x)
 
 
-@dataclass(frozen=True)
-class SaturationModel(LineModel):
+class SaturationModel(CurveModel):
     """y = a (1 - exp(-b x)): a curved valley, exact derivatives."""
 
-    def value(self, inputs: Mapping[str, Any]) -> float:
-        return float(inputs["a"] * (1 - np.exp(-inputs["b"] * inputs["x"])))
+    def y(self, x: float, a: float, b: float = 0.0) -> float:
+        return a * (1 - exp(-b * x))
 
-    def gradient(self, state: Any, names: tuple[str, ...]) -> np.ndarray | None:
-        a, b, x = (state[name] for name in ("a", "b", "x"))
-        by = {"a": 1 - np.exp(-b * x), "b": a * x * np.exp(-b * x)}
-        return np.array([[by[name] for name in names]])
+    def slopes(self, x: float, a: float, b: float) -> dict[str, float]:
+        return {"a": 1 - exp(-b * x), "b": a * x * exp(-b * x)}
 
 
-@dataclass(frozen=True)
-class WaveModel(LinearModel):
+class WaveModel(CurveModel):
     """y = x + sin(3 a) + a/4: least squares on it has several minima."""
 
-    def value(self, inputs: Mapping[str, Any]) -> float:
-        return inputs["x"] + sin(3 * inputs["a"]) + inputs["a"] / 4
+    def y(self, x: float, a: float, b: float = 0.0) -> float:
+        return x + sin(3 * a) + a / 4
+
+
+def curve_data(x: np.ndarray, y: np.ndarray, deviation: float = np.nan) -> Observations:
+    """Return measured values of a curve."""
+    m = y.size
+    return Observations(
+        rows=np.arange(m), numbers=tuple(range(1, m + 1)), names=("y",) * m,
+        position=np.full(m, np.nan), measured=y, deviation=np.full(m, deviation),
+        common=np.zeros(m), inputs={"x": x[:m]}, quantities={}, where="measured",
+    )  # fmt: skip
 
 
 def stored(out: Path) -> dict[int, bytes]:
@@ -168,7 +198,6 @@ def stored(out: Path) -> dict[int, bytes]:
 def table_of(problem: Any, over: Any, outputs: Any = None, **how: Any) -> Any:
     """Return the table of a sweep, solved here."""
     from woundon.studies.api import study_of
-    from woundon.studies.engine import run_study
-    from woundon.studies.runners import SerialRunner
+    from woundon.studies.run import Workers, run_study
 
-    return run_study(*study_of(problem, over, outputs, **how), SerialRunner())
+    return run_study(*study_of(problem, over, outputs, **how), Workers(1))

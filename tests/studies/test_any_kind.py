@@ -14,9 +14,6 @@ from thesis_cases import measured_tensions, newsprint_nip, paper_nip
 
 import woundon as wo
 from woundon import kinds
-from woundon.studies.kind_model import model_of
-from woundon.studies.measured import Measured
-from woundon.studies.predict import Parameter, Predictor
 
 STARTED = 1e-8  # cases start from their neighbours: to the tolerance of the load
 
@@ -128,23 +125,6 @@ def test_items_of_a_list_are_fitted(row):
     assert fit.estimate("springs.0.stiffness") == pytest.approx(160.0, rel=1e-6)
     assert [part.stiffness for part in fit.problem.springs] == [fit.estimates[0]] * 2
     assert fit.solves % 3 == 0  # of three rows each
-
-
-@pytest.mark.parametrize("outputs", [("end",), ("end", "extension")])
-def test_derivatives_are_exact_where_the_result_has_them(row, outputs):
-    """Tied fields are summed; there are none if an output has no derivative."""
-    tie, name = {"springs.1.stiffness": "springs.0.stiffness"}, "springs.0.stiffness"
-    model = model_of(row, outputs, tie, {})
-    gradient = model.gradient(model.run({name: 160.0}, None).state, (name,))
-    if outputs == ("end",):
-        assert gradient * 160.0 == pytest.approx(-6.0 / 160.0, rel=1e-6)  # d(2 F/k)/d ln k
-    else:
-        assert gradient is None
-    measured = Measured({"origin": np.array([0.0, 2.0])}, dict.fromkeys(outputs, np.zeros(2)), {})
-    predictor = Predictor(model, measured, (Parameter(name, 10.0, 1e3, 100.0),))
-    # the error of a forward difference is half its step of 1e-3
-    expected = np.full((2 * len(outputs), 1), -6.0 / 160.0)
-    assert predictor.jacobian(np.log([160.0])) == pytest.approx(expected, rel=6e-4)
 
 
 @pytest.mark.parametrize(

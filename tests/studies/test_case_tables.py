@@ -14,10 +14,8 @@ from thesis_cases import paper_nip
 import woundon as wo
 from woundon.cli import commands as cli
 from woundon.studies.api import study_of
-from woundon.studies.engine import run_study
 from woundon.studies.export import export
-from woundon.studies.runners import runner_for
-from woundon.studies.table import Table
+from woundon.studies.run import Table, Workers, run_study
 
 CASE = Path(__file__).with_name("nip_alone.toml")
 STEEL = wo.HalfPlane(radius=0.1, material=wo.material("steel"))
@@ -38,7 +36,7 @@ SAME, SAME_ESTIMATE = 1e-8, 6e-5
 def sweep_table(problem: Any, *given: Any, nodes: int, **options: Any) -> Table:
     """Solve a study; return its table."""
     cases = study_of(problem, *given, options={"nodes": nodes}, **options)
-    return run_study(*cases, runner_for(1, None))
+    return run_study(*cases, Workers(1))
 
 
 @pytest.fixture(scope="module")
@@ -53,12 +51,11 @@ def test_a_table_that_a_study_writes_is_read_as_cases(tmp_path: Path, study, end
     path = tmp_path / f"study.{ending}"
     export(study, path)
     again = sweep_table(paper_nip(), path, OUTPUTS, **QUICK)
-    assert again.design.kind == "table"
-    cases = np.arange(study.design.size)
-    one, two = study.design.inputs(cases), again.design.inputs(cases)
+    assert again.cases.design == "table"
+    one, two = study.cases.frame, again.cases.frame
     assert list(one) == list(two)
     assert all(list(one[name]) == list(two[name]) for name in one)  # to the last bit
-    assert 0 < study.failed.size < study.design.size
+    assert 0 < study.failed.size < len(study.cases)
     width = study.outputs["nip_width"]
     assert again.outputs["nip_width"] == pytest.approx(width, rel=SAME, nan_ok=True)
     difference = again.outputs["errors.half_width"] - study.outputs["errors.half_width"]
@@ -97,11 +94,11 @@ def test_what_is_field_and_output_is_an_input_unless_a_study_wrote_the_table(tmp
     table = sweep_table(pair, {"load": [8e4, 9e4]}, ["creepage"], nodes=17)
     export(table, tmp_path / "study.csv")
     again = sweep_table(pair, tmp_path / "study.csv", ["creepage"], nodes=17)
-    assert again.design.names == ("load",)
+    assert again.cases.names == ("load",)
     own = pandas.DataFrame({"load": [8e4], "creepage": [1e-4]})
     free = pair.replace(tangential_load=None)
     given = sweep_table(free, own, ["tangential_load"], nodes=17)
-    assert given.design.names == ("load", "creepage")
+    assert given.cases.names == ("load", "creepage")
 
 
 @pytest.mark.parametrize(

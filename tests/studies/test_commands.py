@@ -15,7 +15,7 @@ from thesis_cases import measured_tensions, paper_nip
 
 import woundon as wo
 from woundon.cli import commands as cli
-from woundon.studies.studyfile import load_study
+from woundon.studies.study_file import load_study
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 CASE = Path(__file__).with_name("nip_alone.toml")
@@ -176,7 +176,7 @@ def _rms(nip: wo.NipProblem, shear: float) -> float:
         (["--vary", "roll_friction", "--column", "WOT=half_width"], "has no column 'WOT'"),
         (["--vary", "roll_friction", "--plot", "fit.bmp"], "bmp"),
         (["--vary", "roll_friction", "--plot", "no/fit.png"], "the folder 'no' does not exist"),
-        (["--vary", "roll_friction", "--save", "fit.txt"], "the ending '.txt' is not .json"),
+        (["--vary", "roll_friction", "--save", "fit.txt"], "the ending '.txt' must be .json"),
         (["--vary", "roll.material.shear=-5 MPa:5 MPa"], "bounds: -5000000 is out of range"),
         (
             ["--vary", "roll_friction", "--tie", "roll_friction=drum_friction"],

@@ -14,7 +14,7 @@ import pytest
 import woundon as wo
 from woundon.cli.commands import main
 from woundon.io.case_texts import to_toml
-from woundon.studies.kind_model import get_field
+from woundon.problems.paths import get_field
 
 NIP = wo.NipProblem.example()
 ROLL = wo.RollProblem.example()

@@ -15,25 +15,23 @@ from scipy import optimize
 from thesis_cases import newsprint_nip, paper_nip
 
 import woundon as wo
-import woundon.studies.fit
 from woundon.studies.fit import MOST_STARTS, fit_parameters
-from woundon.studies.kind_model import columns_of, measurable_outputs, model_of, replaced
-from woundon.studies.measured import Measured, read_measured
+from woundon.studies.measurements import read_observations
 from woundon.studies.minimise import Linearisation, minimise
+from woundon.studies.model import model_of
 from woundon.studies.predict import Parameter, Predictor
 from woundon.studies.profiles import find_end, threshold
+from woundon.studies.run import Workers
 
 X = np.linspace(1.0, 4.0, 12)
 NOISE = np.random.default_rng(7).normal(0, 0.1, X.size)
 
 
-def _fitted(model, y, parameters, *, deviation=None, starts=3, profiles=True, workers=1):
-    deviations = {} if deviation is None else {"y": np.full(y.size, deviation)}
-    data = Measured({"x": X[: y.size]}, {"y": y}, deviations)
-    predictor = Predictor(model, data, tuple(parameters))
+def _fitted(model, y, parameters, *, deviation=np.nan, starts=3, profiles=True, workers=1):
+    predictor = Predictor(model, models.curve_data(X, y, deviation), tuple(parameters))
     named = [p.name for p in parameters if profiles]
     return fit_parameters(
-        predictor, starts=starts, seed=1, profiles=named, quantities={}, workers=workers
+        predictor, starts=starts, seed=1, profiles=named, quantities={}, workers=Workers(workers)
     )  # fmt: skip
 
 
@@ -165,7 +163,7 @@ def test_intervals_are_those_of_whole_refits_in_a_curved_valley():
     """Brent's method with reused derivatives: ends to 1e-2 of their distance."""
     y = 2 * (1 - np.exp(-0.4 * X)) + 0.3 * NOISE
     parameters = (Parameter("a", 0.1, 100.0, 1.0), Parameter("b", 0.01, 10.0, 1.0))
-    data = Measured({"x": X}, {"y": y}, {})
+    data = models.curve_data(X, y)
     fit = _fitted(models.SaturationModel(), y, parameters)
     assert fit.correlation[0, 1] < -0.95  # curved and narrow
     predictor = Predictor(models.SaturationModel(), data, parameters)
@@ -185,10 +183,7 @@ def test_intervals_are_those_of_whole_refits_for_the_measured_tensions():
         newsprint_nip(), POINTS, vary, columns=RIG, nodes=17, starts=1, profiles=["roll_friction"]
     )
     model = model_of(newsprint_nip(), ("rig_tension",), None, {"nodes": 17})
-    data = read_measured(
-        POINTS, columns_of(newsprint_nip()), measurable_outputs(newsprint_nip()), RIG,
-        replaced(newsprint_nip()),
-    )  # fmt: skip
+    data = read_observations(newsprint_nip(), POINTS, RIG, over_radius=False)
     parameters = tuple(Parameter(name, *ends, None) for name, ends in vary.items())
     predictor = Predictor(model, data, parameters)
     known = _ends_by_refits(predictor, fit, 0)
@@ -201,7 +196,7 @@ def test_known_points_of_a_profile_bracket_its_end():
     """The same end from a known profile, without an evaluation; at the bound too."""
     y = 2 * (1 - np.exp(-0.4 * X)) + 0.3 * NOISE
     bounds = (Parameter("a", 0.1, 100.0, 1.0), Parameter("b", 0.01, 10.0, 1.0))
-    predictor = Predictor(models.SaturationModel(), Measured({"x": X}, {"y": y}, {}), bounds)
+    predictor = Predictor(models.SaturationModel(), models.curve_data(X, y), bounds)
     minimum = minimise(predictor, np.zeros(2))
     assert minimum is not None
     limits = (threshold(minimum.S, 10, False), 1e3 * minimum.S)
@@ -258,24 +253,6 @@ def test_known_parameters_of_a_nip_are_recovered():
     record = json.loads(fit.to_json())
     assert record["names"] == list(vary)
     assert record["units"]["roll.material.shear"] == "Pa"
-
-
-def test_derivatives_are_the_exact_ones():
-    parameters = (
-        Parameter("roll.material.shear", 1e6, 1e8, 1e7),
-        Parameter("roll_friction", 0.02, 2.0, 0.2),
-    )
-    tie, outputs = {"web.material": "roll.material"}, ("outlet_tension", "half_width", "nip_width")
-    measured = Measured({"nip_load": np.array(LOADS)}, dict.fromkeys(outputs, np.zeros(4)), {})
-    model = model_of(paper_nip(), outputs, tie, {"nodes": 33})
-    predictor = Predictor(model, measured, parameters)
-    u, names = np.log([1.1e7, 0.21]), tuple(parameter.name for parameter in parameters)
-    states = [model.run({"nip_load": P, **predictor.inputs(u)}, None).state for P in LOADS]
-    # (outputs, loads, parameters), as the predictor orders its values
-    exact = np.stack([model.gradient(state, names) for state in states], axis=1) * np.exp(u)
-    # kinks where a node changes its zone within the step of 0.1 %
-    found = predictor.jacobian(u).reshape(exact.shape)
-    assert found == pytest.approx(exact, rel=0.02, abs=1e-3 * np.abs(exact).max())
 
 
 @pytest.fixture(scope="module")
@@ -415,7 +392,7 @@ def test_the_linear_model_of_a_minimum_predicts_residuals_in_its_basin_only():
 
 def test_the_expected_decrease_is_that_of_the_linear_model_within_the_bounds():
     """r = (u0 - 1, u1 - 2, 3): at 0 the free minimum is 5 lower, with u1 held at its bound 1."""
-    data = Measured({"x": X[:1]}, {"y": np.zeros(1)}, {})
+    data = models.curve_data(X, np.zeros(1))
     predictor = Predictor(models.LineModel(), data, LINE)
     J = np.array([[1.0, 0.0], [0.0, 1.0], [0.0, 0.0]])
     at = Linearisation(np.zeros(2), np.array([-1.0, -2.0, 3.0]), J)
@@ -428,8 +405,7 @@ def test_the_expected_decrease_is_that_of_the_linear_model_within_the_bounds():
 
 
 @pytest.mark.slow
-def test_processes_give_the_same_fit_as_one(monkeypatch):
-    monkeypatch.setattr(woundon.studies.fit, "WORTH_A_POOL", 0.0)
+def test_processes_give_the_same_fit_as_one():
     y = 2 * (1 - np.exp(-0.4 * X)) + 0.3 * NOISE
     parameters = (Parameter("a", 0.1, 100.0, 1.0), Parameter("b", 0.01, 10.0, 1.0))
     one = _fitted(models.SaturationModel(), y, parameters)
@@ -441,11 +417,11 @@ def test_places_begin_at_the_nearest_one_and_known_ones_cost_nothing():
     begun: list[object] = []
 
     class RecordedModel(models.LineModel):
-        def run(self, inputs, start):
-            begun.append(None if start is None else start["a"])
-            return super().run(inputs, start)
+        def solve(self, inputs, start):
+            begun.append(None if start is None else start.inputs["a"])
+            return super().solve(inputs, start)
 
-    data = Measured({"x": X[:1]}, {"y": np.zeros(1)}, {})
+    data = models.curve_data(X, np.zeros(1))
     predictor = Predictor(RecordedModel(), data, LINE)
     for a in (0.0, 5.0, 1.0, 0.0):
         predictor.residuals(np.array([a, 1.0]))

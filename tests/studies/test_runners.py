@@ -16,55 +16,48 @@ from slow_cases import slow_case
 from thesis_cases import paper_nip
 
 import woundon as wo
-from woundon.studies import runners
-from woundon.studies.design import make_design
-from woundon.studies.engine import run_study
-from woundon.studies.runners import DIED, DaskRunner, Pool, SerialRunner
+from woundon.studies import run
+from woundon.studies.cases import make_cases
+from woundon.studies.run import DIED, Workers, run_study
 
-DESIGN = make_design({"a": range(8)})
+CASES = make_cases({"a": range(8)})
 
 
 def test_a_model_that_raises_fails_its_case_alone():
-    table = run_study(models.FailingModel(), DESIGN, SerialRunner())
+    table = run_study(models.FailingModel(), CASES, Workers(1))
     assert table.failed.tolist() == [3]
     assert table.failure[3] == "ZeroDivisionError: a is 3"
     assert np.array_equal(np.delete(table.outputs["y"], 3), np.delete(2.0 * np.arange(8), 3))
 
 
 def test_a_worker_that_dies_changes_nothing(tmp_path: Path):
-    table = run_study(models.CrashingModel(once=str(tmp_path / "died")), DESIGN, Pool(2), chunk=2)
+    table = run_study(models.CrashingModel(once=str(tmp_path / "died")), CASES, Workers(2), chunk=2)
     assert (tmp_path / "died").exists()
     assert table.failed.size == 0
     assert np.array_equal(table.outputs["y"], 2.0 * np.arange(8))
 
 
 def test_a_chunk_that_kills_every_worker_fails_alone():
-    table = run_study(models.CrashingModel(), DESIGN, Pool(2), chunk=2)
+    table = run_study(models.CrashingModel(), CASES, Workers(2), chunk=2)
     assert table.failed.tolist() == [2, 3]
     assert set(table.failure[2:4]) == {DIED}
     assert table.outputs["y"][4:].tolist() == [8.0, 10.0, 12.0, 14.0]
 
 
-def test_long_studies_move_to_a_pool_and_short_ones_do_not(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(runners, "WORTH_A_POOL", 0.3)
+def process_of(seconds: float) -> int:
+    """Work for some seconds; return the number of the process."""
+    time.sleep(seconds)
+    return os.getpid()
 
-    class Recorded:
-        chunks = 0
 
-        def solved(self, model, chunks):
-            self.chunks += len(chunks)
-            yield from SerialRunner().solved(model, chunks)
-
-    short, long = Recorded(), Recorded()
-    run_study(models.LinearModel(), DESIGN, SerialRunner(then=short), chunk=1)
-    run_study(
-        models.SlowModel(seconds=0.01),
-        make_design({"a": range(60)}),
-        SerialRunner(then=long),
-        chunk=1,
-    )
-    assert short.chunks == 0
-    assert long.chunks > 50
+def test_long_work_moves_to_several_processes(monkeypatch: pytest.MonkeyPatch):
+    """Short ones are solved by this process alone."""
+    monkeypatch.setattr(run, "WORTH_PROCESSES", 0.3)
+    monkeypatch.setattr(run, "usable_cores", lambda: 2)
+    short = [pid for _, pid in Workers().map(process_of, [0.0] * 60)]
+    long = [pid for _, pid in Workers().map(process_of, [0.01] * 60)]
+    assert set(short) == {os.getpid()}
+    assert long.count(os.getpid()) < 10
 
 
 def dask_cluster(workers: int, *, processes: bool):
@@ -100,6 +93,62 @@ def test_dask_gives_the_same_numbers(kind: str, request: pytest.FixtureRequest):
     assert here.identical(there)
 
 
+@pytest.mark.filterwarnings("ignore")
+def test_the_profiles_of_a_fit_are_found_on_a_cluster(thread):
+    """The same intervals; a worker starts from the minimum only, to the solver tolerance."""
+    data = {"load": [5e4, 8.9e4, 1.2e5], "half_width": [266e-6, 353e-6, 412e-6]}
+    pair, vary, how = wo.RollerProblem.example(), ["upper.radius"], {"starts": 1, "nodes": 17}
+    here = wo.fit(pair, data, vary, workers=1, **how)
+    there = wo.fit(pair, data, vary, scheduler=thread.scheduler_address, **how)
+    for one, other in zip(here.profiles, there.profiles, strict=True):
+        assert [other.low, other.high] == pytest.approx([one.low, one.high], rel=1e-6)
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_an_operating_window_is_solved_on_a_cluster(thread):
+    board = wo.WindingProblem.example().replace(
+        stack=wo.Stack(radial=27e6, tangential=3.38e9, poissons_ratio=0.01, shear=10e6),
+        radius=0.08, tension_law="friction", limits=wo.Limits(blocking_pressure="200 kPa"),
+        **{"web.thickness": "500 um"},
+    )  # fmt: skip
+    given = {"uncertain": {"roll_friction": 0.3}, "samples": 128}
+    here = wo.operating_window(board, (200, 500), (1e3, 4e3), **given, workers=1)
+    there = wo.operating_window(
+        board, (200, 500), (1e3, 4e3), **given, scheduler=thread.scheduler_address
+    )
+    np.testing.assert_array_equal(here.probability, there.probability)
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_any_work_is_done_on_a_cluster(thread):
+    """Here the solution of a list of problems."""
+    pair = wo.RollerProblem.example()
+    problems = [pair.replace(load=load) for load in (5e4, 1e5)]
+    solved = dict(Workers(scheduler=thread.scheduler_address).map(wo.solve, problems))
+    assert [solved[each].half_width for each in problems] == [
+        wo.solve(each).half_width for each in problems
+    ]
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_a_machine_of_a_cluster_without_the_program_is_named(
+    thread, monkeypatch: pytest.MonkeyPatch
+):
+    """Otherwise its worker would leave the cluster, and the study would wait for others."""
+    client = pytest.importorskip("distributed").Client
+    get_versions = client.get_versions
+
+    def without_program(*args, **options):
+        versions = get_versions(*args, **options)
+        for worker in versions["workers"].values():
+            worker["packages"]["woundon"] = None
+        return versions
+
+    monkeypatch.setattr(client, "get_versions", without_program)
+    with pytest.raises(wo.InvalidProblem, match=r"scheduler: tcp://\S+ has no woundon; install"):
+        list(Workers(scheduler=thread.scheduler_address).map(abs, [1]))
+
+
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
 def test_a_dask_worker_killed_in_the_middle_changes_nothing(cluster):
@@ -111,11 +160,9 @@ def test_a_dask_worker_killed_in_the_middle_changes_nothing(cluster):
             os.kill(pids[0], signal.SIGKILL)
             killed.append(done)
 
-    design = make_design({"a": range(30)})
-    table = run_study(
-        models.SlowModel(seconds=0.05), design, DaskRunner(cluster.scheduler_address), chunk=2,
-        progress=kill_one,
-    )  # fmt: skip
+    workers = Workers(scheduler=cluster.scheduler_address)
+    cases = make_cases({"a": range(30)})
+    table = run_study(models.SlowModel(seconds=0.05), cases, workers, chunk=2, progress=kill_one)
     assert killed
     assert killed[0] < 30
     assert pids[0] not in [worker.pid for worker in cluster.workers.values()]
@@ -136,24 +183,25 @@ def test_ctrl_c_finishes_what_a_cluster_works_on(cluster, tmp_path: Path, capsys
             os.kill(os.getpid(), signal.SIGINT)
 
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    design, runner = make_design({"a": range(60)}), DaskRunner(cluster.scheduler_address)
+    cases, workers = make_cases({"a": range(60)}), Workers(scheduler=cluster.scheduler_address)
     try:
         with pytest.raises(KeyboardInterrupt):
-            run_study(models.SlowModel(), design, runner, chunk=2, out=tmp_path, progress=press)
+            run_study(models.SlowModel(), cases, workers, chunk=2, out=tmp_path, progress=press)
     finally:
         signal.signal(signal.SIGINT, before)
     assert capsys.readouterr().err.count("press Ctrl-C again to stop at once") == 1
     assert 4 <= len(models.stored(tmp_path)) <= 10
     resumed = run_study(
-        models.SlowModel(seconds=0.0), design, SerialRunner(), chunk=2, out=tmp_path, resume=True
+        models.SlowModel(seconds=0.0), cases, Workers(1), chunk=2, out=tmp_path, resume=True
     )
     assert np.array_equal(resumed.outputs["y"], 2.0 * np.arange(60))
 
 
 @pytest.mark.filterwarnings("ignore")
-def test_a_scheduler_out_of_reach_is_reported():
+def test_a_scheduler_out_of_reach_is_reported(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(run, "CONNECTING", 0.5)
     with pytest.raises(wo.InvalidProblem, match=r"'tcp://127\.0\.0\.1:9' cannot be reached"):
-        run_study(models.LinearModel(), DESIGN, DaskRunner("tcp://127.0.0.1:9", timeout=0.5))
+        run_study(models.LinearModel(), CASES, Workers(scheduler="tcp://127.0.0.1:9"))
 
 
 # a study of 120 nips, some 20 ms each, in 24 chunks

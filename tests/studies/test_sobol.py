@@ -10,13 +10,12 @@ import study_models as models
 from thesis_cases import paper_nip
 
 import woundon as wo
-from woundon.studies.engine import run_study
-from woundon.studies.runners import SerialRunner
-from woundon.studies.sobol import saltelli_design, sobol_indices_of
+from woundon.studies.run import Workers, run_study
+from woundon.studies.sobol import saltelli_cases, sobol_indices_of
 
 
 def _indices(model, ranges, samples):
-    table = run_study(model, saltelli_design(ranges, samples, seed=3), SerialRunner())
+    table = run_study(model, saltelli_cases(ranges, samples, seed=3), Workers(1))
     return sobol_indices_of(table, samples, seed=3)
 
 
@@ -34,7 +33,7 @@ def test_ishigami():
 
 def test_a_single_input_is_rejected():
     with pytest.raises(wo.InvalidProblem, match="over: has one field; must be two or more"):
-        saltelli_design({"a": (0.0, 1.0)}, 16, seed=0)
+        saltelli_cases({"a": (0.0, 1.0)}, 16, seed=0)
 
 
 def test_a_sum_has_no_interactions():

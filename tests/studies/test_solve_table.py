@@ -13,7 +13,7 @@ import woundon as wo
 from woundon.cli.commands import main
 from woundon.io.case_texts import template, to_toml
 from woundon.io.sheets import read_sheet
-from woundon.studies.case_table import write_table
+from woundon.studies.export import write_table
 
 NIP = wo.NipProblem.example()
 WOT = "wound_on_tension [N/m]"

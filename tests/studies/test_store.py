@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import sqlite3
 import subprocess
 import sys
@@ -18,15 +19,12 @@ import xarray
 from thesis_cases import paper_nip
 
 import woundon as wo
-import woundon.studies.export
 from woundon.studies import store
-from woundon.studies.design import make_design
-from woundon.studies.engine import run_study
+from woundon.studies.cases import make_cases
 from woundon.studies.export import export
-from woundon.studies.runners import SerialRunner
-from woundon.studies.table import Table
+from woundon.studies.run import Table, Workers, run_study
 
-DESIGN = make_design({"a": range(4), "b": [0.5, 1.5]})
+CASES = make_cases({"a": range(4), "b": [0.5, 1.5]})
 
 
 class Other(models.LinearModel):
@@ -54,8 +52,8 @@ class Bits(models.LinearModel):
 
 
 def run(out: Path, model: models.LinearModel | None = None, **how: Any) -> Table:
-    """Run the eight cases of DESIGN in three chunks."""
-    return run_study(model or models.LinearModel(), DESIGN, SerialRunner(), out=out, chunk=3, **how)
+    """Run the eight cases of CASES in three chunks."""
+    return run_study(model or models.LinearModel(), CASES, Workers(1), out=out, chunk=3, **how)
 
 
 def change(out: Path, *statements: str) -> None:
@@ -79,9 +77,9 @@ def table() -> Table:
 
 
 def test_numbers_and_texts_come_back_to_the_last_bit(tmp_path: Path):
-    design = make_design({"a": range(8)})
-    first = run_study(Bits(), design, SerialRunner(), out=tmp_path, chunk=3)
-    again = run_study(Bits(), design, SerialRunner(), out=tmp_path, chunk=3, resume=True)
+    cases = make_cases({"a": range(8)})
+    first = run_study(Bits(), cases, Workers(1), out=tmp_path, chunk=3)
+    again = run_study(Bits(), cases, Workers(1), out=tmp_path, chunk=3, resume=True)
     bits = first.outputs["y"].view(np.uint64).tolist()
     assert [*bits[:6], bits[7]] == [*Bits.BITS[:6], Bits.BITS[7]]
     assert first.outputs["y"].tobytes() == again.outputs["y"].tobytes()
@@ -131,35 +129,39 @@ def test_a_store_has_a_rollback_journal_and_a_transaction_a_chunk(tmp_path: Path
         "UPDATE chunk SET outputs = 3 WHERE number = 0",
         """UPDATE chunk SET failure = '["", "x", ""]' WHERE number = 0""",
         "UPDATE chunk SET failure = x'ff' WHERE number = 0",
+        "UPDATE chunk SET failure = CAST(x'ff' AS TEXT) WHERE number = 0",
         "UPDATE chunk SET warnings = NULL WHERE number = 0",
         "UPDATE chunk SET sha256 = 'x' WHERE number = 0",
-        "UPDATE chunk SET number = (number + 1) % 3 + 3 * (number < 3)",
-        "UPDATE study SET record = replace(record, 'LinearModel', 'LinearModes')",
+        "UPDATE chunk SET number = 3 WHERE number = 0",
+        "DROP TABLE chunk",
         "UPDATE study SET record = x'5b'",
-        "UPDATE study SET sha256 = NULL",
+        "UPDATE study SET record = '[]'",
         "DELETE FROM study",
         "DROP TABLE study",
     ],
 )
-def test_damaged_rows_are_reported_and_solved_again(tmp_path: Path, damage: str):
-    first = run(tmp_path)
-    change(tmp_path, damage, "UPDATE chunk SET number = number - 3 WHERE number >= 3")
-    with pytest.warns(UserWarning, match=r"study\.sqlite: damaged, a copy is in damaged-\d+"):
-        again = run(tmp_path, resume=True)
-    assert again.failed.size == 0
-    assert np.array_equal(first.outputs["y"], again.outputs["y"])
-    assert len(list(tmp_path.glob("damaged-*.sqlite"))) == 1
-    run(tmp_path, Other(), resume=True)  # repaired: nothing is solved, nothing is reported
+def test_a_damaged_study_is_rejected_and_left_as_it_is(tmp_path: Path, damage: str):
+    run(tmp_path)
+    change(tmp_path, damage)
+    check_rejected_and_unchanged(tmp_path)
 
 
 @pytest.mark.parametrize("content", [b"text", b"SQLite format 3\0", b"[" * 100_000, bytes(8192)])
-def test_a_file_that_is_no_database_is_left_alone(tmp_path: Path, content: bytes):
-    path = tmp_path / "study.sqlite"
-    path.write_bytes(content)
-    for resume in (False, True):
-        with pytest.raises(wo.InvalidProblem, match=r"its study\.sqlite is damaged"):
-            run(tmp_path, resume=resume)
+def test_a_file_that_is_no_database_is_rejected_and_left_as_it_is(tmp_path: Path, content: bytes):
+    (tmp_path / "study.sqlite").write_bytes(content)
+    check_rejected_and_unchanged(tmp_path)
+
+
+def check_rejected_and_unchanged(out: Path) -> None:
+    """Check that a damaged study is neither resumed nor overwritten, and is the only file."""
+    path = out / "study.sqlite"
+    content = path.read_bytes()
+    says = r"its study\.sqlite is damaged .* is left as it is; solve the study in another folder"
+    for resume, match in ((True, says), (False, says + "|contains a study already")):
+        with pytest.raises(wo.InvalidProblem, match=match):
+            run(out, resume=resume)
     assert path.read_bytes() == content
+    assert [file.name for file in out.iterdir()] == ["study.sqlite"]
 
 
 @pytest.mark.parametrize("resume", [False, True])
@@ -221,23 +223,30 @@ def make_read_only(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(os, "access", lambda path, mode: mode != os.W_OK and access(path, mode))
 
 
-def test_a_journal_next_to_a_read_only_store_is_rejected(
+def test_a_read_only_store_with_an_interrupted_write_is_rejected(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
-    """The file may hold half a transaction, which only the journal can undo."""
-    first = run(tmp_path)
+    """The file holds half a transaction, which only the journal can undo."""
+    first = run(tmp_path / "study")
+    path, copy = tmp_path / "study" / "study.sqlite", tmp_path / "copy"
+    copy.mkdir()
+    with closing(sqlite3.connect(path, isolation_level=None)) as connection:
+        connection.execute("PRAGMA cache_size=1")  # so that pages are written before the end
+        connection.execute("BEGIN")
+        connection.execute("UPDATE chunk SET outputs = zeroblob(9000)")
+        for file in path.parent.iterdir():
+            shutil.copy(file, copy)
+        connection.rollback()
+    assert len(list(copy.iterdir())) == 2
     make_read_only(monkeypatch)
-    assert np.array_equal(run(tmp_path, resume=True).outputs["y"], first.outputs["y"])
-    for name in ("study.sqlite-journal", "study.sqlite-wal"):
-        (tmp_path / name).write_bytes(b"")
-        with pytest.raises(OSError, match="a write to it was interrupted; copy the folder"):
-            run(tmp_path, resume=True)
-        (tmp_path / name).unlink()
+    assert np.array_equal(run(path.parent, resume=True).outputs["y"], first.outputs["y"])
+    with pytest.raises(OSError, match="a write to it was interrupted; copy the folder"):
+        run(copy, resume=True)
 
 
 def test_an_incomplete_read_only_study_is_rejected(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     run(tmp_path)
-    change(tmp_path, "UPDATE chunk SET outputs = zeroblob(24) WHERE number = 1")
+    change(tmp_path, "DELETE FROM chunk WHERE number = 1")
     before = (tmp_path / "study.sqlite").read_bytes()
     make_read_only(monkeypatch)
     with pytest.raises(OSError, match="cannot be written, and 1 of 3 chunks are not in it"):
@@ -267,14 +276,14 @@ def test_another_study_is_not_mixed_in(tmp_path: Path, over, changes, options, d
 def test_folders_that_hold_something_else_are_left_alone(tmp_path: Path):
     (tmp_path / "thesis.txt").write_text("mine", encoding="utf-8")
     with pytest.raises(wo.InvalidProblem, match="is not empty and contains no study"):
-        run_study(models.LinearModel(), DESIGN, SerialRunner(), out=tmp_path, resume=True)
+        run_study(models.LinearModel(), CASES, Workers(1), out=tmp_path, resume=True)
     assert [path.name for path in tmp_path.iterdir()] == ["thesis.txt"]
 
 
 def test_a_study_is_not_overwritten(tmp_path: Path):
-    run_study(models.LinearModel(), DESIGN, SerialRunner(), out=tmp_path)
+    run_study(models.LinearModel(), CASES, Workers(1), out=tmp_path)
     with pytest.raises(wo.InvalidProblem, match="contains a study already; resume it"):
-        run_study(models.LinearModel(), DESIGN, SerialRunner(), out=tmp_path)
+        run_study(models.LinearModel(), CASES, Workers(1), out=tmp_path)
 
 
 # ---- exports ------------------------------------------------------------------------------------
@@ -296,7 +305,7 @@ def test_parquet_holds_the_same_bits(tmp_path: Path, table):
     parquet = pytest.importorskip("pyarrow.parquet")
     export(table, tmp_path / "study.parquet")
     found = parquet.read_table(tmp_path / "study.parquet")
-    assert found.column_names == list(table.columns())
+    assert found.column_names == list(table.to_dataframe())
     half_width = found["half_width"].to_numpy()
     assert half_width.tobytes() == table.outputs["half_width"].tobytes()
     assert found["failure"].to_pylist() == table.failure.tolist()

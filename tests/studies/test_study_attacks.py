@@ -24,7 +24,7 @@ DISTURBANCES = [
         pytest.param(range(500), marks=CAMPAIGN),
     ],
 )
-def test_damaged_studies_are_rejected_in_one_line_or_repaired(seeds: range, tmp_path: Path):
+def test_damaged_studies_are_rejected_or_give_the_same_table(seeds: range, tmp_path: Path):
     for seed in seeds:
         folder = tmp_path / str(seed)
         folder.mkdir()

@@ -97,8 +97,8 @@ def test_bodies_and_materials_can_be_varied():
 def test_values_may_be_texts_with_units():
     over = {"nip_load": ["1 kN/m", 2000.0, "12 pli"], "web.thickness": ("60 um", "7e-5 m")}
     _, cases = study_of(paper_nip(), over)
-    assert cases.columns[0].values.tolist() == [1e3, 2e3, parse("12 pli", "N/m")]
-    assert cases.columns[1].values.tolist() == [60e-6, 7e-5]
+    assert cases.axes["nip_load"].tolist() == [1e3, 2e3, parse("12 pli", "N/m")]
+    assert cases.axes["web.thickness"].tolist() == [60e-6, 7e-5]
     ranges = {"roll.material.shear": ("1 MPa", 1e8, "log"), "roll_friction": ["10 %", "0.3"]}
     _, drawn = study_of(paper_nip(), ranges, design="sobol", samples=8, seed=3)
     plain = {"roll.material.shear": (1e6, 1e8, "log"), "roll_friction": [0.1, 0.3]}

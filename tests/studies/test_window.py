@@ -7,6 +7,7 @@ friction), independent method (every sample a winding), invariance (workers, res
 from __future__ import annotations
 
 import json
+from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
@@ -16,17 +17,16 @@ from scipy.stats import norm
 import woundon as wo
 from woundon.cli.commands import main
 from woundon.io.case_files import to_toml
+from woundon.studies.window_cases import window_model, with_value
 from woundon.studies.window_map import (
     MarginMap,
     expansion_of,
     fitted,
     from_reserve,
-    linear_expansion,
     lobatto,
     standard_normal,
     to_reserve,
 )
-from woundon.studies.window_model import window_model, with_value
 
 RANGES = {"web_tension": (150.0, 450.0), "nip_load": (500.0, 3000.0)}
 STRENGTH = 700.0  # N/m
@@ -39,14 +39,8 @@ def winding(**changes) -> wo.WindingProblem:
         "drum": wo.Rigid(radius=0.25), "web_tension": 300.0, "nip_load": 1500.0,
         "tension_law": "friction", "limits": wo.Limits(web_strength=STRENGTH), **changes,
     }  # fmt: skip
-    with pytest.warns(wo.InputWarning) if "roll_friction" in changes else _nothing():
+    with pytest.warns(wo.InputWarning) if "roll_friction" in changes else nullcontext():
         return wo.WindingProblem(**given)
-
-
-class _nothing:  # noqa: N801
-    def __enter__(self) -> None: ...
-
-    def __exit__(self, *_: object) -> None: ...
 
 
 # ---- maps ---------------------------------------------------------------------------------------
@@ -107,8 +101,9 @@ def test_the_probability_of_linear_margins(slopes, expected):
     """Closed form: margins 0.5 + s_1 z and 1 + s_2 z of standard normal z."""
     centre = np.zeros((1, 2))
     nominal = fitted(centre, np.array([[0.5, 1.0]]), [0, 0])
-    expansion = linear_expansion(np.array(slopes).T, 2)
-    mapped = MarginMap(nominal, expansion, standard_normal(2, 4096, 0))
+    none = np.zeros((0, 2))  # without further points the changes are linear
+    expansion = expansion_of(none, none, none, np.array(slopes).T)
+    mapped = MarginMap(nominal, *expansion, standard_normal(2, 4096, 0))
     # 0.003: Sobol points err by less than 1/5 of the standard deviation of independent draws
     assert mapped.probability(centre)[0] == pytest.approx(expected, abs=0.003)
 
@@ -125,26 +120,26 @@ def test_an_expansion_of_second_order_is_found_exactly():
         return ((2 + x[:, 0]) * z[:, 0] + 0.5 * z[:, 0] * z[:, 1] + z[:, 1] ** 2
                 + 0.1 * z[:, 2])[:, None]  # fmt: skip
 
-    expansion = expansion_of(x, z, f(x, z), [1, 0])
-    mapped = MarginMap(fitted(np.zeros((1, 2)), np.zeros((1, 1)), [0, 0]), expansion, z)
+    expansion = expansion_of(x, z, f(x, z), np.array([[2.0], [1.0], [0.1]]))
+    mapped = MarginMap(fitted(np.zeros((1, 2)), np.zeros((1, 1)), [0, 0]), *expansion, z)
     x, z = rng.uniform(-1, 1, (20, 2)), rng.standard_normal((20, 3))
     # 1e-12: rounding of a least-squares solution
     np.testing.assert_allclose(mapped.margins(x, z), f(x, z), atol=1e-12)
-    mean, deviation = mapped.moments(x)
-    np.testing.assert_allclose(mean, 1.0, atol=1e-12)
+    np.testing.assert_allclose(mapped.means(x), 1.0, atol=1e-12)
     parts = np.stack([(2 + x[:, 0]) ** 2 + 0.125, 0 * x[:, 0] + 2.125, 0 * x[:, 0] + 0.01], axis=-1)
     np.testing.assert_allclose(mapped.variances(x)[:, 0], parts, atol=1e-12)
-    np.testing.assert_allclose(deviation[:, 0] ** 2, parts.sum(axis=-1), atol=1e-12)
+    np.testing.assert_allclose(mapped.distances(x)[:, 0] ** 2 * parts.sum(axis=-1), 1.0, atol=1e-12)
 
 
 def test_few_points_permit_few_quadratic_terms():
     """Invariance: with too few points for all inputs, linear changes remain exact."""
     rng = np.random.default_rng(0)
     x, z = rng.uniform(-1, 1, (24, 2)), rng.standard_normal((24, 6))
-    slopes = np.arange(6.0)[:, None]
-    expansion = expansion_of(x, z, z @ slopes, list(range(6)))
-    assert len(expansion.products) < 24 / 2
-    np.testing.assert_allclose(expansion.variances(x)[:, 0], [slopes[:, 0] ** 2] * 24, atol=1e-12)
+    slopes = np.arange(1.0, 7.0)[:, None]  # all cause more than 1 % of the variance
+    expansion = expansion_of(x, z, z @ slopes, slopes)
+    assert len(expansion[0]) < 24 / 2
+    mapped = MarginMap(fitted(np.zeros((1, 2)), np.zeros((1, 1)), [0, 0]), *expansion, z)
+    np.testing.assert_allclose(mapped.variances(x)[:, 0], [slopes[:, 0] ** 2] * 24, atol=1e-12)
 
 
 def test_schedules_keep_their_shape():
@@ -261,6 +256,19 @@ def test_the_best_point_and_the_table(strength):
     assert json.loads(strength.to_json())["windings"] == strength.windings
     with pytest.raises(wo.InvalidProblem, match="the range of the map"):
         strength.at(1000.0, 1500.0)
+
+
+def test_without_uncertain_inputs_margins_hold_or_do_not():
+    """Closed form: T + mu N <= T_b; no input dominates."""
+    window = wo.operating_window(
+        winding(radius=0.06), **RANGES, uncertain=dict.fromkeys(
+            wo.grade("newsprint").spread_of(winding()), 0
+        ), workers=1, options={"rtol": 0.02},
+    )  # fmt: skip
+    T, N = np.meshgrid(*window.axes, indexing="ij")
+    holds = T + 0.19 * N < STRENGTH
+    np.testing.assert_array_equal(window.probability, holds.astype(float))
+    assert (window.dominant == -1).all()
 
 
 @pytest.mark.slow

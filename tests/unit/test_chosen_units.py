@@ -8,7 +8,8 @@ import pytest
 from thesis_cases import newsprint_nip
 
 import woundon as wo
-from woundon.quantities import find, output
+from woundon.problems.paths import field_quantity
+from woundon.quantities import output
 
 
 @pytest.fixture(scope="module")
@@ -19,10 +20,10 @@ def nip():
 def test_choices_nest_and_are_taken_back():
     with wo.units(nip_load="kN/m"):
         with wo.units(half_width="um"):
-            assert find(wo.NipProblem, "nip_load")[0].quantity.display == "kN/m"
+            assert field_quantity(wo.NipProblem, "nip_load").display == "kN/m"
             assert output(wo.NipResult, "half_width").quantity.display == "um"
         assert output(wo.NipResult, "half_width").quantity.display == "mm"
-    assert find(wo.NipProblem, "nip_load")[0].quantity.display == "N/m"
+    assert field_quantity(wo.NipProblem, "nip_load").display == "N/m"
 
 
 def test_files_for_programs_stay_si(nip, tmp_path: Path):

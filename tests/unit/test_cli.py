@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import json
 import os
 import subprocess
@@ -16,7 +17,7 @@ from woundon import kinds
 from woundon.cli import commands as cli
 from woundon.io.case_files import template
 from woundon.io.case_texts import to_toml
-from woundon.studies.studyfile import load_study
+from woundon.studies.study_file import load_study
 
 EXAMPLE = str(Path(__file__).parents[2] / "examples" / "newsprint_table2.toml")
 ALONE = ["--set", "roll_wrap=0"]
@@ -162,13 +163,42 @@ def test_describe_states_which_fields_are_required(capsys: Capture):
     ("command", "hint"),
     [
         (["report", "x.toml", "-o", "y.html"], "'-o'; did you mean --out?"),
-        (["solve", "x.toml", "-o", "y.html"], "'-o'; known: --help, --json, --plot, --save"),
+        (
+            ["solve", "x.toml", "-o", "y.html"],
+            "'-o'; known: --coupling-rtol, --drum-wrap, --help, --json",
+        ),
         (["sweep", "--otu", "x"], "'--otu'; did you mean '--out'?"),
     ],
 )
 def test_an_unknown_option_names_the_right_one(command, hint, capsys: Capture):
     assert cli.main(command) == 2
     assert capsys.readouterr().err.startswith(f"error: No such option {hint}")
+
+
+@pytest.mark.parametrize(
+    ("command", "function"),
+    [
+        ("compare", wo.compare),
+        ("find", wo.find),
+        ("fit", wo.fit),
+        ("plan", wo.next_experiment),
+        ("sobol", wo.global_sensitivity),
+        ("table", wo.solve_table),
+        ("window", wo.operating_window),
+    ],
+)
+def test_options_are_those_of_the_public_function(command, function):
+    """Evidence: consistency. A command passes options on by name, and states the same defaults."""
+    params = cli.commands.commands[command].params
+    used = inspect.signature(cli.commands.commands[command].callback).parameters
+    passed = [p for p in params if p.expose_value and p.name not in used]
+    known = inspect.signature(function).parameters
+    assert passed
+    for option in passed:
+        if not option.name.startswith("tab_"):  # they make a pull tab
+            assert option.name in known
+            if isinstance(option.default, (bool, int, float)):
+                assert option.default == known[option.name].default
 
 
 def test_an_unknown_name_of_the_package_names_those_like_it():

@@ -6,7 +6,6 @@ several systems; their numbers agree after conversion to SI, up to their last pr
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from typing import Any
 
@@ -30,16 +29,16 @@ from woundon import kinds
 from woundon.io.chosen_units import units_of
 from woundon.problems.units import MILL
 from woundon.quantities import in_chosen_units, outputs, walk
+from woundon.report.drawing import draw_figure
 from woundon.report.html_report import report_file
-from woundon.report.panels import cases_of, draw_panels
-from woundon.report.plots import figure_for_file, output_panels, panels_of
+from woundon.report.plots import figure_for_file
+from woundon.report.result_panels import array_panels, panels_of
 from woundon.report.scale_drawing import REACH, scale_drawing
 from woundon.report.schedule_report import print_schedule
-from woundon.report.study_plots import plot_sweep
-from woundon.report.terminal import plain_console
+from woundon.report.sweep_panels import plot_sweep
+from woundon.report.terminal import plain_text
 from woundon.studies.api import study_of
-from woundon.studies.engine import run_study
-from woundon.studies.runners import runner_for
+from woundon.studies.run import Workers, run_study
 
 NIP, PAIR, ROLL = wo.NipProblem.example(), wo.RollerProblem.example(), wo.RollProblem.example()
 WINDING = wo.WindingProblem.example()
@@ -158,10 +157,8 @@ def test_a_value_in_a_legend_has_the_unit_of_its_axis() -> None:
 def test_panels_of_any_array_show_the_same_numbers(system: str) -> None:
     """The panels of a kind without panels of its own: several arrays on an axis."""
     result = coarse_solution(PROBLEMS["roll"], 33)
-    for panel in output_panels(result).values():
-        pair = in_both(
-            system, lambda panel=panel: draw_panels({"": panel}, cases_of([result], [""]))
-        )
+    for maker in array_panels(result).values():
+        pair = in_both(system, lambda maker=maker: draw_figure([[maker.make(result)]]))
         assert differing_artists(*pair) == []
 
 
@@ -334,17 +331,16 @@ def test_a_field_has_the_same_unit_in_all_kinds():
 
 def test_sweeps_show_the_same_numbers():
     study = study_of(FREE, {"load": LOADS}, ["nip_width"], options=LEAN)
-    table = run_study(*study, runner_for(1, None))
+    table = run_study(*study, Workers(1))
     assert differing_artists(*in_both("mill", lambda: plot_sweep(table, "nip_width"))) == []
 
 
-def test_schedules_for_a_target_pressure_show_the_same_numbers(tmp_path, capsys):
+def test_schedules_for_a_target_pressure_show_the_same_numbers():
     design = wo.design_tension(ROLL, 150e3)
     roll = wo.solve(design.problem, rtol=1e-3)
 
     def table() -> str:
-        print_schedule(design, roll, plain_console(sys.stdout))
-        return capsys.readouterr().out
+        return plain_text(lambda console: print_schedule(design, roll, console))
 
     usual, mill = in_both("mill", table)
     assert differing_numbers(usual, mill) == []

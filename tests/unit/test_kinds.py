@@ -12,8 +12,9 @@ import pytest
 import woundon as wo
 from woundon import kinds, plugins
 from woundon.problems.fields import Number
-from woundon.quantities import find, length, line_load, output
-from woundon.report.plots import PANELS
+from woundon.problems.paths import find_places
+from woundon.quantities import length, line_load, output
+from woundon.report.result_panels import PANELS
 from woundon.report.result_report import REPORTS
 
 OWN = {
@@ -180,7 +181,7 @@ def test_a_field_of_another_kind_is_rejected_with_its_counterpart(name: str) -> 
         words = re.findall(r"[\w.]+", text.removeprefix(f"no such field in {model.__name__}"))
         named = [classes[word] for word in words if word in classes]
         assert all(field in other.model_fields for other in named), text
-        own = [word for word in words if find(model, word) or output(result, word)]
+        own = [word for word in words if find_places(model, word) or output(result, word)]
         assert named or own or "it is an output" in text, (field, text)
         if text.endswith("it is an output"):
             assert output(result, field), text

@@ -21,9 +21,9 @@ from woundon.io.case_files import to_toml
 from woundon.problems.two_drums import drum_loads, rider_load_for, roll_weight
 from woundon.problems.units import parse
 from woundon.studies.api import study_of
-from woundon.studies.kind_model import columns_of, measurable_outputs
+from woundon.studies.columns import columns_of, measurable_outputs
 from woundon.studies.measured import read_measured
-from woundon.studies.studyfile import load_study
+from woundon.studies.study_file import load_study
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "newsprint_table2.toml"
 INDENT = "    "

@@ -17,9 +17,11 @@ from thesis_cases import film_nip, newsprint_nip
 import woundon as wo
 from woundon import kinds, quantities
 from woundon.quantities import line_load, stress
-from woundon.report.panels import Case, draw_panels
-from woundon.report.plots import output_panels
-from woundon.report.study_plots import plot_sweep
+from woundon.report.drawing import draw_figure
+from woundon.report.figures import symbol_text
+from woundon.report.result_panels import array_panels
+from woundon.report.sweep_panels import plot_sweep
+from woundon.studies.cases import make_cases
 
 NODES = 25
 SOFT = wo.Isotropic(youngs_modulus=5e6, poissons_ratio=0.47)
@@ -34,7 +36,7 @@ def _closed():
 
 def plot_outputs(result: Any) -> Any:
     """Draw a result of any kind as one is drawn whose kind does not say how."""
-    return draw_panels(output_panels(result), [Case(result)])
+    return draw_figure([[maker.make(result)] for maker in array_panels(result).values()])
 
 
 @pytest.fixture(scope="module")
@@ -104,12 +106,12 @@ def highest(axes: Any) -> dict[str, float]:
 def test_bounds_are_those_of_the_pressure_on_the_face(nip, wrapped):
     p = 1e-3 * nip.peak_pressure
     bounds = highest(nip.plot().axes[0])
-    assert bounds == pytest.approx({r"$\pm\mu^{+}p$": 0.19 * p, r"$\pm\mu^{-}p$": 0.2 * p})
+    assert bounds == pytest.approx({r"$\pm \mu^{+} p$": 0.19 * p, r"$\pm \mu^{-} p$": 0.2 * p})
     own = wrapped.in_nip
     on_roll, on_drum = wrapped.roll_pressure[own].max(), wrapped.drum_pressure[own].max()
     bounds = highest(wrapped.plot().axes[0])
     assert bounds == pytest.approx(
-        {r"$\pm\mu^{+}p^{+}$": 0.19e-3 * on_roll, r"$\pm\mu^{-}p^{-}$": 0.2e-3 * on_drum}
+        {r"$\pm \mu^{+} p^{+}$": 0.19e-3 * on_roll, r"$\pm \mu^{-} p^{-}$": 0.2e-3 * on_drum}
     )
 
 
@@ -138,7 +140,7 @@ def test_a_wrapped_figure_shows_the_web_on_roll_and_drum(wrapped):
     np.testing.assert_allclose(on_roll[:, 0], np.degrees(angle))
     np.testing.assert_allclose(on_roll[:, 1], wrapped.tension[own.stop :])
     assert on_roll[-1, 1] == pytest.approx(wrapped.wound_on_tension)
-    assert f"WOT {wrapped.wound_on_tension:.5g} N/m" in curves(tension)
+    assert rf"$\mathrm{{WOT}}$ {wrapped.wound_on_tension:.5g} N/m" in curves(tension)
     assert curves(tension)["end of slip"][0][0] == pytest.approx(np.degrees(wrapped.slip_angle))
     on_drum = curves(tension)["$T$ on drum"]
     angle = (-a - wrapped.x[: own.start]) / 0.0762
@@ -176,7 +178,7 @@ def test_rollers_are_drawn_with_the_closed_form_that_applies(changes, theory, na
     assert [line.get_label() for line in lines] == ["$p$", "$q$ on upper roller", name, name]
     np.testing.assert_allclose(lines[0].get_ydata(), 1e-6 * result.pressure)
     np.testing.assert_allclose(lines[1].get_ydata(), 1e-6 * result.traction)
-    assert highest(tractions) == pytest.approx({r"$\pm\mu p$": 0.5e-6 * result.peak_pressure})
+    assert highest(tractions) == pytest.approx({r"$\pm \mu p$": 0.5e-6 * result.peak_pressure})
     exact = theory(result.problem)
     for marks, form in zip(lines[2:], (exact.pressure, exact.traction), strict=True):
         at = 1e-3 * marks.get_xdata()
@@ -199,27 +201,24 @@ def test_the_default_draws_every_array_once(results):
         arrays = {
             place.path: place
             for place in quantities.walk(result)
-            if isinstance(place.value, np.ndarray)
+            if isinstance(place.value, np.ndarray) and place.value.size > 1
         }
-        along, x = next(iter(arrays.items()))
-        arrays = {name: p for name, p in arrays.items()
-                  if name != along and p.value.shape == x.value.shape}  # fmt: skip
+        first = next(iter(arrays))
+        along = {name: result.ALONG.get(name, first) for name in arrays}
+        shown = [name for name, over in along.items()
+                 if name not in along.values()
+                 and arrays[over].value.shape == arrays[name].value.shape]  # fmt: skip
         drawn = [line for axes in figure.axes for line in axes.get_lines()]
-        assert len(drawn) == len(arrays)
-        for place in arrays.values():
+        assert len(drawn) == len(shown)
+        for name in shown:
+            place, x = arrays[name], arrays[along[name]]
             meaning = place.quantity.meaning.replace("> 0", ">\N{NO-BREAK SPACE}0")
-            (line,) = [
-                k for k in drawn if k.get_label().replace("\n", " ").endswith(f"  {meaning}")
-            ]
+            label = f"{symbol_text(place.quantity.symbol)} {meaning}"
+            (line,) = [k for k in drawn if k.get_label().replace("\n", " ") == label]
             np.testing.assert_allclose(line.get_xdata(), 1e3 * x.value)
             np.testing.assert_allclose(line.get_ydata(), place.quantity.shown(place.value))
             unit = place.quantity.display.replace("um", "µm")
-            said = " ".join(line.axes.get_ylabel().split())
-            alone = len(line.axes.get_lines()) == 1
-            due = f"{place.quantity.meaning} " if alone else ""
-            assert said.replace("> 0", ">\N{NO-BREAK SPACE}0") == (
-                f"{due}[{unit}]".replace("> 0", ">\N{NO-BREAK SPACE}0") if unit else due.strip()
-            )
+            assert line.axes.get_ylabel().endswith(f"[{unit}]" if unit else "")
         assert figure.axes[-1].get_xlabel().endswith("[mm]")
 
 
@@ -328,19 +327,15 @@ def test_global_style_is_left_alone(nip):
 
 def table(output: str, quantity: wo.Quantity) -> Any:
     """Return a sweep over loads and moduli, 6 by 2."""
-    loads, moduli = np.geomspace(100.0, 1e4, 6), np.array([5e6, 2e7])
-    columns = [
-        SimpleNamespace(name=name, values=values, labels=values, numeric=True)
-        for name, values in (("nip_load", loads), ("roll.material.shear", moduli))
-    ]
-    design = SimpleNamespace(columns=columns, shape=(6, 2), gridded=True)
+    loads = np.geomspace(100.0, 1e4, 6)
+    cases = make_cases({"nip_load": loads, "roll.material.shear": np.array([5e6, 2e7])})
     known = {
         "nip_load": line_load("P", "nip load"),
         "roll.material.shear": stress("G", "shear modulus", "MPa"),
         output: quantity,
     }
     outputs = {output: np.outer(loads, [1.0, 2.0]).ravel()}
-    return SimpleNamespace(design=design, outputs=outputs, quantities=known)
+    return SimpleNamespace(cases=cases, outputs=outputs, quantities=known)
 
 
 def test_a_sweep_is_drawn_in_the_units_of_its_quantities():
@@ -358,11 +353,9 @@ def grid(*shape: int) -> Any:
     """Return a sweep over so many values of one to four fields, its output their product."""
     names = ("nip_load", "web_tension", "roll_friction", "drum_friction")[: len(shape)]
     values = [np.linspace(1.0, 2.0, size) for size in shape]
-    columns = [SimpleNamespace(name=name, values=one, labels=one, numeric=True)
-               for name, one in zip(names, values, strict=True)]  # fmt: skip
     product = np.prod(np.meshgrid(*values, indexing="ij"), axis=0).ravel()
-    design = SimpleNamespace(columns=columns, shape=shape, gridded=True)
-    return SimpleNamespace(design=design, outputs={"output": product}, quantities={})
+    cases = make_cases(dict(zip(names, values, strict=True)))
+    return SimpleNamespace(cases=cases, outputs={"output": product}, quantities={})
 
 
 @pytest.mark.parametrize(

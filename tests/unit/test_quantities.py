@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
 from coarse_solutions import coarse_solution
 
 from woundon import kinds, quantities
+from woundon.problems.paths import find_places, get_field
 from woundon.quantities import walk
 
 # woundon's own, whatever other tests have registered
@@ -60,10 +59,11 @@ def test_every_number_of_every_problem_is_a_quantity(kind: kinds.Kind) -> None:
     places = list(walk(example))
     assert len({place.path for place in places}) == len(places)
     for place in places:
-        value: Any = example
-        for part in place.path.split("."):
-            value = value[int(part)] if part.isdigit() else getattr(value, part)
-        assert value == place.value or (value is None and place.value is None)
+        assert get_field(example, place.path) == place.value
+        assert example.replace(**{place.path: place.value}) == example
+        in_class = find_places(kind.problem, place.path)
+        assert place.field in [other.field for other in in_class]
+        assert place.quantity in [None, *(other.quantity for other in in_class)]
         assert place.name == place.path.split(".")[-1]
         none_given = place.path in ("core.material", "air") or place.name == "prony"
         assert (place.quantity is None) == (isinstance(place.value, str) or none_given), place.path

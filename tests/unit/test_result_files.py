@@ -6,6 +6,7 @@ import csv
 import json
 import time
 from dataclasses import dataclass, fields
+from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from thesis_cases import film_nip, newsprint_nip
 import woundon as wo
 from woundon import kinds
 from woundon.io import result_files, seals
+from woundon.io.case_texts import to_toml
 from woundon.problems.fields import Number
 from woundon.quantities import length, line_load, outputs, scalar_outputs, stress, value_of
 from woundon.results import Residuals
@@ -99,6 +101,31 @@ def test_what_is_not_known_is_reported_and_left_out(solved, tmp_path):
     (tmp_path / "nip.nc").write_bytes(sealed_netcdf(data))
     with pytest.warns(UserWarning, match="ignored: temperature"):
         assert wo.load_result(tmp_path / "nip.nc") == solved("nip")
+
+
+VERSION_0_3_1 = Path(__file__).parents[1] / "golden" / "version_0_3_1"
+
+
+@pytest.mark.parametrize("name", sorted(path.stem for path in VERSION_0_3_1.glob("*.toml")))
+def test_files_of_version_0_3_1_are_read_and_written_alike(tmp_path, name):
+    """That version reads what has the form of its own files; its cases and results are read."""
+    paths = {ending: VERSION_0_3_1 / f"{name}.{ending}" for ending in ("toml", "json", "nc")}
+    result = wo.load_result(paths["nc"])
+    assert result == wo.load_result(paths["json"])
+    assert result.problem == wo.load_case(paths["toml"])
+    assert to_toml(result.problem) == paths["toml"].read_text("utf-8")
+    records, data = [], []
+    result.save(tmp_path / "written.json")
+    result.save(tmp_path / "written.nc")
+    for path in (paths["json"], tmp_path / "written.json"):
+        record = json.loads(path.read_text("utf-8"))
+        records.append({key: record[key] for key in record if key not in ("version", "sha256")})
+    for path in (paths["nc"], tmp_path / "written.nc"):
+        with xarray.open_dataset(path, engine="scipy", decode_times=False) as dataset:
+            data.append(dataset.load())
+        del dataset.attrs["version"], dataset.attrs["sha256"]
+    assert records[0] == records[1]
+    assert data[0].identical(data[1])
 
 
 # ---- for readers --------------------------------------------------------------------------------

@@ -119,6 +119,6 @@ def test_a_tighter_roll_is_denser_and_without_a_density_none_is_reported():
 
 
 def _panels(result: wo.RollResult) -> list[str]:
-    from woundon.report.roll_plots import roll_panels
+    from woundon.report.roll_panels import roll_panels
 
     return [name for name, panel in roll_panels(result).items() if panel.by_default]

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import csv
 import io
-import random
-import re
 import sys
 from pathlib import Path
 
@@ -16,8 +14,8 @@ import woundon as wo
 from woundon.errors import InvalidProblem
 from woundon.io import sheets
 from woundon.studies.api import study_of
+from woundon.studies.columns import columns_of, measurable_outputs
 from woundon.studies.export import check_export
-from woundon.studies.kind_model import columns_of, measurable_outputs
 from woundon.studies.measured import Measured, read_measured
 
 NIP = wo.NipProblem.example()
@@ -168,8 +166,8 @@ def test_a_percentage_of_excel_is_what_is_displayed(tmp_path: Path, header: str)
     path = percentages(tmp_path, header, TWENTY)
     expected = [0.2] * len(TWENTY)
     assert read(path).inputs["roll_friction"].tolist() == pytest.approx(expected, rel=1e-15)
-    _, design = study_of(NIP, path, ["half_width"])
-    assert list(design.inputs(np.arange(design.size))["roll_friction"]) == pytest.approx(expected)
+    _, cases = study_of(NIP, path, ["half_width"])
+    assert cases.frame["roll_friction"].tolist() == pytest.approx(expected)
     solved = wo.solve_table(path, NIP, ["wound_on_tension"], nodes=13, workers=1)
     alone = wo.solve(NIP.replace(roll_friction=0.2), nodes=13).wound_on_tension
     np.testing.assert_allclose(solved["wound_on_tension [N/m]"], alone, rtol=1e-8)  # starts differ
@@ -203,24 +201,29 @@ def test_cells_of_excel_that_hold_no_number(tmp_path: Path):
     assert message[0].startswith("row 3, column 1: the formula has no value; open and save")
 
 
-# ---- against the csv module ---------------------------------------------------------------------
+@pytest.mark.parametrize(
+    ("text", "fault"),
+    [
+        ('a,"b\nc\nd', "row 2: is not a table: a quote has no end"),
+        ('"a" b,c', "row 2: is not a table: in a cell in quotes, ',' expected after '\"'"),
+        (
+            '"' + "x\n" * 70_000,
+            "row 2: is not a table: a quote has no end, or a cell has more than",
+        ),
+    ],
+)
+def test_quotes_that_do_not_match_are_reported_by_row(tmp_path: Path, text: str, fault: str):
+    assert faults(written(tmp_path, f"nip_load [N/m],WOT [N/m]\n{text}"))[0].startswith(fault)
 
-CELLS = ["a", "1,5", "x;y", 'say "hi"', 'q"q', "two\nlines", "", " led", "t\tt", "#no", "2"]
 
-
-@pytest.mark.parametrize("seed", range(40))
-def test_random_texts_are_split_into_cells_as_the_csv_module_splits_them(seed: int):
-    dice = random.Random(seed)
-    separator, ending = dice.choice(";\t,"), dice.choice(["\n", "\r\n"])
-    style = dice.choice([csv.QUOTE_MINIMAL, csv.QUOTE_ALL])
-    for _ in range(20):
-        rows = [dice.choices(CELLS, k=dice.choice([1, 2, 3])) for _ in range(4)] + [["end"]]
-        text = io.StringIO()
-        csv.writer(text, delimiter=separator, lineterminator=ending, quoting=style).writerows(rows)
-        lines = re.sub("^#.*", "", text.getvalue().replace("\r\n", "\n"), flags=re.MULTILINE)
-        expected = list(csv.reader(io.StringIO(lines), delimiter=separator, skipinitialspace=True))
-        found, _ = sheets._text_rows(f"sep={separator}\n{text.getvalue()}", "rig.csv")
-        assert found == [[""], *(row or [""] for row in expected)]
+def test_separators_quotes_and_lines_in_quotes_belong_to_the_cell(tmp_path: Path):
+    """As the csv module writes them; the rows keep the numbers of a spreadsheet."""
+    rows = [["case", "nip_load [N/m]", "WOT [N/m]"], ['a "b", c\nd', "1000", "650"], ["", "x", "7"]]
+    text = io.StringIO()
+    csv.writer(text).writerows(rows)
+    sheet = sheets.read_sheet(written(tmp_path, text.getvalue()), "measured")
+    assert sheet.columns["case"] == ['a "b", c\nd', ""]
+    assert list(sheet.numbers) == [2, 3]
 
 
 def test_a_formula_that_failed_is_no_gap(tmp_path: Path):

@@ -20,23 +20,25 @@ from .. import kinds
 from ..errors import InvalidProblem, NotConverged, did_you_mean, unwarned
 from ..io.case_files import SCHEMA, check_like_a_case, make_problem
 from ..problems.messages import quote
-from ..problems.permitted import admissible, bounds
+from ..problems.paths import field_quantity, find_places, get_field
+from ..problems.permitted import admissible, extremes
 from ..problems.problem import Problem
-from ..problems.schedules import Profile
-from ..problems.units import parse
-from ..quantities import find as find_places
 from ..quantities import scalar_outputs, value_of, walk
 from ..report.answer import answer_lines, main_outputs
 from ..report.report_parts import Section, certificate_of, friction_bounds, zone_strips
 from ..report.result_report import report_parts
 from ..results import ACCEPTED_RESIDUAL, Result, zone_runs
 from ..roll.design import design_tension
+from ..sensitivity import Sensitivity
+from ..studies.columns import measurable_outputs
 from ..studies.find import find as find_values
-from ..studies.kind_model import KindModel, field_quantity, get_field, measurable_outputs, model_of
+from ..studies.measurements import Observable, predict
+from ..studies.model import KindModel, model_of
+from ..studies.slopes import slopes
+from ..winding.margins import FIELDS
 from .input_forms import quantity_schema, tables_of
-from .json_texts import to_json
-from .limits import LIMITS
-from .plot_data import panels_of
+from .json_texts import records, to_json
+from .plot_data import panel_data, slow_panel_data
 
 __all__ = [
     "curve",
@@ -56,7 +58,6 @@ WARM_OPTIONS = {"nodes": 49, "errors": False}
 WARM_UP = 1.0  # seconds after which no further example is solved
 MOST_OUTPUTS = 6  # of kinds without main outputs
 MOST_SESSIONS = 32  # whose last results are kept as initial guesses
-STEP = 1e-3  # relative, of differences in place of derivatives; a fixed grid is smooth to 1e-8
 # by session: the last result, and the problem and options that it solves without a warm start
 _LAST: OrderedDict[str, tuple[Result | None, Any]] = OrderedDict()
 
@@ -162,9 +163,10 @@ def state_of(result: Result, report: bool = False, drawn: bool = False) -> dict[
     """Return a result for JSON, SI units.
 
     ``report`` adds the sections of the report; ``drawn`` returns the panels of the page instead of
-    the arrays.
+    the arrays, the slow ones with the report.
     """
     parts = report_parts(result) if report else []
+    slow = {"slow_panels": slow_panel_data(result)} if report and drawn else {}
     return {
         "kind": kinds.of(result).name,
         "problem": tables_of(result.problem),
@@ -172,7 +174,7 @@ def state_of(result: Result, report: bool = False, drawn: bool = False) -> dict[
             name: {"value": value_of(result, name), "error": result.errors.get(name)}
             for name in scalar_outputs(result)
         },
-        **({"panels": panels_of(result)} if drawn else _arrays(result)),
+        **({"panels": panel_data(result), **slow} if drawn else _arrays(result)),
         "answer": [line.text for line in answer_lines(result, full=report)],
         "headline": [
             {"name": name, "words": words} for name, words in main_outputs(result).items()
@@ -197,14 +199,8 @@ def _certificate(result: Result) -> dict[str, Any]:
 
 
 # by margin the field of its limit
-LIMIT_FIELDS = {
-    "slip": "limits.torque_share",
-    "compression": "limits.compression",
-    "blocking": "limits.blocking_pressure",
-    "core": "limits.core_pressure",
-    "strength": "limits.web_strength",
-    "slack": "limits.slack_tension",
-    "gauge_band": "limits.yield_strain",
+LIMIT_FIELDS = {name: f"limits.{field}" for name, field in FIELDS.items()} | {
+    "slip": "limits.torque_share"
 }
 
 
@@ -218,43 +214,29 @@ def _margin(margin: Any) -> dict[str, Any]:
 
 def _section(section: Section) -> dict[str, Any]:
     """Return a section of a report for JSON."""
+    names = ("symbol", "value", "unit", "value_text", "error_text", "note")
     rows = [
-        {
-            "label": row.meaning,
-            "symbol": row.symbol,
-            "value": row.value,
-            "unit": row.unit,
-            "value_text": row.value_text,
-            "error_text": row.error_text,
-            "note": row.note,
-        }
+        {"label": row.meaning, **{name: getattr(row, name) for name in names}}
         for row in section.rows
     ]
     return {"title": section.title, "text": section.text, "rows": rows}
 
 
 def _arrays(result: Result) -> dict[str, Any]:
-    arrays = {p.path: p.value.tolist() for p in walk(result) if isinstance(p.value, np.ndarray)}
-    return {"arrays": arrays, **_along_the_contact(result)}
-
-
-def _along_the_contact(result: Any) -> dict[str, Any]:
-    """Return the nodes of the nip, its zones and friction bounds; empty without zones."""
+    """Return all arrays of a result, with the nodes of the nip, zones and friction bounds."""
+    arrays = {p.path: p.value for p in walk(result) if isinstance(p.value, np.ndarray)}
     strips = zone_strips(result)
     if strips is None:
-        return {"nip": None, "zones": [], "zone_words": {}, "bounds": []}
+        return {"arrays": arrays, "nip": None, "zones": [], "zone_words": {}, "bounds": []}
     nip = getattr(result, "in_nip", slice(0, len(strips.x)))
+    runs = [zone_runs(strips.x, zones) for zones in strips.faces.values()]
+    bounds = friction_bounds(result)
     return {
-        "nip": [nip.start, nip.stop - 1],
-        "zones": [
-            {"name": face, "runs": zone_runs(strips.x, zones)}
-            for face, zones in strips.faces.items()
-        ],
-        "zone_words": {"-1": strips.slower, "0": "stick", "1": strips.faster},
-        "bounds": [
-            {"of": name, "values": values.tolist()}
-            for name, values in friction_bounds(result).items()
-        ],
+        "arrays": arrays,
+        "nip": (nip.start, nip.stop - 1),
+        "zones": records(name=strips.faces, runs=runs),
+        "zone_words": {str(zone): word for zone, word in strips.words.items()},
+        "bounds": records(of=bounds, values=bounds.values()),
     }
 
 
@@ -302,33 +284,17 @@ def with_grade(tables: Any, name: str) -> bytes:
 def design(tables: Any, pressure: Any, rtol: float) -> bytes:
     """Return the tension over the radius that gives a wound roll a target pressure, as JSON."""
     problem: Any = problem_of(tables)  # design_tension rejects other kinds
-    solution = design_tension(problem, _target_pressure(pressure), rtol=rtol)
+    solution = design_tension(problem, pressure, rtol=rtol)
     return to_json(
         {
             "tension": tables_of(solution.tension),
-            "radius": solution.radius.tolist(),
-            "target_pressure": solution.target_pressure.tolist(),
-            "pressure": solution.pressure.tolist(),
+            "radius": solution.radius,
+            "target_pressure": solution.target_pressure,
+            "pressure": solution.pressure,
             "outer_layer": solution.outer_layer,
             "surface_deviation": solution.surface_deviation,
         }
     )
-
-
-def _target_pressure(pressure: Any) -> float | Profile:
-    """Return a pressure, or one over the radius, in SI."""
-    if not isinstance(pressure, Mapping):
-        return parse(pressure, "Pa", "pressure")
-    columns = dict(pressure)
-    for name, unit in (("radius", "m"), ("value", "Pa")):
-        if isinstance(columns.get(name), list):
-            columns[name] = [
-                parse(item, unit, f"pressure.{name}.{k}") for k, item in enumerate(columns[name])
-            ]
-    try:
-        return Profile(**columns)
-    except InvalidProblem as fault:
-        raise fault.under("pressure") from None
 
 
 def find(
@@ -345,19 +311,19 @@ def find(
     aim: dict[str, Any] = {output: target}
     with unwarned():
         outcome = find_values(problem, field, between=between, **aim)
-    values = [value for value, _ in outcome.solutions]
-    columns = (values, outcome.reached, outcome.uncertainties, outcome.slopes)
-    names = ("value", "reached", "uncertainty", "slope")
     return to_json(
         {
             "field": field,
             "output": output,
             "target": outcome.target,
-            "solutions": [
-                dict(zip(names, map(float, row), strict=True)) for row in zip(*columns, strict=True)
-            ],
-            "values": outcome.values.tolist(),
-            "outputs": outcome.outputs.tolist(),
+            "solutions": records(
+                value=[value for value, _ in outcome.solutions],
+                reached=outcome.reached,
+                uncertainty=outcome.uncertainties,
+                slope=outcome.slopes,
+            ),
+            "values": outcome.values,
+            "outputs": outcome.outputs,
             "failures": [{"value": value, "why": why} for value, why in outcome.failures],
         }
     )
@@ -366,50 +332,36 @@ def find(
 # ---- around a state ---------------------------------------------------------------------------
 
 
-def curve(
-    tables: Any,
-    field: str,
-    options: Mapping[str, Any],
-    points: int = 11,
-    low: float | None = None,
-    high: float | None = None,
-    outputs: Sequence[str] = (),
-) -> bytes:
+def curve(tables: Any, query: Mapping[str, Any], options: Mapping[str, Any]) -> bytes:
     """Return outputs against one field around a case, as JSON.
 
-    Each solve starts from the previous one.  By default from 0.5 to 1.5 times the field's value.
+    ``query`` is as :class:`.request_models.CurveQuery`.  Each solve starts from the previous one.
+    By default from 0.5 to 1.5 times the field's value.
     """
-    problem = problem_of(tables)
+    problem, field, points = problem_of(tables), query["field"], query["points"]
     base = get_field(problem, field)
     quantity = field_quantity(problem, field)
     if quantity is None or isinstance(base, bool) or not isinstance(base, int | float):
         raise InvalidProblem.at(field, f"{quote(base)} is not a number, so it cannot be varied")
-    if not 2 <= points <= LIMITS["curve_points"]:
-        text = f"{points} is out of range; must be >= 2 and <= {LIMITS['curve_points']}"
-        raise InvalidProblem.at("points", text)
-    kind = kinds.of(problem)
-    names = tuple(outputs) or _usual_outputs(problem)
-    model = model_of(problem, names, {}, checked_options(kind, options))
-    values = _spread(problem, field, float(base), points, low, high)
-    rows: list[tuple[float, ...]] = []
-    failures, start = [], None
-    for value in values:
+    names = tuple(filter(None, query["outputs"].split(","))) or _usual_outputs(problem)
+    model = model_of(problem, names, {}, checked_options(kinds.of(problem), options))
+    ends = _ends(problem, field, float(base), query["low"], query["high"])
+    values = np.linspace(*ends, points).tolist()
+    rows, failures, start = np.full((points, len(names)), np.nan), [], None
+    for k, value in enumerate(values):
         try:
             answer = model.run({field: value}, start)
         except (InvalidProblem, NotConverged, ArithmeticError) as fault:
             failures.append({"value": value, "why": str(fault)})
-            rows.append((np.nan,) * len(names))
             continue
-        rows.append(answer.values)
-        start = answer.state
-    columns = zip(*rows, strict=True)
+        rows[k], start = answer.values, answer.state
     return to_json(
         {
             "field": field,
             "unit": quantity.unit,
             "at": base,
             "values": values,
-            "outputs": dict(zip(names, columns, strict=True)),
+            "outputs": dict(zip(names, rows.T, strict=True)),
             "failures": failures,
         }
     )
@@ -424,40 +376,38 @@ def _usual_outputs(problem: Problem) -> tuple[str, ...]:
     return tuple(names or list(known)[:MOST_OUTPUTS])
 
 
-def _spread(
-    problem: Problem, field: str, base: float, points: int, low: float | None, high: float | None
-) -> list[float]:
-    """Return values between ``low`` and ``high``, within the range that the field permits.
+def _ends(
+    problem: Problem, field: str, base: float, low: float | None, high: float | None
+) -> tuple[float, float]:
+    """Return the ends of the range of a curve, within the range that the field permits.
+
+    Parameters
+    ----------
+    problem, field, base
+        The case, the varied field, and its value in the case [SI].
+    low, high : float, optional
+        The requested ends; by default half the value below and above it, and for a value of 0 half
+        of the usual range of the field.
 
     Raises
     ------
     InvalidProblem
         If ``low`` is not less than ``high``, or both are out of the permitted range.
     """
-    span = max(abs(base) / 2, 0.0) or _typical_span(problem, field)
-    ends = [base - span if low is None else low, base + span if high is None else high]
-    if not ends[0] < ends[1]:
-        text = f"{quote(ends[0])} is out of range; must be < high = {quote(ends[1])}"
+    place = find_places(problem, field)[0]
+    typical = (place.quantity.typical if place.quantity else None) or (-1.0, 1.0)
+    half = abs(base) / 2 or (typical[1] - typical[0]) / 2
+    low = base - half if low is None else low
+    high = base + half if high is None else high
+    if not low < high:
+        text = f"{quote(low)} is out of range; must be < high = {quote(high)}"
         raise InvalidProblem.at("low", text)
-    requested = ends
-    for place in find_places(problem, field)[:1]:
-        for sign, bound in bounds(place.field):
-            pick = max if sign.startswith(">") else min
-            ends = [pick(end, bound) for end in ends]
-        if not ends[0] < ends[1]:
-            name, value = (
-                ("high", requested[1]) if ends[1] > requested[1] else ("low", requested[0])
-            )
-            text = f"{quote(value)} is out of range of {field}; must be {admissible(place.field)}"
-            raise InvalidProblem.at(name, text)
-    return [float(value) for value in np.linspace(ends[0], ends[1], points)]
-
-
-def _typical_span(problem: Problem, field: str) -> float:
-    """Return half of the usual range of a field; 1 without a usual range."""
-    quantity = field_quantity(problem, field)
-    low, high = (quantity.typical if quantity else None) or (-1.0, 1.0)
-    return (high - low) / 2
+    least, most = extremes(place.field)
+    if not max(low, least) < min(high, most):
+        name, value = ("high", high) if high < least else ("low", low)
+        text = f"{quote(value)} is out of range of {field}; must be {admissible(place.field)}"
+        raise InvalidProblem.at(name, text)
+    return max(low, least), min(high, most)
 
 
 def sensitivities(tables: Any, options: Mapping[str, Any]) -> bytes:
@@ -467,51 +417,35 @@ def sensitivities(tables: Any, options: Mapping[str, Any]) -> bytes:
     """
     problem = problem_of(tables)
     result = solved(problem, options)
-    if hasattr(result, "sensitivity"):
-        derivatives = result.sensitivity().sorted()
-        return to_json(
-            {
-                "method": "exact",
-                "outputs": derivatives.outputs,
-                "parameters": derivatives.parameters,
-                "elasticities": derivatives.elasticities.tolist(),
-                "derivatives": derivatives.derivatives.tolist(),
-                "zone_change": derivatives.zone_change,
-            }
-        )
-    return to_json(_differences(problem, result, options))
+    is_exact = hasattr(result, "sensitivity")
+    found: Sensitivity = result.sensitivity() if is_exact else _differences(result, options)
+    largest_first = found.sorted()
+    return to_json(
+        {
+            "method": "exact" if is_exact else "differences",
+            "outputs": largest_first.outputs,
+            "parameters": largest_first.parameters,
+            "elasticities": largest_first.elasticities.tolist(),
+            "derivatives": largest_first.derivatives.tolist(),
+            "zone_change": largest_first.zone_change,
+        }
+    )
 
 
-def _differences(problem: Problem, result: Any, options: Mapping[str, Any]) -> dict[str, Any]:
-    """Return derivatives by central differences on one mesh, for JSON."""
-    kind = kinds.of(problem)
+def _differences(result: Any, options: Mapping[str, Any]) -> Sensitivity:
+    """Return the derivatives with respect to all fields with a unit that are not 0."""
+    problem = result.problem
     outputs = _usual_outputs(problem)
-    settings = dict(options)
-    if "nodes" in kind.solver_options() and not settings.keys() & {"nodes", "rtol"}:
-        settings["nodes"] = result.nodes  # on different grids the outputs differ by their errors
-    model = model_of(problem, outputs, {}, checked_options(kind, settings))
-    base = np.array(model.run({}, None).values)
+    model = model_of(problem, outputs, {}, checked_options(kinds.of(problem), options))
     fields = {
         place.path: place.value
         for place in walk(problem)
         if isinstance(place.value, float) and place.quantity is not None and place.value
     }
-    slopes = dict[str, Any]()
-    for name, value in fields.items():
-        with suppress(InvalidProblem, NotConverged, ArithmeticError):  # at an end of its range
-            ends = [
-                np.array(model.run({name: value * (1 + sign * STEP)}, result).values)
-                for sign in (-1, 1)
-            ]
-            slopes[name] = (ends[1] - ends[0]) / (2 * STEP * value)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        shares = {n: slope * fields[n] / base for n, slope in slopes.items()}
-    order = sorted(slopes, key=lambda name: -abs(np.nan_to_num(shares[name][0])))
-    return {
-        "method": "differences",
-        "outputs": outputs,
-        "parameters": order,
-        "elasticities": np.transpose([shares[name] for name in order]).tolist(),
-        "derivatives": np.transpose([slopes[name] for name in order]).tolist(),
-        "zone_change": "",
-    }
+    observables = [Observable(output) for output in outputs]
+    columns = slopes(model, result, observables, list(fields), nan_if_unsolved=True)
+    values = np.array([predict(result, observable) for observable in observables])
+    is_solved = np.isfinite(columns).any(axis=0)
+    names = tuple(name for name, known in zip(fields, is_solved, strict=True) if known)
+    places = np.array(list(fields.values()))[is_solved]
+    return Sensitivity(outputs, names, columns[:, is_solved], values, places)

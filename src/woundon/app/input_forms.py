@@ -6,12 +6,14 @@ plug-in appears on the page too.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from functools import cache
 from types import NoneType
 from typing import Any, Literal, get_args, get_origin
 
 import numpy as np
+from pydantic.fields import FieldInfo
 
 from .. import __version__, kinds, plugins
 from ..errors import InvalidProblem
@@ -24,7 +26,7 @@ from ..problems.units import MILL, compatible_units, definitions
 from ..quantities import OF_FIELD, Quantity, is_list, members_of, outputs, quantity_of
 from .limits import LIMITS
 
-__all__ = ["catalogue", "quantity_schema", "tables_of"]
+__all__ = ["catalogue", "limits_of", "quantity_schema", "tables_of"]
 
 
 # Unit of a field that has the unit of the field that holds it, such as the values of a profile; the
@@ -75,7 +77,7 @@ def _kind(kind: kinds.Kind) -> dict[str, Any]:
         example = None
     return {
         "name": kind.name,
-        "title": _spoken(kind.name),
+        "title": _title(kind.name),
         "about": kind.about,
         "has_grades": bool(kind.problem.graded),
         "form": kind.problem.__name__,
@@ -130,36 +132,38 @@ def _add_form(model: type[Any], forms: dict[str, Any]) -> None:
     if name in forms:
         return
     start = {n: list(f.examples[0]) for n, f in model.model_fields.items() if f.examples}
-    forms[name] = {"title": _spoken(_snake(name)), "fields": [], "start": start}
+    forms[name] = {"title": _title(name), "fields": [], "start": start}
     for field_name, field in model.model_fields.items():
         forms[name]["fields"].append(_field(field_name, field))
         for member in members_of(field.annotation):
             _add_form(member, forms)
 
 
-def _field(name: str, field: Any) -> dict[str, Any]:
+def _field(name: str, field: FieldInfo) -> dict[str, Any]:
     """Return the description of a field of a form: type, unit, limits, default and choices."""
-    annotation, quantity = field.annotation, quantity_of(field)
-    members = members_of(annotation)
+    annotation, quantity, members = (
+        field.annotation,
+        quantity_of(field),
+        members_of(field.annotation),
+    )
     entry: dict[str, Any] = {
         "name": name,
         "symbol": "",
-        "label": field.description or _spoken(name).lower(),
+        "label": field.description or _title(name).lower(),
         "type": _type(annotation),
         "required": field.is_required(),
         "optional": NoneType in get_args(annotation),
         "unit": "",
         "shown_unit": "",
         "typical": None,
-        "limits": _constraints(field, gt="gt", ge="ge", lt="lt", le="le"),
+        "limits": limits_of(field),
     }
     if not field.is_required():
         default = field.get_default(call_default_factory=True)
         entry["default"] = tables_of(default) if isinstance(default, Description) else default
     if quantity is not None:
         entry |= quantity_schema(quantity)
-        entry["typical"] = list(quantity.typical) if quantity.typical else None
-        entry["other_form"] = quantity.other_form
+        entry |= {"typical": quantity.typical, "other_form": quantity.other_form}
     elif OF_FIELD in field.metadata:
         entry |= {"unit": OF_HOLDER, "shown_unit": OF_HOLDER}
     if members:
@@ -171,10 +175,9 @@ def _field(name: str, field: Any) -> dict[str, Any]:
             }
             for m in members
         ]
-        entry["number"] = not is_list(annotation) and _admits(annotation, float)
+        entry["number"] = not is_list(annotation) and float in _parts(annotation)
         entry["named"] = any(issubclass(m, Material) for m in members)
-    words = list(_words(annotation))
-    if words:
+    if words := _words(annotation):
         entry["choices"] = words
     if is_list(annotation):
         entry |= _constraints(field, min_length="min_items", max_length="max_items")
@@ -187,25 +190,29 @@ def _type(annotation: Any) -> str:
         return "members" if is_list(annotation) else "member"
     if is_list(annotation):
         return "pairs" if any(is_list(part) for part in get_args(annotation)) else "numbers"
-    if any(_words(annotation)):
+    if _words(annotation):
         return "choice"
-    return "number" if _admits(annotation, float) else "text"
+    return "number" if float in _parts(annotation) else "text"
 
 
-def _admits(annotation: Any, kind: type) -> bool:
-    return annotation is kind or any(_admits(part, kind) for part in get_args(annotation))
+def _parts(annotation: Any) -> list[Any]:
+    """Return an annotation and all types of which it consists."""
+    inner = () if get_origin(annotation) is Literal else get_args(annotation)
+    return [annotation, *(part for one in inner for part in _parts(one))]
 
 
-def _words(annotation: Any) -> Iterator[str]:
-    """Yield the words that a field accepts."""
-    for part in get_args(annotation):
-        if get_origin(annotation) is Literal:
-            yield part
-        elif get_origin(part) is not None:
-            yield from _words(part)
+def _words(annotation: Any) -> list[str]:
+    """Return the words that a field accepts."""
+    literals = [part for part in _parts(annotation) if get_origin(part) is Literal]
+    return [word for literal in literals for word in get_args(literal)]
 
 
-def _constraints(field: Any, **names: str) -> dict[str, float]:
+def limits_of(field: FieldInfo) -> dict[str, float]:
+    """Return the limits of a field: "gt", "ge", "lt", "le"."""
+    return _constraints(field, gt="gt", ge="ge", lt="lt", le="le")
+
+
+def _constraints(field: FieldInfo, **names: str) -> dict[str, float]:
     """Return constraints of a field from its metadata, by their names in the form."""
     return {
         form_name: getattr(part, name)
@@ -235,9 +242,10 @@ def _units(forms: Mapping[str, Any], descriptions: list[Any]) -> dict[str, Any]:
     }
 
 
-def _snake(name: str) -> str:
-    return "".join(f"_{c.lower()}" if c.isupper() else c for c in name).strip("_")
+def _title(name: str) -> str:
+    """Return a name in snake case or of a class in words.
 
-
-def _spoken(name: str) -> str:
-    return name.replace("_", " ").capitalize()
+    >>> _title("web_tension"), _title("HalfPlane")
+    ('Web tension', 'Half plane')
+    """
+    return re.sub(r"(?<!^)(?=[A-Z])", "_", name).replace("_", " ").capitalize()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import traceback
 from http import HTTPStatus
 from typing import Any
 
@@ -17,8 +18,8 @@ from ..errors import (
     NotConverged,
     printable_line,
 )
-from ..problems.permitted import bounds
-from ..quantities import find
+from ..problems.paths import find_places
+from .input_forms import limits_of
 from .json_texts import to_json
 
 __all__ = ["MEDIA", "REJECTIONS", "RequestError", "request_error_of"]
@@ -61,25 +62,27 @@ class RequestError(Exception):
         super().__init__(status, kind, detail, errors)
         self.status, self.kind, self.detail, self.errors = status, kind, detail, errors
 
-    def body(self) -> bytes:
-        """Return the problem details as JSON."""
-        document = {
+    def details(self) -> dict[str, Any]:
+        """Return the problem details, for JSON."""
+        return {
             "type": f"/problems/{self.kind}",
             "title": HTTPStatus(self.status).phrase,
             "status": self.status,
             "detail": self.detail,
-            "errors": list(self.errors),
+            "errors": self.errors,
         }
-        return to_json(document)
 
     def response(self) -> Response:
         """Return the response, without reading the remaining body of the request."""
         headers = {"connection": "close"} if self.status in (408, 413, 415) else {}
-        return Response(self.body(), self.status, headers, media_type=MEDIA)
+        return Response(to_json(self.details()), self.status, headers, media_type=MEDIA)
 
 
-def request_error_of(fault: Exception) -> RequestError | None:
-    """Return the error of a request for an exception that its input causes; None for others."""
+def request_error_of(fault: Exception) -> RequestError:
+    """Return the error of a request for an exception that its computation raised.
+
+    An exception that no input should cause is an error of the server; its traceback is printed.
+    """
     if isinstance(fault, RequestError):
         return fault
     if isinstance(fault, InvalidProblem):
@@ -91,7 +94,8 @@ def request_error_of(fault: Exception) -> RequestError | None:
     if isinstance(fault, MemoryError):
         text = "the computation needs more memory than a request may use; choose fewer nodes"
         return RequestError(413, "too-large", text)
-    return None
+    traceback.print_exception(fault)
+    return RequestError(500, "failed", f"{type(fault).__name__} in the server")
 
 
 def _error_at(path: str, message: str) -> dict[str, Any]:
@@ -99,11 +103,10 @@ def _error_at(path: str, message: str) -> dict[str, Any]:
     error: dict[str, Any] = {"field": path, "message": printable_line(message)}
     if not FIELD_PATH.fullmatch(path):
         return error
-    for place in (place for kind in kinds.every() for place in find(kind.problem, path)):
-        if limits := bounds(place.field):
-            names = {">": "gt", ">=": "ge", "<": "lt", "<=": "le"}
-            error["range"] = {names[sign]: end for sign, end in limits}
+    places = (place for kind in kinds.every() for place in find_places(kind.problem, path))
+    if place := next(places, None):
+        if limits := limits_of(place.field):
+            error["range"] = limits
         if place.quantity is not None:
             error["unit"] = place.quantity.unit
-        break
     return error

@@ -13,6 +13,7 @@ __all__ = [
     "Case",
     "CaseText",
     "Cases",
+    "CurveQuery",
     "DesignRequest",
     "FindRequest",
     "FitRequest",
@@ -75,6 +76,16 @@ Case = Annotated[
 
 class _Request(BaseModel):
     model_config = ConfigDict(extra="forbid")
+
+
+class CurveQuery(BaseModel):
+    """The varied field of a curve, its ends and number of points, and outputs with commas."""
+
+    field: str
+    points: int = Field(11, ge=2, le=LIMITS["curve_points"])
+    low: float | None = Field(None, allow_inf_nan=False)
+    high: float | None = Field(None, allow_inf_nan=False)
+    outputs: str = ""
 
 
 class DesignRequest(_Request):

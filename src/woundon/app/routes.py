@@ -1,6 +1,8 @@
 """The HTTP interface of the page and of programs: FastAPI in front of :mod:`.computations`.
 
 request -> middleware -> route -> Pool (a worker process) -> response
+
+A study streams its events (:mod:`.study_stream`).
 """
 
 from __future__ import annotations
@@ -12,11 +14,12 @@ import json
 import re
 from collections.abc import AsyncIterator, Callable, Coroutine, Iterable
 from contextlib import asynccontextmanager
+from functools import cache
 from html import escape
 from pathlib import Path
 from typing import Annotated, Any
 
-from fastapi import FastAPI, Query, Request, Response
+from fastapi import APIRouter, FastAPI, Query, Request, Response
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import FileResponse, StreamingResponse
 from fastapi.routing import APIRoute
@@ -26,17 +29,19 @@ from starlette.middleware.gzip import GZipMiddleware
 from starlette.requests import ClientDisconnect
 
 from .. import __version__
+from ..errors import InvalidProblem
 from ..parallel import usable_cores
-from . import computations, documents, fit_stream, study_stream, window_stream
+from . import computations, documents, study_stream
 from .input_forms import catalogue
 from .json_texts import from_json, to_json
 from .limits import LIMITS
 from .middleware import COOKIE, middleware
-from .request_errors import REJECTIONS, RequestError
+from .request_errors import REJECTIONS, RequestError, request_error_of
 from .request_models import (
     Case,
     Cases,
     CaseText,
+    CurveQuery,
     DesignRequest,
     FindRequest,
     FitRequest,
@@ -88,8 +93,15 @@ class Workers:
         for pool in (self.solvers, self.others, self.cases):
             pool.close()
 
+    def stop_study(self, session: str) -> bool:
+        """Stop the running study of a session; return whether there was one."""
+        stopped = self.studies.get(session)
+        if stopped is not None:
+            stopped.set()
+        return stopped is not None
 
-class JSONRequest(Request):
+
+class APIRequest(Request):
     """A request whose body arrives in time and is strict JSON: no nan, no infinity."""
 
     async def body(self) -> bytes:
@@ -122,18 +134,64 @@ class JSONRequest(Request):
         except ValueError as fault:
             raise HTTPException(400, f"the body is not JSON: {str(fault)[:200]}") from None
 
+    @property
+    def session_name(self) -> str:
+        """Name of the user's session; "" without one."""
+        name = self.headers.get("x-session", "")
+        return name if SESSION.fullmatch(name) else ""
 
-class JSONRoute(APIRoute):
-    """A route whose requests are of :class:`JSONRequest`."""
+    def solver_options(self, *known: str) -> dict[str, str]:
+        """Return the options of the solver: the fields of the query except those of the route."""
+        excluded = {"token", *known}
+        return {name: text for name, text in self.query_params.items() if name not in excluded}
+
+    @property
+    def workers(self) -> Workers:
+        """The worker processes of the application."""
+        workers: Workers = self.app.state.workers
+        return workers
+
+    async def computed(
+        self, pool: Pool, call: Callable[..., Any], *args: Any, rank: int = 0
+    ) -> Any:
+        """Return ``call(*args)``, computed by a worker.
+
+        A new request of a session cancels its earlier one for the same function.  The computation
+        is also cancelled when the client disconnects.
+        """
+        session = self.session_name
+        key = (session, call.__name__) if session else None
+        answer = asyncio.create_task(pool.run(call, *args, key=key, session=session, rank=rank))
+        try:
+            while not (await asyncio.wait({answer}, timeout=POLL_SECONDS))[0]:
+                if await self.is_disconnected():
+                    raise RequestError(408, "disconnected", "the client has disconnected")
+            return answer.result()
+        finally:
+            answer.cancel()
+
+    async def json_of(
+        self, pool: Pool, call: Callable[..., bytes], *args: Any, rank: int = 0
+    ) -> Response:
+        """Return the response with the JSON that a worker computes."""
+        body = await self.computed(pool, call, *args, rank=rank)
+        return Response(body, media_type="application/json")
+
+
+class _Route(APIRoute):
+    """A route whose requests are of :class:`APIRequest`."""
 
     def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
         """Return the handler of the route."""
         handler = super().get_route_handler()
 
         async def handle(request: Request) -> Response:
-            return await handler(JSONRequest(request.scope, request.receive))
+            return await handler(APIRequest(request.scope, request.receive))
 
         return handle
+
+
+router = APIRouter(route_class=_Route)
 
 
 def application(names: Iterable[str] = (), token: str = "") -> FastAPI:
@@ -157,294 +215,246 @@ def application(names: Iterable[str] = (), token: str = "") -> FastAPI:
         redoc_url=None,
         middleware=middleware(names, token),
         responses=REJECTIONS,
-        exception_handlers={
-            RequestError: _rejected,
-            HTTPException: _rejected_by_starlette,
-            RequestValidationError: _invalid,
-        },
+        exception_handlers=dict.fromkeys(
+            (RequestError, HTTPException, RequestValidationError), _rejected
+        ),
     )
-    app.router.route_class = JSONRoute
-    _add_pages(app, token)
-    _add_states(app, workers)
-    _add_variations(app, workers)
-    _add_studies(app, workers)
-    _add_documents(app, workers)
+    app.state.workers, app.state.token = workers, token
+    app.include_router(router)
+    # for files only: it would hold back the lines of streams until a block is full
+    app.mount("/static", GZipMiddleware(StaticFiles(directory=STATIC)), name="static")
     return app
 
 
-# ---- errors -------------------------------------------------------------------------------------
+async def _rejected(request: Request, fault: Any) -> Response:
+    """Return the response to a request that a route, Starlette or FastAPI rejects."""
+    if isinstance(fault, HTTPException):
+        fault = RequestError(fault.status_code, "rejected", str(fault.detail))
+    elif isinstance(fault, RequestValidationError):
+        fault = InvalidProblem(
+            (".".join(map(str, error["loc"][1:])), error["msg"]) for error in fault.errors()
+        )
+    return request_error_of(fault).response()
 
 
-async def _rejected(request: Request, error: Any) -> Response:
-    response: Response = error.response()
+# ---- the page, the description of the interface, the catalogue ----------------------------------
+
+
+@router.get("/", include_in_schema=False)
+async def page(request: APIRequest, token: str = "") -> Response:
+    """Return the page; with a valid token, set the cookie that carries it."""
+    response, secret = FileResponse(STATIC / "index.html"), request.app.state.token
+    if secret and token == secret:  # the requests of the page carry it from then on
+        response.set_cookie(COOKIE, secret, httponly=True, samesite="strict")
     return response
 
 
-async def _rejected_by_starlette(request: Request, error: Any) -> Response:
-    return RequestError(error.status_code, "rejected", str(error.detail)).response()
+@router.get("/api", include_in_schema=False)
+async def interface(request: APIRequest) -> Response:
+    """Return the description of the interface."""
+    return Response(_description(request.app.openapi()), media_type="text/html")
 
 
-async def _invalid(request: Request, error: Any) -> Response:
-    """Return the response to a request of invalid form."""
-    errors = tuple(
-        {"field": ".".join(map(str, entry["loc"][1:])), "message": entry["msg"]}
-        for entry in error.errors()
-    )
-    detail = "\n".join(
-        f"{entry['field']}: {entry['message']}".removeprefix(": ") for entry in errors
-    )
-    return RequestError(422, "invalid", detail, errors).response()
+@router.get("/api/catalogue", tags=["catalogue"])
+async def describe(request: APIRequest) -> Response:
+    """Return kinds of problem, their forms with units and ranges, outputs, grades."""
+    body, compressed, tag = await asyncio.to_thread(_encoded_catalogue)
+    if request.headers.get("if-none-match") == tag:
+        return Response(status_code=304, headers={"etag": tag})
+    headers = {"etag": tag, "cache-control": "no-cache", "vary": "accept-encoding"}
+    if "gzip" in request.headers.get("accept-encoding", ""):
+        body, headers["content-encoding"] = compressed, "gzip"
+    return Response(body, headers=headers, media_type="application/json")
 
 
-# ---- requests to workers ------------------------------------------------------------------------
+@cache
+def _encoded_catalogue() -> tuple[bytes, bytes, str]:
+    """Return the catalogue as JSON, compressed, and its entity tag."""
+    body = to_json(catalogue())
+    return body, gzip.compress(body, 6, mtime=0), f'"{hashlib.sha256(body).hexdigest()[:32]}"'
 
 
-def _session_of(request: Request) -> str:
-    session = request.headers.get("x-session", "")
-    return session if SESSION.fullmatch(session) else ""
+# ---- one case: its solution, its tables, its variations ------------------------------------------
 
 
-def _options(request: Request, *known: str) -> dict[str, Any]:
-    """Return the options of the solver: the fields of the query except those of the route."""
-    excluded = {"token", *known}
-    return {name: value for name, value in request.query_params.items() if name not in excluded}
+@router.post("/api/solve", tags=["states"])
+async def solve(
+    request: APIRequest, case: Case, warm: bool = False, report: bool = False, drawn: bool = False
+) -> Response:
+    """Solve a case.  Other fields of the query are options of the solver: ``?nodes=129``."""
+    options = request.solver_options("warm", "report", "drawn")
+    args = (case, options, request.session_name, warm, report, drawn)
+    return await request.json_of(request.workers.solvers, computations.solve, *args)
 
 
-async def _computed(
-    pool: Pool, request: Request, call: Callable[..., Any], *args: Any, rank: int = 0
-) -> Any:
-    """Return ``call(*args)``, computed by a worker.
+@router.post("/api/grade", tags=["states"])
+async def grade(request: APIRequest, body: GradeRequest) -> Response:
+    """Return the tables of a case with the web, friction and limits of a grade."""
+    call, args = computations.with_grade, (body.case, body.grade)
+    return await request.json_of(request.workers.solvers, call, *args)
 
-    A new request of a session cancels its earlier one for the same function.  The computation is
-    also cancelled when the client disconnects.
-    """
-    session = _session_of(request)
-    key = (session, call.__name__) if session else None
-    answer = asyncio.create_task(pool.run(call, *args, key=key, session=session, rank=rank))
+
+@router.post("/api/design", tags=["states"])
+async def design(request: APIRequest, body: DesignRequest) -> Response:
+    """Find the tension over the radius that gives a wound roll a target pressure."""
+    args = (body.case, body.pressure, body.rtol)
+    return await request.json_of(request.workers.solvers, computations.design, *args)
+
+
+@router.post("/api/curve", tags=["states"])
+async def curve(request: APIRequest, case: Case, query: Annotated[CurveQuery, Query()]) -> Response:
+    """Return outputs against one field around a case."""
+    args = (case, query.model_dump(), request.solver_options(*CurveQuery.model_fields))
+    return await request.json_of(request.workers.others, computations.curve, *args)
+
+
+@router.post("/api/sensitivities", tags=["states"])
+async def sensitivities(request: APIRequest, case: Case) -> Response:
+    """Return the derivatives of the outputs with respect to each field."""
+    call, args = computations.sensitivities, (case, request.solver_options())
+    return await request.json_of(request.workers.others, call, *args, rank=1)
+
+
+@router.post("/api/find", tags=["states"])
+async def find(request: APIRequest, body: FindRequest) -> Response:
+    """Find the values of a field for which an output reaches a target."""
+    args = (body.case, body.field, body.output, body.target, body.between)
+    return await request.json_of(request.workers.others, computations.find, *args)
+
+
+# ---- studies, which stream their events ----------------------------------------------------------
+
+
+@router.post("/api/sweep", tags=["studies"])
+async def sweep(request: APIRequest, study: Study) -> Response:
+    """Solve a study; its events are streamed, one line of JSON each."""
+    pool, tables = request.workers.cases, study.model_dump(exclude_unset=True)
+    started = await request.computed(pool, study_stream.start_sweep, tables)
+    return _streamed(_of_session(request, study_stream.sweep(pool, started, request.session_name)))
+
+
+@router.post("/api/fit", tags=["studies"])
+async def fit(request: APIRequest, body: FitRequest) -> Response:
+    """Fit one or two fields to a table of measured values; events as those of a study."""
+    args = (request.workers.cases, body.model_dump(), request.session_name)
+    return _streamed(_of_session(request, study_stream.fit(*args)))
+
+
+@router.post("/api/window", tags=["studies"])
+async def window(request: APIRequest, body: WindowRequest) -> Response:
+    """Map the probability that a roll keeps its limits; events as those of a study."""
+    if request.workers.window.locked():
+        raise RequestError(503, "busy", "another operating window is being computed")
+
+    async def lines() -> AsyncIterator[bytes]:
+        """Yield the events while no other window can be computed."""
+        async with request.workers.window:
+            study = study_stream.window(body.model_dump())
+            async for line in study_stream.event_lines(study, request.is_disconnected):
+                yield line
+
+    return _streamed(lines())
+
+
+@router.post("/api/cancel", tags=["studies"])
+async def cancel(request: APIRequest) -> dict[str, bool]:
+    """Stop the study of the session in the header X-Session."""
+    return {"cancelled": request.workers.stop_study(request.session_name)}
+
+
+async def _of_session(request: APIRequest, study: study_stream.Lines) -> AsyncIterator[bytes]:
+    """Yield the events of a study; an older study of the same session is stopped."""
+    workers, session, stopped = request.workers, request.session_name, asyncio.Event()
+    workers.stop_study(session)
+    if session:
+        workers.studies[session] = stopped
     try:
-        while not (await asyncio.wait({answer}, timeout=POLL_SECONDS))[0]:
-            if await request.is_disconnected():
-                raise RequestError(408, "disconnected", "the client has disconnected")
-        return answer.result()
+        args = (study, request.is_disconnected, stopped, LIMITS["study_seconds"])
+        async for line in study_stream.event_lines(*args):
+            yield line
     finally:
-        answer.cancel()
+        if workers.studies.get(session) is stopped:
+            del workers.studies[session]
 
 
-def _json(body: bytes) -> Response:
-    return Response(body, media_type="application/json")
+def _streamed(lines: AsyncIterator[bytes]) -> Response:
+    return StreamingResponse(lines, media_type="application/x-ndjson")
+
+
+# ---- files, reports and figures ------------------------------------------------------------------
+
+
+@router.post("/api/case/read", tags=["documents"])
+async def read_case(request: APIRequest, text: CaseText) -> Response:
+    """Return the tables of the text of a case file, complete and in SI."""
+    call = documents.read_case
+    return await request.json_of(request.workers.others, call, text.toml, rank=1)
+
+
+@router.post("/api/case/write", tags=["documents"])
+async def case_file(request: APIRequest, case: Case) -> Response:
+    """Return the case file of a case, with comments."""
+    body = await _written(request, documents.case_file, case)
+    return Response(body, media_type="text/plain")
+
+
+@router.post("/api/python", tags=["documents"])
+async def python_text(request: APIRequest, case: Case) -> Response:
+    """Return the Python script that computes a case."""
+    body = await _written(request, documents.python_text, case)
+    return Response(body, media_type="text/plain")
+
+
+@router.post("/api/file", tags=["documents"])
+async def result_file(
+    request: APIRequest,
+    case: Case,
+    format: Annotated[str, Query(pattern="^(csv|json|nc)$")] = "csv",
+) -> Response:
+    """Return the solved case as a result file."""
+    options = request.solver_options("format")
+    body = await _written(request, documents.result_file, case, format, options)
+    return _file(body, f"result.{format}")
+
+
+@router.post("/api/report", tags=["documents"])
+async def report(request: APIRequest, cases: Cases) -> Response:
+    """Return the report of solved cases as a self-contained HTML file."""
+    body = await _written(request, documents.report, cases.model_dump())
+    return Response(body, media_type="text/html")
+
+
+@router.post("/api/figure", tags=["documents"])
+async def figure(
+    request: APIRequest,
+    cases: Cases,
+    format: Annotated[str, Query(pattern="^(svg|png|pdf)$")] = "svg",
+    panels: str = "",
+) -> Response:
+    """Return a figure of one case or of several cases."""
+    args = (cases.model_dump(), format, [name for name in panels.split(",") if name])
+    return _file(await _written(request, documents.figure, *args), f"figure.{format}")
+
+
+@router.get("/api/thesis/{name}", tags=["documents"])
+async def exhibit(request: APIRequest, name: str) -> Response:
+    """Compute a figure that the catalogue names among its exhibits."""
+    body = await _written(request, documents.exhibit, name, rank=2)
+    return Response(body, media_type=MEDIA_TYPES["svg"])
+
+
+async def _written(
+    request: APIRequest, call: Callable[..., bytes], *args: Any, rank: int = 1
+) -> bytes:
+    """Return the content of a file that a worker writes, after requests that a user waits for."""
+    content: bytes = await request.computed(request.workers.others, call, *args, rank=rank)
+    return content
 
 
 def _file(body: bytes, name: str) -> Response:
+    """Return the response with a file to save."""
     headers = {"content-disposition": f'attachment; filename="{name}"'}
     return Response(body, headers=headers, media_type=MEDIA_TYPES[name.rpartition(".")[2]])
-
-
-# ---- routes -------------------------------------------------------------------------------------
-
-
-def _add_pages(app: FastAPI, secret: str) -> None:
-    """Add the routes of the page, the description of the interface and the catalogue."""
-
-    @app.get("/", include_in_schema=False)
-    async def page(token: str = "") -> Response:
-        """Return the page; with a valid token, set the cookie that carries it."""
-        response = FileResponse(STATIC / "index.html")
-        if secret and token == secret:  # the requests of the page carry it from then on
-            response.set_cookie(COOKIE, secret, httponly=True, samesite="strict")
-        return response
-
-    @app.get("/api", include_in_schema=False)
-    async def interface() -> Response:
-        return Response(_description(app.openapi()), media_type="text/html")
-
-    @app.get("/api/catalogue", tags=["catalogue"])
-    async def describe(request: Request) -> Response:
-        """Return kinds of problem, their forms with units and ranges, outputs, grades."""
-        body = await asyncio.to_thread(lambda: to_json(catalogue()))
-        tag = f'"{hashlib.sha256(body).hexdigest()[:32]}"'
-        if request.headers.get("if-none-match") == tag:
-            return Response(status_code=304, headers={"etag": tag})
-        headers = {"etag": tag, "cache-control": "no-cache", "vary": "accept-encoding"}
-        if "gzip" in request.headers.get("accept-encoding", ""):
-            body = gzip.compress(body, 6, mtime=0)
-            headers["content-encoding"] = "gzip"
-        return Response(body, headers=headers, media_type="application/json")
-
-    # for files only: it would hold back the lines of streams until a block is full
-    app.mount("/static", GZipMiddleware(StaticFiles(directory=STATIC)), name="static")
-
-
-def _add_states(app: FastAPI, workers: Workers) -> None:
-    """Add the routes that solve a case or change its tables."""
-
-    @app.post("/api/solve", tags=["states"])
-    async def solve(
-        request: Request, case: Case, warm: bool = False, report: bool = False, drawn: bool = False
-    ) -> Response:
-        """Solve a case.  Other fields of the query are options of the solver: ``?nodes=129``."""
-        options = _options(request, "warm", "report", "drawn")
-        args = (case, options, _session_of(request), warm, report, drawn)
-        return _json(await _computed(workers.solvers, request, computations.solve, *args))
-
-    @app.post("/api/grade", tags=["states"])
-    async def grade(request: Request, body: GradeRequest) -> Response:
-        """Return the tables of a case with the web, friction and limits of a grade."""
-        args = (body.case, body.grade)
-        return _json(await _computed(workers.solvers, request, computations.with_grade, *args))
-
-    @app.post("/api/design", tags=["states"])
-    async def design(request: Request, body: DesignRequest) -> Response:
-        """Find the tension over the radius that gives a wound roll a target pressure."""
-        args = (body.case, body.pressure, body.rtol)
-        return _json(await _computed(workers.solvers, request, computations.design, *args))
-
-
-def _add_variations(app: FastAPI, workers: Workers) -> None:
-    """Add the routes that vary the fields of a case."""
-
-    @app.post("/api/curve", tags=["states"])
-    async def curve(
-        request: Request,
-        case: Case,
-        field: str,
-        points: Annotated[int, Query(ge=2, le=LIMITS["curve_points"])] = 11,
-        low: Annotated[float | None, Query(allow_inf_nan=False)] = None,
-        high: Annotated[float | None, Query(allow_inf_nan=False)] = None,
-        outputs: str = "",
-    ) -> Response:
-        """Return outputs against one field around a case."""
-        options = _options(request, "field", "points", "low", "high", "outputs")
-        names = [name for name in outputs.split(",") if name]
-        args = (case, field, options, points, low, high, names)
-        return _json(await _computed(workers.others, request, computations.curve, *args))
-
-    @app.post("/api/sensitivities", tags=["states"])
-    async def sensitivities(request: Request, case: Case) -> Response:
-        """Return the derivatives of the outputs with respect to each field."""
-        call, args = computations.sensitivities, (case, _options(request))
-        return _json(await _computed(workers.others, request, call, *args, rank=1))
-
-    @app.post("/api/find", tags=["states"])
-    async def find(request: Request, body: FindRequest) -> Response:
-        """Find the values of a field for which an output reaches a target."""
-        args = (body.case, body.field, body.output, body.target, body.between)
-        return _json(await _computed(workers.others, request, computations.find, *args))
-
-
-def _add_studies(app: FastAPI, workers: Workers) -> None:
-    """Add the routes of studies, which stream their events."""
-
-    def streamed(request: Request, events: Callable[..., AsyncIterator[bytes]], tables: Any) -> Any:
-        """Return the events of a study; a running study of the same session is stopped."""
-        session, studies, stopped = _session_of(request), workers.studies, asyncio.Event()
-        if session in studies:
-            studies[session].set()
-        if session:
-            studies[session] = stopped
-
-        async def lines() -> AsyncIterator[bytes]:
-            try:
-                args = (workers.cases, tables, session, request.is_disconnected, stopped)
-                async for line in events(*args):
-                    yield line
-            finally:
-                if studies.get(session) is stopped:
-                    del studies[session]
-
-        return StreamingResponse(lines(), media_type="application/x-ndjson")
-
-    @app.post("/api/sweep", tags=["studies"])
-    async def sweep(request: Request, study: Study) -> Response:
-        """Solve a study; its events are streamed, one line of JSON each."""
-        tables = study.model_dump(exclude_unset=True)
-        started = await _computed(workers.cases, request, study_stream.start_study, tables)
-        return streamed(request, study_stream.events, started)
-
-    @app.post("/api/fit", tags=["studies"])
-    async def fit(request: Request, body: FitRequest) -> Response:
-        """Fit one or two fields to a table of measured values; events as those of a study."""
-        return streamed(request, fit_stream.events, body.model_dump())
-
-    @app.post("/api/window", tags=["studies"])
-    async def window(request: Request, body: WindowRequest) -> Response:
-        """Map the probability that a roll keeps its limits; events as those of a study."""
-        if workers.window.locked():
-            raise RequestError(503, "busy", "another operating window is being computed")
-
-        async def lines() -> AsyncIterator[bytes]:
-            async with workers.window:
-                events = window_stream.events(body.model_dump(), request.is_disconnected)
-                async for line in events:
-                    yield line
-
-        return StreamingResponse(lines(), media_type="application/x-ndjson")
-
-    @app.post("/api/cancel", tags=["studies"])
-    async def cancel(request: Request) -> dict[str, bool]:
-        """Stop the study of the session in the header X-Session."""
-        stopped = workers.studies.get(_session_of(request))
-        if stopped is not None:
-            stopped.set()
-        return {"cancelled": stopped is not None}
-
-
-def _add_documents(app: FastAPI, workers: Workers) -> None:
-    """Add the routes that read and write files, reports and figures."""
-
-    async def written(request: Request, call: Callable[..., Any], *args: Any, rank: int = 1) -> Any:
-        return await _computed(workers.others, request, call, *args, rank=rank)
-
-    @app.post("/api/case/read", tags=["documents"])
-    async def read_case(request: Request, text: CaseText) -> Response:
-        """Return the tables of the text of a case file, complete and in SI."""
-        return _json(await written(request, documents.read_case, text.toml))
-
-    @app.post("/api/case/write", tags=["documents"])
-    async def case_file(request: Request, case: Case) -> Response:
-        """Return the case file of a case, with comments."""
-        body = await written(request, documents.case_file, case)
-        return Response(body, media_type="text/plain")
-
-    @app.post("/api/python", tags=["documents"])
-    async def python_text(request: Request, case: Case) -> Response:
-        """Return the Python script that computes a case."""
-        body = await written(request, documents.python_text, case)
-        return Response(body, media_type="text/plain")
-
-    @app.post("/api/file", tags=["documents"])
-    async def result_file(
-        request: Request,
-        case: Case,
-        format: Annotated[str, Query(pattern="^(csv|json|nc)$")] = "csv",
-    ) -> Response:
-        """Return the solved case as a result file."""
-        options = _options(request, "format")
-        body = await written(request, documents.result_file, case, format, options)
-        return _file(body, f"result.{format}")
-
-    @app.post("/api/report", tags=["documents"])
-    async def report(request: Request, cases: Cases) -> Response:
-        """Return the report of solved cases as a self-contained HTML file."""
-        body = await written(request, documents.report, cases.model_dump())
-        return Response(body, media_type="text/html")
-
-    @app.post("/api/figure", tags=["documents"])
-    async def figure(
-        request: Request,
-        cases: Cases,
-        format: Annotated[str, Query(pattern="^(svg|png|pdf)$")] = "svg",
-        panels: str = "",
-    ) -> Response:
-        """Return a figure of one case or of several cases."""
-        panel_names = [name for name in panels.split(",") if name]
-        body = await written(request, documents.figure, cases.model_dump(), format, panel_names)
-        return _file(body, f"figure.{format}")
-
-    @app.get("/api/thesis/{name}", tags=["documents"])
-    async def exhibit(request: Request, name: str) -> Response:
-        """Compute a figure that the catalogue names among its exhibits."""
-        body = await written(request, documents.exhibit, name, rank=2)
-        return Response(body, media_type=MEDIA_TYPES["svg"])
 
 
 def _description(document: dict[str, Any]) -> str:

@@ -1,59 +1,130 @@
-"""Studies of the page: chunks of cases are solved in workers, events are sent as a stream.
+"""Studies of the page: sweeps, fits and operating windows, whose events are sent as one stream.
 
-    start_study(tables) in a worker -> model and chunks -> solve_cases(...) in workers -> events
+    sweep    start_sweep in a worker; then solve_cases in workers, an event for each chunk of cases
+    fit      fit_table in a worker          } these write their events to a journal, a file whose
+    window   map_window in a thread         } lines the server sends
 
-Studies of two sessions take turns, chunk by chunk.  A study ends when it is cancelled or its client
-disconnects.
+A study is an asynchronous generator of lines, an event as JSON each.  :func:`event_lines` sends
+them, and ends a study that is cancelled or takes too long, or whose client disconnects.
 """
 
 from __future__ import annotations
 
 import asyncio
+import binascii
+import threading
 import time
-from collections.abc import AsyncIterator, Awaitable, Callable, Hashable, Mapping
-from math import prod
-from typing import Any
+from base64 import b64decode
+from collections.abc import AsyncGenerator, AsyncIterator, Awaitable, Callable, Mapping
+from concurrent.futures import Future
+from math import inf, prod
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, NamedTuple
 
-import numpy as np
-
-from ..errors import InvalidProblem
+from ..errors import InvalidProblem, unwarned
 from ..io.case_files import check_like_a_case
-from ..problems.messages import quote
+from ..io.sheets import Sheet, sheet_of_content
+from ..parallel import Cancelled, usable_cores
 from ..studies.api import study_of
-from ..studies.evaluate import Chunk, solve_chunk
-from ..studies.kind_model import KindModel
-from ..studies.studyfile import SCHEMA, study_of_tables
-from .json_texts import to_json
+from ..studies.cases import Chunk, as_labels
+from ..studies.fit import fit as fit_problem
+from ..studies.fit_result import FitResult
+from ..studies.model import KindModel
+from ..studies.run import solve_chunk
+from ..studies.study_file import SCHEMA, study_of_tables
+from ..studies.window import operating_window
+from ..studies.window_result import OperatingWindow
+from .computations import problem_of
+from .json_texts import records, to_json
 from .limits import LIMITS
-from .request_errors import RequestError
+from .request_errors import RequestError, request_error_of
 from .worker_pool import Pool
 
-__all__ = ["events", "solve_cases", "start_study"]
+__all__ = ["event_lines", "fit", "start_sweep", "sweep", "window"]
 
-CHUNK = 10  # cases in a chunk, each started from the previous one; then the page is informed
+Lines = AsyncGenerator[bytes, None]
+
+POLL_SECONDS = 0.25  # between two looks at a journal, and at the connection
 RANK = 5  # after the shorter requests of a page
+CHUNK = 10  # cases in a chunk, each started from the previous one; then the page is informed
+MOST_PROCESSES = 4  # that solve the windings of an operating window
 
 
-# ---- in the workers ---------------------------------------------------------------------------
+def _line(event: str, **content: Any) -> bytes:
+    return to_json({"event": event} | content) + b"\n"
 
 
-def start_study(tables: Any) -> tuple[bytes, KindModel, list[Chunk]]:
-    """Return the first event of a study, its model and its chunks.
+async def event_lines(
+    study: Lines,
+    is_disconnected: Callable[[], Awaitable[bool]],
+    stopped: asyncio.Event | None = None,
+    seconds: float = inf,
+) -> AsyncIterator[bytes]:
+    """Yield the events of a study as they occur, one line of JSON each.
+
+    The last one is that of the study, ``cancelled``, or ``failed`` with the details of the error.
+
+    Parameters
+    ----------
+    study : async generator of bytes
+        :func:`sweep`, :func:`fit` or :func:`window`.
+    is_disconnected : callable
+        Whether the client has disconnected, which ends the study.
+    stopped : asyncio.Event, optional
+        Is set to end the study.
+    seconds : float
+        Time limit.
+    """
+    end = time.monotonic() + seconds
+    upcoming = asyncio.ensure_future(anext(study, b""))
+    try:
+        while True:
+            await asyncio.wait({upcoming}, timeout=POLL_SECONDS)
+            if upcoming.done():
+                line = upcoming.result()
+                if not line:
+                    return
+                upcoming = asyncio.ensure_future(anext(study, b""))
+                yield line
+            if (stopped and stopped.is_set()) or await is_disconnected():
+                yield _line("cancelled")
+                return
+            if time.monotonic() > end:
+                text = f"the study took longer than {seconds:g} s"
+                raise RequestError(504, "too-slow", text)
+    except RequestError as error:
+        yield _line("failed", problem=error.details())
+    finally:
+        upcoming.cancel()  # which ends the work for it
+
+
+# ---- sweeps -----------------------------------------------------------------------------------
+
+
+class Sweep(NamedTuple):
+    """A study that can be solved: its first event, its model and its chunks of cases."""
+
+    first: bytes
+    model: KindModel
+    chunks: list[Chunk]
+
+
+def start_sweep(tables: Mapping[str, Any]) -> Sweep:
+    """Return the sweep that the tables of a study file describe.
 
     Raises
     ------
     InvalidProblem
     RequestError
-        If there are more cases than a page's study may have.
+        If there are more cases than a study of the page may have.
     """
-    if not isinstance(tables, Mapping):
-        raise InvalidProblem(f"{quote(tables)} is not a table; must be the tables of a study file")
     check_like_a_case(tables)
-    _check_size(tables)
     study = study_of_tables({"schema": SCHEMA, **tables}, None)
-    if not study.over:
+    if not isinstance(study.over, Mapping) or not study.over:
         raise InvalidProblem.at("over", "nothing is varied; give fields and their values")
-    model, design = study_of(
+    _check_size(study.over, study.design)
+    model, cases = study_of(
         study.problem,
         study.over,
         study.outputs,
@@ -61,27 +132,24 @@ def start_study(tables: Any) -> tuple[bytes, KindModel, list[Chunk]]:
         options=study.options,
         **study.design,
     )
-    chunks = [
-        Chunk(number, rows, design.inputs(rows)) for number, rows in enumerate(design.chunks(CHUNK))
-    ]
-    labels = {c.name: c.labels.tolist() for c in design.columns}
-    first = {
-        "event": "started",
-        "cases": design.size,
-        "kind": model.kind.name,
-        "dims": list(design.names) if design.gridded else ["case"],
-        "inputs": labels,
-        "outputs": list(model.outputs),
-    }
-    return _line(first), model, chunks
+    first = _line(
+        "started",
+        cases=len(cases),
+        kind=model.kind.name,
+        dims=cases.names if cases.axes else ["case"],
+        inputs={name: as_labels(values) for name, values in cases.columns.items()},
+        outputs=model.outputs,
+    )
+    return Sweep(first, model, cases.chunks(CHUNK))
 
 
-def _check_size(tables: Mapping[str, Any]) -> None:
-    """Reject a study of too many cases before they are created."""
-    over, design = tables.get("over"), tables.get("design", {})
-    samples = design.get("samples") if isinstance(design, Mapping) else None
-    entries = list(_entries(over)) if isinstance(over, Mapping) else []
-    cases = samples if isinstance(samples, int) else prod(max(entry, 1) for entry in entries)
+def _check_size(over: Mapping[str, Any], design: Mapping[str, Any]) -> None:
+    """Reject a study of too many cases before they are made."""
+    samples, counts = design.get("samples"), [len(values) for values in over.values()]
+    if isinstance(samples, int):
+        cases = samples
+    else:
+        cases = prod(counts) if design["design"] == "grid" else max(counts)
     if cases > LIMITS["sweep_cases"]:
         text = (
             f"{cases} cases are too many for the page, which solves {LIMITS['sweep_cases']} "
@@ -90,86 +158,261 @@ def _check_size(tables: Mapping[str, Any]) -> None:
         raise RequestError(413, "too-large", text)
 
 
-def _entries(over: Mapping[str, Any]) -> Any:
-    """Yield the number of values of each varied field."""
-    for values in over.values():
-        if isinstance(values, list):
-            yield len(values)
-        elif isinstance(values, Mapping) and isinstance(values.get("count"), int):
-            yield values["count"]
-        elif isinstance(values, Mapping):
-            yield from _entries(values)
-
-
-def solve_cases(model: KindModel, chunk: Chunk) -> tuple[int, bytes]:
-    """Return the number of cases solved, and their event without the progress."""
-    block = solve_chunk(model, chunk)
-    values = dict(zip(model.outputs, block.values.T.tolist(), strict=True))
-    event = {
-        "event": "cases",
-        "numbers": np.asarray(block.cases).tolist(),
-        "values": values,
-        "failures": block.failure.tolist(),
-        "warnings": block.warnings.tolist(),
+def solve_cases(model: KindModel, chunk: Chunk) -> dict[str, Any]:
+    """Return the solved cases of a chunk, for its event."""
+    solved = solve_chunk(model, chunk)
+    return {
+        "numbers": chunk.cases,
+        "values": dict(zip(model.outputs, solved.values.T, strict=True)),
+        "failures": solved.failure,
+        "warnings": solved.warnings,
     }
-    return len(block.cases), to_json(event)
 
 
-def _line(event: Mapping[str, Any]) -> bytes:
-    return to_json(event) + b"\n"
+async def sweep(pool: Pool, started: Sweep, session: str) -> Lines:
+    """Yield the events of a sweep: ``started``, ``cases`` for each chunk as it is solved, ``done``.
+
+    The chunks of one study occupy as many workers as there are, so that studies of two sessions
+    take turns.
+    """
+    start, turns = time.monotonic(), asyncio.Semaphore(pool.size)
+
+    async def solve(chunk: Chunk) -> dict[str, Any]:
+        async with turns:
+            cases: dict[str, Any] = await pool.run(
+                solve_cases, started.model, chunk, rank=RANK, session=session
+            )
+            return cases
+
+    yield started.first
+    tasks = [asyncio.create_task(solve(chunk)) for chunk in started.chunks]
+    done, size = 0, sum(len(chunk.cases) for chunk in started.chunks)
+    try:
+        for task in asyncio.as_completed(tasks):
+            cases = await task
+            done += len(cases["numbers"])
+            yield _line("cases", **cases, done=done, of=size)
+    finally:
+        for unfinished in tasks:
+            unfinished.cancel()
+    yield _line("done", seconds=time.monotonic() - start)
 
 
-# ---- in the server ----------------------------------------------------------------------------
+# ---- studies with a journal -------------------------------------------------------------------
 
 
-async def events(
-    pool: Pool,
-    study: tuple[bytes, KindModel, list[Chunk]],
-    session: Hashable,
-    is_disconnected: Callable[[], Awaitable[bool]],
-    stopped: asyncio.Event,
-) -> AsyncIterator[bytes]:
-    """Yield the events of a study as they occur, one line of JSON each.
+class Journal:
+    """The events of a study, as lines of a file that the server reads.
 
     Parameters
     ----------
-    pool : Pool
-    study
-        As :func:`start_study` returned it.
-    session : hashable
-    is_disconnected : callable
-        Whether the client has disconnected.
-    stopped : asyncio.Event
-        Is set to end the study.
+    path : Path
+        In a folder that the server deletes when the study is to end.
     """
-    first, model, chunks = study
-    start, done, size = time.monotonic(), 0, sum(len(c.cases) for c in chunks)
-    yield first
-    todo = iter(chunks)
-    running: set[asyncio.Task[Any]] = set()
-    try:
-        while True:
-            while len(running) < pool.size and (chunk := next(todo, None)) is not None:
-                work = pool.run(solve_cases, model, chunk, rank=RANK, session=session)
-                running.add(asyncio.create_task(work))
-            if not running:
-                yield _line({"event": "done", "seconds": time.monotonic() - start})
-                return
-            ready, running = await asyncio.wait(
-                running, timeout=0.25, return_when=asyncio.FIRST_COMPLETED
-            )
-            for task in ready:
-                cases, event = task.result()
-                done += cases
-                yield event[:-1] + f',"done":{done},"of":{size}}}\n'.encode()
-            if stopped.is_set() or await is_disconnected():
-                yield _line({"event": "cancelled"})
-                return
-            if time.monotonic() - start > LIMITS["study_seconds"]:
-                text = f"the study took longer than {LIMITS['study_seconds']} s"
-                raise RequestError(504, "too-slow", text)
-    except RequestError as error:
-        yield b'{"event":"failed","problem":' + error.body() + b"}\n"
-    finally:
-        for task in running:
-            task.cancel()
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+
+    def write(self, event: str, **content: Any) -> None:
+        """Add an event.
+
+        Raises
+        ------
+        Cancelled
+            If the study is to end.
+        """
+        try:
+            with self.path.open("ab") as file:
+                file.write(_line(event, **content))
+        except FileNotFoundError:
+            raise Cancelled from None
+
+    def progress(self, done: int, expected: int) -> None:
+        """Add an event of progress; for the argument ``progress`` of a study."""
+        self.write("progress", done=done, of=expected)
+
+
+async def _written(start: Callable[[Journal], Awaitable[Any]]) -> Lines:
+    """Yield the lines that a study writes to its journal, until it ends.
+
+    Parameters
+    ----------
+    start : callable
+        Journal -> the study in progress.
+    """
+    with TemporaryDirectory(prefix="woundon-study-", ignore_cleanup_errors=True) as folder:
+        journal = Journal(Path(folder, "journal"))
+        journal.path.touch()
+        study = asyncio.ensure_future(start(journal))
+        try:
+            with journal.path.open("rb") as file:
+                rest, is_done = b"", False
+                while not is_done:
+                    is_done = bool((await asyncio.wait({study}, timeout=POLL_SECONDS))[0])
+                    # the last line may be incomplete
+                    lines, newline, rest = (rest + file.read()).rpartition(b"\n")
+                    if newline:
+                        yield lines + newline
+            study.result()  # raises the error that has ended the study
+        finally:
+            study.cancel()
+
+
+# ---- fits -------------------------------------------------------------------------------------
+
+
+def fit(pool: Pool, request: Mapping[str, Any], session: str) -> Lines:
+    """Return the events of a fit: ``started``, ``progress``, ``fitted``.
+
+    Parameters
+    ----------
+    pool, session
+        As of :func:`sweep`.
+    request : mapping
+        As :class:`.request_models.FitRequest`.
+    """
+    return _written(
+        lambda journal: pool.run(fit_table, request, journal, rank=RANK, session=session)
+    )
+
+
+def fit_table(request: Mapping[str, Any], journal: Journal) -> None:
+    """Fit a table of measured values; this runs in a worker.
+
+    Raises
+    ------
+    InvalidProblem, NotConverged
+    RequestError
+        If the table has more rows than a fit of the page may have.
+    """
+    journal.write("started")
+    problem, sheet = problem_of(request["case"]), _sheet_of(request)
+    with unwarned():
+        result = fit_problem(problem, sheet, request["vary"], workers=1, progress=journal.progress)
+    journal.write("fitted", **_fitted(result))
+
+
+def _sheet_of(request: Mapping[str, Any]) -> Sheet:
+    """Return the table of measured values in a request."""
+    content = request["table"].encode()
+    if request["is_workbook"]:
+        try:
+            content = b64decode(content, validate=True)
+        except binascii.Error:
+            raise InvalidProblem.at("table", "is not an .xlsx file in base64") from None
+    sheet = sheet_of_content(content, "table", excel=request["is_workbook"])
+    if len(sheet.numbers) > LIMITS["fit_rows"]:
+        text = (
+            f"{len(sheet.numbers)} rows are too many for the page, which fits at most "
+            f"{LIMITS['fit_rows']}; 'woundon fit' fits any number"
+        )
+        raise RequestError(413, "too-large", text)
+    return sheet
+
+
+def _fitted(result: FitResult) -> dict[str, Any]:
+    """Return a fit for its event, SI units."""
+    intervals = {profile.name: (profile.low, profile.high) for profile in result.profiles}
+    return {
+        "parameters": records(
+            name=result.names,
+            estimate=result.estimates,
+            standard_error=result.standard_errors,
+            interval=[intervals.get(name) for name in result.names],
+            is_identified=[name not in result.not_identified for name in result.names],
+            is_at_bound=[name in result.at_bound for name in result.names],
+        ),
+        "rms": result.rms,
+        "is_weighted": result.weighted,
+        "remarks": result.lines()[1 + len(result.names) :],
+        "rows": records(
+            row=result.row_numbers,
+            output=result.row_outputs,
+            measured=result.measured,
+            fitted=result.fitted,
+        ),
+    }
+
+
+# ---- operating windows ------------------------------------------------------------------------
+
+
+def window(request: Mapping[str, Any]) -> Lines:
+    """Return the events of an operating window: ``progress``, ``window`` (first coarse), ``done``.
+
+    Parameters
+    ----------
+    request : mapping
+        As :class:`.request_models.WindowRequest`.
+    """
+    return _written(lambda journal: _in_thread(map_window, request, journal))
+
+
+def map_window(request: Mapping[str, Any], journal: Journal) -> None:
+    """Map an operating window; windings are solved in processes, for which this thread waits."""
+    with unwarned():
+        found = operating_window(
+            problem_of(request["case"]),
+            request["web_tension"],
+            request["nip_load"],
+            request["torque_split"],
+            uncertain=request["uncertain"],
+            # at least two: a single one would solve in the server itself
+            workers=max(2, min(usable_cores(), MOST_PROCESSES)),
+            progress=journal.progress,
+            preview=lambda coarse: journal.write("window", **_map(coarse)),
+        )
+    journal.write("window", **_map(found))
+    journal.write("done")
+
+
+def _in_thread(work: Callable[..., None], *args: Any) -> Awaitable[None]:
+    """Start ``work(*args)`` in a thread that does not delay the end of the server.
+
+    Returns
+    -------
+    awaitable
+        Raises the :class:`RequestError` of the exception that ended the work.
+    """
+    ended: Future[None] = Future()
+    ended.set_running_or_notify_cancel()
+
+    def run() -> None:
+        try:
+            work(*args)
+            ended.set_result(None)
+        except Exception as fault:
+            ended.set_exception(request_error_of(fault))
+        except Cancelled:
+            ended.set_result(None)
+
+    threading.Thread(target=run, daemon=True).start()
+    return asyncio.wrap_future(ended)
+
+
+def _map(found: OperatingWindow) -> dict[str, Any]:
+    """Return a window for its event, SI units; the map by rows of equal web tension.
+
+    With a torque split its levels are innermost.  ``binding`` and ``dominant`` are numbers of
+    margins and inputs, -1 if there is none.
+    """
+    best = found.best
+    return {
+        "names": found.names,
+        "axes": found.axes,
+        "probability": found.probability.ravel(),
+        "binding": found.binding.ravel(),
+        "margins": found.margins,
+        "dominant": found.dominant.ravel(),
+        "inputs": list(found.uncertain),
+        "best": {
+            "values": best.values,
+            "probability": best.probability,
+            "binding": best.binding,
+            "contributions": best.contributions,
+        },
+        "errors": found.errors,
+        "windings": found.windings,
+        "failed": len(found.failures),
+        "is_coarse": found.is_coarse,
+    }

@@ -12,15 +12,12 @@ from __future__ import annotations
 
 import asyncio
 import os
-import sys
-import traceback
-from collections.abc import Callable, Hashable
+from bisect import insort
+from collections.abc import Callable, Coroutine, Hashable
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
-from heapq import heapify, heappop, heappush
-from itertools import count
-from typing import Any, NamedTuple
+from typing import Any
 
 import psutil
 
@@ -36,6 +33,7 @@ RELEASE = 300 * 2**20
 GRACE = 1.0  # seconds that work in progress may go on when a newer request has come
 PATIENCE = 3.0  # seconds until cancelled work must have ended; then its process is killed
 DIED = "the worker process of this request died; it has been replaced, send the request again"
+SUPERSEDED = "a newer request of the same session took its place"
 
 
 # ---- in the worker ----------------------------------------------------------------------------
@@ -59,63 +57,52 @@ def _ready() -> None:
     """Return when the worker is prepared."""
 
 
-class _Outcome(NamedTuple):
-    status: str  # "done", "rejected", "failed", "cancelled", "died"
-    answer: Any = None
-    memory: int = 0  # resident memory of the process after the request [bytes]
-
-
-def _work(call: Callable[..., Any], args: tuple[Any, ...]) -> _Outcome:
-    """Return the outcome of a request."""
-    status, answer = _answer(call, args)
-    return _Outcome(status, answer, psutil.Process().memory_info().rss)
-
-
-def _answer(call: Callable[..., Any], args: tuple[Any, ...]) -> tuple[str, Any]:
-    """Compute the answer to a request in a worker."""
+def _work(call: Callable[..., Any], args: tuple[Any, ...]) -> tuple[Any, int]:
+    """Return the answer to a request, or its error, and the resident memory of this process."""
     try:
-        return "done", call(*args)
+        answer = call(*args)
     except Cancelled:
-        return "cancelled", None
+        answer = RequestError(500, "failed", "cancelled")
     except Exception as fault:
-        error = request_error_of(fault)
-        if error is None:
-            traceback.print_exc(file=sys.stderr)
-            return "failed", f"{type(fault).__name__} in the server"
-        return "rejected", error
+        answer = request_error_of(fault)
+    return answer, psutil.Process().memory_info().rss
 
 
 # ---- in the server ----------------------------------------------------------------------------
 
 
 @dataclass(eq=False)
-class _Slot:
-    """A worker, and the session that it last worked for."""
-
-    worker: Worker
-    session: Hashable = None
-    stopping: bool = False
-
-    async def exchange(self, call: Callable[..., Any], *args: Any) -> _Outcome:
-        """Send work and wait for its outcome; a process that died is replaced."""
-        try:
-            # a new process takes some 0.1 s to start
-            future = await asyncio.to_thread(self.worker.submit, _work, call, args)
-            if self.stopping:  # it was cancelled before the process had it
-                self.worker.cancel()
-            return await asyncio.wrap_future(future)
-        except Exception:  # exceptions of the work itself are outcomes
-            return _Outcome("died")
-
-
-@dataclass(eq=False)
 class _Request:
+    """A request that waits, or that a worker works at."""
+
     call: Callable[..., Any]
     args: tuple[Any, ...]
     key: Hashable
     session: Hashable
+    rank: int
     answer: asyncio.Future[Any]
-    slot: _Slot | None = None
+
+
+@dataclass(eq=False)
+class _Slot:
+    """A worker, its request, and the session that it last worked for."""
+
+    worker: Worker
+    request: _Request | None = None
+    session: Hashable = None
+    is_stopping: bool = False
+
+    async def exchange(self, call: Callable[..., Any], *args: Any) -> tuple[Any, int]:
+        """Send work to the worker; return the answer or error, and the memory of the worker."""
+        try:
+            # a new process takes some 0.1 s to start
+            future = await asyncio.to_thread(self.worker.submit, _work, call, args)
+            if self.is_stopping:  # it was cancelled before the process had it
+                self.worker.cancel()
+            answer: tuple[Any, int] = await asyncio.wrap_future(future)
+            return answer
+        except Exception:  # exceptions of the work itself are answers
+            return RequestError(503, "worker-died", DIED), 0
 
 
 class Pool:
@@ -146,12 +133,10 @@ class Pool:
     ) -> None:
         self.size, self.most, self.seconds = size, waiting, seconds
         self._slots = [_Slot(Worker(partial(_prepare, nice, warm_up))) for _ in range(size)]
-        self._idle: list[_Slot] = []
-        self._waiting: list[tuple[int, int, _Request]] = []
-        self._newest: dict[Hashable, _Request] = {}
-        self._active: dict[Hashable, _Request] = {}  # in progress and not cancelled, by key
-        self._number = count()
-        self._tasks: set[asyncio.Task[Any]] = set()
+        self._idle: list[_Slot] = []  # the longest idle first
+        self._waiting: list[_Request] = []  # in the order of rank and arrival
+        self._newest: dict[Hashable, _Request] = {}  # by key
+        self._tasks: set[asyncio.Task[None]] = set()
 
     async def open(self) -> None:
         """Start the processes."""
@@ -171,7 +156,6 @@ class Pool:
         key: Hashable = None,
         session: Hashable = None,
         rank: int = 0,
-        seconds: float | None = None,
     ) -> Any:
         """Return ``call(*args)`` of a worker.
 
@@ -185,133 +169,97 @@ class Pool:
             The worker of this session's last request is preferred if it is idle.
         rank : int
             Lower ones first.
-        seconds : float, optional
-            Time limit; by default the pool's.
 
         Raises
         ------
         RequestError
             If the request is invalid, superseded, too slow, or its worker died.
         """
-        if key is not None and (older := self._newest.get(key)) is not None:
-            self._supersede(older)
+        loop = asyncio.get_running_loop()
+        if older := self._newest.get(key):
+            superseded = RequestError(409, "superseded", SUPERSEDED)
+            if older in self._waiting:
+                self._end(older, superseded)
+            else:
+                loop.call_later(GRACE, self._end, older, superseded)
         if len(self._waiting) >= self.most:
             raise RequestError(503, "busy", "too many requests are waiting; try again")
-        answer = asyncio.get_running_loop().create_future()
-        request = _Request(call, args, key, session, answer)
+        request = _Request(call, args, key, session, rank, loop.create_future())
         if key is not None:
             self._newest[key] = request
-        heappush(self._waiting, (rank, next(self._number), request))
+        insort(self._waiting, request, key=lambda waiting: waiting.rank)
         self._assign()
-        timeout = asyncio.get_running_loop().call_later(
-            seconds or self.seconds, self._time_out, request, seconds or self.seconds
-        )
+        text = f"the request took longer than the limit of {self.seconds:g} s"
+        too_slow = RequestError(504, "too-slow", text)
+        timer = loop.call_later(self.seconds, self._end, request, too_slow)
         try:
             return await request.answer
         finally:
-            timeout.cancel()
+            timer.cancel()
             if self._newest.get(key) is request:
                 del self._newest[key]
-            if not request.answer.done() or request.answer.cancelled():
-                self._cancel(request)  # the client has disconnected
-
-    def _supersede(self, request: _Request) -> None:
-        """Cancel an older request with the same key."""
-        if request.slot is not None:
-            asyncio.get_running_loop().call_later(GRACE, self._drop, request)
-            return
-        self._drop(request)
-        self._waiting = [entry for entry in self._waiting if not entry[2].answer.done()]
-        heapify(self._waiting)
-
-    def _drop(self, request: _Request) -> None:
-        """Reject a request that a newer one replaces."""
-        if not request.answer.done():
-            text = "a newer request of the same session took its place"
-            request.answer.set_exception(RequestError(409, "superseded", text))
-        self._cancel(request)
-
-    def _cancel(self, request: _Request) -> None:
-        """Cancel the work at a request; kill its process if it does not end."""
-        slot = request.slot
-        if slot is None or slot.stopping:
-            return
-        slot.stopping = True
-        self._deactivate(request)
-        self._assign()  # the next request of its key need not wait for the end of the work
-        asyncio.get_running_loop().call_later(PATIENCE, self._kill, request, slot)
-        slot.worker.cancel()
-
-    def _deactivate(self, request: _Request) -> None:
-        if self._active.get(request.key) is request:
-            del self._active[request.key]
-
-    def _kill(self, request: _Request, slot: _Slot) -> None:
-        if request.slot is slot:
-            self._create_task(asyncio.to_thread(slot.worker.kill))
+            self._end(request)  # if the client has disconnected
 
     def _assign(self) -> None:
-        """Assign waiting requests to idle workers."""
-        postponed = list[tuple[int, int, _Request]]()
-        while self._idle and self._waiting:
-            rank, number, request = heappop(self._waiting)
-            if request.answer.done():
+        """Assign waiting requests to idle workers, one at a time of each key."""
+        active = {slot.request.key for slot in self._slots if slot.request and not slot.is_stopping}
+        for request in tuple(self._waiting):
+            if not self._idle:
+                return
+            if request.key is not None and request.key in active:
                 continue
-            if request.key in self._active:  # one at a time of each key
-                postponed.append((rank, number, request))
-                continue
-            preferred = (s for s in self._idle if request.session and s.session == request.session)
-            slot = next(preferred, self._idle[0])
+            of_session = (s for s in self._idle if request.session and s.session == request.session)
+            slot = next(of_session, self._idle[0])
             self._idle.remove(slot)
-            slot.session, request.slot = request.session, slot
-            if request.key is not None:
-                self._active[request.key] = request
+            self._waiting.remove(request)
+            slot.request, slot.session = request, request.session
+            active.add(request.key)
             self._create_task(self._serve(slot, request))
-        for entry in postponed:
-            heappush(self._waiting, entry)
 
-    def _create_task(self, work: Any) -> None:
+    async def _serve(self, slot: _Slot, request: _Request) -> None:
+        """Let a worker work at a request, and set its answer."""
+        answer, memory = await slot.exchange(request.call, *request.args)
+        slot.request, slot.is_stopping = None, False
+        if not request.answer.done():
+            if isinstance(answer, RequestError):
+                request.answer.set_exception(answer)
+            else:
+                request.answer.set_result(answer)
+        if not 0 < memory <= RELEASE:  # the allocator and caches keep it while the process runs
+            await asyncio.to_thread(slot.worker.kill)
+            await slot.exchange(_ready)
+        self._set_idle(slot)
+
+    async def _start_worker(self, slot: _Slot) -> None:
+        """Prepare the process of a worker; then the worker is idle."""
+        await slot.exchange(_ready)
+        self._set_idle(slot)
+
+    def _set_idle(self, slot: _Slot) -> None:
+        """Let a worker serve the next request."""
+        self._idle.append(slot)
+        self._assign()
+
+    def _end(self, request: _Request, error: RequestError | None = None) -> None:
+        """Reject a request, if there is an error, and stop the work at it."""
+        if error is not None and not request.answer.done():
+            request.answer.set_exception(error)
+        if request in self._waiting:
+            self._waiting.remove(request)
+        for slot in self._slots:
+            if slot.request is request and not slot.is_stopping:
+                slot.is_stopping = True
+                slot.worker.cancel()
+                asyncio.get_running_loop().call_later(PATIENCE, self._kill, slot, request)
+                self._assign()  # the next request of its key need not wait for the end of the work
+
+    def _kill(self, slot: _Slot, request: _Request) -> None:
+        """Kill the process of a worker that still works at a cancelled request."""
+        if slot.request is request:
+            self._create_task(asyncio.to_thread(slot.worker.kill))
+
+    def _create_task(self, work: Coroutine[Any, Any, None]) -> None:
         """Start a task and keep a reference to it, which asyncio does not."""
         task = asyncio.get_running_loop().create_task(work)
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
-
-    async def _serve(self, slot: _Slot, request: _Request) -> None:
-        """Run a request in a worker and set its result."""
-        outcome = await slot.exchange(request.call, *request.args)
-        request.slot, slot.stopping = None, False
-        self._deactivate(request)
-        if not request.answer.done():
-            _settle(request.answer, outcome)
-        if outcome.memory > RELEASE:  # the allocator and caches keep it as long as the process runs
-            await asyncio.to_thread(slot.worker.kill)
-        if outcome.status == "died" or outcome.memory > RELEASE:
-            await self._start_worker(slot)
-        else:
-            self._idle.append(slot)
-            self._assign()
-
-    def _time_out(self, request: _Request, seconds: float) -> None:
-        """Reject a request that takes too long."""
-        if not request.answer.done():
-            text = f"the request took longer than the limit of {seconds:g} s"
-            request.answer.set_exception(RequestError(504, "too-slow", text))
-        self._cancel(request)
-
-    async def _start_worker(self, slot: _Slot) -> None:
-        """Prepare a new process; it joins those that are idle when it is ready."""
-        await slot.exchange(_ready)
-        self._idle.append(slot)
-        self._assign()
-
-
-def _settle(future: asyncio.Future[Any], outcome: _Outcome) -> None:
-    """Set the result of a request's future."""
-    if outcome.status == "done":
-        future.set_result(outcome.answer)
-    elif outcome.status == "rejected":
-        future.set_exception(outcome.answer)
-    elif outcome.status == "died":
-        future.set_exception(RequestError(503, "worker-died", DIED))
-    else:
-        future.set_exception(RequestError(500, "failed", outcome.answer or "cancelled"))

@@ -18,16 +18,10 @@ from contextlib import contextmanager, suppress
 from typing import Any
 
 import click
+from click.shell_completion import shell_complete
 
 from .. import __version__, plugins
-from ..errors import (
-    InvalidProblem,
-    NoSolution,
-    NotConverged,
-    did_you_mean,
-    one_of,
-    printable_line,
-)
+from ..errors import InvalidProblem, NoSolution, NotConverged, did_you_mean, one_of, printable_line
 from ..parallel import environment, terminations_as_interrupts
 from .app import app
 from .compare import compare
@@ -68,11 +62,8 @@ def main(args: Sequence[str] | None = None) -> int:
     code = INTERRUPTED
     with suppress(KeyboardInterrupt), terminations_as_interrupts() as arrived:
         # a second signal does not change the exit code
-        try:
-            with _warnings_in_one_line():
-                code = _run(args)
-        except (_ClosedPipeError, BrokenPipeError):
-            code = 0  # the reader, such as head, has read enough
+        with _warnings_in_one_line():
+            code = _run(sys.argv[1:] if args is None else args)
         for stream in filter(None, (sys.stdout, sys.stderr)):
             try:
                 stream.flush()
@@ -81,13 +72,18 @@ def main(args: Sequence[str] | None = None) -> int:
     return SIGNAL + arrived[0] if arrived else code
 
 
-def _run(args: Sequence[str] | None) -> int:
+def _run(args: Sequence[str]) -> int:
     """Run the command line, print errors, and return the exit code."""
     try:
-        code = int(commands.main(args, "woundon", standalone_mode=False) or 0)
+        if request := os.environ.get("_WOUNDON_COMPLETE"):  # of the shell
+            return shell_complete(commands, {}, "woundon", "_WOUNDON_COMPLETE", request)
+        with commands.make_context("woundon", list(args)) as context:
+            code = int(commands.invoke(context) or 0)
         if sys.stdout:
             sys.stdout.flush()
         return code
+    except click.exceptions.Exit as end:  # of --help and --version
+        return end.exit_code
     except NoSolution as fault:
         return _print_errors([f"no solution: {fault}"], NOT_CONVERGED)
     except InvalidProblem as fault:
@@ -102,6 +98,8 @@ def _run(args: Sequence[str] | None) -> int:
         return _print_errors([_no_such_option(fault)], INVALID_INPUT)
     except click.ClickException as fault:
         return _print_errors([fault.format_message()], INVALID_INPUT)
+    except KeyboardInterrupt:
+        return _print_interruption()
     except click.Abort as fault:
         return _print_interruption(str(fault))
     except RuntimeError as fault:
@@ -110,7 +108,7 @@ def _run(args: Sequence[str] | None) -> int:
             raise
         return _print_interruption()
     except BrokenPipeError:
-        raise
+        return 0  # the reader, such as head, has read enough
     except OSError as fault:
         place = f"{fault.filename}: " if fault.filename else ""
         return _print_errors([f"{place}{fault.strerror or fault}"], INVALID_INPUT)
@@ -119,10 +117,10 @@ def _run(args: Sequence[str] | None) -> int:
 def _no_such_option(fault: click.NoSuchOption) -> str:
     """Return the message for an unknown option, with those of the command that are like it."""
     name = fault.option_name
-    params = fault.ctx.command.params if fault.ctx else []
+    params = fault.ctx.command.get_params(fault.ctx) if fault.ctx else []
     known = [option for param in params for option in param.opts if option.startswith("--")]
     alike = [option for option in known if option[2:].startswith(name.lstrip("-"))]
-    hint = f"; did you mean {one_of(alike)}?" if alike else did_you_mean(name, [*known, "--help"])
+    hint = f"; did you mean {one_of(alike)}?" if alike else did_you_mean(name, known)
     return f"No such option {name!r}{hint}"
 
 
@@ -153,28 +151,8 @@ def _warnings_in_one_line() -> Iterator[None]:
         yield
 
 
-class _ClosedPipeError(Exception):
-    """A broken pipe, under a name for which click does not exit with code 1."""
-
-
 class Commands(click.Group):
     """The commands in sections, and those of plug-ins."""
-
-    def make_context(self, *args: Any, **kwargs: Any) -> click.Context:
-        """Parse the arguments; --help and --version print here."""
-        try:
-            return super().make_context(*args, **kwargs)
-        except BrokenPipeError:
-            raise _ClosedPipeError from None
-
-    def invoke(self, ctx: click.Context) -> Any:
-        """Run the command."""
-        try:
-            return super().invoke(ctx)
-        except BrokenPipeError:
-            raise _ClosedPipeError from None
-        except KeyboardInterrupt:  # click would print an empty line
-            raise click.Abort from None
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """Return the names of all commands."""

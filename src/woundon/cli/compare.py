@@ -7,20 +7,7 @@ from typing import Any
 
 import click
 
-from .options import (
-    COLUMNS,
-    JSON,
-    NODES,
-    PATH,
-    PLOT,
-    RTOL,
-    SETTINGS,
-    TIES,
-    UNITS,
-    Pair,
-    as_number,
-    check_output_files,
-)
+from . import options
 
 __all__ = ["compare"]
 
@@ -40,82 +27,69 @@ TAB_OPTIONS = ("slope", "offset", "friction", "area", "faces", "deviation")
     """,
     short_help="Compare measured values with the predictions for a case.",
 )
-@click.argument("measured", type=PATH)
-@click.argument("case", type=PATH)
-@click.option("--tab-slope", metavar="VALUE", help='Pressure per force of the pull tab, "2 kPa/N".')
-@click.option("--tab-offset", metavar="VALUE", help="Pressure at zero force.")
+@click.argument("measured", type=options.PATH)
+@click.argument("case", type=options.PATH)
+@click.option(
+    "--tab-slope",
+    type=options.as_number,
+    metavar="VALUE",
+    help='Pressure per force of the pull tab, "2 kPa/N".',
+)
+@click.option(
+    "--tab-offset", type=options.as_number, metavar="VALUE", help="Pressure at zero force."
+)
 @click.option("--tab-friction", type=float, help="Coefficient of friction of the tab.")
-@click.option("--tab-area", metavar="VALUE", help='Area of one face of the tab, "12 cm^2".')
+@click.option(
+    "--tab-area",
+    type=options.as_number,
+    metavar="VALUE",
+    help='Area of one face of the tab, "12 cm^2".',
+)
 @click.option(
     "--tab-faces", type=click.IntRange(1, 2), help="Sliding faces of the tab; by default 2."
 )
 @click.option(
     "--tab-deviation",
+    type=options.as_number,
     metavar="VALUE",
     help='Relative standard deviation of the calibration, "5 %".',
 )
 @click.option(
     "--spread",
-    "spreads",
     multiple=True,
-    type=Pair("FIELD=VALUE"),
-    metavar="FIELD=VALUE",
+    type=options.Pair("FIELD=VALUE", options.as_number),
+    callback=options.as_mapping,
     help='Standard deviation of a field, "1 MPa" or "10 %"; repeatable.',
 )
-@COLUMNS
-@TIES
-@SETTINGS
-@UNITS
-@NODES
-@RTOL
-@JSON
-@click.option("--save", type=PATH, metavar="FILE", help="Save all values as .csv or .xlsx, in SI.")
-@PLOT
+@options.COLUMNS
+@options.TIES
+@options.SETTINGS
+@options.UNITS
+@options.NODES
+@options.RTOL
+@options.JSON
+@click.option("--save", type=options.TABLE, help="Save all values as .csv or .xlsx, in SI.")
+@options.PLOT
 def compare(
     measured: Path,
     case: Path,
-    spreads: tuple[tuple[str, str], ...],
-    columns: tuple[tuple[str, str], ...],
-    ties: tuple[tuple[str, str], ...],
     settings: tuple[str, ...],
-    nodes: int | None,
-    rtol: float | None,
     as_json: bool,
     save: Path | None,
     plot: Path | None,
-    **tab: Any,
+    **arguments: Any,
 ) -> None:
     """Compare a table of measured values with the predictions for a case."""
     from ..io.case_files import load_case
-    from ..studies.case_table import check_table_path, write_table
     from ..studies.compare import compare as compare_with
+    from ..studies.export import write_table
     from ..studies.pull_tab import PullTab
 
-    if save:
-        check_table_path(save)
-    check_output_files(plot, save)
+    values = {name: arguments.pop(f"tab_{name}") for name in TAB_OPTIONS}
+    calibration = {name: value for name, value in values.items() if value is not None}
+    tab = PullTab(**calibration) if calibration else None
     problem = load_case(case, settings)
-    values = {name: tab[f"tab_{name}"] for name in TAB_OPTIONS}
-    calibration: dict[str, Any] = {
-        name: as_number(value) if isinstance(value, str) else value
-        for name, value in values.items()
-        if value is not None
-    }
-    comparison = compare_with(
-        problem,
-        measured,
-        tab=PullTab(**calibration) if calibration else None,
-        spread={name: as_number(value) for name, value in spreads},
-        columns={name: assigned or None for name, assigned in columns},
-        tie=dict(ties),
-        nodes=nodes,
-        rtol=rtol,
-        progress=True,
-    )
+    comparison = compare_with(problem, measured, tab=tab, progress=True, **arguments)
     if save:
         write_table(comparison.to_dataframe(), save)
-    if plot:
-        comparison.plot(plot)
-    text = [*comparison.lines(), "", *comparison.table()]
-    for line in [comparison.to_json()] if as_json else text:
-        click.echo(line)
+    options.present(comparison, as_json, plot, [*comparison.lines(), "", *comparison.table()])

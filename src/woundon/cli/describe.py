@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import one_of
-from .options import KindName
+from . import options
 
 if TYPE_CHECKING:
     from ..kinds import Kind
@@ -27,7 +27,7 @@ LEAST_MEANING = 20  # characters of the last column
     "winding): name, symbol, unit, meaning, typical range and, in parentheses, allowed range.",
     short_help="List the fields, outputs and solver options of a kind of problem.",
 )
-@click.argument("kind", type=KindName(), default="nip", metavar="KIND")
+@click.argument("kind", type=options.KindName(), default="nip", metavar="KIND")
 def describe(kind: str) -> None:
     """Print the fields, outputs and solver options of a kind of problem."""
     from .. import kinds

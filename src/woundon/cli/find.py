@@ -9,22 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..errors import InvalidProblem, unwarned
+from ..errors import unwarned
 from ..io.files import write_whole
-from .options import (
-    JSON,
-    NODES,
-    PATH,
-    PLOT,
-    RTOL,
-    SETTINGS,
-    TIES,
-    UNITS,
-    FieldRange,
-    Pair,
-    as_number,
-    check_output_files,
-)
+from . import options
 
 if TYPE_CHECKING:
     from ..studies.find import FindResult
@@ -41,25 +28,23 @@ __all__ = ["find"]
     """,
     short_help="Find the value of a field for which an output reaches a target.",
 )
-@click.argument("case", type=PATH)
+@click.argument("case", type=options.PATH)
 @click.option(
     "--vary",
     required=True,
-    type=FieldRange(),
-    metavar="FIELD[=LOW:HIGH]",
+    type=options.FieldRange(),
     help="The field to find, e.g. nip_load or nip_load='1 kN/m:5 kN/m'; without a range, a decade "
     "around the value of the case, and more if necessary.",
 )
 @click.option(
     "--target",
     required=True,
-    type=Pair("OUTPUT=VALUE"),
-    metavar="OUTPUT=VALUE",
+    type=options.Pair("OUTPUT=VALUE", options.as_number),
     help='The output and its target, e.g. wound_on_tension="300 N/m"; a plain number is SI.',
 )
-@TIES
-@SETTINGS
-@UNITS
+@options.TIES
+@options.SETTINGS
+@options.UNITS
 @click.option(
     "--points",
     type=click.IntRange(3, 1000),
@@ -67,68 +52,46 @@ __all__ = ["find"]
     show_default=True,
     help="Points of the scan.",
 )
-@NODES
-@RTOL
-@JSON
+@options.NODES
+@options.RTOL
+@options.JSON
 @click.option(
     "--case",
     "new_case",
-    type=PATH,
-    metavar="FILE.toml",
+    type=options.OutputFile(".toml"),
     help="Write the case with the first solution.",
 )
-@PLOT
+@options.PLOT
 def find(
     case: Path,
-    vary: tuple[str, tuple[str | float, str | float] | None],
-    target: tuple[str, str],
-    ties: tuple[tuple[str, str], ...],
     settings: tuple[str, ...],
-    points: int,
-    nodes: int | None,
-    rtol: float | None,
+    vary: tuple[str, Any],
+    target: tuple[str, str | float],
     as_json: bool,
     new_case: Path | None,
     plot: Path | None,
+    **arguments: Any,
 ) -> None:
     """Find the value of a field for which an output of a case reaches a target."""
-    from ..io.case_files import load_case, to_toml
+    from ..io.case_files import load_case
+    from ..io.case_texts import to_toml
     from ..quantities import in_chosen_units
     from ..studies.find import find as find_values
 
-    if new_case and new_case.suffix != ".toml":
-        raise InvalidProblem.at(str(new_case), f"the ending {new_case.suffix!r} is not .toml")
-    check_output_files(plot, new_case)
-    problem = load_case(case, settings)
     (name, between), (output, value) = vary, target
-    outputs: dict[str, Any] = {output: as_number(value)}
+    arguments |= {"between": between, "progress": not as_json, output: value}
     with unwarned():
-        result = find_values(
-            problem,
-            name,
-            between=between,
-            points=points,
-            tie=dict(ties),
-            progress=not as_json,
-            nodes=nodes,
-            rtol=rtol,
-            **outputs,
-        )
+        result = find_values(load_case(case, settings), name, **arguments)
         if new_case:
             write_whole(new_case, to_toml(result.problem).encode())
-        if plot:
-            result.plot(plot)
-        for line in [result.to_json()] if as_json else _lines(result):
-            click.echo(line)
+        options.present(result, as_json, plot, _lines(result))
     for text in () if as_json else result.result.warnings:
         click.secho(f"warning: {in_chosen_units(text)}", fg="yellow", err=True)
 
 
 def _lines(result: FindResult) -> Iterator[str]:
     """Yield the solutions, then the table of all points, then the remarks."""
-    from ..studies.find import remarks
-
-    yield from result.lines()[: len(result.solutions)]
+    yield from result.answer()
     yield ""
     field, output = result.quantities[result.name], result.quantities[result.output]
     heads = [
@@ -144,4 +107,4 @@ def _lines(result: FindResult) -> Iterator[str]:
         note = "solution" if value in solutions else reasons.get(value, "")
         yield f"{left}  {right:>{len(heads[1])}}  {note}".rstrip()
     yield ""
-    yield from remarks(result)
+    yield from result.remarks()

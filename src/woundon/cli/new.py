@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from .options import KindName
+from . import options
 
 __all__ = ["new"]
 
@@ -19,7 +19,7 @@ __all__ = ["new"]
     """,
     short_help="Write a case file to start from, or a study file.",
 )
-@click.argument("kind", type=KindName(), default="nip", metavar="KIND")
+@click.argument("kind", type=options.KindName(), default="nip", metavar="KIND")
 @click.option(
     "--grade",
     metavar="NAME",

@@ -1,35 +1,52 @@
-"""Options that several commands share, and the types of their values."""
+"""What several commands share: types of values, options, the output of a result.
+
+An option that a public function has is passed to it by its name: the command only declares it, and
+a type below converts its text to the value that the function expects.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..errors import InvalidProblem
 from ..io.files import check_writable
+
+if TYPE_CHECKING:
+    from rich.console import Console
 
 __all__ = [
     "COLUMNS",
+    "FIGURE",
     "JSON",
     "NODES",
     "PATH",
     "PLOT",
     "RTOL",
+    "SCHEDULER",
     "SETTINGS",
+    "TABLE",
     "TIES",
     "UNITS",
     "WORKERS",
     "FieldRange",
     "KindName",
     "Numbers",
+    "OutputFile",
     "Pair",
+    "as_mapping",
     "as_number",
-    "check_output_files",
+    "console",
+    "present",
+    "print_failures",
     "resumable",
 ]
+
+# ---- types of values ----------------------------------------------------------------------------
 
 
 def as_number(text: str) -> str | float:
@@ -45,28 +62,36 @@ def as_number(text: str) -> str | float:
 
 
 class Pair(click.ParamType):
-    """A text "NAME=VALUE" as a tuple; the value may be empty if it is optional."""
+    """A text "NAME=VALUE" as a tuple of the name and the value.
 
-    name = "pair"
+    Parameters
+    ----------
+    form : str
+        The form of the text, which help and error messages show.
+    value : callable
+        Converts the text of the value.
+    optional : bool
+        Whether the value may be empty, which gives None.
+    """
 
-    def __init__(self, form: str = "NAME=VALUE", optional: bool = False) -> None:
-        self.form, self.optional = form, optional
+    def __init__(
+        self, form: str, value: Callable[[str], Any] = str, *, optional: bool = False
+    ) -> None:
+        self.name, self.value, self.optional = form, value, optional
 
-    def convert(self, value: Any, param: Any, ctx: Any) -> tuple[str, str]:
+    def convert(self, value: Any, param: Any, ctx: Any) -> tuple[str, Any]:
         """Split the text at its last equals sign; the header of a column may have others."""
         name, sign, right = (part.strip() for part in value.rpartition("="))
         if not (sign and name and (right or self.optional)):
-            self.fail(f"{value!r}: must be written {self.form}", param, ctx)
-        return name, right
+            self.fail(f"{value!r}: must be written {self.name}", param, ctx)
+        return name, self.value(right) if right else None
 
 
 class Numbers(click.ParamType):
     """Numbers with colons between them, such as LOW:HIGH, each with or without a unit."""
 
-    name = "numbers"
-
     def __init__(self, form: str) -> None:
-        self.form = form
+        self.name = form
         longest = form.count(":") + 1
         self.counts = range(longest - form.count("["), longest + 1)
 
@@ -74,14 +99,14 @@ class Numbers(click.ParamType):
         """Split the text at its colons."""
         parts = [part.strip() for part in value.split(":")]
         if len(parts) not in self.counts or not all(parts):
-            self.fail(f"{value!r}: must be written {self.form}", param, ctx)
+            self.fail(f"{value!r}: must be written {self.name}", param, ctx)
         return [as_number(part) for part in parts]
 
 
 class FieldRange(click.ParamType):
     """A text "FIELD" or "FIELD=LOW:HIGH" as the name and the range, which may be None."""
 
-    name = "field range"
+    name = "FIELD[=LOW:HIGH]"
 
     def convert(
         self, value: Any, param: Any, ctx: Any
@@ -113,7 +138,72 @@ class KindName(click.Choice[str]):
         pass  # set by the base class
 
 
-def _use_units(context: click.Context, option: Any, choices: tuple[str, ...]) -> None:
+class OutputFile(click.Path):
+    """A file that the command writes; it is checked before anything is computed.
+
+    Parameters
+    ----------
+    endings : str
+        Permitted endings; messages name the first.  Without one, all are permitted.
+    check : callable, optional
+        Rejects other formats of a file that may have several.
+    """
+
+    def __init__(self, *endings: str, check: Callable[[Path], object] | None = None) -> None:
+        super().__init__(path_type=Path)
+        self.endings, self.check = endings, check
+
+    def get_metavar(self, param: click.Parameter, ctx: click.Context) -> str:
+        """Return the name of the file in the help, such as FILE.toml."""
+        return f"FILE{self.endings[0]}" if self.endings else "FILE"
+
+    def convert(self, value: Any, param: Any, ctx: Any) -> Path:
+        """Return the path.
+
+        Raises
+        ------
+        InvalidProblem
+            For an ending that is not permitted, or a file that cannot be written.
+        """
+        path = Path(value)
+        if self.endings and path.suffix not in self.endings:
+            text = f"the ending {path.suffix!r} must be {self.endings[0]}"
+            raise InvalidProblem.at(str(path), text)
+        if self.check is not None:
+            self.check(path)
+        check_writable(path)
+        return path
+
+
+def _check_figure(path: Path) -> None:
+    # importing Matplotlib takes half a second
+    from ..report.figures import check_format
+
+    check_format(path)
+
+
+def _check_table(path: Path) -> None:
+    # the tables of cases import NumPy
+    from ..studies.export import TABLES, check_export
+
+    check_export(path, TABLES)
+
+
+PATH = click.Path(path_type=Path)
+FIGURE = OutputFile(check=_check_figure)
+TABLE = OutputFile(check=_check_table)
+
+# ---- options ------------------------------------------------------------------------------------
+
+
+def as_mapping(
+    context: click.Context, option: click.Parameter, pairs: Iterable[tuple[str, Any]]
+) -> dict[str, Any]:
+    """Return the pairs of a repeated option as a mapping; the callback of such an option."""
+    return dict(pairs)
+
+
+def _use_units(context: click.Context, option: click.Parameter, choices: tuple[str, ...]) -> None:
     """Display results in the chosen units until the command ends."""
     if choices:
         # the units import the kinds of problem, with NumPy and pydantic
@@ -122,7 +212,6 @@ def _use_units(context: click.Context, option: Any, choices: tuple[str, ...]) ->
         context.with_resource(units_of(choices))
 
 
-PATH = click.Path(path_type=Path)
 SETTINGS = click.option(
     "--set",
     "settings",
@@ -141,10 +230,9 @@ UNITS = click.option(
 )
 TIES = click.option(
     "--tie",
-    "ties",
     multiple=True,
     type=Pair("FIELD=FIELD"),
-    metavar="FIELD=FIELD",
+    callback=as_mapping,
     help="Let a field follow another one, e.g. web.material=roll.material; repeatable.",
 )
 COLUMNS = click.option(
@@ -152,16 +240,19 @@ COLUMNS = click.option(
     "columns",
     multiple=True,
     type=Pair("COLUMN=NAME", optional=True),
-    metavar="COLUMN=NAME",
+    callback=as_mapping,
     help="Assign a column of the table to an input or output, e.g. "
     "'Linienlast=nip_load [kN/m]'; without NAME the column is ignored, and by '*=' every column "
     "without a known name; repeatable.",
 )
-PLOT = click.option("--plot", type=PATH, metavar="FILE", help="Plot to .png, .svg or .pdf.")
+PLOT = click.option("--plot", type=FIGURE, help="Plot to .png, .svg or .pdf.")
 JSON = click.option("--json", "as_json", is_flag=True, help="Print the complete result as JSON.")
 NODES = click.option("--nodes", type=int, help="Number of nodes on the last mesh.")
 RTOL = click.option("--rtol", type=float, help="Relative error of the solver.")
 WORKERS = click.option("--workers", type=int, help="Number of processes; by default one per core.")
+SCHEDULER = click.option("--scheduler", metavar="ADDRESS", help="Dask scheduler, tcp://host:port.")
+
+# ---- running and printing -----------------------------------------------------------------------
 
 
 @contextmanager
@@ -176,20 +267,70 @@ def resumable(out: Path | None) -> Iterator[None]:
         raise click.Abort(text) from None
 
 
-def check_output_files(plot: Path | None, *others: Path | None) -> None:
-    """Check before a computation that its figure and its other files can be written.
+def present(
+    result: Any, as_json: bool, plot: Path | None, lines: Iterable[str] | None = None
+) -> None:
+    """Save the figure of a study's result, and print its JSON or its lines.
 
-    Raises
-    ------
-    InvalidProblem
-        For a figure whose ending is not a known format.
-    OSError
-        For a file that cannot be written.
+    Parameters
+    ----------
+    result : object
+        A result of a study, with the methods ``plot``, ``to_json`` and ``lines``.
+    as_json : bool
+    plot : path, optional
+        File of the figure.
+    lines : iterable of str, optional
+        In place of ``result.lines()``.
     """
     if plot:
-        # importing Matplotlib takes half a second
-        from ..report.figures import check_format
+        result.plot(plot)
+    if as_json:
+        lines = [result.to_json()]
+    for line in result.lines() if lines is None else lines:
+        click.echo(line)
 
-        check_format(plot)
-    for path in filter(None, (plot, *others)):
-        check_writable(path)
+
+def print_failures(cases: str, reasons: Iterable[str], seconds: float) -> int:
+    """Print how many cases of a study failed, and the most frequent reasons.
+
+    Parameters
+    ----------
+    cases : str
+        What the cases are called, such as "rows".
+    reasons : iterable of str
+        Reason of the failure of each case; empty for a solved one.
+    seconds : float
+        Duration of the study.
+
+    Returns
+    -------
+    int
+        The exit code: 3 if all cases failed, else 0.
+    """
+    import numpy as np
+
+    from ..quantities import in_chosen_units
+    from ..studies.run import failures
+
+    texts = np.array([*reasons], dtype=object)
+    failed = int((texts != "").sum())
+    click.echo(f"{texts.size} {cases} in {seconds:.1f} s, {failed} failed")
+    for reason, count in failures(texts):
+        click.secho(f"  {count} x {in_chosen_units(reason)}", fg="red")
+    return 3 if failed == texts.size else 0
+
+
+def console() -> Console:
+    """Return the terminal on which commands print reports.
+
+    Its lines are not wrapped, so that a pipe or a log gets the same text.
+    """
+    from rich.console import Console
+
+    class Terminal(Console):
+        def on_broken_pipe(self) -> None:
+            raise BrokenPipeError  # rich would exit with code 1
+
+    terminal = Terminal(highlight=False)
+    terminal.width = max(terminal.width, 100)
+    return terminal

@@ -8,10 +8,12 @@ from typing import Any
 import click
 
 from ..errors import InvalidProblem, unwarned
-from ..io.files import check_writable, write_whole
-from .options import PATH, SETTINGS, UNITS
+from ..io.files import write_whole
+from . import options
 
 __all__ = ["report"]
+
+HTML = options.OutputFile(".html", ".htm")
 
 
 @click.command(
@@ -23,28 +25,21 @@ __all__ = ["report"]
     """,
     short_help="Write a report of solved cases: one HTML file for print.",
 )
-@click.argument("cases", nargs=-1, required=True, type=PATH)
-@click.option("--out", type=PATH, metavar="FILE.html", help="HTML file; by default CASE.html.")
-@SETTINGS
-@UNITS
+@click.argument("cases", nargs=-1, required=True, type=options.PATH)
+@click.option("--out", type=HTML, metavar="FILE.html", help="HTML file; by default CASE.html.")
+@options.SETTINGS
+@options.UNITS
 @click.option("--title", default="", help="Title of the report.")
 @click.option("--remarks", default="", help="Text of the remarks; by default left empty.")
 def report(
-    cases: tuple[Path, ...],
-    out: Path | None,
-    settings: tuple[str, ...],
-    title: str,
-    remarks: str,
+    cases: tuple[Path, ...], out: Path | None, settings: tuple[str, ...], title: str, remarks: str
 ) -> None:
     """Write a report of solved cases as one HTML file."""
     from .. import kinds
     from ..report.html_report import report_file
 
     problems = [_load(path, settings) for path in cases]
-    out = out or cases[0].with_suffix(".html")
-    if out.suffix not in (".html", ".htm"):
-        raise InvalidProblem.at(str(out), f"the ending {out.suffix!r} must be .html")
-    check_writable(out)
+    out = out or HTML.convert(cases[0].with_suffix(".html"), None, None)
     with unwarned():
         results = [kinds.solve(problem) for problem in problems]
         page = report_file(

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import click
 
 from ..errors import InvalidProblem
 from ..io.files import write_whole
-from .options import PATH, PLOT, SETTINGS, UNITS, as_number, check_output_files
-from .solve import console
+from . import options
+
+if TYPE_CHECKING:
+    from ..problems.schedules import Profile
 
 __all__ = ["schedule"]
 
@@ -25,7 +27,7 @@ __all__ = ["schedule"]
     """,
     short_help="Compute the tension schedule for a target pressure in a roll.",
 )
-@click.argument("case", type=PATH)
+@click.argument("case", type=options.PATH)
 @click.option(
     "--pressure",
     "target",
@@ -35,9 +37,7 @@ __all__ = ["schedule"]
     'pressure, from the core to the surface, or one value, as "200 kPa".',
 )
 @click.option(
-    "--smooth",
-    is_flag=True,
-    help="Interpolate the table with a cubic spline; by default linearly.",
+    "--smooth", is_flag=True, help="Interpolate the table with a cubic spline; by default linearly."
 )
 @click.option(
     "--rtol",
@@ -46,19 +46,18 @@ __all__ = ["schedule"]
     show_default=True,
     help="Relative tolerance of the interior pressure.",
 )
-@SETTINGS
-@UNITS
+@options.SETTINGS
+@options.UNITS
 @click.option(
     "--out",
-    type=PATH,
-    metavar="FILE.csv",
+    type=options.OutputFile(".csv"),
     help="Write the tension over the radius; a case reads it by [wound_on_tension], "
     'csv = "FILE.csv", between = "smooth".',
 )
 @click.option(
-    "--case", "new_case", type=PATH, metavar="FILE.toml", help="Write the case with the schedule."
+    "--case", "new_case", type=options.OutputFile(".toml"), help="Write the case with the schedule."
 )
-@PLOT
+@options.PLOT
 def schedule(
     case: Path,
     target: str,
@@ -77,17 +76,13 @@ def schedule(
     from ..roll.design import design_tension
     from ..roll.solve import solve_wound_roll
 
-    for file, ending in ((out, ".csv"), (new_case, ".toml")):
-        if file and file.suffix != ending:
-            raise InvalidProblem.at(str(file), f"the ending {file.suffix!r} must be {ending}")
-    check_output_files(plot, out, new_case)
     problem = load_case(case, settings)
     if not isinstance(problem, RollProblem):
         text = "is not a case of the kind roll; 'woundon new roll' writes one"
         raise InvalidProblem.at(str(case), text)
     solution = design_tension(problem, _target_pressure(target, smooth), rtol=rtol)
     roll = solve_wound_roll(solution.problem, rtol=max(rtol, 1e-8))
-    print_schedule(solution, roll, console())
+    print_schedule(solution, roll, options.console())
     if out:
         write_whole(out, csv_text(solution).encode())
     if new_case:
@@ -96,17 +91,16 @@ def schedule(
         plot_schedule(solution, roll, plot)
 
 
-def _target_pressure(text: str, smooth: bool) -> Any:
-    """Return a target pressure: a number [Pa], or the profile in a file."""
+def _target_pressure(text: str, smooth: bool) -> float | str | Profile:
+    """Return a target pressure: a number [Pa], a text with a unit, or the profile in a file."""
     from ..io.columns import read_columns
     from ..problems.schedules import Profile
-    from ..problems.units import parse
     from ..quantities import length, stress
 
     if not text.lower().endswith((".csv", ".xlsx")):
         if smooth:
             raise InvalidProblem.at("--smooth", "is given with one value; must be with a table")
-        return parse(as_number(text), "Pa", "pressure")
+        return options.as_number(text)
     pressure = stress("P", "pressure between the layers")
     known = {"radius": length("r", "radius"), "pressure": pressure, "value": pressure}
     columns = read_columns(Path(text), known)

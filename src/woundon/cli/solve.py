@@ -4,21 +4,19 @@ from __future__ import annotations
 
 import inspect
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from ..errors import InvalidProblem, one_of, unwarned
-from .options import PATH, SETTINGS, UNITS, check_output_files
+from . import options
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
     from ..kinds import Kind
 
-__all__ = ["console", "solve"]
+__all__ = ["solve"]
 
 
 class SolveCommand(click.Command):
@@ -30,22 +28,33 @@ class SolveCommand(click.Command):
         return [*others, *_solver_options(), *_wrap_options(), help_option]
 
 
+def _check_result_file(path: Path) -> None:
+    # the files of results import NumPy and pydantic
+    from ..io.result_files import writer_for
+
+    writer_for(path)
+
+
 @click.command(
     cls=SolveCommand,
     help="Solve the problem in a case file (any kind; see 'woundon new'), and print the report.",
     short_help="Solve a case file of any kind.",
 )
-@click.argument("case", type=PATH)
-@SETTINGS
-@UNITS
-@click.option("--json", "as_json", is_flag=True, help="Print the complete result as JSON.")
+@click.argument("case", type=options.PATH)
+@options.SETTINGS
+@options.UNITS
+@options.JSON
 @click.option(
     "--sensitivity",
     is_flag=True,
     help="Print the local sensitivities of the main outputs to all inputs, largest first.",
 )
-@click.option("--save", type=PATH, metavar="FILE", help="Save the result as .nc, .json or .csv.")
-@click.option("--plot", type=PATH, metavar="FILE", help="Plot to .png, .svg or .pdf.")
+@click.option(
+    "--save",
+    type=options.OutputFile(check=_check_result_file),
+    help="Save the result as .nc, .json or .csv.",
+)
+@options.PLOT
 def solve(
     case: Path,
     settings: tuple[str, ...],
@@ -53,25 +62,18 @@ def solve(
     sensitivity: bool,
     save: Path | None,
     plot: Path | None,
-    **options: Any,
+    **arguments: Any,
 ) -> None:
     """Solve a case file and print the report."""
     from .. import kinds
     from ..io.case_files import load_case
-    from ..io.result_files import to_json, writer_for
+    from ..io.result_files import to_json
 
-    solver_options = {name: value for name, value in options.items() if value is not None}
-    wraps = [
-        f"{name}={solver_options.pop(name)}"
-        for name in list(solver_options)
-        if name in _wrap_fields()
-    ]
+    given = {name: value for name, value in arguments.items() if value is not None}
+    wraps = [f"{name}={given.pop(name)}" for name in _wrap_fields() if name in given]
     problem = load_case(case, [*settings, *wraps])
-    _check_options(kinds.of(problem), solver_options, sensitivity)
-    if save:
-        writer_for(save)
-    check_output_files(plot, *([save] if save else []))
-    result = _solve(problem, solver_options)
+    _check_options(kinds.of(problem), given, sensitivity)
+    result = _solve(problem, given)
     derivatives = result.sensitivity() if sensitivity else None
     if save:
         result.save(save)
@@ -94,17 +96,17 @@ def _solver_options() -> Iterator[click.Option]:
     """Yield an option for each keyword-only argument of the solvers."""
     from ..kinds import every
 
-    known = [(kind, kind.solver_options()) for kind in every()]
-    for name in dict.fromkeys(name for _, options in known for name in options):
-        owners = [kind.name for kind, options in known if name in options]
-        option = next(options[name] for _, options in known if name in options)
-        note = "" if len(owners) == len(known) else f" Only for {one_of(owners, 'and')}."
-        details = f"{option.help} See 'woundon describe'." if option.details else option.help
-        yield click.Option(
-            [_option_name(name)],
-            type=click.Choice(option.choices) if option.choices else option.type,
-            help=f"{details}{note}".strip(),
-        )
+    kinds_with: dict[str, list[Kind[Any, Any]]] = {}
+    for kind in every():
+        for name in kind.solver_options():
+            kinds_with.setdefault(name, []).append(kind)
+    for name, owners in kinds_with.items():
+        option = owners[0].solver_options()[name]
+        text = f"{option.help} See 'woundon describe'." if option.details else option.help
+        if len(owners) < len(every()):
+            text += f" Only for {one_of((kind.name for kind in owners), 'and')}."
+        value_type = click.Choice(option.choices) if option.choices else option.type
+        yield click.Option([_option_name(name)], type=value_type, help=text.strip())
 
 
 def _wrap_fields() -> dict[str, Any]:
@@ -127,15 +129,15 @@ def _wrap_options() -> Iterator[click.Option]:
         yield click.Option([_option_name(name)], metavar="VALUE", help=field_comment(field))
 
 
-def _check_options(kind: Kind[Any, Any], options: Mapping[str, Any], sensitivity: bool) -> None:
-    """Reject options that the solver of the kind does not have."""
+def _check_options(kind: Kind[Any, Any], given: Iterable[str], sensitivity: bool) -> None:
+    """Reject names of options that the solver of the kind does not have."""
     from ..kinds import every
 
     known = kind.solver_options()
     text = f"not an option of the kind {kind.name!r}, which has " + (
         one_of(map(_option_name, known), "and") or "none"
     )
-    faults = [(_option_name(name), text) for name in options if name not in known]
+    faults = [(_option_name(name), text) for name in given if name not in known]
     if sensitivity and not hasattr(kind.result, "sensitivity"):
         others = one_of((k.name for k in every() if hasattr(k.result, "sensitivity")), "and")
         text = f"not available for the kind {kind.name!r}, but for {others}"
@@ -147,7 +149,7 @@ def _check_options(kind: Kind[Any, Any], options: Mapping[str, Any], sensitivity
 # ---- solving and printing -----------------------------------------------------------------------
 
 
-def _solve(problem: Any, options: Mapping[str, Any]) -> Any:
+def _solve(problem: Any, arguments: Mapping[str, Any]) -> Any:
     """Solve, with a progress bar on a terminal if the solver reports its progress."""
     from .. import kinds
     from ..studies.bars import fraction_bar
@@ -155,9 +157,9 @@ def _solve(problem: Any, options: Mapping[str, Any]) -> Any:
     reports = "progress" in inspect.signature(kinds.of(problem).solver).parameters
     with unwarned():  # the report contains the warnings
         if not (reports and sys.stderr.isatty()):
-            return kinds.solve(problem, **options)
+            return kinds.solve(problem, **arguments)
         with fraction_bar() as progress:
-            return kinds.solve(problem, progress=progress, **options)
+            return kinds.solve(problem, progress=progress, **arguments)
 
 
 def _print(result: Any, sensitivity: Any) -> None:
@@ -165,23 +167,7 @@ def _print(result: Any, sensitivity: Any) -> None:
     from ..report.result_report import print_report
     from ..report.sensitivity_report import print_sensitivity
 
-    terminal = console()
+    terminal = options.console()
     print_report(result, terminal)
     if sensitivity is not None:
         print_sensitivity(sensitivity, terminal)
-
-
-def console() -> Console:
-    """Return the terminal on which commands print reports.
-
-    Its lines are not wrapped, so that a pipe or a log gets the same text.
-    """
-    from rich.console import Console
-
-    class Terminal(Console):
-        def on_broken_pipe(self) -> None:
-            raise BrokenPipeError  # rich would exit with code 1
-
-    terminal = Terminal(highlight=False)
-    terminal.width = max(terminal.width, 100)
-    return terminal

@@ -4,31 +4,18 @@ from __future__ import annotations
 
 import os
 import time
-import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..errors import InvalidProblem, ValidityWarning
-from .options import (
-    COLUMNS,
-    JSON,
-    NODES,
-    PATH,
-    PLOT,
-    SETTINGS,
-    TIES,
-    UNITS,
-    WORKERS,
-    FieldRange,
-    check_output_files,
-    resumable,
-)
+from ..errors import InvalidProblem, unwarned
+from ..io.files import write_whole
+from . import options
 
 if TYPE_CHECKING:
-    from ..studies.table import Table
+    from ..studies.run import Table
 
 __all__ = ["fit", "plan", "sobol", "sweep"]
 
@@ -38,13 +25,15 @@ EXPORTS = ("nc", "csv", "xlsx", "parquet")
 def _execution_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """Add the options for processes and folders of a study."""
     for option in (
-        WORKERS,
-        click.option("--scheduler", metavar="ADDRESS", help="Dask scheduler, tcp://host:port."),
+        options.WORKERS,
+        options.SCHEDULER,
         click.option("--resume", is_flag=True, help="Resume the study in DIR."),
-        click.option("--out", type=PATH, required=True, metavar="DIR", help="Folder of results."),
+        click.option(
+            "--out", type=options.PATH, required=True, metavar="DIR", help="Folder of results."
+        ),
         click.option(
             "--export-to",
-            type=PATH,
+            type=options.PATH,
             metavar="FOLDER",
             help="Folder of exported files and figures; by default DIR.",
         ),
@@ -63,10 +52,10 @@ def _execution_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """,
     short_help="Solve all cases of a study file.",
 )
-@click.argument("study", type=PATH)
+@click.argument("study", type=options.PATH)
 @_execution_options
 @click.option("--chunk", type=click.IntRange(1), help="Number of cases per chunk.")
-@UNITS
+@options.UNITS
 @click.option(
     "--export",
     "exports",
@@ -79,19 +68,17 @@ def _execution_options(command: Callable[..., Any]) -> Callable[..., Any]:
 def sweep(
     study: Path,
     out: Path,
-    resume: bool,
-    scheduler: str | None,
-    workers: int | None,
-    chunk: int | None,
-    exports: tuple[str, ...],
     export_to: Path | None,
+    exports: tuple[str, ...],
+    workers: int | None,
+    scheduler: str | None,
+    **arguments: Any,
 ) -> int:
     """Solve all cases of a study file."""
     from ..studies.api import study_of
-    from ..studies.engine import run_study
     from ..studies.export import check_export, export
-    from ..studies.runners import runner_for
-    from ..studies.studyfile import load_study
+    from ..studies.run import Workers, run_study
+    from ..studies.study_file import load_study
 
     loaded = load_study(study)
     folder = _export_folder(out, export_to)
@@ -108,23 +95,17 @@ def sweep(
         **loaded.design,
         options=loaded.options,
     )
-    table = _resumable(
-        run_study,
-        model,
-        cases,
-        runner_for(workers, scheduler),
-        out=out,
-        resume=resume,
-        chunk=chunk,
-        progress=True,
-    )
+    with options.resumable(out), unwarned():
+        solvers = Workers(workers, scheduler)
+        table = run_study(model, cases, solvers, out=out, progress=True, **arguments)
     seconds = time.perf_counter() - start
     for target in targets:
         export(table, target)
     figures = [folder / f"{output}.png" for output in table.outputs]
     for output, figure in zip(table.outputs, figures, strict=True):
         table.plot(output, figure)
-    code = _print_summary(table, seconds)
+    code = options.print_failures("cases", table.failure, seconds)
+    _print_ranges(table)
     _print_written([*targets, *figures])
     return code
 
@@ -139,41 +120,25 @@ def _export_folder(out: Path, export_to: Path | None) -> Path:
     return export_to or out
 
 
-def _resumable(run: Callable[..., Any], *args: Any, **kwargs: Any) -> Any:
-    """Run a study; after Ctrl-C say how to resume it."""
-    with resumable(kwargs["out"]), warnings.catch_warnings():
-        warnings.simplefilter("always")
-        warnings.simplefilter("ignore", ValidityWarning)  # the summary counts them
-        return run(*args, **kwargs)
-
-
-def _print_summary(table: Table, seconds: float) -> int:
-    """Print failures, warnings and ranges of the outputs; return the exit code, 3 if all failed."""
+def _print_ranges(table: Table) -> None:
+    """Print the number of warnings of a study, and the range of each output."""
     import numpy as np
 
     from ..quantities import in_chosen_units
-    from ..studies.table import failures
 
-    failed, size = table.failed.size, table.design.size
-    click.echo(f"{size} cases in {seconds:.1f} s, {failed} failed")
-    for reason, count in failures(table.failure):
-        click.secho(f"  {count} x {in_chosen_units(reason)}", fg="red")
-    warned = int(np.count_nonzero(table.warnings != ""))
-    if warned:
-        first = table.warnings[table.warnings != ""][0]
-        text = f"  {warned} outside the validity range of the model, the first: "
-        text += in_chosen_units(first)
-        click.secho(text, fg="yellow")
+    warned = table.warnings[table.warnings != ""]
+    if warned.size:
+        text = f"  {warned.size} outside the validity range of the model, the first: "
+        click.secho(text + in_chosen_units(warned[0]), fg="yellow")
     for name, values in table.outputs.items():
         if np.isfinite(values).any():
             quantity = table.quantities[name]
             unit, converted = quantity.in_table(values)
             text = f"{quantity.meaning}: {np.nanmin(converted):.5g} to {np.nanmax(converted):.5g}"
             click.echo(text if unit == "1" else f"{text} {unit}")
-    return 3 if failed == size else 0
 
 
-def _print_written(paths: list[Path]) -> None:
+def _print_written(paths: Sequence[Path]) -> None:
     click.echo("written: " + ", ".join(str(path) for path in paths))
 
 
@@ -187,41 +152,34 @@ def _print_written(paths: list[Path]) -> None:
     """,
     short_help="Rank the inputs of a study by Sobol' sensitivity indices.",
 )
-@click.argument("study", type=PATH)
+@click.argument("study", type=options.PATH)
 @_execution_options
 @click.option("--samples", type=int, help="Base samples, a power of 2; by default 256.")
 def sobol(
-    study: Path,
-    out: Path,
-    resume: bool,
-    scheduler: str | None,
-    workers: int | None,
-    samples: int | None,
-    export_to: Path | None,
+    study: Path, out: Path, export_to: Path | None, samples: int | None, **arguments: Any
 ) -> None:
     """Compute the Sobol' indices of the ranges of a study file."""
     from ..studies.api import global_sensitivity
-    from ..studies.studyfile import load_study
+    from ..studies.study_file import load_study
 
     loaded = load_study(study, ranges=True)
     folder = _export_folder(out, export_to)
+    over: Any = loaded.over  # the table of another file is rejected
     design = {k: v for k, v in loaded.design.items() if k in ("samples", "seed")}
     if samples is not None:
         design["samples"] = samples
-    indices = _resumable(
-        global_sensitivity,
-        loaded.problem,
-        loaded.over,
-        loaded.outputs,
-        tie=loaded.tie,
-        **design,
-        options=loaded.options,
-        out=out,
-        resume=resume,
-        scheduler=scheduler,
-        workers=workers,
-        progress=True,
-    )
+    with options.resumable(out), unwarned():
+        indices = global_sensitivity(
+            loaded.problem,
+            over,
+            loaded.outputs,
+            tie=loaded.tie,
+            options=loaded.options,
+            out=out,
+            progress=True,
+            **design,
+            **arguments,
+        )
     for line in indices.lines():
         click.echo(line)
     targets = [folder / "sobol.nc", folder / "sobol.png"]
@@ -239,83 +197,53 @@ def sobol(
     """,
     short_help="Fit fields of a case to measured data.",
 )
-@click.argument("case", type=PATH)
-@click.argument("data", type=PATH)
+@click.argument("case", type=options.PATH)
+@click.argument("data", type=options.PATH)
 @click.option(
     "--vary",
-    "varied",
     multiple=True,
     required=True,
-    type=FieldRange(),
-    metavar="FIELD[=LOW:HIGH]",
+    type=options.FieldRange(),
+    callback=options.as_mapping,
     help="A field to fit, e.g. roll.material.shear='1 MPa:100 MPa'; repeatable.",
 )
-@TIES
-@COLUMNS
-@SETTINGS
-@UNITS
+@options.TIES
+@options.COLUMNS
+@options.SETTINGS
+@options.UNITS
 @click.option(
     "--starts",
     type=click.IntRange(1),
     help="Number of initial guesses; by default until two lead to the best minimum, at most 6.",
 )
-@NODES
-@click.option("--no-profiles", is_flag=True, help="Omit the profile-likelihood intervals.")
-@JSON
-@click.option("--save", type=PATH, metavar="FILE.json", help="Save the fit.")
-@PLOT
+@options.NODES
+@click.option(
+    "--no-profiles",
+    "profiles",
+    flag_value=False,
+    default=True,
+    help="Omit the profile-likelihood intervals.",
+)
+@options.JSON
+@click.option("--save", type=options.OutputFile(".json"), help="Save the fit.")
+@options.PLOT
 def fit(
     case: Path,
     data: Path,
-    varied: tuple[tuple[str, tuple[str | float, str | float] | None], ...],
-    ties: tuple[tuple[str, str], ...],
-    columns: tuple[tuple[str, str], ...],
     settings: tuple[str, ...],
-    starts: int | None,
-    nodes: int | None,
-    no_profiles: bool,
     as_json: bool,
     save: Path | None,
     plot: Path | None,
+    **arguments: Any,
 ) -> None:
     """Fit fields of a case to measured data (.csv or .xlsx, units in the header)."""
     from ..io.case_files import load_case
-    from ..io.files import write_whole
-    from ..studies.api import fit as fit_problem
+    from ..studies.fit import fit as fit_problem
 
-    problem = load_case(case, settings)
-    if save and save.suffix != ".json":
-        raise InvalidProblem.at(str(save), f"the ending {save.suffix!r} is not .json")
-    check_output_files(plot, save)
-    result = fit_problem(
-        problem,
-        data,
-        {name: _bounds_in_si(problem, name, bounds) for name, bounds in varied},
-        tie=dict(ties),
-        starts=starts,
-        nodes=nodes,
-        columns={name: assigned or None for name, assigned in columns},
-        profiles=not no_profiles,
-        progress=True,
-    )
+    result = fit_problem(load_case(case, settings), data, progress=True, **arguments)
     if save:
         write_whole(save, result.to_json().encode())
-    if plot:
-        result.plot(plot)
-    for line in [result.to_json()] if as_json else result.lines():
-        click.echo(line)
-
-
-def _bounds_in_si(
-    problem: Any, name: str, bounds: tuple[str | float, str | float] | None
-) -> tuple[float, float] | None:
-    """Return the bounds of a field in SI; None for an unknown field, which the fit rejects."""
-    from ..studies.kind_model import field_quantity, number_in_si
-
-    if bounds is None or field_quantity(problem, name) is None:
-        return None
-    low, high = bounds
-    return number_in_si(problem, name, low), number_in_si(problem, name, high)
+    options.present(result, as_json, plot)
 
 
 @click.command(
@@ -329,39 +257,28 @@ def _bounds_in_si(
     """,
     short_help="Choose the next measurement by its expected information.",
 )
-@click.argument("study", type=PATH)
+@click.argument("study", type=options.PATH)
 @click.option("--count", type=click.IntRange(1), help="Number of measurements to select.")
 @click.option(
     "--draws",
     type=click.IntRange(0),
     help="Number of random points at which the ranking is repeated; by default 3.",
 )
-@UNITS
-@JSON
-@click.option("--save", type=PATH, metavar="FILE", help="Save the steps as .csv or .xlsx, in SI.")
-@PLOT
+@options.UNITS
+@options.JSON
+@click.option("--save", type=options.TABLE, help="Save the steps as .csv or .xlsx, in SI.")
+@options.PLOT
 def plan(
-    study: Path,
-    count: int | None,
-    draws: int | None,
-    as_json: bool,
-    save: Path | None,
-    plot: Path | None,
+    study: Path, as_json: bool, save: Path | None, plot: Path | None, **arguments: Any
 ) -> None:
     """Rank the candidate measurements of a study file."""
-    from ..studies.case_table import check_table_path, write_table
     from ..studies.experiment import next_experiment
+    from ..studies.export import write_table
     from ..studies.plan_file import load_plan
 
-    if save:
-        check_table_path(save)
-    check_output_files(plot, save)
     keywords = load_plan(study)
-    settings = {name: v for name, v in (("count", count), ("draws", draws)) if v is not None}
-    plan_result = next_experiment(**{**keywords, **settings}, progress=True)
+    keywords |= {name: value for name, value in arguments.items() if value is not None}
+    result = next_experiment(progress=True, **keywords)
     if save:
-        write_table(plan_result.to_dataframe().reset_index(), save)
-    if plot:
-        plan_result.plot(plot)
-    for line in [plan_result.to_json()] if as_json else plan_result.lines():
-        click.echo(line)
+        write_table(result.to_dataframe().reset_index(), save)
+    options.present(result, as_json, plot)

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import time
 from pathlib import Path
+from typing import Any
 
 import click
 
 from ..errors import InvalidProblem, unwarned
-from ..io.files import check_writable
-from .options import COLUMNS, NODES, PATH, RTOL, SETTINGS, TIES, UNITS, WORKERS, KindName
+from . import options
 
 __all__ = ["table"]
-
-MOST_REASONS = 5
 
 
 @click.command(
@@ -28,18 +26,13 @@ MOST_REASONS = 5
     """,
     short_help="Solve the cases of a spreadsheet, one in each row.",
 )
-@click.argument("cases", type=PATH)
+@click.argument("cases", type=options.PATH)
 @click.option(
-    "-o",
-    "--out",
-    type=PATH,
-    required=True,
-    metavar="FILE",
-    help="Table of the results, .csv or .xlsx.",
+    "-o", "--out", type=options.TABLE, required=True, help="Table of the results, .csv or .xlsx."
 )
-@click.option("--case", type=PATH, metavar="CASE.toml", help="Values of all other fields.")
-@click.option("--kind", type=KindName(), help="Kind of problem of a table without --case.")
-@SETTINGS
+@click.option("--case", type=options.PATH, metavar="CASE.toml", help="Values of all other fields.")
+@click.option("--kind", type=options.KindName(), help="Kind of problem of a table without --case.")
+@options.SETTINGS
 @click.option(
     "--output",
     "outputs",
@@ -47,57 +40,35 @@ MOST_REASONS = 5
     metavar="NAME",
     help="An output; by default all; repeatable.",
 )
-@COLUMNS
-@TIES
-@UNITS
-@WORKERS
-@NODES
-@RTOL
+@options.COLUMNS
+@options.TIES
+@options.UNITS
+@options.WORKERS
+@options.NODES
+@options.RTOL
 def table(
     cases: Path,
     out: Path,
     case: Path | None,
-    kind: str | None,
     settings: tuple[str, ...],
     outputs: tuple[str, ...],
-    columns: tuple[tuple[str, str], ...],
-    ties: tuple[tuple[str, str], ...],
-    workers: int | None,
-    nodes: int | None,
-    rtol: float | None,
+    **arguments: Any,
 ) -> int:
     """Solve the cases of a table (.csv or .xlsx), one in each row."""
     from ..io.case_files import load_case
-    from ..studies.case_table import check_table_path, solve_table, write_table
-    from ..studies.table import failures
+    from ..studies.case_table import solve_table
+    from ..studies.export import write_table
 
-    check_table_path(out)
-    check_writable(out)
     if settings and case is None:
         raise InvalidProblem.at("--set", "changes a field of --case, which is not given")
     problem = load_case(case, settings) if case else None
     start = time.perf_counter()
     with unwarned():
-        solved = solve_table(
-            cases,
-            problem,
-            outputs or None,
-            kind=kind,
-            workers=workers,
-            progress=True,
-            columns={name: assigned or None for name, assigned in columns},
-            tie=dict(ties),
-            nodes=nodes,
-            rtol=rtol,
-        )
+        solved = solve_table(cases, problem, outputs or None, progress=True, **arguments)
     write_table(solved, out)
-    failure = solved["failure"].to_numpy(dtype=object)
-    size, failed = len(failure), int((failure != "").sum())
-    click.echo(f"{size} rows in {time.perf_counter() - start:.1f} s, {failed} failed")
-    for reason, count in failures(failure, MOST_REASONS):
-        click.secho(f"  {count} x {reason}", fg="red")
+    code = options.print_failures("rows", solved["failure"], time.perf_counter() - start)
     warned = int((solved["warnings"] != "").sum())
     if warned:
         click.secho(f"  {warned} with a warning; see the column 'warnings'", fg="yellow")
     click.echo(f"written: {out}")
-    return 3 if failed == size else 0
+    return code

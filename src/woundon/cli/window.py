@@ -9,25 +9,14 @@ import click
 
 from ..errors import unwarned
 from ..io.files import write_whole
-from .options import (
-    JSON,
-    PATH,
-    SETTINGS,
-    UNITS,
-    WORKERS,
-    Numbers,
-    Pair,
-    as_number,
-    check_output_files,
-    resumable,
-)
+from . import options
 
 __all__ = ["window"]
 
 if TYPE_CHECKING:
     from ..studies.window_result import OperatingWindow
 
-RANGE = Numbers("LOW:HIGH")
+RANGE = options.Numbers("LOW:HIGH")
 
 
 @click.command(
@@ -40,33 +29,24 @@ RANGE = Numbers("LOW:HIGH")
     """,
     short_help="Map the operating window: the probability of a roll without defects.",
 )
-@click.argument("case", type=PATH)
+@click.argument("case", type=options.PATH)
 @click.option(
     "--web-tension",
     required=True,
     type=RANGE,
-    metavar="LOW:HIGH",
     help='Range at the core, e.g. "200 N/m:500 N/m"; plain numbers are SI.',
 )
-@click.option(
-    "--nip-load",
-    required=True,
-    type=RANGE,
-    metavar="LOW:HIGH",
-    help="Range at the core.",
-)
+@click.option("--nip-load", required=True, type=RANGE, help="Range at the core.")
 @click.option(
     "--torque-split",
     type=RANGE,
-    metavar="LOW:HIGH",
     help="Range of the fraction of the web tension carried by the drum; by default as in the case.",
 )
 @click.option(
     "--uncertain",
-    "spreads",
     multiple=True,
-    type=Pair("FIELD=DEVIATION"),
-    metavar="FIELD=DEVIATION",
+    type=options.Pair("FIELD=DEVIATION", options.as_number),
+    callback=options.as_mapping,
     help="Relative standard deviation of an input, e.g. roll_friction=0.15; 0 removes that of the "
     "grade; repeatable.",
 )
@@ -74,12 +54,11 @@ RANGE = Numbers("LOW:HIGH")
     "--at",
     "points",
     multiple=True,
-    type=Numbers("TENSION:LOAD[:SPLIT]"),
-    metavar="TENSION:LOAD[:SPLIT]",
+    type=options.Numbers("TENSION:LOAD[:SPLIT]"),
     help="Print margins and contributions at a point as well; repeatable.",
 )
-@SETTINGS
-@UNITS
+@options.SETTINGS
+@options.UNITS
 @click.option(
     "--samples",
     type=int,
@@ -87,70 +66,51 @@ RANGE = Numbers("LOW:HIGH")
     show_default=True,
     help="Number of samples of the uncertain inputs.",
 )
-@WORKERS
-@click.option("--out", type=PATH, metavar="DIR", help="Store the solved windings in a folder.")
+@options.WORKERS
+@options.SCHEDULER
+@click.option(
+    "--out", type=options.PATH, metavar="DIR", help="Store the solved windings in a folder."
+)
 @click.option("--resume", is_flag=True, help="Resume the computation in the folder.")
 @click.option(
     "--plot",
-    type=PATH,
-    metavar="FILE",
+    type=options.FIGURE,
     help="Plot to .png, .svg or .pdf; a coarse preview is plotted first.",
 )
-@click.option("--csv", type=PATH, metavar="FILE.csv", help="Write the map as a table.")
-@JSON
+@click.option(
+    "--csv", type=options.OutputFile(), metavar="FILE.csv", help="Write the map as a table."
+)
+@options.JSON
 def window(
     case: Path,
-    web_tension: list[str | float],
-    nip_load: list[str | float],
-    torque_split: list[str | float] | None,
-    spreads: tuple[tuple[str, str], ...],
-    points: tuple[list[str | float], ...],
     settings: tuple[str, ...],
-    samples: int,
-    workers: int | None,
-    out: Path | None,
-    resume: bool,
+    points: tuple[list[str | float], ...],
     plot: Path | None,
     csv: Path | None,
     as_json: bool,
+    **arguments: Any,
 ) -> None:
     """Map the probability that all margins of a winding are positive."""
     from ..io.case_files import load_case
     from ..studies.window import operating_window
 
-    check_output_files(plot, csv)
-    ranges: dict[str, Any] = {"web_tension": web_tension, "nip_load": nip_load}
-    if torque_split is not None:
-        ranges["torque_split"] = torque_split
+    axes = [name for name in ("web_tension", "nip_load", "torque_split") if arguments[name]]
     for point in points:
-        if len(point) != len(ranges):
-            names = " and ".join(ranges)
-            raise click.UsageError(f"--at needs {len(ranges)} values: {names}")
-    uncertain: dict[str, Any] = {name: as_number(value) for name, value in spreads}
-    problem: Any = load_case(case, settings)
+        if len(point) != len(axes):
+            raise click.UsageError(f"--at needs {len(axes)} values: {' and '.join(axes)}")
 
-    def draw(result: Any) -> None:
+    def draw(result: OperatingWindow) -> None:
         if plot:
             result.plot(plot)
 
-    with resumable(out), unwarned():
+    with options.resumable(arguments["out"]), unwarned():
         result = operating_window(
-            problem,
-            **ranges,
-            uncertain=uncertain or None,
-            samples=samples,
-            workers=workers,
-            out=out,
-            resume=resume,
-            progress=not as_json,
-            preview=draw,
+            load_case(case, settings), progress=not as_json, preview=draw, **arguments
         )
-        draw(result)
         if csv:
             write_whole(csv, _csv_text(result).encode())
         at_points = [result.at(*point) for point in points]
-        for line in [result.to_json()] if as_json else result.lines(*at_points):
-            click.echo(line)
+        options.present(result, as_json, plot, result.lines(*at_points))
 
 
 def _csv_text(window: OperatingWindow) -> str:

@@ -17,10 +17,9 @@ from typing import Any
 from .. import kinds
 from ..errors import InvalidProblem, did_you_mean
 from ..problems.grades import grade
-from ..problems.materials import Material, material
-from ..problems.messages import no_such_field, quote
+from ..problems.messages import quote
+from ..problems.paths import set_in_tables
 from ..problems.problem import Problem
-from ..quantities import Place, counterpart, find, is_item, members_of
 from .case_texts import SCHEMA, template, to_toml
 from .columns import with_columns
 from .files import read_whole
@@ -160,17 +159,20 @@ def check_like_a_case(case: Mapping[str, Any], where: str = "") -> None:
 
 def _excess(case: Mapping[str, Any]) -> str:
     """Return the limit that the tables exceed; '' if they exceed none."""
-    inner: list[Any] = [case]
+    level: list[Any] = [case]  # tables and lists of one depth
     names = 0
     for _ in range(MAX_DEPTH):
-        names += sum(len(part) for part in inner if isinstance(part, dict))
-        values = [
-            value for part in inner for value in (part.values() if isinstance(part, dict) else part)
-        ]
+        values: list[Any] = []
+        for part in level:
+            if isinstance(part, Mapping):
+                names += len(part)
+                values += part.values()
+            else:
+                values += part
         if any(isinstance(value, int) and value.bit_length() > 10_000 for value in values):
             return "it has a number of thousands of digits"
-        inner = [value for value in values if isinstance(value, (dict, list))]
-    if inner:
+        level = [value for value in values if isinstance(value, (dict, list))]
+    if level:
         return "it is nested too deeply"
     return f"it has {names} names" if names > MAX_NAMES else ""
 
@@ -215,77 +217,8 @@ def apply_settings(case: Mapping[str, Any], settings: Iterable[str]) -> dict[str
             # a field of a group is changed in the table of the group, if the case has it
             groups = (group for group, names in model.tables.items() if parts[0] in names)
             parts = [*(group for group in groups if group in changed), *parts]
-        _set(changed, parts, _plain(value), model)
+        set_in_tables(changed, ".".join(parts), _plain(value), model)
     return changed
-
-
-def _set(case: dict[str, Any], parts: list[str], value: Any, model: type[Any]) -> None:
-    """Set one value in the tables of a case and add the tables above it; None unsets the field."""
-    *heads, leaf = parts
-    path = ".".join(parts)
-    inner: Any = case
-    for k, head in enumerate(heads):
-        if value is None and isinstance(inner, dict) and head not in inner:
-            inner = {}  # the table is not given, so there is nothing to unset
-            break
-        inner = _below(inner, head, path, find(model, ".".join(heads[: k + 1])))
-    if isinstance(inner, dict) and leaf not in inner:
-        for word in ("diameter", "radius"):  # one of the two is given
-            inner.pop(counterpart(leaf, word), None)
-    if isinstance(inner, list):
-        inner[_place(inner, leaf, path)] = value
-    elif value is not None:
-        inner[leaf] = value
-    elif leaf in inner:
-        del inner[leaf]
-    else:
-        _check_exists(parts, model)
-
-
-def _check_exists(parts: list[str], model: type[Any]) -> None:
-    """Reject a dotted name that is neither a field of a problem's class nor of one of its tables.
-
-    Raises
-    ------
-    InvalidProblem
-    """
-    head, *inner = parts
-    if parts == ["schema"] or (head in model.tables and set(inner) <= {*model.tables[head]}):
-        return
-    path = ".".join(parts)
-    models: tuple[type[Any], ...] = (model,)
-    for k, name in enumerate(parts):
-        if not models:
-            raise InvalidProblem.at(path, f"{parts[k - 1]} has no fields of its own")
-        places = find(model, ".".join(parts[: k + 1]))
-        if not places and k == 0:
-            raise InvalidProblem.at(path, no_such_field(name, model))
-        if not places:
-            known = {field for model_class in models for field in model_class.model_fields}
-            raise InvalidProblem.at(path, f"no such field{did_you_mean(name, known)}")
-        models = tuple(
-            model_class for place in places for model_class in members_of(place.field.annotation)
-        )
-
-
-def _below(table: Any, name: str, path: str, places: tuple[Place, ...]) -> Any:
-    """Return the table, or the list of tables, of that name in a table or a list."""
-    key: Any = _place(table, name, path) if isinstance(table, list) else name
-    inner = table[key] if isinstance(table, list) else table.setdefault(name, {})
-    members = [m for place in places for m in members_of(place.field.annotation)]
-    if isinstance(inner, str) and any(issubclass(m, Material) for m in members):
-        # the name of a material is replaced by its fields, so that one of them can be changed
-        inner = table[key] = material(inner).model_dump()
-    if not isinstance(inner, (dict, list)):
-        raise InvalidProblem.at(path, f"{name} has no fields of its own")
-    return inner
-
-
-def _place(items: list[Any], name: str, path: str) -> int:
-    """Return the index of an item of a list from its name."""
-    if not is_item(name, len(items)):
-        raise InvalidProblem.at(path, f"no item {name!r}; known: 0 to {len(items) - 1}")
-    return int(name)
 
 
 def _plain(text: str) -> str | float | None:

@@ -7,9 +7,11 @@ from __future__ import annotations
 
 import json
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, get_args
+
+from pydantic.fields import FieldInfo
 
 from .. import kinds
 from ..errors import InvalidProblem, one_of
@@ -22,10 +24,20 @@ from ..problems.problem import Problem
 from ..problems.units import text_with_unit
 from ..quantities import Quantity, members_of, quantity_of
 
-__all__ = ["SCHEMA", "field_comment", "field_ranges", "grade_template", "template", "to_toml"]
+__all__ = [
+    "SCHEMA",
+    "field_comment",
+    "field_ranges",
+    "grade_template",
+    "material_name",
+    "template",
+    "to_toml",
+]
 
 SCHEMA = 1
+UNSET = "..."  # in place of the value of an optional field that is not set
 _WIDTH = 100
+_LONGEST_ALIGNED = 24  # characters of a value; the comment of a longer one starts further right
 _UNBREAKABLE = "\N{NO-BREAK SPACE}"  # in a comment, where a line must not be broken
 
 _HEADER = """\
@@ -62,7 +74,7 @@ def template(kind: str = "nip") -> str:
     return to_toml(kinds.named(kind.replace("-", "_")).example(), comments=True)
 
 
-_GRADE_HEADER = """\
+_GRADE_CASE = """\
 # {about}
 #
 # Grade: {title}.  It supplies what is not stated here;
@@ -71,21 +83,33 @@ _GRADE_HEADER = """\
 # the width of the web also a total, "3.6 kN"; for the web tension also a stress, "5 MPa".
 # The web tension is half of the wound-on tension that is usual for the grade, {wound_on}: the nip
 # adds about as much.
+
+schema        = {schema}
+grade         = {grade_and_file}
+width         = "1.2 m"
+web_tension   = "{web_tension}"
+nip_load      = "2 kN/m"
+{winder}
+[web]
+thickness     = "{thickness}"
+
+[drum]
+kind          = "rigid"
+diameter      = "0.8 m"
 """
-_GRADE_ROWS = {
-    "nip": (
-        ("nip_load", "2 kN/m"),
-        ("[roll]",),
-        ("diameter", "1 m"),
-        ("core_diameter", "100 mm"),
-    ),
-    "winding": (
-        ("nip_load", "2 kN/m"),
-        ("diameter", "1.2 m"),
-        ("[core]",),
-        ("diameter", "100 mm"),
-        ("stiffness", "1 GPa"),
-    ),
+_GRADE_WINDERS = {
+    "nip": """
+[roll]
+diameter      = "1 m"
+core_diameter = "100 mm"
+""",
+    "winding": """\
+diameter      = "1.2 m"
+
+[core]
+diameter      = "100 mm"
+stiffness     = "1 GPa"
+""",
 }
 
 
@@ -106,32 +130,22 @@ def grade_template(kind: str, grade_name: str, file: str | None = None) -> str:
     >>> grade_template("nip", "uncoated-fine").splitlines()[-1]
     'diameter      = "0.8 m"'
     """
-    if kind not in _GRADE_ROWS:
-        raise InvalidProblem.at(
-            "kind", f"{kind!r} has no short case; must be {one_of(_GRADE_ROWS)}"
-        )
-    grade_data, summary = grade(grade_name, file), kinds.named(kind).about
-    # the nip adds about as much as the winder pulls
-    wound_on, web_tension = (text_with_unit(grade_data.tension * k, "N/m") for k in (1.0, 0.5))
-    rows = [
-        ("grade", grade_name),
-        *([("grades", file)] if file else []),
-        ("width", "1.2 m"),
-        ("web_tension", str(web_tension)),
-        *_GRADE_ROWS[kind],
-        ("[web]",),
-        ("thickness", str(text_with_unit(grade_data.thickness, "m", "um"))),
-        ("[drum]",),
-        ("kind", "rigid"),
-        ("diameter", "0.8 m"),
-    ]
-    lines = [f"schema        = {SCHEMA}"]
-    for name, *value in rows:
-        lines.append(f"{name:<13} = {json.dumps(value[0])}" if value else f"\n{name}")
-    header = _GRADE_HEADER.format(
-        about=summary, grade=grade_name, title=grade_data.title, kind=kind, wound_on=wound_on
+    if kind not in _GRADE_WINDERS:
+        must = one_of(_GRADE_WINDERS)
+        raise InvalidProblem.at("kind", f"{kind!r} has no short case; must be {must}")
+    data, quoted = grade(grade_name, file), json.dumps(grade_name)
+    return _GRADE_CASE.format(
+        about=kinds.named(kind).about,
+        title=data.title,
+        grade=grade_name,
+        kind=kind,
+        schema=SCHEMA,
+        grade_and_file=f"{quoted}\ngrades        = {json.dumps(file)}" if file else quoted,
+        wound_on=text_with_unit(data.tension, "N/m"),
+        web_tension=text_with_unit(data.tension / 2, "N/m"),  # the nip adds about as much
+        winder=_GRADE_WINDERS[kind],
+        thickness=text_with_unit(data.thickness, "m", "um"),
     )
-    return header + "\n" + "\n".join(lines) + "\n"
 
 
 def to_toml(problem: Problem, comments: bool = False, under: str = "") -> str:
@@ -152,160 +166,114 @@ def to_toml(problem: Problem, comments: bool = False, under: str = "") -> str:
     str
         Numbers as texts with units where that is readable and exact, otherwise in SI.
     """
-    sections = list(_Writer(comments).problem(problem))
+    sections = list(_Writer(comments).sections(problem, under))
     lines = [*_header(problem), ""] if comments and not under else []
-    if under:
-        first, *others = (section.under(under) for section in sections)
-        sections = [first._replace(rows=first.rows[1:]), *others]  # without the schema
-    keys = max(len(row.key) for section in sections for row in section.rows)
-    values = max(min(len(row.value), 24) for section in sections for row in section.rows)
-    for section in sections:
-        lines += section.lines(keys if comments else 0, values)
+    lines += _aligned_lines(sections, comments)
     return "\n".join(lines).rstrip() + "\n"
 
 
 def _header(problem: Problem) -> list[str]:
     """Return the comment at the top of a case file, which explains its use."""
-    kind = kinds.of(problem)
-    known = {n: quantity_of(info) for n, info in type(problem).model_fields.items()}
-    settings = [
-        f"{n}={_value(q.typical[1], q)}"
-        for n, q in known.items()
-        if q and q.unit != "1" and q.typical
-    ]
-    text = _HEADER.format(about=kind.about, setting=[*settings, "FIELD=VALUE"][0])
+    quantities = {n: quantity_of(info) for n, info in type(problem).model_fields.items()}
+    settings = (
+        f"{name}={_value(quantity.typical[1], quantity)}"
+        for name, quantity in quantities.items()
+        if quantity and quantity.unit != "1" and quantity.typical
+    )
+    text = _HEADER.format(about=kinds.of(problem).about, setting=next(settings, "FIELD=VALUE"))
     return [f"# {line}".rstrip() for line in text.split("\n")]
-
-
-# ---- rows and sections --------------------------------------------------------------------------
-
-
-class Row(NamedTuple):
-    """A line of the file; without a value it is an optional field that is not set."""
-
-    key: str
-    value: str
-    comment: str = ""
-
-    def lines(self, keys: int, values: int) -> list[str]:
-        """Return the line with its comment, aligned with the others and wrapped."""
-        text = f"{self.key.ljust(keys)} = {self.value}"
-        if self.value == "...":
-            text = f"# {self.key} = ..."
-        return _commented(text, self.comment, keys + 3 + values)
-
-
-class Section(NamedTuple):
-    """A table of the file with its rows; the first one has no header."""
-
-    header: str
-    rows: list[Row]
-    comment: str = ""
-
-    def under(self, table: str) -> Section:
-        """Return the section nested in a table."""
-        path = ".".join(filter(None, (table, self.header.strip("[]"))))
-        item = self.header.startswith("[[")
-        return self._replace(header=f"[[{path}]]" if item else f"[{path}]")
-
-    def lines(self, keys: int, values: int) -> list[str]:
-        """Return the lines of the section and an empty line."""
-        key_width = keys or max(
-            (len(row.key) for row in self.rows if row.value != "..."), default=0
-        )
-        head = _commented(self.header, self.comment, key_width + 3 + values) if self.header else []
-        return [*head, *(line for row in self.rows for line in row.lines(key_width, values)), ""]
-
-
-def _commented(text: str, comment: str, column: int) -> list[str]:
-    """Return the lines of a text with a wrapped comment that starts at a column."""
-    if not comment:
-        return [text]
-    parts = textwrap.wrap(comment, max(_WIDTH - column - 4, 30), break_long_words=False)
-    first, *others = (part.replace(_UNBREAKABLE, " ") for part in parts)
-    return [f"{text.ljust(column)}  # {first}", *(f"{'':{column}}  # {part}" for part in others)]
 
 
 # ---- from a problem to sections -----------------------------------------------------------------
 
 
+class Row(NamedTuple):
+    """A line of the file: name, value as TOML, comment; the value is UNSET if it is not set."""
+
+    key: str
+    value: str
+    comment: str = ""
+
+
+class Section(NamedTuple):
+    """A table of the file with its rows; that of the problem itself may have no header."""
+
+    header: str
+    rows: list[Row]
+    comment: str = ""
+
+
 @dataclass
 class _Writer:
-    """Converts a problem to sections; remembers the names and kinds that were written."""
+    """Converts a problem to sections.
+
+    Attributes
+    ----------
+    comments : bool
+        Whether the file has comments: then unset fields are listed, and names of materials used.
+    named : set of str
+        Materials that were written by their name.
+    listed : set of type
+        Members of families whose fields were listed in a comment.
+    """
 
     comments: bool
     named: set[str] = field(default_factory=set)
     listed: set[type[Any]] = field(default_factory=set)
 
-    def problem(self, problem: Problem) -> Iterator[Section]:
+    def sections(self, problem: Problem, under: str) -> Iterator[Section]:
         """Yield the sections of a problem: its own fields, its groups, then nested descriptions."""
-        grouped = {name for names in problem.tables.values() for name in names}
-        top, *nested = self.description(problem, "", "", grouped)
-        schema = Row("schema", str(SCHEMA), self.comment("version of the format"))
-        yield Section("", [schema, *self.grade(problem), *top.rows])
+        prefix = f"{under}." if under else ""
+        own, *nested = self.description(problem, prefix, f"[{under}]" if under else "")
+        schema = [] if under else [Row("schema", str(SCHEMA), "version of the format")]
+        yield own._replace(rows=[*schema, *_grade_rows(problem), *own.rows])
         for group, names in problem.tables.items():
-            yield Section(
-                f"[{group}]",
-                [self.row(problem, name) for name in names if self.shows(problem, name)],
-                self.comment(_without(problem, group)),
-            )
+            rows = [self.row(problem, name) for name in names if self.is_shown(problem, name)]
+            yield Section(f"[{prefix}{group}]", rows, _comment_on_group(problem, group))
         yield from nested
-
-    def grade(self, problem: Problem) -> list[Row]:
-        """Return the line with the grade, from which studies take the spreads of the values.
-
-        There is none for a grade of the user's own file, whose place is not known, and for a
-        problem without a value that the grade would supply.
-        """
-        named_grade = getattr(problem, "named_grade", None)
-        if named_grade is None or grades().get(named_grade.name) != named_grade:
-            return []
-        if not states_all(problem, named_grade):
-            return []
-        comment = "supplies what is not stated here, and the spreads of the values"
-        return [Row("grade", json.dumps(named_grade.name), self.comment(comment))]
 
     def description(
         self,
         thing: Description,
-        path: str,
+        prefix: str,
         header: str,
-        excluded: set[str],
-        comment: str = "",
-        of_field: Quantity | None = None,
-        alternatives: tuple[type[Any], ...] = (),
+        holder: FieldInfo | None = None,
+        quantity: Quantity | None = None,
     ) -> Iterator[Section]:
-        """Yield the section of a description, then those of the descriptions in it."""
-        fields = {
-            name: getattr(thing, name) for name in type(thing).model_fields if name not in excluded
-        }
-        inner = {name: value for name, value in fields.items() if self.is_nested(value)}
-        rows = [self.kind(thing, alternatives)] if isinstance(thing, Family) else []
+        """Yield the section of a description, then those of the descriptions in it.
+
+        Parameters
+        ----------
+        thing : Description
+        prefix : str
+            Beginning of the dotted names of its fields.
+        header : str
+            First line of the section.
+        holder : FieldInfo
+            The field that holds the description; None for a problem.
+        quantity : Quantity
+            That of the field, which the values of a profile have.
+        """
+        grouped = {name for names in getattr(thing, "tables", {}).values() for name in names}
+        fields = {n: f for n, f in type(thing).model_fields.items() if n not in grouped}
+        inner = [name for name in fields if self.is_nested(getattr(thing, name))]
+        rows = [self.kind_row(thing, holder)] if isinstance(thing, Family) and holder else []
         rows += [
-            self.row(thing, name, of_field)
+            self.row(thing, name, quantity)
             for name in fields
-            if name not in inner and self.shows(thing, name)
+            if name not in inner and self.is_shown(thing, name)
         ]
-        yield Section(header, rows, comment)
-        for name, value in inner.items():
-            inner_path = f"{path}{name}"
-            field = type(thing).model_fields[name]
-            description, quantity = (
-                self.comment(field.description or ""),
-                quantity_of(field, of_field),
-            )
-            members = members_of(field.annotation)
-            for item in value if isinstance(value, tuple) else (value,):
-                head = f"[[{inner_path}]]" if isinstance(value, tuple) else f"[{inner_path}]"
+        yield Section(header, rows, (holder and holder.description) or "")
+        for name in inner:
+            value, path = getattr(thing, name), f"{prefix}{name}"
+            items, form = (value, "[[{}]]") if isinstance(value, tuple) else ((value,), "[{}]")
+            quantity_inside = quantity_of(fields[name], quantity)
+            for item in items:
                 yield from self.description(
-                    item, f"{inner_path}.", head, set(), description, quantity, members
+                    item, f"{path}.", form.format(path), fields[name], quantity_inside
                 )
 
-    def comment(self, comment: str) -> str:
-        """Return a comment if comments are written."""
-        return comment if self.comments else ""
-
-    def shows(self, thing: Description, name: str) -> bool:
+    def is_shown(self, thing: Description, name: str) -> bool:
         """Return True if a field is written: if it is set, or if the file has comments."""
         return self.comments or getattr(thing, name) is not None
 
@@ -313,7 +281,7 @@ class _Writer:
         """Return True if a value is written as sections; a named material is not at first."""
         if isinstance(value, tuple):
             return any(isinstance(item, Description) for item in value)
-        name = _name_of(value) if self.comments else None
+        name = material_name(value) if self.comments else None
         if name is None or name in self.named:
             return isinstance(value, Description)
         self.named.add(name)
@@ -322,32 +290,44 @@ class _Writer:
     def row(self, thing: Description, name: str, of_field: Quantity | None = None) -> Row:
         """Return the line of a field."""
         value, info = getattr(thing, name), type(thing).model_fields[name]
-        quantity = quantity_of(info, of_field)
+        if value is None:
+            return Row(name, UNSET, field_comment(info))
         if isinstance(value, Description):
             comment = "a name ('woundon materials' lists them), or a table of its fields"
-            return Row(name, json.dumps(_name_of(value)), self.comment(comment))
-        text = "..." if value is None else _value(value, quantity) or _plain(value)
-        return Row(name, text, self.comment(field_comment(info)))
+            return Row(name, _value(material_name(value)), comment)
+        return Row(name, _value(value, quantity_of(info, of_field)), field_comment(info))
 
-    def kind(self, thing: Family, alternatives: tuple[type[Any], ...]) -> Row:
-        """Return the line with the kind of a description; the first one lists the alternatives."""
-        others = [m for m in alternatives if m is not type(thing) and issubclass(m, Family)]
-        names = [
-            m.member_name()
-            if m in self.listed
-            else f"{m.member_name()} ({', '.join(m.model_fields)})"
-            for m in others
-        ]
-        self.listed.update(alternatives)
-        comment = f"or {', '.join(names)}" if names else ""
-        return Row("kind", json.dumps(thing.member_name()), self.comment(comment))
+    def kind_row(self, thing: Family, holder: FieldInfo) -> Row:
+        """Return the line with the kind of a description; its comment lists the alternatives.
 
-
-def _name_of(value: Any) -> str | None:
-    return next((name for name, known in MATERIALS.items() if known.material == value), None)
+        The fields of an alternative are stated at its first occurrence.
+        """
+        members = members_of(holder.annotation)
+        names = []
+        for member in members:
+            if issubclass(member, Family) and member is not type(thing):
+                fields = "" if member in self.listed else f" ({', '.join(member.model_fields)})"
+                names.append(f"{member.member_name()}{fields}")
+        self.listed.update(members)
+        return Row("kind", _value(thing.member_name()), f"or {', '.join(names)}" if names else "")
 
 
-def _without(problem: Problem, group: str) -> str:
+def _grade_rows(problem: Problem) -> list[Row]:
+    """Return the line with the grade, from which studies take the spreads of the values.
+
+    There is none for a grade of the user's own file, whose place is not known, and for a problem
+    without a value that the grade would supply.
+    """
+    named_grade = getattr(problem, "named_grade", None)
+    if named_grade is None or grades().get(named_grade.name) != named_grade:
+        return []
+    if not states_all(problem, named_grade):
+        return []
+    comment = "supplies what is not stated here, and the spreads of the values"
+    return [Row("grade", _value(named_grade.name), comment)]
+
+
+def _comment_on_group(problem: Problem, group: str) -> str:
     """Return a comment on the problem that results if a group is omitted."""
     names = set(type(problem).model_fields) - set(problem.tables[group])
     other = kinds.for_fields(names)
@@ -356,20 +336,52 @@ def _without(problem: Problem, group: str) -> str:
     return f"without this table: {other.about[:1].lower()}{other.about[1:].rstrip('.')}"
 
 
-def _value(value: Any, quantity: Quantity | None) -> str | None:
-    """Return a number with its unit as TOML; None if it has no unit."""
-    if quantity is None or isinstance(value, (bool, str)) or value is None:
-        return None
-    if isinstance(value, tuple):
-        return f"[{', '.join(_value(item, quantity) or _plain(item) for item in value)}]"
-    text = text_with_unit(float(value), quantity.unit, quantity.display)
-    return _plain(text) if isinstance(text, str) else None
+def material_name(value: Any) -> str | None:
+    """Return the name of a material; None for a material without one and for any other value."""
+    return next((name for name, known in MATERIALS.items() if known.material == value), None)
 
 
-def _plain(value: Any) -> str:
-    """Return a value as TOML."""
+# ---- from sections to lines ---------------------------------------------------------------------
+
+
+def _aligned_lines(sections: Sequence[Section], comments: bool) -> Iterator[str]:
+    """Yield the lines of sections, and an empty line after each.
+
+    Equals signs and comments are aligned in the file, without comments the signs in each section.
+    """
+    rows = [row for section in sections for row in section.rows]
+    key_width = max(len(row.key) for row in rows)
+    value_width = max(min(len(row.value), _LONGEST_ALIGNED) for row in rows)
+    for section in sections:
+        if not comments:
+            key_width = max((len(row.key) for row in section.rows), default=0)
+        lines = [(section.header, section.comment)] if section.header else []
+        for row in section.rows:
+            is_set = row.value != UNSET
+            name = row.key.ljust(key_width) if is_set else f"# {row.key}"
+            lines.append((f"{name} = {row.value}", row.comment))
+        for text, comment in lines:
+            column = key_width + len(" = ") + value_width
+            yield from _with_comment(text, comment if comments else "", column)
+        yield ""
+
+
+def _with_comment(text: str, comment: str, column: int) -> list[str]:
+    """Return the lines of a text with a wrapped comment that starts at a column."""
+    if not comment:
+        return [text]
+    parts = textwrap.wrap(comment, max(_WIDTH - column - 4, 30), break_long_words=False)
+    first, *others = (part.replace(_UNBREAKABLE, " ") for part in parts)
+    return [f"{text.ljust(column)}  # {first}", *(f"{'':{column}}  # {part}" for part in others)]
+
+
+def _value(value: Any, quantity: Quantity | None = None) -> str:
+    """Return a value as TOML; a number of a quantity as a text with its unit, if that is exact."""
     if isinstance(value, (tuple, list)):
-        return f"[{', '.join(map(_plain, value))}]"
+        return f"[{', '.join(_value(item, quantity) for item in value)}]"
+    if quantity is not None and not isinstance(value, (bool, str)):
+        text = text_with_unit(float(value), quantity.unit, quantity.display)
+        value = text if isinstance(text, str) else value
     if isinstance(value, (bool, str)):
         return json.dumps(value, ensure_ascii=False)
     return repr(value)

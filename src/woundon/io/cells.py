@@ -10,20 +10,16 @@ from __future__ import annotations
 import re
 import shlex
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from fractions import Fraction
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
+from pydantic import BaseModel
 
 from ..errors import InvalidProblem
-from ..problems.inputs import (
-    Context,
-    conversion_order,
-    convert_number,
-    is_basis_weight,
-    other_units,
-)
+from ..problems.inputs import Inputs, other_units, read_number
 from ..problems.messages import quote
 from ..problems.units import factor, has_dimension, is_unit
 from ..quantities import Quantity
@@ -47,7 +43,6 @@ Array = np.ndarray
 MAX_REPORTED = 10  # errors of a table
 MAX_COUNTED = 1000  # errors of a table
 MAX_NUMBER = 60  # characters, with the unit
-NO_UNIT = ("", "1", "-", "\N{EN DASH}")  # units in headers of dimensionless columns
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?")
 _WHOLE = re.compile(r"[+-]?(?:0|[1-9]\d{0,14})")
 _DECIMAL = re.compile(r"[+-]?(?=\.?\d)(?:0|[1-9]\d{0,14})?(?:\.\d*)?(?:[eE][+-]?\d{1,2})?")
@@ -68,13 +63,13 @@ class Conversion(NamedTuple):
 
     Attributes
     ----------
-    context : Context
+    inputs : Inputs
         Values of the case; a column replaces its value in each row.
     helpers : mapping of str to Quantity
         Columns that convert others and are no fields, such as the density of a web.
     """
 
-    context: Context = Context()
+    inputs: Inputs = Inputs(BaseModel, {})
     helpers: Mapping[str, Quantity] = MappingProxyType({})
 
 
@@ -105,52 +100,86 @@ def numbers(
     """
     sign, count = decimal_sign(sheet), len(sheet.numbers)
     values = np.full((len(columns), count), np.nan)
-    possible = conversion.context
-    for column in columns:
-        possible = possible.with_field(_converter(column), 1.0)
-    scales: dict[int, tuple[Quantity, Fraction | None]] = {}
+    converters = [column for column in columns if _converter(column)]
+    possible = _with_columns(conversion.inputs, {_converter(column): 1.0 for column in converters})
+    readers: dict[int, _Reader] = {}  # of the columns without an error in the header
     for k, column in enumerate(columns):
         try:
             quantity = _number_of(column, names)
-            scales[k] = quantity, _scale(column, quantity, possible, sheet.in_si)
+            scale = _scale(column, quantity, possible, sheet.in_si)
+            readers[k] = _Reader(column.unit, scale, quantity, sign)
         except InvalidProblem as fault:
-            faults.append(Fault(sheet.where, f"column {column.header!r}: {fault}"))
-    densities = [column for column in columns if _converter(column) == "density"]
-    orders = [_order(columns, density) for density in ("1 kg/m^3", "1 kg/m^2")]
+            faults.append(_column_fault(sheet, column, fault))
     for row in range(count):
-        context = conversion.context
-        for k in orders[any(_is_basis_weight(column, row) for column in densities)]:
-            column, cell = columns[k], columns[k].cells[row]
-            if k not in scales or (gaps(column) and _is_empty(cell)):
+        inputs = _inputs_of_row(conversion.inputs, converters, row, sign)
+        for k, reader in readers.items():
+            cell = columns[k].cells[row]
+            if gaps(columns[k]) and _is_empty(cell):
                 continue
             if len(faults) >= most_faults:
                 return list(values)
-            quantity, scale = scales[k]
             try:
-                values[k, row] = _number(cell, sign, column.unit, scale, quantity, context)
+                values[k, row] = reader.number(cell, inputs)
             except InvalidProblem as fault:
-                faults.append(_cell_fault(sheet, column, row, fault))
-            else:
-                context = context.with_field(_converter(column), float(values[k, row]))
+                faults.append(_cell_fault(sheet, columns[k], row, fault))
     return list(values)
 
 
+class _Reader(NamedTuple):
+    """Converts the cells of a column to SI.
+
+    Attributes
+    ----------
+    unit : str
+        Of cells that are plain numbers.
+    scale : Fraction, optional
+        Size of the unit in SI; None if it depends on the other values of a row.
+    quantity : Quantity
+    sign : str
+        Decimal sign of texts.
+    """
+
+    unit: str
+    scale: Fraction | None
+    quantity: Quantity
+    sign: str
+
+    def number(self, cell: Any, inputs: Inputs) -> float:
+        """Return a cell in SI; ``inputs`` are the values of its row.
+
+        Raises
+        ------
+        InvalidProblem
+            Describes the error of the cell, without naming the field.
+        """
+        text = _plain_text(cell, self.sign)
+        try:
+            if _NUMBER.fullmatch(text) and self.scale is not None:
+                return float(Fraction(text) * self.scale)
+            return read_number(_with_unit(text, self.unit), self.quantity, "", inputs)
+        except OverflowError:
+            raise InvalidProblem(f"{quote(cell)} is not a finite number") from None
+
+
 def _converter(column: Column) -> str:
-    """Return the value of a context that a column replaces; '' if it converts no others."""
+    """Return the value of the web that a column contains; '' if it converts no other columns."""
     name = column.name.removeprefix("web.").removeprefix("web_")
-    return name if name in Context._fields and not column.deviation else ""
+    return name if name in ("width", "thickness", "density") and not column.deviation else ""
 
 
-def _order(columns: Sequence[Column], density: str) -> list[int]:
-    """Return the columns in the order of their conversion, for a density of this form."""
-    order = conversion_order({c.name: density for c in columns})
-    return sorted(range(len(columns)), key=lambda k: order.index(columns[k].name))
+def _with_columns(inputs: Inputs, fields: Mapping[str, Any]) -> Inputs:
+    """Return the values of the case with those of columns."""
+    return Inputs(inputs.model, fields, inputs)
 
 
-def _is_basis_weight(column: Column, row: int) -> bool:
-    """Return True for a density that is converted with the thickness of its row."""
-    cell = column.cells[row]
-    return is_basis_weight(str(cell) if _has_unit(cell) else f"1 {column.unit}")
+def _inputs_of_row(inputs: Inputs, columns: Sequence[Column], row: int, sign: str) -> Inputs:
+    """Return the values of the case with those of some columns in a row."""
+    fields: dict[str, str | float] = {}
+    for column in columns:
+        with suppress(InvalidProblem):  # it is reported when the cell itself is read
+            text = _with_unit(_plain_text(column.cells[row], sign), column.unit)
+            fields[_converter(column)] = float(text) if _NUMBER.fullmatch(text) else text
+    return _with_columns(inputs, fields)
 
 
 def texts(
@@ -167,18 +196,20 @@ def texts(
         try:
             _check_unit(column, _number_of(column, names), assignable=False)
         except InvalidProblem as fault:
-            faults.append(Fault(sheet.where, f"column {column.header!r}: {fault}"))
+            faults.append(_column_fault(sheet, column, fault))
             continue
-        unit = "" if column.unit in NO_UNIT else column.unit
         for row, cell in enumerate(column.cells):
             if len(faults) >= MAX_COUNTED:
                 break
             try:
-                text = _plain_text(cell, sign)
-                lists[-1].append(f"{text} {unit}".strip() if _NUMBER.fullmatch(text) else text)
+                lists[-1].append(_with_unit(_plain_text(cell, sign), column.unit))
             except InvalidProblem as fault:
                 faults.append(_cell_fault(sheet, column, row, fault))
     return lists
+
+
+def _column_fault(sheet: Sheet, column: Column, fault: InvalidProblem) -> Fault:
+    return Fault(sheet.where, f"column {column.header!r}: {fault}")
 
 
 def _cell_fault(sheet: Sheet, column: Column, row: int, fault: InvalidProblem) -> Fault:
@@ -199,7 +230,7 @@ def _check_unit(column: Column, quantity: Quantity, *, assignable: bool = True) 
 
     ``assignable`` tells whether the user can assign names and units to columns.
     """
-    if column.unit not in NO_UNIT or quantity.unit == "1":
+    if column.unit or quantity.unit == "1":
         return
     if all(_has_unit(cell) for cell in column.cells if not _is_empty(cell)):
         return
@@ -214,19 +245,19 @@ def _check_unit(column: Column, quantity: Quantity, *, assignable: bool = True) 
     )
 
 
-def _scale(column: Column, quantity: Quantity, context: Context, in_si: bool) -> Fraction | None:
+def _scale(column: Column, quantity: Quantity, inputs: Inputs, in_si: bool) -> Fraction | None:
     """Return the size in SI of the unit of a column; None if each cell is converted by itself.
 
-    ``context`` has all values that the case or other columns contain.
+    ``inputs`` has all values that the case or other columns contain.
     """
-    if column.unit in NO_UNIT:
+    if not column.unit:
         if not in_si:
             _check_unit(column, quantity)
         return Fraction(1)
     one = f"1 {column.unit}"
     if not any(has_dimension(one, unit) for unit in other_units(quantity)):
         return factor(column.unit, quantity.unit, "")
-    convert_number(one, quantity, "", context)  # is rejected if its conversion is not known
+    read_number(one, quantity, "", inputs)  # is rejected if its conversion is not known
     return None
 
 
@@ -244,27 +275,6 @@ def _has_unit(cell: Any) -> bool:
     short = isinstance(cell, str) and len(cell) <= MAX_NUMBER
     number = _NUMBER.match(cell.strip().replace(",", ".")) if short else None
     return number is not None and is_unit(cell.strip()[number.end() :].strip())
-
-
-def _number(
-    cell: Any, sign: str, unit: str, scale: Fraction | None, quantity: Quantity, context: Context
-) -> float:
-    """Return a cell in SI.
-
-    Raises
-    ------
-    InvalidProblem
-        Describes the error of the cell, without naming the field.
-    """
-    text = _plain_text(cell, sign)
-    try:
-        if not _NUMBER.fullmatch(text):  # with its own unit
-            return convert_number(text, quantity, "", context)
-        if scale is None:
-            return convert_number(f"{text} {unit}", quantity, "", context)
-        return float(Fraction(text) * scale)
-    except OverflowError:
-        raise InvalidProblem(f"{quote(cell)} is not a finite number") from None
 
 
 def _plain_text(cell: Any, sign: str) -> str:
@@ -292,6 +302,11 @@ def _plain_text(cell: Any, sign: str) -> str:
         return text
     finite = " finite" if text in ("inf", "-inf") else ""
     raise InvalidProblem(f"{quote(cell)} is not a{finite} number")
+
+
+def _with_unit(text: str, unit: str) -> str:
+    """Return the text of a cell with the unit of its column, unless it has its own."""
+    return f"{text} {unit}".strip() if _NUMBER.fullmatch(text) else text
 
 
 def _with_point(text: str, sign: str) -> str:

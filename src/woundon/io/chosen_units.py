@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
-from typing import Any, TypeVar
+from contextlib import contextmanager, suppress
+from typing import Any
 
 from .. import kinds
 from ..errors import InvalidProblem, did_you_mean
@@ -17,7 +17,6 @@ __all__ = ["ResultInUnits", "in_units", "units", "units_of"]
 
 Names = dict[tuple[str, str], tuple[str, float]]  # as of woundon.quantities.Choice
 System = dict[str, tuple[str, float]]
-Key = TypeVar("Key")
 SYSTEMS = ("SI", "mill")
 # Quantities per width, and the unit of their totals.
 _TOTALS = {"N/m": "N", "kg/m": "kg", "W/m": "W"}
@@ -47,24 +46,24 @@ def units(chosen: Mapping[str, str] | None = None, /, **more: str) -> Iterator[N
     True
     """
     requested = {**(chosen or {}), **more}
-    known = _known() if requested else {}
+    known = _si_units() if requested else {}
     faults: list[tuple[str, str]] = []
-    sizes: Names = {}
+    names: Names = {}
     for name, unit in requested.items():
-        if pattern(name) not in known:
+        si_units = known.get(pattern(name))
+        if si_units is None:
             faults.append((name, f"no field or output{did_you_mean(name, known)}"))
             continue
-        count, last = len(sizes), InvalidProblem("")
-        for si_unit in known[pattern(name)]:
+        sizes = _names_in(unit, name, si_units)
+        if not sizes:
             try:
-                sizes[name, si_unit] = (unit, float(factor(unit, si_unit, name)))
+                factor(unit, si_units[-1], name)
             except InvalidProblem as fault:
-                last = fault
-        if len(sizes) == count:
-            faults += last.faults
+                faults += fault.faults
+        names |= sizes
     if faults:
         raise InvalidProblem(faults)
-    with shown_in(Choice(sizes)):
+    with shown_in(Choice(names)):
         yield
 
 
@@ -87,14 +86,23 @@ def units_of(settings: Iterable[str]) -> Iterator[None]:
         yield
 
 
-def _known() -> dict[str, list[str]]:
+def _places() -> list[Place]:
+    """Return the fields and outputs of all kinds of problem that are numbers."""
+    return [
+        place
+        for kind in kinds.every()
+        for place in (*walk(kind.problem), *outputs(kind.result))
+        if place.quantity is not None
+    ]
+
+
+def _si_units() -> dict[str, list[str]]:
     """Return the SI units of all fields and outputs; a name may have several, by kind."""
     known: dict[str, list[str]] = {}
-    for kind in kinds.every():
-        places: list[Any] = [*walk(kind.problem), *outputs(kind.result)]
-        for place in places:
-            if place.quantity is not None and place.quantity.unit not in known.get(place.path, []):
-                known.setdefault(place.path, []).append(place.quantity.unit)
+    for place in _places():
+        unit = place.quantity.unit if place.quantity else "1"
+        if unit not in known.setdefault(place.path, []):
+            known[place.path].append(unit)
     return known
 
 
@@ -178,26 +186,28 @@ class ResultInUnits:
 
 def in_units(result: Result, chosen: Iterable[str], by_name: Mapping[str, str]) -> ResultInUnits:
     """Return a result in units; parameters as of :meth:`woundon.Result.in_units`."""
-    kind, width = kinds.of(result), getattr(result.problem, "width", None)
-    places: list[Any] = [
-        p
-        for p in (*walk(result.problem), *walk(kind.problem), *outputs(result))
-        if p.quantity is not None
-    ]
+    width = getattr(result.problem, "width", None)
+    problem = kinds.of(result).problem
+    places = [*walk(result.problem), *walk(problem), *outputs(result)]
+    displayed = _displayed(places)
     system: System = {}
     for unit in [chosen] if isinstance(chosen, str) else chosen:
-        matches = _system(unit) if unit in SYSTEMS else _sizes(_displayed(places), unit, width)
-        if not matches:
+        if unit in SYSTEMS:
+            system |= _system(unit)
+            continue
+        sizes = {name: _size(unit, si_unit, width) for name, si_unit in displayed.items()}
+        found = {name: (unit, size) for name, size in sizes.items() if size}
+        if not found:
             raise _no_such_unit(unit, width)
-        system |= matches
+        system |= found
     names: Names = {}
     for name, unit in by_name.items():
-        si_units = {(p.path, p.quantity.unit): p.quantity.unit for p in places if p.path == name}
-        sizes = _sizes(si_units, unit, width)
-        if not sizes:
+        si_units = [p.quantity.unit for p in places if p.path == name and p.quantity]
+        in_unit = _names_in(unit, name, si_units, width)
+        if not in_unit:
             with units({name: unit}):  # raises with the reason, if the name or the unit is unknown
                 raise _no_such_unit(unit, width)
-        names |= sizes
+        names |= in_unit
     return ResultInUnits(result, Choice(names, system))
 
 
@@ -215,9 +225,8 @@ def _displayed(places: Iterable[Place]) -> dict[str, str]:
 
 def _system(system: str) -> System:
     """Return the units of a system, by the unit that is displayed otherwise."""
-    places = (p for kind in kinds.every() for p in (*walk(kind.problem), *outputs(kind.result)))
     sizes: System = {}
-    for name, si_unit in _displayed(places).items():
+    for name, si_unit in _displayed(_places()).items():
         unit = si_unit if system == "SI" else MILL.get(name, "")
         if unit and unit != "1":
             size = 1.0 if unit == si_unit else float(factor(unit, si_unit, name))
@@ -225,19 +234,24 @@ def _system(system: str) -> System:
     return sizes
 
 
-def _sizes(si_units: Mapping[Key, str], unit: str, width: float | None) -> dict[Key, Any]:
-    """Return a unit with its size by the keys of all SI units of its dimension, also as a total."""
-    sizes: dict[Key, Any] = {}
-    for key, si_unit in si_units.items():
-        total = _TOTALS.get(si_unit, "")
-        for source, scale in ((si_unit, 1.0), (total, 1 / width if width else 0.0)):
-            try:
-                size = scale * float(factor(unit, source, "unit")) if source else 0.0
-            except InvalidProblem:
-                continue
-            if size:
-                sizes[key] = (unit, size)
-    return sizes
+def _names_in(unit: str, name: str, si_units: Iterable[str], width: float | None = None) -> Names:
+    """Return a unit with its size by a name and those of its SI units that have its dimension."""
+    sizes = {si_unit: _size(unit, si_unit, width) for si_unit in si_units}
+    return {(name, si_unit): (unit, size) for si_unit, size in sizes.items() if size}
+
+
+def _size(unit: str, si_unit: str, width: float | None) -> float | None:
+    """Return how many of an SI unit a unit is; None if it has another dimension.
+
+    With a width, a unit of the total over it ("kN" for "N/m") is converted too.
+    """
+    with suppress(InvalidProblem):
+        return float(factor(unit, si_unit, "unit"))
+    total = _TOTALS.get(si_unit)
+    if total and width:
+        with suppress(InvalidProblem):
+            return 1 / width * float(factor(unit, total, "unit"))
+    return None
 
 
 def _no_such_unit(unit: str, width: float | None) -> InvalidProblem:

@@ -16,7 +16,8 @@ from typing import Any
 
 from ..errors import InvalidProblem, one_of
 from ..problems.messages import quote
-from ..quantities import Quantity, counterpart, find, is_list, members_of
+from ..problems.paths import counterpart, find_places
+from ..quantities import Quantity, is_list, members_of
 from .cells import Fault, raise_faults, texts
 from .sheets import read_sheet
 from .tables import Names, match_columns
@@ -69,19 +70,35 @@ def with_columns(part: Any, folder: Path, problem: Callable[[], type], path: str
 
 
 def _lists(problem: type, path: str, kind: Any) -> dict[str, Quantity]:
-    """Return the quantities of the fields of a table that are lists of numbers."""
+    """Return the quantities of the fields of a table that are lists of numbers.
+
+    Parameters
+    ----------
+    problem : type
+        Class of the problem.
+    path : str
+        Dotted name of the table.
+    kind : str, optional
+        Kind of the description in the table, if the table states it.
+    """
     known: dict[str, Quantity] = {}
-    for place in find(problem, path):
+    for place in find_places(problem, path):
         for member in members_of(place.field.annotation):
-            if kind not in (None, getattr(member, "member_name", str)()):
+            if kind is not None and kind != _kind_of(member):
                 continue
             fields: Mapping[str, Any] = getattr(member, "model_fields", {})
             lists = [name for name, field in fields.items() if is_list(field.annotation)]
-            for name in (*lists, *(counterpart(name, "radius") for name in lists)):
-                for field in find(member, name, place.quantity) if name else ():
+            diameters = [counterpart(name, "radius") for name in lists]
+            for name in filter(None, (*lists, *diameters)):
+                for field in find_places(member, name, place.quantity):
                     if field.quantity is not None:
                         known[name] = field.quantity
     return known
+
+
+def _kind_of(member: Any) -> str | None:
+    """Return the kind of a member of a family, such as "cylinder"; None for other descriptions."""
+    return str(member.member_name()) if hasattr(member, "member_name") else None
 
 
 def read_columns(path: Path, known: Mapping[str, Quantity]) -> dict[str, list[str]]:

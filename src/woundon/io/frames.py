@@ -1,16 +1,23 @@
-"""Results as pandas DataFrames."""
+"""Results as tables: pandas DataFrames, and CSV files for spreadsheets."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import csv
+import io
+from typing import TYPE_CHECKING, Any
 
-from ..quantities import outputs, value_of
+import numpy as np
+
+from .. import __version__, kinds
+from ..quantities import Quantity, outputs, scalar_outputs, value_of, walk
 from ..results import Result
+from .records import saved_values
+from .spreadsheets import as_csv_cell
 
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["to_frame"]
+__all__ = ["to_csv", "to_frame"]
 
 
 def to_frame(result: Result) -> pd.DataFrame:
@@ -24,7 +31,6 @@ def to_frame(result: Result) -> pd.DataFrame:
     'Pa'
 
     """
-    import numpy as np
     import pandas as pd
 
     known = {p.path: p.quantity for p in outputs(result) if p.quantity is not None}
@@ -38,3 +44,52 @@ def to_frame(result: Result) -> pd.DataFrame:
         "long_names": {name: known[name].meaning for name in frame},
     }
     return frame
+
+
+def to_csv(result: Result) -> bytes:
+    """Return scalars as comments, ``# name [unit],value``, followed by the arrays in columns.
+
+    Fields of the problem come first, then outputs and their error estimates.  Arrays of another
+    length than the first one are omitted; ``pandas.read_csv(path, comment="#")`` reads the columns.
+    """
+    known = {place.path: place.quantity for place in outputs(result)}
+    scalars: list[tuple[str, Quantity | None, Any]] = [
+        (place.path, place.quantity, place.value)
+        for place in walk(result.problem)
+        if place.value is not None
+    ]
+    scalars += [
+        (n, quantity, value_of(result, n)) for n, quantity in scalar_outputs(result).items()
+    ]
+    scalars += [
+        (f"{name}_error", known.get(name), error)
+        for name, error in result.errors.items()
+        if f"{name}_error" not in known
+    ]
+    values = saved_values(result)
+    arrays = {name: value for name, value in values.items() if isinstance(value, np.ndarray)}
+    length = next((array.shape[:1] for array in arrays.values()), None)
+    columns = dict(
+        _in_table(name, known.get(name), array)
+        for name, array in arrays.items()
+        if array.shape == length
+    )
+    text = io.StringIO()
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow([f"# woundon {__version__}", kinds.of(result).name])
+    for scalar in scalars:
+        header, value = _in_table(*scalar)
+        table.writerow([f"# {header}", as_csv_cell(value)])
+    for note in result.warnings:
+        table.writerow(["# warning", as_csv_cell(note)])
+    table.writerow(columns)
+    table.writerows(zip(*(array.tolist() for array in columns.values()), strict=True))
+    return text.getvalue().encode("utf-8")
+
+
+def _in_table(name: str, quantity: Quantity | None, value: Any) -> tuple[str, Any]:
+    """Return the header of a column with its unit, and the values in this unit."""
+    if quantity is None:
+        return name, value
+    unit, converted = quantity.in_table(value)
+    return f"{name} [{unit}]", converted

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from ..problems.description import Description
-from ..problems.materials import MATERIALS
 from ..problems.problem import Problem
+from .case_texts import material_name
 
 __all__ = ["to_python"]
 
@@ -35,7 +35,7 @@ def _expression(value: Any, depth: int) -> str:
     """Return the expression of a value, on one line if it is short."""
     if not isinstance(value, (Description, tuple)):
         return repr(value)
-    name = next((name for name, known in MATERIALS.items() if known.material == value), None)
+    name = material_name(value)
     if name is not None:
         return f"wo.material({name!r})"
     if isinstance(value, tuple):

@@ -1,26 +1,28 @@
 """Convert results to records of plain values for files, and back.
 
 A record contains format, schema, version, kind, the problem, the fields of the result with their
-dimensions, residuals, error estimates and warnings, and the outputs that are computed from the
-fields (for other readers).  Fields with ``metadata={"saved": False}`` are omitted.  A field that is
-missing in a record takes its default; an unknown one is ignored with a warning, because the record
-may come from a later version.  Damaged records are rejected.
+dimensions, residuals, error estimates and warnings.  For other readers it also contains the outputs
+that are computed from the fields, and the units of all outputs.  Fields with
+``metadata={"saved": False}`` are omitted.  A field that is missing in a record takes its default;
+an unknown one is ignored with a warning, because the record may come from a later version.  Damaged
+records are rejected.
 """
 
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator, Mapping
-from dataclasses import MISSING, Field, fields
+from collections.abc import Mapping
+from dataclasses import MISSING, fields
 from math import isfinite, nan
-from typing import Any, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
 
 import numpy as np
 
 from .. import __version__, kinds
 from ..errors import InvalidProblem, NotConverged
-from ..quantities import scalar_outputs, value_of
+from ..quantities import outputs, scalar_outputs, value_of
 from ..results import Residuals, Result, Zone
+from .json_texts import plain
 
 __all__ = [
     "FORMAT",
@@ -28,8 +30,7 @@ __all__ = [
     "Record",
     "from_record",
     "number",
-    "plain",
-    "saved_hints",
+    "saved_fields",
     "saved_values",
     "to_record",
 ]
@@ -62,53 +63,47 @@ def to_record(result: Result) -> Record:
         "fields": {name: plain(value, name) for name, value in saved.items()},
         "dimensions": _dimensions(saved),
         "outputs": {name: plain(value_of(result, name), name) for name in computed},
-        "residuals": {name: plain(value, name) for name, value in result.residuals.items()},
-        "errors": {name: plain(value, name) for name, value in result.errors.items()},
+        "residuals": plain(dict(result.residuals.items())),
+        "errors": plain(result.errors),
         "warnings": list(result.warnings),
+        "units": {place.path: place.quantity.unit for place in outputs(result) if place.quantity},
     }
 
 
-def saved_fields(cls: type[Any]) -> list[Field[Any]]:
-    """Return the fields of the class of a result that a record has under ``fields``."""
-    return [f for f in fields(cls) if f.name not in _SEPARATE and f.metadata.get("saved", True)]
+class SavedField(NamedTuple):
+    """A field that a record has under ``fields``.
 
-
-def saved_hints(cls: type[Any]) -> dict[str, Any]:
-    """Return the types of the saved fields; those of parts have dotted names."""
-    parts = _parts(cls)
-    hints: dict[str, Any] = {}
-    for item in saved_fields(cls):
-        if item.name in parts:
-            inner = saved_hints(parts[item.name])
-            hints |= {f"{item.name}.{name}": hint for name, hint in inner.items()}
-        else:
-            hints[item.name] = item.type
-    return hints
-
-
-def saved_values(result: Result) -> dict[str, Any]:
-    """Return the values of the saved fields; those of parts have dotted names.
-
-    Missing parts are omitted, and empty arrays of fields that have a default.
+    Attributes
+    ----------
+    hint : type
+        Its annotation.
+    is_required : bool
+        Whether it has no default.
+    may_be_nan : bool
+        Whether its numbers may be nan.
     """
-    values: dict[str, Any] = {}
-    parts = _parts(type(result))
-    for item in saved_fields(type(result)):
-        value = getattr(result, item.name)
-        if item.name not in parts:
-            values[item.name] = value
-        elif value is not None:
-            values |= {f"{item.name}.{f.name}": getattr(value, f.name) for f in fields(value)}
-    required = {item.name for item in saved_fields(type(result)) if _is_required(item)}
-    return {
-        name: value
-        for name, value in values.items()
-        if name in required or not (isinstance(value, np.ndarray) and value.size == 0)
-    }
+
+    hint: Any
+    is_required: bool
+    may_be_nan: bool
 
 
-def _is_required(item: Field[Any]) -> bool:
-    return item.default is MISSING and item.default_factory is MISSING
+def saved_fields(cls: type[Any]) -> dict[str, SavedField]:
+    """Return the saved fields of a class of results; those of its parts have dotted names."""
+    hints, parts = get_type_hints(cls, include_extras=True), _parts(cls)
+    may_be_nan: frozenset[str] | None = getattr(cls, "MAY_BE_NAN", frozenset())  # None: all
+    found: dict[str, SavedField] = {}
+    for item in fields(cls):
+        name = item.name
+        if name in _SEPARATE or not item.metadata.get("saved", True):
+            continue
+        if name in parts:
+            found |= {f"{name}.{inner}": f for inner, f in saved_fields(parts[name]).items()}
+            continue
+        is_required = item.default is MISSING and item.default_factory is MISSING
+        admits_nan = may_be_nan is None or name in may_be_nan
+        found[name] = SavedField(hints[name], is_required, admits_nan)
+    return found
 
 
 def _parts(cls: type[Any]) -> dict[str, type[Any]]:
@@ -121,24 +116,21 @@ def _parts(cls: type[Any]) -> dict[str, type[Any]]:
     }
 
 
-def plain(value: Any, name: str) -> Any:
-    """Return a field as JSON types; nan and infinity become null.
+def saved_values(result: Result) -> dict[str, Any]:
+    """Return the values of the saved fields; those of parts have dotted names.
 
-    >>> plain(np.array([1.0, np.nan]), "x")
-    [1.0, None]
+    Missing parts are omitted, and empty arrays of fields that have a default.
     """
-    if value is None or isinstance(value, (str, bool)):
-        return value
-    if isinstance(value, np.ndarray):
-        return plain(value.tolist(), name)
-    if isinstance(value, (list, tuple)):
-        return [plain(item, name) for item in value]
-    if isinstance(value, (int, np.integer)):
-        return int(value)
-    if isinstance(value, (float, np.floating)):
-        return float(value) if isfinite(value) else None
-    text = f"a {type(value).__name__} cannot be saved; give the field metadata={{'saved': False}}"
-    raise InvalidProblem.at(name, text)
+    values: dict[str, Any] = {}
+    for name, item in saved_fields(type(result)).items():
+        part, _, field = name.rpartition(".")
+        owner = getattr(result, part) if part else result
+        if owner is None:
+            continue
+        value = getattr(owner, field)
+        if item.is_required or not (isinstance(value, np.ndarray) and value.size == 0):
+            values[name] = value
+    return values
 
 
 def _dimensions(values: Mapping[str, Any]) -> dict[str, list[str]]:
@@ -162,7 +154,7 @@ def from_record(record: Record) -> Result:
     kind = kinds.named(str(record.get("kind")))
     try:
         problem = kind.problem(**record["problem"])
-        values = dict(_restore_fields(kind.result, record["fields"], record["dimensions"]))
+        values = _restore_fields(kind.result, record["fields"], record["dimensions"])
         residuals = {
             str(name): number(value, f"residuals.{name}", False)
             for name, value in record["residuals"].items()
@@ -189,51 +181,38 @@ def from_record(record: Record) -> Result:
 
 def _restore_fields(
     cls: type[Any], saved: Mapping[str, Any], dimensions: Mapping[str, Any]
-) -> Iterator[tuple[str, Any]]:
-    """Yield the fields of a result by name, with its parts."""
-    parts = _parts(cls)
-    for name, part in parts.items():
-        part_values = {k.partition(".")[2]: v for k, v in saved.items() if k.startswith(f"{name}.")}
-        inner = {k.partition(".")[2]: v for k, v in dimensions.items() if k.startswith(f"{name}.")}
-        if part_values:
-            yield name, part(**dict(_restore_values(part, part_values, inner, {})))
-    direct = {k: v for k, v in saved.items() if k.partition(".")[0] not in parts}
-    yield from _restore_values(cls, direct, dimensions, {})
-
-
-def _restore_values(
-    cls: type[Any], saved: Mapping[str, Any], dimensions: Mapping[str, Any], sizes: dict[str, int]
-) -> Iterator[tuple[str, Any]]:
-    """Yield the values of a dataclass by name, except those of parts.
+) -> dict[str, Any]:
+    """Return the fields of a result, with its parts, by name.
 
     Parameters
     ----------
     cls : type
+        Class of the result.
     saved : mapping
-        Values of the record by name.
+        Values of the record by name; those of parts have dotted names.
     dimensions : mapping
         Names of the dimensions of each array.
-    sizes : dict
-        Length of each dimension; extended by the dimensions of these arrays.
     """
-    hints, parts = get_type_hints(cls, include_extras=True), _parts(cls)
-    known = {item.name: item for item in saved_fields(cls) if item.name not in parts}
-    # None: nan is admitted in all fields
-    may_be_nan: frozenset[str] | None = getattr(cls, "MAY_BE_NAN", frozenset())
+    known = saved_fields(cls)
     unknown = [str(name) for name in saved if name not in known]
     if unknown:
         text = f"not known to this version of woundon, ignored: {', '.join(unknown)}"
-        # points to the caller of load_result <- from_record <- _restore_fields <- this generator
-        warnings.warn(text, UserWarning, stacklevel=5)
+        # points to the caller of load_result <- from_record <- this function
+        warnings.warn(text, UserWarning, stacklevel=4)
+    present = {name.rpartition(".")[0] for name in saved}
+    sizes: dict[str, int] = {}  # of the dimensions
+    values: dict[str, dict[str, Any]] = {"": {}}  # by part; "" is the result itself
     for name, item in known.items():
+        part, _, field = name.rpartition(".")
         if name in saved:
-            admits_nan = may_be_nan is None or name in may_be_nan
-            value = _restore_field(saved[name], hints[name], name, admits_nan)
+            value = _restore_field(saved[name], item, name)
             if isinstance(value, np.ndarray):
                 _check_shape(value, dimensions[name], sizes, name)
-            yield name, value
-        elif _is_required(item):
+            values.setdefault(part, {})[field] = value
+        elif item.is_required and (not part or part in present):
             raise InvalidProblem.at(name, "missing")
+    direct, parts = values.pop(""), _parts(cls)
+    return direct | {part: parts[part](**inner) for part, inner in values.items()}
 
 
 def _check_shape(value: Array, dimensions: Any, sizes: dict[str, int], name: str) -> None:
@@ -247,14 +226,14 @@ def _check_shape(value: Array, dimensions: Any, sizes: dict[str, int], name: str
             raise InvalidProblem.at(name, text)
 
 
-def _restore_field(value: Any, hint: Any, name: str, admits_nan: bool) -> Any:
-    """Return a field of the type of its annotation; it may contain nan if ``admits_nan``."""
-    marks = get_args(hint)[1:] if get_origin(hint) not in (None, tuple) else ()
-    expected = get_args(hint)[0] if marks else hint
+def _restore_field(value: Any, item: SavedField, name: str) -> Any:
+    """Return a value of the type of the annotation of its field."""
+    is_marked = get_origin(item.hint) is Annotated
+    expected, *marks = get_args(item.hint) if is_marked else (item.hint,)
     if expected is np.ndarray:
-        return _zones(value, name) if Zone in marks else _array(value, name, admits_nan)
+        return _zones(value, name) if Zone in marks else _array(value, name, item.may_be_nan)
     if expected is float:
-        return number(value, name, admits_nan)
+        return number(value, name, item.may_be_nan)
     if expected in (int, str) and type(value) is not expected:
         word = "a whole number" if expected is int else "a word"
         raise InvalidProblem.at(name, f"{value!r:.40} is out of place; must be {word}")

@@ -5,13 +5,14 @@ header, blank rows, columns without a header and lines that start with # are ign
 merged cell is repeated in all cells of the block.  :mod:`.tables` interprets the headers,
 :mod:`.cells` the cells.
 
-pandas fills short rows of a text; openpyxl skips the rest of merged blocks, reads formulas without
-a value as empty cells and creates all cells up to a distant one.  Text and XML are checked for this
-before.  :mod:`.spreadsheets` writes tables.
+openpyxl skips the rest of merged blocks, reads formulas without a value as empty cells and creates
+all cells up to a distant one.  The XML is checked for this before.  :mod:`.spreadsheets` writes
+tables.
 """
 
 from __future__ import annotations
 
+import csv
 import io
 import os
 import re
@@ -161,43 +162,62 @@ def _listed(cells: Any, where: str) -> list[Any]:
 # ---- from rows to a sheet -----------------------------------------------------------------------
 
 
+class _Row(NamedTuple):
+    """A row with its number in the spreadsheet and the texts of the cells that are not empty."""
+
+    number: int
+    cells: list[Any]
+    texts: list[str]
+
+
 def _sheet(where: str, rows: Rows) -> Sheet:
     """Return the table of rows of cells: title rows are skipped, then header, units and values."""
-    filled = [
-        (k, cells, texts) for k, cells in enumerate(rows, 1) if (texts := _nonempty_cells(cells))
-    ]
-    for number, cells, texts in filled:
-        if max(map(len, texts)) > MAX_CELL:
-            column, cell = max(enumerate(cells, 1), key=lambda place: len(str(place[1])))
-            text = f"the cell has {len(cell)} characters; must be at most {MAX_CELL}"
-            raise InvalidProblem.at(where, f"row {number}, column {column}: {text}")
-    if any(len(texts) > 1 for _, _, texts in filled):
-        while len(filled[0][2]) == 1:  # a title
+    filled = _filled_rows(rows, where)
+    if any(len(row.texts) > 1 for row in filled):
+        while len(filled[0].texts) == 1:  # a title
             del filled[0]
     if len(filled) < 2:
         raise InvalidProblem.at(where, "has no header with rows below it")
-    (number, header), *body = ((number, cells) for number, cells, _ in filled)
-    names = [" ".join(str(cell).split()) for cell in header]
-    while not names[-1]:
-        names.pop()
-    headers: set[str] = set()
-    for k, name in enumerate(names, 1):
-        _check_header(name, k, where, number)
-        if name and name in headers:
-            text = f"row {number}: two columns have the same header {name!r}"
-            raise InvalidProblem.at(where, text)
-        headers.add(name)
-    for number, cells in body:
-        if len(cells) < len(names) or _nonempty_cells(cells[len(names) :]):
-            text = f"row {number} has {len(cells)} cells, the header {len(names)}"
+    header, *body = filled
+    names = _headers(header, where)
+    for row in body:
+        if len(row.cells) < len(names) or _nonempty_cells(row.cells[len(names) :]):
+            text = f"row {row.number} has {len(row.cells)} cells, the header {len(names)}"
             raise InvalidProblem.at(where, text)
     units: dict[str, str] = {}
-    first = body[0][1]
-    if len(body) > 1 and _are_units(first[: len(names)]):
-        units = {name: str(unit).strip("[]() ") for name, unit in zip(names, first, strict=False)}
+    below_header = body[0].cells[: len(names)]
+    if len(body) > 1 and _are_units(below_header):
+        units = {n: str(unit).strip("[]() ") for n, unit in zip(names, below_header, strict=True)}
         del body[0]
-    columns = {name: [cells[k] for _, cells in body] for k, name in enumerate(names) if name}
-    return Sheet(where, columns, [number for number, _ in body], units)
+    columns = {name: [row.cells[k] for row in body] for k, name in enumerate(names) if name}
+    return Sheet(where, columns, [row.number for row in body], units)
+
+
+def _filled_rows(rows: Rows, where: str) -> list[_Row]:
+    """Return the rows that are not blank; reject cells that are too long."""
+    filled = []
+    for number, cells in enumerate(rows, 1):
+        texts = _nonempty_cells(cells)
+        if texts:
+            filled.append(_Row(number, cells, texts))
+            if max(map(len, texts)) > MAX_CELL:
+                column, cell = max(enumerate(cells, 1), key=lambda place: len(str(place[1])))
+                text = f"the cell has {len(cell)} characters; must be at most {MAX_CELL}"
+                raise InvalidProblem.at(where, f"row {number}, column {column}: {text}")
+    return filled
+
+
+def _headers(row: _Row, where: str) -> list[str]:
+    """Return the headers of all columns, '' for none, up to the last; reject equal ones."""
+    names = [" ".join(str(cell).split()) for cell in row.cells]
+    while not names[-1]:
+        names.pop()
+    for k, name in enumerate(names):
+        _check_header(name, k + 1, where, row.number)
+        if name and name in names[:k]:
+            text = f"row {row.number}: two columns have the same header {name!r}"
+            raise InvalidProblem.at(where, text)
+    return names
 
 
 def _check_header(header: str, column: int, where: str, row: int = 0) -> None:
@@ -238,8 +258,6 @@ def _decode(content: bytes, where: str) -> str:
 
 def _text_rows(text: str, where: str) -> tuple[Rows, str]:
     """Return the cells of the lines of a text, and their separator."""
-    import pandas as pd
-
     text = text.replace("\r\n", "\n").replace("\r", "\n")
     if text.count("\n") >= MAX_ROWS:
         raise InvalidProblem.at(where, f"has too many rows; must be at most {MAX_ROWS}")
@@ -248,45 +266,39 @@ def _text_rows(text: str, where: str) -> tuple[Rows, str]:
     declaration = re.match("sep=(.) *$", text, flags=re.MULTILINE)  # a line that Excel understands
     if declaration:
         text = text[declaration.end() :]
+    separator = declaration[1] if declaration else _separator(text)
+    lines = csv.reader(io.StringIO(text), delimiter=separator, skipinitialspace=True, strict=True)
+    rows: Rows = []
+    widest = 1
+    try:
+        for row in lines:
+            rows.append(row)
+            widest = max(widest, len(row))
+            if len(row) > MAX_COLUMNS:
+                _check_header("", len(row), where, len(rows))
+            if len(rows) * widest > MAX_CELLS:
+                raise InvalidProblem.at(where, f"has more than {MAX_CELLS} cells")
+    except csv.Error as fault:
+        text = f"row {1 + len(rows)}: is not a table: {_csv_reason(str(fault))}"
+        raise InvalidProblem.at(where, text) from None
+    return rows, separator
+
+
+def _csv_reason(fault: str) -> str:
+    """Return the reason for which the csv module rejects a row."""
+    if fault.startswith("field larger"):
+        limit = csv.field_size_limit()
+        return f"a quote has no end, or a cell has more than {limit} characters"
+    if "expected after" in fault:
+        return f"in a cell in quotes, {fault}; a quote inside of it must be doubled"
+    return "a quote has no end"
+
+
+def _separator(text: str) -> str:
+    """Return the character that separates the cells: the one that most of the first lines have."""
     first = text.split("\n", 100)[:100]
     # the first one of equals: "1,5;2,5" could be three cells too
-    separator = (
-        declaration[1]
-        if declaration
-        else max(";\t,", key=lambda sign: sum(sign in line for line in first))
-    )
-    sizes = _sizes_of_rows(text, separator, where)
-    if not text or len(sizes) * max(sizes) > MAX_CELLS:
-        reason = f"has more than {MAX_CELLS} cells" if text else "has no header with rows below it"
-        raise InvalidProblem.at(where, reason)
-    frame = pd.read_csv(
-        io.StringIO(text),
-        sep=separator,
-        header=None,
-        names=range(max(sizes)),
-        index_col=False,
-        dtype=str,
-        na_filter=False,
-        skipinitialspace=True,
-        skip_blank_lines=False,
-    )
-    cells = frame.to_numpy().tolist()
-    return [row[:size] for row, size in zip(cells, sizes, strict=True)], separator
-
-
-def _sizes_of_rows(text: str, separator: str, where: str) -> list[int]:
-    """Return the number of cells of each row, before pandas fills the short ones."""
-    sign, blank = re.escape(separator), " " if separator == "\t" else "[ \t]"
-    opening = rf'(^|{sign}){blank}*"'
-    # separators and ends of lines in quotes do not count; a quote in quotes is doubled
-    unquoted = re.sub(rf'{opening}(?:[^"]++|"")*+"', r"\1x", text, flags=re.MULTILINE)
-    if unclosed := re.search(opening, unquoted, flags=re.MULTILINE):
-        row = 1 + unquoted.count("\n", 0, unclosed.end())
-        raise InvalidProblem.at(where, f"row {row}: is not a table: a quote has no end")
-    sizes = [1 + line.count(separator) for line in unquoted.split("\n")]
-    if max(sizes) > MAX_COLUMNS:
-        _check_header("", max(sizes), where, 1 + sizes.index(max(sizes)))
-    return sizes
+    return max(";\t,", key=lambda sign: sum(sign in line for line in first))
 
 
 # ---- Excel --------------------------------------------------------------------------------------

@@ -24,6 +24,7 @@ __all__ = ["Column", "Names", "match_columns"]
 
 Faults = list[tuple[str, str]]
 
+NO_UNIT = ("1", "-", "\N{EN DASH}")  # in headers of columns of pure numbers
 MAX_SUGGESTED = 4  # names
 MIN_WORD = 3  # characters of a word by which a name is suggested
 _BETWEEN = re.compile(r"[\s_.\-]+")
@@ -119,7 +120,18 @@ def _normalise(text: str) -> str:
 
 
 class Column(NamedTuple):
-    """A column with a known name: header, name, unit, and cells."""
+    """A column with a known name.
+
+    Attributes
+    ----------
+    header, name : str
+        As in the table, and the name that it denotes.
+    unit : str
+        Empty if there is none, as for pure numbers.
+    deviation : bool
+        Whether it has the standard deviations of an output.
+    cells : list
+    """
 
     header: str
     name: str
@@ -185,6 +197,7 @@ def match_columns(
         if found is not None:
             name, explicit, deviation = found
             unit = explicit or unit or sheet.units.get(header, "")
+            unit = "" if unit in NO_UNIT else unit
             matched.append(Column(header, name, unit, deviation, cells))
         elif not (ignores_others and target == header):
             faults.append((sheet.where, f"column {header!r}: {_unknown(target, names)}"))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from ..quantities import find
+from .paths import field_quantity
 
 __all__ = ["of_nip", "of_roll", "of_rollers", "of_winding"]
 
@@ -139,7 +139,7 @@ def _centrifugal(problem: Any, low: float, high: float) -> Iterator[str]:
     V, grade = problem.web_speed, problem.named_grade
     if not V:
         return
-    speed, tension = (find(problem, name)[0].quantity for name in ("web_speed", "web_tension"))
+    speed, tension = (field_quantity(problem, name) for name in ("web_speed", "web_tension"))
     assert speed is not None
     assert tension is not None
     neglected = f"The centrifugal force of the web is neglected: at {speed.text(V)} it takes m V^2"

@@ -14,17 +14,11 @@ from typing import TYPE_CHECKING, Any, NoReturn, Self, dataclass_transform
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from ..errors import InvalidProblem
-from ..quantities import Quantity, counterpart, find, is_item, walk
+from ..quantities import Quantity, walk
 from .help_texts import documentation, signature
-from .inputs import (
-    Context,
-    FloatWithUnit,
-    conversion_context,
-    conversion_order,
-    convert,
-    convert_fields,
-)
-from .messages import no_such_field, validation_error
+from .inputs import Inputs
+from .messages import validation_error
+from .paths import Faults, change_fields, halve_diameters
 
 __all__ = ["Description"]
 
@@ -77,20 +71,25 @@ class Description(BaseModel, metaclass=DocumentedMeta):
         return all(getattr(self, name) == getattr(other, name) for name in type(self).model_fields)
 
     def __init__(self, /, **fields: Any) -> None:
-        faults: list[tuple[str, str]] = []
-        fields = self._converted(fields, faults)
+        faults: Faults = []
         report = None
-        try:
-            self.__pydantic_validator__.validate_python(fields, self_instance=self)
-        except ValidationError as rejected:
-            report = rejected
-        if report is not None or faults:
-            raise validation_error(type(self), report, faults)
+        with Inputs(type(self), fields, Inputs.current()) as inputs:
+            values = self._fields_of(inputs, faults)
+            try:
+                self.__pydantic_validator__.validate_python(values, self_instance=self)
+            except ValidationError as rejected:
+                report = rejected
+            if report is not None or faults:
+                raise validation_error(type(self), report, faults)
 
     @classmethod
-    def _converted(cls, fields: dict[str, Any], faults: list[tuple[str, str]]) -> dict[str, Any]:
-        """Return the fields converted to SI numbers; see :mod:`~woundon.problems.inputs`."""
-        return convert_fields(cls, fields, faults)
+    def _fields_of(cls, inputs: Inputs, faults: Faults) -> dict[str, Any]:
+        """Return the values by field that pydantic validates: radii in place of diameters.
+
+        Values that cannot be converted are added to ``faults``, (field, text); an empty text only
+        suppresses what pydantic reports on the field.
+        """
+        return halve_diameters(cls, inputs.fields, faults)
 
     def __setattr__(self, name: str, value: Any) -> NoReturn:
         """Raise an error: a description is immutable."""
@@ -118,31 +117,17 @@ class Description(BaseModel, metaclass=DocumentedMeta):
         InvalidProblem
             If a name does not exist or the variant is not admissible.
         """
-        fields = {name: getattr(self, name) for name in type(self).model_fields}
-        nested: dict[str, dict[str, Any]] = {}
-        faults: list[tuple[str, str]] = []
-        for path, value in self._changes(changes, faults).items():
-            head, dot, rest = path.partition(".")
-            if not dot and (radius := counterpart(head, "diameter")) in type(self).model_fields:
-                if radius not in changes:
-                    del fields[radius]
-                fields[head] = value
-            elif head not in fields:
-                faults.append((path or "''", no_such_field(head, type(self))))
-            elif dot and rest:
-                nested.setdefault(head, {})[rest] = value
-            elif dot:
-                faults.append((path, "the name of a field is missing after the dot"))
-            else:
-                fields[head] = value
-        for head, inner in nested.items():
-            try:
-                fields[head] = _changed(fields[head], head, inner)
-            except InvalidProblem as fault:
-                faults += fault.under(head).faults
+        faults: Faults = []
+        fields = change_fields(self, changes, faults)
+        try:
+            variant = type(self)(**fields)
+        except InvalidProblem as error:
+            if not faults:
+                raise
+            faults = [*(fault for fault in error.faults if fault[0] in changes), *faults]
         if faults:
             raise InvalidProblem(faults)
-        return type(self)(**fields)
+        return variant
 
     def _repr_html_(self) -> str:
         """Return a table of the fields."""
@@ -157,59 +142,9 @@ class Description(BaseModel, metaclass=DocumentedMeta):
         caption = f"<caption><b>{escape(type(self).__name__)}</b></caption>"
         return f"<table>{caption}<tbody>\n{cells}\n</tbody></table>"
 
-    def _changes(self, changes: Mapping[str, Any], faults: list[tuple[str, str]]) -> dict[str, Any]:
-        """Return changes by dotted name, with text converted to numbers in SI."""
-        converted: dict[str, Any] = dict(changes)
-        if not any(isinstance(value, (str, FloatWithUnit)) for value in changes.values()):
-            return converted
-        context = conversion_context(self)
-        for path in conversion_order(changes):
-            name = path.removeprefix("web.")
-            if isinstance(changes[path], (str, FloatWithUnit)):
-                try:
-                    converted[path] = self._change(path, changes[path], context)
-                except InvalidProblem as fault:
-                    faults += fault.faults
-                    converted.pop(path)
-            context = context.with_field(name, converted.get(path))
-        faults.sort(key=lambda fault: _position(fault[0], changes))
-        return converted
-
-    def _change(self, path: str, value: str | FloatWithUnit, context: Context) -> Any:
-        """Return the value of a field from a text with its unit."""
-        places = find(type(self), path)
-        place = next((p for p in places if p.quantity is not None), None)
-        return value if place is None else convert(value, place, context)
-
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
         """Return a copy; changes are validated (pydantic's own copy and copy.replace skip that)."""
         return self.replace(**update) if update else super().model_copy(deep=deep)
-
-
-def _changed(value: Any, name: str, changes: Mapping[str, Any]) -> Any:
-    """Return the value of a field with nested changes, by path; items of lists by number."""
-    if isinstance(value, Description):
-        return value.replace(**changes)
-    if not isinstance(value, tuple):
-        raise InvalidProblem([(path, f"{name} has no fields of its own") for path in changes])
-    items = list(value)
-    for path, new in changes.items():
-        place, dot, rest = path.partition(".")
-        if not is_item(place, len(items)):
-            text = f"{name} has no item {place!r}; known: 0 to {len(items) - 1}"
-            raise InvalidProblem.at(path, text)
-        k = int(place)
-        try:
-            items[k] = _changed(items[k], f"{name}.{place}", {rest: new}) if dot else new
-        except InvalidProblem as fault:
-            raise fault.under(place) from None
-    return tuple(items)
-
-
-def _position(field: str, changes: Mapping[str, Any]) -> int:
-    """Return the index of the change that a fault belongs to."""
-    paths = list(changes)
-    return next((k for k, path in enumerate(paths) if f"{field}.".startswith(path)), len(paths))
 
 
 def _cells(path: str, quantity: Quantity | None, value: Any) -> tuple[str, str, str, str]:

@@ -9,11 +9,11 @@ from typing import Any, ClassVar
 from pydantic import model_serializer
 
 from ..errors import InvalidProblem, nearest
-from ..quantities import counterpart
 from .description import Description
 from .messages import not_one_of
+from .paths import counterpart, models_at
 
-__all__ = ["Family", "best_match"]
+__all__ = ["Family", "best_match", "field_from_table", "from_table"]
 
 
 class Family(Description):
@@ -58,17 +58,43 @@ class Family(Description):
         """
         if not isinstance(value, Mapping):
             return value
-        table, known = dict(value), cls.members()
-        if "kind" not in table:
-            return best_match(table, known.values())(**table)
-        kind = table.pop("kind")
-        if not isinstance(kind, str) or kind not in known:
-            raise InvalidProblem.at("kind", not_one_of(kind, known))
-        return known[kind](**table)
+        return from_table(value, cls.members().values())
 
     @model_serializer(mode="wrap")
     def _with_kind(self, handler: Any) -> dict[str, Any]:
         return {"kind": self.member_name(), **handler(self)}
+
+
+def from_table(table: Mapping[str, Any], models: Iterable[type[Any]]) -> Any:
+    """Return the description of a table: of the class named by ``kind``, or of the best match.
+
+    Raises
+    ------
+    InvalidProblem
+        For an unknown kind, or invalid fields of the class.
+    """
+    models, fields = tuple(models), dict(table)
+    known = {model.member_name(): model for model in models if hasattr(model, "member_name")}
+    if not known or "kind" not in fields:
+        return best_match(fields, models)(**fields)
+    kind = fields.pop("kind")
+    if not isinstance(kind, str) or kind not in known:
+        raise InvalidProblem.at("kind", not_one_of(kind, known))
+    return known[kind](**fields)
+
+
+def field_from_table(problem: Description, path: str, table: Any) -> Any:
+    """Return the body, material or other description of a table, for a field of a dotted name.
+
+    Raises
+    ------
+    InvalidProblem
+        If it is not a table of fields, or for invalid fields.
+    """
+    models = models_at(problem, path)
+    if not models or not isinstance(table, dict):
+        raise InvalidProblem(f"{table!r} is not a table of fields")
+    return from_table(table, models)
 
 
 def best_match(names: Iterable[str], models: Iterable[type[Any]]) -> type[Any]:

@@ -12,10 +12,14 @@ from math import inf
 from numbers import Real
 from typing import TYPE_CHECKING, Annotated, Any, Generic, Self, TypeVar, overload
 
-from pydantic import BeforeValidator, WrapValidator
+from pydantic import (
+    BeforeValidator,
+    ValidationInfo,
+    ValidatorFunctionWrapHandler,
+    WrapValidator,
+)
 
-from .inputs import FloatWithUnit
-from .messages import NotANumber
+from .inputs import FloatWithUnit, NotANumber, read_text
 
 __all__ = [
     "CoercedField",
@@ -30,13 +34,15 @@ __all__ = [
 ]
 
 
-def _number(value: Any) -> float:
+def _number(value: Any, info: ValidationInfo) -> float:
     """Return a real number of any type (int, NumPy scalar, Fraction, 0-d array) as a float.
 
-    Booleans and text are rejected; pydantic would accept both as numbers.
+    Text is converted to SI.  Booleans are rejected; pydantic would accept them as numbers.
     """
     if type(value) is float:  # the common case first: studies create many variants
         return value
+    if isinstance(value, (str, FloatWithUnit)):
+        return read_text(value, info.field_name)
     is_scalar = getattr(value, "shape", None) == () and hasattr(value, "dtype")
     kind = getattr(value.dtype, "kind", "") if is_scalar else ""
     if isinstance(value, bool) or not (isinstance(value, Real) or kind in ("i", "u", "f")):
@@ -49,15 +55,18 @@ def _number(value: Any) -> float:
         return inf if value > 0 else -inf
 
 
+def _number_of_field(
+    value: Any, handler: ValidatorFunctionWrapHandler, info: ValidationInfo
+) -> float:
+    """Return a value of a schedule: a float, or with its unit until a field holds the schedule."""
+    number = _number(value, info)
+    checked: float = handler(float(number))
+    return number if isinstance(number, FloatWithUnit) else checked
+
+
 def _listed(value: Any) -> Any:
     """Return a one-dimensional array as a list, which pydantic validates."""
     return value.tolist() if hasattr(value, "dtype") and hasattr(value, "tolist") else value
-
-
-def _keep_unit(value: Any, handler: Any) -> Any:
-    """Validate a number; a number with its unit is returned unchanged."""
-    checked = handler(value)
-    return value if isinstance(value, FloatWithUnit) else checked
 
 
 def default(value: Any) -> Any:
@@ -95,5 +104,5 @@ else:
     Nested = Annotated[T, "or a table of its fields"]
     OptionalNested = T | None
     # Values of a schedule: they have the unit of the field that holds the schedule.
-    NumberOfField = Annotated[Number, WrapValidator(_keep_unit)]
+    NumberOfField = Annotated[float, WrapValidator(_number_of_field)]
     NumbersOfField = Annotated[tuple[NumberOfField, ...], BeforeValidator(_listed)]

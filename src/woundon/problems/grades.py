@@ -27,11 +27,12 @@ from ..quantities import (
 from .bodies import Cylinder
 from .description import Description
 from .fields import Nested, Number, Numbers, default
-from .inputs import is_basis_weight
-from .library import Entry, entry_of, library, read_file
+from .inputs import Inputs, is_basis_weight
+from .library import entry_of, library, read_file
 from .limits import Limits
 from .materials import SOFTEST, STIFFEST, Orthotropic
 from .messages import quote
+from .paths import Faults, field_or_none, is_part_of, nest_tables
 from .radial_laws import Pfeiffer
 from .schedules import Profile
 from .stack import Stack
@@ -143,6 +144,12 @@ class Grade(Description):
     spread: Mapping[str, float] = {}
     sources: Mapping[str, str] = {}
 
+    @classmethod
+    def _fields_of(cls, inputs: Inputs, faults: Faults) -> dict[str, Any]:
+        """Return the values by field; those of a problem that names the grade convert none."""
+        inputs.outer = None
+        return super()._fields_of(inputs, faults)
+
     @property
     def material(self) -> Orthotropic:
         """The elastic constants of the web."""
@@ -197,14 +204,11 @@ class Grade(Description):
 
     def spread_of(self, problem: Any) -> dict[str, float]:
         """Return the relative standard deviations of the fields of a problem, by dotted name."""
-        spreads = {}
-        for path, name in _FIELDS:
-            value = problem
-            for part in path.split("."):
-                value = getattr(value, part, None)
-            if value is not None and name in self.spread:
-                spreads[path] = self.spread[name]
-        return spreads
+        return {
+            path: self.spread[name]
+            for path, name in _FIELDS
+            if name in self.spread and field_or_none(problem, path) is not None
+        }
 
     def tied_fields(self, problem: Any) -> dict[str, str]:
         """Return the fields with the same value of the grade as another one: follower -> leader."""
@@ -349,75 +353,38 @@ def grade(name: str | Grade | Mapping[str, Any], path: str | Path | None = None)
     known = library()["grades"]
     if path is None and isinstance(name, str) and name in known:
         return _make_grade(name, known[name], Grades())
-    known_grades = grades(path)
-    if not isinstance(name, str) or name not in known_grades:
-        text = f"{quote(name)} is not a known grade{did_you_mean(name, known_grades)}"
-        raise InvalidProblem.at("grade", text)
-    return known_grades[name]
+    return _named(name, grades(path), "grade")
+
+
+def _named(name: Any, known: Mapping[str, Grade], where: str) -> Grade:
+    """Return a known grade by its name; ``where`` is the field of the name."""
+    if not isinstance(name, str) or name not in known:
+        text = f"{quote(name)} is not a known grade{did_you_mean(name, known)}"
+        raise InvalidProblem.at(where, text)
+    return known[name]
 
 
 def _make_grade(name: str, table: Mapping[str, Any], known: Mapping[str, Grade]) -> Grade:
     """Create the grade of a table; missing values are those of the grade named by ``like``."""
     try:
         entry = entry_of({key: value for key, value in table.items() if key != "like"})
-        base = _base(table.get("like"), known)
-        values = {**base.values, "title": name, **entry.values}
-        limits = values.get("limits", {})
-        if isinstance(limits, Mapping):
-            values["limits"] = {**base.values.get("limits", {}), **limits}
-        names = _names(entry.values)
-        inherited = {
-            key: {k: v for k, v in getattr(base, key).items() if k not in names}
-            for key in ("spread", "sources")
-        }
-        return Grade(
-            **{
-                "name": name,
-                **values,
-                "spread": inherited["spread"] | entry.spread,
-                "sources": inherited["sources"] | entry.sources,
-            }
-        )
+        if table.get("like") is None:
+            fields = {"name": name, "title": name, **nest_tables(entry.values)}
+            return Grade(**fields | {"spread": entry.spread, "sources": entry.sources})
+        base = _named(table["like"], known, "like")
+        spread = {key: value for key, value in base.spread.items() if key not in entry.values}
+        sources = {key: value for key, value in base.sources.items() if key not in entry.values}
+        changes = {"name": name, "title": name, **entry.values}
+        changes |= {"spread": spread | entry.spread, "sources": sources | entry.sources}
+        return base.replace(**changes)
     except InvalidProblem as fault:
         raise fault.under(f"grades.{name}") from None
-
-
-def _names(values: Mapping[str, Any], prefix: str = "") -> set[str]:
-    """Return the dotted names of all values."""
-    names: set[str] = set()
-    for name, value in values.items():
-        inner = isinstance(value, Mapping)
-        names |= _names(value, f"{prefix}{name}.") if inner else {f"{prefix}{name}"}
-    return names
-
-
-def _base(like: Any, known: Mapping[str, Grade]) -> Entry:
-    """Return values, spreads and sources of the grade that another one is based on."""
-    if like is None:
-        return Entry({}, {}, {})
-    if not isinstance(like, str) or like not in known:
-        text = f"{quote(like)} is not a known grade{did_you_mean(like, known)}"
-        raise InvalidProblem.at("like", text)
-    base = known[like]
-    values = {
-        name: getattr(base, name)
-        for name in Grade.model_fields
-        if name not in ("name", "title", "spread", "sources")
-    }
-    limits = {
-        name: value
-        for name in Limits.model_fields
-        if (value := getattr(base.limits, name)) is not None
-    }
-    return Entry({**values, "limits": limits}, dict(base.spread), dict(base.sources))
 
 
 # ---- in a case ----------------------------------------------------------------------------------
 
 
-def with_grade(
-    model: type[Any], fields: Mapping[str, Any], faults: list[tuple[str, str]]
-) -> dict[str, Any]:
+def with_grade(model: type[Any], fields: Mapping[str, Any], faults: Faults) -> dict[str, Any]:
     """Return the fields of a problem, completed by those of its grade.
 
     A value that is given next to the grade has precedence; :func:`warn_of_contradictions` names it.
@@ -469,25 +436,29 @@ def changes_of_grade(grade: Grade, problem: Any, changes: Mapping[str, Any]) -> 
     for name, value in _fields_of_grade(grade, type(problem), parts).items():
         nested = name in parts or name in ("web", "limits")
         values |= {f"{name}.{k}": v for k, v in value.items()} if nested else {name: value}
-    replaced = {path for path in changes if "." not in path}
-    return {path: value for path, value in values.items() if path.partition(".")[0] not in replaced}
+    return {
+        path: value
+        for path, value in values.items()
+        if not any(is_part_of(path, changed) for changed in changes)
+    }
 
 
 def states_all(problem: Any, named_grade: Grade) -> bool:
     """Return True if a problem has a value for everything that a grade would supply."""
     return all(
-        _has_values(getattr(problem, path.partition(".")[0], None), path.partition(".")[2], value)
-        for path, value in changes_of_grade(named_grade, problem, {}).items()
+        _has_values(field_or_none(problem, path), supplied)
+        for path, supplied in changes_of_grade(named_grade, problem, {}).items()
     )
 
 
-def _has_values(part: Any, path: str, supplied: Any) -> bool:
-    """Return True if a part of a problem, or its item ``path``, has all values of a table."""
-    if path:
-        return _has_values(getattr(part, path, None), "", supplied)
+def _has_values(part: Any, supplied: Any) -> bool:
+    """Return True if a part of a problem has a value for each name of a table."""
     if isinstance(part, Description) and isinstance(supplied, Mapping):
-        names = (name for name in supplied if name != "kind")
-        return all(_has_values(part, name, supplied[name]) for name in names)
+        return all(
+            _has_values(field_or_none(part, name), value)
+            for name, value in supplied.items()
+            if name != "kind"
+        )
     return part is not None
 
 
@@ -530,9 +501,7 @@ def warn_of_contradictions(named_grade: Grade, problem: Any) -> None:
     """Warn of values of a problem that differ from those of its grade."""
     texts = []
     for path, name in _FIELDS:
-        value = problem
-        for part in path.split("."):
-            value = getattr(value, part, None)
+        value = field_or_none(problem, path)
         grade_value = getattr(named_grade, name)
         if isinstance(value, float) and abs(value - grade_value) > SAME * abs(grade_value):
             quantity = quantity_of(Grade.model_fields[name])
@@ -548,17 +517,12 @@ def _fields_of_grade(
     named_grade: Grade, model: type[Any], fields: Mapping[str, Any]
 ) -> dict[str, Any]:
     """Return the fields of a problem that a grade supplies, as tables."""
-    limits = {
-        name: value
-        for name in Limits.model_fields
-        if (value := getattr(named_grade.limits, name)) is not None
-    }
     known: dict[str, Any] = {
         "web": {"thickness": named_grade.thickness, "material": _table(named_grade.material)},
         "web_thickness": named_grade.thickness,
         "density": named_grade.density,
         "stack": _table(named_grade.stack),
-        "limits": limits,
+        "limits": _table(named_grade.limits),
         "roll_friction": named_grade.friction,
         "drum_friction": named_grade.drum_friction,
     }

@@ -17,7 +17,7 @@ FILE = Path(__file__).with_name("grades.toml")
 
 
 class Entry(NamedTuple):
-    """The values of a table by name, their relative standard deviations and their sources."""
+    """The values of a table by dotted name, their relative standard deviations, their sources."""
 
     values: dict[str, Any]
     spread: dict[str, float]
@@ -53,7 +53,7 @@ def read_file(path: Path) -> dict[str, Any]:
 
 
 def entry_of(table: Mapping[str, Any]) -> Entry:
-    """Return the values, spreads and sources of a table, those of nested tables by dotted name.
+    """Return the values, spreads and sources of a table and of the tables in it.
 
     A value is written alone, or as a table with ``value``, ``spread`` and ``source``.
 
@@ -69,9 +69,8 @@ def entry_of(table: Mapping[str, Any]) -> Entry:
                 inner = entry_of(item)
             except InvalidProblem as fault:
                 raise fault.under(name) from None
-            entry.values[name] = inner.values
-            entry.spread.update({f"{name}.{k}": v for k, v in inner.spread.items()})
-            entry.sources.update({f"{name}.{k}": v for k, v in inner.sources.items()})
+            for whole, part in zip(entry, inner, strict=True):
+                whole.update({f"{name}.{key}": value for key, value in part.items()})
         elif isinstance(item, Mapping):
             _add_entry(entry, name, item)
         else:

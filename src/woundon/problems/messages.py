@@ -13,13 +13,10 @@ from pydantic.fields import FieldInfo
 
 from ..errors import InvalidProblem, NoSteadyState, did_you_mean, nearest, one_of
 from ..quantities import members_of, quantity_of
-from .permitted import admissible, bounds, unit_of
+from .inputs import FloatWithUnit, NotANumber, read_text
+from .permitted import admissible, admits, unit_of
 
-__all__ = ["NotANumber", "no_such_field", "not_one_of", "quote", "validation_error"]
-
-
-class NotANumber(ValueError):
-    """A validator found something else in place of a number."""
+__all__ = ["no_such_field", "not_one_of", "quote", "validation_error"]
 
 
 def validation_error(
@@ -37,13 +34,11 @@ def validation_error(
         Field and text of inputs that could not be converted.  They replace what pydantic reports
         on the same fields; an empty text only suppresses its report.
     """
-    if report is None:
-        return InvalidProblem([fault for fault in faults if fault[1]])
-    error = _translate(report, model)
+    error = InvalidProblem(()) if report is None else _translate(report, model)
     if not faults:
         return error
-    converted = {field for field, _ in faults}
-    rejected = [fault for fault in error.faults if fault[0] not in converted]
+    replaced = {field for field, _ in faults}
+    rejected = [fault for fault in error.faults if fault[0] not in replaced]
     return InvalidProblem([*(fault for fault in faults if fault[1]), *rejected])
 
 
@@ -66,7 +61,7 @@ def _translate(report: ValidationError, model: type[BaseModel]) -> InvalidProble
         elif item["type"] == "extra_forbidden":
             faults.append((path, no_such_field(str(name), model)))
         elif path not in dict(faults) and not _counts_faults(item):
-            faults.append((path, _fault(item, model.model_fields[str(name)])))
+            faults.append((path, _fault(item, str(name), model.model_fields[str(name)])))
     return error(faults)
 
 
@@ -75,8 +70,8 @@ def _counts_faults(item: Any) -> bool:
     return item["type"] == "too_short" and len(item["input"]) > item["ctx"]["actual_length"]
 
 
-def _fault(item: Any, field: FieldInfo) -> str:
-    """Return the text for one item of pydantic's report."""
+def _fault(item: Any, name: str, field: FieldInfo) -> str:
+    """Return the text for one item of pydantic's report on a field of that name."""
     value, kind = item["input"], item["type"]
     if isinstance(item.get("ctx", {}).get("error"), NotANumber):
         return f"{quote(value)} is not a number; must be {admissible(field)}"
@@ -94,6 +89,8 @@ def _fault(item: Any, field: FieldInfo) -> str:
         return not_one_of(value, get_args(field.annotation))
     if members_of(field.annotation):
         return f"{quote(value)} is out of place; must be {admissible(field)}"
+    if isinstance(value, (str, FloatWithUnit)):
+        value = read_text(value, name)
     value = value if isinstance(value, Real) else float(value)  # an array of no dimension
     hint = _other_unit_hint(value, field)
     return f"{quote(value)} is out of range; must be {admissible(field)}{hint}"
@@ -111,7 +108,8 @@ def no_such_field(name: str, model: type[BaseModel]) -> str:
     """Return the message for an unknown field, with the class that has it or the intended name."""
     fields = model.model_fields
     family = getattr(model, "_members", {}).values()
-    owners = [m.__name__ for m in family if name in m.model_fields]
+    names = {name, name.replace("diameter", "radius")}
+    owners = [m.__name__ for m in family if names & m.model_fields.keys()]
     if name == "kind" and family:
         return f"not a field; for another kind than {model.__name__} give the whole description"
     if owners:
@@ -147,11 +145,10 @@ def _other_unit_hint(value: Any, field: FieldInfo) -> str:
     """Return a hint if the number is in range in another unit (66 for 66 um)."""
     if value < 1:
         return ""
-    tests = {">": float.__gt__, ">=": float.__ge__, "<": float.__lt__, "<=": float.__le__}
     fits = [
         f"{value:g} {unit} is {value * factor:g}"
         for unit, factor in _OTHER_UNITS.get(unit_of(field), {}).items()
-        if all(tests[sign](value * factor, float(bound)) for sign, bound in bounds(field))
+        if admits(field, value * factor)
     ]
     return f" (plain numbers are SI: {', '.join(fits)})" if fits else ""
 

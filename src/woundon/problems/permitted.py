@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf
 from typing import Any, get_args
 
 from pydantic.fields import FieldInfo
@@ -14,7 +15,9 @@ __all__ = [
     "Conditional",
     "accepts_number",
     "admissible",
+    "admits",
     "bounds",
+    "extremes",
     "is_within",
     "requirement",
     "unit_of",
@@ -64,6 +67,25 @@ def bounds(field: FieldInfo) -> list[tuple[str, float]]:
         for part in field.metadata
         if hasattr(part, name)
     ]
+
+
+def extremes(field: FieldInfo) -> tuple[float, float]:
+    """Return the bounds of a field, infinite where there is none.
+
+    >>> from woundon import RollerProblem
+    >>> extremes(RollerProblem.model_fields["friction"])
+    (0, 10.0)
+    """
+    limits = bounds(field)
+    low = max((bound for sign, bound in limits if sign in (">", ">=")), default=-inf)
+    high = min((bound for sign, bound in limits if sign in ("<", "<=")), default=inf)
+    return low, high
+
+
+def admits(field: FieldInfo, value: float) -> bool:
+    """Return True if a number is within the bounds of a field."""
+    tests = {">": float.__gt__, ">=": float.__ge__, "<": float.__lt__, "<=": float.__le__}
+    return all(tests[sign](float(value), float(bound)) for sign, bound in bounds(field))
 
 
 def unit_of(field: FieldInfo) -> str:

@@ -8,6 +8,8 @@ from typing import Any, ClassVar, Self
 from ..errors import InvalidProblem
 from .description import Description
 from .grades import Grade, changes_of_grade, grade, warn_of_contradictions, with_grade
+from .inputs import Inputs
+from .paths import Faults
 
 __all__ = ["OF_FINISHED_ROLL", "Problem", "only_in"]
 
@@ -67,11 +69,11 @@ class Problem(Description):
         warn_of_contradictions(named_grade, self)
 
     @classmethod
-    def _converted(cls, fields: dict[str, Any], faults: list[tuple[str, str]]) -> dict[str, Any]:
-        """Complete the fields by those of a grade before they are converted."""
-        if "grade" in fields:
-            fields = with_grade(cls, fields, faults)
-        return super()._converted(fields, faults)
+    def _fields_of(cls, inputs: Inputs, faults: Faults) -> dict[str, Any]:
+        """Return the values by field, completed by those of a grade."""
+        if "grade" in inputs.fields:
+            inputs.fields = with_grade(cls, inputs.fields, faults)
+        return super()._fields_of(inputs, faults)
 
     def replace(self, /, **changes: Any) -> Self:
         """Return a variant with some fields changed; see :meth:`.Description.replace`.

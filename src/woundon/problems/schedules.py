@@ -8,13 +8,14 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field, ValidationInfo, model_validator
 
 from ..errors import InvalidProblem
 from ..quantities import OF_FIELD, length, pure
 from .description import Description
-from .family import best_match
+from .family import from_table
 from .fields import Number, NumberOfField, Numbers, NumbersOfField, default
+from .inputs import FloatWithUnit, Inputs
 from .messages import quote
 
 if TYPE_CHECKING:
@@ -27,6 +28,7 @@ __all__ = [
     "Schedule",
     "Taper",
     "WindingSchedule",
+    "as_schedule",
     "at_radius",
     "unused_in_tapers",
     "values_of",
@@ -157,12 +159,43 @@ class Taper(Description):
         return self
 
 
-def _profile(value: Any) -> Any:
-    return Profile(**value) if isinstance(value, Mapping) else value
+def as_schedule(value: Any, name: str | None, *classes: type[Profile | Taper]) -> Any:
+    """Return the schedule that a field holds for a table, or for a schedule with units.
+
+    Parameters
+    ----------
+    value : object
+        Other values are returned unchanged.
+    name : str
+        Name of the field, of the description that is being created.
+    classes : types
+        Schedules that a table may describe.
+    """
+    inputs = Inputs.current()
+    if inputs is not None:
+        inputs.field = name or ""  # its quantity is that of the values
+    if isinstance(value, Mapping):
+        return from_table(value, classes)
+    texts = _texts_of(value)
+    return value.replace(**texts) if texts else value
 
 
-def _profile_or_taper(value: Any) -> Any:
-    return best_match(value, (Taper, Profile))(**value) if isinstance(value, Mapping) else value
+def _texts_of(schedule: Any) -> dict[str, Any]:
+    """Return the values of a schedule as they were entered, if they have units; otherwise {}."""
+    if isinstance(schedule, Taper) and isinstance(schedule.start, FloatWithUnit):
+        return {"start": schedule.start.text}
+    values = schedule.value if isinstance(schedule, Profile) else ()
+    if any(isinstance(value, FloatWithUnit) for value in values):
+        return {"value": [getattr(value, "text", value) for value in values]}
+    return {}
+
+
+def _profile(value: Any, info: ValidationInfo) -> Any:
+    return as_schedule(value, info.field_name, Profile)
+
+
+def _profile_or_taper(value: Any, info: ValidationInfo) -> Any:
+    return as_schedule(value, info.field_name, Taper, Profile)
 
 
 # Schedule: a number or a profile.  WindingSchedule: also a taper, for the inputs of a winder.

@@ -11,10 +11,13 @@ import numpy as np
 from pydantic import BeforeValidator, Field, SerializeAsAny
 
 from ..elasticity.strip import Compliance, compliance
+from ..errors import InvalidProblem
 from ..quantities import Quantity, density_of_web, stress, thickness_of_web
 from .description import Description
 from .fields import Number, OptionalNumber
+from .inputs import Inputs, is_basis_weight, read_number
 from .materials import Material, Solid
+from .paths import Faults
 from .radial_laws import Constant
 from .stack import Stack
 
@@ -31,6 +34,10 @@ CaliperPressure = Annotated[
 ]
 
 Array = np.ndarray
+
+_ONLY_FOR_BASIS_WEIGHT = (
+    "converts a thickness that is given as a basis weight; must be left out here"
+)
 
 
 def _solid(value: Any) -> Any:
@@ -70,6 +77,20 @@ class Web(Description):
     material: AnySolid
     if TYPE_CHECKING:
         density: InitVar[float | str] = Field(...)
+
+    @classmethod
+    def _fields_of(cls, inputs: Inputs, faults: Faults) -> dict[str, Any]:
+        """Return the values by field, without the density that converts a basis weight."""
+        fields = super()._fields_of(inputs, faults)
+        if "density" in fields:
+            density = fields.pop("density")
+            try:
+                if not is_basis_weight(fields.get("thickness")):
+                    raise InvalidProblem.at("density", _ONLY_FOR_BASIS_WEIGHT)
+                read_number(density, cls.input_only["density"], "density", inputs)
+            except InvalidProblem as fault:
+                faults += fault.faults
+        return fields
 
     @property
     def linear(self) -> bool:

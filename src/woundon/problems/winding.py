@@ -8,7 +8,7 @@ from math import inf, pi
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field, ValidationInfo, model_validator
 
 from ..errors import InvalidProblem, NoSteadyState
 from ..quantities import length, line_load, pure, tension, velocity
@@ -41,6 +41,7 @@ from .schedules import (
     Profile,
     Taper,
     WindingSchedule,
+    as_schedule,
     unused_in_tapers,
     values_of,
 )
@@ -72,10 +73,9 @@ OF_NIP = ("web.material", "drum", *WRAP_TABLE["wrap"], "roll_body")
 CHECKED_RADII = 257  # radii, in addition to all kinks, at which a steady state must exist
 
 
-def _law(value: Any) -> Any:
+def _law(value: Any, info: ValidationInfo) -> Any:
     """Return the name of a law, or a profile of the wound-on tension; reject other values."""
-    if isinstance(value, Mapping):
-        return Profile(**value)
+    value = as_schedule(value, info.field_name, Profile)
     if isinstance(value, str) and value not in LAWS:
         raise InvalidProblem(f"{not_one_of(value, LAWS)}, or a Profile of the wound-on tension")
     if not isinstance(value, str | Profile):

@@ -1,4 +1,4 @@
-"""Style, axis labels from quantities, legends, zone strips and saving of all figures.
+"""Style, texts of labels and saving of all figures.
 
 A figure that is to be saved is made without pyplot, so that any number may be drawn in any thread,
 and with fixed metadata: the same result gives the same bytes.  One that is to be seen is pyplot's
@@ -7,7 +7,8 @@ and with fixed metadata: the same result gives the same bytes.  One that is to b
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import re
+from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib import import_module
 from io import BytesIO
@@ -17,44 +18,48 @@ from typing import Any, NoReturn, Self
 
 import matplotlib as mpl
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
-from matplotlib.patches import Patch
 
 from ..errors import InvalidProblem
 from ..io.files import write_whole
 from ..quantities import Quantity
-from ..results import zone_runs
-from .report_parts import GREEK, SYMBOL, ZoneStrips, quantity_of
+from .panels import Axis
+from .report_parts import GREEK, SYMBOL
 
 __all__ = [
     "COLOURS",
-    "ZONE_COLOURS",
-    "ZONE_HATCHES",
     "Picture",
-    "along_contact",
     "axis_label",
     "check_format",
-    "draw_zones",
     "figure_bytes",
-    "legend_above",
-    "letter",
-    "quantity_of",
+    "formulas",
     "save_figure",
     "style",
     "symbol_text",
     "text_of",
     "unit_of",
     "wrapped_text",
+    "zone_look",
 ]
 
-Array = np.ndarray
-
 # Palette of Okabe and Ito, distinguishable with any colour vision; in grey by line style
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000")
+COLOURS = {
+    "roll": "#0072B2",
+    "drum": "#D55E00",
+    "green": "#009E73",
+    "purple": "#CC79A7",
+    "sky": "#56B4E9",
+    "amber": "#E69F00",
+    "ink": "#000000",
+    "web": "#444444",
+    "soft": "#888888",
+    "alarm": "#B00020",
+}
 ZONE_COLOURS = {-1: "#E69F00", 0: "#F0F0F0", 1: "#56B4E9"}
 ZONE_HATCHES = {-1: "\\\\\\\\", 0: "", 1: "////"}
+FORMULA = re.compile(r"\$([^$]*)\$")  # in a label
+WORD = re.compile(r"[A-Za-z]+\d*(?:_\w+)?[+-]?")  # a symbol in a formula
 
 _STYLE: Any = {
     "font.family": "DejaVu Sans",
@@ -126,6 +131,15 @@ class Picture(Figure):
         raise NotImplementedError  # so IPython shows it as it shows any figure
 
 
+def zone_look(zone: int) -> dict[str, Any]:
+    """Return fill, hatch and edge of a zone as Matplotlib's properties of a patch."""
+    return {
+        "facecolor": ZONE_COLOURS[zone],
+        "hatch": ZONE_HATCHES[zone],
+        "edgecolor": "#666666",
+    }
+
+
 # ---- saving -------------------------------------------------------------------------------------
 
 
@@ -186,10 +200,25 @@ def text_of(quantity: Quantity, value: float, form: str = ".4g") -> str:
     return f"{quantity.shown(float(value)):{form}} {unit_of(quantity)}".rstrip()
 
 
-def axis_label(words: str, quantity: Quantity) -> str:
-    """Return "words [unit]"."""
-    unit = unit_of(quantity)
-    return f"{words} [{unit}]" if unit else words
+def axis_label(axis: Axis, width: int = 60) -> str:
+    """Return "label [unit]", words wrapped to a number of characters per line."""
+    unit = unit_of(axis.quantity) if axis.quantity else ""
+    words = formulas(axis.label) if "$" in axis.label else wrapped_text(axis.label, width)
+    return f"{words} [{unit}]".lstrip() if unit else words
+
+
+def formulas(label: str) -> str:
+    r"""Return a label with its formulas as figures write them.
+
+    >>> formulas("Pressure $p$"), formulas("$|q+|/mu+$")
+    ('Pressure $p$', '$|q^{+}|/\\mu^{+}$')
+    """
+    return FORMULA.sub(lambda formula: f"${_in_tex(formula[1])}$", label)
+
+
+def _in_tex(formula: str) -> str:
+    """Return a formula of symbols, operators and brackets in the notation of TeX."""
+    return WORD.sub(lambda word: symbol_text(word[0]).strip("$"), formula)
 
 
 def symbol_text(symbol: str) -> str:
@@ -211,82 +240,3 @@ def symbol_text(symbol: str) -> str:
 def wrapped_text(text: str, width: int = 44) -> str:
     """Wrap a text to a number of characters per line, without a break in "> 0"."""
     return fill(text.replace("> 0", ">\N{NO-BREAK SPACE}0"), width)
-
-
-# ---- panels -------------------------------------------------------------------------------------
-
-
-def along_contact(axes: Axes, results: Sequence[Any], contact: str) -> None:
-    """Label the x axis, with limits at the edges of the widest contact."""
-    x = quantity_of(results[0], "x")
-    axes.set_xlabel(axis_label(f"Position along the {contact} $x$", x))
-    edge = 1.03 * x.shown(max(result.half_width for result in results))
-    axes.set_xlim(-edge, edge)
-
-
-def letter(axes: Axes, text: str) -> None:
-    """Write the letter of a panel above its right end."""
-    axes.set_title(f"({text})", loc="right", fontsize=9)
-
-
-def legend_above(axes: Axes, handles: list[Any]) -> None:
-    """Put the legend above the panel, where it covers no data."""
-    many = {"columnspacing": 0.8, "handlelength": 1.1, "handletextpad": 0.4}
-    few = {"columnspacing": 1.4, "handlelength": 2.2}
-    axes.legend(
-        handles=handles,
-        loc="lower left",
-        bbox_to_anchor=(0.0, 1.0),
-        ncols=len(handles),
-        borderaxespad=0.2,
-        **(many if len(handles) > 4 else few),
-    )
-
-
-def draw_zones(
-    axes: Axes, strips: Sequence[ZoneStrips], x: Quantity, colours: Sequence[str | None] = (None,)
-) -> list[Patch]:
-    """Plot zones as bars along x, the first face on top; return the handles of the legend.
-
-    Parameters
-    ----------
-    axes : Axes
-    strips : sequence of ZoneStrips
-        Of each case, below each other.
-    x : Quantity
-        Quantity along x.
-    colours : sequence of str or None
-        Of the names of each case's faces.
-    """
-    bars = [
-        (face, zones, strip, colour)
-        for strip, colour in zip(strips, colours, strict=True)
-        for face, zones in strip.faces.items()
-    ]
-    rows = range(len(bars))[::-1]
-    for row, (_, zones, strip, _) in zip(rows, bars, strict=True):
-        for zone, left, right in zone_runs(x.shown(strip.x), zones):
-            axes.barh(
-                row,
-                right - left,
-                left=left,
-                height=0.7,
-                color=ZONE_COLOURS[zone],
-                hatch=ZONE_HATCHES[zone],
-                edgecolor="#666666",
-                linewidth=0.6,
-            )
-    axes.set_yticks(list(rows), [face for face, *_ in bars])
-    for text, (*_, colour) in zip(axes.get_yticklabels(), bars, strict=True):
-        if colour is not None:
-            text.set_color(colour)
-    axes.set_ylim(-0.55, len(rows) - 0.45)
-    axes.grid(visible=False)
-    axes.tick_params(axis="y", length=0)
-    words = {0: "stick", 1: f"slip, {strips[0].faster}", -1: f"slip, {strips[0].slower}"}
-    return [
-        Patch(
-            facecolor=ZONE_COLOURS[zone], hatch=ZONE_HATCHES[zone], edgecolor="#666666", label=word
-        )
-        for zone, word in words.items()
-    ]

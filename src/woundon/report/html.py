@@ -12,7 +12,19 @@ from html import escape
 from typing import TYPE_CHECKING
 
 from ..results import zone_runs
-from .report_parts import GREEK, SYMBOL, Line, Part, Row, Section, Verdict, Verdicts, ZoneStrips
+from .report_parts import (
+    GREEK,
+    SYMBOL,
+    VERDICT_HEAD,
+    ZONES_TITLE,
+    Line,
+    Part,
+    Row,
+    Section,
+    Verdict,
+    Verdicts,
+    ZoneStrips,
+)
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -61,10 +73,20 @@ def _line(line: Line) -> str:
 
 def _section(section: Section) -> str:
     """Return the HTML of a section: a table, and a text below it."""
-    caption = f'<caption style="{LEFT};font-weight:bold">{escape(section.title)}</caption>'
-    rows = "\n".join(map(_row, section.rows))
     paragraph = _paragraph(section.text, QUIET) if section.text else ""
-    return f"<table>{caption}<tbody>\n{rows}\n</tbody></table>{paragraph}"
+    return _table(section.title, map(_row, section.rows)) + paragraph
+
+
+def _table(title: str, rows: Iterable[str], head: str = "") -> str:
+    """Return a table under a title from the HTML of its rows and of its head."""
+    caption = f'<caption style="{LEFT};font-weight:bold">{escape(title)}</caption>'
+    body = "\n".join(rows)
+    return f"<table>{caption}{head}<tbody>\n{body}\n</tbody></table>"
+
+
+def _cells(cells: Iterable[tuple[str, str]], tag: str = "td") -> str:
+    """Return the cells of a row from the HTML and the style of each."""
+    return "".join(f'<{tag} style="{style}">{text}</{tag}>' for text, style in cells)
 
 
 def symbol_html(symbol: str) -> str:
@@ -142,17 +164,14 @@ def _row(row: Row) -> str:
         (row.value_text, RIGHT),
         (unit + escape(row.note), LEFT),
     ]
-    return "<tr>{}</tr>".format("".join(f'<td style="{s}">{c}</td>' for c, s in cells))
+    return f"<tr>{_cells(cells)}</tr>"
 
 
 def _verdicts(part: Verdicts) -> str:
     """Return the HTML of a table of limits; the remarks on each are below it."""
-    names = ("", "value", "limit", "", "worst at", "")
     sides = (LEFT, RIGHT, RIGHT, *[LEFT] * 3)
-    head = "".join(f'<th style="{s}">{name}</th>' for name, s in zip(names, sides, strict=True))
-    rows = "\n".join(map(_verdict, part.rows))
-    caption = f'<caption style="{LEFT};font-weight:bold">{escape(part.title)}</caption>'
-    return f"<table>{caption}<thead><tr>{head}</tr></thead><tbody>\n{rows}\n</tbody></table>"
+    head = _cells(zip(("", *VERDICT_HEAD), sides, strict=True), "th")
+    return _table(part.title, map(_verdict, part.rows), f"<thead><tr>{head}</tr></thead>")
 
 
 def _verdict(row: Verdict) -> str:
@@ -168,19 +187,17 @@ def _verdict(row: Verdict) -> str:
         (escape(row.place), left),
         (word, left),
     ]
-    values = "".join(f'<td style="{s}">{c}</td>' for c, s in cells)
     below = f'<td colspan="{len(cells)}" style="{LEFT};{QUIET}">{escape(row.below)}</td>'
-    return f"<tr>{values}</tr>\n<tr>{below}</tr>"
+    return f"<tr>{_cells(cells)}</tr>\n<tr>{below}</tr>"
 
 
 def _strips(part: ZoneStrips) -> str:
     """Return bars along the contact with the name of each face and a legend of its zones."""
-    words = {0: "stick", 1: part.faster, -1: part.slower}
     rows = []
     for face, zones in part.faces.items():
         long = part.x[-1] - part.x[0]
         bars = "".join(
-            f'<span title="{escape(words[zone])}" style="display:inline-block;height:1em;'
+            f'<span title="{escape(part.words[zone])}" style="display:inline-block;height:1em;'
             f'background:{_ZONES[zone]};width:{100 * (right - left) / long:.2f}%"></span>'
             for zone, left, right in zone_runs(part.x, zones)
         )
@@ -189,8 +206,7 @@ def _strips(part: ZoneStrips) -> str:
     key = " &emsp; ".join(
         f'<span style="display:inline-block;width:1em;height:0.8em;background:{_ZONES[zone]}">'
         f"</span> {escape(word)}"
-        for zone, word in words.items()
+        for zone, word in part.words.items()
     )
-    caption = f'<caption style="{LEFT};font-weight:bold">Zones, leading edge on the left</caption>'
-    table = f"<table>{caption}<tbody>\n{''.join(rows)}\n</tbody></table>"
+    table = _table(ZONES_TITLE, rows)
     return f'{table}<p style="margin:0.3em 0">{key}</p>'

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from io import StringIO
 from math import isinf
 
 from ..quantities import Quantity, in_chosen_units
 from ..roll.result import RollResult
 from ..winding.margins import SMALL, Margin, Margins
-from .html import parts_html
-from .report_parts import Line, Verdict, Verdicts, quantity_of
-from .terminal import plain_console, print_parts
+from .report_parts import Line, Part, Verdict, Verdicts, quantity_of
 
-__all__ = ["margins_html", "margins_part", "margins_text", "verdict_lines"]
+__all__ = ["margins_part", "margins_parts", "verdict_lines"]
 
 RADIUS = quantity_of(RollResult, "radius")
 TITLE = "Margins"
@@ -24,16 +21,9 @@ def margins_part(margins: Margins) -> Verdicts:
     return Verdicts(TITLE, tuple(map(_verdict, margins)))
 
 
-def margins_text(margins: Margins) -> str:
-    """Return the table as plain text."""
-    paper = StringIO()
-    print_parts([*verdict_lines(margins), margins_part(margins)], plain_console(paper))
-    return paper.getvalue().rstrip("\n")
-
-
-def margins_html(margins: Margins) -> str:
-    """Return the table for a notebook or a page."""
-    return parts_html([*verdict_lines(margins), margins_part(margins)])
+def margins_parts(margins: Margins) -> list[Part]:
+    """Return verdict, advice and the table of margins."""
+    return [*verdict_lines(margins), margins_part(margins)]
 
 
 def verdict_lines(margins: Margins) -> list[Line]:

@@ -118,9 +118,9 @@ def field_rows(
 
     ``of_field`` is the quantity of the field that holds the description, as a schedule.
     """
-    for name in type(problem).model_fields:
+    for name, field in type(problem).model_fields.items():
         value = getattr(problem, name)
-        quantity = quantities.find(problem, name, of_field)[0].quantity
+        quantity = quantities.quantity_of(field, of_field)
         items = enumerate(value) if isinstance(value, tuple) else ()
         inner = [(f"{prefix}{name}.{k}", v) for k, v in items if isinstance(v, Description)]
         inner += [(f"{prefix}{name}", value)] if isinstance(value, Description) else []

@@ -1,50 +1,25 @@
-"""``wo.plot``: figures of one or several results, and of the arrays of any kind.
-
-A kind's panels are found through :mod:`woundon.kinds`; of woundon, only this room imports
-matplotlib.
-"""
+"""``wo.plot``: figures of one or several results."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, overload
 
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
 from .. import kinds, quantities
 from ..arguments import check_type
 from ..errors import InvalidProblem, one_of
 from ..problems.messages import quote
 from ..results import Result
-from .figures import (
-    COLOURS,
-    axis_label,
-    quantity_of,
-    symbol_text,
-    text_of,
-    unit_of,
-    wrapped_text,
-)
-from .nip_plots import nip_panels
-from .panels import Case, Panel, cases_of, draw_panels
-from .roll_plots import roll_panels
-from .roller_plots import roller_panels
-from .winding_plots import winding_panels
+from .drawing import check_axes, draw_figure, show_panels
+from .figures import text_of
+from .panels import Panel
+from .result_panels import chosen, named_panels
 
-__all__ = ["figure_for_file", "output_panels", "panel_columns", "panels_of", "plot"]
-
-PANELS: Mapping[str, Callable[[Any], Mapping[str, Panel]]] = {
-    "nip": nip_panels,
-    "rollers": roller_panels,
-    "roll": roll_panels,
-    "winding": winding_panels,
-}
-LINES = ("-", "--", "-.", ":")
+__all__ = ["figure_for_file", "panel_columns", "plot"]
 
 
 @overload
@@ -114,8 +89,9 @@ def plot(
     True
     >>> plt.close(figure)
     """
-    all_results, cases = _cases(results, labels)
-    return draw_panels(_common_panels(all_results), cases, path, ax, panels)
+    check_axes(ax, panels)
+    all_results, labels = _labelled(results, labels)
+    return show_panels(_panels(all_results, panels), labels, path, ax)
 
 
 def figure_for_file(
@@ -126,23 +102,20 @@ def figure_for_file(
     lettered: bool = True,
 ) -> Figure:
     """Return the figure of :func:`plot` for a file: not registered with a window or notebook."""
-    all_results, cases = _cases(results, labels)
-    options: Any = {"choice": panels, "lettered": lettered, "registered": False}
-    figure: Figure = draw_panels(_common_panels(all_results), cases, **options)
-    return figure
+    all_results, labels = _labelled(results, labels)
+    return draw_figure(_panels(all_results, panels), labels, lettered=lettered)
 
 
 def panel_columns(results: Sequence[Result]) -> list[list[str]]:
     """Return the names of the panels of a plot of results, by columns."""
     columns: dict[str, list[str]] = {}
-    for name, panel in _common_panels(results).items():
-        if panel.by_default:
-            columns.setdefault(panel.column, []).append(name)
+    for first, *_ in _panels(results, None):
+        columns.setdefault(first.column, []).append(first.name)
     return list(columns.values())
 
 
-def _cases(results: Any, labels: Sequence[str] | None) -> tuple[list[Any], list[Case]]:
-    """Return the results as a list, and as cases with labels and colours."""
+def _labelled(results: Any, labels: Sequence[str] | None) -> tuple[list[Result], Sequence[str]]:
+    """Return the results as a list, and their labels."""
     all_results: list[Any] = list(results) if isinstance(results, list | tuple) else [results]
     for result in all_results:
         check_type("results", result, Result)
@@ -154,39 +127,38 @@ def _cases(results: Any, labels: Sequence[str] | None) -> tuple[list[Any], list[
         raise InvalidProblem.at(
             "labels", f"{quote(labels)} must be {len(all_results)}, one a result"
         )
-    return all_results, cases_of(all_results, labels)
+    return all_results, labels
 
 
-def _common_panels(results: Sequence[Result]) -> dict[str, Panel]:
-    """Return the panels that all results have, by name."""
-    first, *others = [_panels(result) for result in results]
-    common = {
-        name: panel
-        for name, panel in first.items()
-        if all(other.get(name) == panel for other in others)
-    }
-    if not any(panel.by_default for panel in common.values()):
+def _panels(results: Sequence[Result], choice: str | Sequence[str] | None) -> list[list[Panel]]:
+    """Return the chosen panels that all results have, or those drawn by default.
+
+    Each is a list with the panel of every result.
+    """
+    makers = [named_panels(result) for result in results]
+    first, *others = makers
+    common = [
+        name
+        for name, maker in first.items()
+        if all(name in other and other[name].make == maker.make for other in others)
+    ]
+    default = [name for name in common if first[name].by_default]
+    if not default:
         names = sorted({kinds.of(result).name for result in results})
         text = f"results of {one_of(names, 'and')} have no panel in common"
         raise InvalidProblem.at("results", text)
-    return common
-
-
-def panels_of(result: Result) -> dict[str, Panel]:
-    """Return the panels of the kind of a result."""
-    kind = kinds.of(result)
-    panels = kind.plot or PANELS.get(kind.name, output_panels)
-    return dict(panels(result))
-
-
-def _panels(result: Result) -> dict[str, Panel]:
-    """Return the panels of the kind, then optional ones for every array."""
-    panels = panels_of(result)
-    abscissa, *names = _plotted_arrays(result) or [""]
-    for name in names:
-        panels.setdefault(
-            name, Panel(Curves(abscissa, (name,)), "outputs", height=2.8, by_default=False)
-        )
+    names = default if choice is None else chosen(choice, common)
+    panels = [
+        [each[name].make(result) for each, result in zip(makers, results, strict=True)]
+        for name in names
+    ]
+    for cases in panels:
+        units = {case.y.quantity.unit for case in cases if case.y.quantity}
+        if len(units) > 1:
+            text = (
+                f"{cases[0].name!r} has no common unit ({', '.join(sorted(units))}); leave it out"
+            )
+            raise InvalidProblem.at("panels", text)
     return panels
 
 
@@ -219,70 +191,3 @@ def _value_text(place: quantities.Place) -> str:
     if quantity is None or not isinstance(place.value, int | float):
         return f"{name} = {place.value}"
     return f"{name} = {text_of(quantity, place.value, '.5g')}"
-
-
-# ---- any kind -----------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Curves:
-    """Curves of the arrays of one unit over the first array of a result."""
-
-    along: str
-    names: tuple[str, ...]
-
-    def __call__(self, axes: Axes, cases: Sequence[Case]) -> list[Any]:
-        """Plot the arrays."""
-        handles: list[Any] = []
-        x, y = (quantity_of(cases[0].result, name) for name in (self.along, self.names[0]))
-        for case in cases:
-            curves: list[Line2D] = []
-            at = x.shown(getattr(case.result, self.along))
-            for k, name in enumerate(self.names):
-                quantity, values = quantity_of(case.result, name), getattr(case.result, name)
-                whole = values.dtype.kind in "iub"
-                curves += axes.plot(
-                    at,
-                    y.shown(values),
-                    LINES[k % 4],
-                    color=case.colour_or(COLOURS[k % 7]),
-                    drawstyle="steps-mid" if whole else "default",
-                    label=wrapped_text(f"{symbol_text(quantity.symbol)}  {quantity.meaning}"),
-                )
-            handles = handles or list(curves)
-        axes.set_xlabel(axis_label(x.meaning[:1].upper() + x.meaning[1:], x))
-        if len(self.names) == 1:
-            axes.set_ylabel(axis_label(wrapped_text(y.meaning, 30), y))
-            return []
-        axes.set_ylabel(f"[{unit_of(y)}]" if y.display else "")
-        return handles
-
-
-def output_panels(result: Result) -> dict[str, Panel]:
-    """Return panels with every array of a result over its first one.
-
-    One for each unit, named after its arrays; whole numbers (zones, states) have one of their own.
-    Arrays of another length than the first are omitted.
-
-    Raises
-    ------
-    InvalidProblem
-        For a result without arrays.
-    """
-    abscissa, *names = _plotted_arrays(result) or [""]
-    if not names:
-        raise InvalidProblem.at("plot", f"a {type(result).__name__} has no arrays to draw")
-    groups: dict[tuple[str, str, bool], list[str]] = {}
-    for name in names:
-        whole, quantity = getattr(result, name).dtype.kind in "iub", quantity_of(result, name)
-        groups.setdefault((quantity.unit, quantity.shown_unit, whole), []).append(name)
-    return {
-        ", ".join(group): Panel(Curves(abscissa, tuple(group)), "outputs", 9.0, 2.1, legend="right")
-        for group in groups.values()
-    }
-
-
-def _plotted_arrays(result: Result) -> list[str]:
-    """Return the names of the first array and of those with the same length."""
-    arrays = [p for p in quantities.walk(result) if isinstance(p.value, np.ndarray)]
-    return [p.path for p in arrays if p.value.ndim == 1 and p.value.shape == arrays[0].value.shape]

@@ -5,48 +5,48 @@ The base class in :mod:`woundon.results` calls these functions.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from functools import singledispatch
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ..results import Result
 from ..sensitivity import Sensitivity
+from ..studies.outcome import Outcome
+from ..studies.run import Table
 from ..winding.margins import Margins
 from .html import parts_html, table_html
-from .margins_report import margins_html, margins_text
-from .result_report import report_parts, report_text
-from .sensitivity_report import sensitivity_text
+from .margins_report import margins_parts
+from .report_parts import Part
+from .result_report import report_parts
+from .sensitivity_report import print_sensitivity, sensitivity_html
+from .terminal import plain_text, print_parts
 
-if TYPE_CHECKING:
-    import pandas as pd
+__all__ = ["figure_of", "html_of", "text_of"]
 
-__all__ = ["figure_of", "html_of", "html_of_table", "text_of"]
+MOST_ROWS = 60  # of the cases of a study in a notebook
 
 
-@singledispatch
 def text_of(thing: Any) -> str:
-    """Return a result, margins or a sensitivity as plain text; the lines of all others."""
-    return "\n".join(thing.lines()) if hasattr(thing, "lines") else repr(thing)
+    """Return a result, margins or a study as plain text; the cases of a study in one line."""
+    if isinstance(thing, Result | Margins):
+        return plain_text(lambda console: print_parts(_parts(thing), console))
+    if isinstance(thing, Sensitivity):
+        return plain_text(lambda console: print_sensitivity(thing, console))
+    return "\n".join(thing.lines()) if isinstance(thing, Outcome) else repr(thing)
 
 
-text_of.register(Result, report_text)
-text_of.register(Sensitivity, sensitivity_text)
-text_of.register(Margins, margins_text)
-
-
-@singledispatch
 def html_of(thing: Any) -> str:
-    """Return the same as HTML, for a notebook."""
-    raise TypeError(f"a {type(thing).__name__} has no report")
+    """Return a result, margins or a study as HTML, for a notebook."""
+    if isinstance(thing, Outcome):
+        return table_html(thing.heading(), thing.table_for_display(), thing.remarks())
+    if isinstance(thing, Sensitivity):
+        return sensitivity_html(thing)
+    if isinstance(thing, Table):
+        return str(thing.to_dataframe().to_html(max_rows=MOST_ROWS))
+    return parts_html(_parts(thing))
 
 
-html_of.register(Result, lambda result: parts_html(report_parts(result)))
-html_of.register(Margins, margins_html)
-
-
-def html_of_table(head: str, frame: pd.DataFrame, remarks: Iterable[str] = ()) -> str:
-    """Return a table of numbers between its heading and remarks as HTML."""
-    return table_html(head, frame, remarks)
+def _parts(thing: Result | Margins) -> list[Part]:
+    """Return the parts of the report of a result or of margins."""
+    return margins_parts(thing) if isinstance(thing, Margins) else report_parts(thing)
 
 
 def figure_of(thing: Any, *options: Any) -> Any:
@@ -56,27 +56,6 @@ def figure_of(thing: Any, *options: Any) -> Any:
         from .plots import plot
 
         return plot(thing, *options)
-    from ..studies.compare import Comparison
-    from ..studies.experiment import NextExperiment
-    from ..studies.find import FindResult
-    from ..studies.fit import FitResult
-    from ..studies.schedule import OptimisedSchedule
-    from ..studies.sobol import SobolIndices
-    from ..studies.window_result import OperatingWindow
-    from .compare_plots import plot_comparison
-    from .find_plots import plot_find
-    from .plan_plots import plot_plan
-    from .schedule_plots import plot_schedule
-    from .study_plots import plot_fit, plot_indices, plot_sweep
-    from .window_plots import plot_window
+    from .study_plots import plot_study
 
-    plots: dict[type[Any], Callable[..., Any]] = {
-        Comparison: plot_comparison,
-        FindResult: plot_find,
-        FitResult: plot_fit,
-        NextExperiment: plot_plan,
-        OperatingWindow: plot_window,
-        OptimisedSchedule: plot_schedule,
-        SobolIndices: plot_indices,
-    }
-    return plots.get(type(thing), plot_sweep)(thing, *options)
+    return plot_study(thing, *options)

@@ -17,12 +17,16 @@ import numpy as np
 from .. import quantities
 from ..nip.result import NipResult
 from ..nip.roller_result import RollerResult
+from ..problems.paths import field_quantity
+from ..problems.schedules import Profile, Taper
 from ..quantities import Quantity, in_chosen_units
 from ..results import ACCEPTED_RESIDUAL, Residuals, Result, Zone, zone_runs
 
 __all__ = [
     "GREEK",
     "SYMBOL",
+    "VERDICT_HEAD",
+    "ZONES_TITLE",
     "Line",
     "Part",
     "Row",
@@ -37,8 +41,10 @@ __all__ = [
     "nip_zones",
     "output_row",
     "quantity_of",
+    "quantity_of_field",
     "roller_zones",
     "row_of",
+    "schedule_rows",
     "warning_lines",
     "zone_line",
     "zone_strips",
@@ -46,6 +52,8 @@ __all__ = [
 
 Array = np.ndarray
 DIGITS = 5  # significant ones of a value
+ZONES_TITLE = "Zones, leading edge on the left"
+VERDICT_HEAD = ("value", "limit", "", "worst at", "")  # columns of Verdicts after the first
 _GREEK_NAMES = "alpha beta gamma delta Delta eps kappa mu nu omega rho sigma tau theta xi"
 GREEK = frozenset(_GREEK_NAMES.split())
 # factor, letter, number, index and sign of "2a", "mu+", "s_l+", "K1"
@@ -124,6 +132,11 @@ class ZoneStrips:
     faces: Mapping[str, Array]
     faster: str = f"web {Zone.FORWARD.word}"
     slower: str = f"web {Zone.BACKWARD.word}"
+
+    @property
+    def words(self) -> dict[int, str]:
+        """Words for the zones 0, 1 and -1, in the order of a legend."""
+        return {0: Zone.STICK.word, 1: self.faster, -1: self.slower}
 
 
 @dataclass(frozen=True)
@@ -216,13 +229,38 @@ def output_row(result: Result, name: str, value: float | None = None, **texts: s
     return row_of(quantity, quantities.value_of(result, name), error, **texts)
 
 
-def field_row(problem: Any, name: str, *, empty: float = nan, **texts: str) -> Row:
-    """Return the row of a problem's field; ``empty`` is the value of a field that is None."""
-    quantity = quantities.find(problem, name)[0].quantity
+def quantity_of_field(problem: Any, name: str) -> Quantity:
+    """Return the quantity of a field of a problem, or of a class of problems."""
+    quantity = field_quantity(problem, name)
     if quantity is None:
         raise AttributeError(f"{name} of a {type(problem).__name__} has no quantity")
+    return quantity
+
+
+def field_row(problem: Any, name: str, *, empty: float = nan, **texts: str) -> Row:
+    """Return the row of a problem's field; ``empty`` is the value of a field that is None."""
     value = getattr(problem, name)
-    return row_of(quantity, empty if value is None else value, nan, **texts)
+    return row_of(quantity_of_field(problem, name), empty if value is None else value, nan, **texts)
+
+
+def schedule_rows(problem: Any, name: str, ends: Iterable[float]) -> list[Row]:
+    """Return the row of a number, or those of a schedule at the core and at the surface.
+
+    Parameters
+    ----------
+    problem : Problem
+    name : str
+        Field.
+    ends : (2,) iterable of float
+        Values of the schedule at the core and at the surface [SI].
+    """
+    if not isinstance(getattr(problem, name), Taper | Profile):
+        return [field_row(problem, name)]
+    quantity = quantity_of_field(problem, name)
+    return [
+        row_of(quantity, float(value), meaning=f"{quantity.meaning}, at the {where}")
+        for where, value in zip(("core", "surface"), ends, strict=True)
+    ]
 
 
 # ---- what every report ends with ----------------------------------------------------------------

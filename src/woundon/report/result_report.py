@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from io import StringIO
 from typing import Any
 
 from rich.console import Console
@@ -16,10 +15,10 @@ from .outputs_report import outputs_report
 from .report_parts import Part, certificate_of, warning_lines
 from .roll_report import roll_report
 from .roller_report import roller_report
-from .terminal import plain_console, print_parts
+from .terminal import print_parts
 from .winding_report import winding_report
 
-__all__ = ["print_report", "report_parts", "report_text"]
+__all__ = ["print_report", "report_parts"]
 
 REPORTS: Mapping[str, Callable[[Any], list[Part]]] = {
     "nip": nip_report,
@@ -42,13 +41,6 @@ def report_parts(result: Result) -> list[Part]:
         *warnings,
         certificate_of(result),
     ]
-
-
-def report_text(result: Result) -> str:
-    """Return the report of a result of any kind as plain text."""
-    paper = StringIO()
-    print_report(result, plain_console(paper))
-    return paper.getvalue().rstrip("\n")
 
 
 def print_report(result: Result, console: Console) -> None:

@@ -8,25 +8,37 @@ import numpy as np
 
 from ..errors import InvalidProblem
 from ..problems.radial_laws import Pfeiffer
-from ..problems.schedules import Profile, Taper
-from ..quantities import find, in_chosen_units, length, line_load, strain, stress
+from ..quantities import in_chosen_units, length, line_load, strain, stress
 from ..roll.gauge_band import gauge_band_over
 from ..roll.result import RollResult
 from ..roll.theories import plateau_pressure
 from .outputs_report import rows_of
-from .report_parts import Line, Part, Row, Section, field_row, output_row, quantity_of, row_of
+from .report_parts import (
+    Line,
+    Part,
+    Section,
+    field_row,
+    output_row,
+    quantity_of,
+    row_of,
+    schedule_rows,
+)
 
-__all__ = ["roll_report"]
+__all__ = ["ROLL", "roll_report", "thin_layers_note"]
 
 LEFT_OUT = frozenset({"residual", "steps", "compressed_share"})  # in other rows
 BAND = "Thickest lane across the width (closed form)"
-NAMES = [
+# of a roll alone, and of the roll of a winding
+ROLL = [
     "core_pressure",
     "mid_pressure",
     "peak_pressure",
     "least_hoop_stress",
     "length",
     "wound_length",
+]
+NAMES = [
+    *ROLL,
     "layer_count",
     "mass",
     "wound_mass",
@@ -45,6 +57,7 @@ def roll_report(result: RollResult) -> list[Part]:
     stages, nodes = result.stage_radius.size - 1, r.size
     cost = f"{stages} stages, {nodes} nodes, {result.steps} linear systems"
     names = [name for name in NAMES if problem.density is not None or name not in OF_DENSITY]
+    tensions = problem.tension_curve.at(r[[0, -1]]) * problem.web_thickness
     changes = [field_row(problem, name) for name in CHANGES if getattr(problem, name)]
     notes = {
         "peak_pressure": _location(r, result.pressure, int(np.argmax(result.pressure))),
@@ -58,7 +71,7 @@ def roll_report(result: RollResult) -> list[Part]:
                 field_row(problem.core, "radius"),
                 *(field_row(problem, name) for name in ("radius", "web_thickness")),
                 *([field_row(problem, "caliper_pressure")] if problem.caliper_pressure else []),
-                *_tension(result),
+                *schedule_rows(problem, "wound_on_tension", tensions),
             ),
         ),
         Section(
@@ -74,25 +87,6 @@ def roll_report(result: RollResult) -> list[Part]:
 
 def _location(r: np.ndarray, values: np.ndarray, k: int) -> str:
     return f", at r = {quantity_of(RollResult, 'radius').text(r[k])}"
-
-
-def _tension(result: RollResult) -> Iterator[Row]:
-    """Yield the wound-on tension: a number, or the values at core and surface."""
-    problem = result.problem
-    schedule = problem.wound_on_tension
-    if not isinstance(schedule, Taper | Profile):
-        yield field_row(problem, "wound_on_tension")
-        return
-    quantity = find(problem, "wound_on_tension")[0].quantity
-    assert quantity is not None
-    T = problem.tension_curve.at(result.radius[[0, -1]]) * problem.web_thickness
-    for where, value in zip(("core", "surface"), T.tolist(), strict=True):
-        yield Row(
-            f"{quantity.meaning} at the {where}",
-            quantity.symbol,
-            quantity.shown(value),
-            quantity.display,
-        )
 
 
 def thin_layers_note(roll: RollResult) -> str:

@@ -16,10 +16,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon
 
-from ..quantities import Quantity, find
+from ..quantities import Quantity
 from ..results import zone_runs
-from .figures import ZONE_COLOURS, ZONE_HATCHES, Picture, quantity_of, style, text_of
-from .report_parts import zone_strips
+from .figures import Picture, style, text_of, zone_look
+from .report_parts import quantity_of, quantity_of_field, zone_strips
 
 __all__ = ["scale_drawing"]
 
@@ -65,7 +65,7 @@ def _draw_bodies(axes: Axes, result: Any) -> None:
         if core := _core_radius(body):
             axes.add_patch(_circle(centre, core, "white"))
         axes.plot(*centre, "+", color=LINE, markersize=5, markeredgewidth=0.7)
-        size = text_of(_field(problem, f"{name}.radius"), body.radius)
+        size = text_of(quantity_of_field(problem, f"{name}.radius"), body.radius)
         text = f"{NAMES[name]}\n$R$ {size}{', rigid' * body.rigid}"
         axes.annotate(text, (1.1 * body.radius, centre[1]), va="center", fontsize=7)
     if hasattr(problem, "web"):
@@ -132,17 +132,10 @@ def _draw_nip(axes: Axes, result: Any) -> None:
     _draw_dimensions(axes, quantity_of(result, "nip_width"), a, reach, height)
     if web:
         thicker = " (drawn thicker)" if drawn > web else ""
-        text = f"web {text_of(_field(problem, 'web.thickness'), web)}{thicker}"
+        text = f"web {text_of(quantity_of_field(problem, 'web.thickness'), web)}{thicker}"
         axes.annotate(text, (-0.97 * reach, -0.93 * height), fontsize=7)
     axes.set_xlim(-reach, reach)
     axes.set_ylim(-height, height)
-
-
-def _field(problem: Any, name: str) -> Quantity:
-    """Return the quantity of a field."""
-    quantity = find(problem, name)[0].quantity
-    assert quantity is not None
-    return quantity
 
 
 def _surfaces(x: Array, a: float, problem: Any, web: float) -> tuple[Array, Array]:
@@ -168,9 +161,7 @@ def _draw_zones(axes: Axes, result: Any, x: Array, above: Array, below: Array, b
             inner = np.interp(ends, x, surface)
             outline = [*zip(ends, inner, strict=True)]
             outline += [*zip(ends[::-1], inner[::-1] + side * band, strict=True)]
-            patch = Polygon(outline, facecolor=ZONE_COLOURS[zone], hatch=ZONE_HATCHES[zone])
-            patch.set(edgecolor="#666666", linewidth=0.5)
-            axes.add_patch(patch)
+            axes.add_patch(Polygon(outline, **zone_look(zone), linewidth=0.5))
 
 
 def _draw_dimensions(axes: Axes, width: Quantity, a: float, reach: float, height: float) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from io import StringIO
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,27 +10,15 @@ from rich.text import Text
 
 from .. import kinds, quantities
 from ..problems.nip import NipProblem
-from .terminal import plain_console, print_columns
+from .html import table_html
+from .report_parts import quantity_of_field
+from .terminal import print_columns
 
 if TYPE_CHECKING:
     from ..sensitivity import Sensitivity
 
 
-__all__ = ["print_sensitivity", "sensitivity_text"]
-
-
-def sensitivity_text(sensitivity: Sensitivity) -> str:
-    """Return elasticities as plain text, as the command line prints them."""
-    paper = StringIO()
-    print_sensitivity(sensitivity, plain_console(paper))
-    return paper.getvalue().strip("\n")
-
-
-def _field(name: str) -> quantities.Quantity:
-    """Return the quantity of a field."""
-    quantity = quantities.find(NipProblem, name)[0].quantity
-    assert quantity is not None
-    return quantity
+__all__ = ["print_sensitivity", "sensitivity_html"]
 
 
 def print_sensitivity(sensitivity: Sensitivity, console: Console) -> None:
@@ -45,7 +32,11 @@ def print_sensitivity(sensitivity: Sensitivity, console: Console) -> None:
     head = ["", "value", *(known[ordered.outputs[k]].symbol for k in columns)]
     elasticities = np.round(ordered.elasticities, 4) + 0.0  # without a minus zero
     table = [
-        [name, _field(name).text(field, ".5g"), *(f"{value:+.4f}" for value in values)]
+        [
+            name,
+            quantity_of_field(NipProblem, name).text(field, ".5g"),
+            *(f"{value:+.4f}" for value in values),
+        ]
         for name, field, values in zip(
             ordered.parameters, ordered.fields, elasticities[columns].T, strict=True
         )
@@ -57,7 +48,10 @@ def print_sensitivity(sensitivity: Sensitivity, console: Console) -> None:
     print_columns([head, *table], widths, "<" + ">" * len(head), console)
     for name, field in zip(ordered.parameters, ordered.fields, strict=True):
         if not field:  # an elasticity is not defined
-            main, one = known[ordered.outputs[0]].named(ordered.outputs[0]), _field(name)
+            main, one = (
+                known[ordered.outputs[0]].named(ordered.outputs[0]),
+                quantity_of_field(NipProblem, name),
+            )
             slope = ordered.derivative(ordered.outputs[0], name) / float(one.shown(1.0))
             change = main.text(slope, "+.4g")
             text = (
@@ -67,3 +61,12 @@ def print_sensitivity(sensitivity: Sensitivity, console: Console) -> None:
     if ordered.zone_change:
         text = f"warning: at a zone change ({ordered.zone_change}): one-sided derivatives differ"
         console.print(Text(text, style="bold yellow"))
+
+
+def sensitivity_html(sensitivity: Sensitivity) -> str:
+    """Return the elasticities as HTML, the most influential input for the first output first."""
+    head = "Elasticities: percent of output per percent of parameter"
+    zone_change = sensitivity.zone_change
+    remarks = [f"At a zone change: {zone_change}"] if zone_change else []
+    frame = sensitivity.sorted().to_dataframe().rename(columns={"value": "value [SI]"})
+    return table_html(head, frame, remarks)

@@ -2,16 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from io import StringIO
 from textwrap import wrap
-from typing import TextIO
 
 from rich.console import Console
 from rich.text import Text
 
-from .report_parts import Line, Part, Row, Section, Verdicts, ZoneStrips, zone_line
+from .report_parts import (
+    VERDICT_HEAD,
+    ZONES_TITLE,
+    Line,
+    Part,
+    Row,
+    Section,
+    Verdicts,
+    ZoneStrips,
+    zone_line,
+)
 
-__all__ = ["WIDTH", "plain_console", "print_columns", "print_parts"]
+__all__ = ["WIDTH", "plain_text", "print_columns", "print_parts"]
 
 WIDTH = 100
 ZONES_WIDTH = 60
@@ -27,15 +37,18 @@ TONES = {
 }
 
 
-def plain_console(paper: TextIO) -> Console:
-    """Return a console that writes plain text in the width of the reports."""
-    return Console(
+def plain_text(write: Callable[[Console], None]) -> str:
+    """Return what a function writes on a console, in the width of the reports."""
+    paper = StringIO()
+    console = Console(
         file=paper,
         width=WIDTH,
         color_system=None,
         legacy_windows=False,
         force_jupyter=False,  # or the text would be shown in a notebook, and not be returned
     )
+    write(console)
+    return paper.getvalue().strip("\n")
 
 
 def print_parts(parts: Iterable[Part], console: Console) -> None:
@@ -100,21 +113,20 @@ def _print(text: Text, console: Console) -> None:
 
 def _print_zones(part: ZoneStrips, marks: dict[int, str], console: Console) -> None:
     """Print the zones of each face as a line of characters, and a legend."""
-    _print(Text("Zones, leading edge on the left", style="bold"), console)
+    _print(Text(ZONES_TITLE, style="bold"), console)
     indent = max(len(face) for face in part.faces) + 3
     for face, zones in part.faces.items():
         text = Text(f" {face}".ljust(indent))
         for zone, length in zone_line(part.x, zones, ZONES_WIDTH):
             text.append(marks[zone] * length, style=ZONE_STYLES[zone])
         _print(text, console)
-    words = {0: "stick", 1: part.faster, -1: part.slower}
-    legend = "   ".join(f"{marks[zone]} {word}" for zone, word in words.items())
+    legend = "   ".join(f"{marks[zone]} {word}" for zone, word in part.words.items())
     _print(Text(" " * indent + legend, style="dim"), console)
 
 
 def _print_verdicts(part: Verdicts, console: Console) -> None:
     """Print a table of limits, with the limitations of each criterion below its row."""
-    head = (part.title, "value", "limit", "", "worst at", "")
+    head = (part.title, *VERDICT_HEAD)
     table = [(row.meaning, row.value, row.limit, row.unit, row.place) for row in part.rows]
     widths = [max(map(len, column)) for column in zip(head[:5], *table, strict=True)]
 

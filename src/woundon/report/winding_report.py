@@ -4,27 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..problems.schedules import Profile, Taper
-from ..quantities import find
 from ..winding.margins import TITLES
 from ..winding.result import WindingResult
 from .margins_report import margins_part
 from .outputs_report import rows_of
-from .report_parts import Line, Part, Row, Section, field_row, output_row
-from .roll_report import thin_layers_note
+from .report_parts import Line, Part, Row, Section, field_row, output_row, schedule_rows
+from .roll_report import ROLL, thin_layers_note
 from .trade_rule import winding_trade_rule
 
 __all__ = ["winding_report"]
 
 SCHEDULES = ("web_tension", "nip_load", "winding_force", "torque_split", "nip_induced_tension")
-ROLL = [
-    "core_pressure",
-    "mid_pressure",
-    "peak_pressure",
-    "least_hoop_stress",
-    "length",
-    "wound_length",
-]
 # in other rows, or among the margins
 LEFT_OUT = frozenset(
     {
@@ -102,18 +92,7 @@ def _schedules(result: WindingResult) -> Iterator[Row]:
     """Yield the set points: a number, or the values at core and surface."""
     problem = result.problem
     for name in SCHEDULES:
-        schedule = getattr(problem, name)
-        if schedule is None or (name == "winding_force" and problem.torque_split is not None):
+        if name == "winding_force" and problem.torque_split is not None:
             continue
-        if not isinstance(schedule, Taper | Profile):
-            yield field_row(problem, name)
-            continue
-        quantity = find(problem, name)[0].quantity
-        assert quantity is not None
-        for where, value in zip(("core", "surface"), problem.at(name, problem.ends), strict=True):
-            yield Row(
-                f"{quantity.meaning}, at the {where}",
-                quantity.symbol,
-                quantity.shown(float(value)),
-                quantity.display,
-            )
+        if getattr(problem, name) is not None:
+            yield from schedule_rows(problem, name, problem.at(name, problem.ends))

@@ -24,7 +24,7 @@ from math import exp, log
 
 import numpy as np
 
-from .equations import StageEquations, StageSolution, interpolate_pressure
+from .equations import StageData, StageEquations, StageSolution, interpolate_pressure
 from .growth import ORDER, Growth
 from .stage_nodes import Tension, cell_source, evaluate_in_cells, kinks_of, nodes_between
 
@@ -323,13 +323,7 @@ class _Roll:
             nodes, lambda x, _: -self.tension.at(np.exp(x)) * previous.lagrange_basis(surface, x)
         )
         solved = self.equations.solve_with_growth(
-            nodes,
-            source,
-            source_by_kappa,
-            self.T_c,
-            *guess,
-            kappa,
-            accepted_error,
+            StageData(nodes, source, self.T_c), source_by_kappa, *guess, kappa, accepted_error
         )
         if solved is None:
             return None, kappa

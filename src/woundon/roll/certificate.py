@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..results import Residuals, largest
+from .equations import StageData
 from .finished import add_constant, equations_of, final_changes
 from .stage_nodes import cell_source
 
@@ -35,7 +36,7 @@ def certificate(result: Any) -> Residuals:
     unit, (source_change, core_change) = float(T[0]), final_changes(problem)
     source = add_constant(cell_source(curve, result.kappa, x), source_change)
     ends = [problem.core.radius, result.stage_radius[-1]]
-    residual, _ = equations_of(problem).residual(x, source, unit + core_change, P, Q)
+    residual, _ = equations_of(problem).residual(StageData(x, source, unit + core_change), P, Q)
     hoop = -(P + Q)
     strain = (hoop + nu * P) / E_t + problem.tangential_expansion * problem.temperature_change
     expected = np.append(source.left, source.right[-1])

@@ -15,21 +15,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 
 from ..arguments import check_type, tolerance
 from ..errors import InvalidProblem, NotConverged
 from ..parallel import one_thread
-from ..problems.inputs import Context, convert
+from ..problems.description import Description
 from ..problems.messages import quote
 from ..problems.permitted import is_within
 from ..problems.roll import RollProblem
-from ..problems.schedules import Profile
-from ..problems.wound_roll import WoundRoll
-from ..quantities import find
-from .equations import StageSolution, interpolate_pressure
+from ..problems.schedules import Profile, Schedule
+from ..quantities import stress
+from .equations import StageData, StageSolution, interpolate_pressure
 from .finished import equations_of
 from .stage_nodes import evaluate_in_cells, nodes_between
 
@@ -142,8 +141,7 @@ def design_tension(
             "changes after winding; must be a roll as wound: temperature_change and "
             "core_shrinkage 0",
         )
-    (place,) = find(WoundRoll, "pressure")
-    target = _TargetPressure(problem, _as_profile(problem, convert(pressure, place, Context())))
+    target = _TargetPressure(problem, _as_profile(problem, _Target(pressure=pressure).pressure))
     stages = _TargetStages(equations_of(problem), target)
     x = _refined_radii(stages, rtol)
     WOT = np.array([stages.tension(s) for s in x]) * problem.web_thickness
@@ -165,11 +163,16 @@ def _radii(problem: RollProblem, x: Array) -> Array:
     return r
 
 
+class _Target(Description):
+    """Target pressure, read like a field of a problem: with units, as a number or a profile."""
+
+    pressure: Annotated[Schedule, stress("P", "target pressure")]
+
+
 def _as_profile(problem: RollProblem, pressure: float | Profile) -> Profile:
     """Return the target pressure as a profile from the core to the surface."""
     core, R, limit = problem.core.radius, problem.radius, problem.stack.limit
     if not isinstance(pressure, Profile):
-        check_type("pressure", pressure, float, int, Profile)
         if not 0 < pressure < limit:
             upper_bound = f" and < {limit:.6g}" if np.isfinite(limit) else ""
             text = f"{quote(pressure)} is out of range; must be > 0{upper_bound} [Pa]"
@@ -282,7 +285,7 @@ class _TargetStages:
             nodes = nodes_between(knots[0], x, CELLS, self.surface_layer, kinks)
             guess = self._guess(x, nodes)
             source = evaluate_in_cells(nodes, self.target.source)
-            solved = self.equations.solve(nodes, source, self.T_c, *guess)
+            solved = self.equations.solve(StageData(nodes, source, self.T_c), *guess)
             if solved is None:
                 raise NotConverged(f"no stage at the radius {np.exp(x):.6g} m has this pressure")
             self.solved[x] = nodes, solved

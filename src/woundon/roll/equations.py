@@ -44,7 +44,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.linalg import lapack
 
-__all__ = ["CellSource", "StageEquations", "StageSolution", "interpolate_pressure"]
+__all__ = ["CellSource", "StageData", "StageEquations", "StageSolution", "interpolate_pressure"]
 
 Array = np.ndarray
 MAX_ITERATIONS = 60
@@ -61,6 +61,26 @@ class CellSource(NamedTuple):
     left: Array
     middle: Array
     right: Array
+
+
+class StageData(NamedTuple):
+    """What the equations of one stage are given.
+
+    Attributes
+    ----------
+    x : (n + 1,) array
+        ln r of the nodes.
+    source : CellSource
+    tension : float
+        T_c of the core condition [Pa].
+    surface_pressure : float
+        P_s [Pa].
+    """
+
+    x: Array
+    source: CellSource
+    tension: float
+    surface_pressure: float = 0.0
 
 
 class StageSolution(NamedTuple):
@@ -114,19 +134,9 @@ class StageEquations:
             F = F - self.strain(self.own_pressure(x))
         return np.asarray(self.tangential * F - P - 2 * Q)
 
-    def residual(
-        self,
-        x: Array,
-        source: CellSource,
-        tension: float,
-        P: Array,
-        Q: Array,
-        surface_pressure: float = 0.0,
-    ) -> tuple[Array, Array]:
-        """Return the residual of all equations, (2 n + 2,) [Pa], and P in mid-cell, (n,).
-
-        ``tension`` is T_c of the core condition, ``surface_pressure`` is P_s at the surface [Pa].
-        """
+    def residual(self, stage: StageData, P: Array, Q: Array) -> tuple[Array, Array]:
+        """Return the residual of all equations, (2 n + 2,) [Pa], and P in mid-cell, (n,)."""
+        x, source = stage.x, stage.source
         h = x[1:] - x[:-1]
         slope = self._slope_of_Q(x, P, Q)
         left, right = slope[:-1] + source.left, slope[1:] + source.right
@@ -134,7 +144,7 @@ class StageEquations:
         middle_Q = (Q[1:] + Q[:-1]) / 2 - h / 8 * (right - left)
         middle = self._slope_of_Q(x[:-1] + h / 2, middle_P, middle_Q) + source.middle
         out = np.empty(2 * x.size)
-        out[0], out[-1] = Q[0] - self.core * P[0] + tension, P[-1] - surface_pressure
+        out[0], out[-1] = Q[0] - self.core * P[0] + stage.tension, P[-1] - stage.surface_pressure
         out[1:-1:2] = P[1:] - P[:-1] - h / 6 * (Q[:-1] + 4 * middle_Q + Q[1:])
         out[2:-1:2] = Q[1:] - Q[:-1] - h / 6 * (left + 4 * middle + right)
         return out, middle_P
@@ -178,14 +188,7 @@ class StageEquations:
         return band
 
     def _solve_linearised(
-        self,
-        x: Array,
-        source: CellSource,
-        tension: float,
-        P: Array,
-        Q: Array,
-        surface_pressure: float,
-        *right_hand_sides: Array,
+        self, stage: StageData, P: Array, Q: Array, *right_hand_sides: Array
     ) -> tuple[Array, Array] | None:
         """Solve the linearised equations for several right-hand sides; None if that fails.
 
@@ -193,11 +196,12 @@ class StageEquations:
         -------
         (2 n + 2, 2 + k) array
             In its columns, with P and Q alternating: the negative Newton step, p and D p of a
-            further layer, and the solutions for the k right-hand sides ``more``.
+            further layer, and the solutions for the k further right-hand sides.
         (n + 1,) array
             E_r at the nodes.
         """
-        residual, middle_P = self.residual(x, source, tension, P, Q, surface_pressure)
+        x = stage.x
+        residual, middle_P = self.residual(stage, P, Q)
         E = self._moduli(x, P, middle_P)
         self.steps += 1
         factors, pivots, info = lapack.dgbtrf(self._matrix(x, E), BAND, BAND, overwrite_ab=1)
@@ -209,31 +213,17 @@ class StageEquations:
             right[:, 2 + k] = column
         return lapack.dgbtrs(factors, BAND, BAND, right, pivots, overwrite_b=1)[0], E[: x.size]
 
-    def solve(
-        self,
-        x: Array,
-        source: CellSource,
-        tension: float,
-        P: Array,
-        Q: Array,
-        surface_pressure: float = 0.0,
-    ) -> StageSolution | None:
+    def solve(self, stage: StageData, P: Array, Q: Array) -> StageSolution | None:
         """Solve by Newton's method from an initial guess; None if it does not converge.
 
         Parameters
         ----------
-        x : (n + 1,) array
-            ln r of the nodes.
-        source : CellSource
-        tension : float
-            T_c of the core condition [Pa].
+        stage : StageData
         P, Q : (n + 1,) arrays
             Initial guess [Pa].
-        surface_pressure : float
-            P_s, the pressure at the surface [Pa].
         """
         for _ in range(MAX_ITERATIONS):
-            solutions = self._solve_linearised(x, source, tension, P, Q, surface_pressure)
+            solutions = self._solve_linearised(stage, P, Q)
             if solutions is None:
                 return None
             step, layer = solutions[0].T
@@ -244,10 +234,8 @@ class StageEquations:
 
     def solve_with_growth(
         self,
-        x: Array,
-        source: CellSource,
+        stage: StageData,
         source_by_kappa: CellSource,
-        tension: float,
         P: Array,
         Q: Array,
         growth: float,
@@ -266,21 +254,24 @@ class StageEquations:
 
         Parameters
         ----------
-        x, tension, P, Q
-            As in :meth:`solve`.
-        source, source_by_kappa : CellSource
-            Source for the guess of kappa, and its derivative with respect to kappa.
+        stage : StageData
+            With the source for the guess of kappa.
+        source_by_kappa : CellSource
+            Derivative of the source with respect to kappa.
+        P, Q : (n + 1,) arrays
+            Initial guess [Pa].
         growth : float
             Initial guess of kappa.
         accepted_error : float
             Accepted error of kappa, relative to kappa + 2.  Newton's method converges
             quadratically: the error after a step is about the square of the step.
         """
+        x = stage.x
         residual_by_kappa = _source_residual(x, source_by_kappa)
         half = np.diff(x) / 2
         quadrature = np.exp(2 * (x - x[-1])) * (np.append(half, 0) + np.append(0, half))
         for _ in range(MAX_ITERATIONS):
-            solutions = self._solve_linearised(x, source, tension, P, Q, 0.0, residual_by_kappa)
+            solutions = self._solve_linearised(stage, P, Q, residual_by_kappa)
             if solutions is None:
                 return None
             (step, layer, by_kappa), E = solutions[0].T, solutions[1]  # P, Q -= step
@@ -294,9 +285,8 @@ class StageEquations:
             relative = np.max(np.abs(step[::2])) / np.max(np.abs(P))
             if max(relative, abs(change) / (2 + abs(growth))) <= LAST_STEP * accepted_error**0.5:
                 return StageSolution(P, Q, growth)
-            source = CellSource(
-                *(C + change * dC for C, dC in zip(source, source_by_kappa, strict=True))
-            )
+            C = zip(stage.source, source_by_kappa, strict=True)
+            stage = stage._replace(source=CellSource(*(c + change * dc for c, dc in C)))
         return None
 
     def linear_response(

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import NotConverged
-from .equations import CellSource, StageEquations, StageSolution
+from .equations import CellSource, StageData, StageEquations, StageSolution
 from .stage_nodes import cell_source
 
 if TYPE_CHECKING:
@@ -98,7 +98,7 @@ def finished_arrays(
     r[0], r[-1] = problem.core.radius, problem.radius  # without the rounding error of exp(ln r)
     source_change, core_change = final_changes(problem)
     source = add_constant(cell_source(curve, growth, x), source_change)
-    final = equations.solve(x, source, float(T[0]) + core_change, solved.P, solved.Q)
+    final = equations.solve(StageData(x, source, float(T[0]) + core_change), solved.P, solved.Q)
     if final is None:
         raise NotConverged("no equilibrium after the change of temperature or core")
     P, Q, E_t = final.P, final.Q, stack.tangential

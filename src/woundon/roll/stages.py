@@ -15,7 +15,7 @@ from ..problems.messages import quote
 from ..problems.permitted import is_within
 from ..problems.roll import FEWEST_LAYERS, RollProblem
 from ..problems.schedules import Profile, Taper
-from .equations import StageSolution, interpolate_pressure
+from .equations import StageData, StageSolution, interpolate_pressure
 from .finished import equations_of, finished_arrays, surface_layer_depth
 from .growth import Growth
 from .stage_nodes import cell_source, kinks_of, nodes_between
@@ -144,7 +144,7 @@ def _solve_stage(
     nodes = nodes_between(float(np.log(core)), x, cells, depth, *kinks, equations.core_layer)
     T_c = float(curve.at(np.array([core]))[0])
     guess = T_c * (x - nodes), np.full_like(nodes, -T_c)
-    solved = equations.solve(nodes, cell_source(curve, growth, nodes), T_c, *guess)
+    solved = equations.solve(StageData(nodes, cell_source(curve, growth, nodes), T_c), *guess)
     if solved is None:
         raise NotConverged(f"the stage at the radius {surface:.6g} m could not be solved")
     return stage, nodes, growth, solved

@@ -1,7 +1,7 @@
 """Studies over any kind of problem: sweeps, fits, global sensitivity; they contain no physics.
 
-    inputs and their values --> Design --> chunks --> runner (serial, pool, Dask) --> store, Table
+    inputs and their values --> Cases --> run_study: chunks, workers, store --> Table
 
-The engine uses a ``Model`` only: names in, numbers out.  ``kind_model`` provides the model of any
-kind of problem; ``api`` contains the public functions.
+A study uses a ``Model`` only: names in, numbers out; ``KindModel`` is that of any kind of problem.
+``api`` contains the public functions.
 """

@@ -1,47 +1,25 @@
-"""``wo.sweep``, ``wo.fit``, ``wo.global_sensitivity``: the engine over problems of any kind."""
+"""``wo.sweep``, ``wo.global_sensitivity``: the engine over problems of any kind."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..errors import InvalidProblem, NoSteadyState
-from ..problems.messages import not_one_of, quote
+from ..errors import InvalidProblem
+from ..problems.paths import field_quantity, number_in_si
 from ..problems.problem import Problem
-from ..quantities import Quantity, scalar_outputs
-from .design import Design, make_design
-from .engine import run_study
-from .fit import FitResult, fit_parameters
-from .kind_model import (
-    KindModel,
-    build,
-    columns_of,
-    conversion_of,
-    field_quantity,
-    get_field,
-    kind_of,
-    measurable_outputs,
-    model_of,
-    number_in_si,
-    options_of,
-    replaced,
-)
-from .measured import Measured, read_cases, read_measured
-from .model import quantities_of
-from .predict import Parameter, Predictor
-from .progress import Progress, progress_reporter
-from .runners import number_of_workers, runner_for
-from .sobol import SobolIndices, saltelli_design, sobol_indices_of
+from .case_table import read_cases
+from .cases import Cases, make_cases
+from .model import KindModel, model_of
+from .progress import Progress
+from .run import Workers, run_study
+from .sobol import SobolIndices, saltelli_cases, sobol_indices_of
 
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["fit", "global_sensitivity", "in_si", "solver_options", "study_of", "sweep"]
-
-FIT_NODES = 65
+__all__ = ["global_sensitivity", "in_si", "solver_options", "study_of", "sweep"]
 
 
 def sweep(
@@ -110,17 +88,12 @@ def sweep(
     Raises
     ------
     InvalidProblem
-        For a name that does not exist, a folder that contains another study, or if all values are
-        invalid.
+        For a name that does not exist, a folder that contains another study or a damaged one, or
+        if all values are invalid.
     NotConverged
         If no case was solved, with the reasons; has the dataset.
     OSError
         If ``out`` cannot be written, e.g. on a full disk; chunks in the file remain valid.
-
-    Warns
-    -----
-    UserWarning
-        If the file in ``out`` is damaged; the damaged chunks are solved again.
 
     Examples
     --------
@@ -144,7 +117,7 @@ def sweep(
     table = run_study(
         model,
         cases,
-        runner_for(workers, scheduler),
+        Workers(workers, scheduler),
         out=out,
         resume=resume,
         chunk=chunk,
@@ -164,36 +137,24 @@ def study_of(
     seed: int = 0,
     tie: Mapping[str, str] | None = None,
     options: Mapping[str, Any] | None = None,
-) -> tuple[KindModel, Design]:
-    """Return the model and the design of a :func:`sweep`, for :func:`~.engine.run_study`.
+) -> tuple[KindModel, Cases]:
+    """Return the model and the cases of a :func:`sweep`, for :func:`~.run.run_study`.
 
     >>> import woundon as wo
     >>> over = {"load": [1e4, 2e4], "friction": [0.3]}
-    >>> _, design = study_of(wo.RollerProblem.example(), over, ["half_width"])
-    >>> design.shape
+    >>> _, cases = study_of(wo.RollerProblem.example(), over, ["half_width"])
+    >>> cases.shape
     (2, 1)
     """
     if columns is not None or isinstance(over, (str, Path)) or hasattr(over, "iloc"):
-        over, design = _cases(problem, over, columns, design), "table"
+        if design not in ("grid", "table"):
+            text = f"{design!r} draws samples, which cannot be combined with a table"
+            raise InvalidProblem.at("design", text)
+        over, design = read_cases(over, problem, columns), "table"
     return (
         _model_of_study(problem, over, outputs, tie, options or {}),
-        make_design(in_si(problem, over), design, samples, seed),
+        make_cases(in_si(problem, over), design, samples, seed),
     )
-
-
-def _cases(
-    problem: Problem, data: Any, columns: Mapping[str, str | None] | None, design: str
-) -> dict[str, list[Any]]:
-    """Return the cases of a table, row by row."""
-    if design not in ("grid", "table"):
-        raise InvalidProblem.at(
-            "design", f"{design!r} draws samples, which cannot be combined with a table"
-        )
-    outputs = scalar_outputs(kind_of(problem).result)
-    outputs |= {f"errors.{name}": quantity for name, quantity in outputs.items()}
-    inputs = columns_of(problem)
-    conversion = conversion_of(problem)
-    return read_cases(data, inputs, outputs, partial(build, problem), columns, conversion)
 
 
 def _model_of_study(
@@ -295,194 +256,8 @@ def global_sensitivity(
     True
     """
     model = _model_of_study(problem, over, outputs, tie, solver_options(nodes, rtol, options))
-    cases = saltelli_design(in_si(problem, over), samples, seed)
+    cases = saltelli_cases(in_si(problem, over), samples, seed)
     table = run_study(
-        model, cases, runner_for(workers, scheduler), out=out, resume=resume, progress=progress
+        model, cases, Workers(workers, scheduler), out=out, resume=resume, progress=progress
     )
     return sobol_indices_of(table, samples, seed)
-
-
-def fit(
-    problem: Problem,
-    measured: Any,
-    vary: Mapping[str, tuple[float | str, float | str] | None] | Sequence[str],
-    *,
-    tie: Mapping[str, str] | None = None,
-    columns: Mapping[str, str | None] | None = None,
-    starts: int | None = None,
-    seed: int = 0,
-    profiles: bool | Sequence[str] = True,
-    workers: int | None = None,
-    progress: bool | Progress = False,
-    nodes: int | None = None,
-    rtol: float | None = None,
-    options: Mapping[str, Any] | None = None,
-) -> FitResult:
-    """Fit fields of a problem of any kind to measured data by least squares.
-
-    Parameters
-    ----------
-    problem : Problem
-        The base case, with the fields that are neither measured nor fitted.
-    measured : path, mapping or pandas.DataFrame
-        CSV or Excel file with units in its header, or columns by name, SI if they have no unit:
-        inputs ("nip_load [kN/m]"), outputs ("wound_on_tension [N/m]"), and standard deviations of
-        these ("wound_on_tension +- [N/m]").
-    vary : mapping or sequence of str
-        Dotted name -> bounds (low, high), SI or texts with units; without bounds, a tenth to ten
-        times the value.
-    tie : mapping of str to str
-        Field -> field that it follows, e.g. ``{"web.material": "roll.material"}``.
-    columns : mapping
-        Header in the data -> name of the quantity, with or without unit; None omits a column.
-    starts, seed : int
-        Number of starting points, the values of the problem and drawn ones, and seed of these.  By
-        default until two starts converge to the best minimum, at most 6.
-    profiles : bool or sequence of str
-        Compute profile-likelihood intervals: of all fitted fields, or of the named ones.
-    workers : int
-        Processes for profiles if they take long; by default one for each core.
-    progress : bool or callable
-        Show the fraction that is done, or call with (evaluations done, expected).
-    nodes, rtol, options
-        As of :func:`sweep`; by default 65 nodes if the solver chooses the mesh.  ``rtol`` is not
-        recommended: outputs are continuous in the parameters on one mesh, and jump by the
-        discretisation error where the mesh changes.
-
-    Returns
-    -------
-    FitResult
-        Its ``problem`` contains the estimates.
-
-    Raises
-    ------
-    InvalidProblem
-        For invalid names, bounds or data.
-    NotConverged
-        If no start can be solved.
-
-    Examples
-    --------
-    >>> import woundon as wo
-    >>> data = {"load [kN/m]": [50, 89, 120], "half_width [um]": [265, 354, 411]}
-    >>> found = wo.fit(
-    ...     wo.RollerProblem.example(), data, {"upper.radius": (0.1, 1.0)}, starts=1, nodes=17
-    ... )
-    >>> round(found.estimate("upper.radius"), 2)  # m
-    0.25
-    """
-    outputs = measurable_outputs(problem)
-    data = read_measured(
-        measured,
-        columns_of(problem),
-        outputs,
-        columns,
-        replaced(problem),
-        conversion_of(problem),
-    )
-    settings = _on_one_mesh(problem, solver_options(nodes, rtol, options))
-    model = model_of(problem, tuple(data.outputs), tie, settings)
-    bounds = in_si(problem, _bounds(vary))
-    parameters = tuple(_parameter(problem, name, ends) for name, ends in bounds.items())
-    model.check_varied([*(p.name for p in parameters), *data.inputs])
-    for parameter in parameters:
-        _check_bounds(problem, parameter)
-    _check_rows(problem, data)
-    quantities = quantities_of(model, (*(p.name for p in parameters), *data.outputs))
-    _check_units(quantities, data)
-    predictor, profiled = Predictor(model, data, parameters), _names_of_profiles(profiles, bounds)
-    with progress_reporter(progress, "fitting") as report:
-        result = fit_parameters(
-            predictor,
-            starts=starts,
-            seed=seed,
-            profiles=profiled,
-            quantities=quantities,
-            workers=number_of_workers(workers),
-            progress=report,
-        )
-    estimates = dict(zip(result.names, result.estimates, strict=True))
-    return replace(result, problem=model.variant(estimates))
-
-
-def _on_one_mesh(problem: Problem, options: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the options with a fixed number of nodes and without error estimates."""
-    known = options_of(problem)
-    defaults: dict[str, Any] = {"errors": False} if "errors" in known else {}
-    if known.get("nodes", ...) is None and not options.keys() & {"nodes", "rtol"}:
-        defaults["nodes"] = FIT_NODES
-    return defaults | dict(options)
-
-
-def _bounds(vary: Any) -> dict[str, Any]:
-    """Return the fields to fit with their bounds; None for default bounds."""
-    names = [vary] if isinstance(vary, str) else vary
-    if not isinstance(names, (Mapping, Sequence)) or not all(isinstance(n, str) for n in names):
-        text = f"{quote(vary)} is out of place; must be names of fields, or {{name: (low, high)}}"
-        raise InvalidProblem.at("vary", text)
-    bounds = dict(names) if isinstance(names, Mapping) else dict.fromkeys(names)
-    if not bounds:
-        raise InvalidProblem.at("vary", "nothing to fit: give fields and their bounds")
-    return bounds
-
-
-def _names_of_profiles(
-    profiles: bool | Sequence[str], varied: Mapping[str, Any]
-) -> tuple[str, ...]:
-    """Return the names of the parameters that get a profile."""
-    if isinstance(profiles, bool):
-        return tuple(varied) if profiles else ()
-    names = (profiles,) if isinstance(profiles, str) else tuple(profiles)
-    for name in names:
-        if name not in varied:
-            raise InvalidProblem.at("profiles", not_one_of(name, varied))
-    return names
-
-
-def _parameter(problem: Problem, name: str, bounds: Any) -> Parameter:
-    """Return a parameter of a fit; its default bounds are a tenth and ten times its value."""
-    base = get_field(problem, name)
-    if field_quantity(problem, name) is None or not isinstance(base, float | None):
-        raise InvalidProblem.at(name, f"{quote(base)} is not a number, so it cannot be fitted")
-    if bounds is None:
-        if base is None or base <= 0:
-            raise InvalidProblem.at(name, f"is {quote(base)}: give bounds for it")
-        bounds = (base / 10, base * 10)
-    try:
-        low, high = (float(end) for end in bounds)
-    except (TypeError, ValueError):
-        raise InvalidProblem.at(name, f"{bounds!r} are not bounds; write (low, high)") from None
-    return Parameter(name, low, high, base)
-
-
-def _check_bounds(problem: Problem, parameter: Parameter) -> None:
-    """Reject bounds outside the permitted range of the field."""
-    for end in (parameter.low, parameter.high):
-        try:
-            problem.replace(**{parameter.name: end})
-        except NoSteadyState:
-            continue
-        except InvalidProblem as fault:
-            reasons = [text for field, text in fault.faults if field == parameter.name]
-            if reasons:
-                raise InvalidProblem.at(parameter.name, f"bounds: {reasons[0]}") from None
-
-
-def _check_rows(problem: Problem, data: Measured) -> None:
-    """Reject rows with invalid inputs; rows without a steady state are left to the fit."""
-    columns = [values.tolist() for values in data.inputs.values()]
-    for number, *row in zip(data.numbers, *columns, strict=bool(columns)):
-        try:
-            problem.replace(**dict(zip(data.inputs, row, strict=True)))
-        except NoSteadyState:
-            continue
-        except InvalidProblem as fault:
-            raise fault.under(f"{data.where}: row {number}") from None
-
-
-def _check_units(quantities: Mapping[str, Quantity], data: Measured) -> None:
-    """Reject outputs of different units without standard deviations."""
-    units = {quantities[name].unit for name in data.outputs}
-    if len(units) > 1 and set(data.deviations) != set(data.outputs):
-        text = f"outputs of different units ({', '.join(sorted(units))}) need standard deviations"
-        raise InvalidProblem.at("measured", text)

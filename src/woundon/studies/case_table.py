@@ -1,9 +1,9 @@
 """Tables of cases: each row is a problem; its outputs and its failure become further columns.
 
-    table --> rows: fields in SI, faults of cells --> one study of all rows without faults --> table
+    table --> inputs in SI, faults of cells --> one study of all rows without faults --> table
 
-Reader of tables, model, order of the cases and processes are those of sweeps.  In contrast to a
-sweep, a faulty row does not reject the table, and an empty cell stands for the value of the case.
+Workers and the order of the cases are those of sweeps.  In contrast to a sweep over a table, a
+faulty row does not reject the table, and an empty cell stands for the value of the case.
 """
 
 from __future__ import annotations
@@ -19,29 +19,34 @@ import numpy as np
 
 from .. import __version__, kinds
 from ..errors import InvalidProblem, one_of
-from ..io.case_files import SCHEMA, load_case, make_problem
-from ..io.cells import Fault, as_plain_number, decimal_sign, numbers, raise_faults
-from ..io.files import replaced_file
-from ..io.sheets import Sheet, need_openpyxl, read_sheet
-from ..io.spreadsheets import record_table, write_csv, write_workbook
+from ..io.case_files import SCHEMA, check_like_a_case, load_case, make_problem
+from ..io.cells import MAX_COUNTED, Fault, as_plain_number, decimal_sign, numbers, raise_faults
+from ..io.sheets import Sheet, read_sheet
 from ..io.tables import Column, Names, match_columns
+from ..problems.description import Description
+from ..problems.family import field_from_table
+from ..problems.paths import field_or_none, nest_tables
 from ..problems.problem import Problem
-from ..quantities import Quantity, is_on_request, pattern, scalar_outputs
-from . import design as designs
-from .engine import run_study
-from .kind_model import KindModel, build, columns_of, conversion_of, get_field, kind_of, model_of
-from .measured import ANNOTATIONS
-from .model import quantities_of
+from ..quantities import is_on_request, pattern, scalar_outputs
+from .cases import table_of_cases
+from .columns import (
+    ANNOTATIONS,
+    column_names,
+    columns_of,
+    conversion_of,
+    input_columns,
+    output_columns,
+)
+from .model import KindModel, kind_of, model_of, quantities_of
 from .progress import Progress
-from .runners import runner_for
+from .run import Workers, run_study
 
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["check_table_path", "solve_table", "write_table"]
+__all__ = ["read_cases", "solve_table"]
 
 Array = np.ndarray
-FORMATS = (".csv", ".xlsx")
 GIVEN = " (given)"  # behind the header of a column that has the name of an output
 
 
@@ -115,26 +120,32 @@ def solve_table(
         if kind is not None:
             raise InvalidProblem.at("kind", "is given together with a case, which has its own kind")
         known, complete = kind_of(problem), False
-    matched = match_columns(sheet, _names(problem), columns)
-    inputs = [c for c in matched if _is_field(c.name, problem) and not c.deviation]
+    fields = input_columns(problem)
+    matched = match_columns(sheet, column_names(problem), columns)
+    inputs = [c for c in matched if pattern(c.name) in fields and not c.deviation]
     if not inputs:
         raise InvalidProblem.at(sheet.where, "has no column that is an input of the model")
     names = _default_outputs(problem) if outputs is None else outputs
     base = model_of(problem, names, tie, {"nodes": nodes, "rtol": rtol, **(options or {})})
-    cells, failure = _values(sheet, problem, inputs, complete)
+    cells, faults = _read_inputs(sheet, inputs, problem, complete=complete, gaps=True)
+    raise_faults([fault for fault in faults if not fault.row])  # of headers
     if not complete:
         base.check_varied(cells)
+        cells = _without_gaps(problem, cells)
+    failure = _reasons(sheet, faults)
+    warnings, values = [""] * len(failure), np.full((len(failure), len(base.outputs)), np.nan)
     model = _RowModel(**vars(base), complete=complete)
-    values, warnings = _solve_rows(
-        model,
-        cells,
-        failure,
-        {} if complete else _base_values(problem, cells),
-        runner_for(workers, None),
-        chunk,
-        progress,
-    )
-    frame = _join_outputs(sheet, matched, problem, model, values, outputs is None)
+    rows = [k for k, reason in enumerate(failure) if not reason]
+    if rows:
+        cases = table_of_cases(
+            {name: [of_rows[k] for k in rows] for name, of_rows in cells.items()}
+        )
+        solved = run_study(model, cases, Workers(workers), chunk=chunk, progress=progress)
+        values[rows] = np.column_stack(list(solved.outputs.values()))
+        for k, reason, warning in zip(rows, solved.failure, solved.warnings, strict=True):
+            failure[k], warnings[k] = _reason_text(reason), warning
+    frame = _copied_columns(sheet, {c.header: c for c in matched}, fields)
+    _add_outputs(frame, model, values, drop_empty=outputs is None)
     frame["failure"], frame["warnings"] = failure, warnings
     frame.index = getattr(table, "index", frame.index)
     frame.attrs["about"] = {
@@ -143,6 +154,52 @@ def solve_table(
         "case": None if complete else problem.model_dump(mode="json"),
     }
     return frame
+
+
+def read_cases(
+    data: Any, problem: Problem, columns: Mapping[str, str | None] | None = None
+) -> dict[str, list[Any]]:
+    """Read the cases of a sweep: for each input a list of values, in SI.
+
+    Outputs and further columns of the tables of studies are ignored.
+
+    Parameters
+    ----------
+    data : path, mapping or pandas.DataFrame
+        As of :func:`solve_table`.
+    problem : Problem
+        The base case of the sweep.
+    columns : mapping, optional
+        As of :func:`solve_table`.
+
+    Raises
+    ------
+    InvalidProblem
+        Lists all invalid columns or cells.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> read_cases({"load [kN/m]": [89.0, 178.0]}, wo.RollerProblem.example())
+    {'load': [89000.0, 178000.0]}
+    """
+    sheet = read_sheet(data, "over")
+    fields, outputs = input_columns(problem), output_columns(problem)
+    matched = match_columns(sheet, column_names(problem), columns)
+    # a quantity that is both input and output, such as the creepage of rollers, is an output in the
+    # table of a study, and an input in other tables
+    written = any(column.name in ANNOTATIONS for column in matched)
+    inputs = [
+        column
+        for column in matched
+        if not (column.name in outputs and (written or column.name not in fields))
+        and not (column.deviation or column.name in ANNOTATIONS)
+    ]
+    values, faults = _read_inputs(sheet, inputs, problem, complete=False, gaps=False)
+    raise_faults(faults)
+    if not values:
+        raise InvalidProblem.at(sheet.where, "has no column that is an input of the model")
+    return values
 
 
 # ---- rows ---------------------------------------------------------------------------------------
@@ -165,68 +222,15 @@ class _RowModel(KindModel):
         fields = {name: value for name, value in inputs.items() if not _is_missing(value)}
         if not self.complete:
             return super().variant(fields)
-        problem = make_problem({"schema": SCHEMA, **_nest_tables(fields)}, self.kind.name)
-        ties = {follower: get_field(problem, leader) for follower, leader in self.tie.items()}
-        return problem.replace(**ties) if ties else problem
-
-
-class _RowDesign(designs.Design):
-    """A table of cases with gaps."""
-
-    def chunks(self, size: int | None = None) -> list[Array]:
-        """Divide the cases into chunks of neighbours; missing values count as column means."""
-        filled = []
-        for column in self.columns:
-            values = column.values
-            if isinstance(values, np.ndarray) and np.isnan(values).any():
-                known = values[~np.isnan(values)]
-                values = np.where(np.isnan(values), known.mean() if known.size else 0.0, values)
-            filled.append(designs.Column(column.name, values))
-        return designs.Design(self.kind, tuple(filled)).chunks(size)
+        problem = make_problem({"schema": SCHEMA, **nest_tables(fields)}, self.kind.name)
+        return self.with_ties(problem)
 
 
 def _is_missing(value: Any) -> bool:
     return value is None or (isinstance(value, float) and isnan(value))
 
 
-def _nest_tables(fields: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the tables of dotted names; items of a list, whose names are numbers, as a list."""
-    tables: dict[str, Any] = {}
-    # a body or material in a cell comes before its fields in further columns
-    for path, value in sorted(fields.items()):
-        *heads, leaf = path.split(".")
-        inner = tables
-        for k, head in enumerate(heads):
-            inner = inner.setdefault(head, {})
-            if not isinstance(inner, dict):
-                above = ".".join(heads[: k + 1])
-                text = f"has no fields of its own in a table without case: {above} has a column"
-                raise InvalidProblem.at(path, text)
-        inner[leaf] = value
-    return {name: _tables_to_lists(value) for name, value in tables.items()}
-
-
-def _tables_to_lists(table: Any) -> Any:
-    """Return tables with the names "0", "1", ... as lists."""
-    if not isinstance(table, dict):
-        return table
-    inner = {name: _tables_to_lists(value) for name, value in table.items()}
-    if inner and all(name.isdecimal() for name in inner):
-        return [inner[name] for name in sorted(inner, key=int)]
-    return inner
-
-
-def _is_field(name: str, problem: Problem) -> bool:
-    return pattern(name) in {**columns_of(problem), **conversion_of(problem).helpers}
-
-
-def _names(problem: Problem) -> Names:
-    """Return all names that a header may have: fields, outputs and the columns of studies."""
-    known = scalar_outputs(kind_of(problem).result)
-    errors = {f"errors.{name}": quantity for name, quantity in known.items()}
-    helpers = conversion_of(problem).helpers
-    fields = columns_of(problem)
-    return Names({**dict.fromkeys(ANNOTATIONS), **known, **errors, **fields, **helpers})
+# ---- columns ------------------------------------------------------------------------------------
 
 
 def _named(kind: str) -> kinds.Kind:
@@ -240,7 +244,7 @@ def _kind_of_columns(sheet: Sheet, columns: Mapping[str, str | None] | None) -> 
     for kind in kinds.every():
         try:
             example = kind.example()
-            matched = match_columns(sheet, _names(example), columns)
+            matched = match_columns(sheet, column_names(example), columns)
         except InvalidProblem as fault:
             faults.append(fault)
             continue
@@ -255,104 +259,106 @@ def _kind_of_columns(sheet: Sheet, columns: Mapping[str, str | None] | None) -> 
     return min(candidates, key=lambda entry: entry[:2])[2]
 
 
-def _values(
-    sheet: Sheet, problem: Problem, inputs: Sequence[Column], complete: bool
-) -> tuple[dict[str, list[Any]], list[str]]:
-    """Return the values of each column in SI, gaps as nan or None, and the faults of each row."""
+def _read_inputs(
+    sheet: Sheet, inputs: Sequence[Column], problem: Problem, *, complete: bool, gaps: bool
+) -> tuple[dict[str, list[Any]], list[Fault]]:
+    """Read columns of inputs.
+
+    Parameters
+    ----------
+    sheet, inputs : Sheet, sequence of Column
+    problem : Problem
+        Gives width, thickness and density, unless the table is ``complete``.
+    complete : bool
+        Whether the columns describe the complete problem.
+    gaps : bool
+        Whether cells may be empty; their values are nan or None.
+
+    Returns
+    -------
+    values : dict of str to list
+        By field, in SI.
+    faults : list of Fault
+        Of headers and cells.
+    """
     conversion = conversion_of(problem, complete)
     names = Names({**columns_of(problem), **conversion.helpers})
     numeric = [column for column in inputs if names.quantity(column.name) is not None]
-    reasons: list[Fault] = []
-    values = numbers(
+    faults: list[Fault] = []
+    of_columns = numbers(
         sheet,
         numeric,
         names,
-        reasons,
-        gaps=lambda _: True,
+        faults,
+        gaps=lambda _: gaps,
         conversion=conversion,
-        most_faults=inf,
+        most_faults=inf if gaps else MAX_COUNTED,
     )
-    raise_faults([fault for fault in reasons if not fault.row])  # of headers
-    faults: dict[int, list[str]] = {number: [] for number in sheet.numbers}
-    for fault in reasons:
-        faults[fault.row].append(fault.text.removeprefix(f"row {fault.row}, "))
-    read = {c.name: of_rows.tolist() for c, of_rows in zip(numeric, values, strict=True)}
-    fields: dict[str, list[Any]] = {}
+    read = {c.name: of_rows.tolist() for c, of_rows in zip(numeric, of_columns, strict=True)}
+    values: dict[str, list[Any]] = {}
     for column in inputs:
         if column.name not in read:
-            fields[column.name] = [
-                _read_cell(problem, column, k, faults[number])
-                for k, number in enumerate(sheet.numbers)
-            ]
+            values[column.name] = _words_and_bodies(sheet, column, problem, faults, gaps)
         elif column.name not in conversion.helpers:
-            fields[column.name] = read[column.name]
-    return fields, ["; ".join(texts) for texts in faults.values()]
+            values[column.name] = read[column.name]
+    return values, faults
 
 
-def _read_cell(problem: Problem, column: Column, row: int, faults: list[str]) -> Any:
-    """Convert a cell to a word, the name of a material, or a body (JSON); an empty cell to None."""
-    cell = column.cells[row]
+def _words_and_bodies(
+    sheet: Sheet, column: Column, problem: Problem, faults: list[Fault], gaps: bool
+) -> list[Any]:
+    """Return the cells of a column that is not numeric: words, names of materials, bodies."""
+    values: list[Any] = []
+    for number, cell in zip(sheet.numbers, column.cells, strict=True):
+        value = None
+        try:
+            value = _word_or_body(problem, column.name, cell)
+            if value is None and not gaps:
+                raise InvalidProblem("the cell is empty")
+        except (ValueError, RecursionError) as fault:  # InvalidProblem, of JSON
+            reason = str(fault).replace("\n", "; ")
+            text = f"row {number}, column {column.header!r}: {reason}"
+            faults.append(Fault(sheet.where, text, number))
+        values.append(value)
+    return values
+
+
+def _word_or_body(problem: Problem, name: str, cell: Any) -> Any:
+    """Return a cell as a word or, from a table in JSON, as a body or material; None if empty."""
+    if _is_missing(cell) or isinstance(cell, (bool, Description)):
+        return cell if isinstance(cell, (bool, Description)) else None
     if not isinstance(cell, str):
-        if _is_missing(cell):
-            return None
-        faults.append(f"column {column.header!r}: {cell!r} is out of place; must be a text")
-        return None
+        raise InvalidProblem(f"{cell!r} is out of place; must be a text")
     text = cell.strip()
     if not text.startswith("{"):
         return text or None
-    try:
-        return build(problem, column.name, json.loads(text))
-    except (
-        ValueError,
-        RecursionError,
-    ) as fault:  # InvalidProblem and JSONDecodeError are ValueErrors
-        faults.append(f"column {column.header!r}: {fault}".replace("\n", "; "))
-        return None
+    table = json.loads(text)
+    check_like_a_case(table, "a table of fields")
+    return field_from_table(problem, name, table)
 
 
-def _base_values(problem: Problem, cells: Mapping[str, Sequence[Any]]) -> dict[str, Any]:
-    """Return the numbers of the base case that replace empty cells of a column."""
-    known: dict[str, Any] = {}
-    for name in cells:
-        try:
-            value = get_field(problem, name)
-        except InvalidProblem:  # of another body or material, which has a column too
-            continue
-        if isinstance(value, float):
-            known[name] = value
-    return known
+def _reasons(sheet: Sheet, faults: Sequence[Fault]) -> list[str]:
+    """Return the faults of each row as one text, '' for a row without faults."""
+    texts: dict[int, list[str]] = {number: [] for number in sheet.numbers}
+    for fault in faults:
+        texts[fault.row].append(fault.text.removeprefix(f"row {fault.row}, "))
+    return ["; ".join(of_row) for of_row in texts.values()]
 
 
-# ---- solutions ----------------------------------------------------------------------------------
+def _without_gaps(problem: Problem, cells: Mapping[str, list[Any]]) -> dict[str, list[Any]]:
+    """Return the inputs of rows with the numbers of the base case in place of empty cells.
+
+    Cells of a field that is not a number in the base case stay empty.
+    """
+    filled: dict[str, list[Any]] = {}
+    for name, of_rows in cells.items():
+        present = field_or_none(problem, name)  # None also of another body, which has a column too
+        is_number = isinstance(present, float)
+        filled[name] = [present if is_number and _is_missing(v) else v for v in of_rows]
+    return filled
 
 
-def _solve_rows(
-    model: _RowModel,
-    cells: Mapping[str, list[Any]],
-    failure: list[str],
-    present: Mapping[str, Any],
-    runner: Any,
-    chunk: int | None,
-    progress: bool | Progress,
-) -> tuple[dict[str, Array], list[str]]:
-    """Return the outputs and warnings of all rows; store the reasons of failures."""
-    rows = [k for k, reason in enumerate(failure) if not reason]
-    values = {name: np.full(len(failure), np.nan) for name in model.outputs}
-    warnings = [""] * len(failure)
-    if not rows:
-        return values, warnings
-    columns = []
-    for name, column in cells.items():
-        entries = [column[k] for k in rows]
-        entries = [present.get(name, entry) if _is_missing(entry) else entry for entry in entries]
-        columns.append(designs.Column.of(name, entries))
-    design = _RowDesign("table", tuple(columns))
-    solved = run_study(model, design, runner, chunk=chunk, progress=progress)
-    for name, of_rows in solved.outputs.items():
-        values[name][rows] = of_rows
-    for k, reason, warning in zip(rows, solved.failure, solved.warnings, strict=True):
-        failure[k], warnings[k] = _reason_text(reason), warning
-    return values, warnings
+# ---- outputs ------------------------------------------------------------------------------------
 
 
 def _reason_text(reason: str) -> str:
@@ -380,72 +386,44 @@ def _default_outputs(problem: Problem) -> tuple[str, ...]:
     return tuple(dict.fromkeys((*result.MAIN, *errors, *others)))
 
 
-def _join_outputs(
-    sheet: Sheet,
-    matched: Sequence[Column],
-    problem: Problem,
-    model: _RowModel,
-    values: Mapping[str, Array],
-    drop_empty: bool,
+def _copied_columns(
+    sheet: Sheet, matched: Mapping[str, Column], fields: Mapping[str, Any]
 ) -> pd.DataFrame:
-    """Return the columns of the table with the outputs next to them."""
+    """Return the columns of a table with their units, without outputs of an earlier solution.
+
+    Parameters
+    ----------
+    sheet : Sheet
+    matched : mapping of str to Column
+        The columns with a known name, by header.
+    fields : mapping
+        Names of the inputs.
+    """
     import pandas as pd
 
-    names = {column.header: column for column in matched}
     # a table written by this function or by a sweep has outputs, which are replaced
-    written = any(column.name in ANNOTATIONS for column in matched)
+    written = any(column.name in ANNOTATIONS for column in matched.values())
     sign = decimal_sign(sheet)
-    cells_of: dict[str, Any] = {}
+    copied: dict[str, Any] = {}
     for header, cells in sheet.columns.items():
-        column = names.get(header)
         text = f"{header} [{sheet.units[header]}]" if header in sheet.units else header
-        if column is not None and not _is_field(column.name, problem):
+        if header in matched and pattern(matched[header].name) not in fields:
             if written:
                 continue
             text += GIVEN
         is_text = bool(sheet.separator)  # of a file whose cells have no types
-        cells_of[text] = [as_plain_number(cell, sign) for cell in cells] if is_text else cells
-    quantities: Mapping[str, Quantity] = quantities_of(model, model.outputs)
+        copied[text] = [as_plain_number(cell, sign) for cell in cells] if is_text else cells
+    return pd.DataFrame(copied)
+
+
+def _add_outputs(frame: pd.DataFrame, model: KindModel, values: Array, drop_empty: bool) -> None:
+    """Add the outputs of a model, (rows, outputs), with their units in the headers."""
+    quantities = quantities_of(model, model.outputs)
     units: dict[str, str] = {}
-    for name, column_values in values.items():
-        if drop_empty and np.isnan(column_values).all():
+    for name, of_rows in zip(model.outputs, values.T, strict=True):
+        if drop_empty and np.isnan(of_rows).all():
             continue
-        unit, converted = quantities[name].in_table(column_values)
+        unit, converted = quantities[name].in_table(of_rows)
         header = name if unit == "1" else f"{name} [{unit}]"
-        cells_of[header], units[header] = converted, unit
-    frame = pd.DataFrame(cells_of)
+        frame[header], units[header] = converted, unit
     frame.attrs["units"] = units
-    return frame
-
-
-# ---- files --------------------------------------------------------------------------------------
-
-
-def check_table_path(path: str | Path) -> Path:
-    """Return the path of a table that can be written; reject other formats."""
-    path = Path(path)
-    if path.suffix not in FORMATS:
-        text = f"the ending {path.suffix!r} is not a known format; must be {one_of(FORMATS)}"
-        raise InvalidProblem.at(str(path), text)
-    if path.suffix == ".xlsx":
-        need_openpyxl()
-    return path
-
-
-def write_table(frame: pd.DataFrame, path: str | Path) -> None:
-    """Write a solved table to ``.csv`` or ``.xlsx``, by the path's ending.
-
-    Raises
-    ------
-    InvalidProblem
-        For another ending.
-    OSError
-        If the file cannot be written.
-    """
-    path = check_table_path(path)
-    with replaced_file(path) as temporary:
-        if path.suffix == ".csv":
-            write_csv(temporary, frame)
-            return
-        record = record_table(frame.attrs.get("about", {}))
-        write_workbook(temporary, {"results": frame, "about": record})

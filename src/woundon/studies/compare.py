@@ -4,8 +4,8 @@
     total^2 = deviation^2 + error^2 + spread^2
 
 deviation: standard deviation of the measurement; error: estimated discretisation error; spread:
-standard deviation of the prediction from those of uncertain inputs, (Q(x + s) - Q(x - s))/2 for
-each input x with the standard deviation s, or s dQ/dx where the result has exact derivatives.
+standard deviation of the prediction from those of uncertain inputs, s dQ/dx for each input x with
+the standard deviation s.
 Deviations are independent; errors and spreads are common to all rows, and do not average out.
 
 Reference: Evaluation of measurement data - Guide to the expression of uncertainty in measurement,
@@ -18,23 +18,33 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
-from math import nan, sqrt
+from math import isfinite, nan, sqrt
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from ..errors import InvalidProblem, NotConverged, unwarned
-from ..io.json_texts import json_text
 from ..problems.messages import quote
+from ..problems.paths import field_quantity, get_field
 from ..problems.problem import Problem
 from ..problems.units import parse
 from ..quantities import Quantity, in_chosen_units, walk
-from ..results import Presented, ReadOnly
 from .explanations import Explanation, Inputs, explain
-from .kind_model import KindModel, field_quantity, get_field, model_of
-from .measurements import TAB, Observations, definitions, error_at, predict, read_observations
+from .measurements import (
+    TAB,
+    Observable,
+    Observations,
+    definitions,
+    error_at,
+    predict,
+    read_observations,
+)
+from .model import KindModel, model_of
+from .outcome import Outcome
+from .predict import Case, cases_of
 from .progress import Progress, progress_reporter
 from .pull_tab import PullTab
+from .slopes import on_mesh_of, slopes, solve_case
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -42,7 +52,6 @@ if TYPE_CHECKING:
 __all__ = ["Agreement", "Comparison", "compare"]
 
 Array = np.ndarray
-STEP = 1e-3  # relative, of an input; errors: its square, and the solver tolerance divided by it
 
 
 class Agreement(NamedTuple):
@@ -73,7 +82,7 @@ class Agreement(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Comparison(Presented, ReadOnly):
+class Comparison(Outcome):
     """Measured values, predictions and the error budget; m values, SI units.
 
     Attributes
@@ -198,22 +207,6 @@ class Comparison(Presented, ReadOnly):
             float(coverage),
         )
 
-    def lines(self) -> list[str]:
-        """Return the agreement of every output and the possible explanations as lines of text."""
-        texts = [_agreement_text(self, output) for output in self.outputs]
-        failed = [pair for pair in zip(self.numbers, self.failures, strict=True) if pair[1]]
-        if failed:
-            number, reason = failed[0]
-            count = "1 value" if len(failed) == 1 else f"{len(failed)} values"
-            why = in_chosen_units(reason)
-            texts.append(f"{count} without a prediction, e.g. row {number}: {why}")
-        for name in self.covariates:
-            texts.append(f"{name} is not part of this problem: it is used for trends only")
-        texts += [in_chosen_units(note) for note in self.notes]
-        for explanation in self.explanations:
-            texts += explanation.lines()
-        return texts
-
     def __repr__(self) -> str:
         texts = []
         for output in self.outputs:
@@ -223,9 +216,42 @@ class Comparison(Presented, ReadOnly):
             )
         return f"Comparison({'; '.join(texts)})"
 
-    def _repr_html_(self) -> str:
-        head, *others = self.lines()
-        return self._html_of_table(head, self.to_dataframe(), others)
+    def answer(self) -> list[str]:
+        """Return the agreement of the first output as a line of text."""
+        return [self._agreement_text(self.outputs[0])]
+
+    def remarks(self) -> list[str]:
+        """Return the agreement of further outputs, failures, notes and possible explanations."""
+        texts = [self._agreement_text(output) for output in self.outputs[1:]]
+        failed = [pair for pair in zip(self.numbers, self.failures, strict=True) if pair[1]]
+        if failed:
+            number, reason = failed[0]
+            count = "1 value" if len(failed) == 1 else f"{len(failed)} values"
+            why = in_chosen_units(reason)
+            texts.append(f"{count} without a prediction, e.g. row {number}: {why}")
+        for name in self.covariates:
+            texts.append(f"{name} is not part of this problem: it is used for trends only")
+        texts += [in_chosen_units(note) for note in self.notes]
+        return [*texts, *(line for entry in self.explanations for line in entry.lines())]
+
+    def _agreement_text(self, output: str) -> str:
+        """Return the agreement of an output as a line."""
+        agreement, quantity = self.agreement(output), self.quantities[output]
+        if agreement.size == 0:
+            return f"{output}: no value with a prediction"
+
+        uncertainty = agreement.bias_uncertainty  # zero if no part of it is known
+        parts = [
+            f"{output}: {agreement.size} {'value' if agreement.size == 1 else 'values'}",
+            f"measured - predicted {quantity.text(agreement.bias, '+.3g')} "
+            + (f"+- {quantity.text(uncertainty, '.3g')} " if uncertainty else "")
+            + f"({100 * agreement.relative_bias:+.2g} %)",
+            f"RMS {quantity.text(agreement.rms, '.3g')}",
+        ]
+        if agreement.coverage == agreement.coverage:
+            parts.append(f"expected {quantity.text(agreement.expected_rms, '.3g')}")
+            parts.append(f"{100 * agreement.coverage:.0f} % within two standard uncertainties")
+        return ", ".join(parts)
 
     def to_dataframe(self) -> pd.DataFrame:
         """Return a row for each measured value: prediction, residual and its budget, SI units."""
@@ -265,32 +291,13 @@ class Comparison(Presented, ReadOnly):
             texts.append(f"{number:5}  {name:20} {cells}  {quantity.display}{note}")
         return texts
 
-    def to_json(self) -> str:
-        """Return the comparison as JSON, SI units."""
-        rows = self.to_dataframe().to_dict(orient="records")
-        table = {
-            "values": rows,
+    def _record(self) -> dict[str, Any]:
+        return {
+            "values": self.to_dataframe().to_dict(orient="records"),
             "agreement": {name: self.agreement(name)._asdict() for name in self.outputs},
             "sources": list(self.sources),
             "explanations": [entry._asdict() for entry in self.explanations],
         }
-        return json_text(table)
-
-    def plot(self, path: Any = None, ax: Any = None, panels: Any = None) -> Any:
-        """Draw measured against predicted values, and the residuals with their uncertainties.
-
-        Parameters
-        ----------
-        path, ax
-            As of :func:`woundon.plot`.
-        panels : str or sequence of str, optional
-            Panels to draw: the name of an output, or that name with "_residuals" appended.
-
-        Returns
-        -------
-        matplotlib.figure.Figure, or ``ax`` where it is given
-        """
-        return self._figure(path, ax, panels)
 
 
 def compare(
@@ -347,7 +354,7 @@ def compare(
     >>> [round(float(value) * 1e3, 2) for value in check.predicted]  # mm
     [0.53, 0.71]
     """
-    data = read_observations(problem, measured, tab, columns)
+    data = read_observations(problem, measured, columns, tab)
     settings = {"nodes": nodes, "rtol": rtol, **(options or {})}
     scalars = tuple(
         dict.fromkeys(
@@ -406,33 +413,31 @@ def _predictions(
     """
     m = len(data.names)
     predicted, error, effects = np.full(m, nan), np.full(m, nan), np.zeros((m, len(deviations)))
-    failures, converged, start = [""] * m, "", None
+    failures, converged, start = [""] * m, True, None
     solved: list[_Solved] = []
-    groups = list(_groups(data, covariates))
-    for done, (rows, inputs) in enumerate(groups):
-        report(done, len(groups))
+    varied = {k: v for k, v in data.inputs_of_values.items() if k not in covariates}
+    cases = cases_of(varied, data.observables)
+    for done, case in enumerate(cases):
+        report(done, len(cases))
         try:
-            with unwarned():
-                start = result = model.solve(model.variant(inputs), start)
+            start = result = solve_case(model, case.inputs, start)
         except (InvalidProblem, NotConverged) as fault:
-            converged = converged or (str(fault) if isinstance(fault, NotConverged) else "")
-            for k in rows:
+            converged = converged and not isinstance(fault, NotConverged)
+            for k in case.rows:
                 failures[k] = str(fault).replace("\n", "; ")
             continue
-        places = [(data.names[k], float(data.position[k])) for k in rows]
-        for k, (name, place) in zip(rows, places, strict=True):
+        for k, observable in zip(case.rows, case.observables, strict=True):
             try:
-                predicted[k] = predict(result, name, place)
+                predicted[k] = predict(result, observable)
+                error[k] = error_at(result, observable)
             except InvalidProblem as fault:
                 failures[k] = str(fault)
-                continue
-            error[k] = error_at(result, name, place)
-        effects[rows] = _effects(model, result, inputs, places, deviations)
-        solved.append(_Solved(rows, inputs, places, result))
+        effects[case.rows] = _effects(model, case, result, deviations)
+        solved.append(_Solved(case, result))
     if np.isnan(predicted).all():
         reason = next((failure for failure in failures if failure), "the predictions are nan")
         text = f"no row of the table has a prediction; the first reason: {reason}"
-        raise NotConverged(text) if converged else InvalidProblem.at(data.where, text)
+        raise InvalidProblem.at(data.where, text) if converged else NotConverged(text)
     return predicted, error, effects, tuple(failures), solved
 
 
@@ -457,25 +462,24 @@ def _inputs(model: KindModel, data: Observations, solved: Sequence[_Solved]) -> 
         return f"{name} {100 * change:+.2g} %: {new} instead of {old}"
 
     def response(name: str, change: float, k: int) -> float:
-        rows, inputs, places, result = next(group for group in solved if k in group.rows)
-        fixed, value = model.on_mesh_of(result), (1 + change) * get_field(problem, name)
+        case, result = next(each for each in solved if k in each.case.rows)
+        value = (1 + change) * get_field(problem, name)
+        observable = data.observables[k]
         try:
-            with unwarned():
-                changed = fixed.solve(fixed.variant({**inputs, name: value}), result)
+            changed = solve_case(on_mesh_of(model, result), {**case.inputs, name: value}, result)
+            return predict(changed, observable) - predict(result, observable)
         except (InvalidProblem, NotConverged):
             return nan
-        place = places[rows.index(k)]
-        return _or_nan(changed, *place) - _or_nan(result, *place)
 
     if hasattr(model.kind.result, "roll"):  # each derivative costs two windings
         note = "inputs are not examined for windings; spread= states the effect of one of them"
         return Inputs({}, response, change_text, note)
     derivatives = {name: np.full(len(data.names), nan) for name in quantities}
-    for rows, inputs, places, result in solved:
-        steps = {name: STEP * get_field(problem, name) for name in quantities}
-        effects = _effects(model, result, inputs, places, steps) / STEP
+    values = {name: get_field(problem, name) for name in quantities}
+    for case, result in solved:
+        effects = _effects(model, case, result, values)
         for name, column in zip(quantities, effects.T, strict=True):
-            derivatives[name][rows] = column
+            derivatives[name][case.rows] = column
     return Inputs(derivatives, response, change_text)
 
 
@@ -498,24 +502,10 @@ def _covariates(problem: Problem, data: Observations) -> tuple[str, ...]:
 
 
 class _Solved(NamedTuple):
-    """The result for the values of a group of rows."""
+    """A solved case."""
 
-    rows: list[int]
-    inputs: Mapping[str, float]
-    places: list[tuple[str, float]]
+    case: Case
     result: Any
-
-
-def _groups(
-    data: Observations, covariates: Sequence[str]
-) -> list[tuple[list[int], dict[str, float]]]:
-    """Return the values that one solution predicts, with its inputs."""
-    varied = {name: values for name, values in data.inputs.items() if name not in covariates}
-    groups: dict[tuple[float, ...], list[int]] = {}
-    for k, row in enumerate(data.rows):
-        key = tuple(float(values[row]) for values in varied.values())
-        groups.setdefault(key, []).append(k)
-    return [(rows, dict(zip(varied, key, strict=True))) for key, rows in groups.items()]
 
 
 def _deviation(problem: Problem, name: str, value: float | str) -> float:
@@ -534,68 +524,32 @@ def _deviation(problem: Problem, name: str, value: float | str) -> float:
     return deviation
 
 
-def _effects(
-    model: KindModel,
-    result: Any,
-    inputs: Mapping[str, float],
-    places: Sequence[tuple[str, float]],
-    deviations: Mapping[str, float],
-) -> Array:
-    """Return the changes by one standard deviation of each input, (places, inputs)."""
-    names, effects = tuple(deviations), np.zeros((len(places), len(deviations)))
-    if not names:
-        return effects
-    if all(place != place for _, place in places):
-        gradient = model.gradient(result, names)
-        if gradient is not None:
-            rows = [model.outputs.index(name) for name, _ in places]
-            return np.asarray(gradient[rows] * np.array(list(deviations.values())))
-    fixed = model.on_mesh_of(result)
-    base = np.array([_or_nan(result, *place) for place in places])
-    for j, (name, deviation) in enumerate(deviations.items()):
-        value = get_field(model.variant(inputs), name)
-        sides = []
-        for sign in (1, -1):
-            try:
-                with unwarned():
-                    side = fixed.solve(
-                        fixed.variant({**inputs, name: value + sign * deviation}), result
-                    )
-            except (InvalidProblem, NotConverged):  # one-sided, if this side has no solution
-                continue
-            sides.append(sign * (np.array([_or_nan(side, *place) for place in places]) - base))
-        effects[:, j] = np.mean(sides, axis=0) if sides else nan
-    return effects
+def _effects(model: KindModel, case: Case, result: Any, deviations: Mapping[str, float]) -> Array:
+    """Return the changes of the predictions by one standard deviation of each input.
+
+    Returns
+    -------
+    (values of the case, inputs) array
+        Zero for values that the result does not predict, such as those outside the roll.
+    """
+    effects = np.zeros((len(case.rows), len(deviations)))
+    known = [j for j, observable in enumerate(case.observables) if _is_known(result, observable)]
+    if known and deviations:
+        observables, names = [case.observables[j] for j in known], list(deviations)
+        effects[known] = slopes(
+            model, result, observables, names, case.inputs, nan_if_unsolved=True
+        )
+    return effects * np.array(list(deviations.values()))
 
 
-def _or_nan(result: Any, name: str, place: float) -> float:
-    """Return the prediction of an output at a radius; nan outside the roll."""
+def _is_known(result: Any, observable: Observable) -> bool:
+    """Return True if a result predicts an observable."""
     try:
-        return predict(result, name, place)
+        return isfinite(predict(result, observable))
     except InvalidProblem:
-        return nan
+        return False
 
 
 def _rms(values: Array) -> float:
     """Return the root mean square."""
     return float(np.sqrt(np.mean(values**2)))
-
-
-def _agreement_text(comparison: Comparison, output: str) -> str:
-    """Return the agreement of an output as a line."""
-    agreement, quantity = comparison.agreement(output), comparison.quantities[output]
-    if agreement.size == 0:
-        return f"{output}: no value with a prediction"
-
-    uncertainty = agreement.bias_uncertainty  # zero if no part of it is known
-    parts = [
-        f"{output}: {agreement.size} {'value' if agreement.size == 1 else 'values'}",
-        f"measured - predicted {quantity.text(agreement.bias, '+.3g')} "
-        + (f"+- {quantity.text(uncertainty, '.3g')} " if uncertainty else "")
-        + f"({100 * agreement.relative_bias:+.2g} %)",
-        f"RMS {quantity.text(agreement.rms, '.3g')}",
-    ]
-    if agreement.coverage == agreement.coverage:
-        parts.append(f"expected {quantity.text(agreement.expected_rms, '.3g')}")
-        parts.append(f"{100 * agreement.coverage:.0f} % within two standard uncertainties")
-    return ", ".join(parts)

@@ -30,15 +30,15 @@ import numpy as np
 
 from ..arguments import check_type, whole_number
 from ..errors import InvalidProblem, NotConverged
-from ..io.json_texts import json_text
 from ..problems.messages import not_one_of, quote
+from ..problems.paths import field_quantity, get_field
 from ..problems.problem import Problem
 from ..problems.units import parse
 from ..quantities import Quantity, in_chosen_units
-from ..results import Presented, ReadOnly
 from .api import solver_options
-from .fit import FitResult
-from .kind_model import field_quantity, get_field, kind_of
+from .fit_result import FitResult
+from .model import kind_of
+from .outcome import Outcome
 from .planned import Measurement, Planned, plan_measurement
 from .progress import Progress, progress_reporter
 
@@ -58,7 +58,7 @@ EQUAL = 0.9
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class NextExperiment(Presented, ReadOnly):
+class NextExperiment(Outcome):
     """Candidates in the order in which they should be measured; p parameters, n steps.
 
     Attributes
@@ -137,8 +137,8 @@ class NextExperiment(Presented, ReadOnly):
         """The measurement to do next."""
         return self.measurements[0]
 
-    def lines(self) -> list[str]:
-        """Return the order, the expected standard errors and the warnings as lines of text."""
+    def answer(self) -> list[str]:
+        """Return the next measurement, and the expected standard errors of each step."""
         quantity = self.quantities[self.output]
         unit = f" {quantity.display}" if quantity.display else ""
         texts = [f"next measurement: {self.best.name} (cost {self.best.cost:g})"]
@@ -147,10 +147,10 @@ class NextExperiment(Presented, ReadOnly):
             parts = [f"{name} {_percent(error)}" for name, error in errors]
             parts.append(f"{self.output} {quantity.shown(self.output_errors[k]):.3g}{unit}")
             texts.append(f"{'' if k == 0 else f'{k}. after '}{step}: {', '.join(parts)}")
-        return [*texts, *self._remarks()]
+        return texts
 
-    def _remarks(self) -> list[str]:
-        """Return texts on parameters and combinations that the measurements do not determine."""
+    def remarks(self) -> list[str]:
+        """Return what the measurements do not determine, and warnings."""
         texts = []
         if self.unidentified:
             texts.append(f"not identified by any candidate: {', '.join(self.unidentified)}")
@@ -171,10 +171,6 @@ class NextExperiment(Presented, ReadOnly):
         change = ", ".join(f"{n} {_percent(a)} -> {_percent(b)}" for n, (a, b) in errors)
         return f"NextExperiment({self.best.name}: {change})"
 
-    def _repr_html_(self) -> str:
-        head, *_ = self.lines()
-        return self._html_of_table(head, self.to_dataframe(), self._remarks())
-
     def to_dataframe(self) -> pd.DataFrame:
         """Return a row for each step: cost, score, expected standard errors (output: SI)."""
         import pandas as pd
@@ -188,10 +184,9 @@ class NextExperiment(Presented, ReadOnly):
         steps = pd.Index(["now", *(m.stored_name for m in self.measurements)], name="measurement")
         return pd.DataFrame(columns, index=steps)
 
-    def to_json(self) -> str:
-        """Return the plan as JSON, SI units."""
+    def _record(self) -> dict[str, Any]:
         names = [candidate.stored_name for candidate in self.candidates]
-        table = {
+        return {
             "criterion": self.criterion,
             "steps": self.to_dataframe().reset_index().to_dict(orient="records"),
             "first_scores": dict(zip(names, self.first_scores[0], strict=True)),
@@ -200,21 +195,6 @@ class NextExperiment(Presented, ReadOnly):
             "direction_error": self.direction_error,
             "warnings": self.warnings,
         }
-        return json_text(table)
-
-    def plot(self, path: Any = None, ax: Any = None) -> Any:
-        """Draw the expected standard errors after each measurement.
-
-        Parameters
-        ----------
-        path, ax
-            As of :func:`woundon.plot`.
-
-        Returns
-        -------
-        matplotlib.figure.Figure, or ``ax`` where it is given
-        """
-        return self._figure(path, ax)
 
 
 def next_experiment(

@@ -1,28 +1,50 @@
-"""Export the table of a study: netCDF, CSV and Excel with units in the header, Parquet."""
+"""Write tables of cases: netCDF, CSV and Excel with units in the header, Parquet."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from ..errors import InvalidProblem
+from ..errors import InvalidProblem, one_of
 from ..io.files import replaced_file
 from ..io.sheets import need_openpyxl
 from ..io.spreadsheets import record_table, write_csv, write_workbook
-from .table import Table
+from .cases import is_numeric
+from .run import Table
 
-__all__ = ["check_export", "export"]
+if TYPE_CHECKING:
+    import pandas as pd
 
+__all__ = ["EXPORTS", "TABLES", "check_export", "export", "write_table"]
+
+EXPORTS = (".nc", ".csv", ".xlsx", ".parquet")
+TABLES = (".csv", ".xlsx")  # formats of tables of cases that are not studies
 EXCEL_ROWS = 1_048_576
 
 
+def check_export(path: str | Path, endings: tuple[str, ...] = EXPORTS) -> Path:
+    """Return the path of a file that can be written.
+
+    Raises
+    ------
+    InvalidProblem
+        For another ending, or one whose package is not installed.
+    """
+    path = Path(path)
+    if path.suffix not in endings:
+        text = f"the ending {path.suffix!r} is not a known format; must be {one_of(endings)}"
+        raise InvalidProblem.at(str(path), text)
+    if path.suffix == ".xlsx":
+        need_openpyxl()
+    if path.suffix == ".parquet" and find_spec("pyarrow") is None:
+        raise InvalidProblem.at(str(path), "needs pyarrow: pip install 'woundon[parquet]'")
+    return path
+
+
 def export(table: Table, path: str | Path) -> None:
-    """Write a table to ``.nc``, ``.csv``, ``.xlsx`` or ``.parquet``.
+    """Write a study to ``.nc``, ``.csv``, ``.xlsx`` or ``.parquet``.
 
     Raises
     ------
@@ -31,86 +53,67 @@ def export(table: Table, path: str | Path) -> None:
     OSError
         If the file cannot be written.
     """
-    path = Path(path)
-    write = check_export(path)
-    if path.suffix == ".xlsx" and table.design.size + 1 > EXCEL_ROWS:
-        text = f"{table.design.size} cases are more than an Excel sheet's rows"
+    path = check_export(path)
+    if path.suffix == ".xlsx" and len(table.cases) + 1 > EXCEL_ROWS:
+        text = f"{len(table.cases)} cases are more than an Excel sheet's rows"
         raise InvalidProblem.at(str(path), text)
     with replaced_file(path) as temporary:
-        write(table, temporary)
+        if path.suffix == ".nc":
+            # the classic format can be read everywhere, needs SciPy only and is reproducible
+            table.to_dataset().to_netcdf(temporary, engine="scipy")
+        elif path.suffix == ".csv":
+            write_csv(temporary, _with_units(table), "nan")
+        elif path.suffix == ".xlsx":
+            record = record_table({"design": table.cases.design, **table.record})
+            write_workbook(temporary, {"study": _with_units(table), "about": record})
+        else:
+            import pyarrow
+            from pyarrow import parquet
+
+            # pandas would write nan as null
+            columns = {name: column.to_numpy() for name, column in table.to_dataframe().items()}
+            parquet.write_table(pyarrow.table(columns), temporary)
 
 
-def check_export(path: str | Path) -> Callable[[Table, Path], None]:
-    """Return the function that writes the format of the suffix of a path; reject others."""
-    ending = Path(path).suffix
-    if ending not in _WRITERS:
-        text = f"the ending {ending!r} is not a known format; must be {', '.join(_WRITERS)}"
-        raise InvalidProblem.at(str(path), text)
-    if ending == ".xlsx":
-        need_openpyxl()
-    if ending == ".parquet" and find_spec("pyarrow") is None:
-        raise InvalidProblem.at(str(path), "needs pyarrow: pip install 'woundon[parquet]'")
-    return _WRITERS[ending]
+def write_table(frame: pd.DataFrame, path: str | Path) -> None:
+    """Write the table of :func:`woundon.solve_table` to ``.csv`` or ``.xlsx``.
+
+    Raises
+    ------
+    InvalidProblem
+        For another ending.
+    OSError
+        If the file cannot be written.
+    """
+    path = check_export(path, TABLES)
+    with replaced_file(path) as temporary:
+        if path.suffix == ".csv":
+            write_csv(temporary, frame)
+        else:
+            about = record_table(frame.attrs.get("about", {}))
+            write_workbook(temporary, {"results": frame, "about": about})
 
 
-def _columns(table: Table) -> dict[str, Any]:
-    """Return the columns with units in the header.
+def _with_units(table: Table) -> pd.DataFrame:
+    """Return the columns of a study in units for tables, which are in the headers.
 
     Bodies are written as JSON, so that the file can be used as the cases of another study.
     """
-    objects = {column.name: column for column in table.design.columns if not column.numeric}
-    columns: dict[str, Any] = {}
-    for name, values in table.columns().items():
-        unit, converted = (
-            table.quantities[name].in_table(values) if name in table.quantities else ("", values)
-        )
-        columns[f"{name} [{unit}]" if unit else name] = converted
-    cases = np.arange(table.design.size)
-    columns |= {
-        name: [_text(body) for body in table.design.inputs(cases)[name]] for name in objects
-    }
-    return columns
+    frame = table.to_dataframe()
+    for name, values in table.cases.frame.items():
+        if not is_numeric(values.to_numpy()):
+            frame[name] = [_as_text(value) for value in values]
+    headers = {}
+    for name, quantity in table.quantities.items():
+        values = frame[name].to_numpy()
+        if is_numeric(values):  # not the schedules of a field that is also a number
+            unit, frame[name] = quantity.in_table(values)
+            headers[name] = f"{name} [{unit}]" if unit else name
+    return frame.rename(columns=headers)
 
 
-def _text(value: Any) -> str:
-    """Return a body as JSON, and other objects as text."""
+def _as_text(value: Any) -> str:
+    """Return a body as JSON, and other values as text."""
     if hasattr(value, "model_dump"):
         return json.dumps(value.model_dump(mode="json"))
     return str(value)
-
-
-def _netcdf(table: Table, path: Path) -> None:
-    # the classic format can be read everywhere, needs SciPy only and is reproducible
-    table.to_dataset().to_netcdf(path, engine="scipy")
-
-
-def _csv(table: Table, path: Path) -> None:
-    """Write the cases to a CSV file."""
-    import pandas
-
-    write_csv(path, pandas.DataFrame(_columns(table)), "nan")
-
-
-def _excel(table: Table, path: Path) -> None:
-    """Write the cases to a sheet of an Excel file, and the design to a second sheet."""
-    import pandas
-
-    record = record_table({"design": table.design.kind, **table.record})
-    write_workbook(path, {"study": pandas.DataFrame(_columns(table)), "about": record})
-
-
-def _parquet(table: Table, path: Path) -> None:
-    """Write the cases to a Parquet file."""
-    import pyarrow
-    from pyarrow import parquet
-
-    # pandas would write nan as null
-    parquet.write_table(pyarrow.table(table.columns()), path)
-
-
-_WRITERS: dict[str, Callable[[Table, Path], None]] = {
-    ".nc": _netcdf,
-    ".csv": _csv,
-    ".xlsx": _excel,
-    ".parquet": _parquet,
-}

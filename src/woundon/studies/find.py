@@ -10,38 +10,37 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from math import inf, isfinite, nan
+from itertools import pairwise
+from math import isfinite, nan
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from ..arguments import whole_number
 from ..errors import InvalidProblem, NoSolution, NotConverged, warn
-from ..io.json_texts import json_text
-from ..problems.inputs import conversion_context, convert_number
+from ..problems.inputs import Inputs, read_number
 from ..problems.messages import quote
-from ..problems.permitted import admissible, bounds
+from ..problems.paths import find_places, get_field
+from ..problems.permitted import admissible, admits, extremes
 from ..problems.problem import Problem
 from ..problems.units import parse
 from ..quantities import Quantity, in_chosen_units
-from ..quantities import find as find_places
-from ..results import Presented, ReadOnly
-from .kind_model import get_field, model_of
-from .model import quantities_of
+from .api import solver_options
+from .measurements import Observable
+from .model import model_of, quantities_of
+from .outcome import Outcome
 from .progress import Progress, progress_reporter
-from .root_search import DECADE, Interval, RootSearch, Sample, error_of
+from .root_search import DECADE, Interval, RootSearch, Sample
+from .slopes import slopes as slopes_of
 
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["FindResult", "Solution", "find", "remarks"]
+__all__ = ["FindResult", "Solution", "find"]
 
 Array = np.ndarray
 
 POINTS = 17  # of the scan: a factor of 1.33 between neighbours over two decades
-# of the value, for a difference; its error is the square of the step, and that of the solver, 1e-8,
-# over the step
-STEP = 1e-3
 
 
 class Solution(NamedTuple):
@@ -52,7 +51,7 @@ class Solution(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class FindResult(Presented, ReadOnly):
+class FindResult(Outcome):
     """The values of a field for which an output has the target value.
 
     Attributes
@@ -126,16 +125,64 @@ class FindResult(Presented, ReadOnly):
         """Smallest and largest output of the points evaluated."""
         return float(np.nanmin(self.outputs)), float(np.nanmax(self.outputs))
 
-    def lines(self) -> list[str]:
-        """Return the solutions as lines of text, the first one first."""
-        return [_answer(self, k) for k in range(len(self.solutions))] + remarks(self)
-
     def __repr__(self) -> str:
-        outcome = ", ".join(_text(self, self.name, value) for value, _ in self.solutions)
-        return f"FindResult({self.name} = {outcome} for {_target_text(self)})"
+        values = ", ".join(self._text(self.name, value) for value, _ in self.solutions)
+        return f"FindResult({self.name} = {values} for {self._target_text()})"
 
-    def _repr_html_(self) -> str:
-        return self._html_of_table(_answer(self, 0), self.to_dataframe(), remarks(self))
+    def answer(self) -> list[str]:
+        """Return a line for each solution, the first one first: value, uncertainty, output."""
+        texts = []
+        for k, (value, _) in enumerate(self.solutions):
+            spread = self.uncertainties[k]
+            known = f" +- {self._text(self.name, spread, '.2g')}" if isfinite(spread) else ""
+            reached = self._text(self.output, self.reached[k])
+            text = self._text(self.name, value)
+            texts.append(f"{self.name} = {text}{known}: {self.output} = {reached}")
+        return texts
+
+    def remarks(self) -> list[str]:
+        """Return remarks on number and uncertainty of the solutions, the scan and its failures."""
+        texts = []
+        if len(self.solutions) > 1:
+            texts.append(
+                f"{len(self.solutions)} values give {self._target_text()}; "
+                "value, problem and result are those of the first"
+            )
+        if np.isfinite(self.uncertainties).any():
+            texts.append("+- is the estimated discretisation error of the output over the slope")
+        texts.append(f"scanned: {self._range_text()}, {self.output} {self._reachable_text()}")
+        texts += self._limit_texts()
+        for low, _ in self.jumps:
+            place = f"{self.name} = {self._text(self.name, low)}"
+            texts.append(f"{self.output} jumps across the target at {place}")
+        return texts
+
+    def _text(self, name: str, value: float, form: str = ".6g") -> str:
+        """Return a value of the field or of the output with its unit."""
+        return self.quantities[name].text(value, form)
+
+    def _target_text(self) -> str:
+        return f"{self.output} = {self._text(self.output, self.target)}"
+
+    def _range_text(self) -> str:
+        low, high = (self._text(self.name, end) for end in self.values[[0, -1]])
+        return f"{self.name} from {low} to {high}"
+
+    def _reachable_text(self) -> str:
+        return " to ".join(self._text(self.output, end) for end in self.reachable)
+
+    def _limit_texts(self) -> list[str]:
+        """Return the limits of existence between neighbouring points, with the reasons."""
+        texts, reasons = [], {value: in_chosen_units(text) for value, text in self.failures}
+        points = list(zip(self.values.tolist(), np.isfinite(self.outputs), strict=True))
+        for (low, low_is_solved), (high, high_is_solved) in pairwise(points):
+            if low_is_solved and not high_is_solved:
+                place = f"{self.name} = {self._text(self.name, low)}"
+                texts.append(f"solved up to {place}; above it: {reasons[high]}")
+            if high_is_solved and not low_is_solved:
+                place = f"{self.name} = {self._text(self.name, high)}"
+                texts.append(f"solved down to {place}; below it: {reasons[low]}")
+        return texts
 
     def to_dataframe(self) -> pd.DataFrame:
         """Return a row for each solution: value, uncertainty, output, its error, slope [SI]."""
@@ -150,9 +197,8 @@ class FindResult(Presented, ReadOnly):
         }
         return pd.DataFrame(columns)
 
-    def to_json(self) -> str:
-        """Return solutions, scan and failures as JSON, SI units."""
-        table = {
+    def _record(self) -> dict[str, Any]:
+        return {
             "field": self.name,
             "output": self.output,
             "target": self.target,
@@ -162,21 +208,6 @@ class FindResult(Presented, ReadOnly):
             "failures": self.failures,
             "jumps": self.jumps,
         }
-        return json_text(table)
-
-    def plot(self, path: Any = None, ax: Any = None) -> Any:
-        """Draw the output over the field with the target and the solutions.
-
-        Parameters
-        ----------
-        path, ax
-            As of :func:`woundon.plot`.
-
-        Returns
-        -------
-        matplotlib.figure.Figure, or ``ax`` where it is given
-        """
-        return self._figure(path, ax)
 
 
 def find(
@@ -242,8 +273,7 @@ def find(
     4.0
     """
     output, value = _one_target(target)
-    settings = {"nodes": nodes, "rtol": rtol, **(options or {})}
-    model = model_of(problem, output, tie, settings)
+    model = model_of(problem, output, tie, solver_options(nodes, rtol, options))
     model.check_varied([name])
     quantities = quantities_of(model, (name, output))
     base = get_field(problem, name)
@@ -264,15 +294,10 @@ def find(
             search.refine_range()
             roots = search.solutions()
     slopes = np.array([_slope(search, sample) for sample in roots])
-    scan = np.array([[sample.value, sample.output] for sample in search.samples])
-    failures = tuple((s.value, s.failure) for s in search.samples if s.failure)
-    if not roots:
-        raise _no_solution(search, quantities, scan, failures)
-    errors = np.array([error_of(sample.result, output) for sample in roots])
+    errors = np.array([search.error(sample) for sample in roots])
     with np.errstate(divide="ignore", invalid="ignore"):
         uncertainties = np.where(slopes == 0, nan, errors / np.abs(slopes))
-    warn(roots[0].result.warnings)
-    return FindResult(
+    found = FindResult(
         name=name,
         output=output,
         target=aim,
@@ -281,12 +306,16 @@ def find(
         errors=errors,
         uncertainties=uncertainties,
         slopes=slopes,
-        values=scan[:, 0].copy(),
-        outputs=scan[:, 1].copy(),
-        failures=failures,
+        values=np.array([sample.value for sample in search.samples]),
+        outputs=np.array([sample.output for sample in search.samples]),
+        failures=tuple((s.value, s.failure) for s in search.samples if s.failure),
         jumps=tuple(search.jumps),
         quantities=quantities,
     )
+    if not roots:
+        raise _no_solution(found, search.not_converged)
+    warn(found.result.warnings)
+    return found
 
 
 # ---- input --------------------------------------------------------------------------------------
@@ -294,9 +323,7 @@ def find(
 
 def _target_in_si(value: float | str, quantity: Quantity, output: str, problem: Problem) -> float:
     """Return the target in SI; with the width of the web a total force is one per width."""
-    if isinstance(value, str):
-        return convert_number(value, quantity, output, conversion_context(problem))
-    return parse(value, quantity.unit, output)
+    return read_number(value, quantity, output, Inputs.of(problem))
 
 
 def _one_target(target: Mapping[str, float | str]) -> tuple[str, float | str]:
@@ -314,24 +341,20 @@ def _interval(
 ) -> Interval:
     """Return the range of the scan."""
     info = find_places(problem, name)[0].field
-    limits = bounds(info)
-    permitted = (
-        max((bound for sign, bound in limits if sign[0] == ">"), default=-inf),
-        min((bound for sign, bound in limits if sign[0] == "<"), default=inf),
-    )
+    lowest, highest = extremes(info)
     if between is not None:
         low, high = _ends(between, quantity, name)
         for end in (low, high):
-            if not _admits(limits, end):
+            if not admits(info, end):
                 text = f"{quote(end)} is out of range; must be {admissible(info)}"
                 raise InvalidProblem.at(f"between: {name}", text)
-        return Interval(low, high, permitted, may_grow=False)
-    low, high = _usual_range(base, permitted, quantity.typical)
-    low, high = max(low, permitted[0]), min(high, permitted[1])
+        return Interval(low, high, (lowest, highest), may_grow=False)
+    low, high = _usual_range(base, (lowest, highest), quantity.typical)
+    low, high = max(low, lowest), min(high, highest)
     if not (isfinite(low) and isfinite(high) and low < high):
         text = f"{quote(base)} has no scale to search around; give between=(low, high)"
         raise InvalidProblem.at(name, text)
-    return Interval(low, high, permitted, may_grow=True)
+    return Interval(low, high, (lowest, highest), may_grow=True)
 
 
 def _ends(between: Any, quantity: Quantity, name: str) -> tuple[float, float]:
@@ -344,11 +367,6 @@ def _ends(between: Any, quantity: Quantity, name: str) -> tuple[float, float]:
     if not (isfinite(low) and isfinite(high) and low < high):
         raise InvalidProblem.at("between", f"{quote(between)} is not a range: must be low < high")
     return low, high
-
-
-def _admits(limits: Sequence[tuple[str, float]], value: float) -> bool:
-    tests = {">": float.__gt__, ">=": float.__ge__, "<": float.__lt__, "<=": float.__le__}
-    return all(tests[sign](value, float(bound)) for sign, bound in limits)
 
 
 def _usual_range(
@@ -371,104 +389,33 @@ def _usual_range(
 
 
 def _slope(search: RootSearch, sample: Sample) -> float:
-    """Return d output / d field: exact where the result has it, else a difference on one mesh."""
-    value, model = sample.value, search.model
-    gradient = model.gradient(sample.result, (search.name,)) if value != 0 else None
-    if gradient is not None:
-        return float(gradient[0, 0])
-    width = search.interval.high - search.interval.low
-    step = STEP * (abs(value) or width)
-    fixed = search.on_one_mesh(sample, sample)
-    sides = [search.evaluate(value + side, fixed) for side in (-step, step)]
-    ends = [side for side in sides if side.result is not None]
-    if len(ends) == 1:  # the other one is outside the range of steady states
-        ends.append(sample)
-    if not ends:
-        return nan
-    low, high = sorted(ends, key=lambda end: end.value)
-    return (high.output - low.output) / (high.value - low.value)
+    """Return d output / d field; nan if it cannot be solved on either side."""
+    scale = abs(sample.value) or search.interval.high - search.interval.low
+    slopes = slopes_of(
+        search.model,
+        sample.result,
+        [Observable(search.output)],
+        [search.name],
+        {search.name: sample.value},
+        scales=[scale],
+        nan_if_unsolved=True,
+    )
+    return float(slopes[0, 0])
 
 
-def _no_solution(
-    search: RootSearch,
-    quantities: Mapping[str, Quantity],
-    scan: Array,
-    failures: tuple[tuple[float, str], ...],
-) -> Exception:
+def _no_solution(found: FindResult, not_converged: bool) -> NoSolution | NotConverged:
     """Return the error that explains why there is no solution."""
-    field_of, output_of = quantities[search.name], quantities[search.output]
-    values, outputs = scan[:, 0].tolist(), scan[:, 1].tolist()
-    low, high = (field_of.text(end, ".6g") for end in scan[[0, -1], 0])
-    where = f"{search.name} from {low} to {high}"
-    reasons = f"; the first reason: {in_chosen_units(failures[0][1])}" if failures else ""
-    if len(failures) == len(scan):
-        text = f"no point of {where} was solved{reasons}"
-        if search.not_converged:
+    points = (found.values.tolist(), found.outputs.tolist(), found.failures)
+    if len(found.failures) == len(found.values):
+        reason = in_chosen_units(found.failures[0][1])
+        text = f"no point of {found._range_text()} was solved; the first reason: {reason}"
+        if not_converged:
             return NotConverged(text)
-        return NoSolution([(search.name, text)], None, values, outputs, failures)
-    reachable = (float(np.nanmin(scan[:, 1])), float(np.nanmax(scan[:, 1])))
-    ends = " to ".join(output_of.text(end, ".6g") for end in reachable)
-    text = f"{output_of.text(search.target, '.6g')} is not reached by {where}, which gives {ends}"
-    if search.jumps:
-        place = field_of.text(search.jumps[0][0], ".6g")
-        text += f"; the output jumps across the target at {search.name} = {place}"
-    text = "; ".join([text, *_limit_texts(search.name, field_of, scan, failures)])
-    return NoSolution([(search.output, text)], reachable, values, outputs, failures)
-
-
-def _limit_texts(
-    name: str, quantity: Quantity, scan: Array, failures: tuple[tuple[float, str], ...]
-) -> list[str]:
-    """Return the limits of existence between neighbouring points, with the reasons."""
-    texts, reasons = [], {value: in_chosen_units(text) for value, text in failures}
-    for (a, ya), (b, yb) in zip(scan.tolist(), scan[1:].tolist(), strict=False):
-        if isfinite(ya) and not isfinite(yb):
-            texts.append(f"solved up to {name} = {quantity.text(a, '.6g')}; above it: {reasons[b]}")
-        if isfinite(yb) and not isfinite(ya):
-            text = f"solved down to {name} = {quantity.text(b, '.6g')}; below it: {reasons[a]}"
-            texts.append(text)
-    return texts
-
-
-def _text(outcome: FindResult, name: str, value: float, form: str = ".6g") -> str:
-    """Return a value of the field or of the output with its unit."""
-    return outcome.quantities[name].text(value, form)
-
-
-def _target_text(outcome: FindResult) -> str:
-    """Return the output with its target value."""
-    return f"{outcome.output} = {_text(outcome, outcome.output, outcome.target)}"
-
-
-def _answer(outcome: FindResult, k: int) -> str:
-    """Return a solution as a line: value, uncertainty, output."""
-    value = outcome.solutions[k].value
-    spread = outcome.uncertainties[k]
-    known = f" +- {_text(outcome, outcome.name, spread, '.2g')}" if isfinite(spread) else ""
-    reached = _text(outcome, outcome.output, outcome.reached[k])
-    text = _text(outcome, outcome.name, value)
-    return f"{outcome.name} = {text}{known}: {outcome.output} = {reached}"
-
-
-def remarks(outcome: FindResult) -> list[str]:
-    """Return remarks on the solutions: their number, the uncertainty, scan, failures and jumps."""
-    texts = []
-    if len(outcome.solutions) > 1:
-        texts.append(
-            f"{len(outcome.solutions)} values give {_target_text(outcome)}; "
-            "value, problem and result are those of the first"
-        )
-    if np.isfinite(outcome.uncertainties).any():
-        texts.append("+- is the estimated discretisation error of the output over the slope")
-    low, high = (_text(outcome, outcome.name, end) for end in outcome.values[[0, -1]])
-    ends = " to ".join(_text(outcome, outcome.output, end) for end in outcome.reachable)
-    texts.append(f"scanned: {outcome.name} from {low} to {high}, {outcome.output} {ends}")
-    scan = np.column_stack([outcome.values, outcome.outputs])
-    quantity = outcome.quantities[outcome.name]
-    texts += _limit_texts(outcome.name, quantity, scan, outcome.failures)
-    for jump in outcome.jumps:
-        texts.append(
-            f"{outcome.output} jumps across the target at {outcome.name} = "
-            f"{_text(outcome, outcome.name, jump[0])}"
-        )
-    return texts
+        return NoSolution([(found.name, text)], None, *points)
+    aim = found._text(found.output, found.target)
+    text = f"{aim} is not reached by {found._range_text()}, which gives {found._reachable_text()}"
+    if found.jumps:
+        place = found._text(found.name, found.jumps[0][0])
+        text += f"; the output jumps across the target at {found.name} = {place}"
+    text = "; ".join([text, *found._limit_texts()])
+    return NoSolution([(found.output, text)], found.reachable, *points)

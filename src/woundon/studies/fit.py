@@ -14,74 +14,99 @@ s^2 = S/(m - p), or 1 where the deviations are known:
 
 from __future__ import annotations
 
-import time
 from collections.abc import Collection, Mapping, Sequence
-from copy import copy
-from dataclasses import dataclass, field
+from dataclasses import replace
 from functools import partial
 from operator import attrgetter
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from ..errors import InvalidProblem, NotConverged
-from ..parallel import in_processes
+from ..errors import InvalidProblem, NoSteadyState, NotConverged
+from ..problems.messages import not_one_of, quote
+from ..problems.paths import field_quantity, get_field
+from ..problems.problem import Problem
 from ..quantities import Quantity
-from ..results import Presented, ReadOnly
-from . import fitreport
+from .api import in_si, solver_options
+from .fit_result import FitResult
+from .measurements import Observations, read_observations
 from .minimise import ACCURACY, Linearisation, minimise
+from .model import model_of, options_of, quantities_of
 from .predict import Parameter, Predictor
 from .profiles import End, ProfileLikelihood, find_end, profile_of, threshold
-from .progress import Progress
-from .runners import WORTH_A_POOL
+from .progress import Progress, progress_reporter
+from .run import Workers
 
-if TYPE_CHECKING:
-    import pandas as pd
-    import xarray
-
-__all__ = ["FitResult", "fit_parameters"]
+__all__ = ["fit", "fit_parameters"]
 
 Array = np.ndarray
+FIT_NODES = 65
 MOST_STARTS = 6  # by default, if no two of them converge to the same minimum before
 WIDEST = 0.5  # relative standard error of a minimum at which two starts are enough
 SAME_MINIMUM = 1e-3  # relative difference of S
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class FitResult(Presented, ReadOnly):
-    """Result of :func:`woundon.fit`, of m measured values and p parameters.
+def fit(
+    problem: Problem,
+    measured: Any,
+    vary: Mapping[str, tuple[float | str, float | str] | None] | Sequence[str],
+    *,
+    tie: Mapping[str, str] | None = None,
+    columns: Mapping[str, str | None] | None = None,
+    starts: int | None = None,
+    seed: int = 0,
+    profiles: bool | Sequence[str] = True,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    progress: bool | Progress = False,
+    nodes: int | None = None,
+    rtol: float | None = None,
+    options: Mapping[str, Any] | None = None,
+) -> FitResult:
+    """Fit fields of a problem of any kind to measured data by least squares.
 
-    Attributes
+    Parameters
     ----------
-    names : tuple of str
-    estimates, standard_errors : (p,) arrays
-        SI.
-    covariance, correlation : (p, p) arrays
-    rms : float
-        Root mean square of the residuals, in the unit of the outputs, or in standard deviations if
-        ``weighted``.
-    profiles : tuple of ProfileLikelihood
-        Profiles with 95 % intervals; empty if not requested.
-    direction : (p,) array
-        The direction to which the predictions are least sensitive, in ln(value), or in value /
-        range if a bound is not positive; the largest entry is 1.
-    condition : float
-        Ratio of the largest to the smallest singular value of the scaled Jacobian.
-    effects : (p,) array
-        RMS change of the predictions for +10 % of each parameter (or 10 % of the range).
-    joint_effect : float
-        The same for ``direction`` at +-10 % of its largest entry.
-    minima : tuple of (S, estimates)
-        Minima of all starts, best first.
-    reached : int
-        Number of starts, of ``starts``, that converged to the best minimum.
-    measured, fitted : (m,) arrays
-    row_outputs, row_numbers : tuples
-        Output and row of each measured value.
-    quantities : mapping of str to Quantity
-        Of parameters and outputs.
-    problem : object
-        The base problem with the estimates.
+    problem : Problem
+        The base case, with the fields that are neither measured nor fitted.
+    measured : path, mapping or pandas.DataFrame
+        CSV or Excel file with units in its header, or columns by name, SI if they have no unit:
+        inputs ("nip_load [kN/m]"), outputs ("wound_on_tension [N/m]"), and standard deviations of
+        these ("wound_on_tension +- [N/m]").
+    vary : mapping or sequence of str
+        Dotted name -> bounds (low, high), SI or texts with units; without bounds, a tenth to ten
+        times the value.
+    tie : mapping of str to str
+        Field -> field that it follows, e.g. ``{"web.material": "roll.material"}``.
+    columns : mapping
+        Header in the data -> name of the quantity, with or without unit; None omits a column.
+    starts, seed : int
+        Number of starting points, the values of the problem and drawn ones, and seed of these.  By
+        default until two starts converge to the best minimum, at most 6.
+    profiles : bool or sequence of str
+        Compute profile-likelihood intervals: of all fitted fields, or of the named ones.
+    workers : int
+        Processes for profiles; by default one for each core if they take long.
+    scheduler : str
+        Address of a Dask scheduler, "tcp://...", whose workers find the profiles.
+    progress : bool or callable
+        Show the fraction that is done, or call with (evaluations done, expected).
+    nodes, rtol, options
+        As of :func:`sweep`; by default 65 nodes if the solver chooses the mesh.  ``rtol`` is not
+        recommended: outputs are continuous in the parameters on one mesh, and jump by the
+        discretisation error where the mesh changes.
+
+    Returns
+    -------
+    FitResult
+        Its ``problem`` contains the estimates.
+
+    Raises
+    ------
+    InvalidProblem
+        For invalid names, bounds or data.
+    NotConverged
+        If no start can be solved.
 
     Examples
     --------
@@ -90,87 +115,121 @@ class FitResult(Presented, ReadOnly):
     >>> found = wo.fit(
     ...     wo.RollerProblem.example(), data, {"upper.radius": (0.1, 1.0)}, starts=1, nodes=17
     ... )
-    >>> round(found.problem.upper.radius, 2), found.not_identified
-    (0.25, ())
+    >>> round(found.estimate("upper.radius"), 2)  # m
+    0.25
     """
+    data = read_observations(problem, measured, columns, over_radius=False)
+    settings = _on_one_mesh(problem, solver_options(nodes, rtol, options))
+    model = model_of(problem, tuple(dict.fromkeys(data.names)), tie, settings)
+    bounds = in_si(problem, _bounds(vary))
+    parameters = tuple(_parameter(problem, name, ends) for name, ends in bounds.items())
+    model.check_varied([*(p.name for p in parameters), *data.inputs])
+    for parameter in parameters:
+        _check_bounds(problem, parameter)
+    _check_rows(problem, data)
+    quantities = quantities_of(model, (*(p.name for p in parameters), *data.names))
+    _check_units(data)
+    predictor, profiled = Predictor(model, data, parameters), _names_of_profiles(profiles, bounds)
+    with progress_reporter(progress, "fitting") as report:
+        result = fit_parameters(
+            predictor,
+            starts=starts,
+            seed=seed,
+            profiles=profiled,
+            quantities=quantities,
+            workers=Workers(workers, scheduler),
+            progress=report,
+        )
+    estimates = dict(zip(result.names, result.estimates, strict=True))
+    return replace(result, problem=model.variant(estimates))
 
-    names: tuple[str, ...]
-    estimates: Array
-    standard_errors: Array
-    covariance: Array
-    correlation: Array
-    rms: float
-    direction: Array
-    condition: float
-    effects: Array
-    joint_effect: float
-    at_bound: tuple[str, ...]
-    minima: tuple[tuple[float, tuple[float, ...]], ...]
-    reached: int
-    starts: int
-    solves: int
-    measured: Array
-    fitted: Array
-    row_outputs: tuple[str, ...]
-    row_numbers: tuple[int, ...]
-    weighted: bool
-    profiles: tuple[ProfileLikelihood, ...] = ()
-    quantities: Mapping[str, Quantity] = field(default_factory=dict)
-    problem: Any = None
 
-    @property
-    def degrees_of_freedom(self) -> int:
-        """m - p."""
-        return self.measured.size - len(self.names)
+# ---- input --------------------------------------------------------------------------------------
 
-    @property
-    def not_identified(self) -> tuple[str, ...]:
-        """Names of the parameters that the data do not identify: standard error above 100 %."""
-        errors = zip(self.names, self.estimates, self.standard_errors, strict=True)
-        return tuple(n for n, value, error in errors if value and not error < abs(value))
 
-    def estimate(self, name: str) -> float:
-        """Return the estimate of one parameter."""
-        return float(self.estimates[self.names.index(name)])
+def _on_one_mesh(problem: Problem, options: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the options with a fixed number of nodes and without error estimates."""
+    known = options_of(problem)
+    defaults: dict[str, Any] = {"errors": False} if "errors" in known else {}
+    if known.get("nodes", ...) is None and not options.keys() & {"nodes", "rtol"}:
+        defaults["nodes"] = FIT_NODES
+    return defaults | dict(options)
 
-    def lines(self) -> list[str]:
-        """Return the fit as lines of text."""
-        return fitreport.lines(self)
 
-    def __repr__(self) -> str:
-        return fitreport.line(self)
+def _bounds(vary: Any) -> dict[str, Any]:
+    """Return the fields to fit with their bounds; None for default bounds."""
+    names = [vary] if isinstance(vary, str) else vary
+    if not isinstance(names, (Mapping, Sequence)) or not all(isinstance(n, str) for n in names):
+        text = f"{quote(vary)} is out of place; must be names of fields, or {{name: (low, high)}}"
+        raise InvalidProblem.at("vary", text)
+    bounds = dict(names) if isinstance(names, Mapping) else dict.fromkeys(names)
+    if not bounds:
+        raise InvalidProblem.at("vary", "nothing to fit: give fields and their bounds")
+    return bounds
 
-    def _repr_html_(self) -> str:
-        head, *_ = self.lines()
-        return self._html_of_table(head, self.to_dataframe(), fitreport.remarks(self))
 
-    def to_dataframe(self) -> pd.DataFrame:
-        """Return a row for each parameter: estimate, standard error, 95 % interval, unit [SI]."""
-        return fitreport.to_frame(self)
+def _names_of_profiles(
+    profiles: bool | Sequence[str], varied: Mapping[str, Any]
+) -> tuple[str, ...]:
+    """Return the names of the parameters that get a profile."""
+    if isinstance(profiles, bool):
+        return tuple(varied) if profiles else ()
+    names = (profiles,) if isinstance(profiles, str) else tuple(profiles)
+    for name in names:
+        if name not in varied:
+            raise InvalidProblem.at("profiles", not_one_of(name, varied))
+    return names
 
-    def to_xarray(self) -> xarray.Dataset:
-        """Return parameters along ``parameter`` and measured values along ``measurement`` [SI]."""
-        return fitreport.to_dataset(self)
 
-    def to_json(self) -> str:
-        """Return the fit as JSON."""
-        return fitreport.to_json(self)
+def _parameter(problem: Problem, name: str, bounds: Any) -> Parameter:
+    """Return a parameter of a fit; its default bounds are a tenth and ten times its value."""
+    base = get_field(problem, name)
+    if field_quantity(problem, name) is None or not isinstance(base, float | None):
+        raise InvalidProblem.at(name, f"{quote(base)} is not a number, so it cannot be fitted")
+    if bounds is None:
+        if base is None or base <= 0:
+            raise InvalidProblem.at(name, f"is {quote(base)}: give bounds for it")
+        bounds = (base / 10, base * 10)
+    try:
+        low, high = (float(end) for end in bounds)
+    except (TypeError, ValueError):
+        raise InvalidProblem.at(name, f"{bounds!r} are not bounds; write (low, high)") from None
+    return Parameter(name, low, high, base)
 
-    def plot(self, path: Any = None, ax: Any = None, panels: Any = None) -> Any:
-        """Draw fitted against measured values ("agreement"), and the profile of each parameter.
 
-        Parameters
-        ----------
-        path, ax
-            As of :func:`woundon.plot`.
-        panels : str or sequence of str, optional
-            Which to draw: "agreement", names of parameters.
+def _check_bounds(problem: Problem, parameter: Parameter) -> None:
+    """Reject bounds outside the permitted range of the field."""
+    for end in (parameter.low, parameter.high):
+        try:
+            problem.replace(**{parameter.name: end})
+        except NoSteadyState:
+            continue
+        except InvalidProblem as fault:
+            reasons = [text for field, text in fault.faults if field == parameter.name]
+            if reasons:
+                raise InvalidProblem.at(parameter.name, f"bounds: {reasons[0]}") from None
 
-        Returns
-        -------
-        matplotlib.figure.Figure, or ``ax`` where it is given
-        """
-        return self._figure(path, ax, panels)
+
+def _check_rows(problem: Problem, data: Observations) -> None:
+    """Reject rows with invalid inputs; rows without a steady state are left to the fit."""
+    for row, number in dict(zip(data.rows.tolist(), data.numbers, strict=True)).items():
+        try:
+            problem.replace(**{name: float(values[row]) for name, values in data.inputs.items()})
+        except NoSteadyState:
+            continue
+        except InvalidProblem as fault:
+            raise fault.under(f"{data.where}: row {number}") from None
+
+
+def _check_units(data: Observations) -> None:
+    """Reject outputs of different units without standard deviations."""
+    units = {data.quantities[name].unit for name in data.names}
+    if len(units) > 1 and np.isnan(data.deviation).any():
+        text = f"outputs of different units ({', '.join(sorted(units))}) need standard deviations"
+        raise InvalidProblem.at("measured", text)
+
+
+# ---- minima and profiles ------------------------------------------------------------------------
 
 
 def fit_parameters(
@@ -180,7 +239,7 @@ def fit_parameters(
     seed: int,
     profiles: Collection[str],
     quantities: Mapping[str, Quantity],
-    workers: int = 1,
+    workers: Workers = Workers(1),  # noqa: B008
     progress: Progress = lambda done, expected: None,
 ) -> FitResult:
     """Fit the predictor's parameters.
@@ -196,8 +255,8 @@ def fit_parameters(
         Parameters whose profile-likelihood intervals are found.
     quantities : mapping of str to Quantity
         Of parameters and outputs.
-    workers : int
-        Processes for the profiles, if they take long; the result does not depend on it.
+    workers : Workers
+        Where the profiles are found; the result does not depend on it.
     progress : callable
         Is called with the number of evaluated places, and the expected one.
 
@@ -212,13 +271,10 @@ def fit_parameters(
     if m < len(parameters):
         text = f"{len(parameters)} parameters cannot be fitted to {m} measured values"
         raise InvalidProblem.at("vary", text)
-    began = time.perf_counter()
     tasks = _Tasks(predictor, (starts or 2) + 2 * len(profiles), progress)
     minima, count = _minima(predictor, starts, seed, tasks)
     if not minima:
         raise NotConverged(f"no start of the fit could be solved: {predictor.fault}")
-    if time.perf_counter() - began < WORTH_A_POOL:
-        workers = 1
     ends: dict[tuple[int, int], End] = {}
     for _ in range(MOST_STARTS):
         likelihoods = _profiles(predictor, minima[0], profiles, ends, tasks, workers)
@@ -284,7 +340,7 @@ def _profiles(
     names: Collection[str],
     ends: dict[tuple[int, int], End],
     tasks: _Tasks,
-    workers: int,
+    workers: Workers,
 ) -> tuple[ProfileLikelihood, ...]:
     """Return the profiles of named parameters; none without degrees of freedom.
 
@@ -297,7 +353,7 @@ def _profiles(
         Ends by parameter and sign, computed from a minimum that was not the least one; they are
         replaced.  Their points are still points of the profiles.
     tasks : _Tasks
-    workers : int
+    workers : Workers
     """
     freedom = predictor.measured.size - len(predictor.parameters)
     limit = threshold(minimum.S, freedom, predictor.weighted)
@@ -307,13 +363,9 @@ def _profiles(
     places = [(j, sign) for j in indices for sign in (-1, 1)]
     # points of both ends: the minimum may have moved past them
     known = {j: [p for k, end in ends.items() if k[0] == j for p in end.points] for j in indices}
-    if workers > 1 and len(places) > 1:
-        work = partial(_end_of_profile, predictor.remembering(minimum.u), minimum, limit, known)
-        answers = in_processes(work, places, workers)
-    else:
-        work = partial(_end_of_profile, predictor, minimum, limit, known)
-        answers = ((place, work(place)) for place in places)
-    for place, (end, solves) in answers:
+    predictor.keep_for_workers(minimum.u)
+    work = partial(_end_of_profile, predictor, minimum, limit, known)
+    for place, (end, solves) in workers.map(work, places):
         ends[place] = end
         predictor.solves += solves
         tasks.finish()
@@ -330,10 +382,10 @@ def _end_of_profile(
     place: tuple[int, int],
 ) -> tuple[End, int]:
     """Return an end of a profile and the number of solves."""
-    predictor = copy(predictor)
-    predictor.solves = 0
+    before = predictor.solves
     end = find_end(predictor, *place, minimum, limit, known[place[0]])
-    return end, predictor.solves
+    solves, predictor.solves = predictor.solves - before, before
+    return end, solves
 
 
 class _Tasks:
@@ -422,8 +474,8 @@ def _result(
         solves=predictor.solves,
         measured=predictor.measured,
         fitted=predictor.measured + predictor.deviation * r,
-        row_outputs=predictor.row_outputs,
-        row_numbers=predictor.row_numbers,
+        row_outputs=predictor.data.names,
+        row_numbers=tuple(predictor.data.rows.tolist()),
         weighted=predictor.weighted,
         profiles=profiles,
         quantities=quantities,

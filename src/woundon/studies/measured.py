@@ -1,4 +1,4 @@
-"""Read tables of measured data for a fit, and of cases for a sweep.
+"""Read tables of measured data for a fit.
 
     nip_load [kN/m], web_tension [N/m], wound_on_tension [N/m], wound_on_tension +- [N/m]
 
@@ -8,24 +8,22 @@ standard deviations of an output (:mod:`woundon.io.tables`).
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ..errors import InvalidProblem
-from ..io.case_files import check_like_a_case
-from ..io.cells import MAX_COUNTED, Conversion, Fault, numbers, raise_faults
-from ..io.sheets import Sheet, read_sheet
-from ..io.tables import Column, Names, match_columns
+from ..io.cells import Conversion, Fault, numbers, raise_faults
+from ..io.sheets import read_sheet
+from ..io.tables import Names, match_columns
 from ..quantities import Quantity
+from .columns import ANNOTATIONS
 
-__all__ = ["ANNOTATIONS", "MEASURED_AS", "Measured", "read_cases", "read_measured"]
+__all__ = ["MEASURED_AS", "Measured", "read_measured"]
 
 Array = np.ndarray
-ANNOTATIONS = ("case", "failure", "warnings")  # further columns of the tables of studies
 # Measured quantity -> the output with which it is compared.  A counter measures the length of web
 # with its layers as they are, compressed.
 MEASURED_AS = {"length": "wound_length"}
@@ -133,73 +131,3 @@ def _check(groups: dict[str, dict[str, Array]], where: str) -> None:
         if not np.all(deviation[is_measured] > 0):
             text = f"the standard deviations of {name} must be > 0 wherever it was measured"
             raise InvalidProblem.at(where, text)
-
-
-def read_cases(
-    data: Any,
-    inputs: Mapping[str, Quantity | None],
-    outputs: Mapping[str, Quantity],
-    build: Callable[[str, Any], Any],
-    columns: Mapping[str, str | None] | None = None,
-    conversion: Conversion = Conversion(),  # noqa: B008
-) -> dict[str, list[Any]]:
-    """Read the cases of a sweep: for each input a list of values, in SI.
-
-    Parameters
-    ----------
-    data, inputs, outputs, columns, conversion
-        As of :func:`read_measured`; outputs and further columns of the tables of studies are
-        ignored.
-    build : callable
-        (name, table) -> body or material, for a cell that contains one as JSON.
-    """
-    sheet = read_sheet(data, "over")
-    names = Names({**dict.fromkeys(ANNOTATIONS), **outputs, **inputs, **conversion.helpers})
-    matched = match_columns(sheet, names, columns)
-    # a quantity that is both input and output, such as the creepage of rollers, is an output in the
-    # table of a study, and an input in other tables
-    written = any(column.name in ANNOTATIONS for column in matched)
-    varied = [
-        column
-        for column in matched
-        if not (column.name in outputs and (written or column.name not in inputs))
-        and not (column.deviation or column.name in ANNOTATIONS)
-    ]
-    numeric = [column for column in varied if names.quantity(column.name) is not None]
-    faults: list[Fault] = []
-    values = numbers(sheet, numeric, names, faults, gaps=lambda _: False, conversion=conversion)
-    read = {c.name: of_rows.tolist() for c, of_rows in zip(numeric, values, strict=True)}
-    over: dict[str, list[Any]] = {}
-    for column in varied:
-        if column.name not in read:
-            over[column.name] = _texts_and_bodies(sheet, column, build, faults)
-        elif column.name not in conversion.helpers:
-            over[column.name] = read[column.name]
-    raise_faults(faults)
-    if not over:
-        raise InvalidProblem.at(sheet.where, "has no column that is an input of the model")
-    return over
-
-
-def _texts_and_bodies(
-    sheet: Sheet, column: Column, build: Callable[[str, Any], Any], faults: list[Fault]
-) -> list[Any]:
-    """Return the cells of a column that is not numeric: words, materials, bodies as JSON."""
-    values: list[Any] = []
-    for number, cell in zip(sheet.numbers, column.cells, strict=True):
-        value = cell.strip() if isinstance(cell, str) else cell
-        if len(faults) >= MAX_COUNTED:
-            break
-        try:
-            if value in ("", None):
-                raise InvalidProblem("the cell is empty")
-            if isinstance(value, str) and value.startswith("{"):
-                table = json.loads(value)
-                check_like_a_case(table, "a table of fields")
-                value = build(column.name, table)
-        except (InvalidProblem, ValueError, RecursionError) as fault:
-            reason = str(fault).replace("\n", "; ")
-            text = f"row {number}, column {column.header!r}: {reason}"
-            faults.append(Fault(sheet.where, text, number))
-        values.append(value)
-    return values

@@ -11,19 +11,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from math import nan
-from typing import Any, get_args, get_type_hints
+from math import isfinite, nan
+from typing import Any, NamedTuple, get_args, get_type_hints
 
 import numpy as np
 
 from ..errors import InvalidProblem, one_of
 from ..problems.problem import Problem
 from ..quantities import Quantity, length, outputs, scalar_outputs, value_of
-from .kind_model import columns_of, conversion_of, kind_of, measurable_outputs, replaced
+from .columns import columns_of, conversion_of, measurable_outputs
 from .measured import read_measured
+from .model import kind_of
 from .pull_tab import PullTab
 
 __all__ = [
+    "Observable",
     "Observations",
     "arrays_over_radius",
     "definitions",
@@ -43,6 +45,21 @@ FORCE = Quantity("F_t", "N", "force that moves a pull tab")
 TAB = "pull tab"  # name of the uncertainty of its calibration
 TAB_FORCE, PRESSURE, LENGTH = "pull_tab_force", "pressure", "wound_length"
 AT_SURFACE = 1e-6  # relative distance from the surface of a roll: the rounding of a table
+
+
+class Observable(NamedTuple):
+    """A quantity of a result that can be measured.
+
+    Attributes
+    ----------
+    output : str
+        Name of a scalar output or of an array over the radius.
+    radius : float
+        Where it is measured [m]; nan for a scalar output of the complete result.
+    """
+
+    output: str
+    radius: float = nan
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,18 +98,49 @@ class Observations:
     quantities: Mapping[str, Quantity]
     where: str
 
+    @property
+    def observables(self) -> list[Observable]:
+        """The predicted quantity of each value."""
+        return [Observable(*each) for each in zip(self.names, self.position.tolist(), strict=True)]
+
+    @property
+    def inputs_of_values(self) -> dict[str, Array]:
+        """The inputs of each value, (m,) arrays."""
+        return {name: values[self.rows] for name, values in self.inputs.items()}
+
 
 def read_observations(
-    problem: Problem, data: Any, tab: PullTab | None, columns: Mapping[str, str | None] | None
+    problem: Problem,
+    data: Any,
+    columns: Mapping[str, str | None] | None,
+    tab: PullTab | None = None,
+    over_radius: bool = True,
 ) -> Observations:
-    """Return the measured values of a table; see :func:`~.measured.read_measured`."""
+    """Return the measured values of a table, row by row.
+
+    Parameters
+    ----------
+    problem : Problem
+    data, columns
+        As of :func:`~.measured.read_measured`.
+    tab : PullTab, optional
+    over_radius : bool
+        Whether the table may contain values that belong to a radius.
+
+    Raises
+    ------
+    InvalidProblem
+        For an invalid table.
+    """
     fields = columns_of(problem)
-    positioned = arrays_over_radius(kind_of(problem).result, set(fields))
+    result = kind_of(problem).result
+    positioned = arrays_over_radius(result, set(fields)) if over_radius else {}
     known = {**positioned, **measurable_outputs(problem)}
     if positioned:
         places = dict.fromkeys(POSITIONS, length("r", "where it was measured"))
         known |= {**places, TAB_FORCE: FORCE}
-    replacements = {name: text for name, text in replaced(problem).items() if name not in known}
+    replaced = kind_of(problem).result.REPLACED
+    replacements = {name: text for name, text in replaced.items() if name not in known}
     table = read_measured(data, fields, known, columns, replacements, conversion_of(problem))
     values_of, deviations = dict(table.outputs), dict(table.deviations)
     radius = _radius(values_of, table.where, len(table.numbers))
@@ -191,7 +239,7 @@ def arrays_over_radius(result: type[Any], fields: set[str]) -> dict[str, Quantit
 # ---- predictions --------------------------------------------------------------------------------
 
 
-def predict(result: Any, name: str, position: float) -> float:
+def predict(result: Any, observable: Observable) -> float:
     """Return the prediction of a measured value.
 
     Raises
@@ -199,32 +247,32 @@ def predict(result: Any, name: str, position: float) -> float:
     InvalidProblem
         For a radius outside the roll, or an output that the roll does not have there.
     """
-    roll = getattr(result, "roll", result)
-    at_radius = position == position
-    if not at_radius:
+    name, radius = observable
+    if not isfinite(radius):
         return float(value_of(result, name))
+    roll = getattr(result, "roll", result)
     R = roll.radius[-1] if hasattr(roll, "radius") else np.nan
-    if name == PRESSURE and abs(position / R - 1) <= AT_SURFACE:
+    if name == PRESSURE and abs(radius / R - 1) <= AT_SURFACE:
         text = "is zero at the surface of the roll, so that a value measured there is left out"
         raise InvalidProblem.at(name, text)
     if name in (PRESSURE, "hoop_stress") and hasattr(roll, "at_radius"):
-        return float(roll.at_radius(position)[name])
+        return float(roll.at_radius(radius)[name])
     if name in scalar_outputs(result):
         if name not in scalar_outputs(roll):
             raise InvalidProblem.at(
                 name,
                 "is not known of a stage of the build-up; leave out the column with its radius",
             )
-        return float(value_of(roll.at(position), name))
+        return float(value_of(roll.at(radius), name))
     holder = result if hasattr(type(result), name) or name in vars(result) else roll
     low, high = float(holder.radius[0]), float(holder.radius[-1])
-    if not low <= position <= high:
-        text = f"{position:.6g} is out of range; must be >= {low:.6g} and <= {high:.6g} [m]"
+    if not low <= radius <= high:
+        text = f"{radius:.6g} is out of range; must be >= {low:.6g} and <= {high:.6g} [m]"
         raise InvalidProblem.at("measured_radius", text)
     values = np.asarray(value_of(holder, name))
     if values.shape != np.shape(holder.radius):
         raise InvalidProblem.at(name, "is not an output over the radius")
-    return float(np.interp(position, holder.radius, values))
+    return float(np.interp(radius, holder.radius, values))
 
 
 def definitions(result: Any, names: Sequence[str]) -> Iterator[str]:
@@ -240,13 +288,13 @@ def definitions(result: Any, names: Sequence[str]) -> Iterator[str]:
         yield f"{LENGTH}: the {'; the finished roll also has the '.join(texts)}"
 
 
-def error_at(result: Any, name: str, position: float) -> float:
+def error_at(result: Any, observable: Observable) -> float:
     """Return the estimated discretisation error of a prediction; nan where it is not known."""
-    errors = result.errors
-    if name in errors and position != position:
+    (name, radius), errors = observable, result.errors
+    if name in errors and not isfinite(radius):
         return float(errors[name])
     if name in (PRESSURE, "hoop_stress") and {"core_pressure", "mid_pressure"} <= set(errors):
-        radius = getattr(result, "roll", result).radius
-        ends = (radius[0], (radius[0] + radius[-1]) / 2)
-        return float(np.interp(position, ends, (errors["core_pressure"], errors["mid_pressure"])))
+        radii = getattr(result, "roll", result).radius
+        ends = (radii[0], (radii[0] + radii[-1]) / 2)
+        return float(np.interp(radius, ends, (errors["core_pressure"], errors["mid_pressure"])))
     return float(errors.get(name, errors.get(f"mean_{name}", nan)))

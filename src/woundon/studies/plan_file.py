@@ -9,7 +9,7 @@ from typing import Any
 from ..errors import InvalidProblem
 from ..io.case_files import read_case
 from .planned import Measurement
-from .studyfile import SCHEMA, base_case, check_names, flat_names, table_of
+from .study_file import SCHEMA, base_case, check_names, flat_names, table_of
 
 __all__ = ["load_plan"]
 

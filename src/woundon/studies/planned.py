@@ -2,38 +2,32 @@ r"""Planned measurements: predicted values and their derivatives by the logarith
 
     y(theta; state),     S = d y / d ln theta,     information  sum S^T S / sigma^2
 
-The derivatives are exact for outputs of nips and rollers (``result.sensitivity``) and central
-differences for all other outputs.
+Predictions and derivatives are those of a fit (:mod:`.predict`, :mod:`.slopes`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from math import exp, isfinite, nan
+from math import isfinite, nan
 from typing import Any
 
 import numpy as np
 
 from .. import kinds
 from ..arguments import check_type
-from ..errors import InvalidProblem, did_you_mean, unwarned
+from ..errors import InvalidProblem, did_you_mean
 from ..problems.messages import quote
+from ..problems.paths import field_quantity, find_places, get_field, number_in_si
 from ..problems.problem import Problem
 from ..problems.units import parse
-from ..quantities import Quantity, find, length
-from .kind_model import (
-    KindModel,
-    columns_of,
-    field_quantity,
-    get_field,
-    kind_of,
-    measurable_outputs,
-    model_of,
-    number_in_si,
-)
+from ..quantities import Quantity, length
+from .columns import columns_of, measurable_outputs
 from .measured import MEASURED_AS
-from .measurements import POSITIONS, PRESSURE, arrays_over_radius, predict
+from .measurements import POSITIONS, PRESSURE, Observable, arrays_over_radius
+from .model import KindModel, kind_of, model_of
+from .predict import Case, cases_of
+from .slopes import slopes, solve_case
 
 __all__ = ["Measurement", "Planned", "plan_measurement"]
 
@@ -41,9 +35,6 @@ Array = np.ndarray
 RADII = {**POSITIONS, "radius": 1.0}  # names of the position in a roll, radius of each
 RADIUS = length("r", "position in a roll")
 PULL_TAB = "pull_tab_pressure"
-# of ln(theta): the error of a central difference is about its square, 4e-4; the tolerance of rolls
-# and windings, up to 1e-5 of an output, contributes 1e-5/2e-2
-STEP = 2e-2
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,7 +137,7 @@ class Measurement:
             return RADIUS
         has_problem = self.problem is not None
         problems = [self.problem] if has_problem else [kind.problem for kind in kinds.every()]
-        places = (place for problem in problems for place in find(problem, name))
+        places = (place for problem in problems for place in find_places(problem, name))
         return next((place.quantity for place in places if place.quantity is not None), None)
 
 
@@ -172,12 +163,10 @@ class Planned:
     ----------
     measurement : Measurement
     model : KindModel
-    states : tuple of mapping
-        Fields of each value.
-    output : str
+    cases : list of Case
+        The states, and the values that each of them predicts.
     quantity : Quantity
-    position : (n,) array
-        Radius [m]; nan of a value that belongs to no radius.
+        Of the values.
     deviation : float
         Standard deviation, relative if ``is_relative``.
     paths : mapping of str to tuple of str
@@ -186,13 +175,16 @@ class Planned:
 
     measurement: Measurement
     model: KindModel
-    states: tuple[Mapping[str, float], ...]
-    output: str
+    cases: list[Case]
     quantity: Quantity
-    position: Array
     deviation: float
     is_relative: bool
     paths: Mapping[str, tuple[str, ...]]
+
+    @property
+    def output(self) -> str:
+        """Name of the output that predicts the values."""
+        return self.cases[0].observables[0].output
 
     def predict(
         self, theta: Mapping[str, float], solved: dict[Any, Any] | None = None
@@ -212,81 +204,36 @@ class Planned:
             If a state has no solution.
         """
         solved = {} if solved is None else solved
-        values = np.empty(len(self.states))
-        slopes = np.zeros((len(self.states), len(theta)))
-        groups: dict[tuple[tuple[str, float], ...], list[int]] = {}
-        for k, state in enumerate(self.states):
-            groups.setdefault(tuple(sorted(state.items())), []).append(k)
+        fields = {path: theta[name] for name, paths in self.paths.items() for path in paths}
+        values = np.empty(self.measurement.size)
+        derivatives = np.zeros((values.size, len(theta)))
         start: Any = None
-        for fields, rows in groups.items():
-            state = dict(fields)
-            key = (id(self.model.problem), fields, tuple(theta.items()))
+        for case in self.cases:
+            inputs = {**fields, **case.inputs}
+            key = (id(self.model.problem), tuple(sorted(inputs.items())))
             if key not in solved:
-                with unwarned():
-                    solved[key] = self.model.solve(self._variant(state, theta), start)
+                solved[key] = solve_case(self.model, inputs, start)
             start = solved[key]
-            values[rows] = self._values(start, rows)
-            slopes[rows] = self._slopes(start, state, rows, theta)
-        return values, slopes
+            values[case.rows] = case.predictions(start)
+            if fields:
+                columns = slopes(self.model, start, case.observables, list(fields), inputs)
+                by_field = dict(zip(fields, columns.T, strict=True))
+                for j, (name, value) in enumerate(theta.items()):
+                    for path in self.paths[name]:
+                        derivatives[case.rows, j] += value * by_field[path]
+        return values, derivatives
 
     def information(
         self, theta: Mapping[str, float], solved: dict[Any, Any] | None = None
     ) -> Array:
         """Return the Fisher information on ln(theta), (p, p); arguments as of :meth:`predict`."""
-        values, slopes = self.predict(theta, solved)
+        values, derivatives = self.predict(theta, solved)
         sigma = self.deviation * (np.abs(values) if self.is_relative else np.ones(values.shape))
         if not np.all(sigma > 0):
             text = f"{quote(self.measurement.standard_deviation)} of a predicted value of 0"
             raise InvalidProblem.at(f"{self.measurement.name}: standard_deviation", text)
-        rows = slopes / sigma[:, None]
+        rows = derivatives / sigma[:, None]
         return np.asarray(rows.T @ rows)
-
-    def _variant(self, state: Mapping[str, float], theta: Mapping[str, float]) -> Any:
-        parameters = {path: theta[name] for name, paths in self.paths.items() for path in paths}
-        return self.model.variant({**parameters, **state})
-
-    def _values(self, result: Any, rows: list[int]) -> Array:
-        return np.array([predict(result, self.output, float(self.position[k])) for k in rows])
-
-    def _slopes(
-        self,
-        result: Any,
-        state: Mapping[str, float],
-        rows: list[int],
-        theta: Mapping[str, float],
-    ) -> Array:
-        """Return the derivatives by ln(theta) of the values at one state, (rows, p)."""
-        slopes = np.zeros((len(rows), len(theta)))
-        paths = tuple(path for group in self.paths.values() for path in group)
-        gradient = None
-        if paths and np.isnan(self.position[rows]).all():
-            gradient = self.model.gradient(result, paths)
-        fixed = self.model.on_mesh_of(result)
-        for j, (name, value) in enumerate(theta.items()):
-            group = self.paths.get(name, ())
-            if gradient is not None:
-                slopes[:, j] = value * sum(float(gradient[0, paths.index(path)]) for path in group)
-            elif group:
-                upper, lower = (
-                    self._values(self._moved(fixed, result, state, theta, name, step), rows)
-                    for step in (STEP, -STEP)
-                )
-                slopes[:, j] = (upper - lower) / (2 * STEP)
-        return slopes
-
-    def _moved(
-        self,
-        model: KindModel,
-        start: Any,
-        state: Mapping[str, float],
-        theta: Mapping[str, float],
-        name: str,
-        step: float,
-    ) -> Any:
-        """Return the result for a parameter that is larger by the factor exp(step)."""
-        with unwarned():
-            moved = {**theta, name: theta[name] * exp(step)}
-            return model.solve(self._variant(state, moved), start)
 
 
 def plan_measurement(
@@ -338,25 +285,16 @@ def plan_measurement(
     outputs = (output,) if output in measurable_outputs(base) else ("residual",)
     model = model_of(base, outputs, {} if is_separate else tie, {} if is_separate else options)
     model.check_varied([*state, *(path for group in paths.values() for path in group)])
-    n = measurement.size
-    states = tuple({name: values[k] for name, values in state.items()} for k in range(n))
+    cases = cases_of(state, [Observable(output, radius) for radius in position.tolist()])
     deviation, is_relative = _deviation(measurement, known[output])
-    return Planned(
-        measurement,
-        model,
-        states,
-        output,
-        known[output],
-        position,
-        deviation,
-        is_relative,
-        paths,
-    )
+    return Planned(measurement, model, cases, known[output], deviation, is_relative, paths)
 
 
-def _state(measurement: Measurement, base: Problem, has_radius: bool) -> tuple[Any, Array]:
-    """Return the fields of all values by name, and their radii."""
-    state: dict[str, list[float]] = {}
+def _state(
+    measurement: Measurement, base: Problem, has_radius: bool
+) -> tuple[dict[str, Array], Array]:
+    """Return the fields of all values by name, (n,) arrays, and their radii."""
+    state: dict[str, Array] = {}
     position = np.full(measurement.size, nan)
     for name, entry in measurement.at.items():
         values = list(entry) if _is_series(entry) else [entry] * measurement.size
@@ -366,7 +304,7 @@ def _state(measurement: Measurement, base: Problem, has_radius: bool) -> tuple[A
             continue
         if field_quantity(base, name) is None:
             raise InvalidProblem.at(where, "is not a number")
-        state[name] = [float(number_in_si(base, name, value, where)) for value in values]
+        state[name] = np.array([number_in_si(base, name, value, where) for value in values])
     return state, position
 
 

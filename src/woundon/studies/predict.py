@@ -1,10 +1,12 @@
-"""Fitted parameters -> predicted values and their derivatives, over the measured rows."""
+"""Parameters -> predicted values and their derivatives, of all measured values.
+
+Values with the same inputs belong to one case, which is solved once.
+"""
 
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Mapping
-from copy import copy
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import exp, log
 from typing import Any, NamedTuple
@@ -12,15 +14,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import InvalidProblem
-from .measured import Measured
-from .model import Model
+from .measurements import Observable, Observations, predict
+from .model import KindModel
+from .slopes import slopes, solve_case
 
-__all__ = ["Parameter", "Predictor"]
+__all__ = ["Case", "Parameter", "Predictor", "cases_of"]
 
 Array = np.ndarray
-# Outputs are smooth except for kinks where a node changes its zone.  The step is so long that the
-# solver's tolerance (1e-8 of the output) does not matter, and so short that curvature does not.
-STEP = 1e-3
 # Solutions that are kept for warm starts, those of at least three places: one takes 5 to 30 MB.
 KEPT, MIN_PLACES = 60, 3
 
@@ -71,6 +71,10 @@ class Parameter:
         """Return d value/du."""
         return exp(u) if self.logarithmic else 1.0
 
+    def scale(self, u: float) -> float:
+        """Return the scale of the step of a difference: the value, or a tenth of the range."""
+        return self.value(u) if self.logarithmic else max(abs(u), (self.high - self.low) / 10)
+
     @property
     def ends(self) -> tuple[float, float]:
         """Bounds of u."""
@@ -84,48 +88,76 @@ class Parameter:
         return self.coordinate(min(max(self.base, self.low), self.high))
 
 
+class Case(NamedTuple):
+    """A case, and the values that its solution predicts.
+
+    Attributes
+    ----------
+    inputs : mapping
+        Fields that differ from the base problem.
+    rows : list of int
+        Indices of the values.
+    observables : list of Observable
+        Of each of them.
+    """
+
+    inputs: Mapping[str, Any]
+    rows: list[int]
+    observables: list[Observable]
+
+    def predictions(self, result: Any) -> Array:
+        """Return the predictions of a result of the case, (rows,)."""
+        return np.array([predict(result, observable) for observable in self.observables])
+
+
+def cases_of(inputs: Mapping[str, Array], observables: Sequence[Observable]) -> list[Case]:
+    """Return the distinct cases of some values, sorted by their inputs.
+
+    Parameters
+    ----------
+    inputs : mapping of str to (m,) array
+        Fields of each value.
+    observables : sequence of m Observable
+
+    Examples
+    --------
+    >>> values = [Observable("nip_width"), Observable("approach"), Observable("nip_width")]
+    >>> [case.rows for case in cases_of({"load": np.array([2.0, 1.0, 2.0])}, values)]
+    [[1], [0, 2]]
+    """
+    rows_of: dict[tuple[Any, ...], list[int]] = {}
+    for k in range(len(observables)):
+        rows_of.setdefault(tuple(float(values[k]) for values in inputs.values()), []).append(k)
+    return [
+        Case(dict(zip(inputs, key, strict=True)), rows, [observables[k] for k in rows])
+        for key, rows in sorted(rows_of.items())
+    ]
+
+
 class _Place(NamedTuple):
-    """The states of all cases at u."""
+    """The results of all cases at u."""
 
     u: Array
-    states: list[Any]
+    results: list[Any]
 
 
 class Predictor:
     """Predicts every measured value from the parameters' coordinates u, from ``low`` to ``high``.
 
-    Each distinct row is solved once at each u, with a warm start from the nearest recent place.
+    Each case is solved once at each u, with a warm start from the nearest recent place.
     """
 
-    def __init__(self, model: Model, measured: Measured, parameters: tuple[Parameter, ...]) -> None:
-        self.model, self.parameters = model, parameters
+    def __init__(
+        self, model: KindModel, data: Observations, parameters: tuple[Parameter, ...]
+    ) -> None:
+        self.model, self.data, self.parameters = model, data, parameters
         for parameter in parameters:
-            if parameter.name in measured.inputs:
+            if parameter.name in data.inputs:
                 raise InvalidProblem.at(parameter.name, "is measured, so it cannot be fitted")
-        names = tuple(measured.inputs)
-        rows = list(zip(*(measured.inputs[n].tolist() for n in names), strict=True))
-        if not names:
-            rows = [()] * len(next(iter(measured.outputs.values())))
-        # rows with the same inputs are one case
-        distinct = sorted(set(rows))
-        self.cases: list[Mapping[str, Any]] = [dict(zip(names, r, strict=True)) for r in distinct]
-        number_of = {row: k for k, row in enumerate(distinct)}
-        entries = [
-            (row, output)
-            for output, values in measured.outputs.items()
-            for row in np.nonzero(np.isfinite(values))[0].tolist()
-        ]
-        self.row_outputs = tuple(output for _, output in entries)
-        self.row_numbers = tuple(row for row, _ in entries)
-        # case and output of each measured value
-        self.of_case = np.array([number_of[rows[row]] for row, _ in entries], dtype=np.intp)
-        self.of_output = np.array([model.outputs.index(o) for _, o in entries], dtype=np.intp)
-        self.measured = np.array([measured.outputs[o][row] for row, o in entries])
-        deviations = [measured.deviations.get(o) for _, o in entries]
-        self.weighted = all(d is not None for d in deviations)
-        self.deviation = np.array(
-            [1.0 if d is None else d[row] for (row, _), d in zip(entries, deviations, strict=True)]
-        )
+        self.cases = cases_of(data.inputs_of_values, data.observables)
+        self.measured = data.measured
+        self.weighted = bool(np.isfinite(data.deviation).all())
+        self.deviation = np.where(np.isfinite(data.deviation), data.deviation, 1.0)
         self.low, self.high = np.transpose([p.ends for p in parameters])
         self.solves, self.fault = 0, ""
         self.report: Callable[[], None] = _no_report
@@ -139,10 +171,12 @@ class Predictor:
         """
         key = u.tobytes()
         if key not in self._values:
+            values = self._values[key] = np.full(self.measured.size, np.nan)
             try:
-                self._values[key] = self._solve_all(u)
+                for case, result in zip(self.cases, self._results(u), strict=True):
+                    values[case.rows] = case.predictions(result)
             except (ValueError, RuntimeError, ArithmeticError) as fault:
-                self._values[key] = np.full(self.of_case.size, np.nan)
+                values[:] = np.nan
                 self.fault = f"{type(fault).__name__}: {fault}"
             self.report()
         return self._values[key]
@@ -152,10 +186,9 @@ class Predictor:
         return (self.values(u) - self.measured) / self.deviation
 
     def jacobian(self, u: Array, fixed: int | None = None) -> Array:
-        """Return the residuals' derivatives with respect to u by forward differences, (m, p).
+        """Return the residuals' derivatives with respect to u, (m, p).
 
-        They cost one warm-started solution for each parameter and case; exact derivatives of a nip
-        cost as much, and more with tied fields.
+        Differences are one-sided: they direct the minimisation, and take half the solutions.
 
         Parameters
         ----------
@@ -168,55 +201,73 @@ class Predictor:
         ValueError
             If a derivative cannot be solved on either side.
         """
-        base = self.values(u)
-        J = np.zeros((base.size, u.size))
-        for k, parameter in enumerate(self.parameters):
-            if k == fixed:
-                continue
-            low, high = parameter.ends
-            step = STEP * (1.0 if parameter.logarithmic else max(abs(u[k]), (high - low) / 10))
-            step = min(step, (high - low) / 2)
-            for end in (u[k] + step, u[k] - step):
-                if low <= end <= high:
-                    shifted = self.values(np.where(np.arange(u.size) == k, end, u))
-                    J[:, k] = (shifted - base) / (end - u[k]) / self.deviation
-                    if np.isfinite(J[:, k]).all():
-                        break
-            else:
-                raise ValueError(f"no derivative with respect to {parameter.name}: {self.fault}")
-        return J
+        J = np.zeros((self.measured.size, u.size))
+        free = [k for k in range(u.size) if k != fixed]
+        if not free:
+            return J
+        names = [self.parameters[k].name for k in free]
+        fitted = self.inputs(u)
+        scales = [self.parameters[k].scale(float(u[k])) for k in free]
+        try:
+            for case, result in zip(self.cases, self._results(u), strict=True):
+                J[np.ix_(case.rows, free)] = slopes(
+                    self.model,
+                    result,
+                    case.observables,
+                    names,
+                    {**case.inputs, **fitted},
+                    scales=scales,
+                    central=False,
+                    solve=self._solve,
+                )
+        except (ValueError, RuntimeError, ArithmeticError) as fault:
+            raise ValueError(f"no derivative of the predictions: {fault}") from fault
+        for _ in free:
+            self.report()
+        slope = np.array([p.slope(float(v)) for p, v in zip(self.parameters, u, strict=True)])
+        return J * slope / self.deviation[:, None]
 
     def variance(self, S: float) -> float:
         """Return the variance of the residuals, at most 1 if their deviations are known."""
         s2 = S / max(self.measured.size - len(self.parameters), 1)
         return min(s2, 1.0) if self.weighted else s2
 
-    def remembering(self, u: Array) -> Predictor:
-        """Return a copy that knows the states of one place only, to be sent to a process."""
-        other = copy(self)
+    def keep_for_workers(self, u: Array) -> None:
+        """Make the place nearest to u the one that a worker receives."""
         nearest = self._nearest(u)
-        other._values = {}
-        other._places = deque(() if nearest is None else (nearest,), self._places.maxlen)
-        other.report = _no_report
-        return other
+        if nearest is not None:
+            self._places = deque(
+                [*(place for place in self._places if place is not nearest), nearest],
+                self._places.maxlen,
+            )
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return the state for a worker: the results of the last place only, and no report."""
+        last = deque([*self._places][-1:], self._places.maxlen)
+        return {**self.__dict__, "_values": {}, "_places": last, "report": _no_report}
 
     def inputs(self, u: Array) -> dict[str, float]:
         """Return the parameters' values by name."""
         return {p.name: p.value(float(v)) for p, v in zip(self.parameters, u, strict=True)}
 
-    def _solve_all(self, u: Array) -> Array:
-        """Solve all cases, with warm starts from the nearest place; return the predictions."""
+    def _results(self, u: Array) -> list[Any]:
+        """Return the results of all cases at u, with warm starts from the nearest place."""
         nearest = self._nearest(u)
-        fitted, out = self.inputs(u), np.empty((len(self.cases), len(self.model.outputs)))
-        states: list[Any] = []
+        if nearest is not None and np.array_equal(nearest.u, u):
+            return nearest.results
+        fitted = self.inputs(u)
+        results: list[Any] = []
         for k, case in enumerate(self.cases):
-            start = nearest.states[k] if nearest else states[-1] if states else None
-            answer = self.model.run({**case, **fitted}, start)
-            out[k] = answer.values
-            states.append(answer.state)
-            self.solves += 1
-        self._places.append(_Place(u.copy(), states))
-        return out[self.of_case, self.of_output]
+            start = nearest.results[k] if nearest else results[-1] if results else None
+            results.append(self._solve(self.model, {**case.inputs, **fitted}, start))
+        self._places.append(_Place(u.copy(), results))
+        return results
+
+    def _solve(self, model: KindModel, inputs: Mapping[str, Any], start: Any) -> Any:
+        """Solve a case and count it."""
+        result = solve_case(model, inputs, start)
+        self.solves += 1
+        return result
 
     def _nearest(self, u: Array) -> _Place | None:
         """Return the nearest recent place."""
@@ -227,4 +278,4 @@ class Predictor:
 
 
 def _no_report() -> None:
-    """Report nothing; a lambda could not be sent to a process."""
+    """Report nothing; a lambda could not be sent to a worker."""

@@ -27,17 +27,17 @@ from __future__ import annotations
 from bisect import insort
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import replace
-from itertools import groupby
+from itertools import groupby, pairwise
 from math import isfinite, nan, sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..errors import InvalidProblem, NotConverged, unwarned
-from .kind_model import KindModel, options_of
+from .model import KindModel
+from .slopes import on_mesh_of
 
-__all__ = ["DECADE", "Interval", "RootSearch", "Sample", "error_of"]
+__all__ = ["DECADE", "Interval", "RootSearch", "Sample"]
 
 Array = np.ndarray
 
@@ -102,17 +102,29 @@ class Sample(NamedTuple):
     result: Any
     failure: str = ""
 
+    @property
+    def is_solved(self) -> bool:
+        """True if the problem has a solution."""
+        return self.result is not None
 
-class _UnsolvedError(Exception):
-    """A point within a bracket was not solved."""
 
-
-class _CrossedError(Exception):
-    """A minimisation of |f| met a change of its sign."""
+class _InterruptedError(Exception):
+    """An iteration of SciPy met a point without a solution, or a change of sign."""
 
 
 class RootSearch:
-    """The samples of f, in ascending order of the value."""
+    """The samples of f, in ascending order of the value.
+
+    Parameters
+    ----------
+    model : KindModel
+    name, output : str
+        The field, and the output that has the target.
+    target : float
+    interval : Interval
+    report : callable
+        Is called with the number of samples.
+    """
 
     def __init__(
         self,
@@ -127,7 +139,7 @@ class RootSearch:
         self.interval, self.report = interval, report
         self.samples: list[Sample] = []
         self.jumps: list[tuple[float, float]] = []
-        self.not_converged = ""
+        self.not_converged = False
 
     def f(self, sample: Sample) -> float:
         """Return output - target."""
@@ -141,11 +153,15 @@ class RootSearch:
     @property
     def solved(self) -> list[Sample]:
         """The samples that have a solution."""
-        return [sample for sample in self.samples if sample.result is not None]
+        return [sample for sample in self.samples if sample.is_solved]
 
     def is_root(self, sample: Sample) -> bool:
         """True if a sample has the target value to the tolerance of the solver."""
         return abs(self.f(sample)) <= CLOSE * self.scale
+
+    def error(self, sample: Sample) -> float:
+        """Return the estimated discretisation error of the output; nan where it is not known."""
+        return float(sample.result.errors.get(self.output, nan))
 
     def evaluate(self, value: float, model: KindModel | None = None) -> Sample:
         """Return the sample at a value, solved from the nearest neighbour that is solved."""
@@ -158,7 +174,7 @@ class RootSearch:
         except InvalidProblem as fault:
             sample = Sample(value, nan, None, str(fault).replace("\n", "; "))
         except NotConverged as fault:
-            self.not_converged = str(fault)
+            self.not_converged = True
             sample = Sample(value, nan, None, f"not converged: {fault}")
         self.report(len(self.samples) + 1)
         # a sample on another mesh replaces the one at the same value
@@ -166,63 +182,48 @@ class RootSearch:
         insort(self.samples, sample, key=lambda s: s.value)
         return sample
 
+    # ---- scan -----------------------------------------------------------------------------------
+
     def scan(self, count: int, base: float | None) -> None:
         """Evaluate the points of the range, and points next to it if needed."""
         start = self.interval.low if base is None else base
         for value in sorted(self.interval.points(count).tolist(), key=lambda x: abs(x - start)):
             self.evaluate(value)
         # the solvable values around the present one may all lie between two points
-        around = [pair for pair in self._pairs() if pair[0].value < start < pair[1].value]
-        if any(sample.result is None for pair in around for sample in pair):
+        around = [pair for pair in pairwise(self.samples) if pair[0].value < start < pair[1].value]
+        if any(not sample.is_solved for pair in around for sample in pair):
             self.evaluate(start)
         if self.interval.may_grow and not self._brackets():
             for outward in (-1, 1):
                 self._extend(outward)
-        self._approach_limits()
+        for solved, failed in self._limits():
+            self._approach_limit(solved, failed)
         for stretch in self._stretches():
             self._scan_sparse(stretch, count)
         self._search_minima()
-
-    def solutions(self) -> list[Sample]:
-        """Return the samples that solve the problem, in ascending order."""
-        roots = [
-            sample for sample in self.samples if sample.result is not None and self.is_root(sample)
-        ]
-        for a, b in self._brackets():
-            if not any(self.is_root(end) for end in (a, b)):
-                roots += self._solve_bracket(a, b, SEARCHES)
-        return sorted(roots, key=lambda sample: sample.value)
-
-    def _pairs(self) -> list[tuple[Sample, Sample]]:
-        return list(zip(self.samples, self.samples[1:], strict=False))
 
     def _brackets(self) -> list[tuple[Sample, Sample]]:
         """Return neighbouring samples between which f changes its sign, or is zero."""
         return [
             (a, b)
-            for a, b in self._pairs()
-            if a.result is not None and b.result is not None and self.f(a) * self.f(b) <= 0
+            for a, b in pairwise(self.samples)
+            if a.is_solved and b.is_solved and self.f(a) * self.f(b) <= 0
         ]
-
-    def _approaches(self, outward: int) -> bool:
-        """Return True if |f| decreases towards an end of the samples."""
-        ends = self.samples[:2] if outward < 0 else self.samples[:-3:-1]
-        if any(sample.result is None for sample in ends) or len(ends) < 2:
-            return False
-        return abs(self.f(ends[0])) < abs(self.f(ends[1]))
 
     def _extend(self, outward: int) -> None:
         """Double the range on one side while the output approaches the target."""
         for _ in range(EXTENSIONS):
-            edge = self.samples[0 if outward < 0 else -1].value
-            value = self.interval.beyond(edge, outward)
-            if value == edge or not self._approaches(outward) or self._brackets():
+            edge, inner = self.samples[:2] if outward < 0 else self.samples[:-3:-1]
+            if not (edge.is_solved and inner.is_solved) or self._brackets():
+                return
+            value = self.interval.beyond(edge.value, outward)
+            if value == edge.value or abs(self.f(edge)) >= abs(self.f(inner)):
                 return
             self.evaluate(value)
 
     def _stretches(self) -> list[list[Sample]]:
         """Return the samples between two limits of existence each."""
-        groups = groupby(self.samples, key=lambda sample: sample.result is not None)
+        groups = groupby(self.samples, key=lambda sample: sample.is_solved)
         return [list(group) for is_solved, group in groups if is_solved]
 
     def _scan_sparse(self, stretch: list[Sample], count: int) -> None:
@@ -234,25 +235,22 @@ class RootSearch:
                 if np.abs(known - value).min() > spacing:
                     self.evaluate(float(value))
 
-    def limits(self) -> list[tuple[Sample, Sample]]:
+    # ---- limits of existence --------------------------------------------------------------------
+
+    def _limits(self) -> list[tuple[Sample, Sample]]:
         """Return the neighbours (solved, failed) at the limits of existence, in ascending order."""
         return [
-            (a, b) if b.result is None else (b, a)
-            for a, b in self._pairs()
-            if (a.result is None) != (b.result is None)
+            (a, b) if a.is_solved else (b, a)
+            for a, b in pairwise(self.samples)
+            if a.is_solved != b.is_solved
         ]
-
-    def _approach_limits(self) -> None:
-        """Bisect towards the limits of existence."""
-        for solved, failed in self.limits():
-            self._approach_limit(solved, failed)
 
     def _approach_limit(self, solved: Sample, failed: Sample) -> None:
         """Bisect between a solved and a failed point until the limit cannot hide the target."""
         valid = self._last_valid(solved.value, failed.value)
         if valid not in (solved.value, failed.value):
             failed = self.evaluate(valid)
-            if failed.result is not None:
+            if failed.is_solved:
                 return
         inner = self._next_to(solved, failed)
         for bisections in range(MOST_BISECTIONS):
@@ -261,7 +259,7 @@ class RootSearch:
             if bisections >= LEAST_BISECTIONS and self._is_close(inner, solved, failed):
                 return
             middle = self.evaluate(self.interval.middle(solved.value, failed.value))
-            if middle.result is None:
+            if not middle.is_solved:
                 failed = middle
             else:
                 inner, solved = solved, middle
@@ -303,7 +301,9 @@ class RootSearch:
         """Return the solved neighbour on the other side of a sample."""
         place = self.samples.index(solved) + (1 if solved.value > failed.value else -1)
         adjacent = self.samples[place] if 0 <= place < len(self.samples) else None
-        return adjacent if adjacent is not None and adjacent.result is not None else None
+        return adjacent if adjacent is not None and adjacent.is_solved else None
+
+    # ---- extreme values -------------------------------------------------------------------------
 
     def _search_minima(self) -> None:
         """Search for a change of sign at local minima of |f| that may reach zero."""
@@ -335,7 +335,7 @@ class RootSearch:
     def _solved_triples(self) -> list[tuple[Sample, Sample, Sample]]:
         """Return three neighbouring samples each, all of which are solved."""
         triples = zip(self.samples, self.samples[1:], self.samples[2:], strict=False)
-        return [triple for triple in triples if all(s.result is not None for s in triple)]
+        return [triple for triple in triples if all(s.is_solved for s in triple)]
 
     def _minimise(self, a: Sample, b: Sample, c: Sample, sign: float) -> None:
         """Minimise the output times a sign; stop where f changes its sign, or is not known."""
@@ -343,13 +343,11 @@ class RootSearch:
 
         def height(value: float) -> float:
             sample = self.evaluate(float(value))
-            if sample.result is None:
-                raise _UnsolvedError
-            if self.f(sample) * self.f(b) <= 0:
-                raise _CrossedError
+            if not sample.is_solved or self.f(sample) * self.f(b) <= 0:
+                raise _InterruptedError
             return float(sign * sample.output)
 
-        with suppress(_UnsolvedError, _CrossedError):
+        with suppress(_InterruptedError):
             minimize_scalar(
                 height,
                 bounds=(a.value, c.value),
@@ -357,49 +355,59 @@ class RootSearch:
                 options={"maxiter": MINIMISATIONS, "xatol": MINIMUM_WIDTH * (c.value - a.value)},
             )
 
+    # ---- solutions ------------------------------------------------------------------------------
+
+    def solutions(self) -> list[Sample]:
+        """Return the samples that solve the problem, in ascending order."""
+        roots = [sample for sample in self.solved if self.is_root(sample)]
+        for a, b in self._brackets():
+            if not any(self.is_root(end) for end in (a, b)):
+                roots += self._solve_bracket(a, b, SEARCHES)
+        return sorted(roots, key=lambda sample: sample.value)
+
     def _solve_bracket(self, a: Sample, b: Sample, depth: int) -> list[Sample]:
         """Return the solutions between two samples of different sign."""
         from scipy.optimize import brentq
 
-        model = self.on_one_mesh(a, b)
-        samples: dict[float, Sample] = {}
+        low, high, model = a, b, self._on_one_mesh(a, b)
+        if model is not None:
+            low, high = self.evaluate(a.value, model), self.evaluate(b.value, model)
+            if self.f(low) * self.f(high) > 0 and not any(map(self.is_root, (low, high))):
+                # the target lies within the discretisation error of an end
+                low, high, model = self.evaluate(a.value), self.evaluate(b.value), None
+        samples = {low.value: low, high.value: high}
 
         def function(value: float) -> float:
             """Return the output minus the target; exactly 0 within the tolerance of the solver."""
-            sample = samples[value] = self.evaluate(value, model)
-            if sample.result is None:
-                raise _UnsolvedError
-            return 0.0 if self.is_root(sample) else self.f(sample)
+            if value not in samples:
+                samples[value] = self.evaluate(value, model)
+            if not samples[value].is_solved:
+                raise _InterruptedError
+            return 0.0 if self.is_root(samples[value]) else self.f(samples[value])
 
+        # Brent's method usually stops at CLOSE; the width ends it where outputs are less smooth
+        tolerance = WIDTH * (b.value - a.value)
         try:
-            ends = function(a.value), function(b.value)
-            if ends[0] * ends[1] > 0:  # the target lies within the discretisation error of an end
-                model = None
-                ends = function(a.value), function(b.value)
-            # Brent's method usually stops at CLOSE; the width ends it where outputs are less smooth
-            tolerance = WIDTH * (b.value - a.value)
+            if function(a.value) * function(b.value) > 0:
+                return [min((low, high), key=lambda sample: abs(self.f(sample)))]
             value = float(brentq(function, a.value, b.value, xtol=tolerance, rtol=1e-14))
-        except _UnsolvedError:
+            function(value)  # the last evaluation may be another one than the returned value
+        except _InterruptedError:
             return self._around_unsolved(a.value, b.value, depth)
-        except ValueError:  # on this mesh both ends have the same sign
-            return [min(samples.values(), key=lambda sample: abs(self.f(sample)))]
-        # the last evaluation may be another one than the returned value
-        sample = samples[value] if value in samples else self.evaluate(value, model)
-        error = error_of(sample.result, self.output)
+        sample = samples[value]
+        error = self.error(sample)
         if not isfinite(error):
             error = ROUGHNESS * abs(self.f(b) - self.f(a))
         if self.is_root(sample) or abs(self.f(sample)) <= error:
             return [sample]
-        opposite = [
-            s.value for s in self.samples if s.result is not None and self.f(s) * self.f(sample) < 0
-        ]
+        opposite = [s.value for s in self.solved if self.f(s) * self.f(sample) < 0]
         other = min(opposite, key=lambda x: abs(x - value))
         self.jumps.append((min(value, other), max(value, other)))
         return []
 
     def _around_unsolved(self, low: float, high: float, depth: int) -> list[Sample]:
         """Return the solutions in the parts of a bracket next to a point that was not solved."""
-        for solved, failed in self.limits():
+        for solved, failed in self._limits():
             if low <= min(solved.value, failed.value) and max(solved.value, failed.value) <= high:
                 self._approach_limit(solved, failed)
         roots: list[Sample] = []
@@ -408,18 +416,9 @@ class RootSearch:
                 roots += self._solve_bracket(first, second, depth - 1)
         return roots
 
-    def on_one_mesh(self, a: Sample, b: Sample) -> KindModel | None:
-        """Return the model on the finer mesh of two results, where the solver chooses the mesh."""
-        sizes = [
-            size for sample in (a, b) if isinstance(size := getattr(sample.result, "nodes", 0), int)
-        ]
-        is_adaptive = options_of(self.model.problem).get("nodes", ...) is None
-        fixed = any(self.model.options.get(name) is not None for name in ("nodes", "rtol"))
-        if not is_adaptive or fixed or min(sizes, default=0) < 2:
+    def _on_one_mesh(self, a: Sample, b: Sample) -> KindModel | None:
+        """Return the model on the finer mesh of two results; None if the solver has one mesh."""
+        models = [on_mesh_of(self.model, sample.result) for sample in (a, b)]
+        if any(model is self.model for model in models):
             return None
-        return replace(self.model, options={**self.model.options, "nodes": max(sizes)})
-
-
-def error_of(result: Any, output: str) -> float:
-    """Return the estimated discretisation error of an output; nan where it is not known."""
-    return float(result.errors.get(output, nan))
+        return max(models, key=lambda model: model.options["nodes"])

@@ -14,20 +14,24 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import inf, isinf, nan
-from typing import Any
+from math import inf, isfinite, isinf, nan
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from .. import kinds
 from ..errors import InvalidProblem, NotConverged, one_of
 from ..problems.messages import quote
+from ..problems.paths import field_or_none, field_quantity, get_field
 from ..problems.problem import Problem
 from ..quantities import Quantity, in_chosen_units, value_of
-from ..results import Presented, ReadOnly
 from .api import in_si
-from .kind_model import KindModel, field_quantity, get_field, model_of
+from .model import KindModel, model_of, quantities_of
+from .outcome import Outcome
 from .progress import Progress, progress_reporter
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 __all__ = ["OptimisedSchedule", "optimise_schedule"]
 
@@ -38,12 +42,13 @@ USUAL_SHARES = {"nip_load": (0.25, 2.0)}  # relative to the present value
 FIRST_STEP, LAST_STEP = 0.2, 5e-4  # of the ranges
 TOLERANCE = 1e-4  # of a limit: tolerance of the constraints
 FAILED = -1.0  # reserve of a winding that cannot be solved
+FAILED_OBJECTIVE = 2.0  # of such a winding, in magnitudes of the output of the first one
 BINDING = 0.01  # of a limit: a margin with a smaller reserve is active
 MIN_EVALUATIONS = 5
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class OptimisedSchedule(Presented, ReadOnly):
+class OptimisedSchedule(Outcome):
     """Result of :func:`woundon.optimise_schedule`: initial and best schedule.
 
     Attributes
@@ -100,7 +105,7 @@ class OptimisedSchedule(Presented, ReadOnly):
     goals: Array
     ended: str
     ranges: Array
-    quantities: Mapping[str, Quantity | None]
+    quantities: Mapping[str, Quantity]
 
     @property
     def problem(self) -> Any:
@@ -108,52 +113,48 @@ class OptimisedSchedule(Presented, ReadOnly):
         return self.after.problem
 
     def __repr__(self) -> str:
-        values = ", ".join(
-            f"{name} {quantity.text(value) if quantity else f'{value:.4g}'}"
-            for (name, quantity), value in zip(self.quantities.items(), self.values, strict=True)
-        )
-        return f"OptimisedSchedule({values}; {'feasible' if self.feasible else 'infeasible'})"
+        values = [
+            f"{name} {self.quantities[name].text(value)}"
+            for name, value in zip(self.names, self.values, strict=True)
+        ]
+        word = "feasible" if self.feasible else "infeasible"
+        return f"OptimisedSchedule({', '.join(values)}; {word})"
 
-    def lines(self) -> list[str]:
-        """Return schedule and margins as lines of text."""
+    def answer(self) -> list[str]:
+        """Return whether limits are kept, and the schedule, as lines of text."""
         words = "All limits are kept" if self.feasible else "NO schedule keeps all limits"
         texts = [f"{words}: {self.goal}, {len(self.tried)} windings, {self.ended}"]
         ends = np.isclose(self.ranges, self.values[:, None], rtol=1e-3, atol=0)
         for name, old, new, end in zip(self.names, self.start, self.values, ends, strict=True):
             quantity = self.quantities[name]
-            size, unit = (quantity.shown(1.0), quantity.display) if quantity else (1.0, "")
+            before, after = f"{quantity.shown(old):.4g}", f"{quantity.shown(new):.4g}"
             mark = "  at the end of its range" * bool(end.any())
-            texts.append(
-                f"  {name:<24} {old * size:>14.4g} -> {new * size:.4g} {unit}{mark}".rstrip()
-            )
-        texts.append(f"  {'margin':<24} {'reserve before':>14} -> after")
-        for old, new in zip(self.margins_before, self.margins_after, strict=True):
-            if new.checked:
-                mark = "  binds" * (new.name in self.binding) + "  VIOLATED" * (new.ok is False)
-                before, after = (
-                    "no friction" if isinf(m.reserve) else f"{100 * m.reserve:.4g} %"
-                    for m in (old, new)
-                )
-                texts.append(f"  {new.name:<24} {before:>14} -> {after}{mark}")
-            else:
-                texts.append(f"  {new.name:<24} not checked: {in_chosen_units(new.note)}")
+            line = f"  {name:<24} {before:>14} -> {after} {quantity.display}{mark}"
+            texts.append(line.rstrip())
         return texts
 
-    def plot(self, path: Any = None, panels: Any = None) -> Any:
-        """Draw the winding before and after: schedules, stresses, reserves.
+    def remarks(self) -> list[str]:
+        """Return the reserves of the margins before and after as lines of text."""
+        texts = [f"  {'margin':<24} {'reserve before':>14} -> after"]
+        for old, new in zip(self.margins_before, self.margins_after, strict=True):
+            if not new.checked:
+                texts.append(f"  {new.name:<24} not checked: {in_chosen_units(new.note)}")
+                continue
+            mark = "  binds" * (new.name in self.binding) + "  VIOLATED" * (new.ok is False)
+            before, after = (
+                "no friction" if isinf(m.reserve) else f"{100 * m.reserve:.4g} %"
+                for m in (old, new)
+            )
+            texts.append(f"  {new.name:<24} {before:>14} -> {after}{mark}")
+        return texts
 
-        Parameters
-        ----------
-        path : path, optional
-            As of :func:`woundon.plot`.
-        panels : str or sequence of str, optional
-            Those of the winding, and "reserves".
+    def to_dataframe(self) -> pd.DataFrame:
+        """Return a row for each field: initial and best value, ends of its range [SI]."""
+        import pandas as pd
 
-        Returns
-        -------
-        matplotlib.figure.Figure
-        """
-        return self._figure(path, panels)
+        low, high = self.ranges.T
+        columns = {"start": self.start, "value": self.values, "low": low, "high": high}
+        return pd.DataFrame(columns, index=pd.Index(self.names, name="field"))
 
 
 def optimise_schedule(
@@ -210,21 +211,17 @@ def optimise_schedule(
     >>> best.feasible, best.names
     (True, ('wound_on_tension',))
     """
-    model = model_of(problem, minimise or maximise, None, options or {})
-    search = _Search(model, _ranges(problem, over), limits, _goal(minimise, maximise), evaluations)
-    with progress_reporter(progress, "winding", unit="windings/min") as search.report:
-        search.begin()
-        ended = search.run()
-    return search.found(ended)
-
-
-def _goal(minimise: str | None, maximise: str | None) -> tuple[str | None, float]:
-    """Return the output to optimise and the sign that makes it a minimisation."""
     if minimise is not None and maximise is not None:
         raise InvalidProblem.at(
             "maximise", "is given together with minimise; must be one of the two"
         )
-    return (maximise, -1.0) if maximise is not None else (minimise, 1.0)
+    goal, sign = (minimise, 1.0) if maximise is None else (maximise, -1.0)
+    model = model_of(problem, goal, None, options or {})
+    search = _Search(model, _ranges(problem, over), limits, goal, sign, evaluations)
+    with progress_reporter(progress, "winding", unit="windings/min") as search.report:
+        search.begin()
+        ended = search.run()
+    return search.result(ended)
 
 
 def _ranges(problem: Problem, over: Mapping[str, Any] | None) -> dict[str, tuple[float, float]]:
@@ -233,33 +230,30 @@ def _ranges(problem: Problem, over: Mapping[str, Any] | None) -> dict[str, tuple
     if not ranges:
         text = "nothing to vary; must be a mapping of fields to (low, high)"
         raise InvalidProblem.at("over", text)
-    for name, ends in ranges.items():
-        if field_quantity(problem, name) is None or not isinstance(get_field(problem, name), float):
-            raise InvalidProblem.at(
-                name,
-                f"{quote(get_field(problem, name))} is not a number, so it cannot be varied",
-            )
-        try:
-            low, high = (float(end) for end in ends)
-        except (TypeError, ValueError):
-            text = f"{quote(ends)} is out of place; must be (low, high)"
-            raise InvalidProblem.at(name, text) from None
-        if not -inf < low < high < inf:
-            raise InvalidProblem.at(
-                name, f"({low:g}, {high:g}) is out of range; must be low < high"
-            )
-        ranges[name] = (low, high)
-    return ranges
+    return {name: _range(problem, name, ends) for name, ends in ranges.items()}
+
+
+def _range(problem: Problem, name: str, ends: Any) -> tuple[float, float]:
+    """Return the range of a field that is a number, SI."""
+    value = get_field(problem, name)
+    if field_quantity(problem, name) is None or not isinstance(value, float):
+        text = f"{quote(value)} is not a number, so it cannot be varied"
+        raise InvalidProblem.at(name, text)
+    try:
+        low, high = (float(end) for end in ends)
+    except (TypeError, ValueError):
+        text = f"{quote(ends)} is out of place; must be (low, high)"
+        raise InvalidProblem.at(name, text) from None
+    if not -inf < low < high < inf:
+        raise InvalidProblem.at(name, f"({low:g}, {high:g}) is out of range; must be low < high")
+    return low, high
 
 
 def _usual(problem: Problem) -> dict[str, tuple[float, float]]:
     """Return the usual ranges of those settings that are numbers in the problem."""
     ranges: dict[str, tuple[float, float]] = {}
     for name, (low, high) in (USUAL | USUAL_SHARES).items():
-        try:
-            value = get_field(problem, name)
-        except InvalidProblem:
-            continue
+        value = field_or_none(problem, name)
         if isinstance(value, float):
             size = value if name in USUAL_SHARES else 1.0
             ranges[name] = (low * size, high * size)
@@ -270,37 +264,48 @@ class _Stop(Exception):
     """The maximum number of evaluations is reached."""
 
 
-@dataclass
-class _Evaluation:
-    """One winding: values of the fields, result, margins, reserves and goal."""
+class _Evaluation(NamedTuple):
+    """One winding: values of the fields, reserves, goal; result and margins if it was solved."""
 
     values: tuple[float, ...]
-    result: Any
-    margins: Any
     reserves: Array
-    goal: float
+    goal: float = nan
+    result: Any = None
+    margins: Any = None
 
     @property
     def least(self) -> float:
-        return float(self.reserves.min())
+        """The smallest reserve; nan if the winding was not solved."""
+        return float(self.reserves.min()) if self.result is not None else nan
 
 
 class _Search:
-    """The windings that were computed, and objective and constraints for SciPy."""
+    """The windings that were computed, and objective and constraints for SciPy.
+
+    Parameters
+    ----------
+    model : KindModel
+    ranges : mapping of str to (low, high)
+        Of the varied fields, SI.
+    limits : Limits or None
+    goal : str or None
+        The output to optimise; None for the smallest reserve.
+    sign : float
+        -1 if the output is maximised.
+    evaluations : int
+        Maximum number of windings.
+    """
 
     def __init__(
         self,
         model: KindModel,
         ranges: Mapping[str, tuple[float, float]],
         limits: Any,
-        goal: tuple[str | None, float],
+        goal: str | None,
+        sign: float,
         evaluations: int,
     ) -> None:
-        if (
-            isinstance(evaluations, bool)
-            or not isinstance(evaluations, int)
-            or (evaluations < MIN_EVALUATIONS)
-        ):
+        if type(evaluations) is not int or evaluations < MIN_EVALUATIONS:
             text = f"{quote(evaluations)} is out of range; must be >= {MIN_EVALUATIONS}"
             raise InvalidProblem.at("evaluations", text)
         if model.kind.margins is None:
@@ -308,41 +313,30 @@ class _Search:
             text = f"{quote(model.problem)} is out of place; must be a {known}"
             raise InvalidProblem.at("problem", text)
         self.margins = model.kind.margins
-        self.model, self.limits, self.goal, self.sign = model, limits, *goal
+        self.model, self.limits, self.goal, self.sign = model, limits, goal, sign
         self.names = tuple(ranges)
         self.low, self.high = np.array(list(ranges.values())).T
         self.max_evaluations, self.failure = evaluations, ""
         self.evaluations: dict[tuple[float, ...], _Evaluation] = {}
         self.report: Progress = lambda done, expected: None
 
-    # ---- winding ---------------------------------------------------------------------------------
+    # ---- windings --------------------------------------------------------------------------------
 
     def begin(self) -> None:
         """Solve the winding at the start of the search, and select its margins."""
         problem = self.model.problem
-        initial = np.array([get_field(problem, name) for name in self.names])
-        self.first = np.clip(initial, self.low, self.high)
-        self.before = self._solved(problem)
-        self.checked = [m.name for m in self.before[1] if m.checked]
+        self.initial = np.array([get_field(problem, name) for name in self.names])
+        self.first = np.clip(self.initial, self.low, self.high)
+        self.before = self.model.solve(problem, None)
+        self.margins_before = self.margins(self.before, self.limits)
+        self.checked = [margin.name for margin in self.margins_before if margin.checked]
         if not self.checked:
             text = "none is given; must be one at least, or there is nothing to keep"
             raise InvalidProblem.at("limits", text)
-        self.scale = abs(value_of(self.before[0], self.goal)) or 1.0 if self.goal else 1.0
-        if np.array_equal(initial, self.first):
-            self._keep(tuple(self.first.tolist()), *self.before)
-
-    def _solved(self, problem: Any, values: tuple[float, ...] | None = None) -> tuple[Any, Any]:
-        """Solve a winding with a warm start; return its result and margins."""
-        result = self.model.solve(problem, self._nearest(values))
-        return result, self.margins(result, self.limits)
-
-    def _nearest(self, values: tuple[float, ...] | None) -> Any:
-        """Return the computed winding with the nearest values, relative to the ranges."""
-        done = [case for case in self.evaluations.values() if case.result is not None]
-        if values is None or not done:
-            return None
-        distance = (np.array([case.values for case in done]) - values) / (self.high - self.low)
-        return done[int(np.argmin(np.sum(distance**2, axis=1)))].result
+        self.scale = abs(value_of(self.before, self.goal)) or 1.0 if self.goal else 1.0
+        if np.array_equal(self.initial, self.first):
+            values = tuple(self.first.tolist())
+            self.evaluations[values] = self._evaluation(values, self.before)
 
     def at(self, u: Array) -> _Evaluation:
         """Return the winding at relative coordinates u, computed if necessary."""
@@ -352,22 +346,35 @@ class _Search:
         if len(self.evaluations) >= self.max_evaluations:
             raise _Stop
         try:
-            fields = dict(zip(self.names, values, strict=True))
-            solved = self._solved(self.model.variant(fields), values)
+            problem = self.model.variant(dict(zip(self.names, values, strict=True)))
+            evaluation = self._evaluation(values, self.model.solve(problem, self._nearest(values)))
         except (InvalidProblem, NotConverged) as fault:
             self.failure = str(fault).partition("\n")[0]
-            failed = np.full(len(self.checked), FAILED)
-            self.evaluations[values] = _Evaluation(values, None, None, failed, nan)
-        else:
-            self._keep(values, *solved)
+            evaluation = _Evaluation(values, np.full(len(self.checked), FAILED))
+        self.evaluations[values] = evaluation
         self.report(len(self.evaluations), self.max_evaluations)
-        return self.evaluations[values]
+        return evaluation
 
-    def _keep(self, values: tuple[float, ...], result: Any, margins: Any) -> None:
-        """Store a solved winding with its reserves and the value of the goal."""
+    @property
+    def solved(self) -> list[_Evaluation]:
+        """The windings that were solved."""
+        return [case for case in self.evaluations.values() if case.result is not None]
+
+    def _nearest(self, values: tuple[float, ...]) -> Any:
+        """Return the result with the nearest values, relative to the ranges, as a warm start."""
+        if not self.solved:
+            return None
+        distances = (np.array([case.values for case in self.solved]) - values) / (
+            self.high - self.low
+        )
+        return self.solved[int(np.argmin(np.sum(distances**2, axis=1)))].result
+
+    def _evaluation(self, values: tuple[float, ...], result: Any) -> _Evaluation:
+        """Return a solved winding with its reserves and the value of the goal."""
+        margins = self.margins(result, self.limits)
         reserves = np.array([margins[name].reserve for name in self.checked])
         goal = float(value_of(result, self.goal)) if self.goal else float(reserves.min())
-        self.evaluations[values] = _Evaluation(values, result, margins, reserves, goal)
+        return _Evaluation(values, reserves, goal, result, margins)
 
     # ---- searching -------------------------------------------------------------------------------
 
@@ -375,17 +382,19 @@ class _Search:
         """Optimise; return the reason of the termination."""
         from scipy.optimize import Bounds, NonlinearConstraint, minimize
 
-        n, has_goal = len(self.names), self.goal is not None
+        n = len(self.names)
         start = (self.first - self.low) / (self.high - self.low)
+        low, high = [0.0] * n, [1.0] * n
         try:
             first = self.at(start)
-            room = 0 if has_goal else 1  # for t
-            v0 = np.append(start, [] if has_goal else np.clip(first.least, -1, 1))
+            if self.goal is None:  # t is the last variable
+                smallest = np.clip(first.reserves.min(), -1, 1)
+                start, low, high = np.append(start, smallest), [*low, -2.0], [*high, 1.0]
             end = minimize(
                 self._objective,
-                v0,
+                start,
                 method="COBYLA",
-                bounds=Bounds([0.0] * n + [-2.0] * room, [1.0] * n + [1.0] * room),
+                bounds=Bounds(low, high),
                 constraints=NonlinearConstraint(self._constraints, TOLERANCE, np.inf),
                 tol=LAST_STEP,
                 options={"rhobeg": FIRST_STEP, "maxiter": 20 * self.max_evaluations},
@@ -401,7 +410,7 @@ class _Search:
         if self.goal is None:
             return -float(v[-1])
         goal = self.at(v).goal
-        return self.sign * goal / self.scale if goal == goal else 1.0 + abs(self.sign)
+        return self.sign * goal / self.scale if isfinite(goal) else FAILED_OBJECTIVE
 
     def _constraints(self, v: Array) -> Array:
         """Return the constraints, >= 0: the reserves, minus t if the smallest one is maximised."""
@@ -411,43 +420,42 @@ class _Search:
 
     # ---- result ----------------------------------------------------------------------------------
 
-    def found(self, ended: str) -> OptimisedSchedule:
-        """Return the result: the best of all computed windings."""
-        done = [case for case in self.evaluations.values() if case.result is not None]
-        if not done:
+    def result(self, ended: str) -> OptimisedSchedule:
+        """Return the best of all computed windings.
+
+        Parameters
+        ----------
+        ended : str
+            Reason of the termination.
+        """
+        if not self.solved:
             raise NotConverged(f"no schedule in these ranges can be computed: {self.failure}")
-        feasible = [case for case in done if case.least >= 0]
+        feasible = [case for case in self.solved if case.least >= 0]
         if feasible and self.goal is not None:
             best = min(feasible, key=lambda case: self.sign * case.goal)
         else:
-            best = max(feasible or done, key=lambda case: case.least)
+            best = max(feasible or self.solved, key=lambda case: case.least)
         nearest = max(best.least, 0.0) + BINDING
-        goal = (
-            f"{'most' if self.sign < 0 else 'least'} {self.goal}"
-            if self.goal
-            else ("largest smallest reserve")
-        )
+        reserves = zip(self.checked, best.reserves, strict=True)
+        goal = "largest smallest reserve"
+        if self.goal is not None:
+            goal = f"{'most' if self.sign < 0 else 'least'} {self.goal}"
         every = list(self.evaluations.values())
-        problem = self.model.problem
         return OptimisedSchedule(
             names=self.names,
-            start=np.array([get_field(problem, name) for name in self.names]),
+            start=self.initial,
             values=np.array(best.values),
-            before=self.before[0],
+            before=self.before,
             after=best.result,
-            margins_before=self.before[1],
+            margins_before=self.margins_before,
             margins_after=best.margins,
             feasible=best.least >= 0,
-            binding=tuple(
-                name
-                for name, reserve in zip(self.checked, best.reserves, strict=True)
-                if reserve <= nearest
-            ),
+            binding=tuple(name for name, reserve in reserves if reserve <= nearest),
             tried=np.array([case.values for case in every]),
-            reserves=np.array([case.least if case.result is not None else nan for case in every]),
+            reserves=np.array([case.least for case in every]),
             goal=goal,
             goals=np.array([case.goal for case in every]),
             ended=ended,
             ranges=np.column_stack([self.low, self.high]),
-            quantities={name: field_quantity(problem, name) for name in self.names},
+            quantities=quantities_of(self.model, self.names),
         )

@@ -14,15 +14,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import InvalidProblem
-from ..results import Presented, ReadOnly
-from .design import Column, Design, Range
-from .table import Table, failures
+from .cases import Cases, scaled_to_range, table_of_cases
+from .outcome import Outcome
+from .run import Table, failures
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray
 
-__all__ = ["SobolIndices", "saltelli_design", "sobol_indices_of"]
+__all__ = ["SobolIndices", "saltelli_cases", "sobol_indices_of"]
 
 Array = np.ndarray
 RESAMPLES = 200
@@ -32,7 +32,7 @@ MAX_SHOWN = 3  # inputs in one line
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SobolIndices(Presented, ReadOnly):
+class SobolIndices(Outcome):
     """Result of :func:`woundon.global_sensitivity`: Sobol' indices with 95 % intervals.
 
     Attributes
@@ -70,16 +70,14 @@ class SobolIndices(Presented, ReadOnly):
         """Return the indices as an xarray Dataset along ``output`` and ``input``."""
         import xarray
 
-        dims, ends = ("output", "input"), ("end", "output", "input")
-        return xarray.Dataset(
-            {
-                "first_order": (dims, self.first_order, {"units": "1"}),
-                "total_order": (dims, self.total_order, {"units": "1"}),
-                "first_interval": (ends, self.first_interval, {"units": "1"}),
-                "total_interval": (ends, self.total_interval, {"units": "1"}),
-            },
-            {"output": list(self.outputs), "input": list(self.inputs), "end": ["low", "high"]},
-        )
+        names = ("first_order", "total_order", "first_interval", "total_interval")
+        variables: dict[str, Any] = {}
+        for name in names:
+            values = getattr(self, name)
+            dims = ("end", "output", "input")[-values.ndim :]
+            variables[name] = (dims, values, {"units": "1"})
+        coordinates = {"output": list(self.outputs), "input": list(self.inputs)}
+        return xarray.Dataset(variables, {**coordinates, "end": ["low", "high"]})
 
     def to_dataframe(self) -> pd.DataFrame:
         """Return a row for each output and input: the indices and their 95 % intervals [1]."""
@@ -97,40 +95,46 @@ class SobolIndices(Presented, ReadOnly):
         return pd.DataFrame({name: v.ravel() for name, v in columns.items()}, index=index)
 
     def __repr__(self) -> str:
-        order = np.argsort(-self.total_order[0])[:MAX_SHOWN]
+        order = self._strongest_first(0)[:MAX_SHOWN]
         texts = ", ".join(f"{self.inputs[j]} {self.total_order[0, j]:.2f}" for j in order)
         suffix = f"; {len(self.outputs)} outputs" if len(self.outputs) > 1 else ""
         return f"SobolIndices({self.outputs[0]}: {texts} of {len(self.inputs)} inputs{suffix})"
 
-    def _repr_html_(self) -> str:
-        """Return the indices as an HTML table, the strongest input of each output first."""
-        head = "Share of the variance, alone (first order) and with interactions (total)"
-        strongest = [
+    def heading(self) -> str:
+        """Return the heading of the table in a notebook."""
+        return "Share of the variance, alone (first order) and with interactions (total)"
+
+    def table_for_display(self) -> pd.DataFrame:
+        """Return the indices, the strongest input of each output first."""
+        rows = [
             k * len(self.inputs) + j
             for k in range(len(self.outputs))
-            for j in np.argsort(-self.total_order[k])
+            for j in self._strongest_first(k)
         ]
-        table = self.to_dataframe().iloc[strongest]
-        return self._html_of_table(head, table, self.remarks())
+        return self.to_dataframe().iloc[rows]
 
-    def lines(self) -> list[str]:
+    def _strongest_first(self, output: int) -> Array:
+        """Return the numbers of the inputs in the order of their total index."""
+        return np.argsort(-self.total_order[output])
+
+    def answer(self) -> list[str]:
         """Return the indices as lines of text, by output, the strongest input first."""
         out = []
         for k, output in enumerate(self.outputs):
             out.append(f"{output}: share of the variance, alone / with interactions")
-            for j in np.argsort(-self.total_order[k]):
+            for j in self._strongest_first(k):
                 ends = self.total_interval[:, k, j]
                 mark = "  *" if self.uncertain[k, j] else ""
                 out.append(
                     f"  {self.inputs[j]:<28} {self.first_order[k, j]:6.3f} / "
                     f"{self.total_order[k, j]:.3f}  (95 %: {ends[0]:.3f} to {ends[1]:.3f}){mark}"
                 )
-        return out + self.remarks()
+        return out
 
     @property
     def samples(self) -> int:
         """Number of samples, the cases without those of mixed columns."""
-        return self.table.design.size // (len(self.inputs) + 2)
+        return len(self.table.cases) // (len(self.inputs) + 2)
 
     @property
     def uncertain(self) -> Array:
@@ -169,24 +173,8 @@ class SobolIndices(Presented, ReadOnly):
             f"order above total): use samples={self.proposed_samples}"
         ]
 
-    def plot(self, path: Any = None, ax: Any = None, panels: Any = None) -> Any:
-        """Draw the indices as bars, the input that explains most on top.
 
-        Parameters
-        ----------
-        path, ax
-            As of :func:`woundon.plot`.
-        panels : str or sequence of str, optional
-            Outputs to draw.
-
-        Returns
-        -------
-        matplotlib.figure.Figure, or ``ax`` where it is given
-        """
-        return self._figure(path, ax, panels)
-
-
-def saltelli_design(ranges: Mapping[str, Any], samples: int, seed: int) -> Design:
+def saltelli_cases(ranges: Mapping[str, Any], samples: int, seed: int) -> Cases:
     """Return the samples * (inputs + 2) cases of Saltelli's scheme: A, B, A with columns of B.
 
     Parameters
@@ -218,13 +206,15 @@ def saltelli_design(ranges: Mapping[str, Any], samples: int, seed: int) -> Desig
     A, B = unit[:, :d], unit[:, d:]
     mixed = [np.where(np.arange(d) == k, B, A) for k in range(d)]
     points = np.concatenate([A, B, *mixed])
-    intervals = [Range(name, ends) for name, ends in ranges.items()]
-    columns = (Column(r.name, r.scaled(points[:, k])) for k, r in enumerate(intervals))
-    return Design("table", tuple(columns))
+    columns = {
+        name: scaled_to_range(name, ends, points[:, k])
+        for k, (name, ends) in enumerate(ranges.items())
+    }
+    return table_of_cases(columns)
 
 
 def sobol_indices_of(table: Table, samples: int, seed: int) -> SobolIndices:
-    """Return the indices from the solved cases of :func:`saltelli_design`.
+    """Return the indices from the solved cases of :func:`saltelli_cases`.
 
     Raises
     ------
@@ -236,9 +226,9 @@ def sobol_indices_of(table: Table, samples: int, seed: int) -> SobolIndices:
         raise InvalidProblem.at(
             "over",
             f"narrow the ranges: Sobol's indices need every case, and {table.failed.size} of "
-            f"{table.design.size} failed, {count} like this: {reason}",
+            f"{len(table.cases)} failed, {count} like this: {reason}",
         )
-    inputs, outputs = table.design.names, tuple(table.outputs)
+    inputs, outputs = table.cases.names, tuple(table.outputs)
     values = np.stack(list(table.outputs.values())).reshape(len(outputs), len(inputs) + 2, samples)
     first, total = _indices(values, samples)
     rng = np.random.default_rng(seed)

@@ -10,10 +10,11 @@ from textwrap import fill
 from .. import kinds
 from ..errors import InvalidProblem
 from ..io.case_texts import SCHEMA, to_toml
+from ..problems.paths import field_quantity
 from ..problems.problem import Problem
 from ..problems.units import text_with_unit
-from ..quantities import Quantity, find, scalar_outputs
-from .kind_model import options_of
+from ..quantities import Quantity, scalar_outputs
+from .model import options_of
 
 __all__ = ["study_template"]
 
@@ -74,7 +75,7 @@ def study_template(kind: str) -> str:
 
 def _varied_fields(problem: Problem) -> Iterator[tuple[str, str]]:
     """Yield two fields, loads if possible, with values as TOML."""
-    known = {name: find(problem, name)[0].quantity for name in type(problem).model_fields}
+    known = {name: field_quantity(problem, name) for name in type(problem).model_fields}
     loads = {
         name: quantity
         for name, quantity in known.items()

@@ -1,6 +1,17 @@
 r"""The operating window: the probability that a roll keeps all its limits, over the set points.
 
-:mod:`.window_study` solves the windings, :mod:`.window_map` interpolates their margins and computes
+The windings are solved in stages:
+
+    nips     windings with nips at 3 x 3 set points: the friction shares as polynomials of them
+    preview  windings with these shares, which need no nips, at the centre with each input one
+             standard deviation higher
+    steps    the same windings with nips: the effects of the inputs on the shares
+    rolls    windings with shares at 5 x 5 set points with median inputs, and at set points and
+             inputs drawn from their distributions
+    checks   windings with nips at eight other set points, four of them with other inputs: errors
+
+If shares are of no help, all windings are solved like those of the first stage.
+:mod:`.window_cases` solves the windings, :mod:`.window_map` interpolates their margins and computes
 the probabilities.
 """
 
@@ -13,22 +24,52 @@ from typing import Any
 import numpy as np
 
 from ..arguments import whole_number
-from ..errors import InvalidProblem
-from ..problems.grades import Grade, grade
-from ..problems.messages import quote
+from ..errors import InvalidProblem, NotConverged
+from ..problems.grades import Grade
 from ..problems.problem import Problem
-from .api import in_si
-from .kind_model import field_quantity, get_field
 from .progress import Progress, progress_reporter
-from .window_cases import CaseSolver
-from .window_map import SetPoints
-from .window_model import margin_names, window_model
+from .run import Workers
+from .window_cases import (
+    CaseSolver,
+    Shares,
+    Windings,
+    joined,
+    margin_names,
+    range_of,
+    share_polynomials,
+    spreads_and_ties,
+    window_model,
+)
+from .window_map import (
+    MarginMap,
+    SetPoints,
+    expansion_of,
+    fitted,
+    grid,
+    lobatto,
+    sobol_points,
+    standard_normal,
+    terms_of,
+    to_reserve,
+)
 from .window_result import OperatingWindow
-from .window_study import WindowStudy
 
 __all__ = ["operating_window"]
 
-MOST_SPREAD = 2.0
+Array = np.ndarray
+Case = tuple[tuple[float, ...], tuple[float, ...]]  # coordinates of set point and inputs
+GRID = 33  # points of the map along web tension and nip load
+# windings with drawn inputs: for each coefficient of an expansion in which all inputs matter, but
+# at most so many of rolls, which are fast, or with nips
+DRAWN_PER_TERM, DRAWN, DRAWN_WITH_NIPS = 3, 128, 48
+# Work of a winding whose nips are solved, relative to one with known friction shares, for the
+# reported progress: ten nips of 33 nodes and three iterations take as long as about 20 rolls.
+WORK_WITH_NIPS = 20
+FEWEST = 4  # solved windings from which a map is made
+INNER = 0.5**0.5  # torque split of the checks, between two of its three levels
+# off all lines of the 5 x 5 points, halfway between them in the angle
+OUTER, MIDDLE = 0.92387953, 0.38268343
+CHECKS = ((OUTER, MIDDLE), (-MIDDLE, OUTER), (-OUTER, -MIDDLE), (MIDDLE, -OUTER))
 
 
 def operating_window(
@@ -42,6 +83,7 @@ def operating_window(
     samples: int = 2048,
     seed: int = 0,
     workers: int | None = None,
+    scheduler: str | None = None,
     out: str | Path | None = None,
     resume: bool = False,
     progress: bool | Progress = False,
@@ -70,6 +112,8 @@ def operating_window(
         Draws from the distributions, 100 to 100 000, and the seed of their generator.
     workers : int
         Processes; by default one for each core.
+    scheduler : str
+        Address of a Dask scheduler, "tcp://...", whose workers solve the windings.
     out : path
         Folder for the windings; ``resume=True`` continues an interrupted computation.
     progress : bool or callable
@@ -90,7 +134,7 @@ def operating_window(
     InvalidProblem
         For invalid ranges or names, without limits, or without spreads.
     NotConverged
-        If too few windings can be solved.
+        If too few windings can be solved, or there is no steady state at any point.
 
     Examples
     --------
@@ -109,86 +153,329 @@ def operating_window(
     >>> window.best.probability, window.at("400 N/m", "3 kN/m").binding
     (1.0, 'blocking')
     """
-    _check_kind(problem)
-    spreads, ties = _spreads(problem, uncertain, tie)
+    if not margin_names(problem):
+        text = f"{type(problem).__name__} is out of place; must be a WindingProblem"
+        raise InvalidProblem.at("problem", text)
+    if resume and out is None:
+        raise InvalidProblem.at("resume", "needs out, the folder of the windings")
+    spreads, ties = spreads_and_ties(problem, uncertain, tie)
     whole_number("samples", samples, 100, 100_000)
     model = window_model(problem, ties, options)
     for name in spreads:
         model.check_varied([name])
-    ranges = _ranges(problem, web_tension, nip_load, torque_split)
-    set_points = SetPoints(tuple(ranges), np.array(list(ranges.values())))
-    solver = CaseSolver(model, set_points, spreads, workers, out, resume)
+    given = {"web_tension": web_tension, "nip_load": nip_load}
+    if torque_split is not None:
+        given["torque_split"] = torque_split
+    ranges = np.array([range_of(problem, name, ends) for name, ends in given.items()])
+    set_points = SetPoints(tuple(given), ranges)
+    sample = standard_normal(len(spreads), samples, seed)
+    folder = None if out is None else Path(out)
+    solver = CaseSolver(model, set_points, spreads, Workers(workers, scheduler), folder, resume)
     with progress_reporter(progress, "winding") as report:
-        study = WindowStudy(solver, (samples, seed), report)
-        coarse = study.coarse()
+        return _Study(solver, sample, report).run(preview)
+
+
+class _Study:
+    """The windings of a window, solved in stages, and the maps that follow from them.
+
+    Parameters
+    ----------
+    solver : CaseSolver
+    sample : (draws, inputs) array
+        Inputs in standard deviations, for the probabilities.
+    report : callable
+        Is called with (work done, work expected), in windings with known friction shares.
+    """
+
+    def __init__(self, solver: CaseSolver, sample: Array, report: Progress) -> None:
+        self.solver, self.sample, self.report = solver, sample, report
+        self.model, self.set_points = solver.model, solver.set_points
+        self.dimension, self.inputs = len(self.set_points.names), len(solver.spreads)
+        levels = [lobatto(3)] * (self.dimension - 2)  # of the torque split
+        self.rough = grid(lobatto(3), lobatto(3), *levels)
+        self.fine = grid(lobatto(5), lobatto(5), *levels)  # has all points of the rough grid
+        self.added = np.array([x for x in self.fine.tolist() if x not in self.rough.tolist()])
+        names = np.array(margin_names(self.model.problem))
+        self.margins, self.is_checked = names, np.ones(names.size, dtype=bool)
+        self.with_nips: list[Windings] = []  # of all stages in which nips are solved
+        self.work_with_nips = WORK_WITH_NIPS if self.model.depths else 1
+        with_nips = len(self.rough) + self.inputs + 2 * len(CHECKS)
+        self.done, self.expected = 0, self.work_with_nips * with_nips
+        self.expected += len(self.added) + self._number_of_draws()
+        if self.model.depths:  # the preview, and the rough points of the rolls too
+            self.expected += 1 + self.inputs + len(self.rough)
+
+    # ---- stages ---------------------------------------------------------------------------------
+
+    def run(self, preview: Callable[[OperatingWindow], Any] | None) -> OperatingWindow:
+        """Solve the windings of all stages; return the window."""
+        rough = nips = self._solve("nips", self.rough)
+        degree, has_shares = 2, bool(self.model.depths)
+        if has_shares and not nips.is_solved.all():  # polynomials need more points then
+            nips, degree = joined(nips, self._solve("more_nips", self.added)), 4
+        self._select_checked(nips)
+        rough, nips = self._checked(rough), self._checked(nips)
+
+        # each input one standard deviation higher, at one set point
+        reference = nips.rows([_nearest_to_centre(nips)])
+        x, z = np.repeat(reference.x, self.inputs, axis=0), np.eye(self.inputs)
+        if has_shares:
+            # without nips, as if the inputs had no effect on the friction shares
+            without_effects = reference.rows([0] * self.inputs)
+            shares = share_polynomials(nips, self._degrees(degree), reference, without_effects)
+            places = np.vstack([reference.x, x]), np.vstack([reference.z, z])
+            known = self._solve("preview", *places, shares)
+            base, steps = known.rows([0]), known.rows(slice(1, None))
+        else:
+            base, steps = reference, self._solve("steps", x, z)
+        coarse = self._window(rough, base, steps)
         if preview is not None:
             preview(coarse)
-        return study.complete()
 
+        if has_shares:
+            steps = self._solve("steps", x, z)
+            shares = share_polynomials(nips, self._degrees(degree), reference, steps)
+            nominal, drawn = self._solve_rolls(self.fine, shares)
+        else:
+            added, drawn = self._solve_rolls(self.added, None)
+            nominal = joined(nips, added)
+            nominal = nominal.rows(np.lexsort(nominal.x.T[::-1]))  # in the order of the grid
+        checks = self._solve("checks", *self._checks())
+        return self._window(nominal, reference, steps, drawn, checks)
 
-def _check_kind(problem: Any) -> None:
-    if not margin_names(problem):
-        text = f"{type(problem).__name__} is out of place; must be a WindingProblem"
-        raise InvalidProblem.at("problem", text)
+    def _solve_rolls(self, points: Array, shares: Shares | None) -> tuple[Windings, Windings]:
+        """Solve windings at points with median inputs, and with drawn inputs."""
+        x, z = self._drawn()
+        medians = np.zeros((len(points), self.inputs))
+        windings = self._solve("rolls", np.vstack([points, x]), np.vstack([medians, z]), shares)
+        return windings.rows(slice(len(points))), windings.rows(slice(len(points), None))
 
+    def _solve(
+        self, stage: str, x: Array, z: Array | None = None, shares: Shares | None = None
+    ) -> Windings:
+        """Solve the windings of a stage and report the progress.
 
-def _spreads(
-    problem: Any, uncertain: Any, tie: Mapping[str, str] | None
-) -> tuple[dict[str, float], dict[str, str]]:
-    """Return the relative standard deviations of the inputs, and the fields that follow others."""
-    overrides: Mapping[str, Any] = uncertain if isinstance(uncertain, Mapping) else {}
-    base_grade: Grade | None = getattr(problem, "named_grade", None)
-    if isinstance(uncertain, (str, Grade)):
-        base_grade = grade(uncertain)
-    elif uncertain is not None and not isinstance(uncertain, Mapping):
-        text = f"{quote(uncertain)} is out of place; must be {{field: relative deviation}}"
-        raise InvalidProblem.at("uncertain", text)
-    spreads: dict[str, float] = {}
-    ties = dict(tie or {})
-    if base_grade is not None:
-        ties = {**base_grade.tied_fields(problem), **ties}
-        spreads = {n: s for n, s in base_grade.spread_of(problem).items() if n not in ties}
-    spreads |= {name: _spread(problem, name, value) for name, value in overrides.items()}
-    if not spreads:
-        text = (
-            "missing, and the case names no grade that has spreads; must be {field: relative "
-            "standard deviation}, on the command line --uncertain FIELD=DEVIATION"
+        Parameters
+        ----------
+        stage : str
+            Name of its folder.
+        x : (cases, d) array
+            Coordinates of the set points.
+        z : (cases, inputs) array, optional
+            By default median inputs.
+        shares : callable, optional
+            Friction shares of cases; by default the nips are solved.
+        """
+        z = np.zeros((len(x), self.inputs)) if z is None else z
+        done, work = self.done, self.work_with_nips if shares is None else 1
+        self.done = done + work * len(x)
+        self.expected = max(self.expected, self.done)
+
+        def report(solved: int, _: int) -> None:
+            self.report(done + work * solved, self.expected)
+
+        windings = self.solver.solve(stage, x, z, shares, report)
+        if shares is None:
+            self.with_nips.append(windings)
+        return self._checked(windings)
+
+    def _select_checked(self, nips: Windings) -> None:
+        """Select the margins that have a limit: those that are a number in a winding.
+
+        Raises
+        ------
+        NotConverged, InvalidProblem
+            If no winding was solved; if no margin has a limit.
+        """
+        if not nips.is_solved.any():
+            text = f"none of {len(nips.x)} windings was solved: {self._reasons()}"
+            raise NotConverged(text)
+        self.is_checked = np.isfinite(nips.margins).any(axis=0)
+        if not self.is_checked.any():
+            text = "none is given; must be at least one, or no margin can be checked"
+            raise InvalidProblem.at("limits", text)
+
+    def _checked(self, windings: Windings) -> Windings:
+        """Return windings with the margins that have a limit."""
+        return windings._replace(margins=windings.margins[:, self.is_checked])
+
+    # ---- cases ----------------------------------------------------------------------------------
+
+    def _drawn(self) -> tuple[Array, Array]:
+        """Return cases at admissible set points, even in x, with inputs of their distribution."""
+        from scipy.stats import norm
+
+        # more than needed, because some set points may not be admissible
+        points = sobol_points(self.dimension + self.inputs, 4 * DRAWN, seed=0)
+        x, z = 2 * points[:, : self.dimension] - 1, norm.ppf(points[:, self.dimension :])
+        kept = np.nonzero(self._is_admissible(x))[0][: self._number_of_draws()]
+        return x[kept], z[kept]
+
+    def _number_of_draws(self) -> int:
+        """Return the number of windings with drawn inputs."""
+        if self.inputs == 0:
+            return 0
+        problem: Any = self.model.problem
+        solves_nips = problem.tension_law == "nip" and not self.model.depths
+        terms = terms_of(self.inputs, self.inputs, self.dimension)
+        return min(DRAWN_WITH_NIPS if solves_nips else DRAWN, DRAWN_PER_TERM * terms)
+
+    def _checks(self) -> tuple[Array, Array]:
+        """Return cases at set points between those of the polynomials.
+
+        The inputs are median, then all changed by one standard deviation, with random signs.
+        """
+        corners = np.array(CHECKS)
+        places = np.vstack([corners, corners * [-1, 1]])
+        count = len(corners)
+        # between two of the three levels of the torque split
+        split = np.tile((-1.0) ** np.arange(count) * INNER, 2)
+        x = np.column_stack([places, *[split] * (self.dimension - 2)])
+        signs = np.random.default_rng(0).choice([-1.0, 1.0], (count, self.inputs))
+        return x, np.vstack([np.zeros((count, self.inputs)), signs])
+
+    # ---- maps -----------------------------------------------------------------------------------
+
+    def _window(
+        self,
+        nominal: Windings,
+        base: Windings,
+        steps: Windings,
+        drawn: Windings | None = None,
+        checks: Windings | None = None,
+    ) -> OperatingWindow:
+        """Return the window of the windings solved so far.
+
+        Parameters
+        ----------
+        nominal : Windings
+            At nodes with median inputs.
+        base, steps : Windings
+            At one set point: with median inputs, and with one input each one standard deviation
+            higher.
+        drawn : Windings, optional
+            With drawn inputs; without them the window is a preview.
+        checks : Windings, optional
+            As of :meth:`_checks`.
+        """
+        mapped = self._margin_map(nominal, base, steps, drawn)
+        axes = [np.linspace(-1, 1, GRID)] * 2 + [lobatto(3)] * (self.dimension - 2)
+        mesh, shape = grid(*axes), tuple(len(axis) for axis in axes)
+        failures = self._failures(nominal, *([] if drawn is None else [drawn]))
+        is_steady = self._is_steady(mesh, nominal.x, failures)
+        if not is_steady.any():
+            raise NotConverged("no steady state exists at any point of the map")
+        deviations = self._deviations(mapped, checks)
+        model, names = self.model, (*self.set_points.names, *self.solver.spreads)
+        varied = {name: model.quantity(name) for name in names}
+        return OperatingWindow(
+            problem=model.problem,
+            names=self.set_points.names,
+            ranges=self.set_points.ranges,
+            margins=tuple(self.margins[self.is_checked].tolist()),
+            uncertain=self.solver.spreads,
+            axes=tuple(self.set_points.along(k, axis) for k, axis in enumerate(axes)),
+            probability=np.where(is_steady, mapped.probability(mesh), np.nan).reshape(shape),
+            index=mapped.distances(mesh).reshape(*shape, -1),
+            points=self.set_points.values(nominal.x),
+            values=to_reserve(nominal.margins)[0],
+            failures=tuple(
+                (tuple(self.set_points.values(np.array([x]))[0].tolist()), reason)
+                for (x, _), reason in failures.items()
+            ),
+            errors=mapped.probability_errors(mesh[is_steady], deviations),
+            **deviations,
+            windings=sum(len(part.x) for part in self.with_nips),
+            is_coarse=drawn is None,
+            quantities={name: q for name, q in varied.items() if q is not None},
+            map=mapped,
+            model=model.with_margins(self.margins[self.is_checked].tolist()),
         )
-        raise InvalidProblem.at("uncertain", text)
-    return {n: s for n, s in spreads.items() if s > 0 and get_field(problem, n) > 0}, ties
+
+    def _margin_map(
+        self, nominal: Windings, base: Windings, steps: Windings, drawn: Windings | None
+    ) -> MarginMap:
+        """Return the margins as functions of set point and inputs; arguments as of a window.
+
+        Raises
+        ------
+        NotConverged
+            If too few windings are solved.
+        """
+        known = nominal.rows(np.isfinite(nominal.margins).all(axis=1))
+        if len(known.x) < FEWEST:
+            text = f"only {len(known.x)} of {len(nominal.x)} windings were solved"
+            raise NotConverged(f"{text}: {self._reasons(nominal)}")
+        degrees = self._degrees(2 if drawn is None else 4)
+        polynomial = fitted(known.x, known.margins, degrees)
+        changed = steps if drawn is None else joined(steps, drawn)
+        changed = changed.rows(np.isfinite(changed.margins).all(axis=1))
+        changes = changed.margins - polynomial(changed.x)
+        differences = steps.margins - base.margins
+        powers, factors = expansion_of(changed.x, changed.z, changes, differences)
+        return MarginMap(polynomial, powers, factors, self.sample)
+
+    def _degrees(self, degree: int) -> list[int]:
+        """Return the degrees along all coordinates; the torque split has three levels."""
+        return [degree, degree, *[2] * (self.dimension - 2)]
+
+    def _deviations(self, mapped: MarginMap, checks: Windings | None) -> dict[str, Array]:
+        """Return root mean square differences of the margins from windings, nan without any.
+
+        Those with median inputs are errors of the interpolation, the others of the expansion.
+        """
+        unknown = np.full(self.is_checked.sum(), np.nan)
+        deviations = {"interpolation": unknown, "expansion": unknown}
+        if checks is None:
+            return deviations
+        halves = slice(len(CHECKS)), slice(len(CHECKS), None)
+        for name, half in zip(deviations, halves, strict=True):
+            solved = checks.rows(half).rows(checks.is_solved[half])
+            if len(solved.x):
+                differences = mapped.margins(solved.x, solved.z) - solved.margins
+                deviations[name] = np.sqrt(np.mean(differences**2, axis=0))
+        return deviations
+
+    # ---- where windings exist -------------------------------------------------------------------
+
+    def _is_steady(self, mesh: Array, nodes: Array, failures: Mapping[Case, str]) -> Array:
+        """Return a mask of the points at which a winding exists.
+
+        Not where the problem is rejected, as the drum slides, and not where the nearest node is
+        admissible and nevertheless not solved.
+        """
+        median = (0.0,) * self.inputs
+        has_failed = np.array([(tuple(x), median) in failures for x in nodes.tolist()])
+        if not has_failed.any():
+            return np.ones(len(mesh), dtype=bool)
+        unsolved = has_failed & self._is_admissible(nodes)
+        squares = ((mesh[:, None] - nodes[None]) ** 2).sum(axis=-1)
+        return self._is_admissible(mesh) & ~unsolved[np.argmin(squares, axis=1)]
+
+    def _is_admissible(self, x: Array) -> Array:
+        """Return a mask of the coordinates with a valid problem: loads that the drum can carry."""
+        is_admissible = np.ones(len(x), dtype=bool)
+        for k, point in enumerate(self.set_points.values(x).tolist()):
+            try:
+                self.model.variant(dict(zip(self.set_points.names, point, strict=True)))
+            except InvalidProblem:
+                is_admissible[k] = False
+        return is_admissible
+
+    def _failures(self, *others: Windings) -> dict[Case, str]:
+        """Return why windings failed: those with nips, and others."""
+        return {
+            (tuple(x), tuple(z)): reason
+            for part in (*self.with_nips, *others)
+            for x, z, reason in zip(part.x.tolist(), part.z.tolist(), part.failures, strict=True)
+            if reason
+        }
+
+    def _reasons(self, *others: Windings) -> str:
+        return "; ".join(dict.fromkeys(self._failures(*others).values()))
 
 
-def _spread(problem: Any, name: str, spread: Any) -> float:
-    """Return a relative standard deviation of a field that has a log-normal distribution."""
-    is_number = isinstance(spread, (int, float)) and not isinstance(spread, bool)
-    if not is_number or not 0 <= spread <= MOST_SPREAD:
-        text = f"{quote(spread)} is out of range; must be >= 0 and <= {MOST_SPREAD:g}"
-        raise InvalidProblem.at(f"uncertain.{name}", text)
-    value = get_field(problem, name)
-    if field_quantity(problem, name) is None or not isinstance(value, float) or value <= 0:
-        text = f"{quote(value)} is not a number > 0, so it has no log-normal distribution"
-        raise InvalidProblem.at(f"uncertain.{name}", text)
-    return float(spread)
-
-
-def _ranges(problem: Any, *intervals: Any) -> dict[str, tuple[float, float]]:
-    """Return the ranges by name, SI units."""
-    ranges: dict[str, tuple[float, float]] = {}
-    for name, ends in zip(("web_tension", "nip_load", "torque_split"), intervals, strict=True):
-        if ends is None and name == "torque_split":
-            continue
-        if isinstance(ends, str) or not hasattr(ends, "__len__") or len(ends) != 2:
-            raise InvalidProblem.at(name, f"{quote(ends)} is out of place; must be (low, high)")
-        low, high = (_number(name, end) for end in in_si(problem, {name: ends})[name])
-        lowest = -1e-300 if name == "torque_split" else 0.0
-        if not lowest < low < high < float("inf"):
-            text = f"({low:g}, {high:g}) is out of range; must be 0 < low < high"
-            raise InvalidProblem.at(name, text)
-        ranges[name] = (low, high)
-    return ranges
-
-
-def _number(name: str, value: Any) -> float:
-    if isinstance(value, bool) or not isinstance(value, (int, float, np.floating, np.integer)):
-        raise InvalidProblem.at(name, f"{quote(value)} is not a number")
-    return float(value)
+def _nearest_to_centre(windings: Windings) -> int:
+    """Return the row of the solved winding whose set point is nearest to the centre."""
+    squares = np.sum(windings.x**2, axis=1)
+    return int(np.argmin(np.where(windings.is_solved, squares, np.inf)))

@@ -1,172 +1,401 @@
-"""The windings of an operating window: solved cases, and friction shares interpolated of them."""
+"""The windings of an operating window: problems at set points, friction shares, and solutions.
+
+A set point is the value of a schedule at the core; the schedule keeps its shape.
+
+Nearly all the time of a winding is spent on its nips, while the *friction share* y of the
+wound-on tension varies little and smoothly with the set point and the inputs:
+
+    WOT(r) = T_in(r) + F(r) + y(d) mu P(r),      d = (r - r_c)/(R - r_c)
+
+with the roll friction mu and the nip load P.  A winding whose y is interpolated takes only the
+computation of the roll, about a twentieth of the time.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
+from math import inf, log
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..errors import InvalidProblem
-from .design import make_design
-from .engine import run_study
-from .kind_model import get_field
-from .runners import runner_for
+from ..problems.grades import Grade, grade
+from ..problems.messages import quote
+from ..problems.paths import field_quantity, get_field
+from ..problems.problem import Problem
+from ..problems.schedules import Profile, Taper
+from ..quantities import Quantity, scalar_outputs
+from .api import in_si
+from .cases import table_of_cases
+from .model import Answer, KindModel, kind_of, model_of
+from .progress import Progress
+from .run import Workers, run_study
 from .window_map import SetPoints, fitted, from_reserve
-from .window_model import FRICTION_SHARE, WindowModel
-from .window_result import log_deviation
 
-__all__ = ["Case", "CaseSolver", "Point", "Shares", "Windings", "share_polynomials"]
+__all__ = [
+    "CaseSolver",
+    "Shares",
+    "Windings",
+    "joined",
+    "margin_names",
+    "range_of",
+    "share_polynomials",
+    "spreads_and_ties",
+    "window_model",
+    "with_value",
+]
 
 Array = np.ndarray
-Point = tuple[float, ...]  # coordinates of a set point, or inputs in standard deviations
-Case = tuple[Point, Point]  # set point, inputs
-Shares = Callable[[Case], tuple[float, ...]]
+Shares = Callable[[Array, Array], Array]  # set points x, inputs z -> friction shares
+
+# Accuracy of the windings: changes of the margins by 0.01, a tenth of what the usual spreads cause
+ACCURACY: dict[str, Any] = {"rtol": 1e-2, "nodes": 33, "coupling_rtol": 1e-3}
+FRICTION_SHARE = "friction_share"  # the column of the shares, one tuple for each case
+# depths at which the shares are known: even in the logarithm, for they change near the core, and
+# even in the radius
+BY_LOGARITHM, EVEN = 25, 17
+SAME_DEPTH = 9  # decimals of d
+MOST_SPREAD = 2.0
 TOGETHER = 3  # windings that one worker solves in a row, each from the one before
 
 
-@dataclass(eq=False)
-class Windings:
-    """Solved windings: margins, friction shares and reasons of failures by case.
+# ---- input --------------------------------------------------------------------------------------
+
+
+def spreads_and_ties(
+    problem: Problem, uncertain: Any, tie: Mapping[str, str] | None
+) -> tuple[dict[str, float], dict[str, str]]:
+    """Return the relative standard deviations of the inputs, and the fields that follow others."""
+    base_grade: Grade | None = getattr(problem, "named_grade", None)
+    overrides: Mapping[str, Any] = {}
+    if isinstance(uncertain, Mapping):
+        overrides = uncertain
+    elif isinstance(uncertain, (str, Grade)):
+        base_grade = grade(uncertain)
+    elif uncertain is not None:
+        text = f"{quote(uncertain)} is out of place; must be {{field: relative deviation}}"
+        raise InvalidProblem.at("uncertain", text)
+    spreads, ties = dict[str, float](), dict(tie or {})
+    if base_grade is not None:
+        ties = {**base_grade.tied_fields(problem), **ties}
+        spreads = {n: s for n, s in base_grade.spread_of(problem).items() if n not in ties}
+    for name, spread in overrides.items():
+        _check_spread(problem, name, spread)
+        spreads[name] = float(spread)
+    if not spreads:
+        text = (
+            "missing, and the case names no grade that has spreads; must be {field: relative "
+            "standard deviation}, on the command line --uncertain FIELD=DEVIATION"
+        )
+        raise InvalidProblem.at("uncertain", text)
+    return {n: s for n, s in spreads.items() if s > 0 and get_field(problem, n) > 0}, ties
+
+
+def _check_spread(problem: Problem, name: str, spread: Any) -> None:
+    """Reject what is not a relative standard deviation of a field > 0."""
+    is_number = isinstance(spread, (int, float)) and not isinstance(spread, bool)
+    if not is_number or not 0 <= spread <= MOST_SPREAD:
+        text = f"{quote(spread)} is out of range; must be >= 0 and <= {MOST_SPREAD:g}"
+        raise InvalidProblem.at(f"uncertain.{name}", text)
+    value = get_field(problem, name)
+    if field_quantity(problem, name) is None or not isinstance(value, float) or value <= 0:
+        text = f"{quote(value)} is not a number > 0, so it has no log-normal distribution"
+        raise InvalidProblem.at(f"uncertain.{name}", text)
+
+
+def range_of(problem: Problem, name: str, ends: Any) -> tuple[float, float]:
+    """Return a range in SI units; only the torque split may be 0."""
+    if isinstance(ends, str) or not hasattr(ends, "__len__") or len(ends) != 2:
+        raise InvalidProblem.at(name, f"{quote(ends)} is out of place; must be (low, high)")
+    numbers = in_si(problem, {name: ends})[name]
+    for value in numbers:
+        if isinstance(value, bool) or not isinstance(value, (int, float, np.number)):
+            raise InvalidProblem.at(name, f"{quote(value)} is not a number")
+    low, high = map(float, numbers)
+    if not 0 <= low < high < inf or (low == 0 and name != "torque_split"):
+        text = f"({low:g}, {high:g}) is out of range; must be 0 < low < high"
+        raise InvalidProblem.at(name, text)
+    return low, high
+
+
+# ---- problems -----------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class WindowModel(KindModel):
+    """Windings whose schedules are given by their values at the core; the outputs are margins.
 
     Attributes
     ----------
-    margins : dict of Case to (margins,) array
-        The transformed reserves y; nan where the winding failed.
-    shares : dict of Case to (depths,) array
-    reasons : dict of Case to str
+    depths : tuple of float
+        Relative depths d at which the friction shares are outputs, behind the other outputs; none
+        if a wound-on tension takes no nip, or nips and roll are also coupled by entrained air.
     """
 
-    margins: dict[Case, Array] = field(default_factory=dict)
-    shares: dict[Case, Array] = field(default_factory=dict)
-    reasons: dict[Case, str] = field(default_factory=dict)
+    depths: tuple[float, ...] = ()
 
-    def add(self, case: Case, outputs: Array, depths: int, reason: str) -> None:
-        """Add a winding by its outputs, the last of which are friction shares at the depths."""
-        count = outputs.size - depths
-        self.margins[case] = from_reserve(outputs[:count])
-        self.shares[case] = outputs[count:]
-        if reason:
-            self.reasons[case] = reason
+    def variant(self, inputs: Mapping[str, Any]) -> Any:
+        """Return the problem of one case; with friction shares, one that needs no nip."""
+        fields: dict[str, Any] = {}
+        for name, value in inputs.items():
+            if name != FRICTION_SHARE:
+                fields |= with_value(self.problem, name, value)
+        problem = super().variant(fields)  # rejects a set point without a steady state
+        if FRICTION_SHARE not in inputs:
+            return problem
+        r, without_friction, friction = self._tensions(problem)
+        tension = without_friction + np.array(inputs[FRICTION_SHARE]) * friction
+        return problem.replace(tension_law=Profile(radius=r, value=tension))
 
-    def is_solved(self, case: Case) -> bool:
-        """Return True if a case is solved; False if it failed or is unknown."""
-        return case in self.margins and case not in self.reasons
+    def run(self, inputs: Mapping[str, Any], start: Any | None) -> Answer:
+        """Solve one case for its margins and the friction shares (WOT - T_in - F)/(mu+ P)."""
+        count = len(self.outputs) - len(self.depths)
+        answer = KindModel.run(replace(self, outputs=self.outputs[:count]), inputs, start)
+        if not self.depths:
+            return answer
+        winding = answer.state
+        r, without_friction, friction = self._tensions(winding.problem)
+        tension = np.interp(r, winding.radius, winding.wound_on_tension)
+        shares = (tension - without_friction) / friction
+        return answer._replace(values=(*answer.values, *shares.tolist()))
+
+    def _tensions(self, problem: Any) -> tuple[Array, Array, Array]:
+        """Return radii at the depths [m], T_in + F and mu+ P there [N/m]."""
+        core, R = problem.ends
+        r = core + np.array(self.depths) * (R - core)
+        r[-1] = R  # without rounding
+        without_friction = problem.at("web_tension", r) + problem.at("winding_force", r)
+        return r, without_friction, problem.roll_friction * problem.at("nip_load", r)
+
+    def with_margins(self, names: Sequence[str]) -> WindowModel:
+        """Return the model whose outputs are some of the margins, without friction shares."""
+        return replace(self, outputs=tuple(f"margins.{name}" for name in names), depths=())
+
+    def quantity(self, name: str) -> Quantity | None:
+        """Return the quantity of an output or a field; None for friction shares."""
+        return None if name.startswith(FRICTION_SHARE) else super().quantity(name)
 
 
-class CaseSolver:
-    """Solves windings at set points and inputs, stage by stage.
+def window_model(
+    problem: Any, tie: Mapping[str, str], options: Mapping[str, Any] | None
+) -> WindowModel:
+    """Return the model whose outputs are all margins, and the friction shares where they help.
 
     Parameters
+    ----------
+    problem : WindingProblem
+    tie : mapping of str to str
+        Field -> field that it follows.
+    options : mapping, optional
+        Options of the solver in place of the reduced accuracy.
+    """
+    names = [f"margins.{name}" for name in margin_names(problem)]
+    base = model_of(problem, names, tie, {**ACCURACY, **(options or {})})
+    depths = _depths(problem)
+    shares = tuple(f"{FRICTION_SHARE}[{k}]" for k in range(len(depths)))
+    return WindowModel(base.problem, (*base.outputs, *shares), base.options, base.tie, depths)
+
+
+def margin_names(problem: Any) -> tuple[str, ...]:
+    """Return the names of the margins among the outputs of a problem's kind."""
+    names = scalar_outputs(kind_of(problem).result)
+    return tuple(name.removeprefix("margins.") for name in names if name.startswith("margins."))
+
+
+def _depths(problem: Any) -> tuple[float, ...]:
+    """Return the relative depths at which the friction shares of a winding are interpolated."""
+    if problem.tension_law != "nip" or problem.air is not None:
+        return ()
+    core, R = problem.ends
+    first = problem.web.thickness / (R - core)
+    kinks = [(r - core) / (R - core) for r in problem.kinks if core < r < R]
+    d = [0.0, *np.geomspace(first, 1.0, BY_LOGARITHM), *np.linspace(0.0, 1.0, EVEN), *kinks]
+    return tuple(np.unique(np.round(d, SAME_DEPTH)).tolist())
+
+
+def with_value(problem: Any, name: str, value: Any) -> dict[str, Any]:
+    """Return the fields that give a field a value, or a schedule this value at the core."""
+    schedule = get_field(problem, name)
+    if isinstance(schedule, Taper):
+        return {f"{name}.start": value}
+    if isinstance(schedule, Profile):
+        factor = value / float(schedule.at(np.array(problem.core.radius)))
+        return {f"{name}.value": tuple(factor * v for v in schedule.value)}
+    return {name: value}
+
+
+def input_values(problem: Any, spreads: Mapping[str, float], z: Array) -> dict[str, Array]:
+    """Return the values of log-normal inputs by name, (cases,) each.
+
+    Parameters
+    ----------
+    problem : WindingProblem
+        Has the medians.
+    spreads : mapping of str to float
+        Standard deviations relative to the mean.
+    z : (cases, inputs) array
+        Logarithms in standard deviations from the median.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> problem = wo.WindingProblem.example()  # friction 0.19
+    >>> values = input_values(problem, {"roll_friction": 0.3}, np.array([[0.0], [1.0]]))
+    >>> values["roll_friction"].round(4)
+    array([0.19  , 0.2548])
+    """
+    values = {}
+    for (name, spread), column in zip(spreads.items(), z.T, strict=True):
+        deviation = log(1 + spread**2) ** 0.5
+        values[name] = float(get_field(problem, name)) * np.exp(deviation * column)
+    return values
+
+
+# ---- solutions ----------------------------------------------------------------------------------
+
+
+class Windings(NamedTuple):
+    """Solved windings.
+
+    Attributes
+    ----------
+    x : (cases, d) array
+        Coordinates of the set points.
+    z : (cases, inputs) array
+        Logarithms of the inputs in standard deviations from their medians.
+    margins : (cases, margins) array
+        The transformed reserves y; nan where a winding failed.
+    shares : (cases, depths) array
+        Friction shares.
+    failures : (cases,) object array of str
+        Reasons; empty where a winding was solved.
+    """
+
+    x: Array
+    z: Array
+    margins: Array
+    shares: Array
+    failures: Array
+
+    @property
+    def is_solved(self) -> Array:
+        """Mask of the solved windings, (cases,)."""
+        return np.asarray(self.failures == "")
+
+    def rows(self, which: Any) -> Windings:
+        """Return some of the windings: those of a mask, a slice or a list of numbers."""
+        return Windings(*(part[which] for part in self))
+
+
+def joined(*parts: Windings) -> Windings:
+    """Return the windings of several parts."""
+    return Windings(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
+
+
+@dataclass(frozen=True)
+class CaseSolver:
+    """Solves windings at set points and inputs.
+
+    Attributes
     ----------
     model : WindowModel
     set_points : SetPoints
     spreads : mapping of str to float
         Relative standard deviations of the inputs.
-    workers, out, resume
+    workers : Workers
+    out, resume
         As of :func:`~woundon.operating_window`.
+    chunk : int
+        Windings that one worker solves in a row, each from the one before.
     """
 
-    def __init__(
-        self,
-        model: WindowModel,
-        set_points: SetPoints,
-        spreads: Mapping[str, float],
-        workers: int | None,
-        out: str | Path | None,
-        resume: bool,
-    ) -> None:
-        if resume and out is None:
-            raise InvalidProblem.at("resume", "needs out, the folder of the windings")
-        self.model, self.set_points, self.spreads = model, set_points, dict(spreads)
-        self.workers, self.resume = workers, resume
-        self.out = None if out is None else Path(out)
+    model: WindowModel
+    set_points: SetPoints
+    spreads: Mapping[str, float]
+    workers: Workers
+    out: Path | None = None
+    resume: bool = False
+    chunk: int = TOGETHER
 
     def solve(
         self,
         stage: str,
-        windings: Windings,
-        cases: Sequence[Case],
+        x: Array,
+        z: Array,
         shares: Shares | None = None,
-        report: Callable[[int], None] = lambda solved: None,
-    ) -> None:
-        """Solve the cases of a stage that are not solved yet.
+        progress: bool | Progress = False,
+    ) -> Windings:
+        """Solve windings.
 
         Parameters
         ----------
         stage : str
-            Name of its folder.
-        windings : Windings
-            Where the solved cases are added.
-        cases : sequence of Case
+            Name of their folder.
+        x : (cases, d) array
+            Coordinates of the set points.
+        z : (cases, inputs) array
         shares : callable, optional
-            Friction shares of a case; by default the nips are solved.
-        report : callable
-            Is called with the number of windings solved in this stage.
+            Friction shares of cases; by default the nips are solved.
+        progress : bool or callable
+            As of :func:`~woundon.operating_window`.
         """
-        new = [case for case in dict.fromkeys(cases) if case not in windings.margins]
-        if not new:
-            return
+        count = len(self.model.outputs) - len(self.model.depths)
+        if not len(x):
+            outputs, failures = np.zeros((0, len(self.model.outputs))), np.zeros(0, dtype=object)
+            return Windings(x, z, outputs[:, :count], outputs[:, count:], failures)
+        values = self.set_points.values(x).T
+        columns: dict[str, Any] = dict(zip(self.set_points.names, values, strict=True))
+        columns |= input_values(self.model.problem, self.spreads, z)
+        if shares is not None:
+            columns[FRICTION_SHARE] = [tuple(row) for row in shares(x, z).tolist()]
         table = run_study(
             self.model,
-            make_design(self._columns(new, shares), "table"),
-            runner_for(self.workers, None),
+            table_of_cases(columns),
+            self.workers,
             out=None if self.out is None else self.out / stage,
             resume=self.resume,
-            chunk=TOGETHER,
-            progress=lambda solved, _: report(solved),
+            chunk=self.chunk,
+            progress=progress,
         )
         outputs = np.column_stack(list(table.outputs.values()))
-        for case, row, reason in zip(new, outputs, table.failure, strict=True):
-            windings.add(case, row, len(self.model.depths), str(reason))
+        margins = from_reserve(outputs[:, :count])
+        return Windings(x, z, margins, outputs[:, count:], table.failure)
 
-    def _columns(self, cases: Sequence[Case], shares: Shares | None) -> dict[str, Any]:
-        """Return the inputs of cases by name."""
-        values = self.set_points.values(np.array([x for x, _ in cases]))
-        columns: dict[str, Any] = dict(zip(self.set_points.names, values.T, strict=True))
-        for k, (name, spread) in enumerate(self.spreads.items()):
-            z = np.array([inputs[k] for _, inputs in cases])
-            median = float(get_field(self.model.problem, name))
-            columns[name] = median * np.exp(log_deviation(spread) * z)
-        if shares is not None:
-            columns[FRICTION_SHARE] = [shares(case) for case in cases]
-        return columns
+
+# ---- friction shares ----------------------------------------------------------------------------
 
 
 def share_polynomials(
-    windings: Windings, points: Sequence[Point], degrees: Sequence[int], steps: Sequence[Case]
+    nominal: Windings, degrees: Sequence[int], base: Windings, steps: Windings
 ) -> Shares:
-    """Return the friction shares as a function of set point and inputs.
+    """Return the friction shares as a function of set points and inputs.
 
     Polynomials interpolate their arcsine transform: shares are at most 1 and, near the core, where
     the roll is hard, little more than 0, which sums of effects would pass.
 
     Parameters
     ----------
-    windings : Windings
-        With solved nips.
-    points : sequence of Point
-        Solved with median inputs; polynomials of the set point go through their shares.
+    nominal : Windings
+        With solved nips and median inputs; polynomials of the set point go through their shares.
     degrees : sequence of int
         Largest degree along each coordinate.
-    steps : sequence of Case
-        One for each input, which is one standard deviation higher, all at the same solved point.
-        The effect of an input on the transform is linear and the same at all set points.
+    base, steps : Windings
+        With solved nips at one set point: with median inputs, and with one input each one standard
+        deviation higher.  The effect of an input on the transform is linear and the same at all set
+        points; it is 0 if the winding has failed.
     """
-    median = (0.0,) * len(steps)
-    angles = np.array([_angle(windings.shares[x, median]) for x in points])
-    nominal = fitted(np.array(points), angles, degrees)
-    slopes = np.zeros((len(steps), angles.shape[1]))
-    for k, (x, inputs) in enumerate(steps):
-        if windings.is_solved((x, inputs)):
-            slopes[k] = _angle(windings.shares[x, inputs]) - _angle(windings.shares[x, median])
+    solved = nominal.rows(nominal.is_solved)
+    polynomial = fitted(solved.x, _angle(solved.shares), degrees)
+    effects = np.nan_to_num(_angle(steps.shares) - _angle(base.shares))
 
-    def shares(case: Case) -> tuple[float, ...]:
-        x, inputs = case
-        angle = nominal(np.array([x]))[0] + np.array(inputs) @ slopes
-        return tuple(_share(angle).tolist())
+    def shares(x: Array, z: Array) -> Array:
+        """Return the friction shares of cases, (cases, depths)."""
+        angle = polynomial(x) + z @ effects
+        size = np.minimum(np.abs(angle), np.pi / 2)
+        return np.asarray(np.sign(angle) * np.sin(size) ** 2)
 
     return shares
 
@@ -175,9 +404,3 @@ def _angle(share: Array) -> Array:
     """Return the arcsine transform of shares in [-1, 1], an odd function."""
     size = np.minimum(np.abs(share), 1.0)
     return np.asarray(np.sign(share) * np.arcsin(np.sqrt(size)))
-
-
-def _share(angle: Array) -> Array:
-    """Return the shares of their arcsine transforms."""
-    size = np.minimum(np.abs(angle), np.pi / 2)
-    return np.asarray(np.sign(angle) * np.sin(size) ** 2)

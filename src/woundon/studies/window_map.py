@@ -20,25 +20,25 @@ Engineering and System Safety 93 (2008) 964-979.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations_with_replacement, product
+from math import factorial
 
 import numpy as np
-from numpy.polynomial import chebyshev
+from numpy.polynomial import chebyshev, hermite_e
 
 __all__ = [
     "NEGLIGIBLE",
-    "Expansion",
     "MarginMap",
     "Polynomial",
     "SetPoints",
-    "distance",
     "expansion_of",
     "fitted",
     "from_reserve",
-    "linear_expansion",
+    "grid",
     "lobatto",
+    "sobol_points",
     "standard_normal",
     "terms_of",
     "to_reserve",
@@ -49,8 +49,14 @@ Array = np.ndarray
 # through scattered points oscillate when there are as many coefficients as points.
 USED_SHARE = 0.7
 POINTS_PER_TERM = 2  # of an expansion by least squares, the usual number
+# of the variance of some margin at the centre, from which an input has quadratic effects as well
+IMPORTANT = 0.01
 RATIO = 5.0  # a: logarithmic from a fifth of the limit
 NEGLIGIBLE = 1e-6  # standard deviation of y below which a margin is certain
+ERROR_POINTS = 3  # every third point of the map gives the errors, which vary slowly
+
+
+# ---- coordinates and samples --------------------------------------------------------------------
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,32 +73,56 @@ class SetPoints:
     names: tuple[str, ...]
     ranges: Array
 
-    @property
-    def _is_logarithmic(self) -> Array:
-        return np.array([name != "torque_split" for name in self.names])
+    def along(self, k: int, x: Array) -> Array:
+        """Return the values at the core of the coordinate k, (points,)."""
+        (low, high), share = self.ranges[k], (x + 1) / 2
+        if self.names[k] == "torque_split":
+            return np.asarray(low + (high - low) * share)
+        return np.asarray(low * (high / low) ** share)
+
+    def values(self, x: Array) -> Array:
+        """Return the values at the core of coordinates in [-1, 1], (points, d)."""
+        return np.column_stack([self.along(k, column) for k, column in enumerate(x.T)])
 
     def coordinates(self, values: Array) -> Array:
         """Return the coordinates of values at the core in [-1, 1], (points, d)."""
-        by_log = self._is_logarithmic
-        low, high, inner = (
-            np.where(by_log, np.log(np.where(by_log, v, 1.0)), v) for v in (*self.ranges.T, values)
-        )
-        return np.clip(2 * (inner - low) / (high - low) - 1, -1.0, 1.0)
-
-    def values(self, x: Array) -> Array:
-        """Return the values at the core of coordinates, (points, d)."""
-        share, (low, high), by_log = (x + 1) / 2, self.ranges.T, self._is_logarithmic
-        ratio = np.where(by_log, high / np.where(by_log, low, 1.0), 1.0)
-        return np.where(by_log, low * ratio**share, low + (high - low) * share)
-
-    def along(self, k: int, x: Array) -> Array:
-        """Return the values at the core of one coordinate, (points,)."""
-        return self.values(np.tile(x[:, None], len(self.names)))[:, k]
+        shares = []
+        for name, (low, high), value in zip(self.names, self.ranges, values.T, strict=True):
+            if name == "torque_split":
+                shares.append((value - low) / (high - low))
+            else:
+                shares.append(np.log(value / low) / np.log(high / low))
+        return np.clip(2 * np.column_stack(shares) - 1, -1.0, 1.0)
 
 
-def distance(mean: Array, deviation: Array) -> Array:
-    """Return means in standard deviations; without a deviation a large multiple of the mean."""
-    return np.asarray(mean / np.maximum(deviation, NEGLIGIBLE))
+def grid(*axes: Array) -> Array:
+    """Return all combinations of coordinates, (points, axes); the last one varies fastest."""
+    return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, len(axes))
+
+
+def lobatto(count: int) -> Array:
+    """Return the Chebyshev-Lobatto points in [-1, 1], ascending, (count,)."""
+    return np.round(-np.cos(np.pi * np.arange(count) / (count - 1)), 15) + 0.0
+
+
+def sobol_points(dimension: int, samples: int, seed: int) -> Array:
+    """Return scrambled Sobol points of the open unit cube, (samples, dimension)."""
+    from scipy.stats import qmc
+
+    power = int(np.ceil(np.log2(samples)))
+    points = qmc.Sobol(max(dimension, 1), rng=seed).random_base2(power)[:samples, :dimension]
+    # the first point of a scrambled sequence may be 0 after rounding
+    return np.clip(points, 1e-12, 1 - 1e-12)
+
+
+def standard_normal(inputs: int, samples: int, seed: int) -> Array:
+    """Return scrambled Sobol points of the standard normal distribution, (samples, inputs)."""
+    from scipy.stats import norm
+
+    return np.asarray(norm.ppf(sobol_points(inputs, samples, seed)))
+
+
+# ---- margins ------------------------------------------------------------------------------------
 
 
 def from_reserve(m: Array) -> Array:
@@ -106,38 +136,25 @@ def to_reserve(y: Array) -> tuple[Array, Array]:
     return 1 - np.sinh(inner) / RATIO, np.cosh(inner) / RATIO
 
 
-def lobatto(count: int) -> Array:
-    """Return the Chebyshev-Lobatto points in [-1, 1], ascending, (count,)."""
-    return np.round(-np.cos(np.pi * np.arange(count) / (count - 1)), 15) + 0.0
-
-
-def standard_normal(inputs: int, samples: int, seed: int) -> Array:
-    """Return scrambled Sobol points of the standard normal distribution, (samples, inputs)."""
-    from scipy.stats import norm, qmc
-
-    power = int(np.ceil(np.log2(samples)))
-    points = qmc.Sobol(max(inputs, 1), rng=seed).random_base2(power)[:samples, :inputs]
-    # The first point of a scrambled sequence may be 0 after rounding.
-    return np.asarray(norm.ppf(np.clip(points, 1e-12, 1 - 1e-12)))
-
-
 @dataclass(frozen=True, eq=False)
 class Polynomial:
     """A sum of products of Chebyshev polynomials.
 
     Attributes
     ----------
-    powers : tuple of tuple of int
+    powers : (terms, d) int array
         Degree along each coordinate, of every term.
     coefficients : (terms, ...) array
     """
 
-    powers: tuple[tuple[int, ...], ...]
+    powers: Array
     coefficients: Array
 
     def __call__(self, x: Array) -> Array:
         """Return the values at points, (points, ...)."""
-        return np.tensordot(_terms(self.powers, x), self.coefficients, axes=1)
+        return np.tensordot(
+            _products(chebyshev.chebvander, self.powers, x), self.coefficients, axes=1
+        )
 
 
 def fitted(x: Array, values: Array, degrees: Sequence[int]) -> Polynomial:
@@ -157,89 +174,51 @@ def fitted(x: Array, values: Array, degrees: Sequence[int]) -> Polynomial:
         The interpolant if the points are the tensor product of Lobatto points of these degrees;
         otherwise a least-squares fit of a lower total degree.
     """
-    powers = list(product(*(range(degree + 1) for degree in degrees)))
+    powers = np.array(list(product(*(range(degree + 1) for degree in degrees))))
     if len(x) < len(powers):
-        limit = max(1, int(USED_SHARE * len(x)))
-        total = sum(degrees)
+        limit, total = max(1, int(USED_SHARE * len(x))), sum(degrees)
         while len(powers) > limit:
             total -= 1
-            powers = [power for power in powers if sum(power) <= total]
+            powers = powers[powers.sum(axis=1) <= total]
     flat = values.reshape(len(x), -1)
-    coefficients = np.linalg.lstsq(_terms(tuple(powers), x), flat, rcond=1e-10)[0]
-    return Polynomial(tuple(powers), coefficients.reshape(len(powers), *values.shape[1:]))
+    coefficients = np.linalg.lstsq(_products(chebyshev.chebvander, powers, x), flat, rcond=1e-10)[0]
+    return Polynomial(powers, coefficients.reshape(len(powers), *values.shape[1:]))
 
 
-def _terms(powers: tuple[tuple[int, ...], ...], x: Array) -> Array:
-    """Return products of Chebyshev polynomials at points x, (points, terms)."""
-    degree = max(max(power) for power in powers)
-    basis = [chebyshev.chebvander(column, degree) for column in x.T]
-    return np.stack(
-        [np.prod([basis[k][:, p] for k, p in enumerate(power)], axis=0) for power in powers],
-        axis=1,
-    )
-
-
-@dataclass(frozen=True, eq=False)
-class Expansion:
-    """Changes of the margins with the uncertain inputs: sum_t c_t(x) psi_t(z).
-
-    Attributes
-    ----------
-    products : tuple of tuple of int
-        Inputs of each psi: () of 1, (j,) of z_j, (j, k) of z_j z_k, (j, j) of
-        (z_j^2 - 1)/sqrt(2).  They are orthonormal for z of the standard normal distribution.
-    factors : (products, 1 + d, margins) array
-        Of 1, x_1, ..., x_d in c.
-    inputs : int
-    """
-
-    products: tuple[tuple[int, ...], ...]
-    factors: Array
-    inputs: int
-
-    def at(self, x: Array) -> Array:
-        """Return c at set points, (points, margins, products)."""
-        return np.einsum("pk,tkm->pmt", _with_one(x), self.factors)
-
-    def basis(self, z: Array) -> Array:
-        """Return psi of inputs, (draws, products)."""
-        return _hermite(self.products, z)
-
-    def mean(self, x: Array) -> Array:
-        """Return the mean change, (points, margins)."""
-        is_one = [product == () for product in self.products]
-        return np.asarray(self.at(x)[..., is_one].sum(axis=-1))
-
-    def variances(self, x: Array) -> Array:
-        """Return the contributions of the inputs to the variance, (points, margins, inputs).
-
-        The variance of a product is divided equally among its inputs (Shapley effects).
-        """
-        shares = np.zeros((len(self.products), self.inputs))
-        for t, inputs in enumerate(self.products):
-            for j in inputs:
-                shares[t, j] += 1 / len(inputs)
-        return np.asarray(self.at(x) ** 2 @ shares)
-
-
-def linear_expansion(differences: Array, d: int) -> Expansion:
-    """Return the expansion of changes that are linear in the inputs.
+def _products(basis: Callable[[Array, int], Array], powers: Array, x: Array) -> Array:
+    """Return products of polynomials in single coordinates.
 
     Parameters
     ----------
-    differences : (inputs, margins) array
-        For one standard deviation of each input; those that are nan count as zero.
-    d : int
-        Number of coordinates of the set points.
+    basis : callable
+        (coordinate, degree) -> polynomials of all degrees up to the given one, (points, degrees).
+    powers : (terms, d) int array
+        Degree in each coordinate.
+    x : (points, d) array
+
+    Returns
+    -------
+    (points, terms) array
     """
-    inputs, margins = differences.shape
-    factors = np.zeros((inputs, 1 + d, margins))
-    factors[:, 0] = np.nan_to_num(differences)
-    return Expansion(tuple((j,) for j in range(inputs)), factors, inputs)
+    values = np.ones((len(x), len(powers)))
+    for column, power in zip(x.T, powers.T, strict=True):
+        values *= basis(column, powers.max())[:, power]
+    return values
 
 
-def expansion_of(x: Array, z: Array, changes: Array, important: Sequence[int]) -> Expansion:
-    """Return the expansion of changes that are known at set points with inputs, by least squares.
+def _hermite(z: Array, degree: int) -> Array:
+    """Return normalised Hermite polynomials of a standard normal variable, (points, degrees)."""
+    norms = np.sqrt([float(factorial(k)) for k in range(degree + 1)])
+    return np.asarray(hermite_e.hermevander(z, degree) / norms)
+
+
+# ---- effects of the inputs ----------------------------------------------------------------------
+
+
+def expansion_of(x: Array, z: Array, changes: Array, differences: Array) -> tuple[Array, Array]:
+    """Return the expansion of changes of the margins at set points with inputs.
+
+    If the points are too few for least squares, the changes are linear in the inputs.
 
     Parameters
     ----------
@@ -247,22 +226,65 @@ def expansion_of(x: Array, z: Array, changes: Array, important: Sequence[int]) -
     z : (points, inputs) array
     changes : (points, margins) array
         y(x, z) - M(x).
-    important : sequence of int
-        Inputs, the most important one first.  Their linear effects depend on the set point, and
-        their squares and products are included, of as many of them as the points permit.
+    differences : (inputs, margins) array
+        Changes at one set point for one standard deviation of each input; nan if unknown.
+
+    Returns
+    -------
+    powers : (terms, inputs) int array
+    factors : (terms, 1 + d, margins) array
+        As of :class:`MarginMap`.
     """
-    (d, inputs), important = (x.shape[1], z.shape[1]), list(important)
+    inputs, d = z.shape[1], x.shape[1]
+    if len(x) < POINTS_PER_TERM * (inputs + d + 1):
+        factors = np.zeros((inputs, 1 + d, changes.shape[1]))
+        factors[:, 0] = np.nan_to_num(differences)
+        return np.eye(inputs, dtype=int), factors
+    important = _important(differences)
     while important and POINTS_PER_TERM * terms_of(inputs, len(important), d) > len(x):
         important.pop()
-    products: list[tuple[int, ...]] = [(), *((j,) for j in range(inputs))]
-    products += combinations_with_replacement(sorted(important), 2)
-    # which of 1, x_1, ..., x_d are factors of each product
-    varies = [len(p) == 0 or (len(p) == 1 and p[0] in important) for p in products]
-    used = np.array([[True, *([v] * d)] for v in varies])
-    rows = _hermite(products, z)[:, :, None] * _with_one(x)[:, None, :]
+    return _least_squares_expansion(x, z, changes, important)
+
+
+def _least_squares_expansion(
+    x: Array, z: Array, changes: Array, important: Sequence[int]
+) -> tuple[Array, Array]:
+    """Return powers and factors of the expansion by least squares.
+
+    The linear effects of the important inputs depend on the set point, and their squares and
+    products are included.
+    """
+    inputs, d = z.shape[1], x.shape[1]
+    unit = np.eye(inputs, dtype=int)  # the degrees of z_1, z_2, ...
+    pairs = combinations_with_replacement(sorted(important), 2)
+    seconds = [unit[j] + unit[k] for j, k in pairs]
+    powers = np.vstack([np.zeros((1, inputs), dtype=int), unit, *seconds])
+    # which of 1, x_1, ..., x_d are factors of each term
+    used = np.ones((len(powers), 1 + d), dtype=bool)
+    used[1:, 1:] = False
+    used[[1 + j for j in important], 1:] = True
+    rows = _products(_hermite, powers, z)[:, :, None] * _with_one(x)[:, None, :]
     factors = np.zeros((*used.shape, changes.shape[1]))
     factors[used] = np.linalg.lstsq(rows[:, used], changes, rcond=1e-10)[0]
-    return Expansion(tuple(products), factors, inputs)
+    return powers, factors
+
+
+def _important(differences: Array) -> list[int]:
+    """Return the inputs that matter for some margin, the most important one first.
+
+    Inputs of an unknown effect are among them.
+
+    Parameters
+    ----------
+    differences : (inputs, margins) array
+        Changes for one standard deviation of each input.
+    """
+    variance = differences**2
+    total = np.nansum(variance, axis=0)
+    share = (variance / np.where(total > 0, total, 1.0)).max(axis=1)
+    share[np.isnan(share)] = 1.0
+    order = np.argsort(-share, kind="stable")
+    return [k for k in order.tolist() if share[k] > IMPORTANT]
 
 
 def terms_of(inputs: int, important: int, d: int) -> int:
@@ -274,17 +296,6 @@ def _with_one(x: Array) -> Array:
     return np.column_stack([np.ones(len(x)), x])
 
 
-def _hermite(products: Sequence[tuple[int, ...]], z: Array) -> Array:
-    """Return products of normalised Hermite polynomials, (points, products)."""
-    values = np.ones((len(z), len(products)))
-    for t, p in enumerate(products):
-        is_square = len(p) == 2 and p[0] == p[1]
-        values[:, t] = (
-            (z[:, p[0]] ** 2 - 1) / np.sqrt(2) if is_square else np.prod(z[:, list(p)], axis=1)
-        )
-    return values
-
-
 @dataclass(frozen=True, eq=False)
 class MarginMap:
     """The margins as functions of the operating point and the uncertain inputs.
@@ -293,33 +304,57 @@ class MarginMap:
     ----------
     nominal : Polynomial
         M, of (margins,) coefficients.
-    expansion : Expansion
+    powers : (terms, inputs) int array
+        Degree of psi in each input.  The psi are orthonormal for z of the standard normal
+        distribution.
+    factors : (terms, 1 + d, margins) array
+        Of 1, x_1, ..., x_d in c.
     sample : (draws, inputs) array
         z.
     """
 
     nominal: Polynomial
-    expansion: Expansion
+    powers: Array
+    factors: Array
     sample: Array
 
-    def moments(self, x: Array) -> tuple[Array, Array]:
-        """Return mean and standard deviation of y, (points, margins) each."""
-        mean = self.nominal(x) + self.expansion.mean(x)
-        return mean, np.sqrt(self.variances(x).sum(axis=-1))
+    def margins(self, x: Array, z: Array) -> Array:
+        """Return y at set points with inputs z, one for each point, (points, margins)."""
+        basis = _products(_hermite, self.powers, z)
+        return np.asarray(self.nominal(x) + np.einsum("pmt,pt->pm", self._effects(x), basis))
+
+    def _effects(self, x: Array) -> Array:
+        """Return c at set points, (points, margins, terms)."""
+        return np.einsum("pk,tkm->pmt", _with_one(x), self.factors)
+
+    def means(self, x: Array) -> Array:
+        """Return the means of y, (points, margins)."""
+        is_one = self.powers.sum(axis=1) == 0
+        return np.asarray(self.nominal(x) + self._effects(x)[..., is_one].sum(axis=-1))
+
+    def variances(self, x: Array) -> Array:
+        """Return the contributions of the inputs to the variance of y, (points, margins, inputs).
+
+        The variance of a product is divided equally among its inputs (Shapley effects).
+        """
+        is_factor = self.powers > 0
+        shares = is_factor / np.maximum(is_factor.sum(axis=1, keepdims=True), 1)
+        return np.asarray(self._effects(x) ** 2 @ shares)
+
+    def distances(self, x: Array) -> Array:
+        """Return the means of y in standard deviations, (points, margins).
+
+        Without a deviation they are a large multiple of the mean.
+        """
+        return np.asarray(self.means(x) / np.maximum(self._deviations(x), NEGLIGIBLE))
 
     def reserves(self, x: Array) -> tuple[Array, Array]:
         """Return the reserves with median inputs and their standard deviations (first order)."""
         reserve, derivative = to_reserve(self.nominal(x))
-        return reserve, derivative * np.sqrt(self.variances(x).sum(axis=-1))
+        return reserve, derivative * self._deviations(x)
 
-    def variances(self, x: Array) -> Array:
-        """Return the contributions to the variance of y, (points, margins, inputs)."""
-        return self.expansion.variances(x)
-
-    def margins(self, x: Array, z: Array) -> Array:
-        """Return y at set points with inputs z, one for each point, (points, margins)."""
-        change = np.einsum("pmt,pt->pm", self.expansion.at(x), self.expansion.basis(z))
-        return np.asarray(self.nominal(x) + change)
+    def _deviations(self, x: Array) -> Array:
+        return np.asarray(np.sqrt(self.variances(x).sum(axis=-1)))
 
     def probability(self, x: Array, shift: Array | float = 0.0) -> Array:
         """Return the probability that all margins hold, (points,).
@@ -330,13 +365,33 @@ class MarginMap:
         shift : (margins,) array, optional
             Added to y.
         """
-        return self.holds(x, shift).all(axis=1).mean(axis=-1)
+        nominal, effects = self.nominal(x) + shift, self._effects(x)
+        basis = _products(_hermite, self.powers, self.sample).T
+        all_hold = np.ones((len(x), len(self.sample)), dtype=bool)
+        for k in range(nominal.shape[1]):
+            all_hold &= nominal[:, k, None] + effects[:, k] @ basis >= 0
+        return np.asarray(all_hold.mean(axis=1))
 
-    def holds(self, x: Array, shift: Array | float = 0.0) -> Array:
-        """Return a mask of the margins that hold for each draw, (points, margins, draws)."""
-        mean, factors = self.nominal(x) + shift, self.expansion.at(x)
-        basis = self.expansion.basis(self.sample).T
-        holds = np.empty((len(x), mean.shape[1], len(self.sample)), dtype=bool)
-        for k in range(mean.shape[1]):
-            holds[:, k] = mean[:, k, None] + factors[:, k] @ basis >= 0
-        return holds
+    def probability_errors(self, x: Array, deviations: Mapping[str, Array]) -> dict[str, float]:
+        """Return the largest error of the probability at points from each source.
+
+        Parameters
+        ----------
+        x : (points, d) array
+        deviations : mapping of str to (margins,) array
+            Differences of y from windings by source; nan if unknown, and the error is then.
+
+        Returns
+        -------
+        dict of str to float
+            The largest change if all margins are shifted by the deviations, and ``sampling``, the
+            standard deviation of independent draws; the error of Sobol points is smaller.
+        """
+        x = x[::ERROR_POINTS]
+        probability, errors = self.probability(x), {}
+        for name, deviation in deviations.items():
+            shifted = [self.probability(x, shift=side * deviation) for side in (-1, 1)]
+            largest = float(np.abs(np.array(shifted) - probability).max())
+            errors[name] = largest if np.isfinite(deviation).all() else np.nan
+        variance = probability * (1 - probability) / len(self.sample)
+        return {**errors, "sampling": float(np.sqrt(variance).max())}

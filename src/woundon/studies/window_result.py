@@ -4,26 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import isfinite, log
+from math import isfinite
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from ..errors import InvalidProblem
-from ..io.json_texts import json_text
 from ..quantities import Quantity
-from ..results import Presented, ReadOnly
 from .api import in_si
-from .design import make_design
-from .engine import Progress, run_study
-from .kind_model import get_field
-from .runners import runner_for
-from .window_map import NEGLIGIBLE, MarginMap, SetPoints, distance, standard_normal
+from .outcome import Outcome
+from .progress import Progress
+from .run import Workers
+from .window_cases import CaseSolver, WindowModel
+from .window_map import NEGLIGIBLE, MarginMap, SetPoints, grid, standard_normal
 
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["LEVELS", "OperatingPoint", "OperatingWindow", "log_deviation"]
+__all__ = ["LEVELS", "OperatingPoint", "OperatingWindow"]
 
 Array = np.ndarray
 LEVELS = (0.5, 0.9, 0.99)  # of the contours
@@ -67,7 +65,7 @@ class OperatingPoint(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class OperatingWindow(Presented, ReadOnly):
+class OperatingWindow(Outcome):
     """The probability that all margins of a winding hold, over its set points.
 
     Attributes
@@ -143,7 +141,7 @@ class OperatingWindow(Presented, ReadOnly):
     is_coarse: bool
     quantities: Mapping[str, Quantity]
     map: MarginMap
-    model: Any
+    model: WindowModel
 
     @property
     def set_points(self) -> SetPoints:
@@ -161,13 +159,14 @@ class OperatingWindow(Presented, ReadOnly):
 
         Over the map; -1 where no steady state exists or no input matters.
         """
-        mesh = np.stack(np.meshgrid(*self.axes, indexing="ij"), axis=-1)
-        x = self.set_points.coordinates(mesh.reshape(-1, len(self.names)))
+        x = self.set_points.coordinates(grid(*self.axes))
         binding = self.binding.ravel()
         variances = self.map.variances(x)[np.arange(len(x)), binding]
         known = (binding >= 0) & (variances.sum(axis=-1) > NEGLIGIBLE**2)
-        numbers = np.where(known, np.argmax(variances, axis=-1), -1)
-        return np.asarray(numbers.reshape(self.probability.shape))
+        numbers = np.full(len(x), -1)
+        if known.any():
+            numbers[known] = np.argmax(variances[known], axis=-1)
+        return numbers.reshape(self.probability.shape)
 
     @property
     def best(self) -> OperatingPoint:
@@ -198,7 +197,7 @@ class OperatingWindow(Presented, ReadOnly):
         """
         point = self._in_si(values)
         x = self.set_points.coordinates(point[None])
-        k = int(np.argmin(distance(*self.map.moments(x))[0]))
+        k = int(np.argmin(self.map.distances(x)[0]))
         reserves, deviations = (part[0].tolist() for part in self.map.reserves(x))
         variances = self.map.variances(x)[0, k]
         shares = variances / max(float(variances.sum()), NEGLIGIBLE**2)
@@ -235,14 +234,15 @@ class OperatingWindow(Presented, ReadOnly):
             texts.append(f"{name} {self.quantities[name].text(value)}")
         return ", ".join(texts)
 
-    def lines(self, *points: OperatingPoint) -> list[str]:
-        """Return the window as lines of text: the best point, then others, and the errors."""
-        rows = self._point_lines("highest probability", self.best)
-        for point in points:
-            rows += self._point_lines("probability", point)
-        size = self.probability.size
+    def answer(self) -> list[str]:
+        """Return the point with the highest probability as lines of text."""
+        return self._point_lines("highest probability", self.best)
+
+    def remarks(self) -> list[str]:
+        """Return how much of the map is safe, the errors and the windings as lines of text."""
+        rows = []
         for level in LEVELS:
-            share = 100 * np.sum(self.probability >= level) / size
+            share = 100 * np.mean(self.probability >= level)
             rows.append(f"share of the map with a probability of at least {level:g}: {share:.0f} %")
         known = [f"{name} {value:.2f}" for name, value in self.errors.items() if isfinite(value)]
         rows.append(f"estimated errors of the probability, at most: {', '.join(known)}")
@@ -252,6 +252,11 @@ class OperatingWindow(Presented, ReadOnly):
         preview = " (preview)" * self.is_coarse
         rows.append(f"{self.windings} windings, {len(self.failures)} failed{preview}")
         return rows
+
+    def lines(self, *points: OperatingPoint) -> list[str]:
+        """Return the best point, then other points, and the remarks as lines of text."""
+        others = [line for point in points for line in self._point_lines("probability", point)]
+        return [*self.answer(), *others, *self.remarks()]
 
     def _point_lines(self, head: str, point: OperatingPoint) -> list[str]:
         """Return lines on a point: probability, margins, contributions to the variance."""
@@ -271,8 +276,7 @@ class OperatingWindow(Presented, ReadOnly):
         """
         import pandas as pd
 
-        mesh = np.stack(np.meshgrid(*self.axes, indexing="ij"), axis=-1)
-        mesh = mesh.reshape(-1, len(self.names))
+        mesh = grid(*self.axes)
         reserve, deviation = self.map.reserves(self.set_points.coordinates(mesh))
         columns: dict[str, Any] = dict(zip(self.names, mesh.T, strict=True))
         columns["probability"] = self.probability.ravel()
@@ -284,16 +288,21 @@ class OperatingWindow(Presented, ReadOnly):
             columns[f"margins.{name} +-"] = np.where(unknown, np.nan, deviation[:, k])
         return pd.DataFrame(columns)
 
-    def to_json(self) -> str:
-        """Return the best point and the error estimates as JSON, SI units."""
-        table = {
+    def table_for_display(self) -> pd.DataFrame:
+        """Return a row for each margin at the best point: reserve and standard deviation."""
+        import pandas as pd
+
+        columns = ["reserve", "standard deviation"]
+        return pd.DataFrame.from_dict(dict(self.best.margins), "index", columns=columns)
+
+    def _record(self) -> dict[str, Any]:
+        return {
             "best": self.best._asdict(),
             "errors": self.errors,
             "uncertain": self.uncertain,
             "windings": self.windings,
             "failures": self.failures,
         }
-        return json_text(table)
 
     def simulate(
         self,
@@ -301,6 +310,7 @@ class OperatingWindow(Presented, ReadOnly):
         samples: int = 100,
         seed: int = 1,
         workers: int | None = None,
+        scheduler: str | None = None,
         progress: bool | Progress = False,
     ) -> float:
         """Return the probability by Monte Carlo simulation with windings.
@@ -314,7 +324,7 @@ class OperatingWindow(Presented, ReadOnly):
             As of :meth:`at`.
         samples, seed : int
             Number of draws, and their seed, which differs from that of the map by default.
-        workers, progress
+        workers, scheduler, progress
             As of :func:`~woundon.operating_window`.
 
         Returns
@@ -327,41 +337,14 @@ class OperatingWindow(Presented, ReadOnly):
         InvalidProblem
             As of :meth:`at`.
         """
+        x = self.set_points.coordinates(self._in_si(values)[None]).repeat(samples, axis=0)
         z = standard_normal(len(self.uncertain), samples, seed)
-        set_point = zip(self.names, self._in_si(values), strict=True)
-        columns: dict[str, Any] = {name: np.full(samples, value) for name, value in set_point}
-        for k, (name, spread) in enumerate(self.uncertain.items()):
-            median = float(get_field(self.problem, name))
-            columns[name] = median * np.exp(log_deviation(spread) * z[:, k])
-        design, runner = make_design(columns, "table"), runner_for(workers, None)
-        table = run_study(self.model, design, runner, chunk=SIMULATED_TOGETHER, progress=progress)
-        reserves = np.column_stack(list(table.outputs.values()))
-        return float(np.mean((reserves >= 0).all(axis=1)))
-
-    def plot(self, path: Any = None, ax: Any = None) -> Any:
-        """Draw the probability, its contours and the binding margins.
-
-        Parameters
-        ----------
-        path, ax
-            As of :func:`woundon.plot`.
-
-        Returns
-        -------
-        matplotlib.figure.Figure, or ``ax`` where it is given
-        """
-        return self._figure(path, ax)
-
-
-def log_deviation(spread: float) -> float:
-    """Return the standard deviation of the logarithm of a log-normal distribution.
-
-    >>> round(log_deviation(0.3), 4)
-    0.2936
-
-    Parameters
-    ----------
-    spread : float
-        Standard deviation relative to the mean.
-    """
-    return log(1 + spread**2) ** 0.5
+        solver = CaseSolver(
+            self.model,
+            self.set_points,
+            self.uncertain,
+            Workers(workers, scheduler),
+            chunk=SIMULATED_TOGETHER,
+        )
+        margins = solver.solve("", x, z, progress=progress).margins
+        return float(np.mean((margins >= 0).all(axis=1)))

@@ -72,7 +72,7 @@ async function stream(path, body, handle, signal) {
     const lines = (rest + value).split("\n");
     rest = lines.pop();
     for (const event of lines.filter(Boolean).map((line) => JSON.parse(line))) {
-      if (event.event === "failed") throw new Problem(event.problem ?? event, 500);
+      if (event.event === "failed") throw new Problem(event.problem, event.problem.status);
       handle(event);
     }
   }

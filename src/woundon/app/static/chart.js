@@ -1,13 +1,14 @@
 // A panel drawn by uPlot: curves, shaded bounds, strips of zones, marks; hover, zoom, keys.
 /* global uPlot */
 import { html, useEffect, useLayoutEffect, useRef } from "./html.js";
-import { Symbol } from "./symbols.js";
+import { Symbol, Words } from "./symbols.js";
 import { digits, niceTicks } from "./units.js";
 
 const DASHES = { solid: [], dashed: [7, 4], dashdot: [8, 3, 2, 3], dotted: [2, 3] };
 const DOTS = { dash: [], paths: () => null, points: { show: true, size: 8 } }; // points without a line
 const LEFT = 58;
 const RIGHT = 54;
+const LONG = 28; // characters of a label along y
 
 // ---- colours of the style sheet, read once a theme ----
 
@@ -16,7 +17,7 @@ export const forgetColours = () => { palette = null; hatches.clear(); };
 function colours() {
   if (!palette) {
     const style = getComputedStyle(document.documentElement);
-    const names = ["ink", "soft", "line", "roll", "drum", "web", "shade0", "shade1", "stick", "faster",
+    const names = ["ink", "soft", "line", "roll", "drum", "web", "green", "purple", "sky", "amber", "alarm", "shade0", "shade1", "shade-drum", "shade-alarm", "card", "stick", "faster",
       "slower", "hatch", "live", "pin-A", "pin-B", "pin-C", "pin-D"];
     palette = Object.fromEntries(names.map((name) => [name, style.getPropertyValue(`--${name}`).trim()]));
   }
@@ -50,6 +51,12 @@ function newHatch(ctx, zone, size) {
   }
   return ctx.createPattern(tile, "repeat");
 }
+
+/** The curves of all cases that are drawn: of several cases those that compare them. */
+export const linesOf = (cases) => cases.flatMap((one) => one.panel.curves.filter((curve) => cases.length === 1 || !curve.alone).map((curve) => ({ one, curve })));
+
+/** Whether points are drawn without a line. */
+const isDots = (curve) => curve.dash === "none" || curve.dash === "dots";
 
 // ---- what runs along x is shared by the panels of a column ----
 
@@ -85,7 +92,7 @@ class Chart {
     this.units = units;
     const { panel } = cases[0];
     this.column = panel.column || panel.name;
-    this.lines = cases.flatMap((one) => one.panel.curves.map((curve) => ({ one, curve })));
+    this.lines = linesOf(cases);
     const key = JSON.stringify([
       units.name, height, colours().ink, panel.name, panel.x.log, panel.x.label, panel.y.label, !!panel.right, !!panel.strips,
       panel.strips && cases.map((one) => one.label),
@@ -133,7 +140,7 @@ class Chart {
     const { panel } = this.cases[0];
     const { factor } = this.units.of(panel.x.quantity);
     const ends = this.cases.flatMap(({ panel: own }) => own.x.range
-      ?? own.curves.flatMap((curve) => curve.x.filter((x) => !own.x.log || x > 0)));
+      ?? linesOf([{ panel: own }]).flatMap(({ curve }) => [curve]).flatMap((curve) => curve.x.filter((x) => !own.x.log || x > 0)));
     return [Math.min(...ends) / factor, Math.max(...ends) / factor];
   }
 
@@ -176,7 +183,8 @@ class Chart {
     } : {};
     const { units } = this;
     const label = (reading) => units.label(reading.label, reading.quantity);
-    const floor = panel.y.floor;
+    const tall = (reading) => (reading.label.length > LONG ? units.label("", reading.quantity).trim() : label(reading)); // the title has the words
+    const { y: yAxis } = panel;
     this.plot = new uPlot({
       width: this.place.clientWidth || 320, height, padding: [8, panel.right ? 0 : 20, 0, 0],
       legend: { show: false },
@@ -187,7 +195,7 @@ class Chart {
       },
       scales: {
         x: { time: false, distr: panel.x.log ? 3 : 1, range: (_, min, max) => [min, max] },
-        y: { range: rows ? [0, rows.length] : (_, min, max) => this.tall(min, max, floor) },
+        y: { range: rows ? [0, rows.length] : (_, min, max) => this.tall(min, max, yAxis) },
         ...(panel.right ? { right: { range: (_, min, max) => padded(min, max) } } : {}),
       },
       axes: [
@@ -197,12 +205,13 @@ class Chart {
           ? axis({ size: LEFT + 16, splits: () => rows.map((_, k) => rows.length - k - 0.5), grid: { show: false },
             ticks: { show: false }, stroke: ink,
             values: () => rows.map(({ one, strip }) => (one.label ? `${one.label} ${strip.label}` : strip.label)) })
-          : axis({ label: label(panel.y), size: LEFT, values }),
+          : axis({ label: tall(panel.y), size: LEFT, values }),
         ...(panel.right ? [axis({ scale: "right", side: 1, label: label(panel.right), size: RIGHT, grid: { show: false }, values })] : []),
       ],
       series: [{}, ...(rows ? [{ show: true, stroke: "transparent", points: { show: false } }] : this.lines.map(({ one, curve }) => ({
         scale: curve.side === "right" ? "right" : "y", stroke: one.colour ?? colours()[curve.role] ?? ink,
-        width: one.label && one.pinned ? 1.5 : 2, spanGaps: true, ...(curve.dash === "dots" ? DOTS : { dash: DASHES[curve.dash], points: { show: false } }),
+        width: one.label && one.pinned ? 1.5 : 2, spanGaps: true, alpha: curve.opacity ?? 1,
+        ...(isDots(curve) ? DOTS : { dash: DASHES[curve.dash], points: { show: false } }),
       })))],
       hooks: {
         drawClear: [(plot) => (rows ? null : this.areas(plot))],
@@ -222,9 +231,10 @@ class Chart {
   }
 
   /** The range of y: of the curves, of the bounds behind them, of the marks. */
-  tall(min, max, floor) {
+  tall(min, max, { from_zero: fromZero, range }) {
     const { panel } = this.cases[0];
     const { factor } = this.units.of(panel.y.quantity);
+    if (range) return range.map((end) => end / factor);
     let [low, high] = [min ?? 0, max ?? 1];
     if (this.cases.length === 1) {
       for (const area of panel.areas ?? []) {
@@ -237,7 +247,7 @@ class Chart {
       high = Math.max(high, mark.value / factor);
     }
     const [least, most] = padded(low, high);
-    return floor === 0 && low >= 0 ? [0, most] : [least, most];
+    return fromZero && low >= 0 ? [0, most] : [least, most];
   }
 
   inside(plot, draw) {
@@ -258,7 +268,7 @@ class Chart {
     const point = (x, y) => [plot.valToPos(x / fx, "x", true), plot.valToPos(y / fy, "y", true)];
     this.inside(plot, (ctx) => {
       for (const area of panel.areas) {
-        ctx.fillStyle = colours()[`shade${area.shade}`];
+        ctx.fillStyle = colours()[shadeOf(area)];
         ctx.beginPath();
         area.x.forEach((x, k) => ctx.lineTo(...point(x, area.high[k])));
         for (let k = area.x.length - 1; k >= 0; k--) ctx.lineTo(...point(area.x[k], area.low[k]));
@@ -274,7 +284,7 @@ class Chart {
       const { bbox } = plot;
       const ratio = devicePixelRatio;
       const zero = plot.valToPos(0, "y", true);
-      const lines = (panel.marks ?? []).map((mark) => ({ ...mark, at: plot.valToPos(
+      const lines = (panel.marks ?? []).map((mark) => ({ ...mark, plain: !mark.label && mark.value === 0, at: plot.valToPos(
         mark.value / this.units.of(mark.along === "x" ? panel.y.quantity : panel.x.quantity).factor, scaleOf[mark.along], true) }));
       if (zero > bbox.top && zero < bbox.top + bbox.height - 1) lines.push({ along: "x", at: zero, plain: true });
       const [low, high] = [{ x: bbox.top, y: bbox.left }, { x: bbox.top + bbox.height, y: bbox.left + bbox.width }];
@@ -383,6 +393,9 @@ class Chart {
   }
 }
 
+/** The name of the colour of an area. */
+const shadeOf = ({ shade }) => (shade.startsWith("shade") ? shade : `shade-${shade}`);
+
 /** uPlot.join wants every x to rise. */
 function sorted(tables) {
   return tables.map(([x, y]) => {
@@ -431,11 +444,11 @@ function padded(min, max) {
   return [min - room, max + room];
 }
 
-const SWATCH = { solid: "", dashed: "7 3", dashdot: "8 2 2 2", dotted: "2 3", dots: "3 6" };
+const SWATCH = { solid: "", dashed: "7 3", dashdot: "8 2 2 2", dotted: "2 3", dots: "3 6", none: "3 6" };
 
 export function Swatch({ dash, colour, role }) {
   return html`<svg class="swatch" width="26" height="8" aria-hidden="true"><line x1="1" x2="25" y1="4" y2="4"
-    class=${colour ? "" : `stroke-${role}`} stroke=${colour} stroke-width="2.2" stroke-dasharray=${SWATCH[dash]} /></svg>`;
+    style=${{ stroke: colour ?? `var(--${role})` }} stroke-width="2.2" stroke-dasharray=${SWATCH[dash]} /></svg>`;
 }
 
 /** A panel with its legend, in which the values under the pointer stand. */
@@ -467,19 +480,19 @@ export function Panel({ title, cases, units, height, theme, description }) {
   }, [theme]);
 
   const several = cases.length > 1;
-  const lines = cases.flatMap((one) => one.panel.curves.map((curve) => ({ one, curve })));
+  const lines = linesOf(cases);
   const words = panel.words ?? [];
   return html`<figure class="panel" data-panel=${panel.name}>
     <figcaption>
       <h3>${title}</h3>
       <div class="legend" ref=${legend}>
         <span class="at" data-axis=${`${panel.x.label}`} data-unit=${units.text(panel.x.quantity)}></span>
-        ${lines.map(({ one, curve }, k) => html`<span class="entry" key=${k}>
+        ${lines.map(({ one, curve }, k) => curve.in_legend !== false && html`<span class="entry" key=${k}>
           <${Swatch} dash=${curve.dash} colour=${one.colour} role=${curve.role} />
-          ${several && html`<b>${one.label} </b>`}<span class="symbol"><${Symbol} of=${curve.symbol} /></span> ${several ? "" : curve.label}
+          ${several && html`<b>${one.label} </b>`}<span class="symbol"><${Symbol} of=${curve.symbol} /></span> ${several && curve.symbol ? "" : html`<span><${Words} of=${curve.label} /></span>`}
           <output class="value" data-value=${k}></output></span>`)}
-        ${!several && (panel.areas ?? []).map((area) => html`<span class="entry"><span class=${`patch shade${area.shade}`}></span>
-          <span class="symbol">±<${Symbol} of=${area.label} /></span></span>`)}
+        ${!several && (panel.areas ?? []).filter((area) => area.label).map((area) => html`<span class="entry"><span class=${`patch ${shadeOf(area)}`}></span>
+          ${area.symmetrical ? html`<span class="symbol">±<${Symbol} of=${area.label} /></span>` : area.label}</span>`)}
         ${panel.strips && html`${words.map((word, k) => html`<span class="entry"><span class=${`patch zone${k - 1}`}></span>${word}</span>`)}
           ${cases.flatMap((one) => one.panel.strips).map((_, k) => html`<output class="value" data-value=${k} hidden></output>`)}`}
       </div>

@@ -68,7 +68,7 @@ function Found({ store, found: { answer, fault }, own }) {
   const along = { label: T.winding.radius, quantity: LENGTH };
   const curve = (symbol, label, role, dash, x, y) => ({ name: label, symbol, label, role, dash, side: "left", x, y });
   const panel = (name, words, quantity, curves) => [{ label: "", colour: null, panel: {
-    name, column: "design", x: along, y: { label: words, quantity, floor: 0 }, areas: [], marks: [], curves,
+    name, column: "design", x: along, y: { label: words, quantity, from_zero: true }, areas: [], marks: [], curves,
   } }];
   const tension = store.fieldAt(TENSION);
   const shown = [

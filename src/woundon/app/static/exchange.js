@@ -3,6 +3,7 @@ import { writeAddress } from "./address.js";
 import * as api from "./api.js";
 import { same } from "./cases.js";
 import { html, useEffect, useRef, useState } from "./html.js";
+import { wordsText } from "./symbols.js";
 import { T } from "./texts.js";
 import { digits } from "./units.js";
 
@@ -69,7 +70,7 @@ export function csvOf(store) {
         const columns = [{ head: units.label(panel.x.label, panel.x.quantity), values: x.map((v) => units.shown(panel.x.quantity, v)) },
           ...curves.map((curve) => {
             const { quantity } = curve.side === "right" ? panel.right : panel.y;
-            return { head: `${label && `${label} `}${units.label(`${curve.name} ${curve.label}`.trim(), quantity)}`, values: curve.y.map((v) => units.shown(quantity, v)) };
+            return { head: `${label && `${label} `}${units.label(`${curve.name} ${wordsText(curve.label)}`.trim(), quantity)}`, values: curve.y.map((v) => units.shown(quantity, v)) };
           })];
         const rows = x.map((_, k) => columns.map(({ values }) => (values[k] == null ? "" : Number(values[k].toPrecision(8)))).join(","));
         blocks.push([columns.map(({ head }) => quote(head)).join(","), ...rows].join("\n"));

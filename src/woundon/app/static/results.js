@@ -1,9 +1,10 @@
 // The results of a case: numbers with errors, certificate, warnings, panels, differences.
 import { at, same } from "./cases.js";
-import { colourOf, Panel } from "./chart.js";
+import { colourOf, linesOf, Panel } from "./chart.js";
 import { Drawing } from "./drawing.js";
 import { Fragment, html, useEffect, useMemo, useRef, useState } from "./html.js";
-import { Label, Symbol, symbolText } from "./symbols.js";
+import { isPlane, Plane } from "./plane.js";
+import { Label, Symbol, symbolText, wordsText } from "./symbols.js";
 import { T } from "./texts.js";
 import { digits } from "./units.js";
 
@@ -137,26 +138,49 @@ export function Panels({ store }) {
       <${Drawing} result=${result} units=${store.units} catalogue=${store.catalogue} /></figure>
     ${cells(result.panels).map((cell) => html`<div class="panel-cell" key=${cell[0].name}>${cell.map((panel) => html`<${OnePanel}
       key=${panel.name} store=${store} name=${panel.name} cases=${states(store, (state) => state.result.panels.find((one) => one.name === panel.name))} />`)}</div>`)}
+    <${SlowPanels} store=${store} />
     <${Curve} store=${store} />
     <${Bars} store=${store} />
-  </div>`;
+  </div><${MorePanels} store=${store} />`;
 }
 
-/** A strip of zones stands below the panel before it. */
+const OTHERS = "outputs"; // group of the panels of arrays that no other panel shows
+
+/** The panels that are computed at rest; stale while the case changes. */
+export function SlowPanels({ store }) {
+  return html`<${LatePanels} store=${store} chosen=${(panel) => panel.group !== OTHERS} />`;
+}
+
+/** The other arrays, drawn when the reader opens them. */
+export function MorePanels({ store }) {
+  const [open, setOpen] = useState(false);
+  return html`<details class="more" onToggle=${(event) => setOpen(event.target.open)}><summary>${T.panels.more}</summary>
+    ${open && html`<div class="panels"><${LatePanels} store=${store} chosen=${(panel) => panel.group === OTHERS} /></div>`}</details>`;
+}
+
+function LatePanels({ store, chosen }) {
+  const { answer, stale } = store.extra("report");
+  const panelsOf = (state) => (state.extras.report?.kind === store.kind.name && state.extras.report.answer?.slow_panels) || [];
+  return (answer?.slow_panels ?? []).filter(chosen).map((panel) => html`<div class=${`panel-cell${stale ? " stale" : ""}`} key=${panel.name}><${OnePanel}
+    store=${store} name=${panel.name} cases=${states(store, (state) => panelsOf(state).find((one) => one.name === panel.name))} /></div>`);
+}
+
+/** A strip of zones stands below the first panel. */
 function cells(panels) {
   return panels.reduce((all, panel) => {
-    if (panel.strips && all.length) all.at(-1).push(panel);
+    if (panel.strips && all.length) all[0].push(panel);
     else all.push([panel]);
     return all;
   }, []);
 }
 
 export function OnePanel({ store, name, cases, title, height = 200 }) {
-  const words = title ?? T.panels[name] ?? cases[0].panel.y.label;
+  const words = title ?? cases[0].panel.title;
   const shown = words.charAt(0).toUpperCase() + words.slice(1);
-  const lines = cases[0].panel.curves.map((curve) => `${symbolText(curve.symbol)} ${curve.label}`).join(", ");
+  const lines = cases[0].panel.curves.map((curve) => `${symbolText(curve.symbol)} ${wordsText(curve.label)}`).join(", ");
+  const Drawn = isPlane(cases[0].panel) ? Plane : Panel;
   return html`<div class=${`cell cell-${name}`}>
-    <${Panel} title=${shown} cases=${cases} units=${store.units} height=${height} theme=${store.state.theme}
+    <${Drawn} title=${shown} cases=${cases} units=${store.units} height=${height} theme=${store.state.theme}
       description=${T.panels.describe(shown, lines || cases[0].panel.strips?.map((one) => one.label).join(", "))} />
     ${store.state.tables && html`<${Table} store=${store} title=${shown} cases=${cases} />`}
   </div>`;
@@ -167,12 +191,10 @@ function Table({ store, title, cases }) {
   const { units } = store;
   const { panel } = cases[0];
   const groups = new Map();
-  for (const { label, panel: own } of cases) {
-    for (const curve of own.curves) {
-      const key = JSON.stringify(curve.x);
-      if (!groups.has(key)) groups.set(key, { x: curve.x, axis: own.x, curves: [] });
-      groups.get(key).curves.push({ label, curve, axis: curve.side === "right" ? own.right : own.y });
-    }
+  for (const { one: { label, panel: own }, curve } of linesOf(cases)) {
+    const key = JSON.stringify(curve.x);
+    if (!groups.has(key)) groups.set(key, { x: curve.x, axis: own.x, curves: [] });
+    groups.get(key).curves.push({ label, curve, axis: curve.side === "right" ? own.right : own.y });
   }
   if (panel.strips) {
     return html`<div class="table-scroll" tabindex="0"><table><caption>${title}</caption>
@@ -185,7 +207,7 @@ function Table({ store, title, cases }) {
     const step = Math.max(1, Math.ceil(x.length / ROWS));
     const rows = x.map((_, k) => k).filter((k) => k % step === 0 || k === x.length - 1);
     return html`<div class="table-scroll" tabindex="0"><table><caption>${title}</caption><thead><tr><th scope="col">${units.label(axis.label, axis.quantity)}</th>
-      ${curves.map(({ label, curve, axis: own }) => html`<th scope="col">${label} ${symbolText(curve.symbol)} ${curve.label} ${units.text(own.quantity) && `[${units.text(own.quantity)}]`}</th>`)}</tr></thead>
+      ${curves.map(({ label, curve, axis: own }) => html`<th scope="col">${label} ${symbolText(curve.symbol)} ${wordsText(curve.label)} ${units.text(own.quantity) && `[${units.text(own.quantity)}]`}</th>`)}</tr></thead>
       <tbody>${rows.map((k) => html`<tr><th scope="row">${digits(units.shown(axis.quantity, x[k]), 4)}</th>
         ${curves.map(({ curve, axis: own }) => html`<td>${digits(units.shown(own.quantity, curve.y[k]), 5)}</td>`)}</tr>`)}</tbody></table></div>`;
   });
@@ -263,9 +285,9 @@ function Bars({ store }) {
 
 export function Sections({ store }) {
   const { answer: report, stale } = store.extra("report");
-  return useMemo(() => report && html`<details class=${`sections${stale ? " stale" : ""}`} open>
+  return useMemo(() => report?.sections && html`<details class=${`sections${stale ? " stale" : ""}`} open>
     <summary>${T.results.report}</summary>
-    <div class="section-grid">${report.map((section) => html`<section key=${section.title}><h3>${section.title}</h3>
+    <div class="section-grid">${report.sections.map((section) => html`<section key=${section.title}><h3>${section.title}</h3>
       <table><tbody>${section.rows.map((row, k) => html`<tr key=${k}><th scope="row"><${Label} of=${row.label} /></th><td class="symbol"><${Symbol} of=${row.symbol} /></td>
         <${SectionValue} store=${store} row=${row} /><td class="note">${store.units.sentence(row.note.replace(/^,\s*/, ""))}</td></tr>`)}</tbody></table>
       ${section.text && html`<p>${store.units.sentence(section.text)}</p>`}</section>`)}</div>

@@ -256,7 +256,7 @@ export class Store {
       const result = await api.solve(tables, options, signal);
       if (kind !== this.state.kind) return;
       this.set({ result, solved: tables, busy: this.newest.waiting !== null, rough: !!options.warm, faults: NO_FAULTS, problem: "" });
-      if (options.report) this.keep("report", tables, result.sections);
+      if (options.report) this.keep("report", tables, result);
     } catch (fault) {
       if (fault.name === "AbortError" || fault.superseded) return;
       if (tables !== this.state.case) return;
@@ -327,7 +327,7 @@ export class Store {
     const tables = this.state.case;
     const field = this.loadOf(this.kind);
     const ask = {
-      report: () => api.solve(tables, { report: true }, signal).then((answer) => answer.sections),
+      report: () => api.solve(tables, { report: true }, signal),
       curve: () => field && api.curve(tables, { field, points: 13 }, signal),
       bars: () => field && api.sensitivities(tables, signal),
     };

@@ -59,3 +59,16 @@ export function symbolText(symbol) {
     return p ? p.factor + p.base + (p.below ? `_${p.below}` : "") + (RAISED[p.sign] ?? "") : word;
   }).join(" ");
 }
+
+const FORMULA = /\$([^$]*)\$/;
+const WORD = /([A-Za-z]+\d*(?:_\w+)?[+-]?)/;
+
+/** A label with formulas between dollars: "$|q+|/mu+$", "on roll". */
+export function Words({ of }) {
+  return of.split(FORMULA).map((part, k) => (k % 2 ? part.split(WORD).map((word, n) => (n % 2 ? html`<${Symbol} of=${word} />` : word)) : part));
+}
+
+/** The label as plain text. */
+export function wordsText(of) {
+  return of.split(FORMULA).map((part, k) => (k % 2 ? part.split(WORD).map((word, n) => (n % 2 ? symbolText(word) : word)).join("") : part)).join("");
+}

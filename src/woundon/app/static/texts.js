@@ -66,9 +66,7 @@ export const T = {
     lens: (width) => `The nip drawn to scale, ${width} wide, with its zones of stick and slip`,
   },
   panels: {
-    tractions: "Tangential tractions and friction bounds", slips: "Slip and web tension in the nip", zones: "Zones",
-    pressure: "Pressure", wrap_tension: "Web tension on the wraps", wrap_pressure: "Pressure on the wraps", air_film: "Air film in the nip",
-    hoop_stress: "Hoop stress", compression: "Hoop stress where it is compressive", radial_modulus: "Hardness", tension: "Tension over the radius", loads: "Nip load and winding force", slip: "Slip",
+    zones: "Zones", more: "Other outputs",
     curve: (output, field) => `${output} against ${field}`, tensions: "Tension", bars: "Sensitivity",
     barsOf: (output) => `Change of ${output} in % for 1 % more of`,
     describe: (title, lines) => `${title}: ${lines}. Arrow keys read values, plus and minus zoom, 0 shows all.`,

@@ -5,7 +5,7 @@ import { Find } from "./find.js";
 import { html, useState } from "./html.js";
 import { LENGTH, Points } from "./points.js";
 import { QuantityBox } from "./quantity.js";
-import { Differences, Numbers, OnePanel, Pending, Pins, Sections, states, Verdict } from "./results.js";
+import { Differences, MorePanels, Numbers, OnePanel, Pending, Pins, Sections, SlowPanels, states, Verdict } from "./results.js";
 import { endsOf, pointsOf, profile, schedulesOf } from "./schedules.js";
 import { T } from "./texts.js";
 import { digits } from "./units.js";
@@ -26,7 +26,7 @@ export function Winding({ store }) {
     ${good && html`<div class="bar-row"><${Pins} store=${store} />
         <button type="button" class="tables" aria-pressed=${state.tables} onClick=${() => store.set({ tables: !state.tables })}>${state.tables ? T.header.hideTables : T.header.tables}</button></div>
       <div class="panels">${state.result.panels.map((panel) => html`<div class="panel-cell" key=${panel.name}><${OnePanel} store=${store} name=${panel.name} height=${230}
-        cases=${states(store, (one) => one.result.panels.find((other) => other.name === panel.name))} /></div>`)}</div>
+        cases=${states(store, (one) => one.result.panels.find((other) => other.name === panel.name))} /></div>`)}<${SlowPanels} store=${store} /></div><${MorePanels} store=${store} />
       <${Differences} store=${store} /><${Sections} store=${store} />`}`;
 }
 

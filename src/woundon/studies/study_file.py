@@ -12,9 +12,9 @@ import numpy as np
 
 from ..errors import InvalidProblem, did_you_mean
 from ..io.case_files import load_case, make_problem, read_case
+from ..problems.paths import field_quantity, number_in_si
 from ..problems.problem import Problem
-from .design import DESIGNS
-from .kind_model import field_quantity, number_in_si
+from .cases import DESIGNS
 
 __all__ = [
     "SCHEMA",

@@ -1,0 +1,203 @@
+// Panels over a plane: coloured maps with contours, cross sections of rolls, curves over a depth.
+import { colourOf, linesOf, Swatch } from "./chart.js";
+import { html, useLayoutEffect, useRef } from "./html.js";
+import { Symbol, Words } from "./symbols.js";
+import { digits, niceTicks } from "./units.js";
+
+const LEFT = 58;
+const RIGHT = 74; // with the scale of the colours
+const BELOW = 34;
+const DASHES = { solid: [], dashed: [7, 4], dashdot: [8, 3, 2, 3], dotted: [2, 3] };
+const SEQUENTIAL = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
+const DIVERGING = [[33, 102, 172], [146, 197, 222], [247, 247, 247], [244, 165, 130], [178, 24, 43]];
+
+/** Whether a panel is drawn here, and not as curves over x. */
+export const isPlane = (panel) => !!(panel.map || panel.discs || panel.note || (panel.y.range && panel.y.range[0] > panel.y.range[1]));
+
+/** The colour of a value on a scale, as "rgb(...)". */
+function colourAt(value, { range: [low, high], palette }) {
+  const stops = palette === "sequential" ? SEQUENTIAL : palette === "red above" ? DIVERGING : [...DIVERGING].reverse();
+  const place = Math.min(Math.max((value - low) / (high - low), 0), 1) * (stops.length - 1);
+  const k = Math.min(Math.floor(place), stops.length - 2);
+  const mixed = stops[k].map((from, n) => Math.round(from + (place - k) * (stops[k + 1][n] - from)));
+  return `rgb(${mixed})`;
+}
+
+/** A linear or logarithmic map from the ends of an axis to pixels. */
+function scaled({ log, range }, from, to) {
+  const of = log ? Math.log : (value) => value;
+  const [first, last] = range.map(of);
+  return (value) => from + (to - from) * (of(value) - first) / (last - first);
+}
+
+/** An axis whose range is known: its own, or that of values. */
+function ranged(axis, values) {
+  if (axis.range) return axis;
+  const known = values.filter(Number.isFinite);
+  const [low, high] = [Math.min(...known, 0), Math.max(...known, 0)];
+  return { ...axis, range: [low - 0.05 * (high - low), high + 0.05 * (high - low)] };
+}
+
+class Pen {
+  constructor(canvas, width, height) {
+    canvas.width = width * devicePixelRatio;
+    canvas.height = height * devicePixelRatio;
+    canvas.style.height = `${height}px`;
+    this.ctx = canvas.getContext("2d");
+    this.ctx.scale(devicePixelRatio, devicePixelRatio);
+    this.ctx.clearRect(0, 0, width, height);
+  }
+
+  text(words, x, y, { align = "center", turned = false, bold = false } = {}) {
+    const { ctx } = this;
+    ctx.save();
+    ctx.fillStyle = colourOf("soft");
+    ctx.font = `${bold ? "600 " : ""}11px system-ui, sans-serif`;
+    ctx.textAlign = align;
+    ctx.textBaseline = "middle";
+    ctx.translate(x, y);
+    if (turned) ctx.rotate(-Math.PI / 2);
+    ctx.fillText(words, 0, 0);
+    ctx.restore();
+  }
+
+  line(points, colour, dash = [], width = 2) {
+    const { ctx } = this;
+    ctx.strokeStyle = colour;
+    ctx.lineWidth = width;
+    ctx.setLineDash(dash);
+    ctx.beginPath();
+    points.forEach(([x, y], k) => (k ? ctx.lineTo(x, y) : ctx.moveTo(x, y)));
+    ctx.stroke();
+    ctx.setLineDash([]);
+  }
+}
+
+/** Ticks of an axis in the shown units. */
+function ticksOf({ log, range }, factor, count) {
+  const [low, high] = [Math.min(...range) / factor, Math.max(...range) / factor];
+  if (!log) return niceTicks(low, high, count);
+  const powers = [];
+  for (let power = Math.floor(Math.log10(low)); power <= Math.log10(high); power++) powers.push(power);
+  return powers.flatMap((power) => [1, 2, 5].map((digit) => Number(`${digit}e${power}`))).filter((tick) => tick >= low && tick <= high);
+}
+
+function drawScale(pen, scale, units, right, height) {
+  const { factor } = units.of(scale.quantity);
+  const [low, high] = scale.range;
+  const y = (value) => height - BELOW + (16 - height + BELOW) * (value - low) / (high - low);
+  for (let k = 0; k < 64; k++) {
+    const value = low + (high - low) * k / 64;
+    pen.ctx.fillStyle = colourAt(value, scale);
+    pen.ctx.fillRect(right, y(value + (high - low) / 64), 10, y(value) - y(value + (high - low) / 64) + 1);
+  }
+  for (const tick of niceTicks(low / factor, high / factor, 4)) pen.text(digits(tick, 4), right + 14, y(tick * factor), { align: "left" });
+  pen.text(units.label("", scale.quantity).trim(), right + 4, 7, { align: "left", bold: true });
+}
+
+function drawDiscs(pen, { discs, scale, x }, units, width, height) {
+  const { factor } = units.of(x.quantity);
+  const last = discs.at(-1);
+  const reach = last.radius.at(-1);
+  const whole = last.left + 2 * reach - discs[0].left;
+  const size = Math.min((width - RIGHT - 16) / whole, (height - BELOW - 8) / (2 * reach));
+  for (const { radius, values, left } of discs) {
+    const centre = [8 + (left - discs[0].left + radius.at(-1)) * size, 4 + (height - BELOW) / 2];
+    const circle = (r, colour) => {
+      pen.ctx.fillStyle = colour;
+      pen.ctx.beginPath();
+      pen.ctx.arc(...centre, r * size, 0, 2 * Math.PI);
+      pen.ctx.fill();
+    };
+    for (let k = radius.length - 1; k > 0; k--) circle(radius[k], colourAt(values[k], scale));
+    circle(radius[0], colourOf("line"));
+    pen.text(`${digits(radius.at(-1) / factor, 3)}${discs.length > 1 ? "" : ` ${units.text(x.quantity)}`}`, centre[0], centre[1] + radius.at(-1) * size + 9);
+  }
+  if (discs.length > 1) pen.text(units.label(x.label, x.quantity), 8, height - 8, { align: "left", bold: true });
+}
+
+/** Segments of the contour of a map by marching squares. */
+function contour({ x, y, values }, level, draw) {
+  const cross = (a, b, va, vb) => a + (b - a) * (level - va) / (vb - va);
+  for (let j = 0; j + 1 < y.length; j++) {
+    for (let i = 0; i + 1 < x.length; i++) {
+      const [a, b, c, d] = [values[j][i], values[j][i + 1], values[j + 1][i + 1], values[j + 1][i]];
+      const points = [];
+      if ((a < level) !== (b < level)) points.push([cross(x[i], x[i + 1], a, b), y[j]]);
+      if ((b < level) !== (c < level)) points.push([x[i + 1], cross(y[j], y[j + 1], b, c)]);
+      if ((c < level) !== (d < level)) points.push([cross(x[i + 1], x[i], c, d), y[j + 1]]);
+      if ((d < level) !== (a < level)) points.push([x[i], cross(y[j + 1], y[j], d, a)]);
+      for (let k = 0; k + 1 < points.length; k += 2) draw(points[k], points[k + 1]);
+    }
+  }
+}
+
+function drawMap(pen, { map, scale }, x, y) {
+  const middles = (of, values) => values.map((value, k) => (k ? (of(values[k - 1]) + of(value)) / 2 : of(value))).concat(of(values.at(-1)));
+  const [edges, rows] = [middles(x, map.x), middles(y, map.y)];
+  map.values.forEach((row, j) => row.forEach((value, i) => {
+    pen.ctx.fillStyle = colourAt(value, scale);
+    pen.ctx.fillRect(edges[i], rows[j], edges[i + 1] - edges[i] + 0.5, rows[j + 1] - rows[j] + 0.5);
+  }));
+}
+
+function drawAxes(pen, panel, axes, units, right, bottom) {
+  for (const tick of ticksOf(axes.x, axes.x.factor, 6)) pen.text(digits(tick, 4), axes.x.at(tick * axes.x.factor), bottom + 9);
+  for (const tick of ticksOf(axes.y, axes.y.factor, 6)) pen.text(digits(tick, 4), LEFT - 5, axes.y.at(tick * axes.y.factor), { align: "right" });
+  pen.text(units.label(panel.x.label, panel.x.quantity), (LEFT + right) / 2, bottom + 25, { bold: true });
+  pen.text(units.label(panel.y.label, panel.y.quantity), 10, (8 + bottom) / 2, { turned: true, bold: true });
+  pen.line([[LEFT, 8], [LEFT, bottom], [right, bottom]], colourOf("line"), [], 1);
+}
+
+function drawPlane(pen, cases, units, width, height) {
+  const { panel } = cases[0];
+  const lines = linesOf(cases);
+  const [right, bottom] = [width - (panel.scale ? RIGHT : 16), height - BELOW];
+  const ends = { x: [LEFT, right], y: [bottom, 8] };
+  const axes = Object.fromEntries(["x", "y"].map((name) => {
+    const axis = ranged(panel[name], lines.flatMap(({ curve }) => curve[name]));
+    return [name, { ...axis, at: scaled(axis, ...ends[name]), factor: units.of(axis.quantity).factor }];
+  }));
+  const at = ([x, y]) => [axes.x.at(x), axes.y.at(y)];
+  pen.ctx.save();
+  pen.ctx.beginPath();
+  pen.ctx.rect(LEFT, 8, right - LEFT, bottom - 8);
+  pen.ctx.clip();
+  if (panel.map && cases.length === 1) drawMap(pen, panel, axes.x.at, axes.y.at);
+  for (const { panel: own, colour } of cases) {
+    for (const { level } of own.map?.contours ?? []) contour(own.map, level, (from, to) => pen.line([at(from), at(to)], colour ?? "#000", [], 1.4));
+    for (const { value } of own.marks) pen.line([[axes.x.at(value), 8], [axes.x.at(value), bottom]], colour ?? colourOf("soft"), value ? DASHES.dotted : [], 1);
+  }
+  for (const { one, curve } of lines) pen.line(curve.x.map((x, k) => at([x, curve.y[k]])), one.colour ?? colourOf(curve.role), DASHES[curve.dash]);
+  pen.ctx.restore();
+  drawAxes(pen, panel, axes, units, right, bottom);
+}
+
+/** A panel over a plane with its legend; of several cases contours and curves are compared. */
+export function Plane({ title, cases, units, height, theme, description }) {
+  const place = useRef(null);
+  const { panel } = cases[0];
+  const draw = () => {
+    const width = place.current?.parentElement.clientWidth;
+    if (!width || panel.note) return;
+    const pen = new Pen(place.current, width, height + 40);
+    if (panel.discs) drawDiscs(pen, panel, units, width, height + 40);
+    else drawPlane(pen, cases, units, width, height + 40);
+    if (panel.scale && (panel.discs || cases.length === 1)) drawScale(pen, panel.scale, units, width - RIGHT + 12, height + 40);
+  };
+  useLayoutEffect(() => {
+    draw();
+    const watch = new ResizeObserver(draw);
+    watch.observe(place.current.parentElement);
+    return () => watch.disconnect();
+  }, [cases, units, theme]);
+  const several = cases.length > 1;
+  return html`<figure class="panel" data-panel=${panel.name}><figcaption><h3>${title}</h3><div class="legend">
+      ${linesOf(cases).map(({ one, curve }) => html`<span class="entry"><${Swatch} dash=${curve.dash} colour=${one.colour} role=${curve.role} />
+        ${several && html`<b>${one.label} </b>`}<span class="symbol"><${Symbol} of=${curve.symbol} /></span> <span><${Words} of=${curve.label} /></span></span>`)}
+      ${(panel.map?.contours ?? []).map((one) => html`<span class="entry"><${Swatch} dash="solid" role="ink" />${one.label}</span>`)}
+      ${panel.scale && html`<span class="entry">${panel.scale.label}</span>`}
+    </div></figcaption>
+    ${panel.note ? html`<p class="quiet">${panel.note}</p>` : ""}
+    <div class="plane"><canvas ref=${place} role="img" aria-label=${description}></canvas></div></figure>`;
+}

@@ -1,0 +1,277 @@
+"""The panels of a wound roll."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..problems.roll import RollProblem
+from ..roll.result import RollResult
+from .panels import Area, Axis, Curve, Disc, Limits, Mark, Panel, PanelMaker, Scale, output_curve
+from .report_parts import quantity_of, quantity_of_field
+
+__all__ = [
+    "cut_above",
+    "disc",
+    "disc_of",
+    "hoop_disc",
+    "hoop_stress_at",
+    "radii_between",
+    "radius_axis",
+    "roll_panels",
+    "scale_of",
+]
+
+Array = np.ndarray
+POINTS = 401  # of a curve that is known between its nodes too
+OUTWARD = 200  # of a coloured disc
+# The stress at the ends is many times the compression inside: a hoop stress is drawn up to so many
+# times the depth of the compression.
+ABOVE, BELOW = 5.0, 1.3
+MARGIN = 0.05  # of the values, above the largest one
+# of pressures next to the largest one, below zero
+ROUNDING = 1e-9
+
+
+def roll_panels(result: RollResult) -> dict[str, PanelMaker]:
+    """Return the panels of a wound roll, over the radius.
+
+    - pressure between the layers
+    - hardness: the modulus through the stack
+    - hoop_stress along the web, compression shaded; cut off above where there is any
+    - tension: the wound-on tension, on the stages of the build-up
+    - density of the wound layers, and as a density analyser on the winder draws it, where the
+      web's density is given
+    - compression: the part of the hoop stress that is compressive (if asked for)
+    - residual_tension of the layers, and their outward displacement since they were wound (if
+      asked for)
+    - disc, hoop_disc: the roll from its side, coloured by pressure and hoop stress (if asked for)
+    """
+    panels = {
+        "pressure": PanelMaker(pressure),
+        "hardness": PanelMaker(hardness),
+        "hoop_stress": PanelMaker(hoop_stress),
+        "compression": PanelMaker(compression, by_default=False),
+        "tension": PanelMaker(tension),
+        "density": PanelMaker(density),
+        "residual_tension": PanelMaker(residual_tension, by_default=False),
+        "displacement": PanelMaker(displacement, by_default=False),
+        "disc": PanelMaker(disc, by_default=False),
+        "hoop_disc": PanelMaker(hoop_disc, by_default=False),
+    }
+    if result.problem.density is None:
+        del panels["density"]
+    if np.count_nonzero(_compressed(result)) < 2:
+        del panels["compression"]
+    return panels
+
+
+def radius_axis(radius: Array) -> Axis:
+    """Return the axis of the radius from core to surface."""
+    return Axis(
+        "Radius $r$",
+        quantity_of(RollResult, "radius"),
+        limits=(float(radius[0]), float(radius[-1])),
+    )
+
+
+def radii_between(roll: RollResult, count: int = POINTS) -> Array:
+    """Return evenly spaced radii from core to surface [m]: also between the nodes."""
+    return np.linspace(roll.radius[0], roll.radius[-1], count)
+
+
+def hoop_stress_at(roll: RollResult) -> Array:
+    """Return the hoop stress at :func:`radii_between` [Pa]."""
+    return np.asarray(roll.at_radius(radii_between(roll))["hoop_stress"])
+
+
+def _compressed(roll: RollResult) -> Array:
+    """Return where the hoop stress is compressive, a mask of :func:`radii_between`."""
+    return hoop_stress_at(roll) < 0
+
+
+def cut_above(lowest: float, values: Array, below: float, above: float) -> Limits | None:
+    """Return limits of an axis of hoop stresses, which are many times as large at the ends.
+
+    Parameters
+    ----------
+    lowest : float
+        Largest compression, < 0; without compression there are no limits.
+    values : array
+    below, above : float
+        Ends of the axis in multiples of the compression.
+    """
+    if lowest >= 0:
+        return None
+    highest = float(values.max())
+    return below * lowest, min(highest + MARGIN * (highest - lowest), -above * lowest)
+
+
+# ---- over the radius ----------------------------------------------------------------------------
+
+
+def _over_radius(
+    roll: RollResult, curve: Curve, name: str, title: str, label: str, height: float
+) -> Panel:
+    """Return the panel of one output over the radius, from zero on."""
+    return Panel(
+        name,
+        title,
+        radius_axis(roll.radius),
+        Axis(label, quantity_of(roll, curve.name), from_zero=True),
+        curves=(curve,),
+        column="left",
+        height=height,
+    )
+
+
+def pressure(roll: RollResult) -> Panel:
+    """Return the panel of the pressure between the layers."""
+    r = radii_between(roll)
+    symbol = quantity_of(roll, "pressure").symbol
+    curve = Curve("pressure", r, roll.at_radius(r)["pressure"], symbol)
+    return _over_radius(roll, curve, "pressure", "Pressure", "Pressure $P$", 2.8)
+
+
+def hardness(roll: RollResult) -> Panel:
+    """Return the panel of the modulus through the stack."""
+    curve = output_curve(roll, "radial_modulus", roll.radius)
+    return _over_radius(roll, curve, "hardness", "Hardness", "Hardness $E_r$", 2.6)
+
+
+def displacement(roll: RollResult) -> Panel:
+    """Return the panel of the displacement of the layers since they were wound."""
+    curve = output_curve(roll, "displacement", roll.radius)
+    title = "Displacement of the layers since they were wound"
+    return _over_radius(roll, curve, "displacement", title, "Displacement $u$", 2.6)
+
+
+def hoop_stress(roll: RollResult) -> Panel:
+    """Return the panel of the hoop stress."""
+    return _stress_of_layers(roll, "hoop_stress", "Hoop stress", "Hoop stress $sigma_t$", 1.0)
+
+
+def residual_tension(roll: RollResult) -> Panel:
+    """Return the panel of the residual tension of the layers, the hoop stress times thickness."""
+    words = "Residual tension of the layers"
+    thickness = float(roll.problem.web_thickness)
+    return _stress_of_layers(roll, "residual_tension", words, words, thickness)
+
+
+def _stress_of_layers(
+    roll: RollResult, name: str, title: str, label: str, thickness: float
+) -> Panel:
+    """Return the panel of the hoop stress times a thickness, compression shaded."""
+    r, quantity = radii_between(roll), quantity_of(roll, name)
+    values = thickness * hoop_stress_at(roll)
+    lowest = thickness * roll.least_hoop_stress
+    shade = Area("compression", r, np.minimum(values, 0), 0 * r, "drum")
+    return Panel(
+        name,
+        title,
+        radius_axis(roll.radius),
+        Axis(label, quantity, cut=cut_above(lowest, values, BELOW, ABOVE)),
+        curves=(Curve(name, r, values, quantity.symbol),),
+        areas=(shade,) if (values < 0).any() else (),
+        marks=(Mark("x", 0.0, colour="web", alone=False),),
+        column="right",
+        height=2.8,
+    )
+
+
+def compression(roll: RollResult) -> Panel:
+    """Return the panel of the compressive part of the hoop stress."""
+    (compressed,) = np.nonzero(_compressed(roll))
+    part = slice(compressed[0], compressed[-1] + 1)
+    r, stress = radii_between(roll)[part], quantity_of(roll, "hoop_stress")
+    curve = Curve("hoop_stress", r, hoop_stress_at(roll)[part], stress.symbol, colour="drum")
+    return Panel(
+        "compression",
+        "Hoop stress where it is compressive",
+        radius_axis(r),
+        Axis("Hoop stress $sigma_t$", stress),
+        curves=(curve,),
+        column="compression",
+    )
+
+
+def tension(roll: RollResult) -> Panel:
+    """Return the panel of the wound-on tension, on the stages of the build-up."""
+    problem = roll.problem
+    quantity = quantity_of_field(RollProblem, "wound_on_tension")
+    r = np.unique(np.concatenate([roll.stage_radius, problem.tension_curve.kinks]))
+    values = problem.tension_curve.at(r) * problem.web_thickness
+    return Panel(
+        "tension",
+        "Tension over the radius",
+        radius_axis(roll.radius),
+        Axis("Wound-on tension", quantity, from_zero=True),
+        curves=(Curve("wound_on_tension", r, values, quantity.symbol),),
+        column="right",
+        height=2.6,
+    )
+
+
+def density(roll: RollResult) -> Panel:
+    """Return the panel of the density of the finished roll and that as wound."""
+    quantity, r = quantity_of(roll, "density"), roll.radius
+    return Panel(
+        "density",
+        "Density of the layers",
+        radius_axis(r),
+        Axis("Density", quantity),
+        curves=(
+            Curve("density", r, roll.density, "", "in the roll"),
+            Curve("density_as_wound", r, roll.density_as_wound, "", "as wound", "drum", "dashed"),
+        ),
+        column="left",
+        height=2.6,
+    )
+
+
+# ---- cross sections -----------------------------------------------------------------------------
+
+
+def disc(roll: RollResult) -> Panel:
+    """Return the panel of the roll from its side, coloured by the pressure."""
+    return _disc_panel(roll, "disc", "Pressure in the roll", "pressure", "Pressure $P$")
+
+
+def hoop_disc(roll: RollResult) -> Panel:
+    """Return the panel of the roll from its side, coloured by the hoop stress."""
+    title, label = "Hoop stress in the roll", "Hoop stress $sigma_t$"
+    return _disc_panel(roll, "hoop_disc", title, "hoop_stress", label)
+
+
+def _disc_panel(roll: RollResult, name: str, title: str, output: str, label: str) -> Panel:
+    """Return the panel of the roll from its side, coloured by an output."""
+    radius = quantity_of(roll, "radius")
+    return Panel(
+        name,
+        title,
+        Axis("$x$", radius),
+        Axis("$y$", radius),
+        discs=(disc_of(roll, output, -float(roll.radius[-1])),),
+        scale=scale_of(roll, output, label),
+        column=name,
+        width=5.4,
+        height=4.4,
+    )
+
+
+def disc_of(roll: RollResult, output: str, left: float) -> Disc:
+    """Return the cross section of a roll coloured by an output; its left edge is at ``left``."""
+    r = radii_between(roll, OUTWARD)
+    return Disc(r, np.asarray(roll.at_radius(r)[output]), left)
+
+
+def scale_of(roll: RollResult, output: str, label: str) -> Scale:
+    """Return the scale of the colours of an output: from zero, or symmetrical about it."""
+    quantity = quantity_of(roll, output)
+    values = disc_of(roll, output, 0.0).values
+    low, high = float(values.min()), float(values.max())
+    clipped = "upper" if output == "hoop_stress" else ""
+    if low > -ROUNDING * high:
+        return Scale(Axis(label, quantity, limits=(0.0, high)), clipped=clipped)
+    # the stress at both ends is many times that inside, which would have almost no colour
+    high = max(min(high, -2 * low), -low)
+    return Scale(Axis(label, quantity, limits=(-high, high)), "red below", clipped)

@@ -1,0 +1,372 @@
+"""The panels of studies: find, fits, comparisons, plans, Sobol' indices and operating windows."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..quantities import Quantity
+from ..roll.result import RollResult
+from ..studies.window_result import LEVELS, OperatingWindow
+from .panels import SERIES, Axis, Bars, Contour, Curve, Map, Mark, Panel, Regions
+from .report_parts import quantity_of
+
+if TYPE_CHECKING:
+    from ..studies.compare import Comparison
+    from ..studies.experiment import NextExperiment
+    from ..studies.find import FindResult
+    from ..studies.fit_result import FitResult
+    from ..studies.profiles import ProfileLikelihood
+    from ..studies.sobol import SobolIndices
+
+__all__ = [
+    "comparison_panels",
+    "find_panels",
+    "fit_panels",
+    "indices_panels",
+    "is_logarithmic",
+    "named_axis",
+    "plan_panels",
+    "window_panels",
+]
+
+Array = np.ndarray
+DECADE = 10.0  # ratio of the ends from which the field of a search has a logarithmic axis
+LINES = ("dotted", "dashed", "solid")  # of the levels of the probability in a window
+WORDS = {"gauge_band": "gauge band"}
+MARKERS = ("circle", "square", "triangle", "diamond", "point")  # of the outputs of a fit
+LONG_NAME = 32  # characters; a longer one is too long for a legend
+
+
+def is_logarithmic(values: Array) -> bool:
+    """Return True if values are spaced by factors rather than by steps."""
+    if values.size < 3 or values.min() <= 0 or values.max() / values.min() < 10:
+        return False
+    return bool(np.median(values) < 0.5 * (values.min() + values.max()) * 0.7)
+
+
+def named_axis(
+    name: str, quantity: Quantity | None, values: Array | None = None, words: bool = True
+) -> Axis:
+    """Return the axis of a field or output.
+
+    Parameters
+    ----------
+    name : str
+        Dotted name, the label of an axis without a quantity.
+    quantity : Quantity or None
+    values : array, optional
+        Along the axis; it is logarithmic if they are spaced by factors.
+    words : bool
+        Whether the label is the meaning of the quantity instead of the name.
+    """
+    label = name.replace("_", " ")
+    if quantity is not None and words:
+        label = quantity.meaning.partition(",")[0]
+    return Axis(label, quantity, log=values is not None and is_logarithmic(values))
+
+
+def _diagonal(*values: Array) -> Curve:
+    """Return the line of equal values on both axes, in the range of the values."""
+    ends = np.array([min(each.min() for each in values), max(each.max() for each in values)])
+    return Curve("equal", ends, ends, colour="soft", width=0.8, in_legend=False)
+
+
+# ---- find ---------------------------------------------------------------------------------------
+
+
+def find_panels(outcome: FindResult) -> list[Panel]:
+    """Return the panel of the output over the field, with the target and the solutions."""
+    field, output = outcome.quantities[outcome.name], outcome.quantities[outcome.output]
+    values, target = outcome.values, outcome.target
+    failed = ~np.isfinite(outcome.outputs)
+    lowest = min(float(np.nanmin(outcome.outputs)), target)
+    found = np.array([value for value, _ in outcome.solutions])
+    curves = [Curve(outcome.output, values, outcome.outputs, label="scan", marker="point")]
+    if failed.any():
+        label = "no solution of the problem"
+        at = np.full(int(failed.sum()), lowest)
+        curves.append(Curve("", values[failed], at, "", label, "ink", "none", "cross"))
+    reached = np.full(found.size, target)
+    curves.append(Curve("", found, reached, "", "solution", "drum", "none", "ring"))
+    log = values[0] > 0 and values[-1] / values[0] >= DECADE
+    return [
+        Panel(
+            "scan",
+            "Output over the field",
+            Axis(field.meaning, field, log=bool(log)),
+            Axis(output.meaning, output),
+            curves=tuple(curves),
+            marks=(Mark("x", target, "target", colour="drum", line="dashed"),),
+            width=5.2,
+            height=3.4,
+        )
+    ]
+
+
+# ---- fits and comparisons -----------------------------------------------------------------------
+
+
+def fit_panels(fit: FitResult) -> list[Panel]:
+    """Return the panel of fitted against measured values, and a profile of each parameter."""
+    return [_agreement(fit), *(_profile(fit, profile) for profile in fit.profiles)]
+
+
+def _agreement(fit: FitResult) -> Panel:
+    """Return the panel of fitted over measured values; all outputs of a fit have one SI unit."""
+    outputs = list(dict.fromkeys(fit.row_outputs))
+    curves = []
+    for k, output in enumerate(outputs):
+        rows = np.array([name == output for name in fit.row_outputs])
+        curves.append(
+            Curve(
+                output,
+                fit.measured[rows],
+                fit.fitted[rows],
+                label=_short_name(fit.quantities.get(output), output),
+                colour=SERIES[k % len(SERIES)],
+                line="none",
+                marker=MARKERS[k % len(MARKERS)],
+            )
+        )
+    first = fit.quantities.get(outputs[0])
+    return Panel(
+        "agreement",
+        "Fitted and measured values",
+        Axis("measured", first),
+        Axis("fitted", first),
+        curves=(*curves, _diagonal(fit.measured, fit.fitted)),
+        column="agreement",
+        width=3.3,
+        legend="inside",
+    )
+
+
+def _profile(fit: FitResult, profile: ProfileLikelihood) -> Panel:
+    """Return the panel of the profile likelihood of a parameter."""
+    quantity = fit.quantities.get(fit.row_outputs[0])
+    label, rms = "RMS of the fit", None if fit.weighted else quantity
+    if fit.weighted:
+        label += " [standard deviations]"
+    return Panel(
+        profile.name,
+        f"Profile of {profile.name}",
+        named_axis(profile.name, fit.quantities.get(profile.name), profile.values, words=False),
+        Axis(label, rms),
+        curves=(
+            Curve(
+                profile.name,
+                profile.values,
+                profile.rms,
+                label="others refitted" if len(fit.names) > 1 else "profile",
+                marker="point",
+            ),
+        ),
+        marks=(Mark("x", profile.rms_limit, "95 % limit", colour="drum", line="dashed"),),
+        column=profile.name,
+        width=3.1,
+        legend="inside",
+    )
+
+
+def _short_name(quantity: Quantity | None, name: str) -> str:
+    """Return the name of a quantity for a legend: its meaning without the explanation, if short."""
+    meaning = "" if quantity is None else quantity.meaning.partition(",")[0]
+    return meaning if 0 < len(meaning) <= LONG_NAME else name.replace("_", " ")
+
+
+def comparison_panels(comparison: Comparison) -> list[Panel]:
+    """Return the panels of measured against predicted values of each output, and residuals."""
+    return [
+        panel(comparison, output)
+        for output in comparison.outputs
+        for panel in (_measured_and_predicted, _residuals)
+    ]
+
+
+def _measured_and_predicted(comparison: Comparison, output: str) -> Panel:
+    """Return the panel of measured over predicted values of an output, with error bars."""
+    rows, quantity = comparison.of(output), comparison.quantities[output]
+    predicted, measured = comparison.predicted[rows], comparison.measured[rows]
+    model = np.hypot(np.nan_to_num(comparison.error[rows]), comparison.spread[rows])
+    points = Curve(
+        output,
+        predicted,
+        measured,
+        line="none",
+        marker="circle",
+        x_error=2 * model,
+        y_error=2 * np.nan_to_num(comparison.deviation[rows]),
+    )
+    name = quantity.meaning.partition(",")[0]
+    return Panel(
+        output,
+        f"Measured and predicted {name}",
+        Axis(f"predicted {name}", quantity),
+        Axis(f"measured {name}", quantity),
+        curves=(points, _diagonal(predicted, measured)),
+        column=output,
+        width=3.6,
+    )
+
+
+def _residuals(comparison: Comparison, output: str) -> Panel:
+    """Return the panel of the residuals of an output with their uncertainty and mean."""
+    rows, quantity = comparison.of(output), comparison.quantities[output]
+    x, axis = _abscissa(comparison, rows)
+    points = Curve(
+        output,
+        x,
+        comparison.residual[rows],
+        label="two standard uncertainties",
+        line="none",
+        marker="circle",
+        y_error=2 * np.nan_to_num(comparison.total[rows]),
+    )
+    bias = comparison.agreement(output).bias
+    # along another quantity than the agreement: a column of its own
+    return Panel(
+        f"{output}_residuals",
+        f"Residuals of {output}",
+        axis,
+        Axis("measured - predicted", quantity),
+        curves=(points,),
+        marks=(Mark("x", 0.0), Mark("x", bias, "mean", colour="drum", line="dashed")),
+        column=f"{output}_residuals",
+        width=3.8,
+    )
+
+
+def _abscissa(comparison: Comparison, rows: Array) -> tuple[Array, Axis]:
+    """Return the abscissa of the residuals: radius, the most varied input, or the row."""
+    if np.isfinite(comparison.position[rows]).all():
+        return comparison.position[rows], Axis("radius", quantity_of(RollResult, "radius"))
+    counts = {name: np.unique(values[rows]).size for name, values in comparison.inputs.items()}
+    name = max(counts, key=lambda key: counts[key], default="")
+    if counts.get(name, 0) < 2:
+        return np.array(comparison.numbers)[rows], Axis("row")
+    return comparison.inputs[name][rows], Axis(name.replace("_", " "), comparison.quantities[name])
+
+
+# ---- plans and indices --------------------------------------------------------------------------
+
+
+def plan_panels(plan: NextExperiment) -> list[Panel]:
+    """Return the panel of the relative standard errors expected after each measurement."""
+    steps = np.arange(len(plan.measurements) + 1.0)
+    curves = [
+        Curve(
+            name,
+            100 * plan.standard_errors[:, k],
+            steps,
+            label=name,
+            colour=SERIES[k % len(SERIES)],
+            marker="circle",
+        )
+        for k, name in enumerate(plan.names)
+    ]
+    if plan.output_value:
+        errors = 100 * plan.output_errors / abs(plan.output_value)
+        label = f"{plan.output} at the operating point"
+        curves.append(Curve(plan.output, errors, steps, "", label, "ink", "dashed", "square"))
+    names = ["now", *(measurement.name for measurement in plan.measurements)]
+    x = Axis("expected relative standard error after the measurement [%]", log=True)
+    return [
+        Panel(
+            "plan",
+            "Expected standard errors after each measurement",
+            x,
+            Axis("", limits=(steps[-1] + 0.4, -0.4), names=tuple(names)),
+            curves=tuple(curves),
+            width=7.0,
+            height=2.0 + 0.45 * len(plan.measurements),
+            legend="stacked",
+        )
+    ]
+
+
+def indices_panels(indices: SobolIndices) -> list[Panel]:
+    """Return a panel per output of first-order and total indices as bars with intervals.
+
+    The input that explains most, with its interactions, stands on top.
+    """
+    panels = []
+    for k, output in enumerate(indices.outputs):
+        order = np.argsort(-indices.total_order[k], kind="stable")
+        alone, total = indices.first_order[k, order], indices.total_order[k, order]
+        names = tuple(indices.inputs[j].replace("_", " ") for j in order)
+        bars = (
+            Bars("alone (first order)", alone, -0.2, "roll", indices.first_interval[:, k, order]),
+            Bars(
+                "with interactions (total)", total, 0.2, "sky", indices.total_interval[:, k, order]
+            ),
+        )
+        panels.append(
+            Panel(
+                output,
+                output.replace("_", " "),
+                Axis("share of the variance"),
+                Axis("", limits=(len(names) - 0.4, -0.6), names=names),
+                bars=bars,
+                heading=output.replace("_", " "),
+                height=0.42 * len(names) + 1.0,
+                legend="below",
+            )
+        )
+    return panels
+
+
+# ---- operating windows --------------------------------------------------------------------------
+
+
+def window_panels(window: OperatingWindow) -> list[Panel]:
+    """Return the panel of the probability over the regions of the binding margins.
+
+    With a torque split, it shows the level of the best point.
+    """
+    tension, load = (window.quantities[name] for name in window.names[:2])
+    best, heading = window.best, ""
+    probability, binding = window.probability.T, window.binding.T
+    if len(window.names) == 3:
+        split = best.values["torque_split"]
+        level = int(np.argmin(np.abs(window.axes[2] - split)))
+        probability, binding = probability[level], binding[level]
+        heading = f"torque split {window.axes[2][level]:.2g}"
+    x, y = window.axes[0], window.axes[1]
+    # the last region is that without a solution
+    margins = [f"binding: {WORDS.get(name, name)}" for name in window.margins]
+    regions = Regions(
+        x,
+        y,
+        np.where(binding < 0, len(margins), binding),
+        (*margins, "no steady state, or not solved"),
+        (*(SERIES[k % 6] for k in range(len(margins))), "soft"),
+    )
+    contours = tuple(
+        Contour(level, f"P = {level:g}", line) for level, line in zip(LEVELS, LINES, strict=True)
+    )
+    point = Curve(
+        "",
+        np.array([best.values["web_tension"]]),
+        np.array([best.values["nip_load"]]),
+        label=f"largest P = {best.probability:.2f}",
+        colour="ink",
+        line="none",
+        marker="ring",
+    )
+    return [
+        Panel(
+            "window",
+            "Operating window",
+            Axis(f"{tension.meaning}, at the core", tension, limits=(x[0], x[-1])),
+            Axis(f"{load.meaning}, at the core", load, limits=(y[0], y[-1])),
+            curves=(point,),
+            map=Map(x, y, probability, contours),
+            regions=regions,
+            heading=heading,
+            width=7.2,
+            height=4.2,
+            legend="right",
+        )
+    ]

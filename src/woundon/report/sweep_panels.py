@@ -1,0 +1,157 @@
+"""The panels of a study table: curves of a grid, or points over every input."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..studies.cases import as_labels, is_numeric
+from .drawing import show_panels
+from .figures import text_of
+from .panels import LINES, SERIES, Axis, Curve, Panel
+from .study_panels import named_axis
+
+if TYPE_CHECKING:
+    from ..studies.run import Table
+
+__all__ = ["plot_sweep"]
+
+Array = np.ndarray
+MOST_CURVES, MOST_PANELS = 7, 4
+SPARSE = 30  # up to so many points of a curve are marked
+COLUMNS = 3  # of the panels of points
+
+
+def plot_sweep(table: Table, output: str, path: str | Path | None = None) -> Any:
+    """Plot one output of a study.
+
+    Of a grid: curves over the longest axis, a curve for each value of the next, a panel for each
+    of a third; further inputs at their middle values.  At most seven curves and four panels are
+    shown, spread over the values; the title gives their numbers if there are more.  Of a
+    table: the output over every input.
+
+    Parameters
+    ----------
+    table : Table
+    output : str
+    path : path, optional
+        Where to save; without it the figure is pyplot's.
+    """
+    title = ""
+    if table.cases.axes:
+        panels, title = _grid_panels(table, output)
+    else:
+        panels = _scatter_panels(table, output)
+    cases = [[panel] for panel in panels]
+    return show_panels(cases, path=path, lettered=False, title=title, same_y=True)
+
+
+def _grid_panels(table: Table, output: str) -> tuple[list[Panel], str]:
+    """Return the panels of a grid and the title of its figure."""
+    shape, axes = table.cases.shape, list(table.cases.axes.values())
+    # numeric inputs first, then by the number of values; from the fourth on at the middle value
+    inputs = sorted(range(len(shape)), key=lambda k: (not is_numeric(axes[k]), -shape[k]))
+    drawn, fixed = inputs[:3], {k: shape[k] // 2 for k in inputs[3:]}
+    values = table.outputs[output].reshape(shape)
+    values = values[tuple(fixed.get(k, slice(None)) for k in range(len(shape)))]
+    values = np.transpose(values, [sorted(drawn).index(k) for k in drawn])
+    while values.ndim < 3:
+        values = values[..., None]
+    y = named_axis(output, table.quantities.get(output))
+    places = _evenly_spaced(values.shape[2], MOST_PANELS)
+    panels = []
+    for place in places:
+        panels.append(
+            Panel(
+                output,
+                y.label,
+                _axis_of_input(table, drawn[0]),
+                y,
+                curves=tuple(_curves(table, output, drawn, values[:, :, place])),
+                heading=_value_label(table, drawn[2], place) if len(drawn) > 2 else "",
+                column=str(place),
+                width=3.4 + 1.6 * (place == places[-1]),
+                legend="right",
+            )
+        )
+    held_at = ", ".join(_value_label(table, k, place) for k, place in fixed.items())
+    return panels, "; ".join(filter(None, [held_at, _omissions(values.shape)]))
+
+
+def _axis_of_input(table: Table, k: int) -> Axis:
+    """Return the axis of an input, with the names of its values if they are not numbers."""
+    name = table.cases.names[k]
+    values = table.cases.axes[name]
+    if not is_numeric(values):
+        return Axis(name, names=tuple(str(label) for label in as_labels(values)))
+    return named_axis(name, table.quantities.get(name), values)
+
+
+def _curves(table: Table, output: str, drawn: list[int], values: Array) -> list[Curve]:
+    """Return the curves of one panel: ``values`` over the first input and the second."""
+    x = table.cases.axes[table.cases.names[drawn[0]]]
+    positions = x if is_numeric(x) else np.arange(len(x), dtype=float)
+    order = np.argsort(positions, kind="stable")
+    marker = "circle"
+    if is_numeric(x):
+        marker = "point" if positions.size <= SPARSE else ""
+    return [
+        Curve(
+            output,
+            positions[order],
+            values[order, k],
+            label=_value_label(table, drawn[1], k) if len(drawn) > 1 else "",
+            colour=SERIES[place],
+            line=LINES[place % len(LINES)],
+            marker=marker,
+        )
+        for place, k in enumerate(_evenly_spaced(values.shape[1], MOST_CURVES))
+    ]
+
+
+def _omissions(shape: tuple[int, ...]) -> str:
+    """Return the number of curves and panels that are shown; '' if all are."""
+    limits = {"curves": (shape[1], MOST_CURVES), "panels": (shape[2], MOST_PANELS)}
+    parts = [
+        f"{limit} of {count} {name}" for name, (count, limit) in limits.items() if count > limit
+    ]
+    return f"{' and '.join(parts)} shown" if parts else ""
+
+
+def _scatter_panels(table: Table, output: str) -> list[Panel]:
+    """Return the panels of a design without a grid: the output over each input."""
+    panels = []
+    columns = {name: x for name, x in table.cases.columns.items() if is_numeric(x)}
+    for k, (name, x) in enumerate(columns.items()):
+        points = Curve(output, x, table.outputs[output], line="none", marker="point", opacity=0.6)
+        panels.append(
+            Panel(
+                name,
+                name,
+                named_axis(name, table.quantities.get(name), x, words=False),
+                named_axis(output, table.quantities.get(output)),
+                curves=(points,),
+                column=str(k % COLUMNS),
+                width=2.9,
+                height=2.6,
+            )
+        )
+    return panels
+
+
+def _evenly_spaced(count: int, limit: int) -> list[int]:
+    """Return at most ``limit`` evenly spaced indices below ``count``, including both ends."""
+    return sorted({round(k) for k in np.linspace(0, count - 1, min(count, limit))})
+
+
+def _value_label(table: Table, axis: int, place: int) -> str:
+    """Return a label such as "shear = 10 MPa" for an index on an axis."""
+    field = table.cases.names[axis]
+    values = table.cases.axes[field]
+    value, quantity = as_labels(values)[place], table.quantities.get(field)
+    name = field.rpartition(".")[2].replace("_", " ")
+    if not is_numeric(values):
+        return f"{name} = {value}"
+    return f"{name} = {value:.4g}" if quantity is None else f"{name} = {text_of(quantity, value)}"

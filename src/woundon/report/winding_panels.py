@@ -1,0 +1,252 @@
+"""The panels of a winding."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import isfinite
+
+import numpy as np
+
+from ..roll.result import RollResult
+from ..winding.margins import Margin
+from ..winding.result import WindingResult
+from . import roll_panels
+from .panels import SERIES, Area, Axis, Curve, Mark, Panel, PanelMaker, output_curve
+from .report_parts import quantity_of
+from .roll_panels import cut_above, disc_of, hoop_stress_at, radii_between, radius_axis, scale_of
+
+__all__ = ["winding_panels"]
+
+Array = np.ndarray
+STAGES = 6  # drawn, of which the last is the finished roll
+# A hoop stress is drawn up to so many times the depth of the compression.
+ABOVE, BELOW = 2.5, 1.2
+GAP = 0.1  # between the discs of a growing roll, of the last radius
+MOST, LEAST = 1.05, -0.15  # of the reserves that are drawn
+WITHOUT_FRICTION = -1.0  # drawn in place of an infinite reserve
+BAR = 0.12  # of a reserve at the core alone, of the build-up
+
+
+def winding_panels(result: WindingResult) -> dict[str, PanelMaker]:
+    """Return the panels of a winding, over the radius.
+
+    - tension: T_in, NIT and WOT, the nips that were solved as dots
+    - reserves: reserve of each margin
+    - pressure, hoop_stress: at stages of the build-up, the later the darker
+    - compression: the part of the hoop stress that is compressive (if asked for)
+    - hardness, loads: modulus of the roll, nip load and winding force (if asked for)
+    - disc, hoop_disc: the roll from its side, coloured by pressure and hoop stress (if asked for)
+    - film: its pressure as it grows, on one scale (if asked for)
+    """
+    of_roll = roll_panels.roll_panels(result.roll)
+    panels = {
+        "tension": PanelMaker(tension),
+        "reserves": PanelMaker(reserves),
+        "pressure": PanelMaker(pressure),
+        "hoop_stress": PanelMaker(hoop_stress),
+        "compression": PanelMaker(OfRoll(roll_panels.compression), by_default=False),
+        "loads": PanelMaker(loads, by_default=False),
+        "hardness": PanelMaker(OfRoll(roll_panels.hardness), by_default=False),
+        "disc": PanelMaker(OfRoll(roll_panels.disc), by_default=False, slow=True),
+        "hoop_disc": PanelMaker(OfRoll(roll_panels.hoop_disc), by_default=False, slow=True),
+        "film": PanelMaker(film, by_default=False, slow=True),
+    }
+    if "compression" not in of_roll:
+        del panels["compression"]
+    return panels
+
+
+@dataclass(frozen=True)
+class OfRoll:
+    """A panel of the finished roll."""
+
+    make: Callable[[RollResult], Panel]
+
+    def __call__(self, result: WindingResult) -> Panel:
+        """Return the panel of a winding's roll."""
+        return self.make(result.roll)
+
+
+# ---- schedules and tensions ---------------------------------------------------------------------
+
+
+def tension(result: WindingResult) -> Panel:
+    """Return the panel of web tension, nip-induced and wound-on tension, the nips as dots."""
+    r = result.radius
+    return Panel(
+        "tension",
+        "Tension over the radius",
+        radius_axis(r),
+        Axis("Tension", quantity_of(result, "wound_on_tension"), from_zero=True),
+        curves=(
+            output_curve(result, "wound_on_tension", r, "wound on"),
+            output_curve(result, "web_tension", r, "web", "drum", "dashed"),
+            output_curve(result, "nip_induced_tension", r, "by the nip", "green", "dotted"),
+            Curve(
+                "nip_wound_on_tension",
+                result.nip_radius,
+                result.nip_wound_on_tension,
+                label="solved nips",
+                line="none",
+                marker="point",
+                in_legend=False,
+            ),
+        ),
+        column="left",
+        height=3.0,
+    )
+
+
+def loads(result: WindingResult) -> Panel:
+    """Return the panel of nip load and winding force."""
+    r = result.radius
+    return Panel(
+        "loads",
+        "Nip load and winding force",
+        radius_axis(r),
+        Axis("Load", quantity_of(result, "nip_load")),
+        curves=(
+            output_curve(result, "nip_load", r, "nip load"),
+            output_curve(result, "winding_force", r, "winding force", "drum", "dashed"),
+        ),
+        column="left",
+        height=2.6,
+    )
+
+
+# ---- stages of the build-up ---------------------------------------------------------------------
+
+
+def _stages(result: WindingResult) -> list[RollResult]:
+    """Return the roll at evenly spaced stages of its build-up; the last is the finished one."""
+    core, radius = float(result.radius[0]), float(result.radius[-1])
+    surfaces = np.linspace(core, radius, STAGES + 1)[1:-1].tolist()
+    return [*(result.roll.at(surface) for surface in surfaces), result.roll]
+
+
+def _curves_of_stages(result: WindingResult, name: str) -> tuple[Curve, ...]:
+    """Return an output at the stages of the build-up, the later the darker.
+
+    Of several results the finished rolls are compared.
+    """
+    stages, symbol = _stages(result), quantity_of(result.roll, name).symbol
+    curves = []
+    for k, roll in enumerate(stages, 1):
+        r, finished = radii_between(roll), k == len(stages)
+        curves.append(
+            Curve(
+                name,
+                r,
+                np.asarray(roll.at_radius(r)[name]),
+                symbol,
+                "finished roll" if finished else f"stage {k}",
+                opacity=k / len(stages),
+                width=1.0 + finished,
+                alone=not finished,
+                in_legend=finished,
+            )
+        )
+    return tuple(curves)
+
+
+def pressure(result: WindingResult) -> Panel:
+    """Return the panel of the pressure at stages of the build-up."""
+    return Panel(
+        "pressure",
+        "Pressure",
+        radius_axis(result.radius),
+        Axis("Pressure $P$", quantity_of(result.roll, "pressure"), from_zero=True),
+        curves=_curves_of_stages(result, "pressure"),
+        column="right",
+        height=3.0,
+    )
+
+
+def hoop_stress(result: WindingResult) -> Panel:
+    """Return the panel of the hoop stress at stages of the build-up, compression shaded."""
+    lowest, values = result.roll.least_hoop_stress, hoop_stress_at(result.roll)
+    ends = result.radius[[0, -1]]
+    depth = np.full(2, BELOW * min(lowest, 0.0))
+    return Panel(
+        "hoop_stress",
+        "Hoop stress",
+        radius_axis(result.radius),
+        Axis(
+            "Hoop stress $sigma_t$",
+            quantity_of(result.roll, "hoop_stress"),
+            cut=cut_above(lowest, values, BELOW, ABOVE),
+        ),
+        curves=_curves_of_stages(result, "hoop_stress"),
+        areas=(Area("", ends, depth, 0 * depth, "drum"),) if lowest < 0 else (),
+        marks=(Mark("x", 0.0, colour="web", alone=False),),
+        column="right",
+        height=3.0,
+    )
+
+
+def film(result: WindingResult) -> Panel:
+    """Return the panel of the growing roll as a row of discs on one scale of the pressure."""
+    stages, discs, left = _stages(result), [], 0.0
+    for roll in stages:
+        discs.append(disc_of(roll, "pressure", left))
+        left += 2 * float(roll.radius[-1]) + GAP * float(result.radius[-1])
+    highest = max(stages, key=lambda roll: roll.peak_pressure)
+    return Panel(
+        "film",
+        "Pressure in the growing roll",
+        Axis("radius", quantity_of(result.roll, "radius")),
+        Axis(""),
+        discs=tuple(discs),
+        scale=scale_of(highest, "pressure", "Pressure $P$"),
+        column="film",
+        width=11.0,
+        height=2.6,
+    )
+
+
+# ---- margins ------------------------------------------------------------------------------------
+
+
+def reserves(result: WindingResult) -> Panel:
+    """Return the panel of the reserves, their smallest values as circles, red below zero."""
+    margins, r = result.margins, result.radius[[0, -1]]
+    checked = [margin.reserve for margin in margins if margin.checked]
+    deepest = min((m if isfinite(m) else WITHOUT_FRICTION for m in checked), default=0.0)
+    low = 1.2 * deepest if deepest < 0 else LEAST
+    curves: list[Curve] = []
+    for margin, colour in zip(margins, SERIES, strict=False):
+        if margin.checked:
+            curves += _curves_of_margin(margin, colour, low, float(r[1]))
+    return Panel(
+        "reserves",
+        "Reserves of the margins",
+        radius_axis(r),
+        Axis("Reserve, share of the limit", limits=(low, MOST)),
+        curves=tuple(curves),
+        areas=(Area("", r, np.full(2, low), np.zeros(2), "alarm"),),
+        marks=(Mark("x", 0.0, "limit", colour="alarm", written=True, alone=False),),
+        column="left",
+        height=3.0,
+    )
+
+
+def _curves_of_margin(margin: Margin, colour: str, low: float, surface: float) -> list[Curve]:
+    """Return the reserve of a margin over the radius, at least ``low``, and its smallest value."""
+    r, reserve = margin.over_radius, margin.reserve_of(margin.values)
+    if r.size == 1:  # of the core alone
+        r, reserve = np.array([r[0], r[0] + BAR * (surface - r[0])]), np.repeat(reserve, 2)
+    smallest = np.clip(np.array([margin.reserve]), low, MOST)
+    return [
+        Curve(margin.name, r, np.clip(reserve, low, 2 * MOST), label=margin.name, colour=colour),
+        Curve(
+            margin.name,
+            np.array([margin.radius]),
+            smallest,
+            label=f"smallest reserve, {margin.name}",
+            colour=colour if margin.ok else "alarm",
+            line="none",
+            marker="circle",
+            in_legend=False,
+        ),
+    ]
