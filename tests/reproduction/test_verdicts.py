@@ -11,7 +11,18 @@ from woundon.jorkama2001 import catalogue, judgement
 from woundon.jorkama2001.exhibits import Exhibit
 from woundon.jorkama2001.judgement import judged
 from woundon.jorkama2001.nips import dataset, joined
-from woundon.jorkama2001.verdicts import Outcome, Verdict, falls, grows, verdict, whether
+from woundon.jorkama2001.verdicts import (
+    Outcome,
+    Range,
+    Verdict,
+    at_least,
+    at_most,
+    falls,
+    grows,
+    untested,
+    verdict,
+    whether,
+)
 
 
 @pytest.mark.parametrize(
@@ -27,14 +38,14 @@ from woundon.jorkama2001.verdicts import Outcome, Verdict, falls, grows, verdict
     ],
 )
 def test_a_statement_holds_fails_or_cannot_be_tested(value, low, high, outcome):
-    assert Verdict("x", value, low, high).outcome is outcome
+    assert Verdict("x", value, Range(low, high)).outcome is outcome
 
 
 def test_a_fact_without_a_number():
     assert whether("x", True).outcome is Outcome.HOLDS
     wrong = whether("x", False)
     assert (wrong.outcome, wrong.measured, wrong.expected) == (Outcome.FAILS, "no", "yes")
-    assert verdict("x", None, note="no load given").outcome is Outcome.UNTESTED
+    assert untested("x", "no load given").outcome is Outcome.UNTESTED
 
 
 def test_a_rise_and_a_fall_in_every_step():
@@ -62,9 +73,9 @@ def two(solver: str) -> tuple[Exhibit, ...]:
     """Return an exhibit of which one statement fails with the accurate solver only."""
     value = {"accurate": 5.0, "thesis": 1.0}[solver]
     verdicts = (
-        Verdict("it is small", value, high=2.0, unit="N/m", note="s_d of the nip"),
-        Verdict("it is there", 1.0, 0.5),
-        verdict("it is blue", None, note="no colour is printed"),
+        verdict("it is small", value, at_most(2.0, "N/m"), "s_d of the nip"),
+        verdict("it is there", 1.0, at_least(0.5)),
+        untested("it is blue", "no colour is printed"),
     )
     return (Exhibit("fig99", "Two", dataset("row", {"x [m]": [1.0]}), verdicts),)
 

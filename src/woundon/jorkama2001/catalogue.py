@@ -5,6 +5,7 @@ A module has a function ``exhibits(solver)`` that returns its figures and tables
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 from difflib import get_close_matches
 
@@ -72,7 +73,7 @@ def modules(names: Sequence[str]) -> tuple[str, ...]:
 def made_by(module: str, solver: str) -> tuple[Exhibit, ...]:
     """Compute all figures of a module, "accurate" or by the procedure of the "thesis"."""
     # the names are needed without the modules, which import xarray and Matplotlib
-    from . import (
+    from . import (  # noqa: F401  found below by their names
         fig5,
         fig15,
         fig16_18,
@@ -92,25 +93,5 @@ def made_by(module: str, solver: str) -> tuple[Exhibit, ...]:
         table4,
     )
 
-    known = [
-        fig5,
-        fig15,
-        fig16_18,
-        fig19,
-        fig20,
-        fig21_22,
-        fig23_24,
-        fig25,
-        fig26,
-        fig27,
-        fig28_29,
-        fig30,
-        fig33,
-        fig34,
-        fig35,
-        table3,
-        table4,
-    ]
-    (found,) = (one for one in known if one.__name__.rpartition(".")[2] == module)
-    made: tuple[Exhibit, ...] = found.exhibits(solver)
+    made: tuple[Exhibit, ...] = sys.modules[f"{__package__}.{module}"].exhibits(solver)
     return made

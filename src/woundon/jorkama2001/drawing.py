@@ -52,6 +52,13 @@ AXES = {
     "tension_increase": (r"Web tension $T - T_\mathrm{in}$ [N/m]", 1.0),
     "traction": ("Tangential traction $q$ [MPa]", 1e-6),
 }
+LOGARITHMIC = ("youngs_modulus",)
+# dimension -> what the titles of panels say of its values
+TITLES: dict[str, Callable[[Any], str]] = {
+    "nip_load": lambda P: f"$P = {P:.0f}$ N/m",
+    "roll_radius": lambda R: f"$R_1 = {R}$ m",
+    "drum_radius": lambda R: f"$R_2 = {R}$ m",
+}
 # dimension -> what a legend says of its values
 NAMES: dict[str, Callable[[Any], str]] = {
     "winding_force": lambda F: f"$F = {F:.0f}$ N/m",
@@ -141,12 +148,17 @@ def curves(
         axes.plot(one[x] * per_x, one[y] * per_y, LINES[k], color=COLOURS[k], label=name)
     axes.set_xlabel(x_label)
     axes.set_ylabel(y_label)
+    if x in LOGARITHMIC:
+        axes.set_xscale("log")
 
 
 def sheet(
-    panels: Sequence[tuple[xr.Dataset, str, str]],
+    data: xr.Dataset,
+    shown: Sequence[str],
     x: str,
     along: str = "winding_force",
+    *,
+    panels: str = "",
     names: Sequence[str] = (),
     legend: int = 5,
 ) -> Figure:
@@ -154,15 +166,24 @@ def sheet(
 
     Parameters
     ----------
-    panels : sequence of (data, y, title)
+    data : Dataset
+    shown : sequence of str
+        Variables, a panel each.
     x, along, names
         As of :func:`curves`.
+    panels : str
+        Dimension along which each value has a panel, of a single variable.
     legend : int
         Its number of columns.
     """
-    figure = blank() if len(panels) == 2 else one_panel()[0]
-    for axes, (data, y, title) in zip(figure.axes, panels, strict=True):
-        curves(axes, data, x, y, along, names)
+    if panels:
+        (y,) = shown
+        parts = [(data.sel({panels: v}), y, TITLES[panels](v)) for v in data[panels].values]
+    else:
+        parts = [(data, y, "") for y in shown]
+    figure = blank() if len(parts) == 2 else one_panel()[0]
+    for axes, (part, y, title) in zip(figure.axes, parts, strict=True):
+        curves(axes, part, x, y, along, names)
         axes.set_title(title, fontsize=9)
     shared_legend(figure, legend)
     return figure

@@ -8,7 +8,7 @@ from . import drawing
 from .cases import paper_nip
 from .exhibits import Exhibit
 from .nips import FINE, Nip, along_nip, solved
-from .verdicts import Verdict, verdict, whether
+from .verdicts import Range, Verdict, at_least, at_most, verdict, whether
 from .zones import runs, zone_lengths
 
 __all__ = ["exhibits", "gain_in_dual_slip", "squeezed"]
@@ -51,29 +51,25 @@ def _pattern(r: Nip, heavy: Nip) -> list[Verdict]:
         verdict(
             "C lies downstream of B: the roll's face slips before the drum's",
             lengths.trailing_roll - lengths.dual,
-            low=0.0,
+            at_least(0.0),
             note="s_r2 - s_d",
         ),
         verdict(
             "the slip at the roll is negative at the leading edge",
             100 * r.roll_slip[0],
-            high=0.0,
-            unit="%",
+            at_most(0.0, "%"),
         ),
         verdict(
             "and positive downstream of B",
             100 * r.roll_slip.max(),
-            low=0.0,
-            unit="%",
+            at_least(0.0, "%"),
             note="largest v+",
         ),
         verdict(
             "in some cases a very short stick area near C parts the roll's trailing slip zone: its "
             f"length at P = {HEAVY_LOAD / 1e3:.0f} kN/m",
             _parting_stick(heavy),
-            low=0.1,
-            high=5.0,
-            unit="% of the width",
+            Range(0.1, 5.0, "% of the width"),
             note="it is there with 257, 513 and 1025 nodes alike, so it is no artefact; at "
             "P = 1900 N/m, here shown, there is none",
         ),
@@ -95,23 +91,20 @@ def _tension(r: Nip) -> list[Verdict]:
         verdict(
             "the tension grows in the dual slip zone only: its gain there over NIT",
             100 * gained / r.nip_induced_tension,
-            low=99.9,
-            unit="%",
+            at_least(99.9, "%"),
             note=f"{gained:.1f} of {r.nip_induced_tension:.1f} N/m",
         ),
         verdict(
             "before C it falls a little",
             before.min(),
-            high=0.0,
-            unit="N/m",
+            at_most(0.0, "N/m"),
             note=f"lowest tension, less T_in; the highest is {before.max():.2g}",
         ),
         verdict(
             "because the pressure squeezes the web, which cannot stretch where it sticks to the "
             "rigid drum (Poisson's effect): the fall over 2h (A_rt/A_rr) times the rise of p",
             share,
-            low=0.95,
-            high=1.05,
+            Range(0.95, 1.05),
             note=f"from where stick begins, at {100 * begins:.1f} % of the width",
         ),
     ]

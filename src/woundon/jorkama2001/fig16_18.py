@@ -7,13 +7,12 @@ from functools import partial
 
 import numpy as np
 import xarray as xr
-from matplotlib.figure import Figure
 
 from . import drawing
 from .cases import WINDING_FORCES, paper_nip
 from .exhibits import Exhibit
 from .nips import Nip, solved, swept
-from .verdicts import Verdict, falls, grows, verdict
+from .verdicts import Range, Verdict, at_least, at_most, exactly, falls, grows, verdict
 from .zones import zone_lengths
 
 __all__ = ["NIP_LOADS", "exhibits"]
@@ -48,7 +47,7 @@ def exhibits(solver: str) -> list[Exhibit]:
             title,
             data,
             verdicts,
-            partial(_draw, data, shown),
+            partial(drawing.sheet, data, shown, "nip_load", legend=5 if len(shown) > 1 else 3),
         )
         for name, title, verdicts, shown in made
     ]
@@ -94,29 +93,26 @@ def _tension(data: xr.Dataset, light: Nip) -> list[Verdict]:
         verdict(
             "the nip width does not depend on the winding force",
             100 * (_spread(width) / width[-1]).max(),
-            high=1.0,
-            unit="%",
+            at_most(1.0, "%"),
             note="largest spread between the forces",
         ),
         verdict(
             "nor does the approach of the centres, so that no theory can be right in which NIT is "
             "a function of the approach alone",
             100 * (_spread(approach) / approach[-1]).max(),
-            high=1.0,
-            unit="%",
+            at_most(1.0, "%"),
             note="largest spread between the forces",
         ),
         verdict(
             "the curves flatten as the load grows (ch. 6)",
             np.diff(np.diff(free) / np.diff(NIP_LOADS)).max(),
-            high=0.0,
+            at_most(0.0),
             note="largest change of slope [N/m per N/m] between neighbouring loads, F >= 0",
         ),
         verdict(
             "at a very light load NIT is about mu+ P (ch. 6)",
             friction,
-            low=0.9,
-            high=1.0,
+            Range(0.9, 1.0),
             note=f"NIT/(mu+ P), centre winding at P = {LIGHT_LOAD:.0f} N/m.  Even there the web "
             f"slips backward on {100 * backward:.0f} % of the roll's face, which takes friction "
             "off; as P goes to zero the ratio tends to 0.87",
@@ -132,45 +128,44 @@ def _slip(data: xr.Dataset) -> list[Verdict]:
         verdict(
             "at the lightest load and lowest force the web slips on the whole roll: s_r1 = 0",
             leading[0, 0],
-            low=0.0,
-            high=0.0,
+            exactly(0.0),
         ),
-        verdict("and s_r2 = 1", trailing[0, 0], low=1.0, high=1.0),
+        verdict("and s_r2 = 1", trailing[0, 0], exactly(1.0)),
         verdict(
             "at the leading edge the roll is ahead of the web",
             leading.max(),
-            high=0.0,
+            at_most(0.0),
             note="largest s_r1, negative: web slower",
         ),
         verdict(
             "at the trailing edge the web is ahead of the roll",
             trailing.min(),
-            low=0.0,
+            at_least(0.0),
             note="smallest s_r2, positive: web faster",
         ),
         verdict(
             "the winding force acts more on the slip lengths where the load is light",
             spread[0] - spread[-1],
-            low=0.0,
+            at_least(0.0),
             note=f"the spread of s_r2 falls from {spread[0]:.2f} to {spread[-1]:.2f}",
         ),
         verdict(
             "for F = 100 N/m s_r1 hardly depends on the load",
             _range(leading)[-1],
-            high=0.05,
+            at_most(0.05),
             note="its range over the loads",
         ),
         verdict(
             "for F = 100 N/m s_r2 hardly depends on the load",
             over_loads[-1],
-            high=0.1,
+            at_most(0.1),
             note="its range over the loads",
         ),
         verdict(
             "for lower winding forces the load matters much more: smallest range of s_r2 for "
             "F <= -200 N/m, over that for F = 100 N/m",
             over_loads[:3].min() / over_loads[-1],
-            low=2.0,
+            at_least(2.0),
         ),
     ]
 
@@ -182,49 +177,42 @@ def _dual_slip(data: xr.Dataset, heavy: xr.Dataset) -> list[Verdict]:
     last, limit = dual[:, -1], heavy["dual_slip"].mean()
     return [
         verdict(
-            "the dual slip ratio has the sign of NIT", 100 * agree, low=95.0, unit="% of the points"
+            "the dual slip ratio has the sign of NIT",
+            100 * agree,
+            at_least(95.0, "% of the points"),
         ),
         verdict(
             "it falls with the load for F >= 0",
             dual[3:, -1].max() - dual[3:, 0].min(),
-            high=0.0,
+            at_most(0.0),
             note="change from the lightest to the heaviest load",
         ),
         verdict(
             "it rises with the load for F <= -200 N/m",
             (dual[:3, -1] - dual[:3, 0]).min(),
-            low=0.0,
+            at_least(0.0),
             note=f"smallest change over the range; the largest fall between neighbouring loads is "
             f"{-dual[:3].diff('nip_load').min():.3f}",
         ),
         verdict(
             "at heavy loads the winding force loses its influence",
             spread[-1] / spread[0],
-            high=0.1,
+            at_most(0.1),
             note="spread of the curves at the heaviest load, over that at the lightest",
         ),
         verdict(
             "all curves come to about 0.1",
             last.mean(),
-            low=0.08,
-            high=0.12,
+            Range(0.08, 0.12),
             note=f"average at the heaviest load; from {last.min():.3f} to {last.max():.3f}",
         ),
         verdict(
             "which is a limit, independent of the load",
             100 * (limit / last.mean() - 1),
-            low=-10.0,
-            high=10.0,
-            unit="%",
+            Range(-10.0, 10.0, "%"),
             note=f"change to P = {HEAVY_LOAD / 1e3:.0f} kN/m, where all five are near "
             f"{limit:.3f}.  The ratio would be constant if the half width "
             "were the only length; but the web has one of its own, its stiffness 2h A_tt over that "
             "of the roll, and the nip goes on outgrowing it",
         ),
     ]
-
-
-def _draw(data: xr.Dataset, shown: tuple[str, ...]) -> Figure:
-    # without titles
-    panels = [(data, y, "") for y in shown]
-    return drawing.sheet(panels, "nip_load", legend=5 if len(panels) > 1 else 3)

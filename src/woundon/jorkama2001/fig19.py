@@ -17,7 +17,7 @@ from . import drawing
 from .cases import WINDING_FORCES, paper_nip
 from .exhibits import Exhibit
 from .nips import OUTPUTS, swept
-from .verdicts import Verdict, accurate, verdict
+from .verdicts import Verdict, accurate, at_least, at_most, exactly, verdict
 
 __all__ = ["exhibits"]
 
@@ -77,34 +77,29 @@ def _statements(NIT: xr.DataArray, when: str) -> list[Verdict]:
         verdict(
             f"{when}from mu+ = 0.2 on NIT has a maximum at the low load for F <= -200 N/m",
             max(low_forces, default=-np.inf),
-            low=-200,
-            high=-200,
-            unit="N/m",
+            exactly(-200, "N/m"),
             note=f"{said[0]}: below it the web "
             "slips forward on nearly the whole roll and NIT grows like mu+ P + F",
         ),
         verdict(
-            "for each of these forces", len(low_forces), low=3, high=3, note="curves with a maximum"
+            "for each of these forces", len(low_forces), exactly(3), note="curves with a maximum"
         ),
         verdict(
             "and at the high load for F = -500 N/m only",
             max(high_forces, default=-np.inf),
-            low=-500,
-            high=-500,
-            unit="N/m",
+            exactly(-500, "N/m"),
             note=said[1],
         ),
         verdict(
             "beyond the maxima NIT falls as mu+ grows",
             steps,
-            high=0.0,
-            unit="N/m",
+            at_most(0.0, "N/m"),
             note="largest step",
         ),
         verdict(
             "the curves are steeper at the higher load",
             (fall[1] / fall[0]).min(),
-            low=1.0,
+            at_least(1.0),
             note="smallest ratio over F of the falls from the maximum to mu+ = 0.6",
         ),
     ]
@@ -141,7 +136,7 @@ def _share_of_fall() -> Verdict:
         "and the decrease that was expected is the nip's own, in centre winding from mu+ = 0.1 to "
         "0.6: fall over that with the web held at the trailing edge",
         fall.min(),
-        low=0.5,
+        at_least(0.5),
         note=f"the lesser of both loads.  At P = {NIP_LOADS[1]:.0f} N/m NIT goes from {said[0]} "
         f"held there, from {said[1]} wrapped, and from {said[2]} by (183): most of the fall is the "
         "condition at the trailing edge (97), by which friction binds the web to a surface that is "

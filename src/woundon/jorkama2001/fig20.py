@@ -15,7 +15,7 @@ from . import drawing
 from .cases import paper_nip
 from .exhibits import Exhibit
 from .nips import FINE, Nip, along_nip, joined, solved
-from .verdicts import Verdict, accurate, verdict, whether
+from .verdicts import Verdict, accurate, at_least, at_most, untested, verdict, whether
 from .zones import Run, longest_stick, runs
 
 __all__ = ["exhibits"]
@@ -54,23 +54,21 @@ def _pattern(r: Nip | wo.NipResult, when: str = "mu+ > mu-") -> list[Verdict]:
         verdict(
             f"{when}: the web slips at roll and drum at the leading edge already",
             100 * leading / (2 * r.half_width),
-            low=1.0,
-            unit="% of the width",
+            at_least(1.0, "% of the width"),
         ),
         whether("where it is a little ahead of the drum", drum[0].zone == 1),
         verdict(
             "at the trailing end slip begins at the drum, before it does at the roll: from the "
             "end of stick at the drum to that at the roll",
             1e3 * (_end_of_stick(roll) - end),
-            low=0.0,
-            unit="mm",
+            at_least(0.0, "mm"),
         ),
         whether(
             "first the drum is ahead of the web",
             drum[stick + 1].zone == -1,
             note="v- < 0 downstream of the stick zone",
         ),
-        verdict("and the tension falls", T.min() - np.interp(end, x, T), high=0.0, unit="N/m"),
+        verdict("and the tension falls", T.min() - np.interp(end, x, T), at_most(0.0, "N/m")),
         whether("on the last part the slip turns round", drum[-1].zone == 1, note="v- > 0"),
     ]
 
@@ -89,12 +87,11 @@ def _numbers(below: Nip, above: Nip) -> list[Verdict]:
         verdict(
             "mu+ > mu- makes much less tension (ch. 6): NIT of (b) over that of (a)",
             b / a,
-            high=0.75,
+            at_most(0.75),
             note=f"the text's numbers give {PRINTED[1] / PRINTED[0]:.2f}",
         ),
-        verdict(
+        untested(
             f"NIT is {PRINTED[0]:.0f} N/m in panel (a) and {PRINTED[1]:.0f} N/m in panel (b)",
-            None,
             note=f"{UNTOLD}.  At the loads taken here they are {a:.0f} and {b:.0f} N/m",
         ),
     ]
@@ -109,7 +106,7 @@ def _of_the_wrap(below: wo.NipResult, above: wo.NipResult) -> list[Verdict]:
         verdict(
             "and mu+ > mu- makes much less tension: NIT of (b) over that of (a)",
             b / a,
-            high=0.75,
+            at_most(0.75),
             note=f"{b:.0f} and {a:.0f} N/m.  What the nip alone loses is largely what (97) takes "
             "off (Fig. 19)",
         ),

@@ -6,7 +6,6 @@ from functools import partial
 
 import numpy as np
 import xarray as xr
-from matplotlib.figure import Figure
 
 import woundon as wo
 
@@ -14,7 +13,7 @@ from . import drawing
 from .cases import WINDING_FORCES, paper_nip
 from .exhibits import Exhibit
 from .nips import swept
-from .verdicts import Verdict, falls, grows, verdict
+from .verdicts import Range, Verdict, at_least, at_most, falls, grows, verdict
 
 __all__ = ["exhibits"]
 
@@ -34,7 +33,13 @@ def exhibits(solver: str) -> list[Exhibit]:
             f"NIT against the radius of the {body}",
             data[body],
             [*_trends(data[body], body), *own[body]],
-            partial(_draw, data[body], body),
+            partial(
+                drawing.sheet,
+                data[body],
+                ["nip_induced_tension"],
+                f"{body}_radius",
+                panels=f"{_OTHER[body]}_radius",
+            ),
         )
         for name, body in (("fig21", "roll"), ("fig22", "drum"))
     ]
@@ -62,15 +67,13 @@ def _trends(data: xr.Dataset, body: str) -> list[Verdict]:
             "it changes more at small radii: of its fall from 0.1 to 1 m, what is left from "
             "0.5 m on",
             100 * ((half - largest) / total).max(),
-            high=25.0,
-            unit="%",
+            at_most(25.0, "%"),
             note="largest",
         ),
         verdict(
             "which is negligible",
             100 * (1 - largest / half)[:, 3:].max(),
-            high=5.0,
-            unit="%",
+            at_most(5.0, "%"),
             note="fall of NIT from 0.5 to 1 m, largest for F >= 0; the power "
             "law of Fig. 22 asks for as much: the relative radius grows by a fifth to a third",
         ),
@@ -92,13 +95,13 @@ def _trends(data: xr.Dataset, body: str) -> list[Verdict]:
         verdict(
             "but steeper curves",
             (total[1] / total[0]).min(),
-            low=1.0,
+            at_least(1.0),
             note="smallest ratio of the falls, (b) over (a)",
         ),
         verdict(
             f"the dual slip ratio falls as the {body}'s radius grows",
             data["dual_slip"][:, 3:].diff(radius).max(),
-            high=1e-9,
+            at_most(1e-9),
             note="largest step, F >= 0",
         ),
     ]
@@ -111,8 +114,7 @@ def _increasing() -> Verdict:
     return verdict(
         "NIT by the dual slip ratio alone, eq. (173), grows with it",
         steps.min(),
-        low=0.0,
-        unit="N/m",
+        at_least(0.0, "N/m"),
         note="smallest step of 1/200",
     )
 
@@ -136,8 +138,7 @@ def _exponents(data: list[xr.Dataset]) -> list[Verdict]:
         verdict(
             "NIT goes with the relative radius R* to the power -1/2: fitted exponent, F = 0",
             relative[0],
-            low=-0.55,
-            high=-0.45,
+            Range(-0.55, -0.45),
             note="by F [N/m] "
             + ", ".join(f"{F:.0f}: {fit('relative', F)[0]:.2f}" for F in WINDING_FORCES)
             + ".  The strains go with a/R*, at a given load with R*^-1/2; but NIT over that strain "
@@ -147,13 +148,7 @@ def _exponents(data: list[xr.Dataset]) -> list[Verdict]:
             "and not with the drum's radius: scatter of ln NIT about the fit by R*, over that by "
             "the drum's",
             relative[1] / drum[1],
-            high=0.2,
+            at_most(0.2),
             note=f"{100 * relative[1]:.1f} % against {100 * drum[1]:.0f} % of NIT",
         ),
     ]
-
-
-def _draw(data: xr.Dataset, body: str) -> Figure:
-    other, symbol = f"{_OTHER[body]}_radius", {"roll": "R_2", "drum": "R_1"}[body]
-    panels = [(data.sel({other: R}), "nip_induced_tension", f"${symbol} = {R}$ m") for R in OTHERS]
-    return drawing.sheet(panels, f"{body}_radius")

@@ -13,7 +13,7 @@ from . import drawing
 from .cases import covered_nip, paper_nip
 from .exhibits import Exhibit
 from .nips import FINE, Nip, along_nip, solved
-from .verdicts import Verdict, verdict, whether
+from .verdicts import Range, Verdict, at_least, exactly, verdict, whether
 from .zones import runs
 
 __all__ = ["exhibits"]
@@ -50,15 +50,13 @@ def _tractions(hard: Nip, soft: Nip) -> list[Verdict]:
         verdict(
             "tractions are more than 50 % smaller than with the hard drum: at the roll",
             smaller("roll_traction"),
-            low=50.0,
-            unit="%",
+            at_least(50.0, "%"),
             note="of the largest",
         ),
         verdict(
             "and at the drum",
             smaller("drum_traction"),
-            low=50.0,
-            unit="%",
+            at_least(50.0, "%"),
             note=f"of the largest.  It is bound to mu- p, and the wider nip's largest pressure is "
             f"{smaller('drum_pressure'):.0f} % smaller only",
         ),
@@ -85,23 +83,17 @@ def _pattern(r: Nip) -> list[Verdict]:
             note="v- > 0",
         ),
         verdict(
-            "and downstream of it very near the edge",
-            drum[-1].zone,
-            low=-1,
-            high=-1,
-            note="sign of v-",
+            "and downstream of it very near the edge", drum[-1].zone, exactly(-1), note="sign of v-"
         ),
         verdict(
             "from so near on",
             100 * (r.half_width - forward.right) / width,
-            low=1e-6,
-            high=2.0,
-            unit="% of the width",
+            Range(1e-6, 2.0, "% of the width"),
         ),
         verdict(
             "slip is larger at the drum than at the roll: largest |v-| over largest |v+|",
             np.max(np.abs(r.drum_slip)) / np.max(np.abs(r.roll_slip)),
-            low=1.0,
+            at_least(1.0),
         ),
     ]
 
@@ -113,17 +105,13 @@ def _edges(r: Nip, heavier: Nip) -> list[Verdict]:
         verdict(
             "|v-| is about 0.35 % at the leading edge",
             base[0],
-            low=0.3,
-            high=0.4,
-            unit="%",
+            Range(0.3, 0.4, "%"),
             note=f"{more[0]:.2f} % at P = {FALL_LOAD:.0f} N/m",
         ),
         verdict(
             "and at the trailing edge",
             base[1],
-            low=0.3,
-            high=0.4,
-            unit="%",
+            Range(0.3, 0.4, "%"),
             note=f"{more[1]:.2f} % at P = {FALL_LOAD:.0f} N/m; it turns round within the last "
             "per cent of the width, where the cover's strain has a vertical tangent",
         ),
@@ -139,22 +127,18 @@ def _tension(r: Nip, heavier: Nip) -> list[Verdict]:
         verdict(
             "most of the tension's variation happens where both faces stick",
             100 * steps[inside].sum() / steps.sum(),
-            low=50.0,
-            unit="%",
+            at_least(50.0, "%"),
         ),
         verdict(
             "it is lowest at the nip's centre",
             r.x[np.argmin(T)] / r.half_width,
-            low=-0.1,
-            high=0.1,
+            Range(-0.1, 0.1),
             note="x/a of the lowest tension",
         ),
         verdict(
             "where it has fallen by almost 150 N/m",
             -T.min(),
-            low=135.0,
-            high=150.0,
-            unit="N/m",
+            Range(135.0, 150.0, "N/m"),
             note=f"at P = 1900 N/m; at {FALL_LOAD:.0f} N/m it falls by {-heavier.tension.min():.0f}"
             " N/m, and the text does not give the load",
         ),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import xarray as xr
 
@@ -12,7 +14,7 @@ from .cases import COVERS, DRUM_RADIUS, covered_nip
 from .exhibits import Exhibit
 from .fig16_18 import NIP_LOADS
 from .nips import swept
-from .verdicts import Verdict, grows, verdict
+from .verdicts import Verdict, at_most, grows, verdict
 
 __all__ = ["exhibits"]
 
@@ -26,9 +28,8 @@ def exhibits(solver: str) -> list[Exhibit]:
     data["youngs_modulus"] = ("cover", list(moduli), {"units": "Pa"})
     data["poissons_ratio"] = ("cover", list(ratios), {"units": "1"})
     names = [f"{name}, {_modulus(E)}, $\\nu_2$ = {nu:g}" for name, (E, nu) in COVERS.items()]
-    # without titles
-    panels = [(data, shown, "") for shown in ("nip_induced_tension", "nip_width")]
-    draw = lambda: drawing.sheet(panels, "nip_load", "cover", names, legend=3)  # noqa: E731
+    shown = ("nip_induced_tension", "nip_width")
+    draw = partial(drawing.sheet, data, shown, "nip_load", "cover", names=names, legend=3)
     title = "NIT and nip width against the nip load for three drum covers"
     return [Exhibit("fig26", title, data, _verdicts(data, _without_shell(solver)), draw)]
 
@@ -50,29 +51,26 @@ def _verdicts(data: xr.Dataset, without: xr.DataArray) -> list[Verdict]:
         verdict(
             "the cellular cover's NIT is very small",
             100 * (cellular / hard).max(),
-            high=10.0,
-            unit="%",
+            at_most(10.0, "%"),
             note=f"of the hard drum's; at most {cellular.max():.1f} N/m",
         ),
         verdict(
             "and practically independent of the load",
             np.ptp(cellular.values),
-            high=5.0,
-            unit="N/m",
+            at_most(5.0, "N/m"),
             note=f"its range; the hard drum's is {np.ptp(hard.values):.0f} N/m",
         ),
         verdict(
             "the rubber cover's NIT is lower than the hard drum's too",
             100 * (rubber / hard).max(),
-            high=50.0,
-            unit="%",
+            at_most(50.0, "%"),
             note="largest share",
         ),
         grows("it grows with the load", rubber, "nip_load", unit="N/m"),
         verdict(
             "ever more slowly",
             slopes[-1] / slopes[0],
-            high=1.0,
+            at_most(1.0),
             note="slope at the heaviest load over that at the lightest.  It grows, as Peters found "
             "and the text denies: rubber cannot change its volume, so that the cover stiffens as "
             f"the nip, {width[0]:.0f} to {width[-1]:.0f} mm wide, outgrows its "

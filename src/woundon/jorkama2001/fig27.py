@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import xarray as xr
 
@@ -9,7 +11,7 @@ from . import drawing
 from .cases import COVERS, DRUM_RADIUS, covered_nip
 from .exhibits import Exhibit
 from .nips import swept
-from .verdicts import Verdict, falls, verdict
+from .verdicts import Verdict, at_least, at_most, falls, verdict
 
 __all__ = ["exhibits"]
 
@@ -26,9 +28,8 @@ def exhibits(solver: str) -> list[Exhibit]:
     data = data.rename(cover_core_radius="cover_thickness")
     data["cover_thickness"] = ("cover_thickness", THICKNESSES, {"units": "m"})
     names = [rf"{name}, $\nu_2$ = {nu:g}" for name, nu in zip(SOFT, ratios, strict=True)]
-    # without titles
-    panels = [(data, shown, "") for shown in ("nip_induced_tension", "nip_width")]
-    draw = lambda: drawing.sheet(panels, "cover_thickness", "poissons_ratio", names, 2)  # noqa: E731
+    axes = (("nip_induced_tension", "nip_width"), "cover_thickness", "poissons_ratio")
+    draw = partial(drawing.sheet, data, *axes, names=names, legend=2)
     title = "NIT and nip width against the thickness of the drum cover"
     return [Exhibit("fig27", title, data, _verdicts(data), draw)]
 
@@ -42,8 +43,7 @@ def _verdicts(data: xr.Dataset) -> list[Verdict]:
         verdict(
             "the thickness of the cellular cover hardly matters for NIT, in N/m",
             np.ptp(cellular.values),
-            high=20.0,
-            unit="N/m",
+            at_most(20.0, "N/m"),
             note=f"its range from 5 to 50 mm; the rubber's is {np.ptp(rubber.values):.0f} N/m",
         ),
         falls("a thicker rubber cover gives less NIT", rubber, "cover_thickness", unit="N/m"),
@@ -51,7 +51,7 @@ def _verdicts(data: xr.Dataset) -> list[Verdict]:
             "thickness matters most where the rubber is thin, about 10 mm: fall at 10 mm over "
             "that at 30 mm",
             thin / thick,
-            low=3.0,
+            at_least(3.0),
             note=f"{thin:.1f} and {thick:.1f} N/m per mm",
         ),
     ]

@@ -10,7 +10,7 @@ from . import drawing
 from .cases import paper_nip
 from .exhibits import Exhibit
 from .nips import swept
-from .verdicts import Verdict, falls, grows, verdict
+from .verdicts import Verdict, at_least, at_most, falls, grows, verdict
 
 __all__ = ["exhibits"]
 
@@ -65,21 +65,19 @@ def _tension(NIT: xr.DataArray) -> list[Verdict]:
         verdict(
             "usually it falls as A_rr grows",
             100 * np.mean(~rising),
-            low=80.0,
-            unit="% of the steps",
+            at_least(80.0, "% of the steps"),
             note="the text says usually",
         ),
         verdict(
             "except for A_tt from 0.5 to 0.6 GPa, A_rt = 40 MPa and G = 100 MPa: there it grows",
             steps[exception].max(),
-            low=0.0,
-            unit="N/m",
+            at_least(0.0, "N/m"),
             note="largest step",
         ),
         verdict(
             "and nowhere else",
             np.sum(rising & ~exception),
-            high=0,
+            at_most(0),
             note=f"steps that grow elsewhere.  All: {_where(rising)}.  A_rt^2 comes near A_rr A_tt "
             "there, and a soft roll loses more tension to Poisson's effect than it gains by being "
             "soft.  No web thickness from 20 to 100 um confines it to what the text says",
@@ -88,8 +86,7 @@ def _tension(NIT: xr.DataArray) -> list[Verdict]:
         verdict(
             "up to A_rt = 1 MPa it does not depend on A_rt",
             small.max(),
-            high=5.0,
-            unit="%",
+            at_most(5.0, "%"),
             note="largest change from 0.1 to 1 MPa",
         ),
         falls(
@@ -112,7 +109,7 @@ def _dual_slip(dual: xr.DataArray, solver: str) -> list[Verdict]:
         steps = dual.diff(along)
         said = f"steps from {steps.min():.3f} to {steps.max():.3f}{note}"
         share = 100 * (steps > -scatter).mean()
-        return verdict(statement, share, low=95.0, unit="% of the steps", note=said)
+        return verdict(statement, share, at_least(95.0, "% of the steps"), note=said)
 
     stiff = dual.diff("cross").sel(tangential=slice(3.5e9, None))
     return [

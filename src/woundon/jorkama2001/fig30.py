@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import woundon as wo
 
 from . import drawing
@@ -9,7 +11,7 @@ from .cases import paper_nip
 from .exhibits import Exhibit
 from .fig15 import gain_in_dual_slip, squeezed
 from .nips import FINE, Nip, along_nip, joined, solved
-from .verdicts import Verdict, verdict
+from .verdicts import Range, Verdict, at_least, at_most, verdict
 from .zones import zone_lengths
 
 __all__ = ["exhibits"]
@@ -21,9 +23,7 @@ def exhibits(solver: str) -> list[Exhibit]:
     """Solve A_tt = 7 GPa, A_rr = 20 MPa, G = 100 MPa with both A_rt; return Fig. 30."""
     nips = {rt: solved(_problem(rt), solver, FINE) for rt in CROSS}
     data = joined("cross [Pa]", {rt: along_nip(r) for rt, r in nips.items()})
-    # without titles
-    panels = [(data, "tension_increase", "")]
-    draw = lambda: drawing.sheet(panels, "x", "cross", legend=2)  # noqa: E731
+    draw = partial(drawing.sheet, data, ["tension_increase"], "x", "cross", legend=2)
     title = "Web tension along the nip for two cross stiffnesses"
     return [Exhibit("fig30", title, data, _verdicts(*nips.values()), draw)]
 
@@ -53,46 +53,39 @@ def _verdicts(large: Nip, small: Nip) -> list[Verdict]:
         verdict(
             "with A_rt = 40 MPa the tension falls by almost 100 N/m before the dual slip zone",
             _fall(large),
-            low=85.0,
-            high=100.0,
-            unit="N/m",
+            Range(85.0, 100.0, "N/m"),
         ),
         verdict(
             "by Poisson's effect: its fall over 2h (A_rt/A_rr) times the rise of p, from where the "
             "web sticks to the drum to the lowest tension",
             share,
-            low=0.98,
-            high=1.02,
+            Range(0.98, 1.02),
             note=f"before, on {100 * slipped:.1f} % of the width, the web is squeezed out backward "
             "and slips, which spares it a part of the fall",
         ),
         verdict(
             "with A_rt = 1 MPa it stays constant",
             _fall(small),
-            high=5.0,
-            unit="N/m",
+            at_most(5.0, "N/m"),
             note="its fall",
         ),
         verdict(
             "the dual slip zone adds more for the larger A_rt",
             gains[0] - gains[1],
-            low=0.0,
-            unit="N/m",
+            at_least(0.0, "N/m"),
             note=f"{gains[0]:.0f} against {gains[1]:.0f} N/m",
         ),
         verdict(
             "but the whole nip less",
             NIT[0] - NIT[1],
-            high=0.0,
-            unit="N/m",
+            at_most(0.0, "N/m"),
             note=f"NIT {NIT[0]:.0f} against {NIT[1]:.0f} N/m",
         ),
         verdict(
             "eq. (173), NIT by the dual slip ratio alone, does not apply to the larger A_rt: it is "
             "off by",
             _off(large),
-            low=10.0,
-            unit="%",
+            at_least(10.0, "%"),
         ),
-        verdict("but does to the smaller one: it is off by", _off(small), high=10.0, unit="%"),
+        verdict("but does to the smaller one: it is off by", _off(small), at_most(10.0, "%")),
     ]

@@ -20,7 +20,7 @@ from . import drawing, procedure
 from .cases import COVERS, covered_nip, paper_nip
 from .exhibits import Exhibit
 from .nips import dataset, joined, quiet, solved, swept
-from .verdicts import Verdict, grows, verdict
+from .verdicts import Verdict, at_least, at_most, grows, untested, verdict
 
 __all__ = ["exhibits"]
 
@@ -85,20 +85,18 @@ def _errors(data: xr.Dataset, limit: wo.NipResult) -> list[Verdict]:
         verdict(
             "but slowly: order of convergence",
             order,
-            high=1.0,
+            at_most(1.0),
             note="fitted exponent of 1/M.  The wound-on condition takes the roll's strain half a "
             "cell before the trailing edge, where the pressure goes like the root of the distance",
         ),
         verdict(
             "M = 200 is a compromise of time and accuracy: NIT is too low by",
             100 * missing.sel(nodes=200),
-            high=10.0,
-            unit="%",
+            at_most(10.0, "%"),
             note=f"the accurate solver is within {best:.2f} % from 50 nodes on",
         ),
-        verdict(
+        untested(
             "the computing time grows exponentially with M",
-            None,
             note="the thesis's program and machine are not at hand.  Here the time of its "
             f"procedure grows about like M to the power {growth:.1f}, and ends with the matrices' "
             "solution, M^3",
@@ -116,8 +114,7 @@ def _widths() -> Verdict:
         "with M = 200 the error varies by less than 5 % between nips 7 and 20 mm wide, so that "
         "trends are not touched",
         np.ptp(errors.values),
-        high=5.0,
-        unit="%",
+        at_most(5.0, "%"),
         note=f"it is {errors[0]:.1f} % at {widths[0]:.1f} mm, {errors[-1]:.1f} % at "
         f"{widths[-1]:.1f} mm",
     )
@@ -149,15 +146,13 @@ def _half_planes() -> list[Verdict]:
             "with a rigid drum and 5 cm of paper on the core, the half-plane's NIT is typically "
             "less than 3 % off",
             max(roll),
-            high=3.0,
-            unit="%",
+            at_most(3.0, "%"),
             note="largest of " + ", ".join(f"{P / 1e3:.0f}" for P in ROLL_LOADS) + " kN/m",
         ),
         verdict(
             "on a cover of 5 cm it can be about 15 % off",
             max(thick.values()),
-            low=15.0,
-            unit="%",
+            at_least(15.0, "%"),
             note="covers of Fig. 26: "
             + ", ".join(f"{name} at {P / 1e3:.0f} kN/m {e:.0f} %" for (name, P), e in thick.items())
             + ".  It can be more: what counts is the nip's width over the cover's thickness",
@@ -165,8 +160,7 @@ def _half_planes() -> list[Verdict]:
         verdict(
             "and the error grows fast as the cover gets thinner: smallest growth from 5 to 1 cm",
             min(growth),
-            low=10.0,
-            unit="%",
+            at_least(10.0, "%"),
         ),
     ]
 
@@ -176,8 +170,7 @@ def _terms(limit: wo.NipResult) -> Verdict:
     return verdict(
         "15 000 to 35 000 terms of the cylinder's Fourier series are needed",
         limit.series_terms,
-        low=15e3,
-        unit="terms",
+        at_least(15e3, "terms"),
         note="the half-plane's share, which decays like 1/n, is summed in closed form here; what "
         f"is left of the series after these terms is below {limit.series_error:.0e} of the whole",
     )

@@ -16,7 +16,7 @@ from .cases import paper_nip
 from .exhibits import Exhibit
 from .influence import surface_strain
 from .nips import dataset
-from .verdicts import Verdict, verdict
+from .verdicts import Verdict, at_least, verdict
 
 __all__ = ["exhibits", "web_rate"]
 
@@ -69,7 +69,7 @@ def _verdicts(data: xr.Dataset) -> list[Verdict]:
         verdict(
             "the rates of web and roll differ by several decades: median of their ratio",
             ratio.median(),
-            low=100.0,
+            at_least(100.0),
             note=f"between {AWAY:g} and {180 - AWAY:g} degrees; the smallest is "
             f"{ratio.min():.0f}, at the end, where the load stops and the roll's strain is "
             "singular",
@@ -77,7 +77,7 @@ def _verdicts(data: xr.Dataset) -> list[Verdict]:
         verdict(
             "so a slipping web does not stick again: its strain outgrows the roll's everywhere",
             ratio.min(),
-            low=1.0,
+            at_least(1.0),
             note="smallest ratio",
         ),
     ]

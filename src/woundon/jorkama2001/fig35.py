@@ -21,7 +21,7 @@ from .exhibits import Exhibit
 from .fig34 import web_rate
 from .influence import surface_strain
 from .nips import FINE, Nip, dataset, joined, solved
-from .verdicts import Verdict, accurate, verdict, whether
+from .verdicts import Verdict, accurate, at_most, verdict, whether
 
 __all__ = ["exhibits"]
 
@@ -90,16 +90,14 @@ def _of_the_nip_alone(nips: list[_Nip]) -> list[Verdict]:
         verdict(
             "the roll's surface is compressed everywhere in the nip: largest strain",
             100 * inside,
-            high=0.0,
-            unit="%",
+            at_most(0.0, "%"),
         ),
         whether("downstream of the nip its strain rises steadily towards zero", rises),
         verdict(
             "downstream of the nip the roll's strain changes faster than that of a slipping web "
             "only within 0.5 degrees",
             max(_crossing(n.downstream) for n in nips),
-            high=CLAIMED,
-            unit="deg",
+            at_most(CLAIMED, "deg"),
             note="where the rates cross, measured from the trailing edge, the farther of the two; "
             "to cross at 0.5 degrees the web would have to pull with "
             + " and ".join(f"{_tension_to_cross(n) / 1e3:.1f} kN/m" for n in nips),
@@ -137,8 +135,7 @@ def _of_the_wrap(nips: list[_Nip]) -> list[Verdict]:
         verdict(
             "but sticks again within about 0.5 degrees: solved slip angle",
             max(angles),
-            high=2 * CLAIMED,
-            unit="deg",
+            at_most(2 * CLAIMED, "deg"),
             note=f"{far}; the hoop pressure is too low to hold the web sooner, and while it slips "
             "on, less of its strain is taken from the nip",
         ),
@@ -148,8 +145,7 @@ def _of_the_wrap(nips: list[_Nip]) -> list[Verdict]:
         verdict(
             "holding the web at the trailing edge errs by at most 4.5 % of the wound-on tension",
             max(errors),
-            high=4.5,
-            unit="%",
+            at_most(4.5, "%"),
             note=f"against the solved wrap, {which}",
         ),
     ]

@@ -12,7 +12,7 @@ from .cases import measured_tensions, newsprint_nip
 from .exhibits import Exhibit
 from .laboratory import Theory
 from .nips import dataset, swept
-from .verdicts import Verdict, verdict
+from .verdicts import Verdict, at_least, at_most, verdict
 
 __all__ = ["exhibits"]
 
@@ -42,23 +42,20 @@ def _agreement(points: pd.DataFrame) -> list[Verdict]:
             "theory agrees surprisingly well with the experiment: largest distance of the 15 "
             "points, one modulus (G) fitted to the one point",
             worst("one_point_fit"),
-            high=10.0,
-            unit="%",
+            at_most(10.0, "%"),
             note=f"the printed theory is up to {worst('thesis_theory'):.1f} % off",
         ),
         verdict(
             "and with the printed parameters",
             worst("printed_parameters"),
-            high=10.0,
-            unit="%",
+            at_most(10.0, "%"),
             note="the printed 2h of 66 um gives more tension than was printed: see the "
             "documentation, A discrepancy that stays",
         ),
         verdict(
             "the measured tension grows with the nip load",
             rises.min(),
-            low=0.0,
-            unit="N/m",
+            at_least(0.0, "N/m"),
             note="smallest step between neighbouring loads",
         ),
     ]
@@ -74,15 +71,13 @@ def _winding_theorem(solver: str) -> list[Verdict]:
         verdict(
             "NIT does not depend on T_in (winding theorem): range at 3502 N/m",
             100 * np.ptp(NIT) / NIT[0],
-            high=1e-6,
-            unit="%",
+            at_most(1e-6, "%"),
             note="computed at all three",
         ),
         verdict(
             "nor does what the load cell reads beyond T_out",
             np.ptp(cell),
-            high=1e-6,
-            unit="N/m",
+            at_most(1e-6, "N/m"),
             note=f"range; it reads {cell[0]:.0f} N/m more, by eq. (183)",
         ),
     ]
@@ -94,13 +89,13 @@ def _opposing(solver: str) -> list[Verdict]:
     NIT = swept(newsprint_nip(), over, solver)["nip_induced_tension"].values
     (_, shear), (radial, both) = 100 * (NIT / NIT[0, 0] - 1)
     return [
-        verdict("a higher A_rr lowers NIT: by 10 % more of it", radial, high=0.0, unit="%"),
-        verdict("a higher G raises it", shear, low=0.0, unit="%"),
+        verdict("a higher A_rr lowers NIT: by 10 % more of it", radial, at_most(0.0, "%")),
+        verdict("a higher G raises it", shear, at_least(0.0, "%")),
         verdict(
             "so that their effects may cancel, which is taken for a reason of the agreement: what "
             "both together change, over the larger of the two",
             abs(both) / max(abs(radial), abs(shear)),
-            high=0.5,
+            at_most(0.5),
             note=f"both together {both:.1f} %",
         ),
     ]

@@ -6,6 +6,7 @@ and more than friction holds; it is read as a tangential load of 21 kN/m.
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -16,7 +17,7 @@ import woundon as wo
 from . import drawing
 from .exhibits import Exhibit
 from .nips import dataset, joined
-from .verdicts import Verdict, verdict, whether
+from .verdicts import Range, Verdict, at_least, at_most, verdict, whether
 from .zones import Run, runs
 
 __all__ = ["exhibits"]
@@ -33,9 +34,7 @@ def exhibits(solver: str) -> list[Exhibit]:
     data = joined("rolling [1]", {1.0: _along(rolling), 0.0: _along(static)})
     verdicts = [*_pattern(rolling, static), *_difference(rolling, static), *_basics()]
     title = "Tangential traction of two similar cylinders, rolling and static"
-    # without titles
-    panels = [(data, "traction", "")]
-    draw = lambda: drawing.sheet(panels, "x", "rolling", legend=2)  # noqa: E731
+    draw = partial(drawing.sheet, data, ["traction"], "x", "rolling", legend=2)
     return [Exhibit("fig5", title, data, verdicts, draw, one_solver=True)]
 
 
@@ -84,8 +83,7 @@ def _pattern(rolling: wo.RollerResult, static: wo.RollerResult) -> list[Verdict]
         verdict(
             "the static traction is symmetric",
             100 * np.max(np.abs(q - mirrored)) / q.max(),
-            high=1.0,
-            unit="%",
+            at_most(1.0, "%"),
             note="largest difference of both halves, over the peak",
         ),
         whether(
@@ -95,8 +93,7 @@ def _pattern(rolling: wo.RollerResult, static: wo.RollerResult) -> list[Verdict]
         verdict(
             "where it sticks between the two maxima: distance of its boundaries from them",
             100 * max(abs(held.left - peaks[0]), abs(held.right - peaks[1])) / width,
-            high=1.0,
-            unit="% of the width",
+            at_most(1.0, "% of the width"),
             note=f"stick over {100 * held.length / width:.0f} %",
         ),
         whether(
@@ -106,14 +103,12 @@ def _pattern(rolling: wo.RollerResult, static: wo.RollerResult) -> list[Verdict]
         verdict(
             "up to the maximum of the traction: distance from the end of stick",
             100 * abs(stick.right - top) / width,
-            high=1.0,
-            unit="% of the width",
+            at_most(1.0, "% of the width"),
         ),
         verdict(
             "and that over a wide range",
             100 * stick.length / width,
-            low=50.0,
-            unit="% of the width",
+            at_least(50.0, "% of the width"),
         ),
     ]
 
@@ -134,30 +129,26 @@ def _difference(rolling: wo.RollerResult, static: wo.RollerResult) -> list[Verdi
         verdict(
             "both tractions are the same on a short stretch at the trailing edge",
             100 * alike / (2 * rolling.half_width),
-            low=1.0,
-            high=30.0,
-            unit="% of the width",
+            Range(1.0, 30.0, "% of the width"),
             note="within 1 % of the peak",
         ),
         verdict(
             "elsewhere they are strikingly different",
             100 * apart.max() / peak,
-            low=25.0,
-            unit="%",
+            at_least(25.0, "%"),
             note="largest difference over the peak",
         ),
         verdict(
             "they are Carter's and Cattaneo's",
             100 * max(exact),
-            high=1.0,
-            unit="%",
+            at_most(1.0, "%"),
             note="largest difference from the closed forms over the peak, at the boundaries of the "
             "stick zone, where the traction has a vertical tangent",
         ),
         verdict(
             "the torque of 21 000 Nm/m can be carried: tangential load over mu P",
             TORQUE / RADIUS / (FRICTION * LOAD),
-            high=1.0,
+            at_most(1.0),
             note="by the radius of 0.25 m it is 84 kN/m; here 21 kN/m are taken.  2100 Nm/m, which "
             "is 8.4 kN/m, would show the same pattern with nine tenths of the width in stick",
         ),
@@ -184,16 +175,14 @@ def _basics() -> list[Verdict]:
         verdict(
             "and differ in speed (creep): creepage over Bentall and Johnson's for mu -> 0",
             free.creepage / wo.theories.bentall_johnson_frictionless(free.problem),
-            low=0.5,
-            high=1.0,
+            Range(0.5, 1.0),
             note="friction takes some of it away",
         ),
         verdict(
             "tractions act little on the pressure, which stays nearly Hertz's: root mean square "
             "of the difference over that of the pressure",
             100 * np.sqrt(apart / np.trapezoid(ellipse**2, free.x)),
-            high=5.0,
-            unit="%",
+            at_most(5.0, "%"),
             note=f"in that free rolling; the half width differs by {wider:.1f} %",
         ),
     ]

@@ -23,7 +23,7 @@ from .exhibits import Exhibit
 from .laboratory import FITTED_POINT, Theory, rms, theories
 from .nips import dataset
 from .table4 import added_tensions, best_rms
-from .verdicts import Verdict, accurate, verdict
+from .verdicts import Range, Verdict, accurate, at_least, at_most, verdict
 
 __all__ = ["exhibits", "report"]
 
@@ -59,33 +59,28 @@ def _verdicts(computed: tuple[Theory, ...]) -> list[Verdict]:
             "by the winding theorem the theory adds the same tension at every T_in: spread of the "
             "printed theory less T_in",
             (said.max(axis=1) - said.min(axis=1)).max(),
-            high=1.0,
-            unit="N/m",
+            at_most(1.0, "N/m"),
             note="largest over the loads; whole N/m are printed",
         ),
         verdict(
             "with A_rr = 27 MPa, G = 10 MPa and 2h = 66 um theory and experiment coincide at "
             "P = 3502, T_in = 350 N/m: distance",
             distance[0],
-            low=-7.0,
-            high=7.0,
-            unit="N/m",
+            Range(-7.0, 7.0, "N/m"),
             note="1 % of the tension is allowed.  With 57 um the distance is "
             f"{distance[1]:.1f} N/m: see the documentation, A discrepancy that stays",
         ),
         verdict(
             "these parameters give the printed theory: largest distance",
             off.abs().max(),
-            high=1.0,
-            unit="%",
+            at_most(1.0, "%"),
             note=f"of the added tension; {', '.join(f'{value:.1f}' for value in off)} % by load",
         ),
         verdict(
             "fitted to that point, the theory agrees well with the other experiments: RMS over the "
             "14 predicted points, the worse of the two one-point fits",
             max(by_shear.rms_predicted, by_radial.rms_predicted),
-            high=0.05 * float(points["measured"].mean()),
-            unit="N/m",
+            at_most(0.05 * float(points["measured"].mean()), "N/m"),
             note="5 % of the average tension is allowed; the printed theory has "
             f"{_thesis_rms(points):.1f} N/m, and no theory without influence of T_in can have less "
             f"than {best_rms():.1f} N/m",
@@ -102,14 +97,14 @@ def _tuned(full: Theory) -> list[Verdict]:
             "A_rr and G can be used as tuning parameters to get a close fit: RMS of both fitted to "
             "all points, over the floor",
             full.rms / best_rms(),
-            high=1.25,
+            at_most(1.25),
             note=f"{full.rms:.1f} N/m at {_moduli(full)}",
         ),
         verdict(
             "a higher A_rr undoes a higher G: how many times better the data determine the one "
             "combination of them than the other",
             full.fit.condition,
-            low=10.0,
+            at_least(10.0),
             note="so that no fit to data like these can tell the two moduli apart: the best pair "
             "is many times the thesis's, and predicts nearly the same tensions",
         ),

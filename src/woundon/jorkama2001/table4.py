@@ -14,7 +14,7 @@ from .cases import measured_tensions
 from .exhibits import Exhibit
 from .laboratory import rms
 from .nips import dataset
-from .verdicts import Verdict, verdict
+from .verdicts import Verdict, at_least, at_most, verdict
 
 __all__ = ["added_tensions", "best_rms", "exhibits", "report"]
 
@@ -59,8 +59,7 @@ def _verdicts(added: pd.DataFrame) -> list[Verdict]:
             "apart from very low nip loads the added tension does not depend on T_in, to a good "
             "relative accuracy: standard deviation between the T_in over the average",
             max(relative[1:]),
-            high=10.0,
-            unit="%",
+            at_most(10.0, "%"),
             note="largest from 876 N/m on; by load "
             + ", ".join(f"{value:.0f}" for value in relative)
             + " %",
@@ -68,15 +67,14 @@ def _verdicts(added: pd.DataFrame) -> list[Verdict]:
         verdict(
             "at the lowest nip load it does",
             relative[0],
-            low=10.0,
-            unit="%",
+            at_least(10.0, "%"),
             note="the same ratio at 350 N/m",
         ),
         verdict(
             "T_in has no systematic influence: chance that scatter alone makes the averages over "
             "the loads differ as they do",
             _chance(added),
-            low=0.05,
+            at_least(0.05),
             note="analysis of variance, load and T_in as factors; the averages at T_in = 175, 263 "
             "and 350 N/m are " + ", ".join(f"{mean:.0f}" for mean in added.mean()) + " N/m.  The "
             "thesis did not test this; fifteen points could not show less than some 20 N/m",
@@ -84,15 +82,13 @@ def _verdicts(added: pd.DataFrame) -> list[Verdict]:
         verdict(
             "the printed averages follow from Table 3: largest distance",
             np.abs(averages - PRINTED_AVERAGES).max(),
-            high=0.7,
-            unit="N/m",
+            at_most(0.7, "N/m"),
             note="whole N/m are printed",
         ),
         verdict(
             "and the printed standard deviations",
             np.abs(deviations - PRINTED_DEVIATIONS).max(),
-            high=0.7,
-            unit="N/m",
+            at_most(0.7, "N/m"),
             note="of a sample of three",
         ),
     ]

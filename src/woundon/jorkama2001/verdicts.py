@@ -11,7 +11,20 @@ from typing import TYPE_CHECKING, SupportsFloat
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Outcome", "Verdict", "accurate", "falls", "grows", "verdict", "whether"]
+__all__ = [
+    "Outcome",
+    "Range",
+    "Verdict",
+    "accurate",
+    "at_least",
+    "at_most",
+    "exactly",
+    "falls",
+    "grows",
+    "untested",
+    "verdict",
+    "whether",
+]
 
 
 class Outcome(Enum):
@@ -23,6 +36,48 @@ class Outcome(Enum):
 
 
 @dataclass(frozen=True)
+class Range:
+    """Numbers from ``low`` to ``high``, ends included, in a unit."""
+
+    low: float
+    high: float
+    unit: str = ""
+
+    def contains(self, value: float) -> bool:
+        """Return True if a number lies in the range; nan lies outside."""
+        return self.low <= value <= self.high
+
+    def with_unit(self, number: str) -> str:
+        """Return a number as text with the unit."""
+        return f"{number} {self.unit}".strip()
+
+    def __str__(self) -> str:
+        """Return the range as text, e.g. ``at most 3 %``."""
+        if self.low == self.high:
+            return self.with_unit(f"{self.low:.4g}")
+        if self.high == inf:
+            return self.with_unit(f"at least {self.low:.4g}")
+        if self.low == -inf:
+            return self.with_unit(f"at most {self.high:.4g}")
+        return self.with_unit(f"{self.low:.4g} to {self.high:.4g}")
+
+
+def at_most(high: float, unit: str = "") -> Range:
+    """Return the range up to ``high``."""
+    return Range(-inf, high, unit)
+
+
+def at_least(low: float, unit: str = "") -> Range:
+    """Return the range from ``low`` on."""
+    return Range(low, inf, unit)
+
+
+def exactly(value: float, unit: str = "") -> Range:
+    """Return the range of a single number."""
+    return Range(value, value, unit)
+
+
+@dataclass(frozen=True)
 class Verdict:
     """A statement of the thesis about a figure, as a number that must lie in a range.
 
@@ -31,10 +86,9 @@ class Verdict:
     statement : str
         What the text says, in other words.
     value : float or None
-        What was computed, in ``unit``; None if the statement cannot be tested.
-    low, high : float
-        The range in which the statement holds, ends included.
-    unit : str
+        What was computed, in the unit of the range; None if the statement cannot be tested.
+    asked : Range
+        The range in which the statement holds.
     note : str
         What the number is, why the statement does not hold, or why it cannot be tested.
     logical : bool
@@ -45,32 +99,22 @@ class Verdict:
 
     statement: str
     value: float | None
-    low: float = -inf
-    high: float = inf
-    unit: str = ""
+    asked: Range
     note: str = ""
     logical: bool = False
     accurate: bool = False
 
     @property
     def outcome(self) -> Outcome:
-        """Outcome of the comparison of the number with the range; nan lies outside."""
+        """Outcome of the comparison of the number with the range."""
         if self.value is None:
             return Outcome.UNTESTED
-        return Outcome.HOLDS if self.low <= self.value <= self.high else Outcome.FAILS
+        return Outcome.HOLDS if self.asked.contains(self.value) else Outcome.FAILS
 
     @property
     def expected(self) -> str:
-        """The range as text, e.g. ``at most 3 %``."""
-        if self.logical:
-            return "yes"
-        if self.low == self.high:
-            return self._with_unit(f"{self.low:.4g}")
-        if self.high == inf:
-            return self._with_unit(f"at least {self.low:.4g}")
-        if self.low == -inf:
-            return self._with_unit(f"at most {self.high:.4g}")
-        return self._with_unit(f"{self.low:.4g} to {self.high:.4g}")
+        """The range as text, or ``yes``."""
+        return "yes" if self.logical else str(self.asked)
 
     @property
     def measured(self) -> str:
@@ -79,30 +123,23 @@ class Verdict:
             return "-"
         if self.logical:
             return "yes" if self.value == 1 else "no"
-        return self._with_unit(
-            f"{self.value:.3g}" if abs(self.value) < 100 else f"{self.value:.1f}"
-        )
-
-    def _with_unit(self, text: str) -> str:
-        return f"{text} {self.unit}".strip()
+        digits = f"{self.value:.3g}" if abs(self.value) < 100 else f"{self.value:.1f}"
+        return self.asked.with_unit(digits)
 
 
-def verdict(
-    statement: str,
-    value: SupportsFloat | None,
-    *,
-    low: float = -inf,
-    high: float = inf,
-    unit: str = "",
-    note: str = "",
-) -> Verdict:
-    """Return the verdict on a statement by a number; None: it cannot be tested."""
-    return Verdict(statement, None if value is None else float(value), low, high, unit, note)
+def verdict(statement: str, value: SupportsFloat, asked: Range, note: str = "") -> Verdict:
+    """Return the verdict on a statement by a number."""
+    return Verdict(statement, float(value), asked, note)
+
+
+def untested(statement: str, note: str) -> Verdict:
+    """Return the verdict on a statement that cannot be tested, with the reason."""
+    return Verdict(statement, None, Range(-inf, inf), note)
 
 
 def whether(statement: str, fact: bool, note: str = "") -> Verdict:
     """Return the verdict on a statement that is right or wrong, without a number."""
-    return Verdict(statement, float(fact), 1.0, 1.0, note=note, logical=True)
+    return Verdict(statement, float(fact), exactly(1.0), note, logical=True)
 
 
 def accurate(verdicts: Iterable[Verdict]) -> list[Verdict]:
@@ -118,7 +155,7 @@ def grows(
     note: str = "smallest step",
 ) -> Verdict:
     """Return the verdict on a statement that values grow in every step along a dimension."""
-    return verdict(statement, values.diff(along).min(), low=0.0, unit=unit, note=note)
+    return verdict(statement, values.diff(along).min(), at_least(0.0, unit), note)
 
 
 def falls(
@@ -129,4 +166,4 @@ def falls(
     note: str = "largest step",
 ) -> Verdict:
     """Return the verdict on a statement that values fall in every step along a dimension."""
-    return verdict(statement, values.diff(along).max(), high=0.0, unit=unit, note=note)
+    return verdict(statement, values.diff(along).max(), at_most(0.0, unit), note)
