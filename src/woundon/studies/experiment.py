@@ -453,27 +453,33 @@ class _Linearised(NamedTuple):
         return np.array([self._score(self.J0, k) for k in range(len(self.cost))])
 
     def _score(self, J: Array, k: int) -> float:
+        """Return the reduction of the criterion by candidate k per its cost; large is good."""
         reduction = self.criterion_of(J) - self.criterion_of(J + self.information[k])
         return reduction / float(self.cost[k])
 
     def select(self, count: int) -> list[int]:
-        """Return the selected candidates, best first."""
+        """Return the selected candidates, best first, by an exchange algorithm (Fedorov 1972).
+
+        From the greedy selection, each selected candidate is exchanged for each of the others, and
+        every exchange that increases the reduction per cost is kept, until there is none.
+        """
         n = len(self.cost)
         selection = self._greedy(range(n), count)
-        value = self._value(selection)
-        improved = count < n
+        reduction = self._reduction_per_cost(selection)
+        improved = count < n  # otherwise there is nothing to exchange
         while improved:
             improved = False
             for i in range(count):
                 for k in set(range(n)) - set(selection):
                     trial = [*selection[:i], k, *selection[i + 1 :]]
-                    # relative to rounding of the criterion, so that the loop ends
-                    if (trial_value := self._value(trial)) > value * (1 + 1e-9):
-                        selection, value, improved = trial, trial_value, True
+                    trial_reduction = self._reduction_per_cost(trial)
+                    # by more than rounding, so that the loop ends
+                    if trial_reduction > reduction * (1 + 1e-9):
+                        selection, reduction, improved = trial, trial_reduction, True
         return self._greedy(selection, count)
 
-    def _value(self, selection: Sequence[int]) -> float:
-        """Return the reduction of the criterion per total cost."""
+    def _reduction_per_cost(self, selection: Sequence[int]) -> float:
+        """Return the reduction of the criterion per total cost; large is good."""
         J = self.J0 + self.information[list(selection)].sum(axis=0)
         reduction = self.criterion_of(self.J0) - self.criterion_of(J)
         return reduction / float(self.cost[list(selection)].sum())
