@@ -230,10 +230,7 @@ class Grade(Description):
         return "\n".join(rows)
 
     def texts(self) -> Iterator[tuple[str, str]]:
-        """Yield (name, text with unit) of the values that are set, and of the limits with a source.
-
-        Limits without a source are those of the class, not of this grade.
-        """
+        """Yield (name, text with unit) of all values that are set, of limits only with a source."""
         for holder, prefix in ((self, ""), (self.limits, "limits.")):
             for name, field in type(holder).model_fields.items():
                 quantity, value = quantity_of(field), getattr(holder, name)
