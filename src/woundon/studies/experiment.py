@@ -309,11 +309,7 @@ def next_experiment(
         order = local.select(count)
         scores, covariances = local.steps(order)
         others, failures = _others(study, theta, covariances[0], draws, seed)
-    everything = np.linalg.inv(local.J0 + local.information.sum(axis=0))
-    initial_errors = np.sqrt(np.diag(covariances[0]))
-    weak = np.sqrt(np.diag(everything)) > (1 - REDUCED) * initial_errors
-    variance, vectors = np.linalg.eigh(everything)
-    weakest = vectors[:, -1] / vectors[np.argmax(np.abs(vectors[:, -1])), -1]
+    unidentified, direction, direction_error = _weakest(local, covariances[0], names)
     first = np.array([local.first_scores(), *(other.first_scores() for other in others)])
     quantities = {goal.output: goal.quantity}
     quantities |= {name: q for name in names if (q := field_quantity(base, name)) is not None}
@@ -332,14 +328,45 @@ def next_experiment(
         first_errors=np.sqrt(
             [np.diag(np.linalg.inv(local.J0 + each)) for each in local.information]
         ),
-        unidentified=tuple(name for name, is_weak in zip(names, weak, strict=True) if is_weak),
-        direction=weakest,
-        direction_error=float(np.sqrt(variance[-1])),
+        unidentified=unidentified,
+        direction=direction,
+        direction_error=direction_error,
         criterion=criterion,
         warnings=tuple(_warnings(first, candidates, covariances[0], names, failures)),
         quantities=quantities,
         problem=base,
     )
+
+
+def _weakest(
+    local: _Linearised, initial: Array, names: Sequence[str]
+) -> tuple[tuple[str, ...], Array, float]:
+    """Return what all candidates together determine worst.
+
+    Parameters
+    ----------
+    local : _Linearised
+    initial : (p, p) array
+        Covariance before the first candidate.
+    names : sequence of str
+        The p unknown fields.
+
+    Returns
+    -------
+    tuple of str
+        Fields whose standard error they reduce by less than ``REDUCED``.
+    (p,) array
+        Direction of the largest standard error, with the largest component 1.
+    float
+        Standard error in this direction.
+    """
+    covariance = np.linalg.inv(local.J0 + local.information.sum(axis=0))
+    errors, initial_errors = np.sqrt(np.diag(covariance)), np.sqrt(np.diag(initial))
+    is_weak = errors > (1 - REDUCED) * initial_errors
+    variances, vectors = np.linalg.eigh(covariance)
+    direction = vectors[:, -1] / vectors[np.argmax(np.abs(vectors[:, -1])), -1]
+    unidentified = tuple(name for name, weak in zip(names, is_weak, strict=True) if weak)
+    return unidentified, direction, float(np.sqrt(variances[-1]))
 
 
 def _main_output(base: Problem, candidates: Sequence[Measurement]) -> str:
