@@ -245,7 +245,7 @@ def _names_in(unit: str, name: str, si_units: Iterable[str], width: float | None
 
 
 def _size(unit: str, si_unit: str, width: float | None) -> float | None:
-    """Return how many of an SI unit a unit is; None if it has another dimension.
+    """Return the size of a unit in an SI unit; None if it has another dimension.
 
     With a width, a unit of the total over it ("kN" for "N/m") is converted too.
     """

@@ -82,7 +82,7 @@ def entry_of(table: Mapping[str, Any]) -> Entry:
 
 
 def _below(name: str, part: Mapping[str, T]) -> dict[str, T]:
-    """Return what belongs to the fields of a table, by dotted name."""
+    """Return the entries of a nested table by dotted name."""
     return {f"{name}.{key}": value for key, value in part.items()}
 
 

@@ -322,7 +322,7 @@ class Panel:
 
 @dataclass(frozen=True)
 class PanelMaker:
-    """How a panel is made from a result.
+    """The function that makes a panel from a result.
 
     Attributes
     ----------

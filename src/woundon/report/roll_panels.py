@@ -85,7 +85,7 @@ def hoop_stress_at(roll: RollResult) -> Array:
 
 
 def _compressed(roll: RollResult) -> Array:
-    """Return where the hoop stress is compressive, a mask of :func:`radii_between`."""
+    """Return the mask of compressive hoop stress on the radii of :func:`radii_between`."""
     return hoop_stress_at(roll) < 0
 
 

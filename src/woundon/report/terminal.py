@@ -28,7 +28,7 @@ TONES = {
 
 
 def plain_text(write: Callable[[Console], None]) -> str:
-    """Return what a function writes on a console, in the width of the reports."""
+    """Return the text that a function writes on a console, in the width of the reports."""
     paper = StringIO()
     console = Console(
         file=paper,

@@ -150,7 +150,7 @@ class NextExperiment(Outcome):
         return texts
 
     def remarks(self) -> list[str]:
-        """Return what the measurements do not determine, and warnings."""
+        """Return the quantities that the measurements do not determine, and warnings."""
         texts = []
         if self.unidentified:
             texts.append(f"not identified by any candidate: {', '.join(self.unidentified)}")
@@ -341,7 +341,7 @@ def next_experiment(
 def _weakest(
     local: _Linearised, initial: Array, names: Sequence[str]
 ) -> tuple[tuple[str, ...], Array, float]:
-    """Return what all candidates together determine worst.
+    """Return the fields and the direction that all candidates together determine worst.
 
     Parameters
     ----------
