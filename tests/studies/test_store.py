@@ -160,7 +160,7 @@ def check_rejected_and_unchanged(out: Path) -> None:
     for resume, match in ((True, says), (False, says + "|contains a study already")):
         with pytest.raises(wo.InvalidProblem, match=match) as fault:
             run(out, resume=resume)
-        assert "\n" not in str(fault.value)
+        assert "\\n" not in str(fault.value)  # one line, without escaped line breaks
     assert path.read_bytes() == content
     assert [file.name for file in out.iterdir()] == ["study.sqlite"]
 

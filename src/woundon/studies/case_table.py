@@ -132,7 +132,8 @@ def solve_table(
     frame = _copied_columns(sheet, {c.header: c for c in matched}, fields)
     _add_outputs(frame, model, rows.values, drop_empty=outputs is None)
     frame["failure"], frame["warnings"] = rows.failure, rows.warnings
-    frame.index = getattr(table, "index", frame.index)
+    if isinstance(table, type(frame)):
+        frame.index = table.index
     frame.attrs["about"] = {
         "version": __version__,
         "kind": model.kind.name,
