@@ -172,6 +172,10 @@ def _stiffness_warnings(name: str, body: Body, peak: float, traction: Array) -> 
 def zone_warnings(x: Array, faces: Mapping[str, Array], slips: str = "the web") -> Iterator[str]:
     """Yield warnings about zones with too few nodes.
 
+    There is none about a zone of a small part of the nip's width, or about a point at which the
+    slip changes its direction.  A slip zone at the end of the nip is the dual-slip zone if all
+    faces slip there in the same direction.
+
     Parameters
     ----------
     x : (M,) array
@@ -184,23 +188,31 @@ def zone_warnings(x: Array, faces: Mapping[str, Array], slips: str = "the web") 
     trailing = {int(zones[-2]) for zones in faces.values()}
     dual = len(faces) > 1 and len(trailing) == 1 and trailing != {Zone.STICK}
     for face, zones in faces.items():
-        inner = zones[1:-1]
-        boundaries = ((inner[1:] != inner[:-1]).nonzero()[0] + 1).tolist()
-        for first, end in pairwise([0, *boundaries, inner.size]):
-            width = float(x[end + 1] - x[first])
-            if end - first >= FEW_NODES or width <= NARROW_ZONE * float(x[-1] - x[0]):
+        for first, last in _runs_between_ends(zones):
+            count = last - first + 1
+            with_neighbours = slice(first - 1, last + 2)
+            width = float(x[last + 1] - x[first - 1])
+            if count >= FEW_NODES or width <= NARROW_ZONE * float(x[-1] - x[0]):
                 continue
-            if _is_reversal(zones[first : end + 2]):
+            if _is_reversal(zones[with_neighbours]):
                 continue
-            where = f"a {_zone_name(Zone(int(inner[first])), slips)} at the {face}"
-            if dual and end == inner.size:
+            where = f"a {_zone_name(Zone(int(zones[first])), slips)} at the {face}"
+            if dual and last == zones.size - 2:
                 where = "the dual-slip zone"
-            nodes = "1 node" if end - first == 1 else f"{end - first} nodes"
-            cell = 1e3 * float(np.diff(x[first : end + 2]).max())
+            nodes = "1 node" if count == 1 else f"{count} nodes"
+            cell = 1e3 * float(np.diff(x[with_neighbours]).max())
             yield (
                 f"{RESOLUTION}{nodes} in {where}, the ends of which are known to {cell:.2g} mm; "
                 f"use nodes={2 * x.size - 1}"
             )
+
+
+def _runs_between_ends(zones: Array) -> Iterator[tuple[int, int]]:
+    """Yield the first and last node of each run of one zone, without both ends of the nip."""
+    inner = zones[1:-1]
+    changes = (inner[1:] != inner[:-1]).nonzero()[0] + 1  # indices in inner, one less than in zones
+    for first, end in pairwise([1, *(changes + 1).tolist(), zones.size - 1]):
+        yield first, end - 1
 
 
 def _is_reversal(zones: Array) -> bool:

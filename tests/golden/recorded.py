@@ -189,6 +189,7 @@ def reports() -> str:
 
 def public_names() -> str:
     """Return signature and documentation of every public name, and of the methods of classes."""
+    kinds.every()  # loads the plug-ins, whose outputs are members of the results
     return "\n".join(
         line for name in sorted(wo.__all__) for line in _described(name, getattr(wo, name))
     )

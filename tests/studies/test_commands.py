@@ -237,3 +237,8 @@ def test_figures_of_many_inputs(tmp_path: Path):
     )
     scatter = cases.plot("wound_on_tension")
     assert [axes.get_xscale() for axes in scatter.axes] == ["linear", "log"]
+
+
+def test_an_option_of_find_is_no_target(capsys: pytest.CaptureFixture[str]):
+    assert cli.main(["find", str(CASE), "--vary", "nip_load", "--target", "points=3"]) == 2
+    assert capsys.readouterr().err == "error: target: 'points' is an option, not an output\n"

@@ -256,3 +256,10 @@ def test_texts_that_start_like_formulas_have_an_apostrophe_in_csv_and_are_read_w
     assert written == [*quoted, *TEXTS[5:]]
     sheet = read_sheet(path, "")
     assert sheet.columns["=remark"] == TEXTS
+
+
+def test_the_path_of_a_table_may_be_a_text(tmp_path: Path):
+    path = tmp_path / "loads.csv"
+    path.write_text("load [kN/m]\n89\n", encoding="utf-8")
+    solved = wo.solve_table(str(path), wo.RollerProblem.example(), ["half_width"], nodes=17)
+    assert list(solved.index) == [0]

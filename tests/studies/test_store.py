@@ -158,10 +158,20 @@ def check_rejected_and_unchanged(out: Path) -> None:
     content = path.read_bytes()
     says = r"its study\.sqlite is damaged .* is left as it is; solve the study in another folder"
     for resume, match in ((True, says), (False, says + "|contains a study already")):
-        with pytest.raises(wo.InvalidProblem, match=match):
+        with pytest.raises(wo.InvalidProblem, match=match) as fault:
             run(out, resume=resume)
+        assert "\\n" not in str(fault.value)  # one line, without escaped line breaks
     assert path.read_bytes() == content
     assert [file.name for file in out.iterdir()] == ["study.sqlite"]
+
+
+def test_a_store_with_a_damaged_page_is_rejected_and_left_as_it_is(tmp_path: Path):
+    run(tmp_path)
+    path = tmp_path / "study.sqlite"
+    content = bytearray(path.read_bytes())
+    content[2 * 4096 + 7] ^= 0x7F  # what SQLite's check of the file finds, and states in two lines
+    path.write_bytes(content)
+    check_rejected_and_unchanged(tmp_path)
 
 
 @pytest.mark.parametrize("resume", [False, True])

@@ -368,6 +368,7 @@ def test_a_sweep_states_how_many_curves_and_panels_it_shows(shape, curves, panel
     figure = plot_sweep(grid(*shape), "output")
     assert len(figure.axes) == panels
     assert all(len(axes.get_lines()) == curves for axes in figure.axes)
+    assert not any(axes.get_legend() for axes in figure.axes[:-1])
     title = figure.get_suptitle()
     assert [f"{n} of {count}" in title for n, count in stated] == [True] * len(stated)
     assert title.count(" of ") == len(stated)

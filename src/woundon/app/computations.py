@@ -125,7 +125,18 @@ def solve(
 def solved(
     problem: Problem, options: Mapping[str, Any], start: Result | None = None, warm: bool = False
 ) -> Any:
-    """Return the result of a problem, which contains its warnings."""
+    """Return the result of a problem, which contains its warnings.
+
+    Parameters
+    ----------
+    problem : Problem
+    options : mapping
+        Of the solver; they take precedence over those of ``warm``.
+    start : Result, optional
+        Initial guess.
+    warm : bool
+        Solve quickly, on few nodes and without error estimates, where the solver has these options.
+    """
     kind = kinds.of(problem)
     options = checked_options(kind, options)
     if warm and "errors" in signature(kind.solver).parameters:

@@ -131,6 +131,7 @@ def _add_form(model: type[Any], forms: dict[str, Any]) -> None:
     name = model.__name__
     if name in forms:
         return
+    # the initial entries of lists, such as the table of a radial law
     start = {n: list(f.examples[0]) for n, f in model.model_fields.items() if f.examples}
     forms[name] = {"title": _title(name), "fields": [], "start": start}
     for field_name, field in model.model_fields.items():
@@ -177,7 +178,7 @@ def _field(name: str, field: FieldInfo) -> dict[str, Any]:
         ]
         entry["number"] = not is_list(annotation) and float in _parts(annotation)
         entry["named"] = any(issubclass(m, Material) for m in members)
-    if words := _words(annotation):
+    if words := _literal_words(annotation):
         entry["choices"] = words
     if is_list(annotation):
         entry |= _constraints(field, min_length="min_items", max_length="max_items")
@@ -185,12 +186,17 @@ def _field(name: str, field: FieldInfo) -> dict[str, Any]:
 
 
 def _type(annotation: Any) -> str:
-    """Return the type of a form field, from its annotation: number, text, choice, member, ..."""
+    """Return the type of a form field, from its annotation.
+
+    ``member`` is a description and ``members`` a list of them; ``numbers`` is a list of numbers,
+    and ``pairs`` one of pairs of numbers; ``choice`` is a field with a
+    list of words; all others are ``number`` or ``text``.
+    """
     if members_of(annotation):
         return "members" if is_list(annotation) else "member"
     if is_list(annotation):
         return "pairs" if any(is_list(part) for part in get_args(annotation)) else "numbers"
-    if _words(annotation):
+    if _literal_words(annotation):
         return "choice"
     return "number" if float in _parts(annotation) else "text"
 
@@ -201,8 +207,8 @@ def _parts(annotation: Any) -> list[Any]:
     return [annotation, *(part for one in inner for part in _parts(one))]
 
 
-def _words(annotation: Any) -> list[str]:
-    """Return the words that a field accepts."""
+def _literal_words(annotation: Any) -> list[str]:
+    """Return the words that an annotation admits: the values of all Literal types in it."""
     literals = [part for part in _parts(annotation) if get_origin(part) is Literal]
     return [word for literal in literals for word in get_args(literal)]
 

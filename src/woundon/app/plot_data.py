@@ -56,7 +56,9 @@ def slow_panel_data(result: Result) -> list[dict[str, Any]]:
 
 def _panel(panel: Panel) -> dict[str, Any]:
     """Return a panel for JSON."""
-    # a panel in a column of its own has a part of the axis that others do not share
+    # "group" is the column of the figure, and "column" names the panels that share an x axis: those
+    # with the same label, except a panel alone in a column of the figure, which may show another
+    # range of x.
     alone = panel.column == panel.name
     return {
         "name": panel.name,

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from inspect import signature
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..errors import unwarned
+from ..errors import InvalidProblem, unwarned
 from ..io.files import write_whole
 from . import options
 
@@ -79,6 +80,8 @@ def find(
     from ..studies.find import find as find_values
 
     (name, between), (output, value) = vary, target
+    if output in signature(find_values).parameters:
+        raise InvalidProblem.at("target", f"{output!r} is an option, not an output")
     arguments |= {"between": between, "progress": not as_json, output: value}
     with unwarned():
         result = find_values(load_case(case, settings), name, **arguments)

@@ -197,6 +197,7 @@ class HarmonicSum:
     def _second_antiderivative(self) -> HarmonicSum:
         """The sum of -R^2 c_n/n^2 trig(n theta), less its value (even) or slope (odd) at 0."""
         n = np.arange(1, self.remainder.size + 1)
+        # Two leading zeros divide the tail by n^2: a_0 becomes the coefficient of 1/n^2, and so on.
         tail = np.concatenate([[0.0, 0.0], self.tail])
         scale, remainder = -self.scale * self.radius**2, self.remainder / (n * n)
         total = HarmonicSum(self.odd, self.radius, scale, 0.0, tail, remainder)
@@ -205,6 +206,7 @@ class HarmonicSum:
         lowest = int(self.odd)
         regular = np.zeros(POWERS)
         remainder_at_zero = scale * float(remainder @ n if self.odd else remainder.sum())
+        # value (even) or slope (odd) at 0 of the tail's sum, from its power series, and of the rest
         regular[lowest] = -float(total.series[lowest]) - remainder_at_zero
         return replace(total, regular=regular)
 

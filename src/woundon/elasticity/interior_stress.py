@@ -153,6 +153,7 @@ def half_plane_sections(
     for z in depths.tolist():
         n = np.arange(loads.harmonics_needed(roots.slowest_decay * z) + 1)
         section = loads.section(z, roots.transfer(n * (z / radius)))
+        # shear stress of the resultant Q in the neighbouring periods, the sum in the module header
         images = 2 * roots.mean * z * Q * pi / (3 * loads.period**2)
         sections.append(replace(section, shear=section.shear - images))
     return tuple(sections)
@@ -183,18 +184,16 @@ def cylinder_sections(
     open_bore : bool
         True for an open bore, False for a rigid core.
     """
-    from scipy.interpolate import CubicSpline  # problems are read and written without SciPy
-
     roots, loads = _HalfPlaneRoots.of(layers[0][1:]), _SurfaceLoads(x, p, q, 2 * pi * radius)
     sections = []
     for z in depths.tolist():
         y = -log1p(-z / radius)
         n = np.arange(loads.harmonics_needed(roots.slowest_decay * radius * y) + 1)
-        # B of the half-plane at all harmonics, plus the difference interpolated between the sampled
-        B, k = roots.transfer(n * y), _sampled_harmonics(n.size - 1)
-        difference = traction_transfer(k, *_split_layers(layers, y), open_bore) - B[:, :, k]
-        B[:, :, 0] += difference[:, :, 0]
-        B[:, :, 1:] += CubicSpline(np.log(k[1:]), difference[:, :, 1:], axis=2)(np.log(n[1:]))
+        # B of the half-plane at all harmonics, plus its difference to B of the cylinder, which is
+        # computed at the sampled harmonics only
+        B, sampled = roots.transfer(n * y), _sampled_harmonics(n.size - 1)
+        cylinder = traction_transfer(sampled, *_split_layers(layers, y), open_bore)
+        B += _interpolated_difference(sampled, cylinder - B[:, :, sampled], n)
         sections.append(loads.section(z, B * (radius / (radius - z))))
     return tuple(sections)
 
@@ -209,8 +208,30 @@ def _sampled_harmonics(last: int) -> Array:
     )
 
 
+def _interpolated_difference(sampled: Array, difference: Array, n: Array) -> Array:
+    """Interpolate the difference of B between cylinder and half-plane by a cubic spline of ln n.
+
+    Parameters
+    ----------
+    sampled : (k,) array of int
+        Harmonics at which it was computed, ascending from 0.
+    difference : (2, 2, k) array
+    n : (n,) array of int
+        All harmonics from 0 to the last one of ``sampled``.
+
+    Returns
+    -------
+    (2, 2, n) array
+    """
+    from scipy.interpolate import CubicSpline  # problems are read and written without SciPy
+
+    # n = 0 has no logarithm: its value is not interpolated.
+    spline = CubicSpline(np.log(sampled[1:]), difference[:, :, 1:], axis=2)
+    return np.concatenate([difference[:, :, :1], spline(np.log(n[1:]))], axis=2)
+
+
 def _split_layers(layers: Layers, depth: float) -> tuple[Layers, Layers]:
-    """Return the layers above and below the depth ln(R/r)."""
+    """Return the layers above and below the depth ln(R/r); one that contains it is divided."""
     upper, lower = [], list(layers)
     while depth > 0 and lower:
         first = lower.pop(0)

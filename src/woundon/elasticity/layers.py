@@ -127,8 +127,13 @@ def traction_transfer(n: Array, upper: Layers, lower: Layers, open_bore: bool = 
 def _compliance_on_core(stack: SectionMatrices, n: Array, open_bore: bool) -> Array:
     """Return Y_n of a stack on a rigid core, Y = Q, or with an open bore, Y = Q + A X A'.
 
-    X = H^-1 for n >= 2.  For the rigid motions n = 0 and n = 1, X = f f'/(f' H f) with f = (1, 0)
-    and f = (1, 1)/sqrt(2).
+    A = I + E, Q and H relate the displacements w and tractions t of bore (0) and surface (1),
+    w1 = A w0 + Q t1 and t0 = A' t1 - H w0 (see the module).  On a rigid core w0 = 0.
+
+    A bore without traction, t0 = 0, has w0 = X A' t1 with X = H^-1.  For n = 0 (rotation) and n = 1
+    (translation) H is singular.  There the bore takes up the torque or the resultant force, and its
+    mean rotation or translation is zero: w0 is parallel to f and f.t0 = 0, so that
+    X = f f'/(f' H f), with f = (1, 0) for n = 0 and f = (1, 1)/sqrt(2) for n = 1.
     """
     E, Q, H = stack
     if not open_bore:
@@ -281,15 +286,24 @@ class LayerSystems:
 
 
 def star_product(lower: SectionMatrices, upper: SectionMatrices) -> SectionMatrices:
-    """Return E, Q, H of one layer on another (Redheffer star product)."""
+    """Return E, Q, H of one layer on another (Redheffer star product).
+
+    With A = I + E, a the lower and b the upper layer,
+
+        S = (I + Q_a H_b)^-1,       A = A_b S A_a,
+        Q = Q_b + A_b S Q_a A_b',   H = H_a + A_a' H_b S A_a.
+
+    E = A - I is small in thin layers and is computed without this difference: S = I - Q_a H_b S
+    gives E = (A_b A_a - I) - A_b Q_a H_b S A_a, and A_b A_a - I = E_a + E_b + E_b E_a.
+    """
     E_a, Q_a, H_a = lower
     E_b, Q_b, H_b = upper
     A_a = _identity_plus(E_a)
     A_b = A_a if upper is lower else _identity_plus(E_b)
     S = _inverse_of_identity_plus(_product(Q_a, H_b))
     AQ, HSA = _product(A_b, Q_a), _product(H_b, _product(S, A_a))
-    # E = A S A - I without cancellation, by I - S = Q H S; S Q = Q S' by symmetry
     E = E_a + E_b + _product(E_b, E_a) - _product(AQ, HSA)
+    # S Q_a = Q_a S', because Q and H are symmetric
     Q = Q_b + _product(AQ, _product(A_b, S).swapaxes(0, 1))
     return E, Q, H_a + _product(A_a.swapaxes(0, 1), HSA)
 

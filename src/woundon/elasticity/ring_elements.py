@@ -275,10 +275,21 @@ class RingMesh:
         return self._spline(x), self._spline(x, 1)
 
     def hats(self, nodes: Array) -> Array:
-        """Return the nodal forces (k, n) of tractions that are hat functions on n nodes x.
+        """Return the nodal forces of tractions that are hat functions on the nodes of the contact.
 
-        The products of hat and shape functions are integrated by Gauss's rule between the nodes of
-        both.
+        The products of hat functions (linear) and shape functions (quadratic) are integrated by
+        Gauss's rule between the nodes of both.
+
+        Parameters
+        ----------
+        nodes : (n,) array
+            Nodes of the contact, ascending x [m].
+
+        Returns
+        -------
+        (k, n) array
+            Forces at the k nodes of the surface, two for each column of elements, by the n nodal
+            tractions.
         """
         columns = self.x.size - 1
         # the ring is closed: three turns contain every x of the contact
@@ -287,15 +298,18 @@ class RingMesh:
         breakpoints = np.union1d(nodes, inside)
         middle, h = (breakpoints[1:] + breakpoints[:-1]) / 2, np.diff(breakpoints)
         x, weight = np.concatenate([middle + s * h for s in GAUSS]), np.tile(h / 2, 2)
-        e, k = np.searchsorted(corners, x) - 1, np.searchsorted(nodes, x) - 1
-        t = (x - corners[e]) / (corners[e + 1] - corners[e])  # in element e
-        fraction = (x - nodes[k]) / (nodes[k + 1] - nodes[k])  # in cell k of the contact
+        # the element and the cell of the contact that contain each x, and its coordinate, 0 to 1,
+        # in each of them
+        element, cell = np.searchsorted(corners, x) - 1, np.searchsorted(nodes, x) - 1
+        t = (x - corners[element]) / (corners[element + 1] - corners[element])
+        fraction = (x - nodes[cell]) / (nodes[cell + 1] - nodes[cell])
         out = np.zeros((2 * columns, nodes.size))
-        # the three quadratic shape functions of an element's edge
+        # the quadratic shape functions of the first corner, the middle and the second corner of an
+        # element's edge; the elements of all turns are those of the one ring
         for j, shape in enumerate(((1 - t) * (1 - 2 * t), 4 * t * (1 - t), t * (2 * t - 1))):
-            row = (2 * e + j) % (2 * columns)
-            np.add.at(out, (row, k), weight * shape * (1 - fraction))
-            np.add.at(out, (row, k + 1), weight * shape * fraction)
+            row = (2 * element + j) % (2 * columns)
+            np.add.at(out, (row, cell), weight * shape * (1 - fraction))
+            np.add.at(out, (row, cell + 1), weight * shape * fraction)
         return out
 
     # ---- the elements --------------------------------------------------------------------------

@@ -245,6 +245,7 @@ class _Writer:
         Parameters
         ----------
         thing : Description
+            The problem, or a body, material, ... in it.
         prefix : str
             Beginning of the dotted names of its fields.
         header : str
@@ -288,7 +289,17 @@ class _Writer:
         return False
 
     def row(self, thing: Description, name: str, of_field: Quantity | None = None) -> Row:
-        """Return the line of a field."""
+        """Return the line of a field.
+
+        Parameters
+        ----------
+        thing : Description
+            The description that has the field.
+        name : str
+            The field.
+        of_field : Quantity
+            That of the field which holds the description; the values of a profile have it.
+        """
         value, info = getattr(thing, name), type(thing).model_fields[name]
         if value is None:
             return Row(name, UNSET, field_comment(info))
@@ -300,7 +311,15 @@ class _Writer:
     def kind_row(self, thing: Family, holder: FieldInfo) -> Row:
         """Return the line with the kind of a description; its comment lists the alternatives.
 
-        The fields of an alternative are stated at its first occurrence.
+        The fields of an alternative are stated the first time that it is listed in the file:
+        ``self.listed``, which is extended, remembers those that were.
+
+        Parameters
+        ----------
+        thing : Family
+            Body, material or law of which there are several kinds.
+        holder : FieldInfo
+            The field that holds it, whose annotation admits all kinds.
         """
         members = members_of(holder.annotation)
         names = []

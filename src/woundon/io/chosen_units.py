@@ -224,13 +224,17 @@ def _displayed(places: Iterable[Place]) -> dict[str, str]:
 
 
 def _system(system: str) -> System:
-    """Return the units of a system, by the unit that is displayed otherwise."""
+    """Return the units of "SI" or "mill", by the unit that they replace where values are displayed.
+
+    The second number is the unit's size in SI: ``{"N/m": ("pli", 175.1), "mm": ("in", 0.0254)}`` of
+    mill units, and ``{"N/m": ("N/m", 1.0), "mm": ("m", 1.0)}`` of SI units.
+    """
     sizes: System = {}
-    for name, si_unit in _displayed(_places()).items():
-        unit = si_unit if system == "SI" else MILL.get(name, "")
+    for displayed_unit, si_unit in _displayed(_places()).items():
+        unit = si_unit if system == "SI" else MILL.get(displayed_unit, "")
         if unit and unit != "1":
-            size = 1.0 if unit == si_unit else float(factor(unit, si_unit, name))
-            sizes[name] = (unit, size)
+            size = 1.0 if unit == si_unit else float(factor(unit, si_unit, displayed_unit))
+            sizes[displayed_unit] = (unit, size)
     return sizes
 
 
@@ -241,7 +245,7 @@ def _names_in(unit: str, name: str, si_units: Iterable[str], width: float | None
 
 
 def _size(unit: str, si_unit: str, width: float | None) -> float | None:
-    """Return how many of an SI unit a unit is; None if it has another dimension.
+    """Return the size of a unit in an SI unit; None if it has another dimension.
 
     With a width, a unit of the total over it ("kN" for "N/m") is converted too.
     """

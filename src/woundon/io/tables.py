@@ -23,6 +23,7 @@ from .sheets import Sheet
 __all__ = ["Column", "Names", "match_columns"]
 
 Faults = list[tuple[str, str]]
+Renaming = dict[str, tuple[str, str | None]]  # normalised header -> header as requested, its target
 
 NO_UNIT = ("1", "-", "\N{EN DASH}")  # in headers of columns of pure numbers
 MAX_SUGGESTED = 4  # names
@@ -224,15 +225,36 @@ def _check_renaming(columns: Any) -> None:
             raise InvalidProblem.at("columns", text)
 
 
-def _rename_header(
-    header: str, renaming: dict[str, tuple[str, str | None]]
-) -> tuple[str | None, str]:
-    """Return the name that replaces a header, and its unit; remove it from ``renaming``."""
-    for text, unit in _splits(header):
-        if _normalise(text) in renaming:
-            units = (unit, *(last for _, last in _splits(header)))
-            return renaming.pop(_normalise(text))[1] or None, next(filter(is_unit, units), unit)
-    return header, ""
+class _Renamed(NamedTuple):
+    """A header after renaming.
+
+    Attributes
+    ----------
+    target : str or None
+        The name that replaces the header, with or without a unit; None omits the column.
+    unit : str
+        The unit in a header that was replaced; empty without one.
+    """
+
+    target: str | None
+    unit: str
+
+
+def _rename_header(header: str, renaming: Renaming) -> _Renamed:
+    """Return the name that replaces a header; the header itself if none does.
+
+    An entry that is used is removed from ``renaming``.
+    """
+    for name, rest in _splits(header):
+        if _normalise(name) not in renaming:
+            continue
+        _, target = renaming.pop(_normalise(name))
+        # The rest is no unit if the name contains the unit, or further words precede it: then take
+        # the first end of the header that is a unit.
+        ends = [rest, *(end for _, end in _splits(header))]
+        unit = next((end for end in ends if is_unit(end)), rest)
+        return _Renamed(target or None, unit)
+    return _Renamed(header, "")
 
 
 def _interpret_header(text: str, names: Names) -> tuple[str, str, bool] | None:

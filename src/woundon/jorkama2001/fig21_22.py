@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import partial
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 import woundon as wo
@@ -121,15 +122,18 @@ def _increasing() -> Verdict:
 
 def _exponents(data: list[xr.Dataset]) -> list[Verdict]:
     """Fit ln NIT by the logarithms of the relative radius and of the drum's."""
-    rows = [one["nip_induced_tension"].to_dataframe().reset_index() for one in data]
+    nips = pd.concat([one["nip_induced_tension"].to_dataframe().reset_index() for one in data])
+    R1, R2 = nips["roll_radius"], nips["drum_radius"]
+    logarithms = nips.assign(
+        relative=np.log(R1 * R2 / (R1 + R2)),
+        drum=np.log(R2),
+        tension=np.log(nips["nip_induced_tension"]),
+    )
 
-    def fit(name: str, F: float) -> tuple[float, float]:
-        of = [frame[frame["winding_force"] == F] for frame in rows]
-        R1, R2, NIT = (
-            np.concatenate([frame[column] for frame in of])
-            for column in ("roll_radius", "drum_radius", "nip_induced_tension")
-        )
-        x, y = np.log(R1 * R2 / (R1 + R2) if name == "relative" else R2), np.log(NIT)
+    def fit(radius: str, F: float) -> tuple[float, float]:
+        """Return exponent and scatter of NIT by a radius for one winding force."""
+        chosen = logarithms[logarithms["winding_force"] == F]
+        x, y = chosen[radius], chosen["tension"]
         slope, level = np.polyfit(x, y, 1)
         return float(slope), float(np.std(y - slope * x - level))
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 from importlib import resources
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 from matplotlib.figure import Figure
 
@@ -46,23 +47,23 @@ def exhibits(solver: str) -> list[Exhibit]:
     return [Exhibit("fig33", title, data, verdicts, draw, one_solver=True)]
 
 
-def _times() -> dict[str, np.ndarray]:
-    """Return the measured computing times by solver, in dense solves."""
-    lines = (resources.files(__package__) / "computing_time.csv").read_text("utf-8").splitlines()
-    rows = [line.split(",") for line in lines if not line.startswith("#")]
-    nodes, thesis, graded = np.array(rows, dtype=float).T
-    assert np.array_equal(nodes, NODES)
-    return {"thesis": thesis, "accurate": graded}
+def _times() -> pd.DataFrame:
+    """Return nodes and the measured computing times by solver, in dense solves."""
+    names = ["nodes", "thesis", "accurate"]
+    with (resources.files(__package__) / "computing_time.csv").open(encoding="utf-8") as file:
+        times = pd.read_csv(file, comment="#", names=names)
+    assert np.array_equal(times["nodes"], NODES)
+    return times
 
 
-def _converging(solver: str, times: np.ndarray) -> xr.Dataset:
+def _converging(solver: str, times: pd.Series) -> xr.Dataset:
     """Solve the nip on finer and finer meshes."""
     NIT = []
     for M in NODES.tolist():
         by_thesis = solver == "thesis"
         result = procedure.solve(PROBLEM, M) if by_thesis else solved(PROBLEM, nodes=M)
         NIT.append(result.nip_induced_tension)
-    data = dataset("nodes", {"nip_induced_tension [N/m]": NIT, "time [1]": times})
+    data = dataset("nodes", {"nip_induced_tension [N/m]": NIT, "time [1]": times.to_numpy()})
     return data.assign_coords(nodes=("nodes", NODES, {"units": "1"}))
 
 

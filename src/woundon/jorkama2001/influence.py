@@ -388,10 +388,13 @@ def _expansion(s: int, count: int) -> Array:
 
 
 def _fourier(c: Array, t: Array) -> Array:
-    """Return the sum of c_n e^int, n = 1 ... N, in blocks: exponentials of sqrt(N) numbers each."""
-    width = ceil(sqrt(c.size))
-    blocks = np.zeros(width**2, dtype=complex)
-    blocks[: c.size] = c
-    within = np.exp(1j * np.multiply.outer(t, np.arange(1, width + 1)))
-    before = np.exp(1j * np.multiply.outer(t, width * np.arange(width)))
-    return np.asarray(np.sum(before * (within @ blocks.reshape(width, width).T), axis=-1))
+    """Return the sum of c_n e^int over n = 1 ... N at points t, for (N,) coefficients.
+
+    With n = k W + j, j = 1 ... W and W = sqrt(N), e^int = e^ikWt e^ijt: only 2 W exponentials are
+    computed at each point.
+    """
+    W = ceil(sqrt(c.size))
+    by_block = np.pad(c, (0, W**2 - c.size)).reshape(W, W)  # [k, j - 1]
+    inner = np.exp(1j * np.multiply.outer(t, np.arange(1, W + 1)))
+    outer = np.exp(1j * np.multiply.outer(t, W * np.arange(W)))
+    return np.asarray(np.sum(outer * (inner @ by_block.T), axis=-1))

@@ -60,13 +60,13 @@ class Judged:
 
     def _line(self, verdict: Verdict, other: Verdict | None, strong: str) -> str:
         """Return the sentence on a statement, with its number and outcome."""
-        # failures are to meet the eye of who runs down the list
+        # capitals make a failure visible in a long list
         word = verdict.outcome.value
         word = word.upper() if verdict.outcome is Outcome.FAILS else word
         text = f"{strong}{word}{strong}: {verdict.statement}"
         if verdict.outcome is not Outcome.UNTESTED:
             text += f": {strong}{verdict.measured}{strong}, asked {verdict.expected}"
-        if other is not None and _asks_other(verdict):
+        if other is not None and _may_depend_on_solver(verdict):
             name = SOLVERS["thesis" if self.solver == "accurate" else "accurate"]
             text += f"; with {name} {other.measured}, {other.outcome.value}"
         note = _sentence(verdict.note)
@@ -117,13 +117,16 @@ def _sentence(note: str) -> str:
     return start + text[1:] + ("" if text[-1] in ".?!" else ".")
 
 
-def _asks_other(verdict: Verdict) -> bool:
-    """Return True if the other solver may give another verdict."""
+def _may_depend_on_solver(verdict: Verdict) -> bool:
+    """Return True for a failed statement, unless both solvers compute its number accurately."""
     return verdict.outcome is Outcome.FAILS and not verdict.accurate
 
 
 def judged(module: str, names: Sequence[str], solver: str) -> list[Judged]:
     """Compute the exhibits of a module that are asked for, by both solvers where one fails.
+
+    A failed statement is not computed by the other solver if the solver makes no difference:
+    exhibits of measured data or closed forms, and numbers that both solvers compute accurately.
 
     Parameters
     ----------
@@ -133,8 +136,16 @@ def judged(module: str, names: Sequence[str], solver: str) -> list[Judged]:
         Exhibits asked for; the module may make more.
     solver : {"accurate", "thesis"}
     """
-    mine = [exhibit for exhibit in made_by(module, solver) if exhibit.name in names]
-    failing = {e.name for e in mine if not e.one_solver and any(map(_asks_other, e.verdicts))}
-    other = "thesis" if solver == "accurate" else "accurate"
-    others = {e.name: e.verdicts for e in made_by(module, other)} if failing else {}
-    return [Judged(e, solver, others[e.name] if e.name in failing else ()) for e in mine]
+    exhibits = [exhibit for exhibit in made_by(module, solver) if exhibit.name in names]
+    to_compare = {
+        exhibit.name
+        for exhibit in exhibits
+        if not exhibit.one_solver and any(map(_may_depend_on_solver, exhibit.verdicts))
+    }
+    other_verdicts = {}
+    if to_compare:
+        other = "thesis" if solver == "accurate" else "accurate"
+        other_verdicts = {e.name: e.verdicts for e in made_by(module, other)}
+    return [
+        Judged(e, solver, other_verdicts[e.name] if e.name in to_compare else ()) for e in exhibits
+    ]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cache
 from math import exp, log
 
@@ -16,7 +16,7 @@ import woundon as wo
 from .cases import ONE_PAPER, measured_tensions, newsprint_nip
 from .nips import NODES, swept
 
-__all__ = ["FITTED_POINT", "NIP_LOADS", "THICKNESSES", "Theory", "rms", "theories", "theory"]
+__all__ = ["FITTED_POINT", "NIP_LOADS", "THICKNESSES", "Theory", "rms", "theories"]
 
 NIP_LOADS = (350.0, 876.0, 1751.0, 3502.0, 5837.0)
 THICKNESSES = (66e-6, 57e-6)
@@ -85,20 +85,28 @@ def _is_fitted(points: pd.DataFrame) -> pd.Series:
     return (points["nip_load"] == P) & (points["web_tension"] == T_in)
 
 
-def theory(thickness: float, solver: str = "accurate") -> Theory:
-    """Compute the theory for a web thickness [m], with the moduli of Table 2."""
-    return _theory(newsprint_nip(**{"web.thickness": thickness}), solver)
+def _winder(thickness: float) -> wo.NipProblem:
+    """Return the laboratory winder's nip with a web thickness [m]."""
+    return newsprint_nip(**{"web.thickness": thickness})
 
 
-def _theory(problem: wo.NipProblem, solver: str, fit: wo.FitResult | None = None) -> Theory:
-    """Compute the tensions at all nip loads, with the fitted moduli if there is a fit."""
+def _theory(
+    problem: wo.NipProblem,
+    solver: str,
+    fitted: Mapping[str, float] | None = None,
+    fit: wo.FitResult | None = None,
+) -> Theory:
+    """Compute the tensions at all nip loads with the moduli of a problem."""
     tension = swept(problem, {"nip_load": NIP_LOADS}, solver, ["rig_tension"])["rig_tension"]
     added = tension.to_series() - problem.web_tension
-    fitted = {}
-    if fit is not None:
-        names = (name.rpartition(".")[2] for name in fit.names)
-        fitted = dict(zip(names, fit.estimates.tolist(), strict=True))
-    return Theory(problem.web.thickness, added, fitted, fit)
+    return Theory(problem.web.thickness, added, fitted or {}, fit)
+
+
+def _theory_of_fit(fit: wo.FitResult) -> Theory:
+    """Compute the tensions at all nip loads with the moduli that ``wo.fit`` found."""
+    names = (name.rpartition(".")[2] for name in fit.names)
+    fitted = dict(zip(names, fit.estimates.tolist(), strict=True))
+    return _theory(fit.problem, "accurate", fitted, fit)
 
 
 def _fit(
@@ -114,7 +122,7 @@ def _fit(
         "rig_tension": points["measured"],
     }
     return wo.fit(
-        newsprint_nip(**{"web.thickness": thickness}),
+        _winder(thickness),
         data,
         {f"roll.material.{modulus}": ends for modulus, ends in bounds.items()},
         tie=ONE_PAPER,
@@ -129,9 +137,8 @@ def _fitted_to_one(modulus: str, thickness: float, solver: str) -> Theory:
     points = measured_tensions()
     point = points[_is_fitted(points)]
     if solver == "accurate":
-        fit = _fit({modulus: _ALONE[modulus]}, point, thickness, NODES)
-        return _theory(fit.problem, solver, fit)
-    nip, measured = newsprint_nip(**{"web.thickness": thickness}), point["measured"].item()
+        return _theory_of_fit(_fit({modulus: _ALONE[modulus]}, point, thickness, NODES))
+    nip, measured = _winder(thickness), point["measured"].item()
     paper = wo.material("newsprint")
     start = log(getattr(paper, modulus))
 
@@ -144,15 +151,14 @@ def _fitted_to_one(modulus: str, thickness: float, solver: str) -> Theory:
         raise wo.NotConverged(f"{modulus} fitted to one point: {found.flag}")
     value = exp(found.root)
     paper = paper.replace(**{modulus: value})
-    theory = _theory(nip.replace(**{"roll.material": paper, "web.material": paper}), solver)
-    return replace(theory, fitted={modulus: value})
+    refitted = nip.replace(**{"roll.material": paper, "web.material": paper})
+    return _theory(refitted, solver, {modulus: value})
 
 
 @cache
 def _fitted_to_all(thickness: float) -> Theory:
     """Fit both moduli to all fifteen points; accurately, for the thesis made no such fit."""
-    fit = _fit(_BOTH, measured_tensions(), thickness, SEARCH_NODES)
-    return _theory(fit.problem, "accurate", fit)
+    return _theory_of_fit(_fit(_BOTH, measured_tensions(), thickness, SEARCH_NODES))
 
 
 @cache
@@ -163,7 +169,7 @@ def theories(solver: str) -> tuple[Theory, ...]:
     thickness, both fitted to all points at either thickness, always accurately.
     """
     return (
-        *(theory(thickness, solver) for thickness in THICKNESSES),
+        *(_theory(_winder(thickness), solver) for thickness in THICKNESSES),
         *(
             _fitted_to_one(modulus, thickness, solver)
             for thickness in THICKNESSES

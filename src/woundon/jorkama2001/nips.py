@@ -140,11 +140,11 @@ def _swept_by_procedure(
     """Solve a nip for all combinations of values by the procedure of the thesis."""
     assert isinstance(problem, wo.NipProblem)
     cases = pd.MultiIndex.from_product(over.values(), names=list(over))
-    rows = []
+    table = pd.DataFrame(index=cases, columns=list(outputs), dtype=float)
     for values in cases:
         nip = procedure.solve(_of_one_paper(problem, over, values), THESIS_NODES)
-        rows.append([_output(nip, name) for name in outputs])
-    data = pd.DataFrame(rows, index=cases, columns=list(outputs)).to_xarray().reindex(over)
+        table.loc[values] = [_output(nip, name) for name in outputs]
+    data = table.to_xarray().reindex(over)  # in the order given, not sorted
     for name, column in data.variables.items():
         column.attrs["units"] = _unit(str(name))
     return data

@@ -10,13 +10,16 @@ from importlib import resources
 from itertools import chain
 from pathlib import Path
 from time import perf_counter
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import woundon as wo
 
 from .catalogue import NAMES, chosen, modules
 from .judgement import Judged, judged
 from .verdicts import Outcome
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 __all__ = ["Published", "known_counts", "publish", "summary"]
 
@@ -72,7 +75,7 @@ def publish(
     """
     names = chosen(names)
     folder.mkdir(parents=True, exist_ok=True)
-    work = partial(_write_module, names=names, folder=folder, solver=solver, dpi=dpi)
+    work = partial(_publish_module, names=names, folder=folder, solver=solver, dpi=dpi)
     makers = modules(names)
     jobs = min(jobs or wo.parallel.usable_cores(), len(makers))
     if jobs == 1:  # another process would take as long to start as a figure takes
@@ -83,40 +86,45 @@ def publish(
             yield from done
 
 
-def _write_module(
+def _publish_module(
     module: str, *, names: Sequence[str], folder: Path, solver: str, dpi: int | None
 ) -> list[Published]:
-    """Compute the figures of a module and write their files."""
+    """Compute those figures and tables of a module that are asked for, and write their files."""
     begun = perf_counter()
-    made = judged(module, names, solver)
-    files = [_write(one, folder, dpi) for one in made]
+    written = [(one, _write(one, folder, dpi)) for one in judged(module, names, solver)]
     seconds = perf_counter() - begun
-    # drawings cannot be sent between processes, and data would import xarray in the other process
-    judgements = [
-        replace(one, exhibit=replace(one.exhibit, data=None, draw=None))  # type: ignore[arg-type]
-        for one in made
-    ]
-    return [Published(one, paths, seconds) for one, paths in zip(judgements, files, strict=True)]
+    return [Published(_without_data(one), files, seconds) for one, files in written]
+
+
+def _without_data(one: Judged) -> Judged:
+    """Return a judged exhibit without data and drawing, as it is sent between processes.
+
+    Drawings cannot be sent, and data would import xarray in the process that receives them.
+    """
+    exhibit = replace(one.exhibit, data=None, draw=None)  # type: ignore[arg-type]
+    return replace(one, exhibit=exhibit)
 
 
 def _write(one: Judged, folder: Path, dpi: int | None) -> list[Path]:
-    """Write figure, data and verdicts of one exhibit."""
+    """Write data, figure and verdicts of one exhibit; return the paths."""
+    exhibit = one.exhibit
+    data, verdicts = (folder / f"{exhibit.name}.{ending}" for ending in ("csv", "md"))
+    data.write_text(exhibit.csv(), encoding="utf-8")
+    pictures = (
+        [] if exhibit.draw is None else _write_figure(exhibit.draw(), exhibit.name, folder, dpi)
+    )
+    verdicts.write_text(one.markdown(pictures[0].name if pictures else ""), encoding="utf-8")
+    return [data, *pictures, verdicts]
+
+
+def _write_figure(figure: Figure, name: str, folder: Path, dpi: int | None) -> list[Path]:
+    """Write a figure as PNG and as SVG with the same layout; return the paths."""
     from .drawing import figure_bytes  # the parent process draws nothing
 
-    exhibit = one.exhibit
-    paths = [folder / f"{exhibit.name}.csv"]
-    paths[0].write_text(exhibit.csv(), encoding="utf-8")
-    picture = ""
-    if exhibit.draw is not None:
-        drawing = exhibit.draw()
-        for ending in ("png", "svg"):
-            paths.append(folder / f"{exhibit.name}.{ending}")
-            paths[-1].write_bytes(figure_bytes(drawing, ending, dpi))
-            # all files have the same layout
-            drawing.set_layout_engine(None)
-        picture = f"{exhibit.name}.png"
-    paths.append(folder / f"{exhibit.name}.md")
-    paths[-1].write_text(one.markdown(picture), encoding="utf-8")
+    paths = [folder / f"{name}.{form}" for form in ("png", "svg")]
+    for path in paths:
+        path.write_bytes(figure_bytes(figure, path.suffix[1:], dpi))
+        figure.set_layout_engine(None)  # the first file has settled the layout
     return paths
 
 

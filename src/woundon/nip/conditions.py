@@ -41,6 +41,7 @@ def friction_law(
     slip_scale : float
         Slip to which slips are relative.
     """
+    # Signed violations are negative where a condition holds; ``largest`` is at least 0.
     sticks, slips = zones == 0, zones != 0
     direction = zones[slips]
     invalid_zone = 0.0 if (np.abs(direction) == 1).all() else inf
@@ -66,7 +67,7 @@ def integral(values: Array, x: Array) -> float:
 
 
 def difference(one: Array, two: Array) -> float:
-    """Return the largest difference; inf unless nan stand at the same places."""
+    """Return the largest difference; inf unless the shapes and the places of nan are the same."""
     if one.shape != two.shape or not np.array_equal(np.isnan(one), np.isnan(two)):
         return inf
     defined = ~np.isnan(one)

@@ -288,7 +288,8 @@ def _blocks(result: Any) -> list[Array]:
 def _slipping_extent(x: Array, excess: Array) -> tuple[float, float]:
     """Return the extent in x over which a layer slips: first and last zero of the excess [m].
 
-    Zeros are interpolated linearly; at the ends of x there is none.
+    The excess is positive at some node.  Zeros are interpolated linearly; if the layer slips up to
+    an end of x, beyond which no excess is known, that end is returned.
     """
     slipping = np.nonzero(excess > 0)[0]
     first, last = int(slipping[0]), int(slipping[-1])

@@ -104,7 +104,7 @@ def has_traction_jump(zones: Array) -> bool:
 
 
 def cusp_excess(pressure: Array, *faces: Array) -> float:
-    """Return by how much the largest pressure may exceed the largest nodal value, at least 0.
+    """Return the possible excess of the largest pressure over the largest nodal value, >= 0.
 
     The pressure may have a cusp at a zone boundary, because a change of the traction deflects the
     surfaces of dissimilar bodies.  It is concave there, so that it exceeds the value of a node

@@ -84,17 +84,21 @@ def wound_kernels(
 ) -> SurfaceKernels:
     """Return the influence functions of a roll linearised at its wound-in pressure.
 
-    Their truncation error includes that of the layers: the relative change of the response to a
-    line load, over wave lengths down to a thousandth of the radius, when every cell is halved.
-    Parameters as of :func:`graded_layers`.
+    Their truncation error includes that of the layers.  Parameters as of :func:`graded_layers`.
     """
-    roll = (radius, core_radius, stack, pressure)
-    layers = graded_layers(*roll)
+    layers = graded_layers(radius, core_radius, stack, pressure)
     kernels = cylinder.layered_kernels(radius, layers)
     if len(layers) == 1:
         return kernels
-    n = np.geomspace(2, 6000, 60)
+    halved = graded_layers(radius, core_radius, stack, pressure, parts=2)
+    error = max(kernels.truncation_error, _relative_change(layers, halved))
+    return replace(kernels, truncation_error=error)
+
+
+def _relative_change(layers: Layers, halved: Layers) -> float:
+    """Return the relative change of the response to a line load when every cell is halved."""
+    n = np.geomspace(2, 6000, 60)  # wave lengths 2 pi R/n down to a thousandth of the radius
     # The factor n: a sum over n of Y_n is an integral over ln n of n Y_n.
-    coarse, fine = (n * stacked_compliance(n, graded_layers(*roll, parts)) for parts in (1, 2))
-    error = np.max(np.abs(fine - coarse).sum(axis=-1)) / np.max(np.abs(fine).sum(axis=-1))
-    return replace(kernels, truncation_error=max(kernels.truncation_error, float(error)))
+    coarse, fine = (n * stacked_compliance(n, each) for each in (layers, halved))  # (2, 2, n)
+    # sums over the harmonics, and the largest of the 2 x 2 entries
+    return float(np.abs(fine - coarse).sum(axis=-1).max() / np.abs(fine).sum(axis=-1).max())

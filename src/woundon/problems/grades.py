@@ -230,7 +230,7 @@ class Grade(Description):
         return "\n".join(rows)
 
     def texts(self) -> Iterator[tuple[str, str]]:
-        """Yield every value by its name, as text with its unit."""
+        """Yield (name, text with unit) of all values that are set, of limits only with a source."""
         for holder, prefix in ((self, ""), (self.limits, "limits.")):
             for name, field in type(holder).model_fields.items():
                 quantity, value = quantity_of(field), getattr(holder, name)

@@ -6,11 +6,13 @@ import tomllib
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 from ..errors import InvalidProblem, did_you_mean
 
 __all__ = ["Entry", "entry_of", "library", "read_file"]
+
+T = TypeVar("T")
 
 LARGEST_FILE = 10_000_000  # bytes; far above any list of grades
 FILE = Path(__file__).with_name("grades.toml")
@@ -69,13 +71,19 @@ def entry_of(table: Mapping[str, Any]) -> Entry:
                 inner = entry_of(item)
             except InvalidProblem as fault:
                 raise fault.under(name) from None
-            for whole, part in zip(entry, inner, strict=True):
-                whole.update({f"{name}.{key}": value for key, value in part.items()})
+            entry.values.update(_below(name, inner.values))
+            entry.spread.update(_below(name, inner.spread))
+            entry.sources.update(_below(name, inner.sources))
         elif isinstance(item, Mapping):
             _add_entry(entry, name, item)
         else:
             entry.values[name] = item
     return entry
+
+
+def _below(name: str, part: Mapping[str, T]) -> dict[str, T]:
+    """Return the entries of a nested table by dotted name."""
+    return {f"{name}.{key}": value for key, value in part.items()}
 
 
 def _add_entry(entry: Entry, name: str, item: Mapping[str, Any]) -> None:

@@ -180,7 +180,7 @@ class NipProblem(ContactProblem):
     width: Width = default(None)
 
     @model_validator(mode="after")
-    def _web_is_elastic(self) -> Self:
+    def _check_web(self) -> Self:
         """Reject a viscoelastic web."""
         if self.web.material.relaxes:
             raise InvalidProblem.at("web.material", "viscoelastic; must be elastic (no prony)")
@@ -188,7 +188,7 @@ class NipProblem(ContactProblem):
 
     @model_validator(mode="before")
     @classmethod
-    def _has_friction(cls, fields: Any) -> Any:
+    def _check_friction(cls, fields: Any) -> Any:
         """Reject a face without friction: its web speed is not determined."""
         for name in ("roll_friction", "drum_friction"):
             if (
@@ -221,8 +221,11 @@ class NipProblem(ContactProblem):
         )
 
     @model_validator(mode="after")
-    def _has_steady_state(self) -> Self:
-        """Reject a winding force that the friction of nip and drum wrap cannot transmit."""
+    def _check_steady_state(self) -> Self:
+        """Reject a slack web on a drum wrap, and a winding force that exceeds the friction.
+
+        The friction capacity is that of the nip, mu P, and of the drum wrap (Euler-Eytelwein).
+        """
         T_in, mu, theta = self.web_tension, self.drum_friction, self.drum_wrap
         if theta > 0 and T_in == 0:
             raise InvalidProblem.at(
@@ -241,7 +244,7 @@ class NipProblem(ContactProblem):
         return self
 
     @model_validator(mode="after")
-    def _speed_is_positive(self) -> Self:
+    def _check_speed(self) -> Self:
         """Reject a speed of zero with viscoelastic bodies."""
         if self.web_speed == 0 and self.viscoelastic:
             uses = next(text for field, text in super().uses_of_speed())
@@ -249,7 +252,7 @@ class NipProblem(ContactProblem):
         return self
 
     @model_validator(mode="after")
-    def _air_is_possible(self) -> Self:
+    def _check_air(self) -> Self:
         """Reject air with a surface rougher than the web, or between rigid bodies."""
         if self.air is not None:
             for field, text in self.air.too_rough(self.web.thickness):

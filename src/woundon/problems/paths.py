@@ -115,6 +115,7 @@ def models_at(thing: Described, path: str) -> tuple[type[Any], ...]:
 
 
 def _members(places: Iterable[Place]) -> tuple[type[Any], ...]:
+    """Return the classes of the descriptions that the fields at places admit."""
     return tuple(model for place in places for model in members_of(place.field.annotation))
 
 
@@ -137,6 +138,10 @@ def field_quantity(thing: Described, path: str) -> Quantity | None:
 def _check_exists(thing: Described, path: str) -> None:
     """Raise an error if a dotted name is not a field.
 
+    The parts of the name are followed from the class of the description downwards.  A place is the
+    field that a part names in one class: a part has several where a field admits several bodies or
+    materials, and none if no class has such a field.
+
     Raises
     ------
     InvalidProblem
@@ -145,7 +150,7 @@ def _check_exists(thing: Described, path: str) -> None:
     models: tuple[type[Any], ...] = (thing if isinstance(thing, type) else type(thing),)
     above = models[0].__name__
     for name, places in zip(path.split("."), _places_of_parts(thing, path), strict=True):
-        if not models:
+        if not models:  # the field above holds a value, not a description
             raise InvalidProblem.at(path, _nothing_below(above))
         if not places and len(models) == 1:
             raise InvalidProblem.at(path, no_such_field(name, models[0]))

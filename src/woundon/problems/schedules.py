@@ -103,12 +103,15 @@ class Profile(Description):
 
     def slope(self, r: Array, side: int | Array = 1) -> Array:
         """Return the derivatives [1/m]; at a kink the left (-1) or right (1) derivative."""
-        x, _, steps = self._nodes_and_slopes
+        x, _, slopes = self._nodes_and_slopes
         if self.between == "smooth":
             slope = self._smooth[1](np.clip(r, x[0], x[-1]))
             return np.where((r < x[0]) | (r > x[-1]), 0.0, slope)
-        # A node on a kink may differ from it by rounding.
-        return np.asarray(steps[np.searchsorted(x, r * (1 + side * 1e-12))])
+        # A radius that should be at a kink may differ from it by rounding: the shift by more than
+        # that selects the interval on the requested side.
+        shifted = r * (1 + side * 1e-12)
+        # slopes[k] belongs to x[k-1] < r <= x[k]; the first and the last, outside of x, are zero
+        return np.asarray(slopes[np.searchsorted(x, shifted)])
 
     @property
     def kinks(self) -> tuple[float, ...]:

@@ -245,7 +245,7 @@ class WindingProblem(Problem):
         if faults:
             raise InvalidProblem(faults)
         if self.tension_law in ("nip", "friction"):
-            self._has_steady_state()
+            self._check_steady_state()
         return self
 
     def _contradictions(self) -> Iterator[tuple[str, str]]:
@@ -329,7 +329,7 @@ class WindingProblem(Problem):
                 text = f"{quote(table.radius[k])} is out of range; must be {must} [m]: the "
                 yield f"{name}.radius.{k}", f"{text}schedule must cover the whole roll"
 
-    def _has_steady_state(self) -> None:
+    def _check_steady_state(self) -> None:
         """Reject a winding force that the friction of nip and drum wrap cannot transmit."""
         r = self.radii(CHECKED_RADII)
         P, T, F = (self.at(name, r) for name in ("nip_load", "web_tension", "winding_force"))

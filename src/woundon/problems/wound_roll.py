@@ -84,7 +84,7 @@ class WoundRoll(Body):
                 raise InvalidProblem.at(
                     f"pressure{name}", f"{quote(P)} is out of range; must be {range_} [Pa]"
                 )
-        if self.hardening == "direct" and self.stack.shear_exponent > 0:
+        if self.hardening == "direct":
             _check_shear_slope(self.stack)
         return self
 
@@ -166,8 +166,11 @@ WARNING_MISFIT = 0.01  # relative misfit of a stack test above which a warning i
 def _check_shear_slope(stack: Any) -> None:
     """Reject a shear modulus with an infinite slope at zero pressure.
 
-    Shear causes a radial strain in proportion to this slope.
+    Shear causes a radial strain in proportion to this slope.  The shear modulus varies as
+    E_r(P)^beta with beta the shear exponent: for beta > 0 its slope is infinite if that of E_r is.
     """
+    if stack.shear_exponent == 0:
+        return
     if not isfinite(float(stack.radial.modulus_slope(np.zeros(())))):
         raise InvalidProblem.at(
             "stack.shear_exponent",

@@ -12,19 +12,7 @@ from html import escape
 from typing import TYPE_CHECKING
 
 from ..results import zone_runs
-from .report_parts import (
-    GREEK,
-    SYMBOL,
-    VERDICT_HEAD,
-    ZONES_TITLE,
-    Line,
-    Part,
-    Row,
-    Section,
-    Verdict,
-    Verdicts,
-    ZoneStrips,
-)
+from .report_parts import GREEK, SYMBOL, Line, Part, Row, Section, Verdict, Verdicts, ZoneStrips
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -170,7 +158,7 @@ def _row(row: Row) -> str:
 def _verdicts(part: Verdicts) -> str:
     """Return the HTML of a table of limits; the remarks on each are below it."""
     sides = (LEFT, RIGHT, RIGHT, *[LEFT] * 3)
-    head = _cells(zip(("", *VERDICT_HEAD), sides, strict=True), "th")
+    head = _cells(zip(("", *part.HEAD), sides, strict=True), "th")
     return _table(part.title, map(_verdict, part.rows), f"<thead><tr>{head}</tr></thead>")
 
 
@@ -208,5 +196,5 @@ def _strips(part: ZoneStrips) -> str:
         f"</span> {escape(word)}"
         for zone, word in part.words.items()
     )
-    table = _table(ZONES_TITLE, rows)
+    table = _table(part.TITLE, rows)
     return f'{table}<p style="margin:0.3em 0">{key}</p>'

@@ -12,19 +12,7 @@ from ..nip.layer_slip import LayerSlip, friction_limit, interior_stress, wound_i
 from ..nip.result import NipResult
 from ..nip.roller_result import RollerResult
 from ..results import zone_runs
-from .panels import (
-    Area,
-    Axis,
-    Contour,
-    Curve,
-    Map,
-    Mark,
-    Panel,
-    PanelMaker,
-    Scale,
-    Strip,
-    output_curve,
-)
+from .panels import Area, Axis, Contour, Curve, Map, Mark, Panel, PanelMaker, Scale, Strip
 from .report_parts import friction_bounds, quantity_of, zone_strips
 
 __all__ = ["along_contact", "bounds_of_friction", "nip_panels", "zones_panel"]
@@ -122,7 +110,7 @@ def zones(result: NipResult) -> Panel:
 def _in_nip(result: NipResult, name: str, label: str, colour: str, line: str = "solid") -> Curve:
     """Return the curve of an output between the edges of the nip."""
     x = result.slip_x if name.endswith("_slip") else result.x
-    return output_curve(result, name, x, label, colour, line, nodes=result.in_nip)
+    return Curve.of_output(result, name, x, label, colour, line, nodes=result.in_nip)
 
 
 def tractions(result: NipResult) -> Panel:

@@ -38,7 +38,6 @@ __all__ = [
     "Regions",
     "Scale",
     "Strip",
-    "output_curve",
     "widest",
 ]
 
@@ -126,6 +125,36 @@ class Curve:
     steps: bool = False
     x_error: Array | None = None
     y_error: Array | None = None
+
+    @classmethod
+    def of_output(
+        cls,
+        result: Result,
+        name: str,
+        x: Array,
+        label: str = "",
+        colour: str = "roll",
+        line: str = "solid",
+        *,
+        nodes: slice = slice(None),
+        **others: Any,
+    ) -> Curve:
+        """Return the curve of an output, which the legend names by its symbol and a label.
+
+        Parameters
+        ----------
+        result : Result
+        name : str
+            Of an output that is an (n,) array.
+        x : (n,) array
+            Abscissa [SI].
+        label, colour, line, others
+            Fields of the curve.
+        nodes : slice
+            The part of the arrays that is drawn.
+        """
+        y, symbol = quantities.value_of(result, name), quantity_of(result, name).symbol
+        return cls(name, x[nodes], y[nodes], symbol, label, colour, line, **others)
 
 
 @dataclass(frozen=True, eq=False)
@@ -293,7 +322,7 @@ class Panel:
 
 @dataclass(frozen=True)
 class PanelMaker:
-    """How a panel is made from a result.
+    """The function that makes a panel from a result.
 
     Attributes
     ----------
@@ -311,35 +340,6 @@ class PanelMaker:
 
 
 PanelMakers = Mapping[str, PanelMaker]
-
-
-def output_curve(
-    result: Result,
-    name: str,
-    x: Array,
-    label: str = "",
-    colour: str = "roll",
-    line: str = "solid",
-    *,
-    nodes: slice = slice(None),
-    **others: Any,
-) -> Curve:
-    """Return the curve of an output, which the legend names by its symbol and a label.
-
-    Parameters
-    ----------
-    result : Result
-    name : str
-        Of an output that is an (n,) array.
-    x : (n,) array
-        Abscissa [SI].
-    label, colour, line, others
-        As of :class:`Curve`.
-    nodes : slice
-        The part of the arrays that is drawn.
-    """
-    y, symbol = quantities.value_of(result, name), quantity_of(result, name).symbol
-    return Curve(name, x[nodes], y[nodes], symbol, label, colour, line, **others)
 
 
 def widest(limits: list[Limits]) -> Limits:

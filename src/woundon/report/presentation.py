@@ -56,6 +56,10 @@ def figure_of(thing: Any, *options: Any) -> Any:
         from .plots import plot
 
         return plot(thing, *options)
+    if isinstance(thing, Table):
+        from .sweep_panels import plot_sweep
+
+        return plot_sweep(thing, *options)
     from .study_plots import plot_study
 
     return plot_study(thing, *options)

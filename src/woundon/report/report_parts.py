@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from math import floor, isfinite, log10, nan
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -25,8 +25,6 @@ from ..results import ACCEPTED_RESIDUAL, Residuals, Result, Zone, zone_runs
 __all__ = [
     "GREEK",
     "SYMBOL",
-    "VERDICT_HEAD",
-    "ZONES_TITLE",
     "Line",
     "Part",
     "Row",
@@ -52,8 +50,6 @@ __all__ = [
 
 Array = np.ndarray
 DIGITS = 5  # significant ones of a value
-ZONES_TITLE = "Zones, leading edge on the left"
-VERDICT_HEAD = ("value", "limit", "", "worst at", "")  # columns of Verdicts after the first
 _GREEK_NAMES = "alpha beta gamma delta Delta eps kappa mu nu omega rho sigma tau theta xi"
 GREEK = frozenset(_GREEK_NAMES.split())
 # factor, letter, number, index and sign of "2a", "mu+", "s_l+", "K1"
@@ -128,6 +124,8 @@ class ZoneStrips:
         What slip forward (1) and backward (-1) mean.
     """
 
+    TITLE: ClassVar[str] = "Zones, leading edge on the left"
+
     x: Array
     faces: Mapping[str, Array]
     faster: str = f"web {Zone.FORWARD.word}"
@@ -179,7 +177,9 @@ class Verdict:
 
 @dataclass(frozen=True)
 class Verdicts:
-    """A table of limits under a title."""
+    """A table of limits under a title; ``HEAD`` names the columns after the first."""
+
+    HEAD: ClassVar[tuple[str, ...]] = ("value", "limit", "", "worst at", "")
 
     title: str
     rows: tuple[Verdict, ...]

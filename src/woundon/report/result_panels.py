@@ -14,7 +14,7 @@ from ..problems.messages import quote
 from ..quantities import Quantity
 from ..results import Result
 from .nip_panels import nip_panels
-from .panels import LINES, SERIES, Axis, Curve, Panel, PanelMaker, PanelMakers, output_curve
+from .panels import LINES, SERIES, Axis, Curve, Panel, PanelMaker, PanelMakers
 from .report_parts import quantity_of
 from .roll_panels import roll_panels
 from .roller_panels import roller_panels
@@ -110,7 +110,7 @@ class Arrays:
 
     def _curve(self, result: Result, k: int, name: str) -> Curve:
         """Return the curve of an array; its legend entry, if there are several, is its meaning."""
-        return output_curve(
+        return Curve.of_output(
             result,
             name,
             quantities.value_of(result, self.along),

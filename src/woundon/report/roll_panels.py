@@ -6,7 +6,7 @@ import numpy as np
 
 from ..problems.roll import RollProblem
 from ..roll.result import RollResult
-from .panels import Area, Axis, Curve, Disc, Limits, Mark, Panel, PanelMaker, Scale, output_curve
+from .panels import Area, Axis, Curve, Disc, Limits, Mark, Panel, PanelMaker, Scale
 from .report_parts import quantity_of, quantity_of_field
 
 __all__ = [
@@ -85,7 +85,7 @@ def hoop_stress_at(roll: RollResult) -> Array:
 
 
 def _compressed(roll: RollResult) -> Array:
-    """Return where the hoop stress is compressive, a mask of :func:`radii_between`."""
+    """Return the mask of compressive hoop stress on the radii of :func:`radii_between`."""
     return hoop_stress_at(roll) < 0
 
 
@@ -134,13 +134,13 @@ def pressure(roll: RollResult) -> Panel:
 
 def hardness(roll: RollResult) -> Panel:
     """Return the panel of the modulus through the stack."""
-    curve = output_curve(roll, "radial_modulus", roll.radius)
+    curve = Curve.of_output(roll, "radial_modulus", roll.radius)
     return _over_radius(roll, curve, "hardness", "Hardness", "Hardness $E_r$", 2.6)
 
 
 def displacement(roll: RollResult) -> Panel:
     """Return the panel of the displacement of the layers since they were wound."""
-    curve = output_curve(roll, "displacement", roll.radius)
+    curve = Curve.of_output(roll, "displacement", roll.radius)
     title = "Displacement of the layers since they were wound"
     return _over_radius(roll, curve, "displacement", title, "Displacement $u$", 2.6)
 

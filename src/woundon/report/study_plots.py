@@ -15,6 +15,7 @@ from ..studies.compare import Comparison
 from ..studies.experiment import NextExperiment
 from ..studies.find import FindResult
 from ..studies.fit_result import FitResult
+from ..studies.outcome import Outcome
 from ..studies.schedule import OptimisedSchedule
 from ..studies.sobol import SobolIndices
 from ..studies.window_result import OperatingWindow
@@ -29,7 +30,6 @@ from .study_panels import (
     plan_panels,
     window_panels,
 )
-from .sweep_panels import plot_sweep
 
 if TYPE_CHECKING:
     from ..winding.margins import Margins
@@ -46,46 +46,34 @@ PANELS: Mapping[type[Any], Callable[[Any], list[Panel]]] = {
 }
 
 
-def plot_study(study: Any, *options: Any) -> Figure | Axes:
-    """Plot a study; options as of its method ``plot``."""
-    if isinstance(study, OptimisedSchedule):
-        return _plot_schedule(study, *options)
-    if type(study) not in PANELS:
-        return plot_sweep(study, *options)
-    return _plot(PANELS[type(study)](study), *options)
-
-
-def _plot(
-    panels: list[Panel],
+def plot_study(
+    study: Outcome,
     path: str | Path | None = None,
     ax: Axes | None = None,
     choice: str | Sequence[str] | None = None,
 ) -> Figure | Axes:
     """Plot the panels of a study, or those that are chosen by name."""
     check_axes(ax, choice)
-    known = {panel.name: panel for panel in panels}
+    if isinstance(study, OptimisedSchedule):
+        return show_panels(_schedule_panels(study, choice), ["before", "after"], path, ax)
+    known = {panel.name: panel for panel in PANELS[type(study)](study)}
     names = known if choice is None else chosen(choice, list(known))
     return show_panels([[known[name]] for name in names], path=path, ax=ax, lettered=False)
 
 
-def _plot_schedule(
-    study: OptimisedSchedule,
-    path: str | Path | None = None,
-    ax: Axes | None = None,
-    choice: str | Sequence[str] | None = None,
-) -> Figure | Axes:
-    """Plot a roll or winding before and after the optimisation of its schedule."""
-    check_axes(ax, choice)
+def _schedule_panels(
+    study: OptimisedSchedule, choice: str | Sequence[str] | None
+) -> list[list[Panel]]:
+    """Return the panels of a roll or winding, each before and after the optimisation."""
     makers = named_panels(study.after)
     default = [name for name, maker in makers.items() if maker.by_default and name != "reserves"]
     names = [*default, "reserves"] if choice is None else chosen(choice, [*makers, "reserves"])
-    panels = [
+    return [
         _reserves(study.margins_before, study.margins_after)
         if name == "reserves"
         else [makers[name].make(result) for result in (study.before, study.after)]
         for name in names
     ]
-    return show_panels(panels, ["before", "after"], path, ax)
 
 
 def _reserves(before: Margins, after: Margins) -> list[Panel]:

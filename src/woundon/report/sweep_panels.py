@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -63,13 +64,16 @@ def _grid_panels(table: Table, output: str) -> tuple[list[Panel], str]:
     places = _evenly_spaced(values.shape[2], MOST_PANELS)
     panels = []
     for place in places:
+        curves = _curves(table, output, drawn, values[:, :, place])
+        if place != places[-1]:  # the last panel has the legend of all
+            curves = [replace(curve, in_legend=False) for curve in curves]
         panels.append(
             Panel(
                 output,
                 y.label,
                 _axis_of_input(table, drawn[0]),
                 y,
-                curves=tuple(_curves(table, output, drawn, values[:, :, place])),
+                curves=tuple(curves),
                 heading=_value_label(table, drawn[2], place) if len(drawn) > 2 else "",
                 column=str(place),
                 width=3.4 + 1.6 * (place == places[-1]),

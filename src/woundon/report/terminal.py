@@ -9,17 +9,7 @@ from textwrap import wrap
 from rich.console import Console
 from rich.text import Text
 
-from .report_parts import (
-    VERDICT_HEAD,
-    ZONES_TITLE,
-    Line,
-    Part,
-    Row,
-    Section,
-    Verdicts,
-    ZoneStrips,
-    zone_line,
-)
+from .report_parts import Line, Part, Row, Section, Verdicts, ZoneStrips, zone_line
 
 __all__ = ["WIDTH", "plain_text", "print_columns", "print_parts"]
 
@@ -38,7 +28,7 @@ TONES = {
 
 
 def plain_text(write: Callable[[Console], None]) -> str:
-    """Return what a function writes on a console, in the width of the reports."""
+    """Return the text that a function writes on a console, in the width of the reports."""
     paper = StringIO()
     console = Console(
         file=paper,
@@ -113,7 +103,7 @@ def _print(text: Text, console: Console) -> None:
 
 def _print_zones(part: ZoneStrips, marks: dict[int, str], console: Console) -> None:
     """Print the zones of each face as a line of characters, and a legend."""
-    _print(Text(ZONES_TITLE, style="bold"), console)
+    _print(Text(part.TITLE, style="bold"), console)
     indent = max(len(face) for face in part.faces) + 3
     for face, zones in part.faces.items():
         text = Text(f" {face}".ljust(indent))
@@ -126,7 +116,7 @@ def _print_zones(part: ZoneStrips, marks: dict[int, str], console: Console) -> N
 
 def _print_verdicts(part: Verdicts, console: Console) -> None:
     """Print a table of limits, with the limitations of each criterion below its row."""
-    head = (part.title, *VERDICT_HEAD)
+    head = (part.title, *part.HEAD)
     table = [(row.meaning, row.value, row.limit, row.unit, row.place) for row in part.rows]
     widths = [max(map(len, column)) for column in zip(head[:5], *table, strict=True)]
 

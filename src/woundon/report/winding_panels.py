@@ -12,7 +12,7 @@ from ..roll.result import RollResult
 from ..winding.margins import Margin
 from ..winding.result import WindingResult
 from . import roll_panels
-from .panels import SERIES, Area, Axis, Curve, Mark, Panel, PanelMaker, output_curve
+from .panels import SERIES, Area, Axis, Curve, Mark, Panel, PanelMaker
 from .report_parts import quantity_of
 from .roll_panels import cut_above, disc_of, hoop_stress_at, radii_between, radius_axis, scale_of
 
@@ -80,9 +80,9 @@ def tension(result: WindingResult) -> Panel:
         radius_axis(r),
         Axis("Tension", quantity_of(result, "wound_on_tension"), from_zero=True),
         curves=(
-            output_curve(result, "wound_on_tension", r, "wound on"),
-            output_curve(result, "web_tension", r, "web", "drum", "dashed"),
-            output_curve(result, "nip_induced_tension", r, "by the nip", "green", "dotted"),
+            Curve.of_output(result, "wound_on_tension", r, "wound on"),
+            Curve.of_output(result, "web_tension", r, "web", "drum", "dashed"),
+            Curve.of_output(result, "nip_induced_tension", r, "by the nip", "green", "dotted"),
             Curve(
                 "nip_wound_on_tension",
                 result.nip_radius,
@@ -107,8 +107,8 @@ def loads(result: WindingResult) -> Panel:
         radius_axis(r),
         Axis("Load", quantity_of(result, "nip_load")),
         curves=(
-            output_curve(result, "nip_load", r, "nip load"),
-            output_curve(result, "winding_force", r, "winding force", "drum", "dashed"),
+            Curve.of_output(result, "nip_load", r, "nip load"),
+            Curve.of_output(result, "winding_force", r, "winding force", "drum", "dashed"),
         ),
         column="left",
         height=2.6,

@@ -64,7 +64,7 @@ class CellSource(NamedTuple):
 
 
 class StageData(NamedTuple):
-    """What the equations of one stage are given.
+    """Nodes, source and boundary values of one stage.
 
     Attributes
     ----------

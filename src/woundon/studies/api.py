@@ -10,7 +10,7 @@ from ..errors import InvalidProblem
 from ..problems.paths import field_quantity, number_in_si
 from ..problems.problem import Problem
 from .case_table import read_cases
-from .cases import Cases, make_cases
+from .cases import Cases, check_number, make_cases
 from .model import KindModel, model_of
 from .progress import Progress
 from .run import Workers, run_study
@@ -200,6 +200,7 @@ def _numbers(problem: Problem, name: str, entry: Any) -> Any:
     """Return one value or the values of a field, with texts with units converted to SI."""
     if isinstance(entry, str) or not hasattr(entry, "__len__"):
         return entry
+    check_number(len(entry))
     texts = [isinstance(value, str) and value != "log" for value in entry]
     quantity = field_quantity(problem, name) if any(texts) else None
     if quantity is None:

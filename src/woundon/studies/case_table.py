@@ -13,7 +13,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import inf, isnan
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -112,14 +112,7 @@ def solve_table(
     'load: -1000 is out of range; must be >= 1e-12 and <= 1e+09 [N/m]'
     """
     sheet = read_sheet(table, "table")
-    problem = load_case(case) if isinstance(case, (str, Path)) else case
-    if problem is None:
-        known = _kind_of_columns(sheet, columns) if kind is None else _named(kind)
-        problem, complete = known.example(), True
-    else:
-        if kind is not None:
-            raise InvalidProblem.at("kind", "is given together with a case, which has its own kind")
-        known, complete = kind_of(problem), False
+    problem, complete = _base_problem(sheet, case, kind, columns)
     fields = input_columns(problem)
     matched = match_columns(sheet, column_names(problem), columns)
     inputs = [c for c in matched if pattern(c.name) in fields and not c.deviation]
@@ -132,28 +125,42 @@ def solve_table(
     if not complete:
         base.check_varied(cells)
         cells = _without_gaps(problem, cells)
-    failure = _reasons(sheet, faults)
-    warnings, values = [""] * len(failure), np.full((len(failure), len(base.outputs)), np.nan)
     model = _RowModel(**vars(base), complete=complete)
-    rows = [k for k, reason in enumerate(failure) if not reason]
-    if rows:
-        cases = table_of_cases(
-            {name: [of_rows[k] for k in rows] for name, of_rows in cells.items()}
-        )
-        solved = run_study(model, cases, Workers(workers), chunk=chunk, progress=progress)
-        values[rows] = np.column_stack(list(solved.outputs.values()))
-        for k, reason, warning in zip(rows, solved.failure, solved.warnings, strict=True):
-            failure[k], warnings[k] = _reason_text(reason), warning
+    rows = _solve_rows(
+        model, cells, _reasons(sheet, faults), workers=workers, chunk=chunk, progress=progress
+    )
     frame = _copied_columns(sheet, {c.header: c for c in matched}, fields)
-    _add_outputs(frame, model, values, drop_empty=outputs is None)
-    frame["failure"], frame["warnings"] = failure, warnings
-    frame.index = getattr(table, "index", frame.index)
+    _add_outputs(frame, model, rows.values, drop_empty=outputs is None)
+    frame["failure"], frame["warnings"] = rows.failure, rows.warnings
+    if isinstance(table, type(frame)):
+        frame.index = table.index
     frame.attrs["about"] = {
         "version": __version__,
-        "kind": known.name,
+        "kind": model.kind.name,
         "case": None if complete else problem.model_dump(mode="json"),
     }
     return frame
+
+
+def _base_problem(
+    sheet: Sheet,
+    case: Problem | str | Path | None,
+    kind: str | None,
+    columns: Mapping[str, str | None] | None,
+) -> tuple[Problem, bool]:
+    """Return the case, and False; without a case the example of the kind of problem, and True.
+
+    The flag states whether the columns describe the complete problem: the example supplies the
+    names of fields only, not their values.
+    """
+    if case is None:
+        found = _kind_of_columns(sheet, columns) if kind is None else _named(kind)
+        return found.example(), True
+    problem = load_case(case) if isinstance(case, (str, Path)) else case
+    if kind is not None:
+        raise InvalidProblem.at("kind", "is given together with a case, which has its own kind")
+    kind_of(problem)  # raises an error if it is no problem
+    return problem, False
 
 
 def read_cases(
@@ -212,7 +219,8 @@ class _RowModel(KindModel):
     Attributes
     ----------
     complete : bool
-        Whether the fields of a row describe the problem, without the base problem.
+        Whether the fields of a row describe the complete problem; otherwise those without a value
+        have that of the base problem.
     """
 
     complete: bool = False
@@ -220,10 +228,62 @@ class _RowModel(KindModel):
     def variant(self, inputs: Mapping[str, Any]) -> Any:
         """Return the problem of one row; None and nan stand for a field without a value."""
         fields = {name: value for name, value in inputs.items() if not _is_missing(value)}
-        if not self.complete:
+        if not self.complete:  # fields without a value have that of the base problem
             return super().variant(fields)
+        # the fields of the row are the problem: others have their default, or are reported missing
         problem = make_problem({"schema": SCHEMA, **nest_tables(fields)}, self.kind.name)
         return self.with_ties(problem)
+
+
+class _SolvedRows(NamedTuple):
+    """Results of all rows of a table.
+
+    Attributes
+    ----------
+    values : (rows, outputs) array
+        nan for a row without a solution.
+    failure, warnings : list of str
+        One text for each row, '' without failure or warning.
+    """
+
+    values: Array
+    failure: list[str]
+    warnings: list[str]
+
+
+def _solve_rows(
+    model: _RowModel,
+    cells: Mapping[str, list[Any]],
+    faults: Sequence[str],
+    *,
+    workers: int | None,
+    chunk: int | None,
+    progress: bool | Progress,
+) -> _SolvedRows:
+    """Solve the rows without faults in one study.
+
+    Parameters
+    ----------
+    model : _RowModel
+    cells : mapping of str to list
+        Input -> its value in each row, in SI.
+    faults : sequence of str
+        Faults of the cells of each row, '' without.
+    workers, chunk, progress
+        As of :func:`woundon.sweep`.
+    """
+    failure, warnings = list(faults), [""] * len(faults)
+    values = np.full((len(faults), len(model.outputs)), np.nan)
+    rows = [k for k, fault in enumerate(faults) if not fault]
+    if rows:
+        cases = table_of_cases(
+            {name: [of_rows[k] for k in rows] for name, of_rows in cells.items()}
+        )
+        solved = run_study(model, cases, Workers(workers), chunk=chunk, progress=progress)
+        values[rows] = np.column_stack(list(solved.outputs.values()))
+        for k, reason, warning in zip(rows, solved.failure, solved.warnings, strict=True):
+            failure[k], warnings[k] = _reason_text(reason), warning
+    return _SolvedRows(values, failure, warnings)
 
 
 def _is_missing(value: Any) -> bool:

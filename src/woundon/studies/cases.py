@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from ..arguments import whole_number
 from ..errors import InvalidProblem, did_you_mean
 
 if TYPE_CHECKING:
@@ -29,6 +30,7 @@ __all__ = [
     "Chunk",
     "Solved",
     "as_labels",
+    "check_number",
     "is_numeric",
     "make_cases",
     "scaled_to_range",
@@ -116,7 +118,9 @@ class Cases:
 
         Chunks of small studies are small, so that every worker gets some.
         """
-        size = size or min(100, max(10, ceil(len(self) / 32)))
+        if size is None:
+            size = min(100, max(10, ceil(len(self) / 32)))
+        size = whole_number("chunk", size, 1, MOST_CASES)
         order, points = np.arange(len(self)), None
         numbers = self.frame.select_dtypes("number")
         if self.axes:
@@ -215,7 +219,7 @@ def table_of_cases(over: Mapping[str, Any]) -> Cases:
     lengths = {len(values) for values in columns.values()}
     if len(lengths) > 1:
         raise InvalidProblem.at("over", f"columns of a table differ in length: {lengths}")
-    _check_number(*lengths)
+    check_number(*lengths)
     return Cases(_frame(columns))
 
 
@@ -223,13 +227,13 @@ def _grid(over: Mapping[str, Any]) -> Cases:
     """Return all combinations of the values of fields; the last field varies fastest."""
     axes = {name: _as_array(name, values) for name, values in over.items()}
     shape = tuple(len(values) for values in axes.values())
-    _check_number(prod(shape))
+    check_number(prod(shape))
     places = np.unravel_index(np.arange(prod(shape)), shape)
     columns = {name: axis[k] for (name, axis), k in zip(axes.items(), places, strict=True)}
     return Cases(_frame(columns), "grid", axes)
 
 
-def _check_number(count: int) -> None:
+def check_number(count: int) -> None:
     """Reject too many cases."""
     if count > MOST_CASES:
         raise InvalidProblem.at("over", f"{count} cases are more than {MOST_CASES}")
@@ -245,6 +249,7 @@ def _as_array(name: str, values: Any) -> Array:
     """
     if isinstance(values, (str, Mapping)) or not hasattr(values, "__len__"):
         raise InvalidProblem.at(name, f"{values!r} is not a list of values")
+    check_number(len(values))
     items = list(values)
     if not items:
         raise InvalidProblem.at(name, "an empty list of values")
@@ -308,7 +313,7 @@ def _draw_points(design: str, inputs: int, samples: int | None, seed: int) -> Ar
 
     if isinstance(samples, bool) or not isinstance(samples, (int, np.integer)) or samples < 2:
         raise InvalidProblem.at("samples", f"{samples!r} is not a number of cases, at least 2")
-    _check_number(samples)
+    check_number(samples)
     if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)) or seed < 0:
         raise InvalidProblem.at("seed", f"{seed!r} is not a whole number, at least 0")
     if design == "latin-hypercube":

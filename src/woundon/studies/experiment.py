@@ -150,7 +150,7 @@ class NextExperiment(Outcome):
         return texts
 
     def remarks(self) -> list[str]:
-        """Return what the measurements do not determine, and warnings."""
+        """Return the quantities that the measurements do not determine, and warnings."""
         texts = []
         if self.unidentified:
             texts.append(f"not identified by any candidate: {', '.join(self.unidentified)}")
@@ -309,11 +309,7 @@ def next_experiment(
         order = local.select(count)
         scores, covariances = local.steps(order)
         others, failures = _others(study, theta, covariances[0], draws, seed)
-    everything = np.linalg.inv(local.J0 + local.information.sum(axis=0))
-    initial_errors = np.sqrt(np.diag(covariances[0]))
-    weak = np.sqrt(np.diag(everything)) > (1 - REDUCED) * initial_errors
-    variance, vectors = np.linalg.eigh(everything)
-    weakest = vectors[:, -1] / vectors[np.argmax(np.abs(vectors[:, -1])), -1]
+    unidentified, direction, direction_error = _weakest(local, covariances[0], names)
     first = np.array([local.first_scores(), *(other.first_scores() for other in others)])
     quantities = {goal.output: goal.quantity}
     quantities |= {name: q for name in names if (q := field_quantity(base, name)) is not None}
@@ -332,14 +328,45 @@ def next_experiment(
         first_errors=np.sqrt(
             [np.diag(np.linalg.inv(local.J0 + each)) for each in local.information]
         ),
-        unidentified=tuple(name for name, is_weak in zip(names, weak, strict=True) if is_weak),
-        direction=weakest,
-        direction_error=float(np.sqrt(variance[-1])),
+        unidentified=unidentified,
+        direction=direction,
+        direction_error=direction_error,
         criterion=criterion,
         warnings=tuple(_warnings(first, candidates, covariances[0], names, failures)),
         quantities=quantities,
         problem=base,
     )
+
+
+def _weakest(
+    local: _Linearised, initial: Array, names: Sequence[str]
+) -> tuple[tuple[str, ...], Array, float]:
+    """Return the fields and the direction that all candidates together determine worst.
+
+    Parameters
+    ----------
+    local : _Linearised
+    initial : (p, p) array
+        Covariance before the first candidate.
+    names : sequence of str
+        The p unknown fields.
+
+    Returns
+    -------
+    tuple of str
+        Fields whose standard error they reduce by less than ``REDUCED``.
+    (p,) array
+        Direction of the largest standard error, with the largest component 1.
+    float
+        Standard error in this direction.
+    """
+    covariance = np.linalg.inv(local.J0 + local.information.sum(axis=0))
+    errors, initial_errors = np.sqrt(np.diag(covariance)), np.sqrt(np.diag(initial))
+    is_weak = errors > (1 - REDUCED) * initial_errors
+    variances, vectors = np.linalg.eigh(covariance)
+    direction = vectors[:, -1] / vectors[np.argmax(np.abs(vectors[:, -1])), -1]
+    unidentified = tuple(name for name, weak in zip(names, is_weak, strict=True) if weak)
+    return unidentified, direction, float(np.sqrt(variances[-1]))
 
 
 def _main_output(base: Problem, candidates: Sequence[Measurement]) -> str:
@@ -453,27 +480,33 @@ class _Linearised(NamedTuple):
         return np.array([self._score(self.J0, k) for k in range(len(self.cost))])
 
     def _score(self, J: Array, k: int) -> float:
+        """Return the reduction of the criterion by candidate k per its cost; large is good."""
         reduction = self.criterion_of(J) - self.criterion_of(J + self.information[k])
         return reduction / float(self.cost[k])
 
     def select(self, count: int) -> list[int]:
-        """Return the selected candidates, best first."""
+        """Return the selected candidates, best first, by an exchange algorithm (Fedorov 1972).
+
+        From the greedy selection, each selected candidate is exchanged for each of the others, and
+        every exchange that increases the reduction per cost is kept, until there is none.
+        """
         n = len(self.cost)
         selection = self._greedy(range(n), count)
-        value = self._value(selection)
-        improved = count < n
+        reduction = self._reduction_per_cost(selection)
+        improved = count < n  # otherwise there is nothing to exchange
         while improved:
             improved = False
             for i in range(count):
                 for k in set(range(n)) - set(selection):
                     trial = [*selection[:i], k, *selection[i + 1 :]]
-                    # relative to rounding of the criterion, so that the loop ends
-                    if (trial_value := self._value(trial)) > value * (1 + 1e-9):
-                        selection, value, improved = trial, trial_value, True
+                    trial_reduction = self._reduction_per_cost(trial)
+                    # by more than rounding, so that the loop ends
+                    if trial_reduction > reduction * (1 + 1e-9):
+                        selection, reduction, improved = trial, trial_reduction, True
         return self._greedy(selection, count)
 
-    def _value(self, selection: Sequence[int]) -> float:
-        """Return the reduction of the criterion per total cost."""
+    def _reduction_per_cost(self, selection: Sequence[int]) -> float:
+        """Return the reduction of the criterion per total cost; large is good."""
         J = self.J0 + self.information[list(selection)].sum(axis=0)
         reduction = self.criterion_of(self.J0) - self.criterion_of(J)
         return reduction / float(self.cost[list(selection)].sum())

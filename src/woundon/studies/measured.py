@@ -17,13 +17,14 @@ import numpy as np
 from ..errors import InvalidProblem
 from ..io.cells import Conversion, Fault, numbers, raise_faults
 from ..io.sheets import read_sheet
-from ..io.tables import Names, match_columns
+from ..io.tables import Column, Names, match_columns
 from ..quantities import Quantity
 from .columns import ANNOTATIONS
 
 __all__ = ["MEASURED_AS", "Measured", "read_measured"]
 
 Array = np.ndarray
+Groups = dict[str, dict[str, Array]]  # "inputs", "outputs", "deviations" -> name -> values
 # Measured quantity -> the output with which it is compared.  A counter measures the length of web
 # with its layers as they are, compressed.
 MEASURED_AS = {"length": "wound_length"}
@@ -73,7 +74,8 @@ def read_measured(
     columns : mapping, optional
         Header in the data -> name of the quantity, with or without unit; None omits a column.
     replaced : mapping of str to str, optional
-        Names of outputs that do not exist, with a hint to existing ones.
+        Names of outputs that do not exist, with a hint to existing ones.  A column with such a name
+        is an error whose text contains the hint; it is not renamed.
     conversion : Conversion, optional
         Converts total forces, stresses and basis weights.
 
@@ -98,28 +100,49 @@ def read_measured(
         if column.name in replacements and column.name not in inputs:
             text = f"{column.name}: no such output: {replacements[column.name]}"
             raise InvalidProblem.at(sheet.where, text)
-    groups: dict[str, dict[str, Array]] = {"inputs": {}, "outputs": {}, "deviations": {}}
     faults: list[Fault] = []
     values = numbers(
         sheet, matched, names, faults, gaps=lambda c: c.name in outputs, conversion=conversion
     )
-    for column, of_rows in zip(matched, values, strict=True):
-        if column.name in conversion.helpers:
-            continue
-        measured = "outputs" if column.name in outputs else "inputs"
-        group = groups["deviations" if column.deviation else measured]
-        name = MEASURED_AS.get(column.name, column.name)
-        name = name if name in outputs else column.name
-        if name in group:
-            text = f"has columns {column.name} and {name}; must be one of them"
-            raise InvalidProblem.at(sheet.where, text)
-        group[name] = of_rows
+    # helpers, such as a basis weight, serve the conversion of other columns only
+    quantities = [
+        (column, of_rows)
+        for column, of_rows in zip(matched, values, strict=True)
+        if column.name not in conversion.helpers
+    ]
+    groups = _grouped(quantities, outputs, sheet.where)
     raise_faults(faults)
     _check(groups, sheet.where)
     return Measured(**groups, where=sheet.where, numbers=sheet.numbers)
 
 
-def _check(groups: dict[str, dict[str, Array]], where: str) -> None:
+def _grouped(
+    quantities: Sequence[tuple[Column, Array]], outputs: Mapping[str, Quantity], where: str
+) -> Groups:
+    """Return the columns as inputs, outputs and deviations of outputs, each by name.
+
+    A quantity of ``MEASURED_AS`` has the name of the output with which it is compared, if the model
+    has that output.
+
+    Raises
+    ------
+    InvalidProblem
+        If two columns are the same quantity.
+    """
+    groups: Groups = {"inputs": {}, "outputs": {}, "deviations": {}}
+    for column, of_rows in quantities:
+        measured = "outputs" if column.name in outputs else "inputs"
+        group = groups["deviations" if column.deviation else measured]
+        compared = MEASURED_AS.get(column.name, "")
+        name = compared if compared in outputs else column.name
+        if name in group:
+            text = f"has columns {column.name} and {name}; must be one of them"
+            raise InvalidProblem.at(where, text)
+        group[name] = of_rows
+    return groups
+
+
+def _check(groups: Groups, where: str) -> None:
     """Reject measured data without outputs or with invalid standard deviations."""
     if not groups["outputs"]:
         raise InvalidProblem.at(where, "has no column that is an output of the model")

@@ -139,28 +139,11 @@ def read_observations(
     if positioned:
         places = dict.fromkeys(POSITIONS, length("r", "where it was measured"))
         known |= {**places, TAB_FORCE: FORCE}
-    replaced = kind_of(problem).result.REPLACED
-    replacements = {name: text for name, text in replaced.items() if name not in known}
+    replacements = {name: text for name, text in result.REPLACED.items() if name not in known}
     table = read_measured(data, fields, known, columns, replacements, conversion_of(problem))
     values_of, deviations = dict(table.outputs), dict(table.deviations)
     radius = _radius(values_of, table.where, len(table.numbers))
-    common: dict[str, Array] = {}
-    if tab is not None and TAB_FORCE not in values_of:
-        raise InvalidProblem.at(table.where, f"has no column {TAB_FORCE}, but a tab is given")
-    if TAB_FORCE in values_of:
-        if tab is None:
-            text = (
-                f"{TAB_FORCE} needs the calibration of the tab: --tab-slope, or --tab-friction and "
-                "--tab-area; in Python tab=wo.PullTab(...)"
-            )
-            raise InvalidProblem.at(table.where, text)
-        if PRESSURE in values_of:
-            text = f"has {PRESSURE} and {TAB_FORCE}; must be one of them"
-            raise InvalidProblem.at(table.where, text)
-        values_of[PRESSURE] = tab.pressure(values_of.pop(TAB_FORCE))
-        common[PRESSURE] = tab.deviation * np.abs(values_of[PRESSURE])
-        if TAB_FORCE in deviations:
-            deviations[PRESSURE] = tab.pressure_per_force * deviations.pop(TAB_FORCE)
+    common = _convert_tab_forces(values_of, deviations, tab, table.where)
     entries = []
     scalars = measurable_outputs(problem)
     for name, values in values_of.items():
@@ -200,6 +183,34 @@ def read_observations(
         quantities=quantities,
         where=table.where,
     )
+
+
+def _convert_tab_forces(
+    values_of: dict[str, Array], deviations: dict[str, Array], tab: PullTab | None, where: str
+) -> dict[str, Array]:
+    """Replace the forces on a pull tab, and their standard deviations, by pressures.
+
+    Returns
+    -------
+    dict
+        The standard deviations that the calibration has in common, by name; empty without forces.
+    """
+    if TAB_FORCE not in values_of:
+        if tab is not None:
+            raise InvalidProblem.at(where, f"has no column {TAB_FORCE}, but a tab is given")
+        return {}
+    if tab is None:
+        text = (
+            f"{TAB_FORCE} needs the calibration of the tab: --tab-slope, or --tab-friction and "
+            "--tab-area; in Python tab=wo.PullTab(...)"
+        )
+        raise InvalidProblem.at(where, text)
+    if PRESSURE in values_of:
+        raise InvalidProblem.at(where, f"has {PRESSURE} and {TAB_FORCE}; must be one of them")
+    values_of[PRESSURE] = tab.pressure(values_of.pop(TAB_FORCE))
+    if TAB_FORCE in deviations:
+        deviations[PRESSURE] = tab.pressure_per_force * deviations.pop(TAB_FORCE)
+    return {PRESSURE: tab.deviation * np.abs(values_of[PRESSURE])}
 
 
 def _radius(values_of: dict[str, Array], where: str, count: int) -> Array:

@@ -51,7 +51,7 @@ class Outcome(Presented, ReadOnly, ABC):
         return json_text(self._record())
 
     def _record(self) -> Mapping[str, Any]:
-        """Return what :meth:`to_json` writes, by name; by default the rows of the table."""
+        """Return the content of :meth:`to_json`, by name; by default the rows of the table."""
         return {"rows": self.to_dataframe().reset_index().to_dict(orient="records")}
 
     def plot(self, path: Any = None, ax: Any = None, panels: Any = None) -> Any:

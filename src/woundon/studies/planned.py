@@ -116,14 +116,22 @@ class Measurement:
         """The name in the usual units, for tables and for texts that a plan keeps."""
         return self._name(Quantity.stored_text)
 
-    def _name(self, text: Callable[[Quantity, float], str]) -> str:
+    def _name(self, format_value: Callable[[Quantity, float], str]) -> str:
+        """Return the label, or quantity and state: "nip_width at nip_load 3 kN/m".
+
+        Parameters
+        ----------
+        format_value : callable
+            (quantity, value in SI) -> text with a unit.
+        """
         if self.label:
             return self.label
         places = []
         for name, value in self.at.items():
             ends = (value[0], value[-1]) if _is_series(value) else (value,)
             quantity = self._quantity_of(name)
-            places.append(f"{name} {' to '.join(_end_text(end, quantity, text) for end in ends)}")
+            texts = [_end_text(end, quantity, format_value) for end in ends]
+            places.append(f"{name} {' to '.join(texts)}")
         series = f"{self.size} values of " if self.size > 1 else ""
         return f"{series}{self.quantity}" + (f" at {', '.join(places)}" if places else "")
 
@@ -145,12 +153,14 @@ def _is_series(value: Any) -> bool:
     return not isinstance(value, str) and hasattr(value, "__len__")
 
 
-def _end_text(value: Any, quantity: Quantity | None, text: Callable[[Quantity, float], str]) -> str:
+def _end_text(
+    value: Any, quantity: Quantity | None, format_value: Callable[[Quantity, float], str]
+) -> str:
     """Return a value of a state with its unit; as it was entered if it cannot be converted."""
     if quantity is None:
         return str(value)
     try:
-        return text(quantity, float(parse(value, quantity.unit, "at")))
+        return format_value(quantity, float(parse(value, quantity.unit, "at")))
     except InvalidProblem:  # another form of the quantity: a web tension as a stress
         return str(value)
 
@@ -276,7 +286,7 @@ def plan_measurement(
     state, position = _state(measurement, base, bool(arrays))
     if output not in measurable_outputs(base) and np.isnan(position).any():
         raise InvalidProblem.at(f"{where}: at", 'missing; write at={"radius": ...}')
-    paths = _paths(measurement, base, tuple(unknown))
+    paths = _followers_of_unknowns(measurement, base, tuple(unknown))
     for name in state:
         for unknown_name, group in paths.items():
             if name in group:
@@ -308,10 +318,16 @@ def _state(
     return state, position
 
 
-def _paths(
+def _followers_of_unknowns(
     measurement: Measurement, base: Problem, unknown: tuple[str, ...]
 ) -> dict[str, tuple[str, ...]]:
-    """Return the fields of the measurement's problem that follow each unknown."""
+    """Return the fields of the measurement's problem that follow each unknown.
+
+    Raises
+    ------
+    InvalidProblem
+        For fields that follow no unknown or do not exist, or without a problem of its own.
+    """
     if measurement.problem is None:
         if measurement.fields:
             text = "needs problem=...; fields of the study's problem are tied by tie=..."
@@ -321,7 +337,7 @@ def _paths(
         if name not in unknown:
             text = f"{name!r} is not unknown{did_you_mean(name, unknown)}"
             raise InvalidProblem.at(f"{measurement.quantity}: fields: {path}", text)
-        get_field(base, path)
+        get_field(base, path)  # raises an error if the field does not exist
     return {
         name: tuple(path for path, target in measurement.fields.items() if target == name)
         for name in unknown

@@ -130,7 +130,7 @@ def find_end(
     limit : float
         S at the end.
     known : sequence of (S, u)
-        Points of the profile that were computed before.
+        Points of the profile that were computed before, on both sides.
     """
     from scipy.optimize import brentq
 
@@ -174,7 +174,29 @@ def _last_solved(profile: _Profile, solved: float, unsolved: float) -> float:
 
 
 class _Profile:
-    """Function of the distance of u_j from the minimum whose root is the end of the interval."""
+    """Function of the distance of u_j from the minimum whose root is the end of the interval.
+
+    Parameters
+    ----------
+    predictor : Predictor
+    j : int
+        The parameter.
+    minimum : Linearisation
+        Of the fit.
+    limit : float
+        S at the end of the interval.
+    points : sequence of (S, u)
+        Points of the profile that were computed before, on one side of the minimum.
+
+    Attributes
+    ----------
+    points : list of (S, u)
+        The same, extended by every new point.
+    reach : float
+        sqrt(limit - S_min), the increase of the root of S up to the end.
+    known : dict
+        Signed distance u_j - u_j,min -> value of the function.
+    """
 
     def __init__(
         self,

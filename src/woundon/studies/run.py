@@ -176,7 +176,7 @@ def unsolved(chunk: Chunk, outputs: int, reason: str) -> Solved:
 
 @dataclass(frozen=True)
 class Workers:
-    """Where the work of a study is done: in this process, in several, or on a Dask cluster.
+    """The processes that do the work of a study: this one, several, or a Dask cluster.
 
     Parameters
     ----------

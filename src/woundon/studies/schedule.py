@@ -121,7 +121,7 @@ class OptimisedSchedule(Outcome):
         return f"OptimisedSchedule({', '.join(values)}; {word})"
 
     def answer(self) -> list[str]:
-        """Return whether limits are kept, and the schedule, as lines of text."""
+        """Return the verdict on the limits and the schedule, as lines of text."""
         words = "All limits are kept" if self.feasible else "NO schedule keeps all limits"
         texts = [f"{words}: {self.goal}, {len(self.tried)} windings, {self.ended}"]
         ends = np.isclose(self.ranges, self.values[:, None], rtol=1e-3, atol=0)

@@ -199,7 +199,8 @@ def _errors_of_sqlite_translated(folder: Path, is_writable: bool) -> Iterator[No
     except sqlite3.Error as fault:
         code = getattr(fault, "sqlite_errorcode", sqlite3.SQLITE_ERROR) & 0xFF  # the primary code
         if not isinstance(fault, sqlite3.OperationalError) or code == sqlite3.SQLITE_ERROR:
-            text = f"its {FILE} is damaged ({fault}) and is left as it is"
+            reason = " ".join(str(fault).split())  # SQLite reports each damaged page on a line
+            text = f"its {FILE} is damaged ({reason}) and is left as it is"
             raise InvalidProblem.at(
                 str(folder), f"{text}; solve the study in another folder"
             ) from None

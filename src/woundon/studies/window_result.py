@@ -239,7 +239,7 @@ class OperatingWindow(Outcome):
         return self._point_lines("highest probability", self.best)
 
     def remarks(self) -> list[str]:
-        """Return how much of the map is safe, the errors and the windings as lines of text."""
+        """Return the safe share of the map, the errors and the windings, as lines of text."""
         rows = []
         for level in LEVELS:
             share = 100 * np.mean(self.probability >= level)
