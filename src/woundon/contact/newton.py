@@ -199,17 +199,20 @@ class SemismoothNewton:
         """Alternate between Newton steps and updates of the active set; see :meth:`solve`."""
         visits: dict[bytes, int] = {}
         self.size, violated = np.inf, np.ones(active.size, dtype=bool)
-        state = self.system.evaluate(u, COEFFICIENTS * tolerance)
+        coefficients = COEFFICIENTS * tolerance
+        state = self.system.evaluate(u, coefficients)
         for _ in range(MAX_ITERATIONS + active.size):
             self.counts.iterations += 1
             step, size = self._step(state, active)
-            if size < tolerance:
+            # with inexact coefficients a step may be small by chance
+            if size < tolerance and coefficients <= tolerance:
                 return state, active
             if not np.isfinite(size):
                 raise NewtonFailed("the step is not finite")
             is_settled = not violated.any() or active.tobytes() in visits  # settled, or cycles
             u = _limited_update(self.system, state.u, step, is_settled)
-            state = self.system.evaluate(u, max(COEFFICIENTS * tolerance, INEXACT * size))
+            coefficients = max(COEFFICIENTS * tolerance, INEXACT * size)
+            state = self.system.evaluate(u, coefficients)
             violated = _violates_inequality(state, active)
             if violated.any():
                 pattern = active.tobytes()

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from math import comb, factorial, log, pi
+from math import ceil, comb, factorial, log, pi
 
 import numpy as np
 
@@ -87,9 +87,9 @@ def _powers_of_angles(size: int) -> Array:
     return out
 
 
-def _shift_series(series: Array, shift: float) -> Array:
-    """Re-expand power series of theta in powers of theta - shift, (..., POWERS)."""
-    binomials, exponents = _binomials()
+def _shift_series(series: Array, shift: float, terms: int) -> Array:
+    """Re-expand power series of theta in powers of theta - shift, (..., terms)."""
+    binomials, exponents = (matrix[:, :terms] for matrix in _binomials())
     return series @ (binomials * (shift ** np.arange(POWERS))[exponents])
 
 
@@ -374,14 +374,18 @@ class HarmonicSums:
     def _regular_parts(self, angles: int) -> Array:
         """Evaluate the power series of theta and their first two derivatives, (3, sums, angles).
 
-        All blocks of angles use the powers of the first block: the series are re-expanded there.
+        All blocks of angles use the powers of the first block: the series are re-expanded there,
+        with as many powers as their rounding errors require at a distance from the singularity at
+        2 pi of at least (1 - MARGIN) pi.
         """
         c = np.array([sum_.series for sum_ in self.sums])
-        powers = _powers_of_angles(self._size)
+        powers, step = _powers_of_angles(self._size), 2 * pi / self._size
         parts = [c @ powers[..., :angles]]
+        ratio = powers.shape[-1] * step / ((1 - MARGIN) * pi)
+        terms = min(POWERS, 3 + ceil(log(1e-18, ratio))) if ratio < 1 else POWERS
         for first in range(BLOCK, angles, BLOCK):
-            shifted = _shift_series(c, 2 * pi / self._size * first)
-            parts.append(shifted @ powers[..., : angles - first])
+            shifted = _shift_series(c, step * first, terms)
+            parts.append(shifted @ powers[:, :terms, : angles - first])
         return np.concatenate(parts, axis=-1)
 
     @cached_property

@@ -16,7 +16,7 @@ import numpy as np
 
 from .mesh import hat_weights
 
-__all__ = ["CellQuadrature", "by_second_integral", "cell_quadrature", "singular_integrals"]
+__all__ = ["SourceRule", "by_second_integral", "gauss_rule_in_cells", "singular_integrals"]
 
 Array = np.ndarray
 
@@ -138,34 +138,23 @@ def by_second_integral(
     return np.diff(np.concatenate([start, slopes, end], axis=-1), axis=-1)
 
 
-class CellQuadrature(NamedTuple):
-    """Gauss's rule in the cells between nodes, for integrals against their hat functions.
+class SourceRule(NamedTuple):
+    """Integration of a function against hat functions, from its values at some points.
 
     Attributes
     ----------
     points : (g,) array
         In units of a.
-    first : (n-1,) int array
-        The first point of each cell.
-    left, right : (g,) arrays
-        Weights times the hats of the node upstream and downstream of each point [m].
+    moments : (g, n) array
+        Values (..., g) @ moments -> integrals against the hats of n nodes, (..., n) [m].
     """
 
     points: Array
-    first: Array
-    left: Array
-    right: Array
-
-    def integrate(self, values: Array) -> Array:
-        """Return the integrals of functions given at the points against the hats, (..., n)."""
-        out = np.zeros((*values.shape[:-1], self.first.size + 1))
-        out[..., :-1] = np.add.reduceat(values * self.left, self.first, axis=-1)
-        out[..., 1:] += np.add.reduceat(values * self.right, self.first, axis=-1)
-        return out
+    moments: Array
 
 
-def cell_quadrature(nodes: Array, a: float, length: float) -> CellQuadrature:
-    """Return Gauss's rule for functions that vary on a length.
+def gauss_rule_in_cells(nodes: Array, a: float, length: float) -> SourceRule:
+    """Return Gauss's rule in the cells between nodes, for functions that vary on a length.
 
     Parameters
     ----------
@@ -179,8 +168,9 @@ def cell_quadrature(nodes: Array, a: float, length: float) -> CellQuadrature:
     orders = np.where(ratio < 0.01, 1, 2 + np.minimum(3 * ratio, MAX_POINTS).astype(int))
     cell, fraction, weight = _points_in_cells(orders.tobytes())
     weight = weight * (cells[cell] * a)
-    points, right = nodes[cell] + cells[cell] * fraction, weight * fraction
-    return CellQuadrature(points, np.cumsum(orders) - orders, weight - right, right)
+    moments, point = np.zeros((cell.size, nodes.size)), np.arange(cell.size)
+    moments[point, cell], moments[point, cell + 1] = weight * (1 - fraction), weight * fraction
+    return SourceRule(nodes[cell] + cells[cell] * fraction, moments)
 
 
 @lru_cache(maxsize=64)

@@ -23,11 +23,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import cached_property, lru_cache, partial
 from math import asinh, ceil, inf, log, pi
-from typing import NamedTuple
 
 import numpy as np
 
-from .hat_integrals import by_second_integral, cell_quadrature, singular_integrals
+from .hat_integrals import (
+    SourceRule,
+    by_second_integral,
+    gauss_rule_in_cells,
+    singular_integrals,
+)
 from .kernels import Kernel, SurfaceKernels, singular, smooth_parts
 from .lag import Lag
 from .mesh import Face, cosine_nodes
@@ -41,24 +45,6 @@ Smooth = Callable[[Array], Array]
 # A function with poles at +-i l is interpolated on [-a, a] with an error of about
 # exp(-rank asinh(l/a)), which is 2e-9 for rank = 20/asinh(l/a).
 RANK_FACTOR, MIN_RANK, MAX_RANK = 20.0, 24, 600
-
-
-class SourceRule(NamedTuple):
-    """Integration of a function against the hats of some nodes, from its values at the sources.
-
-    Attributes
-    ----------
-    nodes : slice
-        Those of the hats, among the nodes of the face.
-    points : (m,) array
-        The sources, in units of a.
-    integrate : callable
-        Values (..., m) -> integrals (..., nodes) [m].
-    """
-
-    nodes: slice
-    points: Array
-    integrate: Callable[[Array], Array]
 
 
 class InfluenceSurface(LinearSurface):
@@ -155,26 +141,20 @@ class InfluenceSurface(LinearSurface):
         return self._rank > min(MAX_RANK, 8 * (self.face.size - 1))
 
     @cached_property
-    def _sources(self) -> list[SourceRule]:
-        """Chebyshev points in the nip and Gauss points on the wraps, upstream first."""
-        face, nodes = self.face, self.face.nodes
-        upstream, nip, downstream = (
-            slice(0, face.first + 1), slice(face.first, face.last + 1), slice(face.last, nodes.size)
-        )  # fmt: skip
+    def _sources(self) -> list[tuple[slice, SourceRule]]:
+        """Chebyshev points in the nip and Gauss points on the wraps, each with its nodes."""
+        face, n, last = self.face, self.face.nodes.size, self.face.last
         if self._is_unresolved:
-            return [self._gauss_rule(slice(0, nodes.size))]
+            return [self._gauss_rule(slice(0, n))]
         moments = self.a * _nip_interpolation(face.size, self._rank)[1]
-        rules = [SourceRule(nip, _chebyshev_points(self._rank), lambda values: values @ moments)]
-        if face.first:
-            rules.insert(0, self._gauss_rule(upstream))
-        if face.extends_downstream:
-            rules.append(self._gauss_rule(downstream))
-        return rules
+        nip = slice(face.first, last + 1), SourceRule(_chebyshev_points(self._rank), moments)
+        upstream = [self._gauss_rule(slice(0, face.first + 1))] if face.first else []
+        downstream = [self._gauss_rule(slice(last, n))] if face.extends_downstream else []
+        return [*upstream, nip, *downstream]
 
-    def _gauss_rule(self, nodes: slice) -> SourceRule:
-        """Return Gauss's rule in the cells between some nodes."""
-        rule = cell_quadrature(self.face.nodes[nodes], self.a, self.kernels.length)
-        return SourceRule(nodes, rule.points, rule.integrate)
+    def _gauss_rule(self, nodes: slice) -> tuple[slice, SourceRule]:
+        """Return Gauss's rule in the cells between some nodes, after these nodes."""
+        return nodes, gauss_rule_in_cells(self.face.nodes[nodes], self.a, self.kernels.length)
 
     def _smooth_integrals(self, kernels: tuple[Kernel, ...], smooth: Smooth) -> Array:
         """Return the integrals of smooth parts at all points of the face, (kernels, n+1, n).
@@ -198,12 +178,12 @@ class InfluenceSurface(LinearSurface):
 
     def _integrals_at(self, kernels: tuple[Kernel, ...], smooth: Smooth, targets: Array) -> Array:
         """Return the integrals of smooth parts at targets, (kernels, targets, n)."""
-        sources = np.concatenate([rule.points for rule in self._sources])
+        sources = np.concatenate([rule.points for _, rule in self._sources])
         values, start = self._smooth_between(kernels, smooth, targets, sources), 0
         out = np.zeros((*values.shape[:2], self.face.nodes.size))
-        for rule in self._sources:
+        for nodes, rule in self._sources:
             stop = start + rule.points.size
-            out[..., rule.nodes] += rule.integrate(values[..., start:stop])
+            out[..., nodes] += values[..., start:stop] @ rule.moments
             start = stop
         return out
 
@@ -254,7 +234,7 @@ def surface_strain(
     (k,) array
     """
     out, singular_parts = np.zeros(s.size), singular_integrals(s, nodes)
-    rule = cell_quadrature(nodes, 1.0, kernels.length)
+    rule = gauss_rule_in_cells(nodes, 1.0, kernels.length)
     t = s[:, None] - rule.points
     on_longer_arc = np.abs(t) > max_distance
     t_short = np.where(on_longer_arc, t - np.sign(t) * period, t)
@@ -266,7 +246,7 @@ def surface_strain(
                 singular((kernel,), t_short[on_longer_arc])[0]
                 - singular((kernel,), t[on_longer_arc])[0]
             )
-            out += rule.integrate(values) @ load
+            out += values @ (rule.moments @ load)
         if kernel.lag is not None:
             out += _lag_integrals(kernel.lag, s, nodes)[0] @ load
     return out
