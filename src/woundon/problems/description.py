@@ -57,7 +57,9 @@ class DocumentedMeta(ModelMetaclass):
 class Description(BaseModel, metaclass=DocumentedMeta):
     """An immutable, validated description; rejects unknown names and values out of range."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(
+        frozen=True, extra="forbid", allow_inf_nan=False, defer_build=True
+    )
 
     def __dir__(self) -> list[str]:
         return sorted({*dir(type(self)), *type(self).model_fields})
