@@ -64,33 +64,25 @@ class NewtonFailed(ArithmeticError):
     """The iteration found no solution."""
 
 
-class Iterate(Protocol):
-    """A state of a system; everything but ``u`` is dimensionless."""
+@dataclass(frozen=True, eq=False)
+class Iterate:
+    """A state of a system; everything but ``u`` is dimensionless.
 
-    @property
-    def u(self) -> Array:
-        """Unknowns, (m+k,)."""
-        ...
+    Attributes
+    ----------
+    u : (m+k,) array
+        Unknowns.
+    equilibrium : (m,) array
+        E, the residuals of the equilibrium equations.
+    slip, traction, bound : (k,) arrays
+        v, q, and the friction bound b in the unit of the traction.
+    """
 
-    @property
-    def equilibrium(self) -> Array:
-        """E, (m,)."""
-        ...
-
-    @property
-    def slip(self) -> Array:
-        """v, (k,)."""
-        ...
-
-    @property
-    def traction(self) -> Array:
-        """q, (k,)."""
-        ...
-
-    @property
-    def bound(self) -> Array:
-        """b in the unit of the traction, (k,)."""
-        ...
+    u: Array
+    equilibrium: Array
+    slip: Array
+    traction: Array
+    bound: Array
 
 
 class Jacobian(NamedTuple):
@@ -102,49 +94,40 @@ class Jacobian(NamedTuple):
 
 
 class System(Protocol):
-    """Equations on one mesh."""
+    """Equations on one mesh: m equilibrium equations and k traction nodes."""
 
     @property
     def scales(self) -> Array:
         """Units of the unknowns, (m+k,)."""
-        ...
 
     @property
     def traction_unknowns(self) -> slice:
         """The k unknowns that are tractions."""
-        ...
 
     @property
     def ln_a(self) -> int:
         """The unknown ln a."""
-        ...
 
     @property
     def load_row(self) -> int:
         """The equation of the load."""
-        ...
 
     @property
     def largest_ln_a(self) -> float:
         """Largest ln a that is permitted."""
-        ...
 
     @property
     def creepage_nodes(self) -> Array:
         """Traction nodes whose slip velocity contains an unknown creepage."""
-        ...
 
     def evaluate(self, u: Array, tolerance: float) -> Any:
         """Return the :class:`Iterate` of given unknowns, with coefficients of a relative error."""
-        ...
 
     def jacobian(self, state: Any) -> Jacobian:
         """Return the derivatives."""
-        ...
 
     def fill_half_width_column(self, jacobian: Jacobian, state: Any) -> None:
         """Renew the derivatives by ln a, which vary with the tractions."""
-        ...
 
 
 @dataclass

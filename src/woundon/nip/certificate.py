@@ -119,10 +119,8 @@ def certificate(result: Any, equations: NipEquations) -> Residuals:
     conditions |= _reported_arrays(result, equations, state, expected)
     conditions |= _wrap_conditions(result, equations, state, expected)
     conditions |= _surface_loads(result, f, expected)
-    on_roll = f.p_roll[layout.first :], f.q_roll[layout.first :]
-    on_drum = f.p_drum[: layout.last + 1], f.q_drum[: layout.last + 1]
     surfaces = f.geometry.roll.surface, f.geometry.drum.surface
-    conditions |= body_equilibrium(problem, surfaces, (on_roll, on_drum))
+    conditions |= body_equilibrium(problem, surfaces, (f.on_roll, f.on_drum))
     if (result.air is None) != (result.problem.air is None):
         conditions["air_film"] = inf
     elif result.air is not None:

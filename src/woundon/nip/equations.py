@@ -37,12 +37,13 @@ from typing import Any, NamedTuple, Self
 
 import numpy as np
 
-from ..contact.newton import Jacobian
+from ..contact.newton import Iterate, Jacobian
 from ..elasticity.mesh import Mesh, Wrap, nip_mesh
 from ..elasticity.surface import Deformation
 from ..problems.bodies import half_width_guess
 from .contact_equations import ContactEquations, Side, nearest
 from .layout import Layout
+from .load_limit import largest_half_width
 
 __all__ = ["Fields", "Geometry", "NipEquations", "NipState"]
 
@@ -76,17 +77,24 @@ class Fields(NamedTuple):
     roll_curvature: Array  # at the nodes of the roll face; empty without a roll wrap
     drum_curvature: Array  # at the nodes of the drum face; empty without a wrap
 
+    @property
+    def on_roll(self) -> tuple[Array, Array]:
+        """p+ and q+ at the nodes of the roll's face."""
+        first = self.geometry.mesh.first
+        return self.p_roll[first:], self.q_roll[first:]
+
+    @property
+    def on_drum(self) -> tuple[Array, Array]:
+        """p- and q- at the nodes of the drum's face."""
+        last = self.geometry.mesh.last
+        return self.p_drum[: last + 1], self.q_drum[: last + 1]
+
 
 @dataclass(frozen=True, eq=False)
-class NipState:
-    """An iterate u; residuals, slip velocity, traction and friction bound are dimensionless."""
+class NipState(Iterate):
+    """An iterate u with its residuals, and the fields along the web."""
 
-    u: Array
     fields: Fields
-    equilibrium: Array
-    slip: Array
-    traction: Array
-    bound: Array
 
     @property
     def geometry(self) -> Geometry:
@@ -106,6 +114,8 @@ class NipEquations(ContactEquations):
         A mesh with the numbers of cells to use; by default those for the initial half width.
     """
 
+    layout: Layout
+
     def __init__(self, problem: Any, size: int, like: Mesh | None = None) -> None:
         self.size = size
         self.roll_wrap, self.drum_wrap = problem.roll_wrap, problem.drum_wrap
@@ -115,54 +125,25 @@ class NipEquations(ContactEquations):
         super().__init__(problem, P, max(half_width_guess(P, *problem.bodies), web_only))
         self._first_mesh = like
         self._first_mesh = self.mesh(self.guessed_half_width)
-        self.layout = Layout(self._first_mesh, self.roll_wrap > 0, self.drum_wrap > 0)
+        self.layout = layout = Layout(self._first_mesh, self.roll_wrap > 0, self.drum_wrap > 0)
+        is_on_wrap = layout.roll_nodes >= layout.last
+        roll_friction = np.where(is_on_wrap, problem.friction_on_wrap, problem.roll_friction)
+        drum_friction = np.full(layout.drum_nodes.size, problem.drum_friction)
+        self.friction: Array = np.append(roll_friction, drum_friction)
 
     # ---- interface of the semismooth Newton method ---------------------------------------------
 
     @cached_property
-    def friction(self) -> Array:
-        """Friction coefficient at each traction node, roll then drum."""
-        layout, problem = self.layout, self.problem
-        mu = problem.roll_friction
-        roll = np.where(layout.roll_nodes >= layout.last, problem.friction_on_wrap, mu)
-        return np.append(roll, np.full(layout.drum_nodes.size, problem.drum_friction))
-
-    @cached_property
-    def scales(self) -> Array:
-        """Scales of the unknowns."""
-        layout = self.layout
-        out = np.full(layout.size, self.pressure_scale)
-        out[[layout.shift, layout.xi]], out[layout.ln_a] = self.slope_scale, 1.0
-        out[layout.q] = self.friction * self.pressure_scale
-        return out
-
-    @property
-    def traction_unknowns(self) -> slice:
-        """Indices of the tractions in u."""
-        return self.layout.q
-
-    @property
-    def ln_a(self) -> int:
-        """Index of ln a in u."""
-        return self.layout.ln_a
-
-    @property
-    def load_row(self) -> int:
-        """Index of the load equation."""
-        return self.layout.q.start - 1
-
-    @cached_property
     def largest_ln_a(self) -> float:
         """ln of the largest half width that the bodies and the roll wrap permit."""
-        problem = self.problem
-        a = min(min(body.radius, body.max_half_width) for body in problem.bodies)
+        a = largest_half_width(self.problem)
         if self.roll_wrap:
-            a = min(a, self.roll_wrap * problem.roll.radius / (1 + LEAST_WRAP))
+            a = min(a, self.roll_wrap * self.problem.roll.radius / (1 + LEAST_WRAP))
         return log(a)
 
-    @property
+    @cached_property
     def creepage_nodes(self) -> Array:
-        """Indices of the tractions on the drum, whose slip velocity contains the creepage."""
+        """Traction nodes on the drum, whose slip velocity contains the creepage."""
         return np.arange(self.layout.roll_nodes.size, self.friction.size)
 
     def for_problem(self, problem: Any) -> Self:
@@ -178,15 +159,6 @@ class NipEquations(ContactEquations):
             else f"drum node {layout.drum_nodes[i - k]}"
             for i in tractions.tolist()
         ]
-
-    def initial_guess(self) -> tuple[Array, Array]:
-        """Return zero fields and full stick.
-
-        For linear bodies the first Newton step gives the fields for the initial half width.
-        """
-        u = np.zeros(self.layout.size)
-        u[self.ln_a] = log(self.initial_half_width())
-        return u, np.zeros(self.friction.size, dtype=np.int8)
 
     # ---- geometry ------------------------------------------------------------------------------
 
@@ -219,7 +191,7 @@ class NipEquations(ContactEquations):
         slip = np.concatenate([v[:-1] for v in self.slip_velocities(u[layout.xi], f)])
         traction = u[layout.q] / self.scales[layout.q]
         return NipState(
-            u, f, np.concatenate(rows), slip / self.slope_scale, traction, p / self.pressure_scale
+            u, np.concatenate(rows), slip / self.slope_scale, traction, p / self.pressure_scale, f
         )
 
     def _fields(self, u: Array, g: Geometry) -> Fields:
@@ -282,18 +254,21 @@ class NipEquations(ContactEquations):
         return rows
 
     def _force_and_load(self, u: Array, f: Fields) -> Array:
-        """Return the residuals of winding force and nip load."""
-        problem, a = self.problem, f.geometry.a
-        load = a * (f.geometry.mesh.nip_weights[self.layout.p_nodes] @ u[self.layout.p])
-        force = a * (f.geometry.mesh.weights @ f.q_drum)
-        P, F = problem.nip_load, problem.winding_force
-        # the force of an iterate varies with its load: else a small load could not transmit F
-        force_residual = force - F - self._force_by_load * (load - P)
-        return np.array([force_residual / (problem.drum_friction * P), load / P - 1])
+        """Return the residuals of the winding force and of the nip load, (2,).
+
+        int_nip p- dx must be P, and int q- dx the force F.  An iterate whose load is not yet P may
+        transmit less: its force must be F + (dF/dP) (int_nip p- dx - P).
+        """
+        P, F = self.problem.nip_load, self.problem.winding_force
+        a, mesh = f.geometry.a, f.geometry.mesh
+        load = a * (mesh.nip_weights[self.layout.p_nodes] @ u[self.layout.p])
+        force = a * (mesh.weights @ f.q_drum)
+        force_defect = force - F - self._force_by_load * (load - P)
+        return np.array([force_defect / (self.problem.drum_friction * P), load / P - 1])
 
     @cached_property
     def _force_by_load(self) -> float:
-        """dF/dP for an iterate whose load differs from P: F/P, at most the friction coefficient."""
+        """dF/dP of :meth:`_force_and_load`: F/P, at most the friction coefficient of the drum."""
         mu = self.problem.drum_friction
         return float(np.clip(self.problem.winding_force / self.problem.nip_load, -mu, mu))
 
@@ -320,21 +295,38 @@ class NipEquations(ContactEquations):
     # ---- transfer to another mesh --------------------------------------------------------------
 
     def prolong(self, state: NipState, active: Array, coarse: NipEquations) -> tuple[Array, Array]:
-        """Interpolate the unknowns of a coarse mesh; zones are those of the nearest node."""
-        layout, coarse_layout, f = self.layout, coarse.layout, state.fields
-        old, new = f.geometry.mesh.nodes, self.mesh(f.geometry.a).nodes
-        u = np.empty(layout.size)
-        pressure = np.where(np.arange(old.size) < coarse_layout.last, f.p_drum, f.p_roll)
-        u[layout.p] = np.interp(new[layout.p_nodes], old, pressure)
-        u[[layout.shift, layout.xi, layout.ln_a]] = state.u[
-            [coarse_layout.shift, coarse_layout.xi, coarse_layout.ln_a]
-        ]
-        u[layout.roll_q] = np.interp(new[layout.roll_nodes], old, f.q_roll)
-        u[layout.drum_q] = np.interp(new[layout.drum_nodes], old, f.q_drum)
-        k = coarse_layout.roll_nodes.size
-        roll = nearest(old[coarse_layout.roll_nodes], active[:k], new[layout.roll_nodes])
-        drum = nearest(old[coarse_layout.drum_nodes], active[k:], new[layout.drum_nodes])
-        return u, np.append(roll, drum)
+        """Return the initial guess on this mesh from the solution on another mesh.
+
+        Pressures and tractions are interpolated linearly between the nodes; Delta/R*, xi and ln a
+        are copied; each traction node has the zone of the nearest traction node of its face.
+
+        Parameters
+        ----------
+        state : NipState
+            The solution on the other mesh.
+        active : (k,) int array
+            Its active set: 0 stick, +1 and -1 slip.
+        coarse : NipEquations
+            Equations on the other mesh.
+
+        Returns
+        -------
+        u : (size,) array
+            Unknowns on this mesh.
+        active : int array
+        """
+        new, old, f = self.layout, coarse.layout, state.fields
+        x_old, x_new = f.geometry.mesh.nodes, self.mesh(f.geometry.a).nodes
+        p = np.where(np.arange(x_old.size) < old.last, f.p_drum, f.p_roll)
+        u = np.empty(new.size)
+        u[new.p] = np.interp(x_new[new.p_nodes], x_old, p)
+        u[[new.shift, new.xi, new.ln_a]] = state.u[[old.shift, old.xi, old.ln_a]]
+        u[new.roll_q] = np.interp(x_new[new.roll_nodes], x_old, f.q_roll)
+        u[new.drum_q] = np.interp(x_new[new.drum_nodes], x_old, f.q_drum)
+        k = old.roll_nodes.size  # the tractions on the roll come first
+        roll_zones = nearest(x_old[old.roll_nodes], active[:k], x_new[new.roll_nodes])
+        drum_zones = nearest(x_old[old.drum_nodes], active[k:], x_new[new.drum_nodes])
+        return u, np.append(roll_zones, drum_zones)
 
 
 class _Assembly:
@@ -353,16 +345,14 @@ class _Assembly:
     def __init__(self, equations: NipEquations, state: NipState) -> None:
         self.equations, self.problem = equations, equations.problem
         self.layout, self.fields = equations.layout, state.fields
-        f, first, last = state.fields, self.layout.first, self.layout.last
+        f = state.fields
         self.a, self.mesh, roll, drum = f.geometry
-        on_roll = f.p_roll[first:], f.q_roll[first:]
-        on_drum = f.p_drum[: last + 1], f.q_drum[: last + 1]
-        self.roll, self.drum = roll.surface.tangent(*on_roll), drum.surface.tangent(*on_drum)
+        self.roll, self.drum = roll.surface.tangent(*f.on_roll), drum.surface.tangent(*f.on_drum)
         self.kappa_roll = self.kappa_drum = None
         if f.roll_curvature.size:
-            self.kappa_roll = roll.curvature_tangent(self.roll, *on_roll, self.a)
+            self.kappa_roll = roll.curvature_tangent(self.roll, *f.on_roll, self.a)
         if f.drum_curvature.size:
-            self.kappa_drum = drum.curvature_tangent(self.drum, *on_drum, self.a)
+            self.kappa_drum = drum.curvature_tangent(self.drum, *f.on_drum, self.a)
         self.dp_roll = self._derivative_of_p_roll()
 
     def jacobian(self) -> Jacobian:

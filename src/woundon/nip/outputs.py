@@ -109,8 +109,7 @@ def approach(equations: NipEquations, state: NipState) -> float:
     """
     layout, f, problem = equations.layout, state.fields, equations.problem
     a, _, roll, drum = f.geometry
-    v = roll.surface.end_displacement(f.p_roll[layout.first :], f.q_roll[layout.first :])
-    v += drum.surface.end_displacement(f.p_drum[: layout.last + 1], f.q_drum[: layout.last + 1])
+    v = roll.surface.end_displacement(*f.on_roll) + drum.surface.end_displacement(*f.on_drum)
     v += problem.web.compliance.c12 * f.tension[layout.last]
     v -= problem.web.thinned(f.p_roll[layout.last : layout.last + 1])[0][0]
     return float(a**2 / (2 * problem.contact_radius) - v - state.u[layout.shift] * a)

@@ -16,8 +16,7 @@ from ..contact.newton import SemismoothNewton
 from ..contact.refinement import MeshSolution
 from ..results import Residuals, largest
 from .conditions import LARGEST_MESH, body_equilibrium, friction_law, integral, negative_pressure
-from .energy import dissipation
-from .roller_energy import roller_power_balance, work_on_rollers
+from .energy import dissipation, roller_power_balance, work_on_rollers
 from .rollers import RollerEquations, RollerState
 
 __all__ = ["certificate", "consistency", "solutions", "state_of"]
@@ -36,13 +35,14 @@ def state_of(result: Any) -> tuple[RollerEquations, RollerState] | None:
     equations = RollerEquations(result.problem, size)
     if not a > 0 or log(a) > equations.largest_ln_a + 1e-9:
         return None
-    u = np.zeros(equations.q.stop)
-    u[equations.p] = result.pressure[1:-1]
+    layout = equations.layout
+    u = np.zeros(layout.size)
+    u[layout.p] = result.pressure[1:-1]
     if result.problem.friction:
-        u[equations.q] = result.traction[1:-1]
-    u[equations.shift] = result.offset / result.problem.contact_radius
-    u[equations.ln_a] = log(a)
-    u[equations.xi] = 0.0 if equations.static else result.creepage
+        u[layout.q] = result.traction[1:-1]
+    u[layout.shift] = result.offset / result.problem.contact_radius
+    u[layout.ln_a] = log(a)
+    u[layout.xi] = 0.0 if equations.static else result.creepage
     return equations, equations.state(u, equations.geometry(a))
 
 
@@ -97,7 +97,7 @@ def _slip_and_friction(
     recomputed_xi, slip = equations.slip(state)
     # a creepage that is not prescribed is, without friction, that of vanishing friction
     is_vanishing = not mu and problem.creepage is None
-    slip = slip - (recomputed_xi if is_vanishing else state.u[equations.xi]) + xi
+    slip = slip - (recomputed_xi if is_vanishing else state.u[equations.layout.xi]) + xi
     prescribed = recomputed_xi if is_vanishing else problem.creepage
     ends, neighbours = [0, -1], [1, -2]
     zones_are_valid = (
