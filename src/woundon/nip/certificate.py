@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..contact.newton import SemismoothNewton
-from ..contact.refinement import FINAL_TOLERANCE, MeshSolution, error_estimate
+from ..contact.refinement import FINAL_TOLERANCE, MeshSolution, richardson_estimates
 from ..errors import RESOLUTION
 from ..results import ACCEPTED_RESIDUAL, Residuals, largest
 from .conditions import LARGEST_MESH, body_equilibrium, difference, friction_law, negative_pressure
@@ -265,17 +265,18 @@ def inconsistencies(meshes: Sequence[MeshSolution]) -> list[str]:
     estimate of the defect itself.  An error of an influence function leaves a defect that does not
     change with the mesh.
     """
-    history = [(mesh.size, consistency_defects(mesh.system, mesh.state)) for mesh in meshes]
+    history = [consistency_defects(mesh.system, mesh.state) for mesh in meshes]
+    values = np.array([list(defects.values()) for defects in history])
+    estimates = richardson_estimates([mesh.size for mesh in meshes], values)
     texts = []
-    for name, value in history[-1][1].items():
-        estimate = error_estimate(history, name)
-        largest_defect = largest([abs(defects[name]) for _, defects in history])
-        if abs(value) > max(
-            INCONSISTENT * estimate, MIN_REDUCTION * largest_defect, ACCEPTED_RESIDUAL
+    for name, defects, estimate in zip(history[-1], np.abs(values).T, estimates, strict=True):
+        defect = float(defects[-1])
+        if defect > max(
+            INCONSISTENT * estimate, MIN_REDUCTION * largest(defects), ACCEPTED_RESIDUAL
         ):
             texts.append(
-                f"{RESOLUTION}the condition {name} is violated by {abs(value):.2g}, "
-                f"{abs(value) / estimate:.2g} times its estimated discretisation error"
+                f"{RESOLUTION}the condition {name} is violated by {defect:.2g}, "
+                f"{defect / estimate:.2g} times its estimated discretisation error"
             )
     return texts
 

@@ -24,7 +24,7 @@ import numpy as np
 from scipy.linalg import lu_factor, lu_solve
 
 from ..contact.newton import friction_residual, system_matrix
-from ..contact.refinement import CHANGES, MeshSolution, error_estimate
+from ..contact.refinement import CHANGES, MeshSolution, richardson_estimates
 from ..elasticity.mesh import Face
 from ..errors import InvalidProblem, did_you_mean
 from ..parallel import one_thread
@@ -116,33 +116,29 @@ def contact_sensitivity(
             raise InvalidProblem.at(name, excluded[name])
     names = parameters or tuple(name for name in known if name not in excluded)
     linearised = [_Linearisation(mesh, problem, outputs) for mesh in meshes[-CHANGES - 1 :]]
+    ends = np.cumsum([each.conditions for each in linearised])[:-1]
+
+    def all_conditions(changed: Any) -> Array:
+        """Return the conditions of a problem on all meshes: its bodies are tabulated once."""
+        return np.concatenate([each.perturbed(changed, each.frictions) for each in linearised])
+
     for name in names:
-
-        def perturbed(changed: Any) -> Array:
-            """Return the conditions of a problem on all meshes: its bodies are tabulated once."""
-            return np.concatenate([each.perturbed(changed, each.frictions) for each in linearised])
-
-        columns = _central_difference(perturbed, problem, name, known[name])
-        ends = np.cumsum([each.conditions for each in linearised])[:-1]
+        columns = _central_difference(all_conditions, problem, name, known[name])
         for each, column in zip(linearised, np.split(columns, ends), strict=True):
-            each.by_input[name] = column
-    history = [(each.mesh.size, each.derivatives()) for each in linearised]
-    errors = {key: error_estimate(history, key) for key in history[-1][1]}
-    shape = len(outputs), len(names)
-    keys = [f"{output}/{name}" for output in outputs for name in names]
+            each.by_input.append(column)
+    derivatives = [each.derivatives() for each in linearised]
+    values = [
+        meshes[-1].outputs[name] if name in meshes[-1].outputs else value_of(result, name)
+        for name in outputs
+    ]
     return Sensitivity(
         outputs,
         names,
-        np.array([history[-1][1][key] for key in keys]).reshape(shape),
-        np.array(
-            [
-                meshes[-1].outputs[name] if name in meshes[-1].outputs else value_of(result, name)
-                for name in outputs
-            ]
-        ),
+        derivatives[-1],
+        np.array(values),
         np.array([known[name] for name in names]),
         near_zone_change(meshes[-1]),
-        np.array([errors[key] for key in keys]).reshape(shape),
+        richardson_estimates([each.mesh.size for each in linearised], derivatives),
     )
 
 
@@ -158,7 +154,7 @@ class _Linearisation:
         self.has_air = getattr(problem, "air", None) is not None
         dry = mesh.system.problem
         self.frictions = (dry.roll_friction, dry.friction_on_wrap) if self.has_air else ()
-        self.by_input: dict[str, Array] = {}  # derivatives of the conditions at the same u
+        self.by_input: list[Array] = []  # derivatives of the conditions by each input, at same u
         self.conditions = self.size + len(self.frictions) + len(outputs)
         self.surfaces: dict[Any, Any] = {}
         self.system = self._system(dry)
@@ -201,22 +197,16 @@ class _Linearisation:
         dry = problem.without_air(*frictions) if self.has_air else problem
         return self._conditions(self._system(dry), self.u, problem)
 
-    def derivatives(self) -> dict[str, float]:
-        """Return the total derivatives of the outputs by "output/parameter"."""
-        total = np.array([self._with_solution(column) for column in self.by_input.values()])
+    def derivatives(self) -> Array:
+        """Return the total derivatives of the outputs by the inputs, (outputs, inputs)."""
+        total = np.array([self._with_solution(column) for column in self.by_input])
         if self.has_air:
             by_friction = np.array([self._with_solution(column) for column in self._by_friction()])
             film = slice(self.size, self.size + len(self.frictions))
             unit = np.eye(len(self.frictions))
             df = np.linalg.solve(unit - by_friction[:, film].T, total[:, film].T)
             total += df.T @ by_friction
-        return {
-            f"{output}/{name}": value
-            for name, row in zip(
-                self.by_input, total[:, -len(self.outputs) :].tolist(), strict=True
-            )
-            for output, value in zip(self.outputs, row, strict=True)
-        }
+        return total[:, -len(self.outputs) :].T
 
     def _by_friction(self) -> list[Array]:
         """Return the derivatives of the conditions by the frictions that the film leaves."""

@@ -19,7 +19,14 @@ import numpy as np
 
 from ..arguments import Option, check_type, nodes_or_rtol, tolerance, whole_number
 from ..contact.newton import NewtonFailed
-from ..contact.refinement import FIRST_SIZES, REPORTED, MeshSolution, Refinement, refine
+from ..contact.refinement import (
+    FIRST_SIZES,
+    REPORTED,
+    MeshSolution,
+    Refinement,
+    Tolerances,
+    refine,
+)
 from ..errors import RESOLUTION, InvalidProblem, NoSteadyState, NotConverged
 from ..parallel import one_thread
 from ..problems.bodies import half_width_guess
@@ -149,12 +156,12 @@ def _refined(
     """Solve on a sequence of meshes until the error estimates meet their tolerance."""
     default = RTOL if problem.linear else RTOL_NONLINEAR
     max_nodes = MOST_NODES if problem.linear else MOST_NODES_NONLINEAR
-    criterion = _criterion(problem, rtol or default)
+    tolerances = _tolerances(problem, rtol or default)
     try:
         refinement = refine(
             lambda size: NipSystem(problem, size),
             nodes=nodes,
-            criterion=criterion,
+            tolerances=tolerances,
             most_nodes=MOST_NODES_RTOL if rtol else max_nodes,
             start=getattr(start, "refinement", None),
             check=lambda mesh: _check_taut(problem, mesh, CERTAINLY_SLACK),
@@ -173,12 +180,8 @@ def _refined(
     _check_taut(problem, refinement.last)
     _check_pressed(problem, refinement.last)
     result = result_of(problem, refinement).checked()
-    ratio = (
-        nan
-        if nodes
-        else criterion(refinement.last.main_outputs, refinement.errors(of="main_outputs"))
-    )
-    if rtol is not None and not ratio <= 1:
+    ratio = 0.0 if nodes else max(refinement.ratios(tolerances).values())
+    if rtol is not None and ratio > 1:
         text = f"rtol = {rtol:g} is not reached with {result.nodes} nodes"
         raise NotConverged(f"{text}: the estimated error is {ratio:.2g} times as large", result)
     if ratio > 1:
@@ -234,20 +237,16 @@ def check_options(*, nodes: Any = None, rtol: Any = None, errors: Any = True) ->
     check_type("errors", errors, bool)
 
 
-def _criterion(
-    problem: Any, rtol: float
-) -> Callable[[Mapping[str, float], Mapping[str, float]], float]:
-    """Return the ratio of the error estimates and their tolerances."""
+def _tolerances(problem: NipProblem, rtol: float) -> Tolerances:
+    """Return the function that returns the permitted errors [N/m] of both tensions."""
     floor = LEAST_TENSION * problem.roll_friction * problem.nip_load
+    relative = {"wound_on_tension": rtol, "nip_induced_tension": TENSION_RATIO * rtol}
 
-    def ratio(outputs: Mapping[str, float], errors: Mapping[str, float]) -> float:
-        """Return the larger of the ratios for the wound-on and the nip-induced tension."""
-        WOT, NIT = outputs["wound_on_tension"], outputs["nip_induced_tension"]
-        WOT_ratio = errors["wound_on_tension"] / (rtol * max(abs(WOT), floor))
-        NIT_ratio = errors["nip_induced_tension"] / (TENSION_RATIO * rtol * max(abs(NIT), floor))
-        return max(WOT_ratio, NIT_ratio)
+    def tolerances(outputs: Mapping[str, float]) -> dict[str, float]:
+        """Return the permitted errors of given outputs."""
+        return {name: r * max(abs(outputs[name]), floor) for name, r in relative.items()}
 
-    return ratio
+    return tolerances
 
 
 def _outside_model(problem: Any) -> str:
