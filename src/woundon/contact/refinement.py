@@ -36,8 +36,8 @@ __all__ = [
     "FIRST_SIZES",
     "MeshSolution",
     "Refinement",
-    "richardson_estimates",
     "refine",
+    "richardson_estimates",
 ]
 
 Array = np.ndarray

@@ -34,7 +34,7 @@ from .outputs import (
 )
 
 if TYPE_CHECKING:
-    from .equations import Fields, NipEquations, NipState
+    from .equations import NipEquations, NipState
 
 __all__ = [
     "certificate",
@@ -43,7 +43,7 @@ __all__ = [
     "equations_of",
     "inconsistencies",
     "recomputed",
-    "solutions",
+    "recomputed_solution",
     "state_of",
 ]
 
@@ -109,16 +109,13 @@ def certificate(result: Any, equations: NipEquations) -> Residuals:
         state = state_of(result, equations)
     except ValueError:
         return Residuals(mesh=inf)
-    layout, f = equations.layout, state.fields
-    zones = np.concatenate(
-        [result.roll_zone[layout.roll_nodes], result.drum_zone[layout.drum_nodes]]
-    )
+    f = state.fields
+    zones = _zones_of_tractions(result, equations)
     # the arrays that follow from the unknowns of the result
     expected = web_arrays(equations, state, zones.astype(np.int8))
     conditions = _equations_and_friction(result, equations, state, expected, zones)
     conditions |= _reported_arrays(result, equations, state, expected)
     conditions |= _wrap_conditions(result, equations, state, expected)
-    conditions |= _surface_loads(result, f, expected)
     surfaces = f.geometry.roll.surface, f.geometry.drum.surface
     conditions |= body_equilibrium(problem, surfaces, (f.on_roll, f.on_drum))
     if (result.air is None) != (result.problem.air is None):
@@ -128,7 +125,18 @@ def certificate(result: Any, equations: NipEquations) -> Residuals:
     return Residuals(**conditions)
 
 
+def _zones_of_tractions(result: Any, equations: NipEquations) -> Array:
+    """Return the zones of the traction nodes, (k,), roll then drum."""
+    layout = equations.layout
+    return np.append(result.roll_zone[layout.roll_nodes], result.drum_zone[layout.drum_nodes])
+
+
 Arrays = Mapping[str, Array]
+
+
+def _difference(result: Any, expected: Arrays, *names: str) -> float:
+    """Return the largest difference of the named arrays of a result from the expected ones."""
+    return largest([difference(getattr(result, name), expected[name]) for name in names])
 
 
 def _equations_and_friction(
@@ -145,15 +153,12 @@ def _equations_and_friction(
     gap = np.abs(state.equilibrium[: cells.size]) * cells / cells.max()
     slip = np.sign(state.slip) * np.maximum(np.abs(state.slip * slope_scale) - rounding, 0.0)
     unit = np.full(zones.size, float(np.abs(state.bound).max()))
-    differences = [
-        difference(getattr(result, name), expected[name]) for name in ("roll_slip", "drum_slip")
-    ]
+    slip_difference = _difference(result, expected, "roll_slip", "drum_slip")
     return {
         "gap_slope": largest(gap),
         "positive_pressure": negative_pressure(f.p_roll, f.p_drum),
         **friction_law(zones, state.traction, slip, state.bound, unit=unit, slip_scale=slope_scale),
-        "slip_velocity": largest([max(value - rounding, 0.0) for value in differences])
-        / slope_scale,
+        "slip_velocity": max(slip_difference - rounding, 0.0) / slope_scale,
         "winding_force": abs(float(state.equilibrium[-2])),
         "load": abs(float(state.equilibrium[-1])),
     }
@@ -162,18 +167,25 @@ def _equations_and_friction(
 def _reported_arrays(
     result: Any, equations: NipEquations, state: NipState, expected: Arrays
 ) -> dict[str, float]:
-    """Return the differences of the reported arrays from the expected ones."""
+    """Return the differences of the reported arrays from the expected ones.
+
+    Pressures and tractions are relative to the largest pressure, tensions to the load, positions to
+    the extent of the mesh.
+    """
     f, P = state.fields, equations.problem.nip_load
+    peak = float(np.abs(f.p_drum).max())
     # the rounding error of large tensions is accepted
     tension_scale = P + ROUNDING * float(np.abs(f.tension).max()) / ACCEPTED_RESIDUAL
     extent = result.half_width * float(np.abs(f.geometry.mesh.nodes).max())
-    positions = [difference(getattr(result, name), expected[name]) for name in ("x", "slip_x")]
-    strain = difference(result.roll_strain, expected["roll_strain"])
+    pressures = _difference(result, expected, "drum_pressure", "roll_pressure", "hoop_pressure")
+    tractions = _difference(result, expected, "roll_traction", "drum_traction")
     return {
-        "tension": difference(result.tension, f.tension) / tension_scale,
+        "tension": _difference(result, expected, "tension") / tension_scale,
         "zones": 0.0 if _are_zones_valid(result, expected) else inf,
-        "mesh": max(positions) / extent,
-        "roll_strain": strain / equations.slope_scale,
+        "mesh": _difference(result, expected, "x", "slip_x") / extent,
+        "roll_strain": _difference(result, expected, "roll_strain") / equations.slope_scale,
+        "normal_equilibrium": pressures / peak,
+        "free_surface": tractions / peak,
     }
 
 
@@ -183,7 +195,7 @@ def _wrap_conditions(
     """Return the residual of the normal equilibrium on the wraps, and that of the curvature."""
     problem, layout, f = equations.problem, equations.layout, state.fields
     if not problem.is_wrapped:
-        return {"curvature": difference(result.curvature, expected["curvature"])}
+        return {"curvature": _difference(result, expected, "curvature")}
     # nodal forces and changes of slope over a cell instead of pressures and curvatures: on short
     # cells curvatures are differences of nearly equal slopes
     lengths = f.geometry.a * f.geometry.mesh.weights
@@ -196,25 +208,6 @@ def _wrap_conditions(
     return {
         "hoop_pressure": largest(forces) / problem.nip_load,
         "curvature": turn / equations.slope_scale,
-    }
-
-
-def _surface_loads(result: Any, f: Fields, expected: Arrays) -> dict[str, float]:
-    """Return the differences of pressures and tractions from those of the state."""
-    pressures = {
-        "drum_pressure": f.p_drum,
-        "roll_pressure": f.p_roll,
-        "hoop_pressure": expected["hoop_pressure"],
-    }
-    tractions = {"roll_traction": f.q_roll, "drum_traction": f.q_drum}
-    peak = float(np.abs(f.p_drum).max())
-
-    def largest_difference(arrays: Arrays) -> float:
-        return max(difference(getattr(result, name), value) for name, value in arrays.items())
-
-    return {
-        "normal_equilibrium": largest_difference(pressures) / peak,
-        "free_surface": largest_difference(tractions) / peak,
     }
 
 
@@ -300,16 +293,9 @@ def recomputed(result: Any) -> dict[str, tuple[float, float]]:
     return values
 
 
-def solutions(result: Any) -> list[MeshSolution]:
-    """Return the solutions on all meshes of a result; for a loaded result only on the last."""
-    if result.refinement is not None:
-        meshes: list[MeshSolution] = result.refinement.meshes
-        return meshes
+def recomputed_solution(result: Any) -> MeshSolution:
+    """Return the solution on the last mesh from the arrays of a result."""
     equations = equations_of(result)
-    layout = equations.layout
-    active = np.concatenate(
-        [result.roll_zone[layout.roll_nodes], result.drum_zone[layout.drum_nodes]]
-    )
-    state = state_of(result, equations)
-    solver = SemismoothNewton(equations)
-    return [MeshSolution(result.nodes, equations, state, active.astype(np.int8), solver)]
+    active = _zones_of_tractions(result, equations).astype(np.int8)
+    state, solver = state_of(result, equations), SemismoothNewton(equations)
+    return MeshSolution(result.nodes, equations, state, active, solver)

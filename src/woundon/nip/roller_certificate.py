@@ -19,7 +19,7 @@ from .conditions import LARGEST_MESH, body_equilibrium, friction_law, integral, 
 from .energy import dissipation, roller_power_balance, work_on_rollers
 from .rollers import RollerEquations, RollerState
 
-__all__ = ["certificate", "consistency", "solutions", "state_of"]
+__all__ = ["certificate", "consistency", "recomputed_solution", "state_of"]
 
 Array = np.ndarray
 
@@ -148,13 +148,10 @@ def consistency(result: Any) -> Residuals:
     return Residuals(power_balance=roller_power_balance(result, work_on_rollers(state)))
 
 
-def solutions(result: Any) -> list[MeshSolution]:
-    """Return the solutions on all meshes of a result; for a loaded result only on the last."""
-    if result.refinement is not None:
-        meshes: list[MeshSolution] = result.refinement.meshes
-        return meshes
+def recomputed_solution(result: Any) -> MeshSolution:
+    """Return the solution on the last mesh from the arrays of a result."""
     recomputed = state_of(result)
     assert recomputed is not None  # a loaded result is verified
     equations, state = recomputed
-    solver = SemismoothNewton(equations)
-    return [MeshSolution(result.nodes, equations, state, result.zone[1:-1].astype(np.int8), solver)]
+    active, solver = result.zone[1:-1].astype(np.int8), SemismoothNewton(equations)
+    return MeshSolution(result.nodes, equations, state, active, solver)

@@ -8,8 +8,8 @@ R(u, theta) = 0, so that
 for any output Q(u, theta), J = dR/du.  Differences of R and Q by an input at the same u, and along
 du/dtheta at the same inputs, are central, with an error of the square of the step.  J is factorised
 once for all inputs.  The friction f of a nip with air is F(u, theta) of its air film
-(:mod:`.solve_air`), so that df/dtheta = dF/dtheta + dF/du du/dtheta.  The derivatives on the last
-three meshes give the error estimates.
+(:func:`.solve.solve_with_film`), so that df/dtheta = dF/dtheta + dF/du du/dtheta.  The derivatives
+on the last three meshes give the error estimates.
 
 The active set is kept: where a node is about to change its zone, derivatives to both sides differ,
 and slip lengths have a kink.
@@ -17,7 +17,7 @@ and slip lengths have a kink.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -74,10 +74,9 @@ def _list_items(problem: Any) -> dict[str, float]:
 def contact_sensitivity(
     result: Any,
     meshes: list[MeshSolution],
-    parameters: tuple[str, ...] = (),
-    outputs: tuple[str, ...] = (),
-    default: Iterable[str] = (),
-    excluded: Mapping[str, str] | None = None,
+    parameters: tuple[str, ...],
+    outputs: tuple[str, ...],
+    excluded: Mapping[str, str],
 ) -> Sensitivity:
     """Return derivatives of the outputs of a contact.
 
@@ -89,8 +88,7 @@ def contact_sensitivity(
     parameters : tuple of str
         Dotted names; all continuous fields, without the items of lists, if empty.
     outputs : tuple of str
-        Names; ``default`` if empty.
-    default : iterable of str
+        Names.
     excluded : mapping
         Fields without a derivative, with the reason.
 
@@ -99,14 +97,13 @@ def contact_sensitivity(
     InvalidProblem
         For a name that is not a continuous field or not an output, and for excluded fields.
     """
-    problem, known, excluded = result.problem, continuous_fields(result.problem), excluded or {}
+    problem, known = result.problem, continuous_fields(result.problem)
     has_air = getattr(problem, "air", None) is not None
     available = (*meshes[-1].outputs, *(air_outputs() if has_air else ()))
     for name in outputs:
         if name not in available:
             text = f"no derivative of {name!r} is available{did_you_mean(name, available)}"
             raise InvalidProblem.at("outputs", text)
-    outputs = outputs or tuple(default)
     if not known.keys() >= set(parameters):
         known |= _list_items(problem)
     for name in parameters:

@@ -5,7 +5,8 @@ wound-on tension WOT and of the nip-induced tension NIT satisfy
 
     e(WOT) <= rtol max(|WOT|, T_0),    e(NIT) <= 20 rtol max(|NIT|, T_0),    T_0 = 0.01 mu+ P.
 
-The result of the last mesh is returned with its certificate, if all conditions are satisfied.
+The result of the last mesh is returned with its certificate, if all conditions are satisfied.  A
+nip with entrained air is solved with the friction coefficients that its air film leaves.
 """
 
 from __future__ import annotations
@@ -34,12 +35,11 @@ from ..problems.nip import NipProblem
 from ..results import ACCEPTED_RESIDUAL, Residuals, measured
 from ..validity import far_outside
 from .certificate import certificate, inconsistencies
-from .entrained_air import AirFilm, air_warnings
+from .entrained_air import AirFilm, air_film, air_warnings
 from .equations import NipEquations
 from .load_limit import bending_text, check_load
 from .outputs import SLIP_RATIOS, NipSystem, error_estimates, web_arrays
 from .result import NipResult
-from .solve_air import solve_with_air
 from .validity import nip_warnings, web_far_outside
 
 __all__ = ["check_options", "solve_nip", "solve_with_film"]
@@ -72,6 +72,10 @@ LONG_WRAP = 4.0
 # Shortest roll wrap that is solved, from the trailing edge, in half widths: the hoop pressure on a
 # shorter one changes within less than its length T C (docs/theory/wraps.md).
 SHORTEST_WRAP = 0.02
+# Iterations for the friction that an air film leaves, those after which the mesh is fixed, because
+# a mesh that depends on the friction may alternate, and the relative change of the last one, below
+# the accepted residual of 1e-8.
+MAX_FILM_ITERATIONS, FREE_ITERATIONS, FRICTION_TOLERANCE = 30, 5, 1e-10
 
 
 @one_thread
@@ -122,25 +126,62 @@ def solve_nip(
     if start is not None:
         check_type("start", start, NipResult)
     solve = _solve if problem.air is None else solve_with_film
-    options = {"nodes": nodes, "rtol": rtol, "errors": errors, "progress": progress}
+    options: dict[str, Any] = {"nodes": nodes, "rtol": rtol, "errors": errors, "progress": progress}
     return solve(problem, start=start, **options).warned()
 
 
-def solve_with_film(problem: NipProblem, **options: Any) -> NipResult:
+def solve_with_film(
+    problem: NipProblem,
+    *,
+    frictions: tuple[float, float] | None = None,
+    tolerance: float = FRICTION_TOLERANCE,
+    **options: Any,
+) -> NipResult:
     """Solve a nip with entrained air, and return its result without issuing the warnings.
+
+    The friction coefficients f that the air film leaves are found by a fixed-point iteration:
+
+        nip without air, friction f --> pressure at the inlet edge, K sqrt(s) --> film
+                  ^                                                                 |
+                  +------- f in the nip and on the wrap, by film over roughness <---+
+
+    The film is thin relative to the deformation of the surfaces and does not change the pressure.
+    K depends weakly on friction, so that two or three iterations suffice.
 
     Parameters
     ----------
     problem : NipProblem
         With air.
+    frictions : (float, float), optional
+        Initial guess, in the nip and on the roll wrap; by default those without air.
+    tolerance : float
+        Relative change of the friction coefficients in the last iteration.
     options
-        Of :func:`solve_nip`, and ``frictions`` and ``tolerance`` of
-        :func:`~woundon.nip.solve_air.solve_with_air`.
+        Of :func:`solve_nip`.
+
+    Raises
+    ------
+    NotConverged
+        If the friction coefficients do not converge.
     """
-    solved, film = solve_with_air(problem, _solve, **options)
-    result = result_of(problem, solved.refinement, film).checked()
-    dry_warnings = [text for text in solved.warnings if text not in result.warnings]
-    return result.replace(warnings=(*result.warnings, *dry_warnings))
+    frictions = frictions or (problem.roll_friction, problem.friction_on_wrap)
+    largest_mesh, chooses_nodes = 0, options.get("nodes") is None and options.get("rtol") is None
+    for iteration in range(MAX_FILM_ITERATIONS):
+        if chooses_nodes and iteration >= FREE_ITERATIONS:
+            options["nodes"] = largest_mesh
+        solved = _solve(problem.without_air(*frictions), **options)
+        nip = solved.in_nip
+        if iteration:
+            largest_mesh = max(largest_mesh, solved.nodes)
+        film = air_film(problem, solved.x[nip], solved.roll_pressure[nip], solved.half_width)
+        reduced = film.roll_friction, film.wrap_friction
+        if np.allclose(reduced, frictions, rtol=tolerance, atol=0):
+            result = result_of(problem, solved.refinement, film).checked()
+            dry_warnings = [text for text in solved.warnings if text not in result.warnings]
+            return result.replace(warnings=(*result.warnings, *dry_warnings))
+        frictions = reduced
+    text = f"air film and friction do not converge in {MAX_FILM_ITERATIONS} iterations"
+    raise NotConverged(text, None)
 
 
 def _solve(problem: NipProblem, *, start: NipResult | None = None, **options: Any) -> NipResult:

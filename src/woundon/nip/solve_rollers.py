@@ -29,8 +29,8 @@ from .conditions import LARGEST_MESH
 from .load_limit import bending_text, check_load
 from .roller_certificate import certificate, consistency
 from .roller_result import RollerResult
-from .roller_validity import roller_warnings
 from .rollers import RollerEquations
+from .validity import roller_warnings
 from .zones import LEAST_OFFSET_ERROR, cusp_excess
 
 __all__ = ["check_options", "solve_rollers"]
