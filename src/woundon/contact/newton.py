@@ -157,8 +157,10 @@ class SemismoothNewton:
         self.jacobian_is_current = False  # True if the last step had the Jacobian of its state
         self.linear: _LinearSystem | None = neighbour.linear if neighbour else None
 
+    # a diverging iterate may overflow; it is rejected by its residual or its step
+    @np.errstate(over="ignore", invalid="ignore", divide="ignore")
     def solve(self, u: Array, active: Array, tolerance: float) -> tuple[Any, Array]:
-        """Return the solution and its active set.
+        """Return the solution and its active set, by Newton steps and updates of the active set.
 
         Parameters
         ----------
@@ -174,12 +176,6 @@ class SemismoothNewton:
         ------
         NewtonFailed
         """
-        # a diverging iterate may overflow; it is rejected by its residual or its step
-        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            return self._iterate(u, active, tolerance)
-
-    def _iterate(self, u: Array, active: Array, tolerance: float) -> tuple[Any, Array]:
-        """Alternate between Newton steps and updates of the active set; see :meth:`solve`."""
         visits: dict[bytes, int] = {}
         self.size, violated = np.inf, np.ones(active.size, dtype=bool)
         coefficients = COEFFICIENTS * tolerance

@@ -93,14 +93,12 @@ class MeshSolution:
     @cached_property
     def main_outputs(self) -> Mapping[str, float]:
         """The outputs that decide where the refinement ends."""
-        outputs: Mapping[str, float] = self.system.main_outputs(self.state)
-        return outputs
+        return dict(self.system.main_outputs(self.state))
 
     @cached_property
     def outputs(self) -> Mapping[str, float]:
         """All outputs whose error is estimated."""
-        outputs: Mapping[str, float] = self.system.outputs(self.state, self.active)
-        return outputs
+        return dict(self.system.outputs(self.state, self.active))
 
 
 @dataclass

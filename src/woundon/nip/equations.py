@@ -198,8 +198,8 @@ class NipEquations(ContactEquations):
         """Evaluate pressures, tractions, tension and the deformation of both bodies."""
         layout, a, mesh = self.layout, g.a, g.mesh
         p_roll, p_drum, q_roll, q_drum = np.zeros((4, layout.end + 1))
-        p_drum[layout.p_nodes[layout.drum_p]] = u[layout.drum_p]
-        p_roll[layout.p_nodes[layout.wrap_p]] = u[layout.wrap_p]
+        p_drum[layout.drum_p_nodes] = u[layout.drum_p]
+        p_roll[layout.wrap_p_nodes] = u[layout.wrap_p]
         q_roll[layout.roll_nodes], q_drum[layout.drum_nodes] = u[layout.roll_q], u[layout.drum_q]
         q = q_roll + q_drum
         transfer = np.cumsum(mesh.weights * q)
@@ -330,7 +330,12 @@ class NipEquations(ContactEquations):
 
 
 class _Assembly:
-    """Assembly of the Jacobian at a state, block by block.
+    """Assembly of the Jacobian at a state, block by block (table in the docstring of the module).
+
+    Rows of a block are equations, columns all ``size`` unknowns; each method returns its block in
+    the units of its equation.  Blocks are assembled from the derivatives by the nodal loads of a
+    face: the columns of p- and q+- are copied to those of their unknowns, and p+ is eliminated by
+    dp+/du.
 
     Attributes
     ----------
@@ -356,17 +361,17 @@ class _Assembly:
         self.dp_roll = self._derivative_of_p_roll()
 
     def jacobian(self) -> Jacobian:
-        """Assemble all blocks but the column by ln a."""
+        """Return all blocks, dimensionless; the column by ln a is zero."""
         layout, equations = self.layout, self.equations
         gap = self._gap_slope_rows() / equations.slope_scale
         wraps = [rows / equations.pressure_scale for rows in self._wrap_rows()]
+        equilibrium = np.concatenate([gap, *wraps, self._force_and_load_rows()])
         slip = self._slip_rows() / equations.slope_scale
-        bound = np.zeros((layout.q.stop - layout.q.start, layout.size))
-        k = layout.roll_nodes.size
-        bound[:k] = self.dp_roll[1:-1]
-        bound[k + np.arange(layout.drum_nodes.size), layout.drum_nodes - layout.p_nodes[0]] = 1.0
-        rows = np.concatenate([gap, *wraps, self._force_and_load_rows()])
-        return Jacobian(rows, slip, bound / equations.pressure_scale)
+        # the friction bound of a node is its pressure, p+ on the roll and p- on the drum
+        on_drum = np.zeros((layout.drum_nodes.size, layout.size))
+        on_drum[np.arange(len(on_drum)), layout.drum_nodes - layout.p_nodes[0]] = 1.0
+        bound = np.concatenate([self.dp_roll[1:-1], on_drum]) / equations.pressure_scale
+        return Jacobian(equilibrium, slip, bound)
 
     def _derivative_of_p_roll(self) -> Array:
         """Return dp+/du at the nodes of the roll's face.
@@ -374,25 +379,32 @@ class _Assembly:
         In the nip p+ = p- + T kappa, without a roll wrap p+ = p-; on the roll wrap p+ is an
         unknown.  Row 0 is zero: p+ = 0 at the leading edge.
         """
-        layout, first_unknown = self.layout, self.layout.p_nodes[0]
-        first, last, end = layout.first, layout.last, layout.end
-        out = np.zeros((end + 1 - first, layout.size))
-        inner = np.arange(first + 1, last)
-        out[inner - first, inner - first_unknown] = 1.0
+        layout, first = self.layout, self.layout.first
+        out = np.zeros((layout.end + 1 - first, layout.size))
+        unknowns = np.nonzero(layout.p_nodes > first)[0]  # the pressures on the face of the roll
+        out[layout.p_nodes[unknowns] - first, unknowns] = 1.0
         if self.equations.roll_wrap:
             nodes = self.equations._hoop_nodes
-            rows = out[1 : last - first]
-            self._subtract_hoop(rows, nodes, self.fields.drum_curvature[nodes], self.kappa_drum)
-            wrap = np.arange(last, end + 1)
-            out[wrap - first, wrap - first_unknown] = 1.0
+            kappa = self.fields.drum_curvature[nodes]
+            self._subtract_hoop(out[1 : layout.last - first], nodes, kappa, self.kappa_drum)
         return out
 
     def _subtract_hoop(
         self, rows: Array, nodes: slice, kappa: Array, tangent: tuple[Array, Array] | None
     ) -> None:
-        """Subtract the derivatives of T kappa at ``nodes`` from rows, dT kappa + T dkappa.
+        """Subtract the derivatives of T kappa, dT kappa + T dkappa, from rows in place.
 
-        ``tangent`` holds the derivatives of kappa by p- and q-; None for a rigid body.
+        Parameters
+        ----------
+        rows : (m, size) array
+            One row for each of ``nodes``.
+        nodes : slice
+            m nodes of the mesh.
+        kappa : (m,) array
+            Curvature at these nodes [1/m].
+        tangent : pair of arrays, or None
+            Derivatives of the curvature of the drum by p- and by q- at the nodes of its face; None
+            if kappa does not depend on them.
         """
         layout = self.layout
         by_q = self.a * self.mesh.integral_to_nodes[nodes]
@@ -400,7 +412,7 @@ class _Assembly:
         rows[:, layout.drum_q] -= kappa[:, None] * by_q[:, layout.drum_nodes]
         if tangent is not None:
             T = self.fields.tension[nodes, None]
-            rows[:, layout.drum_p] -= T * tangent[0][nodes, layout.p_nodes[layout.drum_p]]
+            rows[:, layout.drum_p] -= T * tangent[0][nodes, layout.drum_p_nodes]
             rows[:, layout.drum_q] -= T * tangent[1][nodes, 1:-1]
 
     def _chain_p_roll(self, matrix: Array) -> Array:
@@ -431,7 +443,7 @@ class _Assembly:
         thickening = web.compliance.c12 * mesh.hats[nip]
         rows[:, layout.roll_q] += thickening[:, layout.roll_nodes] + self.roll.slope_q[:n, 1:-1]
         rows[:, layout.drum_q] += thickening[:, layout.drum_nodes] + self.drum.slope_q[nip, 1:-1]
-        rows[:, layout.drum_p] += self.drum.slope_p[nip, layout.p_nodes[layout.drum_p]]
+        rows[:, layout.drum_p] += self.drum.slope_p[nip, layout.drum_p_nodes]
         rows[:, layout.shift] = 1.0
         return rows
 
@@ -471,33 +483,31 @@ class _Assembly:
         return rows / problem.nip_load
 
     def _slip_rows(self) -> Array:
-        """Return the rows of the slip velocities, roll then drum.
+        """Return the rows of the slip velocities of the traction nodes, roll then drum.
 
-        The strain of the web, c11 (T - T(end))/2h - c12 p+, minus that of the roll, relative to the
-        end, or of the drum.
+        v+ = eps - eps+ - (eps - eps+)(end) and v- = eps - eps- + xi in the cell upstream of each
+        node, where the strain of the web is eps = c11 (T - T(end))/2h - c12 p+.
         """
         layout, mesh, web = self.layout, self.mesh, self.problem.web
+        c12 = web.compliance.c12
+        # the strain of the web in all cells: tension, and pressure in the cells of the roll's face
         stretch = mesh.integral_to_points - mesh.weights
         stretch *= self.a * web.compliance.c11 / web.thickness
-        on_roll, on_drum = slice(layout.first, layout.end - 1), slice(0, layout.last - 1)
-        n, m = layout.end - 1 - layout.first, layout.last - 1
-        # derivatives of -c12 p+ in the cells
-        pressure_strain = np.zeros((mesh.cells.size, layout.size))
-        fraction, c12 = mesh.fraction[layout.first :, None], web.compliance.c12
-        pressure_strain[layout.first :] = (c12 * (fraction - 1)) * self.dp_roll[:-1] - (
+        web_strain = np.zeros((mesh.cells.size, layout.size))
+        fraction = mesh.fraction[layout.first :, None]
+        web_strain[layout.first :] = (c12 * (fraction - 1)) * self.dp_roll[:-1] - (
             c12 * fraction
         ) * self.dp_roll[1:]
+        web_strain[:, layout.roll_q] += stretch[:, layout.roll_nodes]
+        web_strain[:, layout.drum_q] += stretch[:, layout.drum_nodes]
+        # both strains on the roll are relative to the end, where that of the web is -c12 p+
+        n, m = layout.roll_nodes.size, layout.drum_nodes.size
         strain_p, strain_q = (s[:n] - s[-1] for s in (self.roll.strain_p, self.roll.strain_q))
-        roll, drum = (
-            pressure_strain[on_roll] - self._chain_p_roll(strain_p),
-            pressure_strain[on_drum],
-        )
+        roll = web_strain[layout.first : layout.first + n] - self._chain_p_roll(strain_p)
         roll += c12 * self.dp_roll[-1]
-        for rows, cells in ((roll, on_roll), (drum, on_drum)):
-            rows[:, layout.roll_q] += stretch[cells, layout.first + 1 : layout.end]
-            rows[:, layout.drum_q] += stretch[cells, 1 : layout.last]
         roll[:, layout.roll_q] -= strain_q[:, 1:-1]
-        drum[:, layout.drum_p] -= self.drum.strain_p[:m, layout.p_nodes[layout.drum_p]]
+        drum = web_strain[:m].copy()
+        drum[:, layout.drum_p] -= self.drum.strain_p[:m, layout.drum_p_nodes]
         drum[:, layout.drum_q] -= self.drum.strain_q[:m, 1:-1]
         drum[:, layout.xi] = 1.0
         return np.concatenate([roll, drum])

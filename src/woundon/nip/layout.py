@@ -53,6 +53,8 @@ class Layout(Unknowns):
         Nodes of p, q+ and q-.
     drum_p, wrap_p : slices
         Indices in u of p- and, on the roll wrap, of p+.
+    drum_p_nodes, wrap_p_nodes : int arrays
+        Their nodes.
     roll_q, drum_q : slices
         Indices in u of q+ and q-.
     """
@@ -67,5 +69,6 @@ class Layout(Unknowns):
         super().__init__(self.p_nodes.size, self.roll_nodes.size + self.drum_nodes.size)
         self.drum_p = slice(0, self.last - start)
         self.wrap_p = slice(self.last - start, self.p.stop)
+        self.drum_p_nodes, self.wrap_p_nodes = self.p_nodes[self.drum_p], self.p_nodes[self.wrap_p]
         first_drum_q = self.q.start + self.roll_nodes.size
         self.roll_q, self.drum_q = slice(self.q.start, first_drum_q), slice(first_drum_q, self.size)

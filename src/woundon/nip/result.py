@@ -62,10 +62,7 @@ class ContactOutputs:
     @property
     def pressure_shift(
         self,
-    ) -> Annotated[
-        float,
-        length("e_p", "pressure resultant, downstream of the line of centres"),
-    ]:
+    ) -> Annotated[float, length("e_p", "pressure resultant, downstream of the line of centres")]:
         """Position of the pressure's resultant along +x, from the line of centres [m]."""
         result: Any = self
         if not result.problem.viscoelastic:
@@ -319,9 +316,7 @@ class NipResult(ContactOutputs, Result):
     # ---- tensions and wraps ----------------------------------------------------------------------
 
     @property
-    def wound_on_tension(
-        self,
-    ) -> Annotated[float, line_load("WOT", "wound-on tension")]:
+    def wound_on_tension(self) -> Annotated[float, line_load("WOT", "wound-on tension")]:
         """WOT, the tension at the end of the roll wrap, as a load cell reads it [N/m]."""
         return float(self.tension[-1])
 

@@ -15,7 +15,14 @@ import numpy as np
 from ..contact.newton import SemismoothNewton
 from ..contact.refinement import MeshSolution
 from ..results import Residuals, largest
-from .conditions import LARGEST_MESH, body_equilibrium, friction_law, integral, negative_pressure
+from .conditions import (
+    LARGEST_MESH,
+    body_equilibrium,
+    difference,
+    friction_law,
+    integral,
+    negative_pressure,
+)
 from .energy import dissipation, roller_power_balance, work_on_rollers
 from .rollers import RollerEquations, RollerState
 
@@ -62,6 +69,7 @@ def certificate(result: Any) -> Residuals:
     Q, prescribed = integral(q, result.x), problem.tangential_load or 0.0
     if not equations.is_force_given and problem.friction:
         prescribed = result.tangential_load
+    nodes, slip_points = a * equations.mesh.nodes, equations.slip_points(a)
     conditions = {
         "gap_slope": largest(np.abs(gap)) / slope_scale,
         "positive_pressure": negative_pressure(p) + largest(np.abs(p[[0, -1]])) / peak,
@@ -69,7 +77,7 @@ def certificate(result: Any) -> Residuals:
         "load": abs(integral(p, result.x) / problem.load - 1),
         "tangential_load": largest([abs(Q - prescribed), abs(Q - result.tangential_load)])
         / problem.load,
-        "mesh": _mesh_difference(result, equations),
+        "mesh": max(difference(result.x, nodes), difference(result.slip_x, slip_points)) / a,
         "approach": abs(result.approach / equations.approach(state) - 1),
     }
     surfaces = state.geometry.upper.surface, state.geometry.lower.surface
@@ -104,17 +112,11 @@ def _slip_and_friction(
         np.array_equal(result.zone[ends], result.zone[neighbours])
         and (np.abs(result.zone) <= 1).all()
     )
-    inner = slice(1, -1)
     unit = (mu or 1.0) * peak
+    inner = slice(1, -1)
+    zones, bound = result.zone[inner], mu * p[inner]
     conditions = {
-        **friction_law(
-            result.zone[inner],
-            q[inner],
-            slip[inner],
-            mu * p[inner],
-            unit=np.full(p.size - 2, unit),
-            slip_scale=scale,
-        ),
+        **friction_law(zones, q[inner], slip[inner], bound, unit=unit, slip_scale=scale),
         "zones": 0.0 if zones_are_valid else inf,
         "slip_velocity": largest(np.abs(result.slip - slip)) / scale,
         "creepage": 0.0 if prescribed is None else abs(xi - prescribed) / scale,
@@ -123,14 +125,6 @@ def _slip_and_friction(
     if not isnan(unused):  # the creepage of static, the displacement of rolling rollers
         conditions["creepage"] = inf
     return conditions
-
-
-def _mesh_difference(result: Any, equations: RollerEquations) -> float:
-    """Return the largest difference of nodes and slip points from those of the mesh, over a."""
-    a = result.half_width
-    nodes = np.abs(result.x - a * equations.mesh.nodes)
-    points = np.abs(result.slip_x - equations.slip_points(a))
-    return largest(np.append(nodes, points)) / a
 
 
 def consistency(result: Any) -> Residuals:
