@@ -204,10 +204,12 @@ class SemismoothNewton:
         )
 
     def _step(self, state: Any, active: Array) -> tuple[Array, float]:
-        """Return the Newton step and its size; a size of 0 if rounding prevents a smaller one.
+        """Return the Newton step, (m+k,), and its size in the units of the unknowns.
 
-        The latest factorisation is used as long as the active set hardly changes, and the step
-        shrinks if it is the same.
+        The latest factorisation is tried first: for the same active set, and near the solution for
+        one that differs in a few nodes.  If the set is the same and the step does not shrink as it
+        should, the iteration has stalled, and the system is factorised with a new Jacobian.  The
+        size is 0 if rounding prevents a smaller step even then.
         """
         residual = np.append(state.equilibrium, friction_residual(state, active))
         if not np.isfinite(residual).all():
@@ -320,7 +322,11 @@ class _LinearSystem:
         return bool(distance <= REASSEMBLE and np.sum(active != self.factored) <= few)
 
     def set_active(self, active: Array) -> None:
-        """Change the active set."""
+        """Change the active set by a low-rank update of the factorisation.
+
+        D are the changes of the rows of the friction law at the nodes where the set differs from
+        the factorised one.
+        """
         if np.array_equal(self.active, active):
             return
         self.active, nodes = active, np.nonzero(active != self.factored)[0]

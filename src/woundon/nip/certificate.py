@@ -20,7 +20,7 @@ from ..contact.refinement import FINAL_TOLERANCE, MeshSolution, richardson_estim
 from ..errors import RESOLUTION
 from ..results import ACCEPTED_RESIDUAL, Residuals, largest
 from .conditions import LARGEST_MESH, body_equilibrium, difference, friction_law, negative_pressure
-from .energy import power_balance, rolling_resistance
+from .energy import dissipation, power_balance, work_on_bodies
 from .entrained_air import air_conditions
 from .outputs import (
     ROUNDING,
@@ -202,8 +202,8 @@ def _wrap_conditions(
     # nodal forces and changes of slope over a cell instead of pressures and curvatures: on short
     # cells curvatures are differences of nearly equal slopes
     lengths = f.geometry.a * f.geometry.mesh.weights
-    upstream = lengths[: layout.first + 1] if problem.drum_wrap else lengths[:0]
-    downstream = lengths[layout.last :] if problem.roll_wrap else lengths[:0]
+    upstream = lengths[layout.drum_wrap_nodes] if problem.drum_wrap else lengths[:0]
+    downstream = lengths[layout.roll_wrap_nodes] if problem.roll_wrap else lengths[:0]
     forces = np.abs(state.equilibrium[layout.last - layout.first : -2])
     forces = forces * np.append(upstream, downstream) * equations.pressure_scale
     lengths = lengths if result.curvature.shape == lengths.shape else np.ones(())
@@ -278,8 +278,8 @@ def recomputed(result: Any) -> dict[str, tuple[float, float]]:
     }
     values |= {name: (ratios[name], 1e-8) for name in SLIP_RATIOS}
     if not isnan(result.rolling_resistance) or result.problem.viscoelastic:
-        dissipation = rolling_resistance(equations, state)
-        values["rolling_resistance"] = dissipation, 1e-7 * abs(dissipation)
+        resistance = dissipation(equations.problem, work_on_bodies(state))
+        values["rolling_resistance"] = resistance, 1e-7 * abs(resistance)
     return values
 
 

@@ -35,7 +35,6 @@ if TYPE_CHECKING:
     from ..elasticity.surface import Deformation
     from .contact_equations import Side
     from .equations import NipEquations, NipState
-    from .rollers import RollerState
 
 __all__ = [
     "BodyWork",
@@ -44,8 +43,7 @@ __all__ = [
     "power_balance",
     "pressure_resultant",
     "roller_power_balance",
-    "rolling_resistance",
-    "work_on_rollers",
+    "work_on_bodies",
 ]
 
 Array = np.ndarray
@@ -87,7 +85,19 @@ class BodyWork(NamedTuple):
 
 
 def body_work(side: Side, deformation: Deformation, p: Array, q: Array, a: float) -> BodyWork:
-    """Return the work of nodal pressures and tractions on a body."""
+    """Return the work of nodal pressures and tractions on a body, and the fields in its cells.
+
+    Parameters
+    ----------
+    side : Side
+        The body on its face of n nodes.
+    deformation : Deformation
+        Under these pressures and tractions.
+    p, q : (n,) arrays
+        [Pa].
+    a : float
+        Half width [m].
+    """
     face, lengths = side.face, a * side.face.cells
     slope, strain = deformation.slope[:-2], deformation.strain[:-2]
     p_cell, q_cell = (face.hats[:-2] @ part for part in (p, q))
@@ -99,8 +109,8 @@ def body_work(side: Side, deformation: Deformation, p: Array, q: Array, a: float
     return BodyWork(p_cell, q_cell, slope, lengths, curvature_work, work)
 
 
-def _work_on_bodies(state: NipState) -> tuple[BodyWork, BodyWork]:
-    """Return the work on both bodies."""
+def work_on_bodies(state: NipState) -> tuple[BodyWork, BodyWork]:
+    """Return the work on the roll and on the drum of a web nip."""
     f = state.fields
     a, _, roll, drum = f.geometry
     return body_work(roll, f.roll, *f.on_roll, a), body_work(drum, f.drum, *f.on_drum, a)
@@ -112,18 +122,13 @@ def dissipation(problem: Any, bodies: tuple[BodyWork, BodyWork]) -> float:
     return sum(work.work for body, work in pairs if body.viscoelastic)
 
 
-def rolling_resistance(equations: NipEquations, state: NipState) -> float:
-    """Return the dissipation of the viscoelastic bodies per length rolled and width [N/m]."""
-    return dissipation(equations.problem, _work_on_bodies(state))
-
-
 def power_balance(equations: NipEquations, state: NipState) -> float:
     """Return the signed defect of the balance of power, relative to P a/R*."""
     layout, f, problem = equations.layout, state.fields, equations.problem
     a, mesh = f.geometry.a, f.geometry.mesh
     web, first, last = problem.web, layout.first, layout.last
     c11, c12 = web.compliance.c11 / web.thickness, web.compliance.c12
-    roll, drum = _work_on_bodies(state)
+    roll, drum = work_on_bodies(state)
     slip_roll, slip_drum = equations.slip_velocities(state.u[layout.xi], f)
     tension = problem.web_tension + a * mesh.integral_to_points @ (f.q_roll + f.q_drum)
     # traction times strain of the web, less the friction work
@@ -143,17 +148,8 @@ def power_balance(equations: NipEquations, state: NipState) -> float:
     supplied += roll.p[nip] @ (roll.lengths[nip] * lever - thinning)
     supplied -= roll.curvature_work + drum.curvature_work
     # the work on an elastic body is zero; its discretisation error is part of the defect
-    dissipation = rolling_resistance(equations, state)
-    return float((dissipation - supplied) / (problem.nip_load * a / problem.contact_radius))
-
-
-def work_on_rollers(state: RollerState) -> tuple[BodyWork, BodyWork]:
-    """Return the work on the upper and on the lower roller."""
-    a, upper, lower = state.geometry
-    return (
-        body_work(upper, state.upper, state.p, state.q, a),
-        body_work(lower, state.lower, state.p, -state.q, a),
-    )
+    dissipated = dissipation(problem, (roll, drum))
+    return float((dissipated - supplied) / (problem.nip_load * a / problem.contact_radius))
 
 
 def roller_power_balance(result: Any, bodies: tuple[BodyWork, BodyWork]) -> float:

@@ -195,7 +195,11 @@ class NipEquations(ContactEquations):
         )
 
     def _fields(self, u: Array, g: Geometry) -> Fields:
-        """Evaluate pressures, tractions, tension and the deformation of both bodies."""
+        """Evaluate pressures, tractions, tension and the deformation of both bodies.
+
+        In this order: the unknowns at the nodes, the tension, the drum, p+ in the nip, which
+        depends on the curvature of the drum, and the roll.
+        """
         layout, a, mesh = self.layout, g.a, g.mesh
         p_roll, p_drum, q_roll, q_drum = np.zeros((4, layout.end + 1))
         p_drum[layout.drum_p_nodes] = u[layout.drum_p]
@@ -209,10 +213,11 @@ class NipEquations(ContactEquations):
         kappa_roll, kappa_drum = np.zeros(0), np.zeros(0)
         if self.roll_wrap or self.drum_wrap:
             kappa_drum = g.drum.curvature(drum.slope, *on_drum, a)
-        # in the nip p+ follows from p- and the curvature of the drum
-        nip = self._hoop_nodes
-        p_roll[layout.first + 1 : layout.last] = p_drum[layout.first + 1 : layout.last]
-        p_roll[nip] = p_drum[nip] - T[nip] * kappa_drum[nip]
+        # p+ in the nip; without a roll wrap the hoop pressure is neglected
+        inner = slice(layout.first + 1, layout.last)
+        p_roll[inner] = p_drum[inner]
+        if self.roll_wrap:
+            p_roll[inner] -= T[inner] * kappa_drum[inner]
         on_roll = p_roll[layout.first :], q_roll[layout.first :]
         roll = g.roll.surface.deform(*on_roll)
         if self.roll_wrap:
@@ -221,15 +226,11 @@ class NipEquations(ContactEquations):
             g, p_roll, p_drum, q_roll, q_drum, transfer, T, roll, drum, kappa_roll, kappa_drum
         )
 
-    @cached_property
-    def _hoop_nodes(self) -> slice:
-        """Inner nodes of the nip, where p+ = p- + T kappa; p+ is zero at the leading edge."""
-        if not self.roll_wrap:
-            return slice(0, 0)
-        return slice(self.layout.first + 1, self.layout.last)
-
     def _gap_slope(self, u: Array, f: Fields) -> Array:
-        """Return the residual of the gap slope in the cells of the nip."""
+        """Return the residual of the gap slope in the cells of the nip, dimensionless.
+
+        v+' + v-' + c12 (q+ + q-) - 2h F(p+)' + Delta/R* - x/R*
+        """
         (a, mesh, *_), web, nip = f.geometry, self.problem.web, f.geometry.mesh.nip_cells
         thinning, _ = web.thinned(f.p_roll[mesh.nip_nodes])
         gap = f.roll.slope[: mesh.last - mesh.first] + f.drum.slope[nip] + u[self.layout.shift]
@@ -240,18 +241,17 @@ class NipEquations(ContactEquations):
     def _normal_equilibrium(self, f: Fields) -> list[Array]:
         """Return the residual p+ - p- - T kappa of the normal equilibrium on the wraps.
 
-        One array for each wrap; one of the pressures is zero there.
+        One array for each wrap, drum first, at its nodes.  On the drum p+ is zero and kappa is
+        -kappa-; on the roll p- is zero and kappa is kappa+.
         """
-        layout, T, rows = self.layout, f.tension, []
+        layout, T, residuals = self.layout, f.tension, []
         if self.drum_wrap:
-            nodes = slice(0, layout.first + 1)
-            rows.append(
-                (f.p_drum[nodes] - T[nodes] * f.drum_curvature[nodes]) / self.pressure_scale
-            )
+            nodes = layout.drum_wrap_nodes
+            residuals.append(f.p_drum[nodes] - T[nodes] * f.drum_curvature[nodes])
         if self.roll_wrap:
-            nodes, kappa = slice(layout.last, None), f.roll_curvature[layout.last - layout.first :]
-            rows.append((f.p_roll[nodes] - T[nodes] * kappa) / self.pressure_scale)
-        return rows
+            nodes, kappa = layout.roll_wrap_nodes, f.roll_curvature[layout.last - layout.first :]
+            residuals.append(f.p_roll[nodes] - T[nodes] * kappa)
+        return [residual / self.pressure_scale for residual in residuals]
 
     def _force_and_load(self, u: Array, f: Fields) -> Array:
         """Return the residuals of the winding force and of the nip load, (2,).
@@ -384,9 +384,9 @@ class _Assembly:
         unknowns = np.nonzero(layout.p_nodes > first)[0]  # the pressures on the face of the roll
         out[layout.p_nodes[unknowns] - first, unknowns] = 1.0
         if self.equations.roll_wrap:
-            nodes = self.equations._hoop_nodes
-            kappa = self.fields.drum_curvature[nodes]
-            self._subtract_hoop(out[1 : layout.last - first], nodes, kappa, self.kappa_drum)
+            inner = slice(first + 1, layout.last)
+            kappa = self.fields.drum_curvature[inner]
+            self._subtract_hoop(out[1 : layout.last - first], inner, kappa, self.kappa_drum)
         return out
 
     def _subtract_hoop(
@@ -416,9 +416,17 @@ class _Assembly:
             rows[:, layout.drum_q] -= T * tangent[1][nodes, 1:-1]
 
     def _chain_p_roll(self, matrix: Array) -> Array:
-        """Return the derivatives by u from those by p+: matrix @ dp+/du (chain rule).
+        """Return the derivatives by u, matrix @ dp+/du (chain rule).
 
-        Without a roll wrap p+ = p- in the nip, so that columns are copied.
+        Parameters
+        ----------
+        matrix : (m, n) array
+            Derivatives by p+ at the n nodes of the roll's face.
+
+        Returns
+        -------
+        (m, size) array
+            Without a roll wrap p+ = p- in the nip, so that columns are copied.
         """
         layout, n = self.layout, self.layout.last - self.layout.first
         if self.equations.roll_wrap:
@@ -449,26 +457,20 @@ class _Assembly:
 
     def _wrap_rows(self) -> list[Array]:
         """Return the rows of the normal equilibrium p+ - p- - T kappa on the wraps."""
-        layout, equations, f, blocks = self.layout, self.equations, self.fields, []
-        if equations.drum_wrap:
-            nodes, k = slice(0, layout.first + 1), np.arange(layout.first + 1)
-            rows = np.zeros((k.size, layout.size))
-            rows[k, k] = 1.0
+        layout, f, blocks = self.layout, self.fields, []
+        if self.equations.drum_wrap:
+            nodes = layout.drum_wrap_nodes
+            rows = np.eye(nodes.stop, layout.size)  # dp-: the first unknowns
             self._subtract_hoop(rows, nodes, f.drum_curvature[nodes], self.kappa_drum)
             blocks.append(rows)
-        if equations.roll_wrap:
-            nodes, wrap = (
-                slice(layout.last, layout.end + 1),
-                slice(layout.last - layout.first, None),
-            )
-            k = np.arange(layout.end + 1 - layout.last)
-            rows = np.zeros((k.size, layout.size))
+        if self.equations.roll_wrap:
+            nodes, on_face = layout.roll_wrap_nodes, slice(layout.last - layout.first, None)
+            rows = np.eye(nodes.stop - nodes.start, layout.size, layout.wrap_p.start)  # dp+
             if self.kappa_roll is not None:
                 T = f.tension[nodes, None]
-                rows = self._chain_p_roll(-T * self.kappa_roll[0][wrap])
-                rows[:, layout.roll_q] -= T * self.kappa_roll[1][wrap, 1:-1]
-            rows[k, layout.wrap_p.start + k] += 1.0
-            self._subtract_hoop(rows, nodes, f.roll_curvature[wrap], None)
+                rows += self._chain_p_roll(-T * self.kappa_roll[0][on_face])
+                rows[:, layout.roll_q] -= T * self.kappa_roll[1][on_face, 1:-1]
+            self._subtract_hoop(rows, nodes, f.roll_curvature[on_face], None)
             blocks.append(rows)
         return blocks
 

@@ -49,6 +49,8 @@ class Layout(Unknowns):
     ----------
     first, last, end : int
         Nodes at the leading and trailing edge of the nip, and the last node.
+    drum_wrap_nodes, roll_wrap_nodes : slices
+        Nodes of the wraps, with the edge of the nip.
     p_nodes, roll_nodes, drum_nodes : int arrays
         Nodes of p, q+ and q-.
     drum_p, wrap_p : slices
@@ -61,6 +63,8 @@ class Layout(Unknowns):
 
     def __init__(self, mesh: Mesh, roll_wrap: bool, drum_wrap: bool) -> None:
         self.first, self.last, self.end = mesh.first, mesh.last, mesh.nodes.size - 1
+        self.drum_wrap_nodes = slice(0, self.first + 1)
+        self.roll_wrap_nodes = slice(self.last, self.end + 1)
         start = 0 if drum_wrap else self.first + 1
         stop = self.end + 1 if roll_wrap else self.last
         self.p_nodes = np.arange(start, stop)

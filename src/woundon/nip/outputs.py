@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from ..contact.refinement import Refinement
-from .energy import pressure_resultant, rolling_resistance
+from .energy import dissipation, pressure_resultant, work_on_bodies
 from .equations import Geometry, NipEquations, NipState
 from .zones import LEAST_OFFSET_ERROR, cusp_excess, has_traction_jump, slip_lengths
 
@@ -275,7 +275,7 @@ class NipSystem(NipEquations):
         if self.drum_wrap:
             out["drum_wrap_traction"] = float(T[layout.first] - T[0])
         if self.problem.viscoelastic:
-            out["rolling_resistance"] = rolling_resistance(self, state)
+            out["rolling_resistance"] = dissipation(self.problem, work_on_bodies(state))
             out["dissipated_power"] = self.problem.rolling_speed * out["rolling_resistance"]
             nip = mesh.nip_nodes
             _, position = pressure_resultant(a * mesh.nodes[nip], f.p_drum[nip])

@@ -23,8 +23,8 @@ from .conditions import (
     integral,
     negative_pressure,
 )
-from .energy import dissipation, roller_power_balance, work_on_rollers
-from .rollers import RollerEquations, RollerState
+from .energy import dissipation, roller_power_balance
+from .rollers import RollerEquations, RollerState, work_on_rollers
 
 __all__ = ["certificate", "consistency", "recomputed_solution", "state_of"]
 

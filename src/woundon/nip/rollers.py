@@ -53,11 +53,11 @@ from ..elasticity.surface import Deformation, SurfaceTangent
 from ..problems.bodies import half_width_guess
 from ..problems.rollers import RollerProblem
 from .contact_equations import ContactEquations, Side, nearest
-from .energy import dissipation, pressure_resultant, work_on_rollers
+from .energy import BodyWork, body_work, dissipation, pressure_resultant
 from .layout import Unknowns
 from .zones import slip_share
 
-__all__ = ["RollerEquations", "RollerState", "pressure_median"]
+__all__ = ["RollerEquations", "RollerState", "pressure_median", "work_on_rollers"]
 
 Array = np.ndarray
 
@@ -426,6 +426,15 @@ class RollerEquations(ContactEquations):
             u[new.q] = np.interp(x_new, x_old, state.q)
             zones = nearest(x_old[1:-1], active, x_new)
         return u, zones
+
+
+def work_on_rollers(state: RollerState) -> tuple[BodyWork, BodyWork]:
+    """Return the work on the upper and on the lower roller."""
+    a, upper, lower = state.geometry
+    return (
+        body_work(upper, state.upper, state.p, state.q, a),
+        body_work(lower, state.lower, state.p, -state.q, a),
+    )
 
 
 def pressure_median(values: Array, weights: Array) -> float:

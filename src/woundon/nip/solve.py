@@ -327,8 +327,8 @@ def _check_taut(problem: Any, mesh: MeshSolution, permitted: float = 0.0) -> Non
     equations: NipEquations = mesh.system
     layout, T, T_in = equations.layout, mesh.state.fields.tension, problem.web_tension
     for name, tension, wrapped in (
-        ("downstream", T[layout.last :], problem.roll_wrap > 0),
-        ("upstream", T[: layout.first + 1], problem.drum_wrap > 0),
+        ("downstream", T[layout.roll_wrap_nodes], problem.roll_wrap > 0),
+        ("upstream", T[layout.drum_wrap_nodes], problem.drum_wrap > 0),
     ):
         min_tension = float(tension.min())
         if wrapped and min_tension <= -permitted * float(np.abs(T).max()):
@@ -348,8 +348,8 @@ def _check_pressed(problem: Any, mesh: MeshSolution) -> None:
     """Raise where a body is deformed so that it is concave on its wrap: the web lifts off it."""
     layout, f = mesh.system.layout, mesh.state.fields
     for name, pressure, wrapped in (
-        ("roll", f.p_roll[layout.last :], problem.roll_wrap > 0),
-        ("drum", f.p_drum[: layout.first + 1], problem.drum_wrap > 0),
+        ("roll", f.p_roll[layout.roll_wrap_nodes], problem.roll_wrap > 0),
+        ("drum", f.p_drum[layout.drum_wrap_nodes], problem.drum_wrap > 0),
     ):
         min_pressure = float(pressure.min())
         if wrapped and min_pressure < -ACCEPTED_RESIDUAL * f.p_drum.max():
