@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import inf, isnan
+from math import isnan
 from typing import Any
 
 import numpy as np
@@ -15,42 +15,42 @@ from woundon.contact.newton import NewtonFailed
 from woundon.contact.refinement import (
     FIRST_SIZES,
     OTHER_SIZES,
-    error_estimate,
+    richardson_estimates,
     refine,
     sizes_up_to,
 )  # fmt: skip
 
 
-def history(f: Any, sizes: tuple[int, ...] = (20, 40, 80)) -> list[tuple[int, dict[str, float]]]:
-    return [(n, {"Q": f(n)}) for n in sizes]
+def estimated(f: Any, sizes: tuple[int, ...] = (20, 40, 80), order: int = 2) -> float:
+    return float(richardson_estimates(sizes, [f(n) for n in sizes], order))
 
 
 @pytest.mark.parametrize("sizes", [(20, 40, 80), (23, 41, 57), (13, 23, 41)])
 def test_of_second_order_the_estimate_is_three_times_the_error(sizes: tuple[int, ...]) -> None:
     """Q = 1 + c/n^2: Richardson's extrapolation is exact, times Roache's factor of safety."""
     c = -0.7
-    estimate = error_estimate(history(lambda n: 1 + c / n**2, sizes), "Q")
+    estimate = estimated(lambda n: 1 + c / n**2, sizes)
     assert estimate == pytest.approx(3 * abs(c) / sizes[-1] ** 2, rel=1e-12)
 
 
 def test_of_first_order_the_estimate_is_three_times_the_error() -> None:
-    estimate = error_estimate(history(lambda n: 1 - 0.7 / n), "Q", order=1)
+    estimate = estimated(lambda n: 1 - 0.7 / n, order=1)
     assert estimate == pytest.approx(3 * 0.7 / 80, rel=1e-12)
 
 
 def test_a_change_that_is_small_by_chance_is_not_believed() -> None:
     """The largest of the changes counts, as much as its mesh is coarser than the last one."""
     values = {20: 1.04, 40: 1.01, 80: 1.01}
-    estimate = error_estimate(history(values.__getitem__), "Q")
+    estimate = estimated(values.__getitem__)
     assert estimate == pytest.approx(3 * 0.03 / 3 / 4, rel=1e-12)
     older = {10: 1.40, 20: 1.04, 40: 1.01, 80: 1.01}
-    estimate = error_estimate(history(older.__getitem__, (10, 20, 40, 80)), "Q")
+    estimate = estimated(older.__getitem__, (10, 20, 40, 80))
     assert estimate == pytest.approx(3 * 0.36 / 3 / 16, rel=1e-12)
 
 
 def test_two_meshes_are_no_estimate_and_no_change_is_the_tolerance_of_the_solver() -> None:
-    assert isnan(error_estimate(history(float, (20, 40)), "Q"))
-    assert error_estimate(history(lambda n: 5.0), "Q") == refinement.FINAL_TOLERANCE * 5.0
+    assert isnan(estimated(float, (20, 40)))
+    assert estimated(lambda n: 5.0) == refinement.FINAL_TOLERANCE * 5.0
 
 
 class Toy:
@@ -94,9 +94,9 @@ class Toy:
         return {**self.main_outputs(state), "other": 2.0}
 
 
-def test_refinement_ends_where_the_criterion_is_met() -> None:
+def test_refinement_ends_where_the_tolerance_is_met() -> None:
     tolerance = 3e-4
-    found = refine(Toy, criterion=lambda outputs, errors: errors["Q"] / tolerance)
+    found = refine(Toy, tolerances=lambda outputs: {"Q": tolerance})
     sizes = [mesh.size for mesh in found.meshes]
     assert tuple(sizes[:3]) == FIRST_SIZES
     # 3 * 0.5/n^2 <= 3e-4 from n = 71 on, and the prediction aims at 0.6 of it
@@ -114,14 +114,14 @@ def test_two_meshes_that_agree_by_chance_do_not_end_the_refinement() -> None:
             return {"Q": 0.9 if self.size == 13 else 1.08 if self.size < 90 else 1.09}
 
     tolerance = 1e-2  # the estimate on 81 nodes is 3 * 0.18/2.13 (23/81)^2 = 0.02
-    found = refine(Erratic, criterion=lambda outputs, errors: errors["Q"] / tolerance)
+    found = refine(Erratic, tolerances=lambda outputs: {"Q": tolerance})
     assert [mesh.size for mesh in found.meshes[:4]] == [13, 23, 41, 81]
     assert found.last.size > 81
     assert found.errors()["Q"] <= tolerance
 
 
 def test_refinement_ends_at_the_largest_mesh_or_at_the_nodes_requested() -> None:
-    never = {"criterion": lambda outputs, errors: inf}
+    never = {"tolerances": lambda outputs: {"Q": 1e-30}}
     assert refine(Toy, most_nodes=129, **never).last.size == 129
     assert [mesh.size for mesh in refine(Toy, nodes=65).meshes] == sizes_up_to(65)
     seen: list[float] = []

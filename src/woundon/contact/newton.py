@@ -64,33 +64,25 @@ class NewtonFailed(ArithmeticError):
     """The iteration found no solution."""
 
 
-class Iterate(Protocol):
-    """A state of a system; everything but ``u`` is dimensionless."""
+@dataclass(frozen=True, eq=False)
+class Iterate:
+    """A state of a system; everything but ``u`` is dimensionless.
 
-    @property
-    def u(self) -> Array:
-        """Unknowns, (m+k,)."""
-        ...
+    Attributes
+    ----------
+    u : (m+k,) array
+        Unknowns.
+    equilibrium : (m,) array
+        E, the residuals of the equilibrium equations.
+    slip, traction, bound : (k,) arrays
+        v, q, and the friction bound b in the unit of the traction.
+    """
 
-    @property
-    def equilibrium(self) -> Array:
-        """E, (m,)."""
-        ...
-
-    @property
-    def slip(self) -> Array:
-        """v, (k,)."""
-        ...
-
-    @property
-    def traction(self) -> Array:
-        """q, (k,)."""
-        ...
-
-    @property
-    def bound(self) -> Array:
-        """b in the unit of the traction, (k,)."""
-        ...
+    u: Array
+    equilibrium: Array
+    slip: Array
+    traction: Array
+    bound: Array
 
 
 class Jacobian(NamedTuple):
@@ -102,49 +94,40 @@ class Jacobian(NamedTuple):
 
 
 class System(Protocol):
-    """Equations on one mesh."""
+    """Equations on one mesh: m equilibrium equations and k traction nodes."""
 
     @property
     def scales(self) -> Array:
         """Units of the unknowns, (m+k,)."""
-        ...
 
     @property
     def traction_unknowns(self) -> slice:
         """The k unknowns that are tractions."""
-        ...
 
     @property
     def ln_a(self) -> int:
         """The unknown ln a."""
-        ...
 
     @property
     def load_row(self) -> int:
         """The equation of the load."""
-        ...
 
     @property
     def largest_ln_a(self) -> float:
         """Largest ln a that is permitted."""
-        ...
 
     @property
     def creepage_nodes(self) -> Array:
         """Traction nodes whose slip velocity contains an unknown creepage."""
-        ...
 
     def evaluate(self, u: Array, tolerance: float) -> Any:
         """Return the :class:`Iterate` of given unknowns, with coefficients of a relative error."""
-        ...
 
     def jacobian(self, state: Any) -> Jacobian:
         """Return the derivatives."""
-        ...
 
     def fill_half_width_column(self, jacobian: Jacobian, state: Any) -> None:
         """Renew the derivatives by ln a, which vary with the tractions."""
-        ...
 
 
 @dataclass
@@ -174,8 +157,10 @@ class SemismoothNewton:
         self.jacobian_is_current = False  # True if the last step had the Jacobian of its state
         self.linear: _LinearSystem | None = neighbour.linear if neighbour else None
 
+    # a diverging iterate may overflow; it is rejected by its residual or its step
+    @np.errstate(over="ignore", invalid="ignore", divide="ignore")
     def solve(self, u: Array, active: Array, tolerance: float) -> tuple[Any, Array]:
-        """Return the solution and its active set.
+        """Return the solution and its active set, by Newton steps and updates of the active set.
 
         Parameters
         ----------
@@ -191,12 +176,6 @@ class SemismoothNewton:
         ------
         NewtonFailed
         """
-        # a diverging iterate may overflow; it is rejected by its residual or its step
-        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            return self._iterate(u, active, tolerance)
-
-    def _iterate(self, u: Array, active: Array, tolerance: float) -> tuple[Any, Array]:
-        """Alternate between Newton steps and updates of the active set; see :meth:`solve`."""
         visits: dict[bytes, int] = {}
         self.size, violated = np.inf, np.ones(active.size, dtype=bool)
         coefficients = COEFFICIENTS * tolerance
@@ -225,10 +204,12 @@ class SemismoothNewton:
         )
 
     def _step(self, state: Any, active: Array) -> tuple[Array, float]:
-        """Return the Newton step and its size; a size of 0 if rounding prevents a smaller one.
+        """Return the Newton step, (m+k,), and its size in the units of the unknowns.
 
-        The latest factorisation is used as long as the active set hardly changes, and the step
-        shrinks if it is the same.
+        The latest factorisation is tried first: for the same active set, and near the solution for
+        one that differs in a few nodes.  If the set is the same and the step does not shrink as it
+        should, the iteration has stalled, and the system is factorised with a new Jacobian.  The
+        size is 0 if rounding prevents a smaller step even then.
         """
         residual = np.append(state.equilibrium, friction_residual(state, active))
         if not np.isfinite(residual).all():
@@ -341,7 +322,11 @@ class _LinearSystem:
         return bool(distance <= REASSEMBLE and np.sum(active != self.factored) <= few)
 
     def set_active(self, active: Array) -> None:
-        """Change the active set."""
+        """Change the active set by a low-rank update of the factorisation.
+
+        D are the changes of the rows of the friction law at the nodes where the set differs from
+        the factorised one.
+        """
         if np.array_equal(self.active, active):
             return
         self.active, nodes = active, np.nonzero(active != self.factored)[0]

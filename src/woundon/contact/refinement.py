@@ -8,7 +8,7 @@ The discretisation is of order two on average.  With the changes of an output Q,
 the estimated error of the last value Q_m is  3 max_k d_k (N_k/N_m)^2  over the last three changes.
 Zone boundaries move through the cells, so convergence is not monotone: one change may be small by
 chance, and the factor of safety is that of Roache's grid convergence index.  Refinement ends when
-the estimate of the fourth or a further mesh meets the criterion: two changes that are both small by
+the estimate of the fourth or a further mesh meets its tolerance: two changes that are both small by
 chance do not end it.
 
 The first three meshes are fixed.  Each further one, at least one, is predicted from the ratio r of
@@ -21,23 +21,27 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
-from math import inf, sqrt
-from typing import Any
+from math import inf, isfinite, sqrt
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .newton import NewtonFailed, SemismoothNewton
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
 
 __all__ = [
     "FINAL_TOLERANCE",
     "FIRST_SIZES",
     "MeshSolution",
     "Refinement",
-    "error_estimate",
     "refine",
+    "richardson_estimates",
 ]
 
 Array = np.ndarray
+Tolerances = Callable[[Mapping[str, float]], Mapping[str, float]]
 
 FIRST_SIZES = (13, 23, 41)
 # Other first meshes, tried once where the iteration fails: they have other active sets.
@@ -65,10 +69,11 @@ ROUNDED_DOWN = 0.03
 COARSE_TOLERANCE, FINAL_TOLERANCE = 1e-5, 1e-11
 
 
+@dataclass(eq=False)
 class MeshSolution:
     """The solution on one mesh.
 
-    Parameters
+    Attributes
     ----------
     size : int
         Nodes of the nip.
@@ -79,23 +84,21 @@ class MeshSolution:
     solver : SemismoothNewton
     """
 
-    def __init__(
-        self, size: int, system: Any, state: Any, active: Array, solver: SemismoothNewton
-    ) -> None:
-        self.size, self.system, self.solver = size, system, solver
-        self.state, self.active = state, active
+    size: int
+    system: Any
+    state: Any
+    active: Array
+    solver: SemismoothNewton
 
     @cached_property
     def main_outputs(self) -> Mapping[str, float]:
         """The outputs that decide where the refinement ends."""
-        outputs: Mapping[str, float] = self.system.main_outputs(self.state)
-        return outputs
+        return dict(self.system.main_outputs(self.state))
 
     @cached_property
     def outputs(self) -> Mapping[str, float]:
         """All outputs whose error is estimated."""
-        outputs: Mapping[str, float] = self.system.outputs(self.state, self.active)
-        return outputs
+        return dict(self.system.outputs(self.state, self.active))
 
 
 @dataclass
@@ -124,51 +127,66 @@ class Refinement:
         of : str
             "outputs", or "main_outputs" without evaluating the others.
         """
-        history = [(mesh.size, getattr(mesh, of)) for mesh in self.meshes[-REPORTED - 1 :]]
-        return {name: error_estimate(history, name, order) for name in history[-1][1]}
+        meshes = self.meshes[-REPORTED - 1 :]
+        names = list(getattr(self.last, of))
+        values = [[getattr(mesh, of)[name] for name in names] for mesh in meshes]
+        estimates = richardson_estimates([mesh.size for mesh in meshes], values, order)
+        return dict(zip(names, estimates.tolist(), strict=True))
+
+    def ratios(self, tolerances: Tolerances) -> dict[str, float]:
+        """Return the ratio of error estimate and tolerance of each output that has a tolerance.
+
+        It is inf where there is no estimate.
+        """
+        errors = self.errors(of="main_outputs")
+        permitted = tolerances(self.last.main_outputs)
+        ratios = {name: errors[name] / tolerance for name, tolerance in permitted.items()}
+        return {name: ratio if isfinite(ratio) else inf for name, ratio in ratios.items()}
 
 
-def error_estimate(
-    history: Sequence[tuple[int, Mapping[str, float]]], name: str, order: int = 2
-) -> float:
-    """Return the estimated error of an output on the last of several meshes.
+def richardson_estimates(sizes: Sequence[int], values: ArrayLike, order: int = 2) -> Array:
+    """Return the estimated errors of values on the last of several meshes.
 
     Parameters
     ----------
-    history : sequence of (nodes, outputs)
-        At least three for an estimate; nan with fewer.
-    name : str
+    sizes : (meshes,) sequence of int
+        Nodes; at least three meshes for an estimate, nan with fewer.
+    values : (meshes, ...) array_like
+        The same values on every mesh.
     order : int
         Order of convergence.
 
+    Returns
+    -------
+    (...) array
+
     Examples
     --------
-    >>> history = [(10, {"Q": 1.04}), (20, {"Q": 1.01}), (40, {"Q": 1.0025})]
-    >>> round(error_estimate(history, "Q"), 4)
-    0.0075
+    >>> richardson_estimates([10, 20, 40], [[1.04], [1.01], [1.0025]]).round(4)
+    array([0.0075])
     """
-    if len(history) <= CHANGES:
-        return float("nan")
-    last, value = history[-1][0], history[-1][1][name]
-    largest = FINAL_TOLERANCE * abs(value)  # the tolerance of the solver
-    for (m, coarse), (n, fine) in pairwise(history):
-        change = abs(fine[name] - coarse[name]) / ((n / m) ** order - 1)
-        largest = max(largest, SAFETY_FACTOR * change * (n / last) ** order)
-    return largest
+    values = np.asarray(values, dtype=float)
+    if len(sizes) <= CHANGES:
+        return np.full(values.shape[1:], np.nan)
+    largest = FINAL_TOLERANCE * np.abs(values[-1])  # the tolerance of the solver
+    for (m, coarse), (n, fine) in pairwise(zip(sizes, values, strict=True)):
+        change = np.abs(fine - coarse) / ((n / m) ** order - 1)
+        largest = np.fmax(largest, SAFETY_FACTOR * change * (n / sizes[-1]) ** order)
+    return np.asarray(largest)
 
 
 def refine(
     system_of: Callable[[int], Any],
     *,
     nodes: int | None = None,
-    criterion: Callable[[Mapping[str, float], Mapping[str, float]], float] = lambda *_: 0.0,
+    tolerances: Tolerances = lambda _: {},
     most_nodes: int = 257,
     start: Refinement | None = None,
     errors: bool = True,
     check: Callable[[MeshSolution], None] = lambda _: None,
     progress: Callable[[float], None] | None = None,
 ) -> Refinement:
-    """Solve on a sequence of meshes until a criterion is met.
+    """Solve on a sequence of meshes until the estimated errors are below their tolerances.
 
     Parameters
     ----------
@@ -176,11 +194,11 @@ def refine(
         nodes -> :class:`~woundon.contact.newton.System` with ``initial_guess``, ``prolong``,
         ``main_outputs`` and ``outputs``.
     nodes : int, optional
-        Size of the last mesh; by default as many as the criterion requires.
-    criterion : callable
-        (outputs, errors) -> largest ratio of an error estimate and its tolerance.
+        Size of the last mesh; by default as many as the tolerances require.
+    tolerances : callable
+        main outputs -> permitted errors of some of them, by name.
     most_nodes : int
-        Largest mesh; there the refinement ends even if the criterion is not met.
+        Largest mesh; there the refinement ends even if the tolerances are not met.
     start : Refinement, optional
         Solutions of a neighbouring problem, which replace the initial guess on every mesh.
     errors : bool
@@ -200,6 +218,24 @@ def refine(
         sizes_up_to(nodes, first) if nodes else [n for n in first if n <= most_nodes]
         for first in (FIRST_SIZES, OTHER_SIZES)
     )
+
+    def refine_from(sizes: list[int], start: Refinement | None) -> Refinement:
+        """Solve on the meshes ``sizes``, then on further ones, with a warm start or without."""
+        refinement = Refinement()
+        while True:
+            for size in sizes:
+                refinement.meshes.append(_solve(system_of(size), size, refinement, start))
+                check(refinement.last)
+                if progress:
+                    progress(min(size / (nodes or most_nodes), 1.0))
+            ratio = max(refinement.ratios(tolerances).values(), default=0.0)
+            # the first meshes are too coarse for an estimate that decides
+            is_last = len(refinement.meshes) > len(FIRST_SIZES) and ratio <= 1
+            if nodes or is_last or refinement.last.size >= most_nodes:
+                refinement.meshes[-1] = _solve_to_final_tolerance(refinement.last)
+                return refinement
+            sizes = [min(predicted_size(refinement.last.size, ratio), most_nodes)]
+
     # sizes of the meshes and warm start of each attempt
     attempts: list[tuple[list[int], Refinement | None]] = [(sequence, None), (alternative, None)]
     if start is not None:
@@ -208,43 +244,10 @@ def refine(
             attempts.insert(0, ([nodes], start))
     for sizes, guess in attempts:
         try:
-            return _refine(system_of, sizes, nodes, criterion, most_nodes, guess, check, progress)
+            return refine_from(sizes, guess)
         except ArithmeticError as failure:  # of the iteration, or of a body under an iterate
             last = failure
     raise NewtonFailed(str(last)) from last
-
-
-def _refine(
-    system_of: Callable[[int], Any],
-    sizes: list[int],
-    nodes: int | None,
-    criterion: Callable[[Mapping[str, float], Mapping[str, float]], float],
-    most_nodes: int,
-    start: Refinement | None,
-    check: Callable[[MeshSolution], None],
-    progress: Callable[[float], None] | None,
-) -> Refinement:
-    """Solve on the meshes ``sizes``, then on further ones; other parameters as of :func:`refine`.
-
-    Raises
-    ------
-    ArithmeticError
-        If the iteration fails on a mesh.
-    """
-    refinement = Refinement()
-    while True:
-        for size in sizes:
-            refinement.meshes.append(_solve(system_of(size), size, refinement, start))
-            check(refinement.last)
-            if progress:
-                progress(min(size / (nodes or most_nodes), 1.0))
-        ratio = criterion(refinement.last.main_outputs, refinement.errors(of="main_outputs"))
-        # the first meshes are too coarse for an estimate that decides
-        is_last = len(refinement.meshes) > len(FIRST_SIZES) and not ratio > 1
-        if nodes or is_last or refinement.last.size >= most_nodes:
-            refinement.meshes[-1] = _solve_to_final_tolerance(refinement.last)
-            return refinement
-        sizes = [min(predicted_size(refinement.last.size, ratio), most_nodes)]
 
 
 def _solve(

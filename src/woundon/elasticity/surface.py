@@ -14,7 +14,8 @@ any body whose influence matrices are known.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from math import inf, log, prod
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -28,9 +29,14 @@ __all__ = [
     "RigidSurface",
     "SurfaceResponse",
     "SurfaceTangent",
+    "SurfacesByHalfWidth",
 ]
 
 Array = np.ndarray
+
+# Smallest distance in ln a of two half widths between which surfaces are interpolated: rounding
+# errors are 1e-15 over it.
+NEAREST = 1e-7
 
 
 class Deformation(NamedTuple):
@@ -177,3 +183,66 @@ class InterpolatedSurface:
     def _between(self, first: Sequence[Array], second: Sequence[Array]) -> list[Array]:
         """Return the interpolated arrays."""
         return [one + self.share * (two - one) for one, two in zip(first, second, strict=True)]
+
+
+class SurfacesByHalfWidth:
+    """The surfaces of several bodies at any half width a, interpolated between computed ones.
+
+    Meshes are scaled by the half width, so that the responses M of the surfaces depend on it.  They
+    are computed at some half widths, and in between interpolated linearly in x = ln a,
+
+        M(x) = M(x1) + (x - x1)/(x2 - x1) [M(x2) - M(x1)],
+
+    with the error M'' (x - x1)(x - x2)/2, where M'' is of the size of M.  x1 and x2 are the latest
+    two; with a single one M is constant, with an error of |x - x1|.
+
+    Parameters
+    ----------
+    compute : callable
+        (a, face of each body) -> surface of each body.
+    linear : bool
+        True if all bodies are linear.  Surfaces of nonlinear bodies, which cost an equilibrium
+        each, are not interpolated.
+    """
+
+    def __init__(
+        self, compute: Callable[[float, Sequence[Face]], tuple[SurfaceResponse, ...]], linear: bool
+    ) -> None:
+        self.compute, self.linear = compute, linear
+        # (x, surfaces) at one or two half widths, the latest first
+        self.computed: list[tuple[float, tuple[SurfaceResponse, ...]]] = []
+
+    def at(self, a: float, faces: Sequence[Face], tolerance: float) -> tuple[SurfaceResponse, ...]:
+        """Return the surfaces at a half width.
+
+        Parameters
+        ----------
+        a : float
+            [m].
+        faces : sequence of Face
+            Of the mesh for ``a``, one for each body.
+        tolerance : float
+            Relative error of interpolated responses above which they are computed; inf for
+            interpolated ones, whatever their error.
+        """
+        x = log(a)
+        if self._interpolation_error(x) > tolerance:
+            other = [known for known in self.computed if abs(known[0] - x) > NEAREST]
+            self.computed = [(x, self.compute(a, faces)), *other[:1]]
+        for known_x, surfaces in self.computed:
+            if known_x == x or len(self.computed) == 1:
+                return surfaces
+        (x1, first), (x2, second) = self.computed
+        return tuple(
+            one if one.rigid else InterpolatedSurface(one, two, (x - x1) / (x2 - x1))
+            for one, two in zip(first, second, strict=True)
+        )
+
+    def _interpolation_error(self, x: float) -> float:
+        """Return the estimated relative error of responses at ln a = x without computing them."""
+        distances = [abs(x - known_x) for known_x, _ in self.computed]
+        if 0 in distances:
+            return 0.0
+        if not distances or not self.linear:
+            return inf
+        return prod(distances) / len(distances)

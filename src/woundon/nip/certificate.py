@@ -16,11 +16,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..contact.newton import SemismoothNewton
-from ..contact.refinement import FINAL_TOLERANCE, MeshSolution, error_estimate
+from ..contact.refinement import FINAL_TOLERANCE, MeshSolution, richardson_estimates
 from ..errors import RESOLUTION
 from ..results import ACCEPTED_RESIDUAL, Residuals, largest
 from .conditions import LARGEST_MESH, body_equilibrium, difference, friction_law, negative_pressure
-from .energy import power_balance, rolling_resistance
+from .energy import dissipation, power_balance, work_on_bodies
 from .entrained_air import air_conditions
 from .outputs import (
     ROUNDING,
@@ -34,7 +34,7 @@ from .outputs import (
 )
 
 if TYPE_CHECKING:
-    from .equations import Fields, NipEquations, NipState
+    from .equations import NipEquations, NipState
 
 __all__ = [
     "certificate",
@@ -43,7 +43,7 @@ __all__ = [
     "equations_of",
     "inconsistencies",
     "recomputed",
-    "solutions",
+    "recomputed_solution",
     "state_of",
 ]
 
@@ -81,16 +81,14 @@ def state_of(result: Any, equations: NipEquations) -> NipState:
     if result.x.size != layout.end + 1:
         raise ValueError(f"{result.x.size} nodes; the mesh of this nip has {layout.end + 1}")
     u = np.empty(layout.size)
-    u[layout.drum_p] = result.drum_pressure[layout.p_nodes[layout.drum_p]]
-    u[layout.wrap_p] = result.roll_pressure[layout.p_nodes[layout.wrap_p]]
+    u[layout.drum_p] = result.drum_pressure[layout.drum_p_nodes]
+    u[layout.wrap_p] = result.roll_pressure[layout.wrap_p_nodes]
     u[layout.shift] = result.offset / problem.contact_radius
     # the creepage of the equations refers to the web's strain at the end
     u[layout.xi] = result.drum_creepage + web.compliance.c11 / web.thickness * result.tension[-1]
     u[layout.ln_a] = np.log(result.half_width)
-    u[layout.roll_q], u[layout.drum_q] = (
-        result.roll_traction[layout.roll_nodes],
-        result.drum_traction[layout.drum_nodes],
-    )
+    u[layout.roll_q] = result.roll_traction[layout.roll_nodes]
+    u[layout.drum_q] = result.drum_traction[layout.drum_nodes]
     return equations.evaluate(u, FINAL_TOLERANCE)
 
 
@@ -109,20 +107,15 @@ def certificate(result: Any, equations: NipEquations) -> Residuals:
         state = state_of(result, equations)
     except ValueError:
         return Residuals(mesh=inf)
-    layout, f = equations.layout, state.fields
-    zones = np.concatenate(
-        [result.roll_zone[layout.roll_nodes], result.drum_zone[layout.drum_nodes]]
-    )
+    f = state.fields
+    zones = _zones_of_tractions(result, equations)
     # the arrays that follow from the unknowns of the result
     expected = web_arrays(equations, state, zones.astype(np.int8))
     conditions = _equations_and_friction(result, equations, state, expected, zones)
     conditions |= _reported_arrays(result, equations, state, expected)
     conditions |= _wrap_conditions(result, equations, state, expected)
-    conditions |= _surface_loads(result, f, expected)
-    on_roll = f.p_roll[layout.first :], f.q_roll[layout.first :]
-    on_drum = f.p_drum[: layout.last + 1], f.q_drum[: layout.last + 1]
     surfaces = f.geometry.roll.surface, f.geometry.drum.surface
-    conditions |= body_equilibrium(problem, surfaces, (on_roll, on_drum))
+    conditions |= body_equilibrium(problem, surfaces, (f.on_roll, f.on_drum))
     if (result.air is None) != (result.problem.air is None):
         conditions["air_film"] = inf
     elif result.air is not None:
@@ -130,7 +123,18 @@ def certificate(result: Any, equations: NipEquations) -> Residuals:
     return Residuals(**conditions)
 
 
+def _zones_of_tractions(result: Any, equations: NipEquations) -> Array:
+    """Return the zones of the traction nodes, (k,), roll then drum."""
+    layout = equations.layout
+    return np.append(result.roll_zone[layout.roll_nodes], result.drum_zone[layout.drum_nodes])
+
+
 Arrays = Mapping[str, Array]
+
+
+def _difference(result: Any, expected: Arrays, *names: str) -> float:
+    """Return the largest difference of the named arrays of a result from the expected ones."""
+    return largest([difference(getattr(result, name), expected[name]) for name in names])
 
 
 def _equations_and_friction(
@@ -146,16 +150,13 @@ def _equations_and_friction(
     cells = f.geometry.mesh.cells[f.geometry.mesh.nip_cells]
     gap = np.abs(state.equilibrium[: cells.size]) * cells / cells.max()
     slip = np.sign(state.slip) * np.maximum(np.abs(state.slip * slope_scale) - rounding, 0.0)
-    unit = np.full(zones.size, float(np.abs(state.bound).max()))
-    differences = [
-        difference(getattr(result, name), expected[name]) for name in ("roll_slip", "drum_slip")
-    ]
+    unit = float(np.abs(state.bound).max())
+    slip_difference = _difference(result, expected, "roll_slip", "drum_slip")
     return {
         "gap_slope": largest(gap),
         "positive_pressure": negative_pressure(f.p_roll, f.p_drum),
         **friction_law(zones, state.traction, slip, state.bound, unit=unit, slip_scale=slope_scale),
-        "slip_velocity": largest([max(value - rounding, 0.0) for value in differences])
-        / slope_scale,
+        "slip_velocity": max(slip_difference - rounding, 0.0) / slope_scale,
         "winding_force": abs(float(state.equilibrium[-2])),
         "load": abs(float(state.equilibrium[-1])),
     }
@@ -164,18 +165,30 @@ def _equations_and_friction(
 def _reported_arrays(
     result: Any, equations: NipEquations, state: NipState, expected: Arrays
 ) -> dict[str, float]:
-    """Return the differences of the reported arrays from the expected ones."""
+    """Return the differences of the reported arrays from the expected ones.
+
+    Pressures and tractions are relative to the largest pressure, tensions to the load, positions to
+    the extent of the mesh.  Zones must be the same: those at the ends of a face and outside of it
+    follow from the zones of the neighbouring nodes.
+    """
     f, P = state.fields, equations.problem.nip_load
+    peak = float(np.abs(f.p_drum).max())
     # the rounding error of large tensions is accepted
     tension_scale = P + ROUNDING * float(np.abs(f.tension).max()) / ACCEPTED_RESIDUAL
     extent = result.half_width * float(np.abs(f.geometry.mesh.nodes).max())
-    positions = [difference(getattr(result, name), expected[name]) for name in ("x", "slip_x")]
-    strain = difference(result.roll_strain, expected["roll_strain"])
+    pressures = _difference(result, expected, "drum_pressure", "roll_pressure", "hoop_pressure")
+    tractions = _difference(result, expected, "roll_traction", "drum_traction")
+    zones_are_valid = (
+        np.isin(np.append(result.roll_zone, result.drum_zone), (-1, 0, 1)).all()
+        and _difference(result, expected, "roll_zone", "drum_zone") == 0
+    )
     return {
-        "tension": difference(result.tension, f.tension) / tension_scale,
-        "zones": 0.0 if _are_zones_valid(result, expected) else inf,
-        "mesh": max(positions) / extent,
-        "roll_strain": strain / equations.slope_scale,
+        "tension": _difference(result, expected, "tension") / tension_scale,
+        "zones": 0.0 if zones_are_valid else inf,
+        "mesh": _difference(result, expected, "x", "slip_x") / extent,
+        "roll_strain": _difference(result, expected, "roll_strain") / equations.slope_scale,
+        "normal_equilibrium": pressures / peak,
+        "free_surface": tractions / peak,
     }
 
 
@@ -185,12 +198,12 @@ def _wrap_conditions(
     """Return the residual of the normal equilibrium on the wraps, and that of the curvature."""
     problem, layout, f = equations.problem, equations.layout, state.fields
     if not problem.is_wrapped:
-        return {"curvature": difference(result.curvature, expected["curvature"])}
+        return {"curvature": _difference(result, expected, "curvature")}
     # nodal forces and changes of slope over a cell instead of pressures and curvatures: on short
     # cells curvatures are differences of nearly equal slopes
     lengths = f.geometry.a * f.geometry.mesh.weights
-    upstream = lengths[: layout.first + 1] if problem.drum_wrap else lengths[:0]
-    downstream = lengths[layout.last :] if problem.roll_wrap else lengths[:0]
+    upstream = lengths[layout.drum_wrap_nodes] if problem.drum_wrap else lengths[:0]
+    downstream = lengths[layout.roll_wrap_nodes] if problem.roll_wrap else lengths[:0]
     forces = np.abs(state.equilibrium[layout.last - layout.first : -2])
     forces = forces * np.append(upstream, downstream) * equations.pressure_scale
     lengths = lengths if result.curvature.shape == lengths.shape else np.ones(())
@@ -199,38 +212,6 @@ def _wrap_conditions(
         "hoop_pressure": largest(forces) / problem.nip_load,
         "curvature": turn / equations.slope_scale,
     }
-
-
-def _surface_loads(result: Any, f: Fields, expected: Arrays) -> dict[str, float]:
-    """Return the differences of pressures and tractions from those of the state."""
-    pressures = {
-        "drum_pressure": f.p_drum,
-        "roll_pressure": f.p_roll,
-        "hoop_pressure": expected["hoop_pressure"],
-    }
-    tractions = {"roll_traction": f.q_roll, "drum_traction": f.q_drum}
-    peak = float(np.abs(f.p_drum).max())
-
-    def largest_difference(arrays: Arrays) -> float:
-        return max(difference(getattr(result, name), value) for name, value in arrays.items())
-
-    return {
-        "normal_equilibrium": largest_difference(pressures) / peak,
-        "free_surface": largest_difference(tractions) / peak,
-    }
-
-
-def _are_zones_valid(result: Any, expected: Mapping[str, Array]) -> bool:
-    """Return True if all zones are -1, 0 or 1 and equal the recomputed ones.
-
-    At the ends of a face and outside of it zones follow from those of the neighbouring nodes.
-    """
-    names = "roll_zone", "drum_zone"
-    return all(
-        np.isin(getattr(result, name), (-1, 0, 1)).all()
-        and np.array_equal(getattr(result, name), expected[name])
-        for name in names
-    )
 
 
 def consistency_defects(equations: NipEquations, state: NipState) -> dict[str, float]:
@@ -267,17 +248,18 @@ def inconsistencies(meshes: Sequence[MeshSolution]) -> list[str]:
     estimate of the defect itself.  An error of an influence function leaves a defect that does not
     change with the mesh.
     """
-    history = [(mesh.size, consistency_defects(mesh.system, mesh.state)) for mesh in meshes]
+    history = [consistency_defects(mesh.system, mesh.state) for mesh in meshes]
+    values = np.array([list(defects.values()) for defects in history])
+    estimates = richardson_estimates([mesh.size for mesh in meshes], values)
     texts = []
-    for name, value in history[-1][1].items():
-        estimate = error_estimate(history, name)
-        largest_defect = largest([abs(defects[name]) for _, defects in history])
-        if abs(value) > max(
-            INCONSISTENT * estimate, MIN_REDUCTION * largest_defect, ACCEPTED_RESIDUAL
+    for name, defects, estimate in zip(history[-1], np.abs(values).T, estimates, strict=True):
+        defect = float(defects[-1])
+        if defect > max(
+            INCONSISTENT * estimate, MIN_REDUCTION * largest(defects), ACCEPTED_RESIDUAL
         ):
             texts.append(
-                f"{RESOLUTION}the condition {name} is violated by {abs(value):.2g}, "
-                f"{abs(value) / estimate:.2g} times its estimated discretisation error"
+                f"{RESOLUTION}the condition {name} is violated by {defect:.2g}, "
+                f"{defect / estimate:.2g} times its estimated discretisation error"
             )
     return texts
 
@@ -296,21 +278,14 @@ def recomputed(result: Any) -> dict[str, tuple[float, float]]:
     }
     values |= {name: (ratios[name], 1e-8) for name in SLIP_RATIOS}
     if not isnan(result.rolling_resistance) or result.problem.viscoelastic:
-        dissipation = rolling_resistance(equations, state)
-        values["rolling_resistance"] = dissipation, 1e-7 * abs(dissipation)
+        resistance = dissipation(equations.problem, work_on_bodies(state))
+        values["rolling_resistance"] = resistance, 1e-7 * abs(resistance)
     return values
 
 
-def solutions(result: Any) -> list[MeshSolution]:
-    """Return the solutions on all meshes of a result; for a loaded result only on the last."""
-    if result.refinement is not None:
-        meshes: list[MeshSolution] = result.refinement.meshes
-        return meshes
+def recomputed_solution(result: Any) -> MeshSolution:
+    """Return the solution on the last mesh from the arrays of a result."""
     equations = equations_of(result)
-    layout = equations.layout
-    active = np.concatenate(
-        [result.roll_zone[layout.roll_nodes], result.drum_zone[layout.drum_nodes]]
-    )
-    state = state_of(result, equations)
-    solver = SemismoothNewton(equations)
-    return [MeshSolution(result.nodes, equations, state, active.astype(np.int8), solver)]
+    active = _zones_of_tractions(result, equations).astype(np.int8)
+    state, solver = state_of(result, equations), SemismoothNewton(equations)
+    return MeshSolution(result.nodes, equations, state, active, solver)

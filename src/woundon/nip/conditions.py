@@ -26,7 +26,7 @@ LARGEST_MESH = 2049
 
 
 def friction_law(
-    zones: Array, traction: Array, slip: Array, bound: Array, *, unit: Array, slip_scale: float
+    zones: Array, traction: Array, slip: Array, bound: Array, *, unit: float, slip_scale: float
 ) -> dict[str, float]:
     """Return the largest violation of each condition of the friction law.
 
@@ -36,7 +36,7 @@ def friction_law(
         0 stick, 1 and -1 slip; another number violates ``slip_traction``.
     traction, slip, bound : (k,) arrays
         q, v and mu p.
-    unit : (k,) array
+    unit : float
         mu times the largest pressure, to which tractions are relative.
     slip_scale : float
         Slip to which slips are relative.
@@ -45,8 +45,8 @@ def friction_law(
     sticks, slips = zones == 0, zones != 0
     direction = zones[slips]
     invalid_zone = 0.0 if (np.abs(direction) == 1).all() else inf
-    excess = (np.abs(traction) - bound)[sticks] / unit[sticks]
-    deviation = np.abs(traction[slips] - direction * bound[slips]) / unit[slips]
+    excess = (np.abs(traction) - bound)[sticks] / unit
+    deviation = np.abs(traction[slips] - direction * bound[slips]) / unit
     return {
         "stick": largest(np.abs(slip[sticks])) / slip_scale,
         "friction_bound": largest(excess),

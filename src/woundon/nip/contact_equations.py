@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from math import exp, inf, log, pi, prod
+from collections.abc import Sequence
+from functools import cached_property
+from math import exp, inf, log, pi
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..contact.newton import Jacobian
 from ..elasticity.mesh import Face
-from ..elasticity.surface import InterpolatedSurface, SurfaceResponse, SurfaceTangent
-from .load_limit import frictionless_half_width
+from ..elasticity.surface import SurfaceResponse, SurfacesByHalfWidth, SurfaceTangent
+from .layout import Unknowns
+from .load_limit import frictionless_half_width, largest_half_width
 
 __all__ = ["ContactEquations", "Side", "nearest"]
 
@@ -20,9 +23,8 @@ Array = np.ndarray
 DIFFERENCE = 1e-5
 # Bound of the estimated half width, relative to the largest one that the bodies permit.
 BELOW_LARGEST = 0.9
-# Distance in ln a of the second half width at which responses are computed, and the smallest one of
-# two half widths between which they are interpolated: rounding errors are 1e-15 over it.
-SECOND, NEAREST = 1e-4, 1e-7
+# Distance in ln a of the second half width at which responses are computed.
+SECOND = 1e-4
 
 
 class Side(NamedTuple):
@@ -59,27 +61,19 @@ class Side(NamedTuple):
         return by_p, by_q
 
 
-class ExactSurfaces(NamedTuple):
-    """The surfaces of both bodies at one half width."""
-
-    ln_a: float
-    surfaces: tuple[SurfaceResponse, ...]
-
-
 class ContactEquations:
-    """The initial half width, the scales, and the dependence on the half width.
+    """Equations of two bodies in contact: scales of the unknowns, and dependence on the half width.
 
-    Meshes are scaled by the half width a, so that the responses of the surfaces depend on it.  They
-    are computed at some half widths and in between interpolated linearly in x = ln a,
+    The derivative of the residuals by ln a contains that of the surfaces' responses
+    (:class:`~woundon.elasticity.surface.SurfacesByHalfWidth`).
 
-        M(x) = M(x1) + (x - x1)/(x2 - x1) [M(x2) - M(x1)],
+    A subclass has the bodies for a half width, ``geometry(a, tolerance)``, the residuals of
+    unknowns u, ``state(u, geometry)``, whose states hold the geometry, and two attributes:
 
-    with the error M'' (x - x1)(x - x2)/2, where M'' is of the size of M.  x1 and x2 are the latest
-    two; with a single one M is constant, with an error of |x - x1|.  The derivative of the
-    residuals by ln a contains the slope of this line.
-
-    A subclass has the bodies for a half width, ``geometry(a, tolerance)``, and the residuals of
-    unknowns u, ``state(u, geometry)``; its states hold the geometry.
+    layout : Unknowns
+        Indices of the unknowns.
+    friction : float or (k,) array
+        Friction coefficients of the traction nodes.
 
     Parameters
     ----------
@@ -90,15 +84,79 @@ class ContactEquations:
         Estimated half width [m].
     """
 
-    largest_ln_a: Any
-    ln_a: Any
+    layout: Unknowns
+    friction: float | Array
 
     def __init__(self, problem: Any, load: float, guess: float) -> None:
         self.problem, self.load = problem, load
         self.guessed_half_width = a = min(guess, BELOW_LARGEST * exp(self.largest_ln_a))
         # scales: the maximum pressure of Hertz, and the slope of the gap at the contact edge
         self.pressure_scale, self.slope_scale = 2 * load / (pi * a), a / problem.contact_radius
-        self._exact: list[ExactSurfaces] = []
+        self.slip_scale = self.slope_scale
+        self._surfaces = SurfacesByHalfWidth(self._compute_surfaces, problem.linear)
+
+    # ---- interface of the semismooth Newton method ---------------------------------------------
+
+    @cached_property
+    def scales(self) -> Array:
+        """Scales of the unknowns, (size,): the tractions' is the friction bound at Hertz's peak."""
+        layout = self.layout
+        out = np.full(layout.size, self.pressure_scale)
+        out[layout.shift], out[layout.xi] = self.slope_scale, self.slip_scale
+        out[layout.ln_a] = 1.0
+        out[layout.q] *= self.friction
+        return out
+
+    @cached_property
+    def traction_unknowns(self) -> slice:
+        """Indices of the tractions in u."""
+        return self.layout.q
+
+    @cached_property
+    def ln_a(self) -> int:
+        """Index of ln a in u."""
+        return self.layout.ln_a
+
+    @cached_property
+    def load_row(self) -> int:
+        """Index of the load equation, the last one of the equilibrium equations."""
+        return self.layout.q.start - 1  # xi and ln a have no rows of their own
+
+    @cached_property
+    def largest_ln_a(self) -> float:
+        """ln of the largest half width that the bodies permit."""
+        return log(largest_half_width(self.problem))
+
+    def evaluate(self, u: Array, tolerance: float = 0.0) -> Any:
+        """Return the state of the unknowns u with responses of a relative error below a tolerance.
+
+        By default they are exact.
+        """
+        return self.state(u, self.geometry(exp(u[self.ln_a]), tolerance))
+
+    def fill_half_width_column(self, jacobian: Jacobian, state: Any) -> None:
+        """Write the derivatives by ln a, by a difference quotient, into their column.
+
+        The responses are interpolated: an error of 1 % in this column only slows the convergence.
+        """
+        a = state.geometry.a
+        if len(self._surfaces.computed) == 1:
+            self.geometry(a * exp(SECOND))
+        shifted = self.state(state.u, self.geometry(a * exp(DIFFERENCE), inf))
+        for name, matrix in jacobian._asdict().items():
+            change = getattr(shifted, name) - getattr(state, name)
+            matrix[:, self.ln_a] = change / DIFFERENCE
+
+    def initial_guess(self) -> tuple[Array, Array]:
+        """Return unknowns u with zero fields and the initial half width, and full stick.
+
+        For linear bodies the first Newton step gives the fields for this half width.
+        """
+        u = np.zeros(self.layout.size)
+        u[self.ln_a] = log(self.initial_half_width())
+        return u, np.zeros(u[self.layout.q].size, dtype=np.int8)
+
+    # ---- for subclasses ------------------------------------------------------------------------
 
     def geometry(self, a: float, tolerance: float = 0.0) -> Any:
         """Return the surfaces for a half width, with an error below a tolerance (:meth:`sides`).
@@ -111,59 +169,29 @@ class ContactEquations:
         """Return the state of the unknowns u."""
         raise NotImplementedError
 
-    def evaluate(self, u: Array, tolerance: float = 0.0) -> Any:
-        """Return the state of the unknowns u with responses of a relative error below a tolerance.
-
-        By default they are exact.
-        """
-        return self.state(u, self.geometry(exp(u[self.ln_a]), tolerance))
-
     def sides(self, a: float, faces: tuple[Face, Face], tolerance: float) -> list[Side]:
         """Return both bodies for a half width.
 
         Parameters
         ----------
         a : float
+            [m].
         faces : two Face
             Those of the mesh for ``a``.
         tolerance : float
-            Relative error of interpolated responses above which they are computed; inf for
-            interpolated ones, whatever their error.
+            Relative error of the responses (:meth:`.SurfacesByHalfWidth.at`).
         """
-        ln_a, bodies = log(a), self.problem.bodies
-        if self._interpolation_error(ln_a) > tolerance:
-            speed = self.problem.rolling_speed
-            pairs = zip(bodies, faces, strict=True)
-            computed = tuple(self.surface_of(body, face, a, speed) for body, face in pairs)
-            other = [known for known in self._exact if abs(known.ln_a - ln_a) > NEAREST]
-            self._exact = [ExactSurfaces(ln_a, computed), *other[:1]]
+        surfaces = self._surfaces.at(a, faces, tolerance)
         return [
             Side(face, surface, body.radius, 0.0 if body.rigid else body.curvature**2)
-            for body, face, surface in zip(bodies, faces, self._surfaces(ln_a), strict=True)
+            for body, face, surface in zip(self.problem.bodies, faces, surfaces, strict=True)
         ]
 
-    def _interpolation_error(self, ln_a: float) -> float:
-        """Return the estimated relative error of interpolated responses.
-
-        Those of nonlinear bodies, which cost an equilibrium each, are not interpolated.
-        """
-        distances = [abs(ln_a - known.ln_a) for known in self._exact]
-        if 0 in distances:
-            return 0.0
-        is_known = distances and self.problem.linear
-        return prod(distances) / len(distances) if is_known else inf
-
-    def _surfaces(self, ln_a: float) -> tuple[SurfaceResponse, ...]:
-        """Return the surfaces at a half width by interpolation."""
-        for known in self._exact:
-            if known.ln_a == ln_a or len(self._exact) == 1:
-                return known.surfaces
-        latest, other = self._exact
-        share = (ln_a - latest.ln_a) / (other.ln_a - latest.ln_a)
-        return tuple(
-            one if one.rigid else InterpolatedSurface(one, two, share)
-            for one, two in zip(latest.surfaces, other.surfaces, strict=True)
-        )
+    def _compute_surfaces(self, a: float, faces: Sequence[Face]) -> tuple[SurfaceResponse, ...]:
+        """Return the surfaces of both bodies on their faces."""
+        pairs = zip(self.problem.bodies, faces, strict=True)
+        speed = self.problem.rolling_speed
+        return tuple(self.surface_of(body, face, a, speed) for body, face in pairs)
 
     def surface_of(self, body: Any, face: Face, a: float, speed: float | None) -> SurfaceResponse:
         """Return the surface of a body on a face."""
@@ -180,21 +208,7 @@ class ContactEquations:
             return a
         return frictionless_half_width(problem, self.load, a, exp(self.largest_ln_a))
 
-    def fill_half_width_column(self, jacobian: Jacobian, state: Any) -> None:
-        """Write the derivatives by ln a, by a difference quotient, into their column.
-
-        The responses are interpolated: an error of 1 % in this column only slows the convergence.
-        """
-        a = state.geometry.a
-        if len(self._exact) == 1:
-            self.geometry(a * exp(SECOND))
-        a *= exp(DIFFERENCE)
-        shifted = self.state(state.u, self.geometry(a, inf))
-        for name, matrix in jacobian._asdict().items():
-            change = getattr(shifted, name) - getattr(state, name)
-            matrix[:, self.ln_a] = change / DIFFERENCE
-
 
 def nearest(old: Array, values: Array, new: Array) -> Array:
-    """Return the values at the nearest of the old nodes."""
+    """Return the values at the old nodes that are nearest to the new nodes, (new.size,)."""
     return values[np.searchsorted((old[1:] + old[:-1]) / 2, new)]

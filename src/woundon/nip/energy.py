@@ -14,6 +14,15 @@ supply.  Without the last two, for every stretch of web (kappa its curvature, ep
 
 P e the moment of the pressure about the line of centres.  The balance is exact for the continuous
 equations; its defect on a mesh is of the order of the discretisation error.
+
+For two rollers without a web, the gap slope v1' + v2' = (x - Delta)/R* and the slip
+s = eps2 - eps1 + xi, with q_1 = q and q_2 = -q, give the balance
+
+    sum W_i = P (Delta - x_p)/R* + xi Q - int q s dx - sum int q_i v_i/R_i dx,
+
+x_p being the position of the pressure's resultant.  The left-hand side is evaluated at one point in
+each cell for the viscoelastic bodies alone, the right-hand side by exact integrals of the nodal
+functions where they are known: the two agree to the order of the discretisation only.
 """
 
 from __future__ import annotations
@@ -33,7 +42,8 @@ __all__ = [
     "dissipation",
     "power_balance",
     "pressure_resultant",
-    "rolling_resistance",
+    "roller_power_balance",
+    "work_on_bodies",
 ]
 
 Array = np.ndarray
@@ -75,7 +85,19 @@ class BodyWork(NamedTuple):
 
 
 def body_work(side: Side, deformation: Deformation, p: Array, q: Array, a: float) -> BodyWork:
-    """Return the work of nodal pressures and tractions on a body."""
+    """Return the work of nodal pressures and tractions on a body, and the fields in its cells.
+
+    Parameters
+    ----------
+    side : Side
+        The body on its face of n nodes.
+    deformation : Deformation
+        Under these pressures and tractions.
+    p, q : (n,) arrays
+        [Pa].
+    a : float
+        Half width [m].
+    """
     face, lengths = side.face, a * side.face.cells
     slope, strain = deformation.slope[:-2], deformation.strain[:-2]
     p_cell, q_cell = (face.hats[:-2] @ part for part in (p, q))
@@ -87,15 +109,11 @@ def body_work(side: Side, deformation: Deformation, p: Array, q: Array, a: float
     return BodyWork(p_cell, q_cell, slope, lengths, curvature_work, work)
 
 
-def _work_on_bodies(equations: NipEquations, state: NipState) -> tuple[BodyWork, BodyWork]:
-    """Return the work on both bodies."""
-    layout, f = equations.layout, state.fields
+def work_on_bodies(state: NipState) -> tuple[BodyWork, BodyWork]:
+    """Return the work on the roll and on the drum of a web nip."""
+    f = state.fields
     a, _, roll, drum = f.geometry
-    on_roll, on_drum = slice(layout.first, None), slice(0, layout.last + 1)
-    return (
-        body_work(roll, f.roll, f.p_roll[on_roll], f.q_roll[on_roll], a),
-        body_work(drum, f.drum, f.p_drum[on_drum], f.q_drum[on_drum], a),
-    )
+    return body_work(roll, f.roll, *f.on_roll, a), body_work(drum, f.drum, *f.on_drum, a)
 
 
 def dissipation(problem: Any, bodies: tuple[BodyWork, BodyWork]) -> float:
@@ -104,18 +122,13 @@ def dissipation(problem: Any, bodies: tuple[BodyWork, BodyWork]) -> float:
     return sum(work.work for body, work in pairs if body.viscoelastic)
 
 
-def rolling_resistance(equations: NipEquations, state: NipState) -> float:
-    """Return the dissipation of the viscoelastic bodies per length rolled and width [N/m]."""
-    return dissipation(equations.problem, _work_on_bodies(equations, state))
-
-
 def power_balance(equations: NipEquations, state: NipState) -> float:
     """Return the signed defect of the balance of power, relative to P a/R*."""
     layout, f, problem = equations.layout, state.fields, equations.problem
     a, mesh = f.geometry.a, f.geometry.mesh
     web, first, last = problem.web, layout.first, layout.last
     c11, c12 = web.compliance.c11 / web.thickness, web.compliance.c12
-    roll, drum = _work_on_bodies(equations, state)
+    roll, drum = work_on_bodies(state)
     slip_roll, slip_drum = equations.slip_velocities(state.u[layout.xi], f)
     tension = problem.web_tension + a * mesh.integral_to_points @ (f.q_roll + f.q_drum)
     # traction times strain of the web, less the friction work
@@ -135,5 +148,24 @@ def power_balance(equations: NipEquations, state: NipState) -> float:
     supplied += roll.p[nip] @ (roll.lengths[nip] * lever - thinning)
     supplied -= roll.curvature_work + drum.curvature_work
     # the work on an elastic body is zero; its discretisation error is part of the defect
-    dissipation = rolling_resistance(equations, state)
-    return float((dissipation - supplied) / (problem.nip_load * a / problem.contact_radius))
+    dissipated = dissipation(problem, (roll, drum))
+    return float((dissipated - supplied) / (problem.nip_load * a / problem.contact_radius))
+
+
+def roller_power_balance(result: Any, bodies: tuple[BodyWork, BodyWork]) -> float:
+    """Return the violation of the power balance of two rollers, relative to P a/R*.
+
+    Parameters
+    ----------
+    result : RollerResult
+    bodies : pair of BodyWork
+    """
+    problem, x, p, q = result.problem, result.x, result.pressure, result.traction
+    h, R = np.diff(x), problem.contact_radius
+    load, position = pressure_resultant(x, p)
+    middle = result.slip_x[1:]
+    fraction = (middle - x[:-1]) / h
+    friction = float(h @ (((1 - fraction) * q[:-1] + fraction * q[1:]) * result.slip[1:]))
+    supplied = load * (result.offset - position) / R + result.creepage * result.tangential_load
+    supplied -= friction + sum(work.curvature_work for work in bodies)
+    return abs(result.rolling_resistance - supplied) / (load * result.half_width / R)

@@ -24,6 +24,7 @@ from ..errors import InvalidProblem
 from ..quantities import Quantity, length, pure, share
 from ..results import ReadOnly, largest
 from .air_films import escaped_film, foil_film, friction_share, nip_film
+from .conditions import difference
 
 if TYPE_CHECKING:
     from ..problems.bodies import Body
@@ -271,11 +272,7 @@ def air_conditions(result: Any) -> dict[str, float]:
                 if value or getattr(air, name)
             ]
         ),
-        "air_film_profile": (
-            largest(np.abs(air.thickness - profile)) / max(air.film_in_nip, 1e-300)
-            if air.thickness.shape == profile.shape
-            else float("inf")
-        ),
+        "air_film_profile": difference(air.thickness, profile) / max(air.film_in_nip, 1e-300),
     }
 
 

@@ -37,12 +37,13 @@ from typing import Any, NamedTuple, Self
 
 import numpy as np
 
-from ..contact.newton import Jacobian
+from ..contact.newton import Iterate, Jacobian
 from ..elasticity.mesh import Mesh, Wrap, nip_mesh
 from ..elasticity.surface import Deformation
 from ..problems.bodies import half_width_guess
 from .contact_equations import ContactEquations, Side, nearest
 from .layout import Layout
+from .load_limit import largest_half_width
 
 __all__ = ["Fields", "Geometry", "NipEquations", "NipState"]
 
@@ -76,17 +77,24 @@ class Fields(NamedTuple):
     roll_curvature: Array  # at the nodes of the roll face; empty without a roll wrap
     drum_curvature: Array  # at the nodes of the drum face; empty without a wrap
 
+    @property
+    def on_roll(self) -> tuple[Array, Array]:
+        """p+ and q+ at the nodes of the roll's face."""
+        first = self.geometry.mesh.first
+        return self.p_roll[first:], self.q_roll[first:]
+
+    @property
+    def on_drum(self) -> tuple[Array, Array]:
+        """p- and q- at the nodes of the drum's face."""
+        last = self.geometry.mesh.last
+        return self.p_drum[: last + 1], self.q_drum[: last + 1]
+
 
 @dataclass(frozen=True, eq=False)
-class NipState:
-    """An iterate u; residuals, slip velocity, traction and friction bound are dimensionless."""
+class NipState(Iterate):
+    """An iterate u with its residuals, and the fields along the web."""
 
-    u: Array
     fields: Fields
-    equilibrium: Array
-    slip: Array
-    traction: Array
-    bound: Array
 
     @property
     def geometry(self) -> Geometry:
@@ -106,6 +114,8 @@ class NipEquations(ContactEquations):
         A mesh with the numbers of cells to use; by default those for the initial half width.
     """
 
+    layout: Layout
+
     def __init__(self, problem: Any, size: int, like: Mesh | None = None) -> None:
         self.size = size
         self.roll_wrap, self.drum_wrap = problem.roll_wrap, problem.drum_wrap
@@ -115,54 +125,25 @@ class NipEquations(ContactEquations):
         super().__init__(problem, P, max(half_width_guess(P, *problem.bodies), web_only))
         self._first_mesh = like
         self._first_mesh = self.mesh(self.guessed_half_width)
-        self.layout = Layout(self._first_mesh, self.roll_wrap > 0, self.drum_wrap > 0)
+        self.layout = layout = Layout(self._first_mesh, self.roll_wrap > 0, self.drum_wrap > 0)
+        is_on_wrap = layout.roll_nodes >= layout.last
+        roll_friction = np.where(is_on_wrap, problem.friction_on_wrap, problem.roll_friction)
+        drum_friction = np.full(layout.drum_nodes.size, problem.drum_friction)
+        self.friction: Array = np.append(roll_friction, drum_friction)
 
     # ---- interface of the semismooth Newton method ---------------------------------------------
 
     @cached_property
-    def friction(self) -> Array:
-        """Friction coefficient at each traction node, roll then drum."""
-        layout, problem = self.layout, self.problem
-        mu = problem.roll_friction
-        roll = np.where(layout.roll_nodes >= layout.last, problem.friction_on_wrap, mu)
-        return np.append(roll, np.full(layout.drum_nodes.size, problem.drum_friction))
-
-    @cached_property
-    def scales(self) -> Array:
-        """Scales of the unknowns."""
-        layout = self.layout
-        out = np.full(layout.size, self.pressure_scale)
-        out[[layout.shift, layout.xi]], out[layout.ln_a] = self.slope_scale, 1.0
-        out[layout.q] = self.friction * self.pressure_scale
-        return out
-
-    @property
-    def traction_unknowns(self) -> slice:
-        """Indices of the tractions in u."""
-        return self.layout.q
-
-    @property
-    def ln_a(self) -> int:
-        """Index of ln a in u."""
-        return self.layout.ln_a
-
-    @property
-    def load_row(self) -> int:
-        """Index of the load equation."""
-        return self.layout.q.start - 1
-
-    @cached_property
     def largest_ln_a(self) -> float:
         """ln of the largest half width that the bodies and the roll wrap permit."""
-        problem = self.problem
-        a = min(min(body.radius, body.max_half_width) for body in problem.bodies)
+        a = largest_half_width(self.problem)
         if self.roll_wrap:
-            a = min(a, self.roll_wrap * problem.roll.radius / (1 + LEAST_WRAP))
+            a = min(a, self.roll_wrap * self.problem.roll.radius / (1 + LEAST_WRAP))
         return log(a)
 
-    @property
+    @cached_property
     def creepage_nodes(self) -> Array:
-        """Indices of the tractions on the drum, whose slip velocity contains the creepage."""
+        """Traction nodes on the drum, whose slip velocity contains the creepage."""
         return np.arange(self.layout.roll_nodes.size, self.friction.size)
 
     def for_problem(self, problem: Any) -> Self:
@@ -178,15 +159,6 @@ class NipEquations(ContactEquations):
             else f"drum node {layout.drum_nodes[i - k]}"
             for i in tractions.tolist()
         ]
-
-    def initial_guess(self) -> tuple[Array, Array]:
-        """Return zero fields and full stick.
-
-        For linear bodies the first Newton step gives the fields for the initial half width.
-        """
-        u = np.zeros(self.layout.size)
-        u[self.ln_a] = log(self.initial_half_width())
-        return u, np.zeros(self.friction.size, dtype=np.int8)
 
     # ---- geometry ------------------------------------------------------------------------------
 
@@ -219,15 +191,19 @@ class NipEquations(ContactEquations):
         slip = np.concatenate([v[:-1] for v in self.slip_velocities(u[layout.xi], f)])
         traction = u[layout.q] / self.scales[layout.q]
         return NipState(
-            u, f, np.concatenate(rows), slip / self.slope_scale, traction, p / self.pressure_scale
+            u, np.concatenate(rows), slip / self.slope_scale, traction, p / self.pressure_scale, f
         )
 
     def _fields(self, u: Array, g: Geometry) -> Fields:
-        """Evaluate pressures, tractions, tension and the deformation of both bodies."""
+        """Evaluate pressures, tractions, tension and the deformation of both bodies.
+
+        In this order: the unknowns at the nodes, the tension, the drum, p+ in the nip, which
+        depends on the curvature of the drum, and the roll.
+        """
         layout, a, mesh = self.layout, g.a, g.mesh
         p_roll, p_drum, q_roll, q_drum = np.zeros((4, layout.end + 1))
-        p_drum[layout.p_nodes[layout.drum_p]] = u[layout.drum_p]
-        p_roll[layout.p_nodes[layout.wrap_p]] = u[layout.wrap_p]
+        p_drum[layout.drum_p_nodes] = u[layout.drum_p]
+        p_roll[layout.wrap_p_nodes] = u[layout.wrap_p]
         q_roll[layout.roll_nodes], q_drum[layout.drum_nodes] = u[layout.roll_q], u[layout.drum_q]
         q = q_roll + q_drum
         transfer = np.cumsum(mesh.weights * q)
@@ -237,10 +213,11 @@ class NipEquations(ContactEquations):
         kappa_roll, kappa_drum = np.zeros(0), np.zeros(0)
         if self.roll_wrap or self.drum_wrap:
             kappa_drum = g.drum.curvature(drum.slope, *on_drum, a)
-        # in the nip p+ follows from p- and the curvature of the drum
-        nip = self._hoop_nodes
-        p_roll[layout.first + 1 : layout.last] = p_drum[layout.first + 1 : layout.last]
-        p_roll[nip] = p_drum[nip] - T[nip] * kappa_drum[nip]
+        # p+ in the nip; without a roll wrap the hoop pressure is neglected
+        inner = slice(layout.first + 1, layout.last)
+        p_roll[inner] = p_drum[inner]
+        if self.roll_wrap:
+            p_roll[inner] -= T[inner] * kappa_drum[inner]
         on_roll = p_roll[layout.first :], q_roll[layout.first :]
         roll = g.roll.surface.deform(*on_roll)
         if self.roll_wrap:
@@ -249,15 +226,11 @@ class NipEquations(ContactEquations):
             g, p_roll, p_drum, q_roll, q_drum, transfer, T, roll, drum, kappa_roll, kappa_drum
         )
 
-    @cached_property
-    def _hoop_nodes(self) -> slice:
-        """Inner nodes of the nip, where p+ = p- + T kappa; p+ is zero at the leading edge."""
-        if not self.roll_wrap:
-            return slice(0, 0)
-        return slice(self.layout.first + 1, self.layout.last)
-
     def _gap_slope(self, u: Array, f: Fields) -> Array:
-        """Return the residual of the gap slope in the cells of the nip."""
+        """Return the residual of the gap slope in the cells of the nip, dimensionless.
+
+        v+' + v-' + c12 (q+ + q-) - 2h F(p+)' + Delta/R* - x/R*
+        """
         (a, mesh, *_), web, nip = f.geometry, self.problem.web, f.geometry.mesh.nip_cells
         thinning, _ = web.thinned(f.p_roll[mesh.nip_nodes])
         gap = f.roll.slope[: mesh.last - mesh.first] + f.drum.slope[nip] + u[self.layout.shift]
@@ -268,32 +241,34 @@ class NipEquations(ContactEquations):
     def _normal_equilibrium(self, f: Fields) -> list[Array]:
         """Return the residual p+ - p- - T kappa of the normal equilibrium on the wraps.
 
-        One array for each wrap; one of the pressures is zero there.
+        One array for each wrap, drum first, at its nodes.  On the drum p+ is zero and kappa is
+        -kappa-; on the roll p- is zero and kappa is kappa+.
         """
-        layout, T, rows = self.layout, f.tension, []
+        layout, T, residuals = self.layout, f.tension, []
         if self.drum_wrap:
-            nodes = slice(0, layout.first + 1)
-            rows.append(
-                (f.p_drum[nodes] - T[nodes] * f.drum_curvature[nodes]) / self.pressure_scale
-            )
+            nodes = layout.drum_wrap_nodes
+            residuals.append(f.p_drum[nodes] - T[nodes] * f.drum_curvature[nodes])
         if self.roll_wrap:
-            nodes, kappa = slice(layout.last, None), f.roll_curvature[layout.last - layout.first :]
-            rows.append((f.p_roll[nodes] - T[nodes] * kappa) / self.pressure_scale)
-        return rows
+            nodes, kappa = layout.roll_wrap_nodes, f.roll_curvature[layout.last - layout.first :]
+            residuals.append(f.p_roll[nodes] - T[nodes] * kappa)
+        return [residual / self.pressure_scale for residual in residuals]
 
     def _force_and_load(self, u: Array, f: Fields) -> Array:
-        """Return the residuals of winding force and nip load."""
-        problem, a = self.problem, f.geometry.a
-        load = a * (f.geometry.mesh.nip_weights[self.layout.p_nodes] @ u[self.layout.p])
-        force = a * (f.geometry.mesh.weights @ f.q_drum)
-        P, F = problem.nip_load, problem.winding_force
-        # the force of an iterate varies with its load: else a small load could not transmit F
-        force_residual = force - F - self._force_by_load * (load - P)
-        return np.array([force_residual / (problem.drum_friction * P), load / P - 1])
+        """Return the residuals of the winding force and of the nip load, (2,).
+
+        int_nip p- dx must be P, and int q- dx the force F.  An iterate whose load is not yet P may
+        transmit less: its force must be F + (dF/dP) (int_nip p- dx - P).
+        """
+        P, F = self.problem.nip_load, self.problem.winding_force
+        a, mesh = f.geometry.a, f.geometry.mesh
+        load = a * (mesh.nip_weights[self.layout.p_nodes] @ u[self.layout.p])
+        force = a * (mesh.weights @ f.q_drum)
+        force_defect = force - F - self._force_by_load * (load - P)
+        return np.array([force_defect / (self.problem.drum_friction * P), load / P - 1])
 
     @cached_property
     def _force_by_load(self) -> float:
-        """dF/dP for an iterate whose load differs from P: F/P, at most the friction coefficient."""
+        """dF/dP of :meth:`_force_and_load`: F/P, at most the friction coefficient of the drum."""
         mu = self.problem.drum_friction
         return float(np.clip(self.problem.winding_force / self.problem.nip_load, -mu, mu))
 
@@ -320,25 +295,47 @@ class NipEquations(ContactEquations):
     # ---- transfer to another mesh --------------------------------------------------------------
 
     def prolong(self, state: NipState, active: Array, coarse: NipEquations) -> tuple[Array, Array]:
-        """Interpolate the unknowns of a coarse mesh; zones are those of the nearest node."""
-        layout, coarse_layout, f = self.layout, coarse.layout, state.fields
-        old, new = f.geometry.mesh.nodes, self.mesh(f.geometry.a).nodes
-        u = np.empty(layout.size)
-        pressure = np.where(np.arange(old.size) < coarse_layout.last, f.p_drum, f.p_roll)
-        u[layout.p] = np.interp(new[layout.p_nodes], old, pressure)
-        u[[layout.shift, layout.xi, layout.ln_a]] = state.u[
-            [coarse_layout.shift, coarse_layout.xi, coarse_layout.ln_a]
-        ]
-        u[layout.roll_q] = np.interp(new[layout.roll_nodes], old, f.q_roll)
-        u[layout.drum_q] = np.interp(new[layout.drum_nodes], old, f.q_drum)
-        k = coarse_layout.roll_nodes.size
-        roll = nearest(old[coarse_layout.roll_nodes], active[:k], new[layout.roll_nodes])
-        drum = nearest(old[coarse_layout.drum_nodes], active[k:], new[layout.drum_nodes])
-        return u, np.append(roll, drum)
+        """Return the initial guess on this mesh from the solution on another mesh.
+
+        Pressures and tractions are interpolated linearly between the nodes; Delta/R*, xi and ln a
+        are copied; each traction node has the zone of the nearest traction node of its face.
+
+        Parameters
+        ----------
+        state : NipState
+            The solution on the other mesh.
+        active : (k,) int array
+            Its active set: 0 stick, +1 and -1 slip.
+        coarse : NipEquations
+            Equations on the other mesh.
+
+        Returns
+        -------
+        u : (size,) array
+            Unknowns on this mesh.
+        active : int array
+        """
+        new, old, f = self.layout, coarse.layout, state.fields
+        x_old, x_new = f.geometry.mesh.nodes, self.mesh(f.geometry.a).nodes
+        p = np.where(np.arange(x_old.size) < old.last, f.p_drum, f.p_roll)
+        u = np.empty(new.size)
+        u[new.p] = np.interp(x_new[new.p_nodes], x_old, p)
+        u[[new.shift, new.xi, new.ln_a]] = state.u[[old.shift, old.xi, old.ln_a]]
+        u[new.roll_q] = np.interp(x_new[new.roll_nodes], x_old, f.q_roll)
+        u[new.drum_q] = np.interp(x_new[new.drum_nodes], x_old, f.q_drum)
+        k = old.roll_nodes.size  # the tractions on the roll come first
+        roll_zones = nearest(x_old[old.roll_nodes], active[:k], x_new[new.roll_nodes])
+        drum_zones = nearest(x_old[old.drum_nodes], active[k:], x_new[new.drum_nodes])
+        return u, np.append(roll_zones, drum_zones)
 
 
 class _Assembly:
-    """Assembly of the Jacobian at a state, block by block.
+    """Assembly of the Jacobian at a state, block by block (table in the docstring of the module).
+
+    Rows of a block are equations, columns all ``size`` unknowns; each method returns its block in
+    the units of its equation.  Blocks are assembled from the derivatives by the nodal loads of a
+    face: the columns of p- and q+- are copied to those of their unknowns, and p+ is eliminated by
+    dp+/du.
 
     Attributes
     ----------
@@ -353,30 +350,28 @@ class _Assembly:
     def __init__(self, equations: NipEquations, state: NipState) -> None:
         self.equations, self.problem = equations, equations.problem
         self.layout, self.fields = equations.layout, state.fields
-        f, first, last = state.fields, self.layout.first, self.layout.last
+        f = state.fields
         self.a, self.mesh, roll, drum = f.geometry
-        on_roll = f.p_roll[first:], f.q_roll[first:]
-        on_drum = f.p_drum[: last + 1], f.q_drum[: last + 1]
-        self.roll, self.drum = roll.surface.tangent(*on_roll), drum.surface.tangent(*on_drum)
+        self.roll, self.drum = roll.surface.tangent(*f.on_roll), drum.surface.tangent(*f.on_drum)
         self.kappa_roll = self.kappa_drum = None
         if f.roll_curvature.size:
-            self.kappa_roll = roll.curvature_tangent(self.roll, *on_roll, self.a)
+            self.kappa_roll = roll.curvature_tangent(self.roll, *f.on_roll, self.a)
         if f.drum_curvature.size:
-            self.kappa_drum = drum.curvature_tangent(self.drum, *on_drum, self.a)
+            self.kappa_drum = drum.curvature_tangent(self.drum, *f.on_drum, self.a)
         self.dp_roll = self._derivative_of_p_roll()
 
     def jacobian(self) -> Jacobian:
-        """Assemble all blocks but the column by ln a."""
+        """Return all blocks, dimensionless; the column by ln a is zero."""
         layout, equations = self.layout, self.equations
         gap = self._gap_slope_rows() / equations.slope_scale
         wraps = [rows / equations.pressure_scale for rows in self._wrap_rows()]
+        equilibrium = np.concatenate([gap, *wraps, self._force_and_load_rows()])
         slip = self._slip_rows() / equations.slope_scale
-        bound = np.zeros((layout.q.stop - layout.q.start, layout.size))
-        k = layout.roll_nodes.size
-        bound[:k] = self.dp_roll[1:-1]
-        bound[k + np.arange(layout.drum_nodes.size), layout.drum_nodes - layout.p_nodes[0]] = 1.0
-        rows = np.concatenate([gap, *wraps, self._force_and_load_rows()])
-        return Jacobian(rows, slip, bound / equations.pressure_scale)
+        # the friction bound of a node is its pressure, p+ on the roll and p- on the drum
+        on_drum = np.zeros((layout.drum_nodes.size, layout.size))
+        on_drum[np.arange(len(on_drum)), layout.drum_nodes - layout.p_nodes[0]] = 1.0
+        bound = np.concatenate([self.dp_roll[1:-1], on_drum]) / equations.pressure_scale
+        return Jacobian(equilibrium, slip, bound)
 
     def _derivative_of_p_roll(self) -> Array:
         """Return dp+/du at the nodes of the roll's face.
@@ -384,25 +379,32 @@ class _Assembly:
         In the nip p+ = p- + T kappa, without a roll wrap p+ = p-; on the roll wrap p+ is an
         unknown.  Row 0 is zero: p+ = 0 at the leading edge.
         """
-        layout, first_unknown = self.layout, self.layout.p_nodes[0]
-        first, last, end = layout.first, layout.last, layout.end
-        out = np.zeros((end + 1 - first, layout.size))
-        inner = np.arange(first + 1, last)
-        out[inner - first, inner - first_unknown] = 1.0
+        layout, first = self.layout, self.layout.first
+        out = np.zeros((layout.end + 1 - first, layout.size))
+        unknowns = np.nonzero(layout.p_nodes > first)[0]  # the pressures on the face of the roll
+        out[layout.p_nodes[unknowns] - first, unknowns] = 1.0
         if self.equations.roll_wrap:
-            nodes = self.equations._hoop_nodes
-            rows = out[1 : last - first]
-            self._subtract_hoop(rows, nodes, self.fields.drum_curvature[nodes], self.kappa_drum)
-            wrap = np.arange(last, end + 1)
-            out[wrap - first, wrap - first_unknown] = 1.0
+            inner = slice(first + 1, layout.last)
+            kappa = self.fields.drum_curvature[inner]
+            self._subtract_hoop(out[1 : layout.last - first], inner, kappa, self.kappa_drum)
         return out
 
     def _subtract_hoop(
         self, rows: Array, nodes: slice, kappa: Array, tangent: tuple[Array, Array] | None
     ) -> None:
-        """Subtract the derivatives of T kappa at ``nodes`` from rows, dT kappa + T dkappa.
+        """Subtract the derivatives of T kappa, dT kappa + T dkappa, from rows in place.
 
-        ``tangent`` holds the derivatives of kappa by p- and q-; None for a rigid body.
+        Parameters
+        ----------
+        rows : (m, size) array
+            One row for each of ``nodes``.
+        nodes : slice
+            m nodes of the mesh.
+        kappa : (m,) array
+            Curvature at these nodes [1/m].
+        tangent : pair of arrays, or None
+            Derivatives of the curvature of the drum by p- and by q- at the nodes of its face; None
+            if kappa does not depend on them.
         """
         layout = self.layout
         by_q = self.a * self.mesh.integral_to_nodes[nodes]
@@ -410,13 +412,21 @@ class _Assembly:
         rows[:, layout.drum_q] -= kappa[:, None] * by_q[:, layout.drum_nodes]
         if tangent is not None:
             T = self.fields.tension[nodes, None]
-            rows[:, layout.drum_p] -= T * tangent[0][nodes, layout.p_nodes[layout.drum_p]]
+            rows[:, layout.drum_p] -= T * tangent[0][nodes, layout.drum_p_nodes]
             rows[:, layout.drum_q] -= T * tangent[1][nodes, 1:-1]
 
     def _chain_p_roll(self, matrix: Array) -> Array:
-        """Return the derivatives by u from those by p+: matrix @ dp+/du (chain rule).
+        """Return the derivatives by u, matrix @ dp+/du (chain rule).
 
-        Without a roll wrap p+ = p- in the nip, so that columns are copied.
+        Parameters
+        ----------
+        matrix : (m, n) array
+            Derivatives by p+ at the n nodes of the roll's face.
+
+        Returns
+        -------
+        (m, size) array
+            Without a roll wrap p+ = p- in the nip, so that columns are copied.
         """
         layout, n = self.layout, self.layout.last - self.layout.first
         if self.equations.roll_wrap:
@@ -441,32 +451,26 @@ class _Assembly:
         thickening = web.compliance.c12 * mesh.hats[nip]
         rows[:, layout.roll_q] += thickening[:, layout.roll_nodes] + self.roll.slope_q[:n, 1:-1]
         rows[:, layout.drum_q] += thickening[:, layout.drum_nodes] + self.drum.slope_q[nip, 1:-1]
-        rows[:, layout.drum_p] += self.drum.slope_p[nip, layout.p_nodes[layout.drum_p]]
+        rows[:, layout.drum_p] += self.drum.slope_p[nip, layout.drum_p_nodes]
         rows[:, layout.shift] = 1.0
         return rows
 
     def _wrap_rows(self) -> list[Array]:
         """Return the rows of the normal equilibrium p+ - p- - T kappa on the wraps."""
-        layout, equations, f, blocks = self.layout, self.equations, self.fields, []
-        if equations.drum_wrap:
-            nodes, k = slice(0, layout.first + 1), np.arange(layout.first + 1)
-            rows = np.zeros((k.size, layout.size))
-            rows[k, k] = 1.0
+        layout, f, blocks = self.layout, self.fields, []
+        if self.equations.drum_wrap:
+            nodes = layout.drum_wrap_nodes
+            rows = np.eye(nodes.stop, layout.size)  # dp-: the first unknowns
             self._subtract_hoop(rows, nodes, f.drum_curvature[nodes], self.kappa_drum)
             blocks.append(rows)
-        if equations.roll_wrap:
-            nodes, wrap = (
-                slice(layout.last, layout.end + 1),
-                slice(layout.last - layout.first, None),
-            )
-            k = np.arange(layout.end + 1 - layout.last)
-            rows = np.zeros((k.size, layout.size))
+        if self.equations.roll_wrap:
+            nodes, on_face = layout.roll_wrap_nodes, slice(layout.last - layout.first, None)
+            rows = np.eye(nodes.stop - nodes.start, layout.size, layout.wrap_p.start)  # dp+
             if self.kappa_roll is not None:
                 T = f.tension[nodes, None]
-                rows = self._chain_p_roll(-T * self.kappa_roll[0][wrap])
-                rows[:, layout.roll_q] -= T * self.kappa_roll[1][wrap, 1:-1]
-            rows[k, layout.wrap_p.start + k] += 1.0
-            self._subtract_hoop(rows, nodes, f.roll_curvature[wrap], None)
+                rows += self._chain_p_roll(-T * self.kappa_roll[0][on_face])
+                rows[:, layout.roll_q] -= T * self.kappa_roll[1][on_face, 1:-1]
+            self._subtract_hoop(rows, nodes, f.roll_curvature[on_face], None)
             blocks.append(rows)
         return blocks
 
@@ -481,33 +485,31 @@ class _Assembly:
         return rows / problem.nip_load
 
     def _slip_rows(self) -> Array:
-        """Return the rows of the slip velocities, roll then drum.
+        """Return the rows of the slip velocities of the traction nodes, roll then drum.
 
-        The strain of the web, c11 (T - T(end))/2h - c12 p+, minus that of the roll, relative to the
-        end, or of the drum.
+        v+ = eps - eps+ - (eps - eps+)(end) and v- = eps - eps- + xi in the cell upstream of each
+        node, where the strain of the web is eps = c11 (T - T(end))/2h - c12 p+.
         """
         layout, mesh, web = self.layout, self.mesh, self.problem.web
+        c12 = web.compliance.c12
+        # the strain of the web in all cells: tension, and pressure in the cells of the roll's face
         stretch = mesh.integral_to_points - mesh.weights
         stretch *= self.a * web.compliance.c11 / web.thickness
-        on_roll, on_drum = slice(layout.first, layout.end - 1), slice(0, layout.last - 1)
-        n, m = layout.end - 1 - layout.first, layout.last - 1
-        # derivatives of -c12 p+ in the cells
-        pressure_strain = np.zeros((mesh.cells.size, layout.size))
-        fraction, c12 = mesh.fraction[layout.first :, None], web.compliance.c12
-        pressure_strain[layout.first :] = (c12 * (fraction - 1)) * self.dp_roll[:-1] - (
+        web_strain = np.zeros((mesh.cells.size, layout.size))
+        fraction = mesh.fraction[layout.first :, None]
+        web_strain[layout.first :] = (c12 * (fraction - 1)) * self.dp_roll[:-1] - (
             c12 * fraction
         ) * self.dp_roll[1:]
+        web_strain[:, layout.roll_q] += stretch[:, layout.roll_nodes]
+        web_strain[:, layout.drum_q] += stretch[:, layout.drum_nodes]
+        # both strains on the roll are relative to the end, where that of the web is -c12 p+
+        n, m = layout.roll_nodes.size, layout.drum_nodes.size
         strain_p, strain_q = (s[:n] - s[-1] for s in (self.roll.strain_p, self.roll.strain_q))
-        roll, drum = (
-            pressure_strain[on_roll] - self._chain_p_roll(strain_p),
-            pressure_strain[on_drum],
-        )
+        roll = web_strain[layout.first : layout.first + n] - self._chain_p_roll(strain_p)
         roll += c12 * self.dp_roll[-1]
-        for rows, cells in ((roll, on_roll), (drum, on_drum)):
-            rows[:, layout.roll_q] += stretch[cells, layout.first + 1 : layout.end]
-            rows[:, layout.drum_q] += stretch[cells, 1 : layout.last]
         roll[:, layout.roll_q] -= strain_q[:, 1:-1]
-        drum[:, layout.drum_p] -= self.drum.strain_p[:m, layout.p_nodes[layout.drum_p]]
+        drum = web_strain[:m].copy()
+        drum[:, layout.drum_p] -= self.drum.strain_p[:m, layout.drum_p_nodes]
         drum[:, layout.drum_q] -= self.drum.strain_q[:m, 1:-1]
         drum[:, layout.xi] = 1.0
         return np.concatenate([roll, drum])

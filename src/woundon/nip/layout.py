@@ -1,8 +1,4 @@
-"""Numbering of the unknowns of a web nip:  u = ( p | Delta/R*, xi, ln a | q+ | q- ).
-
-Each node has one unknown pressure: p- on the drum wrap and in the nip, p+ on the roll wrap.  In the
-nip p+ = p- + T kappa is explicit.
-"""
+"""Numbering of the unknowns of a contact:  u = ( p | Delta/R*, xi, ln a | q )."""
 
 from __future__ import annotations
 
@@ -10,11 +6,38 @@ import numpy as np
 
 from ..elasticity.mesh import Mesh
 
-__all__ = ["Layout"]
+__all__ = ["Layout", "Unknowns"]
 
 
-class Layout:
-    """Nodes of the unknowns, and their indices in u.
+class Unknowns:
+    """Indices of the unknowns in u.
+
+    Parameters
+    ----------
+    pressures, tractions : int
+        Numbers of unknown pressures n and tractions k.
+
+    Attributes
+    ----------
+    p, q : slices
+        Pressures and tractions.
+    shift, xi, ln_a : int
+        Delta/R*, the creepage and ln a.
+    size : int
+        n + 3 + k.
+    """
+
+    def __init__(self, pressures: int, tractions: int) -> None:
+        n, self.size = pressures, pressures + 3 + tractions
+        self.p, self.q = slice(0, n), slice(n + 3, self.size)
+        self.shift, self.xi, self.ln_a = n, n + 1, n + 2
+
+
+class Layout(Unknowns):
+    """Nodes of the unknowns of a web nip, and their indices in  u = ( p | ... | q+ | q- ).
+
+    Each node has one unknown pressure: p- on the drum wrap and in the nip, p+ on the roll wrap.  In
+    the nip p+ = p- + T kappa is explicit.
 
     Parameters
     ----------
@@ -26,25 +49,30 @@ class Layout:
     ----------
     first, last, end : int
         Nodes at the leading and trailing edge of the nip, and the last node.
+    drum_wrap_nodes, roll_wrap_nodes : slices
+        Nodes of the wraps, with the edge of the nip.
     p_nodes, roll_nodes, drum_nodes : int arrays
         Nodes of p, q+ and q-.
-    p, roll_q, drum_q, q : slices; shift, xi, ln_a : int
-        Indices in u.
     drum_p, wrap_p : slices
         Indices in u of p- and, on the roll wrap, of p+.
-    size : int
+    drum_p_nodes, wrap_p_nodes : int arrays
+        Their nodes.
+    roll_q, drum_q : slices
+        Indices in u of q+ and q-.
     """
 
     def __init__(self, mesh: Mesh, roll_wrap: bool, drum_wrap: bool) -> None:
         self.first, self.last, self.end = mesh.first, mesh.last, mesh.nodes.size - 1
+        self.drum_wrap_nodes = slice(0, self.first + 1)
+        self.roll_wrap_nodes = slice(self.last, self.end + 1)
         start = 0 if drum_wrap else self.first + 1
         stop = self.end + 1 if roll_wrap else self.last
         self.p_nodes = np.arange(start, stop)
         self.roll_nodes = np.arange(self.first + 1, self.end)
         self.drum_nodes = np.arange(1, self.last)
-        n, k, m = self.p_nodes.size, self.roll_nodes.size, self.drum_nodes.size
-        self.p = slice(0, n)
-        self.drum_p, self.wrap_p = slice(0, self.last - start), slice(self.last - start, n)
-        self.shift, self.xi, self.ln_a = n, n + 1, n + 2
-        self.roll_q, self.drum_q = slice(n + 3, n + 3 + k), slice(n + 3 + k, n + 3 + k + m)
-        self.q, self.size = slice(n + 3, n + 3 + k + m), n + 3 + k + m
+        super().__init__(self.p_nodes.size, self.roll_nodes.size + self.drum_nodes.size)
+        self.drum_p = slice(0, self.last - start)
+        self.wrap_p = slice(self.last - start, self.p.stop)
+        self.drum_p_nodes, self.wrap_p_nodes = self.p_nodes[self.drum_p], self.p_nodes[self.wrap_p]
+        first_drum_q = self.q.start + self.roll_nodes.size
+        self.roll_q, self.drum_q = slice(self.q.start, first_drum_q), slice(first_drum_q, self.size)

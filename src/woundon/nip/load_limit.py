@@ -30,6 +30,7 @@ __all__ = [
     "check_load",
     "frictionless_half_width",
     "frictionless_pressure",
+    "largest_half_width",
     "largest_load",
 ]
 

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from ..contact.refinement import Refinement
-from .energy import pressure_resultant, rolling_resistance
+from .energy import dissipation, pressure_resultant, work_on_bodies
 from .equations import Geometry, NipEquations, NipState
 from .zones import LEAST_OFFSET_ERROR, cusp_excess, has_traction_jump, slip_lengths
 
@@ -26,8 +26,6 @@ __all__ = [
     "NipSystem",
     "approach",
     "error_estimates",
-    "main_outputs",
-    "nip_outputs",
     "roll_wound_on_tension",
     "slip_ratios",
     "strain_rounding",
@@ -47,16 +45,6 @@ ROUNDING = 50 * float(np.finfo(float).eps)
 SLIP_RATIOS = ("leading_roll", "trailing_roll", "dual")
 
 
-def main_outputs(equations: NipEquations, state: NipState) -> dict[str, float]:
-    """Return the tensions whose error estimates end the mesh refinement [N/m]."""
-    f, mesh = state.fields, state.fields.geometry.mesh
-    return {
-        "wound_on_tension": float(f.tension[-1]),
-        # an integral of the tractions: the difference of tensions loses digits at high web tension
-        "nip_induced_tension": float(f.geometry.a * mesh.weights @ (f.q_roll + f.q_drum)),
-    }
-
-
 def roll_wound_on_tension(equations: NipEquations, state: NipState) -> float:
     """Return the wound-on tension reduced to the closed layer of a wound roll [N/m]."""
     layout, f, problem = equations.layout, state.fields, equations.problem
@@ -71,36 +59,6 @@ def roll_wound_on_tension(equations: NipEquations, state: NipState) -> float:
     return T + problem.web.thickness / problem.web.compliance.c11 * (closed_strain - strain)
 
 
-def nip_outputs(equations: NipEquations, state: NipState, active: Array) -> dict[str, float]:
-    """Return all outputs whose discretisation error is estimated, by name, in SI units."""
-    layout, f = equations.layout, state.fields
-    a, mesh, T = f.geometry.a, f.geometry.mesh, f.tension
-    out = {
-        **main_outputs(equations, state),
-        "roll_wound_on_tension": roll_wound_on_tension(equations, state),
-        "inlet_tension": float(T[layout.first]),
-        "outlet_tension": float(T[layout.last]),
-        "half_width": a,
-        "nip_width": 2 * a,
-        "peak_pressure": float(f.p_drum.max()),
-        "drum_creepage": drum_creepage(equations, state),
-        "offset": float(state.u[layout.shift] * equations.problem.contact_radius),
-        "approach": approach(equations, state),
-        **slip_ratios(equations.problem, web_arrays(equations, state, active), mesh.nip_nodes),
-    }
-    if equations.roll_wrap:
-        out["roll_wrap_traction"] = float(T[-1] - T[layout.last])
-    if equations.drum_wrap:
-        out["drum_wrap_traction"] = float(T[layout.first] - T[0])
-    if equations.problem.viscoelastic:
-        out["rolling_resistance"] = rolling_resistance(equations, state)
-        out["dissipated_power"] = equations.problem.rolling_speed * out["rolling_resistance"]
-        nip = mesh.nip_nodes
-        _, position = pressure_resultant(a * mesh.nodes[nip], f.p_drum[nip])
-        out["pressure_shift"] = position - out["offset"]
-    return out
-
-
 def approach(equations: NipEquations, state: NipState) -> float:
     """Return the mutual approach of the centres, from the indentation at the trailing edge [m].
 
@@ -109,8 +67,7 @@ def approach(equations: NipEquations, state: NipState) -> float:
     """
     layout, f, problem = equations.layout, state.fields, equations.problem
     a, _, roll, drum = f.geometry
-    v = roll.surface.end_displacement(f.p_roll[layout.first :], f.q_roll[layout.first :])
-    v += drum.surface.end_displacement(f.p_drum[: layout.last + 1], f.q_drum[: layout.last + 1])
+    v = roll.surface.end_displacement(*f.on_roll) + drum.surface.end_displacement(*f.on_drum)
     v += problem.web.compliance.c12 * f.tension[layout.last]
     v -= problem.web.thinned(f.p_roll[layout.last : layout.last + 1])[0][0]
     return float(a**2 / (2 * problem.contact_radius) - v - state.u[layout.shift] * a)
@@ -288,9 +245,39 @@ class NipSystem(NipEquations):
     """The equations of a nip with their outputs, as mesh refinement needs them."""
 
     def main_outputs(self, state: NipState) -> dict[str, float]:
-        """Return the outputs whose error estimates end the mesh refinement."""
-        return main_outputs(self, state)
+        """Return the tensions whose error estimates end the mesh refinement [N/m]."""
+        f, mesh = state.fields, state.fields.geometry.mesh
+        return {
+            "wound_on_tension": float(f.tension[-1]),
+            # an integral of tractions: the difference of tensions loses digits at high web tension
+            "nip_induced_tension": float(f.geometry.a * mesh.weights @ (f.q_roll + f.q_drum)),
+        }
 
     def outputs(self, state: NipState, active: Array) -> dict[str, float]:
-        """Return the outputs whose discretisation error is estimated."""
-        return nip_outputs(self, state, active)
+        """Return all outputs whose discretisation error is estimated, by name, in SI units."""
+        layout, f = self.layout, state.fields
+        a, mesh, T = f.geometry.a, f.geometry.mesh, f.tension
+        out = {
+            **self.main_outputs(state),
+            "roll_wound_on_tension": roll_wound_on_tension(self, state),
+            "inlet_tension": float(T[layout.first]),
+            "outlet_tension": float(T[layout.last]),
+            "half_width": a,
+            "nip_width": 2 * a,
+            "peak_pressure": float(f.p_drum.max()),
+            "drum_creepage": drum_creepage(self, state),
+            "offset": float(state.u[layout.shift] * self.problem.contact_radius),
+            "approach": approach(self, state),
+            **slip_ratios(self.problem, web_arrays(self, state, active), mesh.nip_nodes),
+        }
+        if self.roll_wrap:
+            out["roll_wrap_traction"] = float(T[-1] - T[layout.last])
+        if self.drum_wrap:
+            out["drum_wrap_traction"] = float(T[layout.first] - T[0])
+        if self.problem.viscoelastic:
+            out["rolling_resistance"] = dissipation(self.problem, work_on_bodies(state))
+            out["dissipated_power"] = self.problem.rolling_speed * out["rolling_resistance"]
+            nip = mesh.nip_nodes
+            _, position = pressure_resultant(a * mesh.nodes[nip], f.p_drum[nip])
+            out["pressure_shift"] = position - out["offset"]
+        return out

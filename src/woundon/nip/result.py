@@ -24,21 +24,23 @@ from .entrained_air import AirFilm
 from .layer_slip import LayerSlip, layer_slip
 
 if TYPE_CHECKING:
+    from ..contact.refinement import MeshSolution
     from ..sensitivity import Sensitivity
 
-__all__ = ["Dissipation", "NipResult", "SlipRatios"]
+__all__ = ["ContactOutputs", "NipResult", "SlipRatios"]
 
 Array = np.ndarray
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class Dissipation:
-    """Outputs of rolling contacts with a viscoelastic body; nan without one.
+class ContactOutputs:
+    """What the results of a nip and of two rollers have in common.
 
     Attributes
     ----------
     rolling_resistance : float
-        Dissipation of the viscoelastic bodies per length rolled [N/m], a force per metre of width.
+        Dissipation of the viscoelastic bodies per length rolled [N/m], a force per metre of width;
+        nan without a viscoelastic body.
     """
 
     CONTACT_PRESSURE: ClassVar[str] = "pressure"  # name of the array of the contact pressure
@@ -60,16 +62,43 @@ class Dissipation:
     @property
     def pressure_shift(
         self,
-    ) -> Annotated[
-        float,
-        length("e_p", "pressure resultant, downstream of the line of centres"),
-    ]:
+    ) -> Annotated[float, length("e_p", "pressure resultant, downstream of the line of centres")]:
         """Position of the pressure's resultant along +x, from the line of centres [m]."""
         result: Any = self
         if not result.problem.viscoelastic:
             return nan
         x, p = result.x[result.in_nip], getattr(result, result.CONTACT_PRESSURE)[result.in_nip]
         return float(pressure_resultant(x, p)[1] - result.offset)
+
+    @property
+    def nodes(self) -> int:
+        """Number of nodes in the nip."""
+        in_nip: slice = self.in_nip  # type: ignore[attr-defined]
+        return in_nip.stop - in_nip.start
+
+    def sensitivity(self, *parameters: str, outputs: Sequence[str] = ()) -> Sensitivity:
+        """Return exact derivatives of outputs with respect to fields of the problem.
+
+        Parameters
+        ----------
+        parameters : str
+            Dotted names (``"roll.material.shear"``, ``"upper.material.youngs_modulus"``); every
+            continuous field if none is given.
+        outputs : sequence of str
+            Names; the main ones if none is given.
+        """
+        # imported late: many results are never differentiated
+        from .sensitivity import contact_sensitivity
+
+        result: Any = self
+        if result.refinement is not None:
+            meshes = result.refinement.meshes
+        else:  # loaded from a file
+            meshes = [result._recomputed_solution()]
+        outputs = (outputs,) if isinstance(outputs, str) else tuple(outputs)
+        return contact_sensitivity(
+            result, meshes, parameters, outputs or result._differentiated, result._excluded
+        )
 
 
 @dataclass(frozen=True)
@@ -82,7 +111,7 @@ class SlipRatios:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class NipResult(Dissipation, Result):
+class NipResult(ContactOutputs, Result):
     """The solution of a winding nip; the arrays run along the web.
 
     With wraps the arrays run from the web's first contact with the drum through the nip (the nodes
@@ -149,7 +178,7 @@ class NipResult(Dissipation, Result):
     MAIN: ClassVar[tuple[str, ...]] = ("wound_on_tension",)
     CONTACT_PRESSURE: ClassVar[str] = "drum_pressure"
     # outputs of ``sensitivity`` where none is named
-    DIFFERENTIATED: ClassVar[tuple[str, ...]] = (
+    _differentiated: ClassVar[tuple[str, ...]] = (
         "wound_on_tension",
         "nip_induced_tension",
         "outlet_tension",
@@ -237,11 +266,6 @@ class NipResult(Dissipation, Result):
         first, last = nearest.tolist()
         return slice(first, last + 1)
 
-    @property
-    def nodes(self) -> int:
-        """Number of nodes in the nip."""
-        return self.in_nip.stop - self.in_nip.start
-
     @on_request
     def layer_slip(self) -> LayerSlip | None:
         """Index of slip between the layers of the roll, which the model takes as bonded.
@@ -253,25 +277,6 @@ class NipResult(Dissipation, Result):
         warn([slip.warning] if slip and slip.warning else ())
         return slip
 
-    def sensitivity(self, *parameters: str, outputs: Sequence[str] = ()) -> Sensitivity:
-        """Return exact derivatives of outputs with respect to fields of the problem.
-
-        Parameters
-        ----------
-        parameters : str
-            Dotted names (``"roll.material.shear"``); every continuous field if none is given.
-        outputs : sequence of str
-            Names; the main ones if none is given.
-        """
-        outputs = (outputs,) if isinstance(outputs, str) else tuple(outputs)
-        # imported late: many results are never differentiated
-        from .certificate import solutions
-        from .sensitivity import contact_sensitivity
-
-        return contact_sensitivity(
-            self, solutions(self), parameters, outputs, self.DIFFERENTIATED, self._excluded
-        )
-
     @property
     def _excluded(self) -> dict[str, str]:
         """Fields without a derivative, with the reason."""
@@ -279,6 +284,12 @@ class NipResult(Dissipation, Result):
         return {
             name: text for name in ("roll_wrap", "drum_wrap") if getattr(self.problem, name) == 0
         }
+
+    def _recomputed_solution(self) -> MeshSolution:
+        """Return the solution on the last mesh from the arrays of this result."""
+        from .certificate import recomputed_solution
+
+        return recomputed_solution(self)
 
     def certified(self) -> Residuals:
         """Return the certificate, evaluated from the problem and the arrays of this result."""
@@ -305,9 +316,7 @@ class NipResult(Dissipation, Result):
     # ---- tensions and wraps ----------------------------------------------------------------------
 
     @property
-    def wound_on_tension(
-        self,
-    ) -> Annotated[float, line_load("WOT", "wound-on tension")]:
+    def wound_on_tension(self) -> Annotated[float, line_load("WOT", "wound-on tension")]:
         """WOT, the tension at the end of the roll wrap, as a load cell reads it [N/m]."""
         return float(self.tension[-1])
 

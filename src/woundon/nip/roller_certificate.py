@@ -15,12 +15,18 @@ import numpy as np
 from ..contact.newton import SemismoothNewton
 from ..contact.refinement import MeshSolution
 from ..results import Residuals, largest
-from .conditions import LARGEST_MESH, body_equilibrium, friction_law, integral, negative_pressure
-from .energy import dissipation
-from .roller_energy import roller_power_balance, work_on_rollers
-from .rollers import RollerEquations, RollerState
+from .conditions import (
+    LARGEST_MESH,
+    body_equilibrium,
+    difference,
+    friction_law,
+    integral,
+    negative_pressure,
+)
+from .energy import dissipation, roller_power_balance
+from .rollers import RollerEquations, RollerState, work_on_rollers
 
-__all__ = ["certificate", "consistency", "solutions", "state_of"]
+__all__ = ["certificate", "consistency", "recomputed_solution", "state_of"]
 
 Array = np.ndarray
 
@@ -36,13 +42,14 @@ def state_of(result: Any) -> tuple[RollerEquations, RollerState] | None:
     equations = RollerEquations(result.problem, size)
     if not a > 0 or log(a) > equations.largest_ln_a + 1e-9:
         return None
-    u = np.zeros(equations.q.stop)
-    u[equations.p] = result.pressure[1:-1]
+    layout = equations.layout
+    u = np.zeros(layout.size)
+    u[layout.p] = result.pressure[1:-1]
     if result.problem.friction:
-        u[equations.q] = result.traction[1:-1]
-    u[equations.shift] = result.offset / result.problem.contact_radius
-    u[equations.ln_a] = log(a)
-    u[equations.xi] = 0.0 if equations.static else result.creepage
+        u[layout.q] = result.traction[1:-1]
+    u[layout.shift] = result.offset / result.problem.contact_radius
+    u[layout.ln_a] = log(a)
+    u[layout.xi] = 0.0 if equations.static else result.creepage
     return equations, equations.state(u, equations.geometry(a))
 
 
@@ -62,6 +69,7 @@ def certificate(result: Any) -> Residuals:
     Q, prescribed = integral(q, result.x), problem.tangential_load or 0.0
     if not equations.is_force_given and problem.friction:
         prescribed = result.tangential_load
+    nodes, slip_points = a * equations.mesh.nodes, equations.slip_points(a)
     conditions = {
         "gap_slope": largest(np.abs(gap)) / slope_scale,
         "positive_pressure": negative_pressure(p) + largest(np.abs(p[[0, -1]])) / peak,
@@ -69,7 +77,7 @@ def certificate(result: Any) -> Residuals:
         "load": abs(integral(p, result.x) / problem.load - 1),
         "tangential_load": largest([abs(Q - prescribed), abs(Q - result.tangential_load)])
         / problem.load,
-        "mesh": _mesh_difference(result, equations),
+        "mesh": max(difference(result.x, nodes), difference(result.slip_x, slip_points)) / a,
         "approach": abs(result.approach / equations.approach(state) - 1),
     }
     surfaces = state.geometry.upper.surface, state.geometry.lower.surface
@@ -97,24 +105,18 @@ def _slip_and_friction(
     recomputed_xi, slip = equations.slip(state)
     # a creepage that is not prescribed is, without friction, that of vanishing friction
     is_vanishing = not mu and problem.creepage is None
-    slip = slip - (recomputed_xi if is_vanishing else state.u[equations.xi]) + xi
+    slip = slip - (recomputed_xi if is_vanishing else state.u[equations.layout.xi]) + xi
     prescribed = recomputed_xi if is_vanishing else problem.creepage
     ends, neighbours = [0, -1], [1, -2]
     zones_are_valid = (
         np.array_equal(result.zone[ends], result.zone[neighbours])
         and (np.abs(result.zone) <= 1).all()
     )
-    inner = slice(1, -1)
     unit = (mu or 1.0) * peak
+    inner = slice(1, -1)
+    zones, bound = result.zone[inner], mu * p[inner]
     conditions = {
-        **friction_law(
-            result.zone[inner],
-            q[inner],
-            slip[inner],
-            mu * p[inner],
-            unit=np.full(p.size - 2, unit),
-            slip_scale=scale,
-        ),
+        **friction_law(zones, q[inner], slip[inner], bound, unit=unit, slip_scale=scale),
         "zones": 0.0 if zones_are_valid else inf,
         "slip_velocity": largest(np.abs(result.slip - slip)) / scale,
         "creepage": 0.0 if prescribed is None else abs(xi - prescribed) / scale,
@@ -123,14 +125,6 @@ def _slip_and_friction(
     if not isnan(unused):  # the creepage of static, the displacement of rolling rollers
         conditions["creepage"] = inf
     return conditions
-
-
-def _mesh_difference(result: Any, equations: RollerEquations) -> float:
-    """Return the largest difference of nodes and slip points from those of the mesh, over a."""
-    a = result.half_width
-    nodes = np.abs(result.x - a * equations.mesh.nodes)
-    points = np.abs(result.slip_x - equations.slip_points(a))
-    return largest(np.append(nodes, points)) / a
 
 
 def consistency(result: Any) -> Residuals:
@@ -148,13 +142,10 @@ def consistency(result: Any) -> Residuals:
     return Residuals(power_balance=roller_power_balance(result, work_on_rollers(state)))
 
 
-def solutions(result: Any) -> list[MeshSolution]:
-    """Return the solutions on all meshes of a result; for a loaded result only on the last."""
-    if result.refinement is not None:
-        meshes: list[MeshSolution] = result.refinement.meshes
-        return meshes
+def recomputed_solution(result: Any) -> MeshSolution:
+    """Return the solution on the last mesh from the arrays of a result."""
     recomputed = state_of(result)
     assert recomputed is not None  # a loaded result is verified
     equations, state = recomputed
-    solver = SemismoothNewton(equations)
-    return [MeshSolution(result.nodes, equations, state, result.zone[1:-1].astype(np.int8), solver)]
+    active, solver = result.zone[1:-1].astype(np.int8), SemismoothNewton(equations)
+    return MeshSolution(result.nodes, equations, state, active, solver)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import nan
 from types import MappingProxyType
@@ -13,11 +13,11 @@ import numpy as np
 from ..problems.rollers import RollerProblem
 from ..quantities import Quantity, length, line_load, pure, share, strain, stress
 from ..results import Residuals, Result, Zone
-from .result import Dissipation
+from .result import ContactOutputs
 from .zones import slip_share
 
 if TYPE_CHECKING:
-    from ..sensitivity import Sensitivity
+    from ..contact.refinement import MeshSolution
 
 __all__ = ["RollerResult"]
 
@@ -25,7 +25,7 @@ Array = np.ndarray
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class RollerResult(Dissipation, Result):
+class RollerResult(ContactOutputs, Result):
     """The solution of two rollers in contact.
 
     Attributes
@@ -123,11 +123,6 @@ class RollerResult(Dissipation, Result):
         """All nodes."""
         return slice(0, self.x.size)
 
-    @property
-    def nodes(self) -> int:
-        """Number of nodes."""
-        return self.x.size
-
     def certified(self) -> Residuals:
         """Return the certificate, evaluated from the problem and the arrays of this result."""
         from .roller_certificate import certificate
@@ -141,26 +136,22 @@ class RollerResult(Dissipation, Result):
 
         return consistency(self)
 
-    def sensitivity(self, *parameters: str, outputs: Sequence[str] = ()) -> Sensitivity:
-        """Return derivatives of outputs with respect to fields of the problem.
+    def _recomputed_solution(self) -> MeshSolution:
+        """Return the solution on the last mesh from the arrays of this result."""
+        from .roller_certificate import recomputed_solution
 
-        Parameters
-        ----------
-        parameters : str
-            Dotted names (``"upper.material.youngs_modulus"``); every continuous field if none is
-            given.
-        outputs : sequence of str
-            Names; the main ones if none is given.
-        """
-        # imported late: many results are never differentiated
-        from .roller_certificate import solutions
-        from .sensitivity import contact_sensitivity
+        return recomputed_solution(self)
 
-        outputs = (outputs,) if isinstance(outputs, str) else tuple(outputs)
+    @property
+    def _differentiated(self) -> tuple[str, ...]:
+        """Outputs of ``sensitivity`` where none is named."""
         main = ("half_width", "peak_pressure", "approach", "offset", "tangential_load")
         motion_output = "shift" if self.problem.motion == "static" else "creepage"
         dissipation = ("rolling_resistance",) if self.problem.viscoelastic else ()
-        default = (motion_output, *main, *dissipation)
+        return (motion_output, *main, *dissipation)
+
+    @property
+    def _excluded(self) -> dict[str, str]:
+        """Fields without a derivative, with the reason."""
         text = "0 has no derivative: with friction the rollers transmit tractions"
-        excluded = {} if self.problem.friction else {"friction": text}
-        return contact_sensitivity(self, solutions(self), parameters, outputs, default, excluded)
+        return {} if self.problem.friction else {"friction": text}

@@ -43,22 +43,21 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import log
 from typing import NamedTuple
 
 import numpy as np
 
-from ..contact.newton import Jacobian
-from ..elasticity.mesh import Face, Wrap, nip_mesh
-from ..elasticity.surface import Deformation
+from ..contact.newton import Iterate, Jacobian
+from ..elasticity.mesh import Wrap, nip_mesh
+from ..elasticity.surface import Deformation, SurfaceTangent
 from ..problems.bodies import half_width_guess
 from ..problems.rollers import RollerProblem
 from .contact_equations import ContactEquations, Side, nearest
-from .energy import dissipation, pressure_resultant
-from .roller_energy import work_on_rollers
+from .energy import BodyWork, body_work, dissipation, pressure_resultant
+from .layout import Unknowns
 from .zones import slip_share
 
-__all__ = ["RollerEquations", "RollerState", "pressure_median"]
+__all__ = ["RollerEquations", "RollerState", "pressure_median", "work_on_rollers"]
 
 Array = np.ndarray
 
@@ -72,27 +71,31 @@ class RollerGeometry(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class RollerState:
-    """An iterate; residuals, slip, traction and bound are dimensionless.
+class RollerState(Iterate):
+    """An iterate u with its residuals, and the fields along the contact.
 
-    ``p`` and ``q`` hold all nodes, ``upper`` and ``lower`` the deformation at the points of the
-    face: one in each cell, then two at the trailing edge, which ``[:-2]`` leaves out.
+    Attributes
+    ----------
+    geometry : RollerGeometry
+    p, q : (N+1,) arrays
+        Pressure and traction on the upper roller at all nodes [Pa].
+    upper, lower : Deformation
+        At the points of the face: one in each cell, then two at the trailing edge, which ``[:-2]``
+        leaves out.
+    node_slip : (N+1,) array
+        s of all nodes, with the xi of u: a strain in rolling, a length in a static contact [m].
     """
 
-    u: Array
     geometry: RollerGeometry
     p: Array
     q: Array
     upper: Deformation
     lower: Deformation
-    equilibrium: Array
-    slip: Array
-    traction: Array
-    bound: Array
+    node_slip: Array
 
 
 class RollerEquations(ContactEquations):
-    """Residual and Jacobian of two rollers on a mesh of ``size`` nodes.
+    """Residual and Jacobian of two rollers on a mesh of ``size`` nodes, N cells.
 
     Parameters
     ----------
@@ -103,43 +106,21 @@ class RollerEquations(ContactEquations):
     def __init__(self, problem: RollerProblem, size: int) -> None:
         P = problem.load
         super().__init__(problem, P, half_width_guess(P, *problem.bodies))
-        self.size = size
+        self.size, self.friction = size, problem.friction
         self.mesh = nip_mesh(size, Wrap(), Wrap())
-        self.face: Face = self.mesh.roll_face
-        n = size - 2
-        k = n if problem.friction else 0
-        # indices in u; the rows are gap slope (n + 1), tangential load or creepage, load
-        self.p, self.q = slice(0, n), slice(n + 3, n + 3 + k)
-        self.shift, self.xi, self.ln_a = n, n + 1, n + 2
-        self.drive_row, self.load_row = n + 1, n + 2
+        self.layout = Unknowns(size - 2, size - 2 if problem.friction else 0)
+        self.drive_row = self.load_row - 1
         self.static = problem.motion == "static"
-        self.slip_scale = self.slope_scale * (self.guessed_half_width if self.static else 1.0)
+        if self.static:
+            self.slip_scale = self.slope_scale * self.guessed_half_width
 
-    # ---- what Newton's method needs ------------------------------------------------------------
-
-    @cached_property
-    def scales(self) -> Array:
-        """Scales of the unknowns."""
-        out = np.full(self.q.stop, self.pressure_scale)
-        out[self.shift], out[self.xi], out[self.ln_a] = self.slope_scale, self.slip_scale, 1.0
-        out[self.q] *= self.problem.friction
-        return out
-
-    @property
-    def traction_unknowns(self) -> slice:
-        """Indices of the tractions in u."""
-        return self.q
+    # ---- interface of the semismooth Newton method ---------------------------------------------
 
     @cached_property
-    def largest_ln_a(self) -> float:
-        """ln of the largest half width that the bodies permit."""
-        return log(min(min(body.radius, body.max_half_width) for body in self.problem.bodies))
-
-    @property
     def creepage_nodes(self) -> Array:
         """All traction nodes, unless the creepage is given."""
-        is_given = self.problem.creepage is not None
-        return np.arange(0 if is_given else self.q.stop - self.q.start)
+        tractions = np.arange(self.layout.q.stop - self.layout.q.start)
+        return tractions if self.problem.creepage is None else tractions[:0]
 
     def for_problem(self, problem: RollerProblem) -> RollerEquations:
         """Return the equations of a neighbouring problem on the same mesh."""
@@ -149,50 +130,55 @@ class RollerEquations(ContactEquations):
         """Return the names of traction nodes for messages."""
         return [f"node {i + 1}" for i in tractions.tolist()]
 
-    def initial_guess(self) -> tuple[Array, Array]:
-        """Return zero fields and full stick."""
-        u = np.zeros(self.q.stop)
-        u[self.ln_a] = log(self.initial_half_width())
-        return u, np.zeros(self.q.stop - self.q.start, dtype=np.int8)
-
     # ---- residual ------------------------------------------------------------------------------
 
     def geometry(self, a: float, tolerance: float = 0.0) -> RollerGeometry:
         """Return the rollers for a half width, with an error below a tolerance."""
-        return RollerGeometry(a, *self.sides(a, (self.face, self.face), tolerance))
+        face = self.mesh.roll_face
+        return RollerGeometry(a, *self.sides(a, (face, face), tolerance))
 
     def state(self, u: Array, geometry: RollerGeometry) -> RollerState:
-        """Evaluate residuals, slip and friction bounds of the unknowns u."""
-        s, problem = geometry, self.problem
+        """Evaluate fields, residuals, slip and friction bounds of the unknowns u."""
+        layout, (a, upper_side, lower_side) = self.layout, geometry
         p, q = np.zeros((2, self.size))
-        p[1:-1] = u[self.p]
-        if problem.friction:
-            q[1:-1] = u[self.q]
-        upper, lower = s.upper.surface.deform(p, q), s.lower.surface.deform(p, -q)
-        rows = np.append(self._gap_slope(u, s.a, upper, lower), self._drive_and_load(u, s.a, p, q))
+        p[1:-1] = u[layout.p]
+        if self.friction:
+            q[1:-1] = u[layout.q]
+        upper, lower = upper_side.surface.deform(p, q), lower_side.surface.deform(p, -q)
+        rows = np.append(self._gap_slope(u, a, upper, lower), self._drive_and_load(u, a, p, q))
+        if self.static:
+            displacement = self._displacement(lower_side, lower, p, -q, a)
+            node_slip = displacement - self._displacement(upper_side, upper, p, q, a) + u[layout.xi]
+        else:
+            # each node has the slip of the cell upstream of it, the first node that of its cell
+            cell_slip = (lower.strain - upper.strain)[:-2] + u[layout.xi]
+            node_slip = np.append(cell_slip[:1], cell_slip)
         slip, traction, bound = np.zeros((3, 0))
-        if problem.friction:
-            slip = self._slip(u, s, p, q, upper, lower)[1:-1] / self.slip_scale
-            traction = u[self.q] / self.scales[self.q]
-            bound = u[self.p] / self.pressure_scale
-        return RollerState(u, s, p, q, upper, lower, rows, slip, traction, bound)
+        if self.friction:
+            slip = node_slip[1:-1] / self.slip_scale
+            traction = u[layout.q] / self.scales[layout.q]
+            bound = u[layout.p] / self.pressure_scale
+        return RollerState(u, rows, slip, traction, bound, geometry, p, q, upper, lower, node_slip)
 
     def _gap_slope(self, u: Array, a: float, upper: Deformation, lower: Deformation) -> Array:
-        """Return the residual of the gap slope in the cells."""
-        slope = (upper.slope + lower.slope)[:-2] + u[self.shift]
+        """Return the residual v1' + v2' + Delta/R* - x/R* in the cells, (N,)."""
+        slope = (upper.slope + lower.slope)[:-2] + u[self.layout.shift]
         slope -= self.mesh.points * (a / self.problem.contact_radius)
         return np.asarray(slope / self.slope_scale)
 
     def _drive_and_load(self, u: Array, a: float, p: Array, q: Array) -> tuple[float, float]:
-        """Return the residuals of the tangential load or creepage, and of the load."""
+        """Return the residual of the tangential load or the creepage, and that of the load.
+
+        int p dx must be P, and int q dx the tangential load Q.  An iterate whose load is not yet P
+        may transmit less: its tangential load must be (Q/P) int p dx.
+        """
         problem = self.problem
         load = a * float(self.mesh.weights @ p)
         if self.is_force_given:
-            # the force of an iterate varies with its load: else a small load could not transmit Q
             force = a * float(self.mesh.weights @ q) - self._force_by_load * load
             drive = force / (problem.friction * problem.load)
         else:
-            drive = float(u[self.xi] - (problem.creepage or 0.0)) / self.slip_scale
+            drive = float(u[self.layout.xi] - (problem.creepage or 0.0)) / self.slip_scale
         return drive, load / problem.load - 1
 
     @property
@@ -202,87 +188,123 @@ class RollerEquations(ContactEquations):
 
     @property
     def _force_by_load(self) -> float:
-        """dQ/dP for an iterate whose load differs from P: Q/P."""
+        """Q/P, the tangential load of an iterate relative to its load."""
         return (self.problem.tangential_load or 0.0) / self.problem.load
 
-    def _slip(
-        self,
-        u: Array,
-        s: RollerGeometry,
-        p: Array,
-        q: Array,
-        upper: Deformation,
-        lower: Deformation,
-    ) -> Array:
-        """Return the slip of all nodes, (N+1,).
-
-        In rolling each node has the slip of the cell upstream of it, and the first node that of
-        the first cell.  In a static contact xi is relative to the last node.
-        """
-        if not self.static:
-            slip = (lower.strain - upper.strain)[:-2] + u[self.xi]
-            return np.append(slip[:1], slip)
-        displacements = []
-        for side, deformation, traction in ((s.upper, upper, q), (s.lower, lower, -q)):
-            end = side.surface.end_displacement(p, traction) if side.flattening else 0.0
-            u_i = self._displacement(side, s.a, deformation.slope, deformation.strain, end)
-            displacements.append(u_i)
-        return np.asarray(displacements[1] - displacements[0] + u[self.xi])
-
     def _displacement(
-        self, side: Side, a: float, slope: Array, strain: Array, end: Array | float
+        self, side: Side, deformation: Deformation, p: Array, q: Array, a: float
     ) -> Array:
-        """Return u at the nodes relative to the last one, from v there; of columns of matrices."""
-        gradient = strain
+        """Return u at the nodes relative to the last node, (N+1,) [m], under the loads p and q."""
+        end = side.surface.end_displacement(p, q) if side.flattening else 0.0
+        return self._integrate_strain(side, deformation.slope, deformation.strain, end, a)
+
+    def _integrate_strain(
+        self, side: Side, slope: Array, strain: Array, end: Array | float, a: float
+    ) -> Array:
+        """Return u at the nodes relative to the last node, the integral of u' = eps - v/R.
+
+        The values of a deformation, or each column of their derivatives by nodal pressures or
+        tractions, are integrated in the same way.
+
+        Parameters
+        ----------
+        side : Side
+        slope, strain : (N+2, ...) arrays
+            v' and eps at the points of the face.
+        end : float or (...) array
+            v at the trailing edge [m]; only a cylinder needs it.
+        a : float
+            [m].
+        """
+        u_slope = strain
         if side.flattening:
-            v = self.face.displacement_at_nodes(slope, end, a)
-            gradient = strain.copy()
-            gradient[:-2] -= (self.mesh.hats @ v) / side.radius
-        return self.face.displacement_at_nodes(gradient, 0.0, a)
+            v = side.face.displacement_at_nodes(slope, end, a)
+            u_slope = strain.copy()
+            u_slope[:-2] -= (self.mesh.hats @ v) / side.radius
+        return side.face.displacement_at_nodes(u_slope, 0.0, a)
 
     # ---- Jacobian ------------------------------------------------------------------------------
 
     def jacobian(self, state: RollerState) -> Jacobian:
-        """Return the derivatives of equilibrium, slip and bound by u."""
-        problem, (a, *pair), n = self.problem, state.geometry, self.size - 2
-        inner, size = slice(1, -1), self.q.stop
-        k = size - self.q.start
-        gap, slip, bound = np.zeros((n + 1, size)), np.zeros((k, size)), np.zeros((k, size))
-        for side, sign in zip(pair, (1.0, -1.0), strict=True):
-            surface = side.surface
-            if surface.rigid:
+        """Return the derivatives of equilibrium, slip and bound by u, all dimensionless.
+
+        The blocks are those of the table in the docstring of the module: first the influence of
+        both bodies on gap slope and slip, then the columns of Delta/R* and xi, and the rows of
+        drive and load; the column by ln a last.  Edge nodes carry no load, so that only the
+        ``inner`` nodes have columns.
+        """
+        layout, geometry, inner = self.layout, state.geometry, slice(1, -1)
+        traction_count = layout.q.stop - layout.q.start
+        gap_slope = np.zeros((self.size - 1, layout.size))
+        slip, bound = np.zeros((2, traction_count, layout.size))
+        # the traction is q on the upper and -q on the lower roller, and the slip u2 - u1 + xi
+        for side, sign in ((geometry.upper, 1.0), (geometry.lower, -1.0)):
+            if side.surface.rigid:
                 continue
-            tangent = surface.tangent(state.p, sign * state.q)
-            gap[:, self.p] += tangent.slope_p[:-2, inner]
-            if not k:
-                continue
-            gap[:, self.q] += sign * tangent.slope_q[:-2, inner]
-            by_p, by_q = tangent.strain_p, tangent.strain_q
-            if self.static:
-                ends = np.zeros((2, self.size))
-                if side.flattening:
-                    ends = np.array(surface.end_tangent(state.p, sign * state.q))
-                by_p = self._displacement(side, a, tangent.slope_p, tangent.strain_p, ends[0])
-                by_q = self._displacement(side, a, tangent.slope_q, tangent.strain_q, ends[1])
-                by_p, by_q = by_p[inner], by_q[inner]
-            slip[:, self.p] -= sign * by_p[:k, inner]
-            slip[:, self.q] -= by_q[:k, inner]
-        gap[:, self.shift] = 1.0
-        rows, weights = np.zeros((2, size)), a * self.mesh.weights[inner]
-        if self.is_force_given:
-            rows[0, self.p] = -self._force_by_load * weights
-            rows[0, self.q] = weights
-            rows[0] /= problem.friction * problem.load
-        else:
-            rows[0, self.xi] = 1 / self.slip_scale
-        rows[1, self.p] = weights / problem.load
-        if k:
-            slip[:, self.xi] = 1.0
-            bound[np.arange(k), np.arange(k)] = 1 / self.pressure_scale
-        equilibrium = np.concatenate([gap / self.slope_scale, rows])
+            tangent = side.surface.tangent(state.p, sign * state.q)
+            gap_slope[:, layout.p] += tangent.slope_p[:-2, inner]
+            if self.friction:
+                gap_slope[:, layout.q] += sign * tangent.slope_q[:-2, inner]
+                by_p, by_q = self._slip_influence(side, tangent, state, sign)
+                slip[:, layout.p] -= sign * by_p[:, inner]
+                slip[:, layout.q] -= by_q[:, inner]  # sign^2 = 1
+        gap_slope[:, layout.shift] = 1.0
+        slip[:, layout.xi] = 1.0
+        if self.friction:  # the bound of a node is its pressure
+            nodes = np.arange(traction_count)
+            bound[nodes, nodes] = 1 / self.pressure_scale
+        equilibrium = np.concatenate(
+            [gap_slope / self.slope_scale, self._drive_and_load_rows(geometry.a)]
+        )
         jacobian = Jacobian(equilibrium, slip / self.slip_scale, bound)
         self.fill_half_width_column(jacobian, state)
         return jacobian
+
+    def _slip_influence(
+        self, side: Side, tangent: SurfaceTangent, state: RollerState, sign: float
+    ) -> tuple[Array, Array]:
+        """Return the derivatives of what a body adds to the slip of the inner nodes.
+
+        In rolling that is the strain in the cell upstream of each node, in a static contact the
+        displacement of the node.
+
+        Parameters
+        ----------
+        side : Side
+        tangent : SurfaceTangent
+            Derivatives of its slopes and strains.
+        state : RollerState
+        sign : float
+            1 for the upper and -1 for the lower roller: its traction is ``sign * state.q``.
+
+        Returns
+        -------
+        by_p, by_q : (N-1, N+1) arrays
+            Derivatives by the pressures and the tractions at all nodes of the body.
+        """
+        if not self.static:
+            cells = slice(0, self.size - 2)  # all but the last cell, at the end of which q = 0
+            return tangent.strain_p[cells], tangent.strain_q[cells]
+        end_p = end_q = np.zeros(self.size)
+        if side.flattening:
+            end_p, end_q = side.surface.end_tangent(state.p, sign * state.q)
+        a = state.geometry.a
+        by_p = self._integrate_strain(side, tangent.slope_p, tangent.strain_p, end_p, a)
+        by_q = self._integrate_strain(side, tangent.slope_q, tangent.strain_q, end_q, a)
+        return by_p[1:-1], by_q[1:-1]
+
+    def _drive_and_load_rows(self, a: float) -> Array:
+        """Return the derivatives of :meth:`_drive_and_load` by u but ln a, (2, size)."""
+        layout, problem = self.layout, self.problem
+        rows, weights = np.zeros((2, layout.size)), a * self.mesh.weights[1:-1]
+        if self.is_force_given:
+            rows[0, layout.p] = -self._force_by_load * weights
+            rows[0, layout.q] = weights
+            rows[0] /= problem.friction * problem.load
+        else:
+            rows[0, layout.xi] = 1 / self.slip_scale
+        rows[1, layout.p] = weights / problem.load
+        return rows
 
     # ---- fields and outputs --------------------------------------------------------------------
 
@@ -294,12 +316,14 @@ class RollerEquations(ContactEquations):
         return np.asarray(a * points)
 
     def slip(self, state: RollerState) -> tuple[float, Array]:
-        """Return xi and the slip of all nodes: strains in rolling, lengths [m] if static."""
-        slip = self._slip(state.u, state.geometry, state.p, state.q, state.upper, state.lower)
-        xi = float(state.u[self.xi])
-        if not self.problem.friction and self.problem.creepage is None:
+        """Return xi and the slip of all nodes: strains in rolling, lengths [m] if static.
+
+        An xi that no equation determines is that of vanishing friction (docstring of the module).
+        """
+        slip, xi = state.node_slip, float(state.u[self.layout.xi])
+        if not self.friction and self.problem.creepage is None:
             xi = -pressure_median(slip[1:-1] - xi, (self.mesh.weights * state.p)[1:-1])
-            slip = slip + (xi - state.u[self.xi])
+            slip = slip + (xi - state.u[self.layout.xi])
         return xi, slip
 
     def rigid_displacement(self, state: RollerState, xi: float) -> float:
@@ -317,7 +341,9 @@ class RollerEquations(ContactEquations):
         s = state.geometry
         v = s.upper.surface.end_displacement(state.p, state.q)
         v += s.lower.surface.end_displacement(state.p, -state.q)
-        return float(s.a**2 / (2 * self.problem.contact_radius) - v - state.u[self.shift] * s.a)
+        return float(
+            s.a**2 / (2 * self.problem.contact_radius) - v - state.u[self.layout.shift] * s.a
+        )
 
     def main_outputs(self, state: RollerState) -> dict[str, float]:
         """Return the outputs whose error estimates end the mesh refinement."""
@@ -336,7 +362,7 @@ class RollerEquations(ContactEquations):
             "half_width": a,
             "nip_width": 2 * a,
             "peak_pressure": float(state.p.max()),
-            "offset": float(state.u[self.shift] * problem.contact_radius),
+            "offset": float(state.u[self.layout.shift] * problem.contact_radius),
             "approach": self.approach(state),
             "tangential_load": a * float(self.mesh.weights @ state.q),
         }
@@ -367,19 +393,48 @@ class RollerEquations(ContactEquations):
     def prolong(
         self, state: RollerState, active: Array, coarse: RollerEquations
     ) -> tuple[Array, Array]:
-        """Interpolate the unknowns of a coarse mesh; zones are those of the nearest node."""
-        u = np.zeros(self.q.stop)
-        old, new = coarse.mesh.nodes, self.mesh.nodes[1:-1]
-        u[self.p] = np.interp(new, old, np.pad(state.u[coarse.p], 1))
-        u[[self.shift, self.ln_a]] = state.u[[coarse.shift, coarse.ln_a]]
-        u[self.ln_a] = min(u[self.ln_a], self.largest_ln_a)
+        """Return the initial guess on this mesh from the solution on another mesh.
+
+        Pressures and tractions are interpolated linearly between the nodes; Delta/R* and ln a are
+        copied, and xi if it has the same meaning (creepage or displacement); each traction node
+        has the zone of the nearest one.  The other solution may be one without friction.
+
+        Parameters
+        ----------
+        state : RollerState
+            The solution on the other mesh.
+        active : (k,) int array
+            Its active set: 0 stick, +1 and -1 slip.
+        coarse : RollerEquations
+            Equations on the other mesh.
+
+        Returns
+        -------
+        u : (size,) array
+            Unknowns on this mesh.
+        active : int array
+        """
+        new, old = self.layout, coarse.layout
+        x_old, x_new = coarse.mesh.nodes, self.mesh.nodes[1:-1]
+        u, zones = np.zeros(new.size), np.zeros(new.q.stop - new.q.start, dtype=np.int8)
+        u[new.p] = np.interp(x_new, x_old, state.p)
+        u[new.shift] = state.u[old.shift]
+        u[new.ln_a] = min(state.u[old.ln_a], self.largest_ln_a)
         if self.static == coarse.static:
-            u[self.xi] = state.u[coarse.xi]
-        zones = np.zeros(self.q.stop - self.q.start, dtype=np.int8)
+            u[new.xi] = state.u[old.xi]
         if zones.size and active.size:
-            u[self.q] = np.interp(new, old, np.pad(state.u[coarse.q], 1))
-            zones = nearest(old[1:-1], active, new)
+            u[new.q] = np.interp(x_new, x_old, state.q)
+            zones = nearest(x_old[1:-1], active, x_new)
         return u, zones
+
+
+def work_on_rollers(state: RollerState) -> tuple[BodyWork, BodyWork]:
+    """Return the work on the upper and on the lower roller."""
+    a, upper, lower = state.geometry
+    return (
+        body_work(upper, state.upper, state.p, state.q, a),
+        body_work(lower, state.lower, state.p, -state.q, a),
+    )
 
 
 def pressure_median(values: Array, weights: Array) -> float:

@@ -8,8 +8,8 @@ R(u, theta) = 0, so that
 for any output Q(u, theta), J = dR/du.  Differences of R and Q by an input at the same u, and along
 du/dtheta at the same inputs, are central, with an error of the square of the step.  J is factorised
 once for all inputs.  The friction f of a nip with air is F(u, theta) of its air film
-(:mod:`.solve_air`), so that df/dtheta = dF/dtheta + dF/du du/dtheta.  The derivatives on the last
-three meshes give the error estimates.
+(:func:`.solve.solve_with_film`), so that df/dtheta = dF/dtheta + dF/du du/dtheta.  The derivatives
+on the last three meshes give the error estimates.
 
 The active set is kept: where a node is about to change its zone, derivatives to both sides differ,
 and slip lengths have a kink.
@@ -17,14 +17,14 @@ and slip lengths have a kink.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 from scipy.linalg import lu_factor, lu_solve
 
 from ..contact.newton import friction_residual, system_matrix
-from ..contact.refinement import CHANGES, MeshSolution, error_estimate
+from ..contact.refinement import CHANGES, MeshSolution, richardson_estimates
 from ..elasticity.mesh import Face
 from ..errors import InvalidProblem, did_you_mean
 from ..parallel import one_thread
@@ -70,14 +70,36 @@ def _list_items(problem: Any) -> dict[str, float]:
     }
 
 
+def _inputs_of(
+    problem: Any, parameters: tuple[str, ...], excluded: Mapping[str, str]
+) -> dict[str, float]:
+    """Return the values of the named fields; all continuous ones without a reason if none is named.
+
+    Raises
+    ------
+    InvalidProblem
+        For a name that is not a continuous field, and for an excluded field, with the reason.
+    """
+    known = continuous_fields(problem)
+    if not parameters:
+        return {name: value for name, value in known.items() if name not in excluded}
+    if not known.keys() >= set(parameters):
+        known |= _list_items(problem)
+    for name in parameters:
+        if name not in known:
+            raise InvalidProblem.at(name, f"not a continuous field{did_you_mean(name, known)}")
+        if name in excluded:
+            raise InvalidProblem.at(name, excluded[name])
+    return {name: known[name] for name in parameters}
+
+
 @one_thread
 def contact_sensitivity(
     result: Any,
     meshes: list[MeshSolution],
-    parameters: tuple[str, ...] = (),
-    outputs: tuple[str, ...] = (),
-    default: Iterable[str] = (),
-    excluded: Mapping[str, str] | None = None,
+    parameters: tuple[str, ...],
+    outputs: tuple[str, ...],
+    excluded: Mapping[str, str],
 ) -> Sensitivity:
     """Return derivatives of the outputs of a contact.
 
@@ -89,8 +111,7 @@ def contact_sensitivity(
     parameters : tuple of str
         Dotted names; all continuous fields, without the items of lists, if empty.
     outputs : tuple of str
-        Names; ``default`` if empty.
-    default : iterable of str
+        Names.
     excluded : mapping
         Fields without a derivative, with the reason.
 
@@ -99,57 +120,59 @@ def contact_sensitivity(
     InvalidProblem
         For a name that is not a continuous field or not an output, and for excluded fields.
     """
-    problem, known, excluded = result.problem, continuous_fields(result.problem), excluded or {}
+    problem, last = result.problem, meshes[-1]
     has_air = getattr(problem, "air", None) is not None
-    available = (*meshes[-1].outputs, *(air_outputs() if has_air else ()))
+    available = (*last.outputs, *(air_outputs() if has_air else ()))
     for name in outputs:
         if name not in available:
             text = f"no derivative of {name!r} is available{did_you_mean(name, available)}"
             raise InvalidProblem.at("outputs", text)
-    outputs = outputs or tuple(default)
-    if not known.keys() >= set(parameters):
-        known |= _list_items(problem)
-    for name in parameters:
-        if name not in known:
-            raise InvalidProblem.at(name, f"not a continuous field{did_you_mean(name, known)}")
-        if name in excluded:
-            raise InvalidProblem.at(name, excluded[name])
-    names = parameters or tuple(name for name in known if name not in excluded)
+    inputs = _inputs_of(problem, parameters, excluded)
     linearised = [_Linearisation(mesh, problem, outputs) for mesh in meshes[-CHANGES - 1 :]]
-    for name in names:
+    ends = np.cumsum([each.value_count for each in linearised])[:-1]
 
-        def perturbed(changed: Any) -> Array:
-            """Return the conditions of a problem on all meshes: its bodies are tabulated once."""
-            return np.concatenate([each.perturbed(changed, each.frictions) for each in linearised])
+    def values_on_all_meshes(changed: Any) -> Array:
+        """Return the values of a changed problem: its bodies are tabulated once for all meshes."""
+        return np.concatenate([each.values_of(changed, each.frictions) for each in linearised])
 
-        columns = _central_difference(perturbed, problem, name, known[name])
-        ends = np.cumsum([each.conditions for each in linearised])[:-1]
-        for each, column in zip(linearised, np.split(columns, ends), strict=True):
-            each.by_input[name] = column
-    history = [(each.mesh.size, each.derivatives()) for each in linearised]
-    errors = {key: error_estimate(history, key) for key in history[-1][1]}
-    shape = len(outputs), len(names)
-    keys = [f"{output}/{name}" for output in outputs for name in names]
+    for name, value in inputs.items():
+        difference = _central_difference(values_on_all_meshes, problem, name, value)
+        for each, column in zip(linearised, np.split(difference, ends), strict=True):
+            each.by_input.append(column)
+    derivatives = [each.derivatives() for each in linearised]
     return Sensitivity(
         outputs,
-        names,
-        np.array([history[-1][1][key] for key in keys]).reshape(shape),
-        np.array(
-            [
-                meshes[-1].outputs[name] if name in meshes[-1].outputs else value_of(result, name)
-                for name in outputs
-            ]
-        ),
-        np.array([known[name] for name in names]),
-        near_zone_change(meshes[-1]),
-        np.array([errors[key] for key in keys]).reshape(shape),
+        tuple(inputs),
+        derivatives[-1],
+        np.array([last.outputs.get(name, value_of(result, name)) for name in outputs]),
+        np.array(list(inputs.values())),
+        near_zone_change(last),
+        richardson_estimates([each.mesh.size for each in linearised], derivatives),
     )
 
 
 class _Linearisation:
     """Residuals and outputs on one mesh, linearised at its solution.
 
-    The conditions are the residuals, with air the frictions by the air film, and the outputs.
+    All are differentiated together, as one array of *values*
+
+        (residuals of equilibrium and friction law | f_nip, f_wrap | outputs),     (value_count,)
+
+    where f_nip and f_wrap, of a nip with air alone, are the friction coefficients by its air film.
+
+    Parameters
+    ----------
+    mesh : MeshSolution
+    problem : NipProblem or RollerProblem
+        With air, if there is any; the equations of ``mesh`` are those without.
+    outputs : tuple of str
+
+    Attributes
+    ----------
+    frictions : (2,) tuple
+        The friction coefficients of the equations of a nip with air; empty without air.
+    by_input : list of (value_count,) arrays
+        Derivatives of the values by each input, at the same u.
     """
 
     def __init__(self, mesh: MeshSolution, problem: Any, outputs: tuple[str, ...]) -> None:
@@ -158,8 +181,8 @@ class _Linearisation:
         self.has_air = getattr(problem, "air", None) is not None
         dry = mesh.system.problem
         self.frictions = (dry.roll_friction, dry.friction_on_wrap) if self.has_air else ()
-        self.by_input: dict[str, Array] = {}  # derivatives of the conditions at the same u
-        self.conditions = self.size + len(self.frictions) + len(outputs)
+        self.by_input: list[Array] = []
+        self.value_count = self.size + len(self.frictions) + len(outputs)
         self.surfaces: dict[Any, Any] = {}
         self.system = self._system(dry)
         a = mesh.state.geometry.a
@@ -185,8 +208,8 @@ class _Linearisation:
             self.surfaces[key] = body.surface(face, a, speed)
         return self.surfaces[key]
 
-    def _conditions(self, system: Any, u: Array, problem: Any) -> Array:
-        """Return the conditions of the equations of a problem at u."""
+    def _values(self, system: Any, u: Array, problem: Any) -> Array:
+        """Return the values of a problem at u, (value_count,); ``system`` holds its equations."""
         state, active = system.evaluate(u, INTERPOLATION), self.mesh.active
         residual, frictions = np.append(state.equilibrium, friction_residual(state, active)), []
         found = dict(system.outputs(state, active))
@@ -196,42 +219,46 @@ class _Linearisation:
             frictions = [film.roll_friction, film.wrap_friction]
         return np.concatenate([residual, frictions, [found[name] for name in self.outputs]])
 
-    def perturbed(self, problem: Any, frictions: tuple[float, ...]) -> Array:
-        """Return the conditions of a perturbed problem at the solution."""
-        dry = problem.without_air(*frictions) if self.has_air else problem
-        return self._conditions(self._system(dry), self.u, problem)
+    def values_of(self, problem: Any, frictions: tuple[float, ...]) -> Array:
+        """Return the values of a perturbed problem at the same u, (value_count,).
 
-    def derivatives(self) -> dict[str, float]:
-        """Return the total derivatives of the outputs by "output/parameter"."""
-        total = np.array([self._with_solution(column) for column in self.by_input.values()])
+        ``frictions`` are those of its equations without air; empty if it has no air.
+        """
+        dry = problem.without_air(*frictions) if self.has_air else problem
+        return self._values(self._system(dry), self.u, problem)
+
+    def derivatives(self) -> Array:
+        """Return the total derivatives of the outputs by the inputs, (outputs, inputs).
+
+        With air the frictions f of the equations vary with the inputs, and equal those by the film,
+        F(theta, f): df/dtheta = dF/dtheta + dF/df df/dtheta, a linear system for df/dtheta.
+        """
+        total = np.array([self._with_solution(column) for column in self.by_input])
         if self.has_air:
             by_friction = np.array([self._with_solution(column) for column in self._by_friction()])
             film = slice(self.size, self.size + len(self.frictions))
-            unit = np.eye(len(self.frictions))
-            df = np.linalg.solve(unit - by_friction[:, film].T, total[:, film].T)
-            total += df.T @ by_friction
-        return {
-            f"{output}/{name}": value
-            for name, row in zip(
-                self.by_input, total[:, -len(self.outputs) :].tolist(), strict=True
-            )
-            for output, value in zip(self.outputs, row, strict=True)
-        }
+            matrix = np.eye(len(self.frictions)) - by_friction[:, film].T
+            friction_by_input = np.linalg.solve(matrix, total[:, film].T)
+            total += friction_by_input.T @ by_friction
+        return total[:, -len(self.outputs) :].T
 
     def _by_friction(self) -> list[Array]:
-        """Return the derivatives of the conditions by the frictions that the film leaves."""
+        """Return the derivatives of the values by each of ``frictions``, at the same u."""
         columns = []
-        for k, friction in enumerate(self.frictions):
-            step = STEP * friction * np.eye(len(self.frictions))[k]
+        for step in STEP * np.diag(self.frictions):  # changes of both frictions; one is zero
             after, before = (
-                self.perturbed(self.problem, tuple(self.frictions + sign * step))
+                self.values_of(self.problem, tuple(self.frictions + sign * step))
                 for sign in (1, -1)
             )
-            columns.append((after - before) / (2 * STEP * friction))
+            columns.append((after - before) / (2 * step.sum()))
         return columns
 
     def _with_solution(self, by_input: Array) -> Array:
-        """Return the total derivatives of the conditions: those at the same u, and along du."""
+        """Return the total derivatives of the values by an input, (value_count,).
+
+        To those at the same u, ``by_input``, those along du = -J^-1 dR/dtheta are added: with du
+        the residuals stay zero.
+        """
         du, total = np.zeros(self.size), by_input
         for _ in range(1 if self.problem.linear else STEPS_NONLINEAR):
             right = total[: self.size] / self.row_size
@@ -240,34 +267,37 @@ class _Linearisation:
         return total
 
     def _along(self, direction: Array) -> Array:
-        """Return the derivatives of the conditions along a direction of u."""
+        """Return the derivatives of the values, (value_count,), along a direction of u, (size,)."""
         largest = np.abs(direction / self.system.scales).max()
         step = STEP / max(largest, 1e-300)
         after, before = (
-            self._conditions(self.system, self.u + sign * step * direction, self.problem)
+            self._values(self.system, self.u + sign * step * direction, self.problem)
             for sign in (1, -1)
         )
         return np.asarray((after - before) / (2 * step))
 
 
 def _central_difference(
-    outputs_of: Callable[[Any], Array], problem: Any, name: str, value: float
+    values_of: Callable[[Any], Array], problem: Any, name: str, value: float
 ) -> Array:
-    """Return the central difference of outputs by a field; one-sided at the end of its range."""
+    """Return the derivative of ``values_of(problem)`` by a field, with its present value.
+
+    It is a central difference quotient, one-sided at the end of the permitted range of the field.
+    """
     step = STEP * _step_scale(problem, name, value)
 
-    def outputs_at(steps: int) -> Array | None:
-        """Return the outputs at a number of steps from the value; None if it is not permitted."""
+    def values_at(steps: int) -> Array | None:
+        """Return the values at a number of steps from the field's; None if it is not permitted."""
         try:
-            return outputs_of(problem.replace(**{name: value + steps * step}))
+            return values_of(problem.replace(**{name: value + steps * step}))
         except InvalidProblem:
             return None
 
-    above, below = outputs_at(1), outputs_at(-1)
+    above, below = values_at(1), values_at(-1)
     if above is not None and below is not None:
         return (above - below) / (2 * step)
     side = 1 if above is not None else -1
-    one_step, two_steps, unshifted = outputs_at(side), outputs_at(2 * side), outputs_at(0)
+    one_step, two_steps, unshifted = values_at(side), values_at(2 * side), values_at(0)
     if one_step is None or two_steps is None or unshifted is None:
         raise InvalidProblem.at(name, "has no derivative: no neighbouring value is permitted")
     # one-sided difference of order two

@@ -5,7 +5,8 @@ wound-on tension WOT and of the nip-induced tension NIT satisfy
 
     e(WOT) <= rtol max(|WOT|, T_0),    e(NIT) <= 20 rtol max(|NIT|, T_0),    T_0 = 0.01 mu+ P.
 
-The result of the last mesh is returned with its certificate, if all conditions are satisfied.
+The result of the last mesh is returned with its certificate, if all conditions are satisfied.  A
+nip with entrained air is solved with the friction coefficients that its air film leaves.
 """
 
 from __future__ import annotations
@@ -19,7 +20,14 @@ import numpy as np
 
 from ..arguments import Option, check_type, nodes_or_rtol, tolerance, whole_number
 from ..contact.newton import NewtonFailed
-from ..contact.refinement import FIRST_SIZES, REPORTED, MeshSolution, Refinement, refine
+from ..contact.refinement import (
+    FIRST_SIZES,
+    REPORTED,
+    MeshSolution,
+    Refinement,
+    Tolerances,
+    refine,
+)
 from ..errors import RESOLUTION, InvalidProblem, NoSteadyState, NotConverged
 from ..parallel import one_thread
 from ..problems.bodies import half_width_guess
@@ -27,12 +35,11 @@ from ..problems.nip import NipProblem
 from ..results import ACCEPTED_RESIDUAL, Residuals, measured
 from ..validity import far_outside
 from .certificate import certificate, inconsistencies
-from .entrained_air import AirFilm, air_warnings
+from .entrained_air import AirFilm, air_film, air_warnings
 from .equations import NipEquations
 from .load_limit import bending_text, check_load
 from .outputs import SLIP_RATIOS, NipSystem, error_estimates, web_arrays
 from .result import NipResult
-from .solve_air import solve_with_air
 from .validity import nip_warnings, web_far_outside
 
 __all__ = ["check_options", "solve_nip", "solve_with_film"]
@@ -65,6 +72,10 @@ LONG_WRAP = 4.0
 # Shortest roll wrap that is solved, from the trailing edge, in half widths: the hoop pressure on a
 # shorter one changes within less than its length T C (docs/theory/wraps.md).
 SHORTEST_WRAP = 0.02
+# Iterations for the friction that an air film leaves, those after which the mesh is fixed, because
+# a mesh that depends on the friction may alternate, and the relative change of the last one, below
+# the accepted residual of 1e-8.
+MAX_FILM_ITERATIONS, FREE_ITERATIONS, FRICTION_TOLERANCE = 30, 5, 1e-10
 
 
 @one_thread
@@ -115,25 +126,62 @@ def solve_nip(
     if start is not None:
         check_type("start", start, NipResult)
     solve = _solve if problem.air is None else solve_with_film
-    options = {"nodes": nodes, "rtol": rtol, "errors": errors, "progress": progress}
+    options: dict[str, Any] = {"nodes": nodes, "rtol": rtol, "errors": errors, "progress": progress}
     return solve(problem, start=start, **options).warned()
 
 
-def solve_with_film(problem: NipProblem, **options: Any) -> NipResult:
+def solve_with_film(
+    problem: NipProblem,
+    *,
+    frictions: tuple[float, float] | None = None,
+    tolerance: float = FRICTION_TOLERANCE,
+    **options: Any,
+) -> NipResult:
     """Solve a nip with entrained air, and return its result without issuing the warnings.
+
+    The friction coefficients f that the air film leaves are found by a fixed-point iteration:
+
+        nip without air, friction f --> pressure at the inlet edge, K sqrt(s) --> film
+                  ^                                                                 |
+                  +------- f in the nip and on the wrap, by film over roughness <---+
+
+    The film is thin relative to the deformation of the surfaces and does not change the pressure.
+    K depends weakly on friction, so that two or three iterations suffice.
 
     Parameters
     ----------
     problem : NipProblem
         With air.
+    frictions : (float, float), optional
+        Initial guess, in the nip and on the roll wrap; by default those without air.
+    tolerance : float
+        Relative change of the friction coefficients in the last iteration.
     options
-        Of :func:`solve_nip`, and ``frictions`` and ``tolerance`` of
-        :func:`~woundon.nip.solve_air.solve_with_air`.
+        Of :func:`solve_nip`.
+
+    Raises
+    ------
+    NotConverged
+        If the friction coefficients do not converge.
     """
-    solved, film = solve_with_air(problem, _solve, **options)
-    result = result_of(problem, solved.refinement, film).checked()
-    dry_warnings = [text for text in solved.warnings if text not in result.warnings]
-    return result.replace(warnings=(*result.warnings, *dry_warnings))
+    frictions = frictions or (problem.roll_friction, problem.friction_on_wrap)
+    largest_mesh, chooses_nodes = 0, options.get("nodes") is None and options.get("rtol") is None
+    for iteration in range(MAX_FILM_ITERATIONS):
+        if chooses_nodes and iteration >= FREE_ITERATIONS:
+            options["nodes"] = largest_mesh
+        solved = _solve(problem.without_air(*frictions), **options)
+        nip = solved.in_nip
+        if iteration:
+            largest_mesh = max(largest_mesh, solved.nodes)
+        film = air_film(problem, solved.x[nip], solved.roll_pressure[nip], solved.half_width)
+        reduced = film.roll_friction, film.wrap_friction
+        if np.allclose(reduced, frictions, rtol=tolerance, atol=0):
+            result = result_of(problem, solved.refinement, film).checked()
+            dry_warnings = [text for text in solved.warnings if text not in result.warnings]
+            return result.replace(warnings=(*result.warnings, *dry_warnings))
+        frictions = reduced
+    text = f"air film and friction do not converge in {MAX_FILM_ITERATIONS} iterations"
+    raise NotConverged(text, None)
 
 
 def _solve(problem: NipProblem, *, start: NipResult | None = None, **options: Any) -> NipResult:
@@ -149,12 +197,12 @@ def _refined(
     """Solve on a sequence of meshes until the error estimates meet their tolerance."""
     default = RTOL if problem.linear else RTOL_NONLINEAR
     max_nodes = MOST_NODES if problem.linear else MOST_NODES_NONLINEAR
-    criterion = _criterion(problem, rtol or default)
+    tolerances = _tolerances(problem, rtol or default)
     try:
         refinement = refine(
             lambda size: NipSystem(problem, size),
             nodes=nodes,
-            criterion=criterion,
+            tolerances=tolerances,
             most_nodes=MOST_NODES_RTOL if rtol else max_nodes,
             start=getattr(start, "refinement", None),
             check=lambda mesh: _check_taut(problem, mesh, CERTAINLY_SLACK),
@@ -173,12 +221,8 @@ def _refined(
     _check_taut(problem, refinement.last)
     _check_pressed(problem, refinement.last)
     result = result_of(problem, refinement).checked()
-    ratio = (
-        nan
-        if nodes
-        else criterion(refinement.last.main_outputs, refinement.errors(of="main_outputs"))
-    )
-    if rtol is not None and not ratio <= 1:
+    ratio = 0.0 if nodes else max(refinement.ratios(tolerances).values())
+    if rtol is not None and ratio > 1:
         text = f"rtol = {rtol:g} is not reached with {result.nodes} nodes"
         raise NotConverged(f"{text}: the estimated error is {ratio:.2g} times as large", result)
     if ratio > 1:
@@ -234,20 +278,16 @@ def check_options(*, nodes: Any = None, rtol: Any = None, errors: Any = True) ->
     check_type("errors", errors, bool)
 
 
-def _criterion(
-    problem: Any, rtol: float
-) -> Callable[[Mapping[str, float], Mapping[str, float]], float]:
-    """Return the ratio of the error estimates and their tolerances."""
+def _tolerances(problem: NipProblem, rtol: float) -> Tolerances:
+    """Return the function that returns the permitted errors [N/m] of both tensions."""
     floor = LEAST_TENSION * problem.roll_friction * problem.nip_load
+    relative = {"wound_on_tension": rtol, "nip_induced_tension": TENSION_RATIO * rtol}
 
-    def ratio(outputs: Mapping[str, float], errors: Mapping[str, float]) -> float:
-        """Return the larger of the ratios for the wound-on and the nip-induced tension."""
-        WOT, NIT = outputs["wound_on_tension"], outputs["nip_induced_tension"]
-        WOT_ratio = errors["wound_on_tension"] / (rtol * max(abs(WOT), floor))
-        NIT_ratio = errors["nip_induced_tension"] / (TENSION_RATIO * rtol * max(abs(NIT), floor))
-        return max(WOT_ratio, NIT_ratio)
+    def tolerances(outputs: Mapping[str, float]) -> dict[str, float]:
+        """Return the permitted errors of given outputs."""
+        return {name: r * max(abs(outputs[name]), floor) for name, r in relative.items()}
 
-    return ratio
+    return tolerances
 
 
 def _outside_model(problem: Any) -> str:
@@ -287,8 +327,8 @@ def _check_taut(problem: Any, mesh: MeshSolution, permitted: float = 0.0) -> Non
     equations: NipEquations = mesh.system
     layout, T, T_in = equations.layout, mesh.state.fields.tension, problem.web_tension
     for name, tension, wrapped in (
-        ("downstream", T[layout.last :], problem.roll_wrap > 0),
-        ("upstream", T[: layout.first + 1], problem.drum_wrap > 0),
+        ("downstream", T[layout.roll_wrap_nodes], problem.roll_wrap > 0),
+        ("upstream", T[layout.drum_wrap_nodes], problem.drum_wrap > 0),
     ):
         min_tension = float(tension.min())
         if wrapped and min_tension <= -permitted * float(np.abs(T).max()):
@@ -308,8 +348,8 @@ def _check_pressed(problem: Any, mesh: MeshSolution) -> None:
     """Raise where a body is deformed so that it is concave on its wrap: the web lifts off it."""
     layout, f = mesh.system.layout, mesh.state.fields
     for name, pressure, wrapped in (
-        ("roll", f.p_roll[layout.last :], problem.roll_wrap > 0),
-        ("drum", f.p_drum[: layout.first + 1], problem.drum_wrap > 0),
+        ("roll", f.p_roll[layout.roll_wrap_nodes], problem.roll_wrap > 0),
+        ("drum", f.p_drum[layout.drum_wrap_nodes], problem.drum_wrap > 0),
     ):
         min_pressure = float(pressure.min())
         if wrapped and min_pressure < -ACCEPTED_RESIDUAL * f.p_drum.max():

@@ -11,14 +11,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from itertools import pairwise
-from math import isfinite, nan
+from math import nan
 from typing import Annotated, Any
 
 import numpy as np
 
 from ..arguments import Option, check_type, nodes_or_rtol, tolerance, whole_number
 from ..contact.newton import NewtonFailed
-from ..contact.refinement import CHANGES, FINAL_TOLERANCE, Refinement, refine
+from ..contact.refinement import CHANGES, FINAL_TOLERANCE, Refinement, Tolerances, refine
 from ..errors import RESOLUTION, NotConverged
 from ..parallel import one_thread
 from ..problems.messages import quote
@@ -29,8 +29,8 @@ from .conditions import LARGEST_MESH
 from .load_limit import bending_text, check_load
 from .roller_certificate import certificate, consistency
 from .roller_result import RollerResult
-from .roller_validity import roller_warnings
 from .rollers import RollerEquations
+from .validity import roller_warnings
 from .zones import LEAST_OFFSET_ERROR, cusp_excess
 
 __all__ = ["check_options", "solve_rollers"]
@@ -110,12 +110,12 @@ def solve_rollers(
     check_type("problem", problem, RollerProblem)
     check_options(nodes=nodes, rtol=rtol, start=start, errors=errors)
     check_load(problem, "load")
-    criterion = Criterion(problem, DEFAULT_RTOL if rtol is None else float(rtol))
+    tolerances = _tolerances(problem, DEFAULT_RTOL if rtol is None else float(rtol))
     try:
         refinement = refine(
             lambda size: RollerEquations(problem, size),
             nodes=nodes,
-            criterion=criterion,
+            tolerances=tolerances,
             most_nodes=DEFAULT_NODES if rtol is None else MOST_NODES,
             start=None if start is None else start.refinement,
             errors=errors,
@@ -128,7 +128,7 @@ def solve_rollers(
             bending_text(problem, problem.load),
         )
         raise NotConverged("; ".join(filter(None, texts))) from failed
-    unmet = "" if nodes else criterion.unmet(refinement)
+    unmet = "" if nodes else _unmet_tolerance(refinement, tolerances)
     result = _result(problem, refinement, unmet if rtol is None else "").checked()
     if unmet and rtol is not None:
         raise NotConverged(f"rtol={rtol:g} is not reached: {unmet}", result)
@@ -155,47 +155,33 @@ def check_options(
         check_type("start", start, RollerResult)
 
 
-class Criterion:
-    """Largest ratio of an error estimate and its tolerance.
+def _tolerances(problem: RollerProblem, rtol: float) -> Tolerances:
+    """Return the function that returns the permitted errors of the main outputs."""
 
-    Parameters
-    ----------
-    problem : RollerProblem
-    rtol : float
-    """
-
-    def __init__(self, problem: RollerProblem, rtol: float) -> None:
-        self.problem, self.rtol = problem, rtol
-
-    def ratios(self, outputs: Mapping[str, float], errors: Mapping[str, float]) -> dict[str, float]:
-        """Return the ratios by output; inf where there is no estimate."""
-        problem, a = self.problem, outputs["half_width"]
+    def tolerances(outputs: Mapping[str, float]) -> dict[str, float]:
+        """Return the permitted errors of given outputs, by name."""
         floors = {"half_width": 0.0, "peak_pressure": 0.0}
         if problem.friction and problem.creepage is not None:
             floors["tangential_load"] = FLOOR * problem.friction * problem.load
         elif "creepage" in outputs and problem.creepage is None:
-            floors["creepage"] = FLOOR * (problem.friction or 1.0) * a / problem.contact_radius
-        ratios = {
-            name: errors[name] / (self.rtol * max(abs(outputs[name]), floor))
-            for name, floor in floors.items()
-        }
-        return {name: r if isfinite(r) else np.inf for name, r in ratios.items()}
+            slope = outputs["half_width"] / problem.contact_radius
+            floors["creepage"] = FLOOR * (problem.friction or 1.0) * slope
+        return {name: rtol * max(abs(outputs[name]), floor) for name, floor in floors.items()}
 
-    def __call__(self, outputs: Mapping[str, float], errors: Mapping[str, float]) -> float:
-        return max(self.ratios(outputs, errors).values())
+    return tolerances
 
-    def unmet(self, refinement: Refinement) -> str:
-        """Return a text about the output with the largest ratio above 1; empty if there is none."""
-        errors = refinement.errors(of="main_outputs")
-        ratios = self.ratios(refinement.last.main_outputs, errors)
-        name = max(ratios, key=lambda key: ratios[key])
-        if not ratios[name] > 1:
-            return ""
-        value = quote(float(f"{errors[name]:.2g}"))
-        return (
-            f"the estimated error of {name} is {value} with {refinement.last.size} nodes, "
-            f"{ratios[name]:.2g} times the tolerance"
-        )
+
+def _unmet_tolerance(refinement: Refinement, tolerances: Tolerances) -> str:
+    """Return a text about the output that misses its tolerance most; empty if none does."""
+    ratios = refinement.ratios(tolerances)
+    name = max(ratios, key=lambda key: ratios[key])
+    if ratios[name] <= 1:
+        return ""
+    value = quote(float(f"{refinement.errors(of='main_outputs')[name]:.2g}"))
+    return (
+        f"the estimated error of {name} is {value} with {refinement.last.size} nodes, "
+        f"{ratios[name]:.2g} times the tolerance"
+    )
 
 
 def _result(problem: RollerProblem, refinement: Refinement, unmet: str) -> RollerResult:

@@ -1,4 +1,4 @@
-"""Validity checks of a nip: two bodies and a thin taut web."""
+"""Validity checks of a nip, two bodies and a thin taut web, and of two rollers."""
 
 from __future__ import annotations
 
@@ -10,8 +10,9 @@ from ..errors import RESOLUTION
 from ..problems.nip import NipProblem
 from ..validity import limit_warning, pair_warnings, zone_warnings
 from .result import NipResult
+from .roller_result import RollerResult
 
-__all__ = ["nip_warnings", "web_far_outside"]
+__all__ = ["nip_warnings", "roller_warnings", "web_far_outside"]
 
 Array = np.ndarray
 
@@ -38,6 +39,16 @@ def nip_warnings(result: NipResult) -> tuple[str, ...]:
         *_web_warnings(result, strain),
         *zone_warnings(result.x[nip], zones),
         *_series_warning(result),
+    )
+
+
+def roller_warnings(result: RollerResult) -> tuple[str, ...]:
+    """Return the warnings of rollers outside the validity limits, or on too coarse a mesh."""
+    xi, mu = result.creepage, result.problem.friction  # xi is nan in static contact
+    return (
+        *pair_warnings(result, {"upper": result.traction, "lower": -result.traction}),
+        *limit_warning("creepage", xi, "the rollers' surface speeds differ by {}"),
+        *(zone_warnings(result.x, {"contact": result.zone}, "the lower surface") if mu else ()),
     )
 
 
