@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from math import inf
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -9,7 +11,15 @@ import numpy as np
 from .errors import InvalidProblem, one_of
 from .problems.messages import quote
 
-__all__ = ["Option", "check_type", "nodes_or_rtol", "tolerance", "whole_number"]
+__all__ = [
+    "Option",
+    "check_seed",
+    "check_type",
+    "nodes_or_rtol",
+    "optional_mapping",
+    "tolerance",
+    "whole_number",
+]
 
 
 class Option(NamedTuple):
@@ -36,6 +46,14 @@ def check_type(name: str, value: Any, *types: type[Any]) -> None:
         raise InvalidProblem.at(name, f"{quote(value)} is out of place; must be a {must}")
 
 
+def optional_mapping(name: str, value: Any) -> dict[str, Any]:
+    """Return a mapping as a dictionary, an empty one for None; reject other values."""
+    if value is None:
+        return {}
+    check_type(name, value, Mapping)
+    return dict(value)
+
+
 def nodes_or_rtol(nodes: Any, rtol: Any) -> None:
     """Raise an error if both are given: one fixes the grid, the other chooses it."""
     if nodes is not None and rtol is not None:
@@ -54,6 +72,11 @@ def tolerance(name: str, value: Any, low: float, high: float) -> float:
     types = (int, float, np.floating)
     _check_range(name, value, types, low, high, f">= {low:g} and <= {high:g}")
     return float(value)
+
+
+def check_seed(seed: Any) -> None:
+    """Raise an error unless a value is a seed of a random generator, an integer from 0."""
+    _check_range("seed", seed, (int, np.integer), 0, inf, "a whole number >= 0")
 
 
 def _check_range(

@@ -11,7 +11,7 @@ from ..problems.paths import field_quantity, number_in_si
 from ..problems.problem import Problem
 from .case_table import read_cases
 from .cases import Cases, check_number, make_cases
-from .model import KindModel, model_of
+from .model import KindModel, model_of, solver_options
 from .progress import Progress
 from .run import Workers, run_study
 from .sobol import SobolIndices, saltelli_cases, sobol_indices_of
@@ -19,7 +19,7 @@ from .sobol import SobolIndices, saltelli_cases, sobol_indices_of
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["global_sensitivity", "in_si", "solver_options", "study_of", "sweep"]
+__all__ = ["global_sensitivity", "in_si", "study_of", "sweep"]
 
 
 def sweep(
@@ -168,20 +168,6 @@ def _model_of_study(
     model = model_of(problem, outputs, tie, options)
     model.check_varied(over if isinstance(over, Mapping) else ())
     return model
-
-
-def solver_options(nodes: Any, rtol: Any, options: Mapping[str, Any] | None) -> dict[str, Any]:
-    """Return the options of the solver that are not None.
-
-    >>> solver_options(65, None, {"progress": None})
-    {'nodes': 65, 'progress': None}
-    """
-    explicit = {
-        name: value for name, value in (("nodes", nodes), ("rtol", rtol)) if value is not None
-    }
-    for name in explicit.keys() & (options or {}).keys():
-        raise InvalidProblem.at(name, "is given twice, also among the options")
-    return {**explicit, **(options or {})}
 
 
 def in_si(problem: Problem, over: Any) -> Any:

@@ -37,7 +37,7 @@ from .columns import (
     input_columns,
     output_columns,
 )
-from .model import KindModel, kind_of, model_of, quantities_of
+from .model import KindModel, kind_of, model_of, quantities_of, solver_options
 from .progress import Progress
 from .run import Workers, run_study
 
@@ -119,7 +119,7 @@ def solve_table(
     if not inputs:
         raise InvalidProblem.at(sheet.where, "has no column that is an input of the model")
     names = _default_outputs(problem) if outputs is None else outputs
-    base = model_of(problem, names, tie, {"nodes": nodes, "rtol": rtol, **(options or {})})
+    base = model_of(problem, names, tie, solver_options(nodes, rtol, options))
     cells, faults = _read_inputs(sheet, inputs, problem, complete=complete, gaps=True)
     raise_faults([fault for fault in faults if not fault.row])  # of headers
     if not complete:

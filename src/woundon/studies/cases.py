@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arguments import whole_number
+from ..arguments import check_seed, whole_number
 from ..errors import InvalidProblem, did_you_mean
 
 if TYPE_CHECKING:
@@ -311,11 +311,8 @@ def _draw_points(design: str, inputs: int, samples: int | None, seed: int) -> Ar
     """Draw points of the unit cube, (samples, inputs)."""
     from scipy.stats import qmc
 
-    if isinstance(samples, bool) or not isinstance(samples, (int, np.integer)) or samples < 2:
-        raise InvalidProblem.at("samples", f"{samples!r} is not a number of cases, at least 2")
-    check_number(samples)
-    if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)) or seed < 0:
-        raise InvalidProblem.at("seed", f"{seed!r} is not a whole number, at least 0")
+    samples = whole_number("samples", samples, 2, MOST_CASES)
+    check_seed(seed)
     if design == "latin-hypercube":
         return np.asarray(qmc.LatinHypercube(inputs, rng=seed).random(samples))
     power = int(log2(samples))

@@ -35,9 +35,8 @@ from ..problems.paths import field_quantity, get_field
 from ..problems.problem import Problem
 from ..problems.units import parse
 from ..quantities import Quantity, in_chosen_units
-from .api import solver_options
 from .fit_result import FitResult
-from .model import kind_of
+from .model import kind_of, solver_options
 from .outcome import Outcome
 from .planned import Measurement, Planned, plan_measurement
 from .progress import Progress, progress_reporter

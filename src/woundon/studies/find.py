@@ -25,9 +25,8 @@ from ..problems.permitted import admissible, admits, extremes
 from ..problems.problem import Problem
 from ..problems.units import parse
 from ..quantities import Quantity, in_chosen_units
-from .api import solver_options
 from .measurements import Observable
-from .model import model_of, quantities_of
+from .model import model_of, quantities_of, solver_options
 from .outcome import Outcome
 from .progress import Progress, progress_reporter
 from .root_search import DECADE, Interval, RootSearch, Sample

@@ -27,11 +27,11 @@ from ..problems.messages import not_one_of, quote
 from ..problems.paths import field_quantity, get_field
 from ..problems.problem import Problem
 from ..quantities import Quantity
-from .api import in_si, solver_options
+from .api import in_si
 from .fit_result import FitResult
 from .measurements import Observations, read_observations
 from .minimise import ACCURACY, Linearisation, minimise
-from .model import model_of, options_of, quantities_of
+from .model import model_of, options_of, quantities_of, solver_options
 from .predict import Parameter, Predictor
 from .profiles import End, ProfileLikelihood, find_end, profile_of, threshold
 from .progress import Progress, progress_reporter

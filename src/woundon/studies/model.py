@@ -17,9 +17,10 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from .. import __version__, kinds
-from ..arguments import check_type
+from ..arguments import check_type, optional_mapping
 from ..errors import InvalidProblem, NotConverged, did_you_mean, unwarned
 from ..parallel import progress
+from ..problems.messages import quote
 from ..problems.paths import field_quantity, get_field, is_part_of
 from ..problems.problem import Problem
 from ..quantities import Quantity, scalar_outputs, value_of
@@ -32,6 +33,7 @@ __all__ = [
     "model_of",
     "options_of",
     "quantities_of",
+    "solver_options",
 ]
 
 _ERROR = "errors."  # of an output: "errors.half_width"
@@ -144,9 +146,9 @@ class KindModel:
         repeated = [name for name in dict.fromkeys(self.outputs) if self.outputs.count(name) > 1]
         if repeated:
             raise InvalidProblem.at("outputs", f"{repeated[0]!r} is given twice")
-        unknown = [name for name in self.outputs if str(name).removeprefix(_ERROR) not in known]
+        unknown = [name for name in self.outputs if name.removeprefix(_ERROR) not in known]
         if unknown:
-            raise InvalidProblem((str(name), _no_output(self.problem, name)) for name in unknown)
+            raise InvalidProblem((name, _no_output(self.problem, name)) for name in unknown)
 
     def _check_options(self) -> None:
         """Reject unknown options of the solver, and values out of range."""
@@ -257,9 +259,32 @@ def model_of(
     """
     if outputs is None:
         outputs = kind_of(problem).result.MAIN
-    names = (outputs,) if isinstance(outputs, str) else tuple(outputs)
     settings = {name: value for name, value in options.items() if value is not None}
-    return KindModel(problem, names, settings, dict(tie or {})).checked()
+    return KindModel(problem, _names_of(outputs), settings, optional_mapping("tie", tie)).checked()
+
+
+def _names_of(outputs: Any) -> tuple[str, ...]:
+    """Return one name or several as a tuple; reject what is not a name."""
+    names = (outputs,) if isinstance(outputs, str) else outputs
+    if not isinstance(names, Iterable) or not all(isinstance(name, str) for name in names):
+        text = f"{quote(outputs)} is out of place; must be names of outputs"
+        raise InvalidProblem.at("outputs", text)
+    return tuple(names)
+
+
+def solver_options(nodes: Any, rtol: Any, options: Mapping[str, Any] | None) -> dict[str, Any]:
+    """Return the options of the solver that are not None.
+
+    >>> solver_options(65, None, {"progress": None})
+    {'nodes': 65, 'progress': None}
+    """
+    further = optional_mapping("options", options)
+    explicit = {
+        name: value for name, value in (("nodes", nodes), ("rtol", rtol)) if value is not None
+    }
+    for name in explicit.keys() & further.keys():
+        raise InvalidProblem.at(name, "is given twice, also among the options")
+    return explicit | further
 
 
 def kind_of(problem: Any) -> kinds.Kind:

@@ -2,18 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
+from typing import Any
 
-__all__ = ["Progress", "progress_reporter"]
+from ..errors import InvalidProblem
+from ..problems.messages import quote
+
+__all__ = ["Progress", "check_progress", "progress_reporter"]
 
 Progress = Callable[[int, int], None]  # called with (done, expected)
 
 
-@contextmanager
+def check_progress(progress: Any) -> None:
+    """Reject an argument ``progress`` that is neither a truth value nor a callable."""
+    if not (progress is None or isinstance(progress, bool) or callable(progress)):
+        text = f"{quote(progress)} is out of place; must be True, False or a callable"
+        raise InvalidProblem.at("progress", text)
+
+
 def progress_reporter(
     progress: bool | Progress, label: str, *, unit: str = "", done: int = 0
-) -> Iterator[Progress]:
+) -> AbstractContextManager[Progress]:
     """Provide a function that reports the numbers of finished and of all cases.
 
     Parameters
@@ -35,10 +45,9 @@ def progress_reporter(
     ...     report(1, 2)
     1 of 2
     """
+    check_progress(progress)
     if progress is True:
         from .bars import bar
 
-        with bar(label, unit, done) as report:
-            yield report
-    else:
-        yield progress or (lambda done, expected: None)
+        return bar(label, unit, done)
+    return nullcontext(progress or (lambda done, expected: None))

@@ -229,6 +229,8 @@ def derivatives(result: Any, *parameters: str, **options: Any) -> Sensitivity:
     0.5
     """
     check_type("result", result, Result)
+    for name in parameters:
+        check_type("parameters", name, str)
     if not options and hasattr(result, "sensitivity"):
         sensitivity: Sensitivity = result.sensitivity(*parameters)
         return sensitivity

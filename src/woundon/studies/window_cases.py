@@ -21,6 +21,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..arguments import optional_mapping
 from ..errors import InvalidProblem
 from ..problems.grades import Grade, grade
 from ..problems.messages import quote
@@ -30,7 +31,7 @@ from ..problems.schedules import Profile, Taper
 from ..quantities import Quantity, scalar_outputs
 from .api import in_si
 from .cases import table_of_cases
-from .model import Answer, KindModel, kind_of, model_of
+from .model import Answer, KindModel, kind_of, model_of, solver_options
 from .progress import Progress
 from .run import Workers, run_study
 from .window_map import SetPoints, fitted, from_reserve
@@ -78,7 +79,7 @@ def spreads_and_ties(
     elif uncertain is not None:
         text = f"{quote(uncertain)} is out of place; must be {{field: relative deviation}}"
         raise InvalidProblem.at("uncertain", text)
-    spreads, ties = dict[str, float](), dict(tie or {})
+    spreads, ties = dict[str, float](), optional_mapping("tie", tie)
     if base_grade is not None:
         ties = {**base_grade.tied_fields(problem), **ties}
         spreads = {n: s for n, s in base_grade.spread_of(problem).items() if n not in ties}
@@ -193,7 +194,7 @@ def window_model(
         Options of the solver in place of the reduced accuracy.
     """
     names = [f"margins.{name}" for name in margin_names(problem)]
-    base = model_of(problem, names, tie, {**ACCURACY, **(options or {})})
+    base = model_of(problem, names, tie, {**ACCURACY, **solver_options(None, None, options)})
     depths = _depths(problem)
     shares = tuple(f"{FRICTION_SHARE}[{k}]" for k in range(len(depths)))
     return WindowModel(base.problem, (*base.outputs, *shares), base.options, base.tie, depths)
