@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from ..errors import InvalidProblem
+from ..problems.messages import quote
 from ..problems.paths import field_quantity, number_in_si
 from ..problems.problem import Problem
 from .case_table import read_cases
@@ -19,7 +23,7 @@ from .sobol import SobolIndices, saltelli_cases, sobol_indices_of
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["global_sensitivity", "in_si", "study_of", "sweep"]
+__all__ = ["global_sensitivity", "in_si", "range_in_si", "study_of", "sweep"]
 
 
 def sweep(
@@ -180,6 +184,42 @@ def in_si(problem: Problem, over: Any) -> Any:
     if not isinstance(over, Mapping):
         return over
     return {name: _numbers(problem, name, entry) for name, entry in over.items()}
+
+
+def range_in_si(problem: Problem, name: str, ends: Any, where: str = "") -> tuple[float, float]:
+    """Return the ends of a range of a field in SI; they may be texts with units.
+
+    Parameters
+    ----------
+    problem : Problem
+    name : str
+        Dotted name of the field.
+    ends : (low, high)
+    where : str
+        Name of the range in an error message; by default that of the field.
+
+    Raises
+    ------
+    InvalidProblem
+        If they are not two finite numbers low < high.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> range_in_si(wo.RollerProblem.example(), "load", ("50 kN/m", 1e5))
+    (50000.0, 100000.0)
+    """
+    where = where or name
+    pair = list(ends) if isinstance(ends, (list, tuple, np.ndarray)) else []
+    if len(pair) != 2:
+        raise InvalidProblem.at(where, f"{quote(ends)} is not a range; write (low, high)")
+    low, high = (
+        number_in_si(problem, name, end.item() if isinstance(end, np.generic) else end, where)
+        for end in pair
+    )
+    if not -inf < low < high < inf:
+        raise InvalidProblem.at(where, f"{quote(ends)} is not a range: must be low < high")
+    return low, high
 
 
 def _numbers(problem: Problem, name: str, entry: Any) -> Any:

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import inf, log
+from math import log
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -29,7 +29,7 @@ from ..problems.paths import field_quantity, get_field
 from ..problems.problem import Problem
 from ..problems.schedules import Profile, Taper
 from ..quantities import Quantity, scalar_outputs
-from .api import in_si
+from .api import range_in_si
 from .cases import table_of_cases
 from .model import Answer, KindModel, kind_of, model_of, solver_options
 from .progress import Progress
@@ -109,14 +109,8 @@ def _check_spread(problem: Problem, name: str, spread: Any) -> None:
 
 def range_of(problem: Problem, name: str, ends: Any) -> tuple[float, float]:
     """Return a range in SI units; only the torque split may be 0."""
-    if isinstance(ends, str) or not hasattr(ends, "__len__") or len(ends) != 2:
-        raise InvalidProblem.at(name, f"{quote(ends)} is out of place; must be (low, high)")
-    numbers = in_si(problem, {name: ends})[name]
-    for value in numbers:
-        if isinstance(value, bool) or not isinstance(value, (int, float, np.number)):
-            raise InvalidProblem.at(name, f"{quote(value)} is not a number")
-    low, high = map(float, numbers)
-    if not 0 <= low < high < inf or (low == 0 and name != "torque_split"):
+    low, high = range_in_si(problem, name, ends)
+    if low < 0 or (low == 0 and name != "torque_split"):
         text = f"({low:g}, {high:g}) is out of range; must be 0 < low < high"
         raise InvalidProblem.at(name, text)
     return low, high
