@@ -21,9 +21,10 @@ OF_STUDIES = [
 ]  # fmt: skip
 OF_STORES = [("out", 5), ("out", b"out"), ("scheduler", 5), ("scheduler", ("tcp", 9))]
 OF_SWEEPS = [
-    ("outputs", 5), ("outputs", [5]), ("outputs", [["half_width"]]),
-    ("chunk", "10"), ("chunk", 2.0), ("chunk", True), ("columns", 5), ("columns", ["load"]),
+    ("outputs", 5), ("outputs", [5]), ("outputs", [["half_width"]]), ("columns", 5),
+    ("columns", ["load"]), ("chunk", "10"), ("chunk", 2.0), ("chunk", True), ("chunk", -3),
     ("design", 5), ("design", ["grid"]), ("over", 5), ("over", None),
+    ("over", {"load": range(10**12)}),
 ]  # fmt: skip
 OF_FINDS = [
     ("between", 5), ("between", "1 N/m"), ("between", (1e4, [])), ("between", (None, 1e4)),
@@ -60,7 +61,10 @@ def window(**given: Any) -> Any:
     return wo.operating_window(problem, **{**usual, **given})
 
 
-PERMITTED = ("must be", "did you mean", "known:", "write (", "nothing to vary", "expected a value")
+# how a message states what is permitted
+PERMITTED = (
+    "must be", "did you mean", "known:", "write (", "nothing to vary", "more than", "expected",
+)  # fmt: skip
 CASES = [
     *((sweep, *given) for given in [*OF_STUDIES, *OF_STORES, *OF_SWEEPS]),
     *((drawn, "samples", value) for value in ("2", 2.0, True, None)),

@@ -186,7 +186,7 @@ def on_mesh_of(model: KindModel, *results: Result) -> KindModel:
     differences.  The model itself is returned if the number of nodes is an option that is set, or
     if the solver has no such number.
     """
-    nodes = [getattr(result, "nodes", None) for result in results]
+    nodes: list[Any] = [getattr(result, "nodes", None) for result in results]
     is_chosen = options_of(model.problem).get("nodes", ...) is None
     if not is_chosen or "nodes" in model.options or not all(isinstance(n, int) for n in nodes):
         return model
