@@ -546,21 +546,21 @@ def main() -> int:
     given = parser.parse_args()
     place = Path(mkdtemp(prefix="attacks-"))
     whole, ends, faults = Undisturbed(place), Counter[tuple[str, str]](), list[str]()
-    for seed in range(given.seed, given.seed + given.cases):
-        folder = place / str(seed)
-        try:
-            ends[attacked(seed, folder, whole)] += 1
-        except Exception as fault:
-            name = KINDS[seed % len(KINDS)].__name__
-            ends[name, "FAULT"] += 1
-            faults.append(f"{name}, seed {seed}: {type(fault).__name__}: {fault}")
-            print(faults[-1], file=sys.stderr, flush=True)
-        rmtree(folder, ignore_errors=True)
+    with suppress(KeyboardInterrupt):  # prints the trials so far
+        for seed in range(given.seed, given.seed + given.cases):
+            folder = place / str(seed)
+            try:
+                ends[attacked(seed, folder, whole)] += 1
+            except Exception as fault:
+                name = KINDS[seed % len(KINDS)].__name__
+                ends[name, "FAULT"] += 1
+                faults.append(f"{name}, seed {seed}: {type(fault).__name__}: {fault}")
+                print(faults[-1], file=sys.stderr, flush=True)
+            rmtree(folder, ignore_errors=True)
     for (name, end), count in sorted(ends.items()):
         print(f"{name:<10}{count:>5}  {end}")
-    print(
-        f"{given.cases} trials from seed {given.seed}, {len(faults)} with faults", *faults, sep="\n"
-    )
+    print(f"{ends.total()} trials from seed {given.seed}, {len(faults)} with faults")
+    print(*faults, sep="\n")
     rmtree(place, ignore_errors=True)
     return 1 if faults else 0
 
