@@ -61,7 +61,7 @@ class Chunk(NamedTuple):
 
 
 class Solved(NamedTuple):
-    """The results of a chunk of k cases.
+    """The results of k cases.
 
     Attributes
     ----------
