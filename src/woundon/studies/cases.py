@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arguments import whole_number
+from ..arguments import SEEDS, whole_number
 from ..errors import InvalidProblem, did_you_mean
 
 if TYPE_CHECKING:
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "DESIGNS",
+    "MOST_CASES",
     "Cases",
     "Chunk",
     "Solved",
@@ -195,6 +196,7 @@ def make_cases(
     >>> cases.frame.iloc[1].tolist()
     [1000.0, 0.3]
     """
+    whole_number("seed", seed, *SEEDS)
     if design not in DESIGNS:
         raise InvalidProblem.at("design", f"{design!r} is unknown{did_you_mean(design, DESIGNS)}")
     if not isinstance(over, Mapping) or not over:
@@ -314,8 +316,6 @@ def _draw_points(design: str, inputs: int, samples: int | None, seed: int) -> Ar
     if isinstance(samples, bool) or not isinstance(samples, (int, np.integer)) or samples < 2:
         raise InvalidProblem.at("samples", f"{samples!r} is not a number of cases, at least 2")
     check_number(samples)
-    if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)) or seed < 0:
-        raise InvalidProblem.at("seed", f"{seed!r} is not a whole number, at least 0")
     if design == "latin-hypercube":
         return np.asarray(qmc.LatinHypercube(inputs, rng=seed).random(samples))
     power = int(log2(samples))

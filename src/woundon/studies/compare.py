@@ -23,12 +23,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from ..arguments import check_arguments, check_type
 from ..errors import InvalidProblem, NotConverged, unwarned
 from ..problems.messages import quote
 from ..problems.paths import field_quantity, get_field
 from ..problems.problem import Problem
 from ..problems.units import parse
 from ..quantities import Quantity, in_chosen_units, walk
+from .api import solver_options
 from .explanations import Explanation, Inputs, explain
 from .measurements import (
     TAB,
@@ -354,14 +356,16 @@ def compare(
     >>> [round(float(value) * 1e3, 2) for value in check.predicted]  # mm
     [0.53, 0.71]
     """
+    check_arguments(spread=spread)
+    if tab is not None:
+        check_type("tab", tab, PullTab)
     data = read_observations(problem, measured, columns, tab)
-    settings = {"nodes": nodes, "rtol": rtol, **(options or {})}
     scalars = tuple(
         dict.fromkeys(
             name for name, place in zip(data.names, data.position, strict=True) if place != place
         )
     )
-    model = model_of(problem, scalars or ("residual",), tie, settings)
+    model = model_of(problem, scalars or ("residual",), tie, solver_options(nodes, rtol, options))
     deviations = {name: _deviation(problem, name, value) for name, value in (spread or {}).items()}
     model.check_varied([*data.inputs, *deviations])
     repeated = sorted(set(data.inputs) & set(deviations))

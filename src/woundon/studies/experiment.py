@@ -28,7 +28,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arguments import check_type, whole_number
+from ..arguments import SEEDS, check_arguments, check_type, whole_number
 from ..errors import InvalidProblem, NotConverged
 from ..problems.messages import not_one_of, quote
 from ..problems.paths import field_quantity, get_field
@@ -269,6 +269,14 @@ def next_experiment(
     >>> plan.best.quantity
     'peak_pressure'
     """
+    check_arguments(
+        unknown=unknown,
+        criterion=criterion,
+        output=output,
+        operating_point=operating_point,
+        tie=tie,
+    )
+    whole_number("seed", seed, *SEEDS)
     fitted = problem if isinstance(problem, FitResult) else None
     base: Any = fitted.problem if fitted is not None else problem
     kind_of(base)
@@ -279,6 +287,8 @@ def next_experiment(
         raise InvalidProblem.at("criterion", not_one_of(criterion, CRITERIA))
     for name, measurements in (("candidates", candidates), ("completed", completed)):
         check_type(name, measurements, list, tuple)
+        for measurement in measurements:
+            check_type(name, measurement, Measurement)
     if not candidates:
         raise InvalidProblem.at("candidates", "missing; give at least one wo.Measurement")
     n = len(candidates)
@@ -379,7 +389,6 @@ def _main_output(base: Problem, candidates: Sequence[Measurement]) -> str:
 
 def _prior(base: Problem, unknown: Any, fitted: FitResult | None) -> dict[str, float]:
     """Return the prior relative standard deviations; inf for a parameter of a fit without one."""
-    check_type("unknown", unknown, Mapping)
     prior = {} if fitted is None else dict.fromkeys(fitted.names, np.inf)
     for name, value in unknown.items():
         deviation = float(parse(value, "1", f"unknown: {name}"))

@@ -22,6 +22,7 @@ from typing import Any
 
 import numpy as np
 
+from ..arguments import SEEDS, check_arguments, whole_number
 from ..errors import InvalidProblem, NoSteadyState, NotConverged
 from ..problems.messages import not_one_of, quote
 from ..problems.paths import field_quantity, get_field
@@ -118,6 +119,10 @@ def fit(
     >>> round(found.estimate("upper.radius"), 2)  # m
     0.25
     """
+    check_arguments(profiles=profiles)
+    whole_number("seed", seed, *SEEDS)
+    if starts is not None:
+        whole_number("starts", starts, 1, 1000)
     data = read_observations(problem, measured, columns, over_radius=False)
     settings = _on_one_mesh(problem, solver_options(nodes, rtol, options))
     model = model_of(problem, tuple(dict.fromkeys(data.names)), tie, settings)

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from .. import __version__, kinds
-from ..arguments import check_type
+from ..arguments import check_arguments, check_type
 from ..errors import InvalidProblem, NotConverged, did_you_mean, unwarned
 from ..parallel import progress
 from ..problems.paths import field_quantity, get_field, is_part_of
@@ -127,11 +127,6 @@ class KindModel:
         """
         self._check_outputs()
         self._check_options()
-        ties: Mapping[Any, Any] = self.tie
-        for follower, leader in ties.items():
-            if not isinstance(follower, str) or not isinstance(leader, str):
-                text = f"{leader!r} is not the name of a field; write FIELD = 'FIELD'"
-                raise InvalidProblem.at(f"tie.{follower}", text)
         self.variant({})
         return self
 
@@ -255,6 +250,7 @@ def model_of(
     >>> round(model.run({"load": 50e3}, None).values[0] * 1e6)
     265
     """
+    check_arguments(outputs=outputs, tie=tie, options=options)
     if outputs is None:
         outputs = kind_of(problem).result.MAIN
     names = (outputs,) if isinstance(outputs, str) else tuple(outputs)

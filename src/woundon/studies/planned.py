@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from .. import kinds
-from ..arguments import check_type
+from ..arguments import check_arguments
 from ..errors import InvalidProblem, did_you_mean
 from ..problems.messages import quote
 from ..problems.paths import field_quantity, find_places, get_field, number_in_si
@@ -87,12 +87,9 @@ class Measurement:
 
     def __post_init__(self) -> None:
         """Check the fields of the measurement."""
-        check_type("at", self.at, Mapping)
-        if not isinstance(self.quantity, str):
-            raise InvalidProblem.at("quantity", f"{quote(self.quantity)} is not a name")
-        if isinstance(self.cost, bool) or not isinstance(self.cost, (int, float)):
-            raise InvalidProblem.at("cost", f"{quote(self.cost)} is not a number")
-        if not 0 < self.cost < np.inf:
+        check_arguments(quantity=self.quantity, at=self.at, fields=self.fields, label=self.label)
+        is_number = isinstance(self.cost, (int, float)) and not isinstance(self.cost, bool)
+        if not is_number or not 0 < self.cost < 1e300:
             raise InvalidProblem.at("cost", f"{quote(self.cost)} is out of range; must be > 0")
         if self.standard_deviation is None:
             raise InvalidProblem.at(f"{self.quantity}: standard_deviation", "missing")
@@ -270,7 +267,6 @@ def plan_measurement(
     InvalidProblem
         For invalid names, values or units.
     """
-    check_type("candidates", measurement, Measurement)
     is_separate = measurement.problem is not None
     base = measurement.problem if is_separate else problem
     kind = kind_of(base)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+from ..arguments import check_arguments
+
 __all__ = ["Progress", "progress_reporter"]
 
 Progress = Callable[[int, int], None]  # called with (done, expected)
@@ -35,6 +37,7 @@ def progress_reporter(
     ...     report(1, 2)
     1 of 2
     """
+    check_arguments(progress=progress)
     if progress is True:
         from .bars import bar
 
