@@ -64,8 +64,8 @@ from .sensitivity import Sensitivity as Sensitivity
 from .studies.api import global_sensitivity as global_sensitivity
 from .studies.api import sweep as sweep
 from .studies.case_table import solve_table as solve_table
-from .studies.compare import Comparison as Comparison
 from .studies.compare import compare as compare
+from .studies.compare_result import Comparison as Comparison
 from .studies.experiment import NextExperiment as NextExperiment
 from .studies.experiment import next_experiment as next_experiment
 from .studies.find import FindResult as FindResult

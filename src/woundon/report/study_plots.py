@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ..studies.compare import Comparison
+from ..studies.compare_result import Comparison
 from ..studies.experiment import NextExperiment
 from ..studies.find import FindResult
 from ..studies.fit_result import FitResult
