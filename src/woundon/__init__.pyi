@@ -66,12 +66,12 @@ from .studies.api import sweep as sweep
 from .studies.case_table import solve_table as solve_table
 from .studies.compare import compare as compare
 from .studies.compare_result import Comparison as Comparison
-from .studies.experiment import NextExperiment as NextExperiment
-from .studies.experiment import next_experiment as next_experiment
 from .studies.find import FindResult as FindResult
 from .studies.find import find as find
 from .studies.fit import fit as fit
 from .studies.fit_result import FitResult as FitResult
+from .studies.plan import next_experiment as next_experiment
+from .studies.plan_result import NextExperiment as NextExperiment
 from .studies.planned import Measurement as Measurement
 from .studies.pull_tab import PullTab as PullTab
 from .studies.schedule import OptimisedSchedule as OptimisedSchedule

@@ -18,11 +18,18 @@ from ..errors import InvalidProblem, NotConverged, unwarned
 from ..problems.messages import quote
 from ..problems.paths import field_quantity, get_field
 from ..problems.problem import Problem
-from ..problems.units import parse
 from .api import solver_options
 from .compare_result import Comparison
 from .explanations import InputEffects, SolvedCase, explain
-from .measurements import TAB, Observations, definitions, error_at, predict, read_observations
+from .measurements import (
+    TAB,
+    Observations,
+    definitions,
+    error_at,
+    predict,
+    read_deviation,
+    read_observations,
+)
 from .model import KindModel, model_of
 from .predict import Case, cases_of
 from .progress import Progress, progress_reporter
@@ -237,11 +244,5 @@ def _deviation(problem: Problem, name: str, value: float | str) -> float:
     quantity = field_quantity(problem, name)
     if quantity is None or not isinstance(base, float):
         raise InvalidProblem.at(f"spread: {name}", f"{quote(base)} is not a number")
-    if isinstance(value, str) and value.strip().endswith("%"):
-        deviation = parse(value, "1", f"spread: {name}") * abs(base)
-    else:
-        deviation = parse(value, quantity.unit, f"spread: {name}")
-    if not 0 < deviation < np.inf:
-        text = f"{quote(value)} is out of range; must be a standard deviation > 0"
-        raise InvalidProblem.at(f"spread: {name}", text)
-    return deviation
+    deviation, is_relative = read_deviation(value, quantity, problem, f"spread: {name}")
+    return deviation * abs(base) if is_relative else deviation

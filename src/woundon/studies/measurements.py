@@ -17,7 +17,10 @@ from typing import Any, NamedTuple, get_args, get_type_hints
 import numpy as np
 
 from ..errors import InvalidProblem, one_of
+from ..problems.inputs import Inputs, read_number
+from ..problems.messages import quote
 from ..problems.problem import Problem
+from ..problems.units import parse
 from ..quantities import Quantity, length, outputs, scalar_outputs, value_of
 from .columns import columns_of, conversion_of, measurable_outputs
 from .measured import read_measured
@@ -31,6 +34,7 @@ __all__ = [
     "definitions",
     "error_at",
     "predict",
+    "read_deviation",
     "read_observations",
 ]
 
@@ -245,6 +249,46 @@ def arrays_over_radius(result: type[Any], fields: set[str]) -> dict[str, Quantit
         for name, quantity in arrays.items()
         if name not in fields and name != "radius"
     }
+
+
+def read_deviation(
+    value: float | str, quantity: Quantity, problem: Problem, where: str
+) -> tuple[float, bool]:
+    """Return a standard deviation, and whether it is relative.
+
+    Parameters
+    ----------
+    value : float or str
+        "20 %" is relative; a number is SI, a text has a unit.
+    quantity : Quantity
+        What it is the standard deviation of.
+    problem : Problem
+        Its values convert totals of the width.
+    where : str
+        Name of the value in error messages.
+
+    Raises
+    ------
+    InvalidProblem
+        If it is not a number > 0.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> width = length("b", "nip width")
+    >>> pair = wo.RollerProblem.example()
+    >>> read_deviation("20 %", width, pair, "spread"), read_deviation("1 mm", width, pair, "spread")
+    ((0.2, True), (0.001, False))
+    """
+    is_relative = isinstance(value, str) and value.strip().endswith("%")
+    if is_relative:
+        deviation = float(parse(value, "1", where))
+    else:
+        deviation = float(read_number(value, quantity, where, Inputs.of(problem)))
+    if not (isfinite(deviation) and deviation > 0):
+        text = f"{quote(value)} is out of range; must be a standard deviation > 0"
+        raise InvalidProblem.at(where, text)
+    return deviation, is_relative
 
 
 # ---- predictions --------------------------------------------------------------------------------
