@@ -16,7 +16,7 @@ from pydantic import BaseModel
 from ..errors import InvalidProblem, did_you_mean
 from ..quantities import Place, Quantity, is_list, members_of, quantity_of
 from .inputs import Inputs, read_number
-from .messages import no_such_field
+from .messages import no_such_field, quote
 from .units import parse
 
 __all__ = [
@@ -32,6 +32,8 @@ __all__ = [
     "nest_tables",
     "number_in_si",
     "set_in_tables",
+    "varied_number",
+    "varied_value",
 ]
 
 Faults = list[tuple[str, str]]
@@ -283,6 +285,62 @@ def number_in_si(base: BaseModel, path: str, value: str | float, where: str = ""
     if quantity is None:
         raise InvalidProblem.at(where or path, f"{value!r} is given, but {path} is not a number")
     return read_number(value, quantity, where or path, Inputs.of(base))
+
+
+def varied_value(base: BaseModel, path: str, where: str = "") -> float | None:
+    """Return the value in SI of a field that a study varies; None if the field is not set.
+
+    Parameters
+    ----------
+    base : Description
+    path : str
+    where : str
+        Name of the field in an error message; the path by default.
+
+    Raises
+    ------
+    InvalidProblem
+        If there is no such field, or its value is not a number: a material, a schedule, a word.
+    """
+    value = get_field(base, path)
+    if field_quantity(base, path) is None or not isinstance(value, float | None):
+        text = f"{quote(value)} is not a number, so it cannot be varied"
+        raise InvalidProblem.at(where or path, text)
+    return value
+
+
+def varied_number(
+    base: BaseModel, path: str, where: str = "", *, is_relative: bool = False
+) -> float:
+    """Return the value in SI of a field that a study varies around this value.
+
+    Parameters
+    ----------
+    base : Description
+    path : str
+    where : str
+        Name of the field in an error message; the path by default.
+    is_relative : bool
+        Whether the study varies the field by a share of its value, which must then be > 0.
+
+    Raises
+    ------
+    InvalidProblem
+        As of :func:`varied_value`, and for a field that is not set.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> varied_number(wo.RollerProblem.example(), "upper.diameter")
+    0.5
+    """
+    value = varied_value(base, path, where)
+    if value is None:
+        raise InvalidProblem.at(where or path, "is not set, so it cannot be varied")
+    if is_relative and value <= 0:
+        text = f"{quote(value)} is out of range; must be > 0 to have a relative standard deviation"
+        raise InvalidProblem.at(where or path, text)
+    return value
 
 
 def field_or_none(base: BaseModel, path: str) -> Any:

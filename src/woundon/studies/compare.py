@@ -25,7 +25,7 @@ import numpy as np
 
 from ..errors import InvalidProblem, NotConverged, unwarned
 from ..problems.messages import quote
-from ..problems.paths import field_quantity, get_field
+from ..problems.paths import get_field, number_in_si, varied_number
 from ..problems.problem import Problem
 from ..problems.units import parse
 from ..quantities import Quantity, in_chosen_units, walk
@@ -510,14 +510,11 @@ class _Solved(NamedTuple):
 
 def _deviation(problem: Problem, name: str, value: float | str) -> float:
     """Return the standard deviation of a field in SI."""
-    base = get_field(problem, name)
-    quantity = field_quantity(problem, name)
-    if quantity is None or not isinstance(base, float):
-        raise InvalidProblem.at(f"spread: {name}", f"{quote(base)} is not a number")
+    base = varied_number(problem, name, f"spread: {name}")
     if isinstance(value, str) and value.strip().endswith("%"):
         deviation = parse(value, "1", f"spread: {name}") * abs(base)
     else:
-        deviation = parse(value, quantity.unit, f"spread: {name}")
+        deviation = number_in_si(problem, name, value, f"spread: {name}")
     if not 0 < deviation < np.inf:
         text = f"{quote(value)} is out of range; must be a standard deviation > 0"
         raise InvalidProblem.at(f"spread: {name}", text)

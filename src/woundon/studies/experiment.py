@@ -31,7 +31,7 @@ import numpy as np
 from ..arguments import check_type, whole_number
 from ..errors import InvalidProblem, NotConverged
 from ..problems.messages import not_one_of, quote
-from ..problems.paths import field_quantity, get_field
+from ..problems.paths import field_quantity, varied_number
 from ..problems.problem import Problem
 from ..problems.units import parse
 from ..quantities import Quantity, in_chosen_units
@@ -274,7 +274,9 @@ def next_experiment(
     kind_of(base)
     prior = _prior(base, unknown, fitted)
     names = tuple(prior)
-    theta = {name: _value(base, name) for name in names}
+    theta = {
+        name: varied_number(base, name, f"unknown: {name}", is_relative=True) for name in names
+    }
     if criterion not in CRITERIA:
         raise InvalidProblem.at("criterion", not_one_of(criterion, CRITERIA))
     for name, measurements in (("candidates", candidates), ("completed", completed)):
@@ -390,15 +392,6 @@ def _prior(base: Problem, unknown: Any, fitted: FitResult | None) -> dict[str, f
     if not prior:
         raise InvalidProblem.at("unknown", "missing; must be {field: prior standard deviation}")
     return prior
-
-
-def _value(base: Problem, name: str) -> float:
-    """Return the value of an unknown, which must be > 0."""
-    value = get_field(base, name)
-    if field_quantity(base, name) is None or not isinstance(value, float) or value <= 0:
-        text = f"{quote(value)} is not a number > 0, of which a relative standard deviation is"
-        raise InvalidProblem.at(f"unknown: {name}", text)
-    return value
 
 
 def _start_information(prior: Mapping[str, float], fitted: FitResult | None) -> Array:

@@ -18,7 +18,7 @@ from .. import kinds
 from ..arguments import check_type
 from ..errors import InvalidProblem, did_you_mean
 from ..problems.messages import quote
-from ..problems.paths import field_quantity, find_places, get_field, number_in_si
+from ..problems.paths import find_places, get_field, number_in_si
 from ..problems.problem import Problem
 from ..problems.units import parse
 from ..quantities import Quantity, length
@@ -312,8 +312,6 @@ def _state(
         if has_radius and name in RADII:
             position = RADII[name] * np.array([parse(value, "m", where) for value in values])
             continue
-        if field_quantity(base, name) is None:
-            raise InvalidProblem.at(where, "is not a number")
         state[name] = np.array([number_in_si(base, name, value, where) for value in values])
     return state, position
 
