@@ -9,13 +9,14 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from typing import Any
 
 from pydantic import BaseModel
 
 from ..errors import InvalidProblem, did_you_mean
 from ..quantities import Place, Quantity, is_list, members_of, quantity_of
-from .inputs import Inputs, read_number
+from .inputs import Inputs, NotANumber, is_array, read_number, real_number
 from .messages import no_such_field, quote
 from .units import parse
 
@@ -209,13 +210,23 @@ def halve_diameters(
     return radii
 
 
-def _half(diameter: Any, name: str, faults: Faults) -> Any:
-    """Return the radius of a diameter, or of each diameter in a list [m]; None for a fault."""
-    if isinstance(diameter, (list, tuple)):
-        return [_half(item, f"{name}.{k}", faults) for k, item in enumerate(diameter)]
-    if hasattr(diameter, "dtype"):
-        return diameter / 2
+def _half(diameter: Any, name: str, faults: Faults) -> float | list[float] | None:
+    """Return the radius of a diameter, or of each diameter in a list [m].
+
+    Diameters that are not lengths are added to ``faults``, (field, text).
+    """
+    diameters = diameter.tolist() if is_array(diameter) else diameter
+    if not isinstance(diameters, (list, tuple)):
+        return _half_of_one(diameters, name, faults)
+    radii = [_half_of_one(item, f"{name}.{k}", faults) for k, item in enumerate(diameters)]
+    return [radius for radius in radii if radius is not None]
+
+
+def _half_of_one(diameter: Any, name: str, faults: Faults) -> float | None:
+    """Return the radius of a number [m] or of a text with a unit; None for a fault."""
     try:
+        with suppress(NotANumber):
+            diameter = real_number(diameter)
         return parse(diameter, "m", name) / 2
     except InvalidProblem as fault:
         faults += fault.faults
