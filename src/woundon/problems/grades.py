@@ -325,7 +325,7 @@ def grades(path: str | Path | None = None) -> Grades:
         If the file cannot be read, or a grade in it has an invalid value.
     """
     known_grades = Grades()
-    tables = [library()["grades"], *([] if path is None else [read_file(Path(path))])]
+    tables = [library()["grades"], *([] if path is None else [read_file(path)])]
     for known in tables:
         for name, table in known.items():
             known_grades[name] = _make_grade(name, table, known_grades, f"grades.{name}")

@@ -5,11 +5,12 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Mapping
 from functools import cache
+from os import PathLike
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
 from ..errors import InvalidProblem, did_you_mean
-from .messages import check_names
+from .messages import check_names, quote
 
 __all__ = ["Entry", "entry_of", "library", "read_file", "relative_deviation"]
 
@@ -33,7 +34,7 @@ def library() -> Mapping[str, Mapping[str, Any]]:
     return tomllib.loads(FILE.read_text(encoding="utf-8"))
 
 
-def read_file(path: Path) -> dict[str, Any]:
+def read_file(path: str | Path) -> dict[str, Any]:
     """Return the tables of a user's file.
 
     Raises
@@ -41,6 +42,9 @@ def read_file(path: Path) -> dict[str, Any]:
     InvalidProblem
         If it cannot be read, or is not a TOML file with a table ``grades``.
     """
+    if not isinstance(path, (str, PathLike)):
+        raise InvalidProblem.at("path", f"{quote(path)} is out of place; must be a path")
+    path = Path(path)
     try:
         if path.stat().st_size > LARGEST_FILE:
             raise InvalidProblem.at(str(path), f"is larger than {LARGEST_FILE} bytes")

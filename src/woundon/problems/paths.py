@@ -32,6 +32,7 @@ __all__ = [
     "models_at",
     "nest_tables",
     "number_in_si",
+    "parts_of",
     "set_in_tables",
     "varied_number",
     "varied_value",
@@ -40,6 +41,22 @@ __all__ = [
 Faults = list[tuple[str, str]]
 Described = type[BaseModel] | BaseModel  # a class of descriptions, or one of them
 Holder = tuple[type[Any], Quantity | None]  # a class, and the quantity of the field that holds it
+
+
+def parts_of(path: str) -> list[str]:
+    """Return the parts of a dotted name.
+
+    >>> parts_of("drum.layers.0.thickness")
+    ['drum', 'layers', '0', 'thickness']
+
+    Raises
+    ------
+    InvalidProblem
+        If it is not text.
+    """
+    if not isinstance(path, str):
+        raise InvalidProblem.at(quote(path), "not the name of a field; must be text")
+    return path.split(".")
 
 
 # ---- in a class ---------------------------------------------------------------------------------
@@ -79,7 +96,7 @@ def _places_of_parts(
     """Yield the places of the first part of a dotted name, of the first two parts, ..."""
     holders: list[Holder] = [(thing if isinstance(thing, type) else type(thing), of_field)]
     places: tuple[Place, ...] = ()
-    parts = path.split(".")
+    parts = parts_of(path)
     for k, name in enumerate(parts):
         is_item = name == "*" or (name.isascii() and name.isdecimal())
         if not (is_item and places and is_list(places[0].field.annotation)):
@@ -152,7 +169,7 @@ def _check_exists(thing: Described, path: str) -> None:
     """
     models: tuple[type[Any], ...] = (thing if isinstance(thing, type) else type(thing),)
     above = models[0].__name__
-    for name, places in zip(path.split("."), _places_of_parts(thing, path), strict=True):
+    for name, places in zip(parts_of(path), _places_of_parts(thing, path), strict=True):
         if not models:  # the field above holds a value, not a description
             raise InvalidProblem.at(path, _nothing_below(above))
         if not places and len(models) == 1:
@@ -261,7 +278,7 @@ def get_field(base: BaseModel, path: str) -> Any:
     """
     value: Any = base
     above = type(base).__name__
-    for name in path.split("."):
+    for name in parts_of(path):
         try:
             value, above = _inner(value, name), name
         except KeyError:
@@ -357,7 +374,7 @@ def varied_number(
 def field_or_none(base: BaseModel, path: str) -> Any:
     """Return the value of a field; None if the description, or one in it, has no such field."""
     value: Any = base
-    for name in path.split("."):
+    for name in parts_of(path):
         try:
             value = _inner(value, name)
         except KeyError:
@@ -495,7 +512,7 @@ def set_in_tables(tables: dict[str, Any], path: str, value: Any, model: type[Any
         If a part of the name is not a table or an item of a list, or a field that is unset does
         not exist.
     """
-    *heads, leaf = path.split(".")
+    *heads, leaf = parts_of(path)
     inner: Any = tables
     for head, places in zip(heads, _places_of_parts(model, path), strict=False):
         if value is None and isinstance(inner, dict) and head not in inner:
@@ -559,7 +576,7 @@ def nest_tables(fields: Mapping[str, Any]) -> dict[str, Any]:
     """
     tables: dict[str, Any] = {}
     for path, value in sorted(fields.items()):  # a table comes before the fields in it
-        *heads, leaf = path.split(".")
+        *heads, leaf = parts_of(path)
         inner = tables
         for k, head in enumerate(heads):
             inner = inner.setdefault(head, {})

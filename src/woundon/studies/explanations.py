@@ -21,6 +21,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..problems.paths import parts_of
 from ..quantities import in_chosen_units, length, pure
 from .measurements import TAB, TAB_FORCE
 
@@ -209,9 +210,7 @@ def _causes(
                 texts.append(inputs.change_text(name, change / share))
     none = inputs.note or "no input alone: each would have to change by more than a factor of two"
     has_air = getattr(comparison.problem, "air", None) is not None
-    effects = _EFFECTS.get(
-        (_class_of(output), varied.rpartition(".")[2], 1 if needed > 0 else -1), ()
-    )
+    effects = _EFFECTS.get((_class_of(output), parts_of(varied)[-1], 1 if needed > 0 else -1), ())
     outside = [effect for effect in effects if effect != _AIR or not has_air]
     return (*(texts or [none]), *outside)
 
