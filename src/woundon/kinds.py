@@ -253,8 +253,8 @@ def named(name: str) -> Kind[Any, Any]:
         For an unknown name.
     """
     known = {kind.name: kind for kind in every()}
-    if name not in known:
-        text = f"{name!r} is not a kind of problem{did_you_mean(name, known)}"
+    if not isinstance(name, str) or name not in known:
+        text = f"{quote(name)} is not a kind of problem{did_you_mean(name, known)}"
         raise InvalidProblem.at("kind", text)
     return known[name]
 

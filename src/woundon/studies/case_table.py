@@ -25,7 +25,7 @@ from ..io.sheets import Sheet, read_sheet
 from ..io.tables import Column, Names, match_columns
 from ..problems.description import Description
 from ..problems.family import field_from_table
-from ..problems.paths import field_or_none, nest_tables
+from ..problems.paths import field_or_none, nest_tables, parts_of
 from ..problems.problem import Problem
 from ..quantities import is_on_request, pattern, scalar_outputs
 from .cases import table_of_cases
@@ -309,7 +309,7 @@ def _kind_of_columns(sheet: Sheet, columns: Mapping[str, str | None] | None) -> 
             faults.append(fault)
             continue
         fields = kind.problem.model_fields
-        heads = {column.name.partition(".")[0] for column in matched}
+        heads = {parts_of(column.name)[0] for column in matched}
         missing = sum(field.is_required() and name not in heads for name, field in fields.items())
         candidates.append((missing, len(fields), kind))
     if not candidates:

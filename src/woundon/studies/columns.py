@@ -9,7 +9,7 @@ from ..errors import InvalidProblem
 from ..io.cells import Conversion
 from ..io.tables import Names
 from ..problems.inputs import Inputs
-from ..problems.paths import counterpart, field_quantity, get_field
+from ..problems.paths import counterpart, field_quantity, get_field, parts_of
 from ..problems.problem import Problem
 from ..quantities import Quantity, scalar_outputs, walk
 from .model import kind_of
@@ -68,7 +68,7 @@ def columns_of(problem: Problem) -> dict[str, Quantity | None]:
     """
     known: dict[str, Quantity | None] = {}
     for place in walk(type(problem)):
-        *heads, leaf = place.path.split(".")
+        *heads, leaf = parts_of(place.path)
         # a number of one material may be a description of another
         for k in range(1, len(heads) + 1):
             head = ".".join(heads[:k])

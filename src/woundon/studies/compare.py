@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from math import isfinite, isnan, nan
 from typing import Any, NamedTuple
 
@@ -15,8 +16,7 @@ import numpy as np
 
 from ..arguments import check_arguments, check_type
 from ..errors import InvalidProblem, NotConverged, unwarned
-from ..problems.messages import quote
-from ..problems.paths import field_quantity, get_field
+from ..problems.paths import get_field, number_in_si, varied_number
 from ..problems.problem import Problem
 from .api import solver_options
 from .compare_result import Comparison
@@ -240,9 +240,8 @@ def _covariates(problem: Problem, data: Observations) -> tuple[str, ...]:
 
 def _deviation(problem: Problem, name: str, value: float | str) -> float:
     """Return the standard deviation of a field in SI."""
-    base = get_field(problem, name)
-    quantity = field_quantity(problem, name)
-    if quantity is None or not isinstance(base, float):
-        raise InvalidProblem.at(f"spread: {name}", f"{quote(base)} is not a number")
-    deviation, is_relative = read_deviation(value, quantity, problem, f"spread: {name}")
+    where = f"spread: {name}"
+    base = varied_number(problem, name, where)
+    in_si = partial(number_in_si, problem, name, where=where)
+    deviation, is_relative = read_deviation(value, in_si, where)
     return deviation * abs(base) if is_relative else deviation

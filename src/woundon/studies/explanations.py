@@ -26,7 +26,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import InvalidProblem, NotConverged
-from ..problems.paths import get_field
+from ..problems.paths import get_field, parts_of
 from ..problems.problem import Problem
 from ..quantities import length, pure, walk
 from .compare_result import Comparison, Explanation
@@ -255,7 +255,7 @@ def _trends(
         ends = [quantities.get(name, pure("", name)).stored_text(end) for end in (min(x), max(x))]
         change = comparison.quantities[output].stored_text(abs(changes[0]))
         slope_weights = (x - x.mean()) / np.sum((x - x.mean()) ** 2)
-        leaf = name.rpartition(".")[2]
+        leaf = parts_of(name)[-1]
         yield Explanation(
             output,
             f"measured - predicted {word} by {change} with {name} from {ends[0]} to {ends[1]}",

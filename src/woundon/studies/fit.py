@@ -25,7 +25,7 @@ import numpy as np
 from ..arguments import SEEDS, check_arguments, whole_number
 from ..errors import InvalidProblem, NoSteadyState, NotConverged
 from ..problems.messages import not_one_of, quote
-from ..problems.paths import field_quantity, get_field
+from ..problems.paths import varied_value
 from ..problems.problem import Problem
 from ..quantities import Quantity
 from .api import in_si, solver_options
@@ -188,9 +188,7 @@ def _names_of_profiles(
 
 def _parameter(problem: Problem, name: str, bounds: Any) -> Parameter:
     """Return a parameter of a fit; its default bounds are a tenth and ten times its value."""
-    base = get_field(problem, name)
-    if field_quantity(problem, name) is None or not isinstance(base, float | None):
-        raise InvalidProblem.at(name, f"{quote(base)} is not a number, so it cannot be fitted")
+    base = varied_value(problem, name)
     if bounds is None:
         if base is None or base <= 0:
             raise InvalidProblem.at(name, f"is {quote(base)}: give bounds for it")

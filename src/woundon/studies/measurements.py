@@ -9,7 +9,7 @@ pull_tab_force at a radius        converted to a pressure by the calibration of 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite, nan
 from typing import Any, NamedTuple, get_args, get_type_hints
@@ -17,7 +17,6 @@ from typing import Any, NamedTuple, get_args, get_type_hints
 import numpy as np
 
 from ..errors import InvalidProblem, one_of
-from ..problems.inputs import Inputs, read_number
 from ..problems.messages import quote
 from ..problems.problem import Problem
 from ..problems.units import parse
@@ -252,7 +251,7 @@ def arrays_over_radius(result: type[Any], fields: set[str]) -> dict[str, Quantit
 
 
 def read_deviation(
-    value: float | str, quantity: Quantity, problem: Problem, where: str
+    value: float | str, number_in_si: Callable[[float | str], float], where: str
 ) -> tuple[float, bool]:
     """Return a standard deviation, and whether it is relative.
 
@@ -260,10 +259,8 @@ def read_deviation(
     ----------
     value : float or str
         "20 %" is relative; a number is SI, a text has a unit.
-    quantity : Quantity
-        What it is the standard deviation of.
-    problem : Problem
-        Its values convert totals of the width.
+    number_in_si : callable
+        Converts one that is not relative.
     where : str
         Name of the value in error messages.
 
@@ -274,17 +271,11 @@ def read_deviation(
 
     Examples
     --------
-    >>> import woundon as wo
-    >>> width = length("b", "nip width")
-    >>> pair = wo.RollerProblem.example()
-    >>> read_deviation("20 %", width, pair, "spread"), read_deviation("1 mm", width, pair, "spread")
+    >>> read_deviation("20 %", float, "spread"), read_deviation(1e-3, float, "spread")
     ((0.2, True), (0.001, False))
     """
     is_relative = isinstance(value, str) and value.strip().endswith("%")
-    if is_relative:
-        deviation = float(parse(value, "1", where))
-    else:
-        deviation = float(read_number(value, quantity, where, Inputs.of(problem)))
+    deviation = float(parse(value, "1", where) if is_relative else number_in_si(value))
     if not (isfinite(deviation) and deviation > 0):
         text = f"{quote(value)} is out of range; must be a standard deviation > 0"
         raise InvalidProblem.at(where, text)

@@ -24,16 +24,17 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from ..arguments import SEEDS, check_arguments, check_type, whole_number
 from ..errors import InvalidProblem, NotConverged
-from ..problems.messages import not_one_of, quote
-from ..problems.paths import field_quantity, get_field
+from ..problems.messages import not_one_of
+from ..problems.paths import field_quantity, varied_number
 from ..problems.problem import Problem
-from ..quantities import pure
+from ..problems.units import parse
 from .api import solver_options
 from .fit_result import FitResult
 from .measurements import read_deviation
@@ -52,7 +53,6 @@ REDUCED = 0.1
 WIDEST, MOST_SIGMA = 1.0, 2.0
 # score, relative to the best one, from which two first measurements count as equally good
 EQUAL = 0.9
-RELATIVE = pure("s", "relative standard deviation")
 
 
 def next_experiment(
@@ -142,7 +142,9 @@ def next_experiment(
     base: Any = fitted.problem if fitted is not None else problem
     main_outputs = kind_of(base).result.MAIN
     prior = _prior(base, unknown, fitted)
-    theta = {name: _value(base, name) for name in prior}
+    theta = {
+        name: varied_number(base, name, f"unknown: {name}", is_relative=True) for name in prior
+    }
     for name, measurements in (("candidates", candidates), ("completed", completed)):
         check_type(name, measurements, list, tuple)
         for measurement in measurements:
@@ -213,19 +215,11 @@ def _prior(
     """Return the prior relative standard deviations; inf for a parameter of a fit without one."""
     prior = {} if fitted is None else dict.fromkeys(fitted.names, np.inf)
     for name, value in unknown.items():
-        prior[name], _ = read_deviation(value, RELATIVE, base, f"unknown: {name}")
+        where = f"unknown: {name}"
+        prior[name], _ = read_deviation(value, partial(parse, unit="1", field=where), where)
     if not prior:
         raise InvalidProblem.at("unknown", "missing; must be {field: prior standard deviation}")
     return prior
-
-
-def _value(base: Problem, name: str) -> float:
-    """Return the value of an unknown, which must be > 0."""
-    value = get_field(base, name)
-    if field_quantity(base, name) is None or not isinstance(value, float) or value <= 0:
-        text = f"{quote(value)} is not a number > 0, of which a relative standard deviation is"
-        raise InvalidProblem.at(f"unknown: {name}", text)
-    return value
 
 
 def _prior_information(prior: Mapping[str, float], fitted: FitResult | None) -> Array:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from math import nan
 from typing import Any
 
@@ -18,7 +19,7 @@ from .. import kinds
 from ..arguments import check_arguments
 from ..errors import InvalidProblem, did_you_mean
 from ..problems.messages import quote
-from ..problems.paths import field_quantity, find_places, get_field, number_in_si
+from ..problems.paths import find_places, get_field, number_in_si
 from ..problems.problem import Problem
 from ..problems.units import parse
 from ..quantities import Quantity, length
@@ -292,9 +293,9 @@ def plan_measurement(
     model.check_varied([*state, *(path for group in paths.values() for path in group)])
     cases = cases_of(state, [Observable(output, radius) for radius in position.tolist()])
     quantity = known[output]
-    deviation, is_relative = read_deviation(
-        measurement.standard_deviation, quantity, base, f"{where}: standard_deviation"
-    )
+    of_deviation = f"{where}: standard_deviation"
+    in_si = partial(parse, unit=quantity.unit, field=of_deviation)
+    deviation, is_relative = read_deviation(measurement.standard_deviation, in_si, of_deviation)
     return PlannedMeasurement(measurement, model, cases, quantity, deviation, is_relative, paths)
 
 
@@ -310,8 +311,6 @@ def _state(
         if has_radius and name in RADII:
             position = RADII[name] * np.array([parse(value, "m", where) for value in values])
             continue
-        if field_quantity(base, name) is None:
-            raise InvalidProblem.at(where, "is not a number")
         state[name] = np.array([number_in_si(base, name, value, where) for value in values])
     return state, position
 

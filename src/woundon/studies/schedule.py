@@ -24,7 +24,7 @@ from ..arguments import check_arguments, check_type, whole_number
 from ..errors import InvalidProblem, NotConverged, one_of
 from ..problems.limits import Limits
 from ..problems.messages import quote
-from ..problems.paths import field_or_none, field_quantity, get_field
+from ..problems.paths import field_or_none, get_field, varied_number
 from ..problems.problem import Problem
 from ..quantities import Quantity, in_chosen_units, value_of
 from .api import in_si, solver_options
@@ -241,10 +241,7 @@ def _ranges(problem: Problem, over: Mapping[str, Any] | None) -> dict[str, tuple
 
 def _range(problem: Problem, name: str, ends: Any) -> tuple[float, float]:
     """Return the range of a field that is a number, SI."""
-    value = get_field(problem, name)
-    if field_quantity(problem, name) is None or not isinstance(value, float):
-        text = f"{quote(value)} is not a number, so it cannot be varied"
-        raise InvalidProblem.at(name, text)
+    varied_number(problem, name)
     try:
         low, high = (float(end) for end in ends)
     except (TypeError, ValueError):

@@ -24,7 +24,7 @@ import numpy as np
 from ..errors import InvalidProblem
 from ..problems.grades import Grade, grade
 from ..problems.messages import quote
-from ..problems.paths import field_quantity, get_field
+from ..problems.paths import get_field, varied_number
 from ..problems.problem import Problem
 from ..problems.schedules import Profile, Taper
 from ..quantities import Quantity, scalar_outputs
@@ -100,10 +100,7 @@ def _check_spread(problem: Problem, name: str, spread: Any) -> None:
     if not is_number or not 0 <= spread <= MOST_SPREAD:
         text = f"{quote(spread)} is out of range; must be >= 0 and <= {MOST_SPREAD:g}"
         raise InvalidProblem.at(f"uncertain.{name}", text)
-    value = get_field(problem, name)
-    if field_quantity(problem, name) is None or not isinstance(value, float) or value <= 0:
-        text = f"{quote(value)} is not a number > 0, so it has no log-normal distribution"
-        raise InvalidProblem.at(f"uncertain.{name}", text)
+    varied_number(problem, name, f"uncertain.{name}", is_relative=True)
 
 
 def range_of(problem: Problem, name: str, ends: Any) -> tuple[float, float]:
