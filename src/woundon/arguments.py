@@ -7,6 +7,7 @@ is first used; the other functions check an argument of one function.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
+from math import inf
 from os import PathLike
 from typing import Any, NamedTuple
 
@@ -16,17 +17,14 @@ from .errors import InvalidProblem, one_of
 from .problems.messages import quote
 
 __all__ = [
-    "SEEDS",
     "Option",
     "check_arguments",
+    "check_seed",
     "check_type",
     "nodes_or_rtol",
     "tolerance",
     "whole_number",
 ]
-
-
-SEEDS = 0, 2**32 - 1  # of random numbers
 
 
 class Option(NamedTuple):
@@ -71,6 +69,11 @@ def tolerance(name: str, value: Any, low: float, high: float) -> float:
     types = (int, float, np.floating)
     _check_range(name, value, types, low, high, f">= {low:g} and <= {high:g}")
     return float(value)
+
+
+def check_seed(seed: Any) -> None:
+    """Raise an error unless a value is a seed of a random generator, an integer from 0."""
+    _check_range("seed", seed, (int, np.integer), 0, inf, "a whole number >= 0")
 
 
 def _check_range(

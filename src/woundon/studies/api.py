@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from ..arguments import check_arguments
 from ..errors import InvalidProblem
@@ -13,7 +16,7 @@ from ..problems.paths import field_quantity, number_in_si
 from ..problems.problem import Problem
 from .case_table import read_cases
 from .cases import Cases, check_number, make_cases
-from .model import KindModel, model_of
+from .model import KindModel, model_of, solver_options
 from .progress import Progress
 from .run import Workers, run_study
 from .sobol import SobolIndices, saltelli_cases, sobol_indices_of
@@ -21,7 +24,7 @@ from .sobol import SobolIndices, saltelli_cases, sobol_indices_of
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["global_sensitivity", "in_si", "solver_options", "study_of", "sweep"]
+__all__ = ["global_sensitivity", "in_si", "range_in_si", "study_of", "sweep"]
 
 
 def sweep(
@@ -174,21 +177,6 @@ def _model_of_study(
     return model
 
 
-def solver_options(nodes: Any, rtol: Any, options: Mapping[str, Any] | None) -> dict[str, Any]:
-    """Return the options of the solver that are not None.
-
-    >>> solver_options(65, None, {"progress": None})
-    {'nodes': 65, 'progress': None}
-    """
-    check_arguments(options=options)
-    explicit = {
-        name: value for name, value in (("nodes", nodes), ("rtol", rtol)) if value is not None
-    }
-    for name in explicit.keys() & (options or {}).keys():
-        raise InvalidProblem.at(name, "is given twice, also among the options")
-    return {**explicit, **(options or {})}
-
-
 def in_si(problem: Problem, over: Any) -> Any:
     """Return values, ranges or bounds by field, with texts with units converted to SI.
 
@@ -203,6 +191,42 @@ def in_si(problem: Problem, over: Any) -> Any:
             text = f"{quote(name)} is out of place; must be the name of a field"
             raise InvalidProblem.at("over", text)
     return {name: _numbers(problem, name, entry) for name, entry in over.items()}
+
+
+def range_in_si(problem: Problem, name: str, ends: Any, where: str = "") -> tuple[float, float]:
+    """Return the ends of a range of a field in SI; they may be texts with units.
+
+    Parameters
+    ----------
+    problem : Problem
+    name : str
+        Dotted name of the field.
+    ends : (low, high)
+    where : str
+        Name of the range in an error message; by default that of the field.
+
+    Raises
+    ------
+    InvalidProblem
+        If they are not two finite numbers low < high.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> range_in_si(wo.RollerProblem.example(), "load", ("50 kN/m", 1e5))
+    (50000.0, 100000.0)
+    """
+    where = where or name
+    pair = list(ends) if isinstance(ends, (list, tuple, np.ndarray)) else []
+    if len(pair) != 2:
+        raise InvalidProblem.at(where, f"{quote(ends)} is not a range; write (low, high)")
+    low, high = (
+        number_in_si(problem, name, end.item() if isinstance(end, np.generic) else end, where)
+        for end in pair
+    )
+    if not -inf < low < high < inf:
+        raise InvalidProblem.at(where, f"{quote(ends)} is not a range: must be low < high")
+    return low, high
 
 
 def _numbers(problem: Problem, name: str, entry: Any) -> Any:

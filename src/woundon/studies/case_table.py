@@ -25,7 +25,7 @@ from ..io.sheets import Sheet, read_sheet
 from ..io.tables import Column, Names, match_columns
 from ..problems.description import Description
 from ..problems.family import field_from_table
-from ..problems.paths import field_or_none, nest_tables, parts_of
+from ..problems.paths import field_or_none, is_part_of, nest_tables
 from ..problems.problem import Problem
 from ..quantities import is_on_request, pattern, scalar_outputs
 from .cases import table_of_cases
@@ -37,7 +37,7 @@ from .columns import (
     input_columns,
     output_columns,
 )
-from .model import KindModel, kind_of, model_of, quantities_of
+from .model import KindModel, kind_of, model_of, quantities_of, solver_options
 from .progress import Progress
 from .run import Workers, run_study
 
@@ -119,7 +119,7 @@ def solve_table(
     if not inputs:
         raise InvalidProblem.at(sheet.where, "has no column that is an input of the model")
     names = _default_outputs(problem) if outputs is None else outputs
-    base = model_of(problem, names, tie, {"nodes": nodes, "rtol": rtol, **(options or {})})
+    base = model_of(problem, names, tie, solver_options(nodes, rtol, options))
     cells, faults = _read_inputs(sheet, inputs, problem, complete=complete, gaps=True)
     raise_faults([fault for fault in faults if not fault.row])  # of headers
     if not complete:
@@ -154,7 +154,7 @@ def _base_problem(
     names of fields only, not their values.
     """
     if case is None:
-        found = _kind_of_columns(sheet, columns) if kind is None else _named(kind)
+        found = _kind_of_columns(sheet, columns) if kind is None else kinds.named(kind)
         return found.example(), True
     problem = load_case(case) if isinstance(case, (str, Path)) else case
     if kind is not None:
@@ -293,10 +293,6 @@ def _is_missing(value: Any) -> bool:
 # ---- columns ------------------------------------------------------------------------------------
 
 
-def _named(kind: str) -> kinds.Kind:
-    return kinds.named(str(kind).replace("-", "_"))
-
-
 def _kind_of_columns(sheet: Sheet, columns: Mapping[str, str | None] | None) -> kinds.Kind:
     """Return the kind of problem whose fields the headers are, with the fewest fields missing."""
     candidates: list[tuple[int, int, kinds.Kind]] = []
@@ -309,8 +305,8 @@ def _kind_of_columns(sheet: Sheet, columns: Mapping[str, str | None] | None) -> 
             faults.append(fault)
             continue
         fields = kind.problem.model_fields
-        heads = {parts_of(column.name)[0] for column in matched}
-        missing = sum(field.is_required() and name not in heads for name, field in fields.items())
+        required = [name for name, field in fields.items() if field.is_required()]
+        missing = sum(not any(is_part_of(c.name, name) for c in matched) for name in required)
         candidates.append((missing, len(fields), kind))
     if not candidates:
         known = one_of(kind.name for kind in kinds.every())

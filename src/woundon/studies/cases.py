@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arguments import SEEDS, whole_number
+from ..arguments import check_seed, whole_number
 from ..errors import InvalidProblem, did_you_mean
 
 if TYPE_CHECKING:
@@ -196,7 +196,7 @@ def make_cases(
     >>> cases.frame.iloc[1].tolist()
     [1000.0, 0.3]
     """
-    whole_number("seed", seed, *SEEDS)
+    check_seed(seed)
     if design not in DESIGNS:
         raise InvalidProblem.at("design", f"{design!r} is unknown{did_you_mean(design, DESIGNS)}")
     if not isinstance(over, Mapping) or not over:
@@ -313,9 +313,7 @@ def _draw_points(design: str, inputs: int, samples: int | None, seed: int) -> Ar
     """Draw points of the unit cube, (samples, inputs)."""
     from scipy.stats import qmc
 
-    if isinstance(samples, bool) or not isinstance(samples, (int, np.integer)) or samples < 2:
-        raise InvalidProblem.at("samples", f"{samples!r} is not a number of cases, at least 2")
-    check_number(samples)
+    samples = whole_number("samples", samples, 2, MOST_CASES)
     if design == "latin-hypercube":
         return np.asarray(qmc.LatinHypercube(inputs, rng=seed).random(samples))
     power = int(log2(samples))

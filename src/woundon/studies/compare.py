@@ -18,7 +18,6 @@ from ..arguments import check_arguments, check_type
 from ..errors import InvalidProblem, NotConverged, unwarned
 from ..problems.paths import get_field, number_in_si, varied_number
 from ..problems.problem import Problem
-from .api import solver_options
 from .compare_result import Comparison
 from .explanations import InputEffects, SolvedCase, explain
 from .measurements import (
@@ -30,7 +29,7 @@ from .measurements import (
     read_deviation,
     read_observations,
 )
-from .model import KindModel, model_of
+from .model import KindModel, model_of, solver_options
 from .predict import Case, cases_of
 from .progress import Progress, progress_reporter
 from .pull_tab import PullTab

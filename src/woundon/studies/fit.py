@@ -22,17 +22,17 @@ from typing import Any
 
 import numpy as np
 
-from ..arguments import SEEDS, check_arguments, whole_number
+from ..arguments import check_arguments, check_seed, whole_number
 from ..errors import InvalidProblem, NoSteadyState, NotConverged
 from ..problems.messages import not_one_of, quote
 from ..problems.paths import varied_value
 from ..problems.problem import Problem
 from ..quantities import Quantity
-from .api import in_si, solver_options
+from .api import in_si
 from .fit_result import FitResult
 from .measurements import Observations, read_observations
 from .minimise import ACCURACY, Linearisation, minimise
-from .model import model_of, options_of, quantities_of
+from .model import model_of, options_of, quantities_of, solver_options
 from .predict import Parameter, Predictor
 from .profiles import End, ProfileLikelihood, find_end, profile_of, threshold
 from .progress import Progress, progress_reporter
@@ -120,7 +120,7 @@ def fit(
     0.25
     """
     check_arguments(profiles=profiles)
-    whole_number("seed", seed, *SEEDS)
+    check_seed(seed)
     if starts is not None:
         whole_number("starts", starts, 1, 1000)
     data = read_observations(problem, measured, columns, over_radius=False)

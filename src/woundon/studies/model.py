@@ -32,6 +32,7 @@ __all__ = [
     "model_of",
     "options_of",
     "quantities_of",
+    "solver_options",
 ]
 
 _ERROR = "errors."  # of an output: "errors.half_width"
@@ -139,9 +140,9 @@ class KindModel:
         repeated = [name for name in dict.fromkeys(self.outputs) if self.outputs.count(name) > 1]
         if repeated:
             raise InvalidProblem.at("outputs", f"{repeated[0]!r} is given twice")
-        unknown = [name for name in self.outputs if str(name).removeprefix(_ERROR) not in known]
+        unknown = [name for name in self.outputs if name.removeprefix(_ERROR) not in known]
         if unknown:
-            raise InvalidProblem((str(name), _no_output(self.problem, name)) for name in unknown)
+            raise InvalidProblem((name, _no_output(self.problem, name)) for name in unknown)
 
     def _check_options(self) -> None:
         """Reject unknown options of the solver, and values out of range."""
@@ -256,6 +257,22 @@ def model_of(
     names = (outputs,) if isinstance(outputs, str) else tuple(outputs)
     settings = {name: value for name, value in options.items() if value is not None}
     return KindModel(problem, names, settings, dict(tie or {})).checked()
+
+
+def solver_options(nodes: Any, rtol: Any, options: Mapping[str, Any] | None) -> dict[str, Any]:
+    """Return the options of the solver that are not None.
+
+    >>> solver_options(65, None, {"progress": None})
+    {'nodes': 65, 'progress': None}
+    """
+    check_arguments(options=options)
+    further = dict(options or {})
+    explicit = {
+        name: value for name, value in (("nodes", nodes), ("rtol", rtol)) if value is not None
+    }
+    for name in explicit.keys() & further.keys():
+        raise InvalidProblem.at(name, "is given twice, also among the options")
+    return explicit | further
 
 
 def kind_of(problem: Any) -> kinds.Kind:

@@ -29,16 +29,15 @@ from typing import Any
 
 import numpy as np
 
-from ..arguments import SEEDS, check_arguments, check_type, whole_number
+from ..arguments import check_arguments, check_seed, check_type, whole_number
 from ..errors import InvalidProblem, NotConverged
 from ..problems.messages import not_one_of
 from ..problems.paths import field_quantity, varied_number
 from ..problems.problem import Problem
 from ..problems.units import parse
-from .api import solver_options
 from .fit_result import FitResult
 from .measurements import read_deviation
-from .model import kind_of
+from .model import kind_of, solver_options
 from .plan_result import NextExperiment, percent
 from .planned import Measurement, PlannedMeasurement, SolvedStates, plan_measurement
 from .progress import Progress, progress_reporter
@@ -134,7 +133,7 @@ def next_experiment(
         operating_point=operating_point,
         tie=tie,
     )
-    whole_number("seed", seed, *SEEDS)
+    check_seed(seed)
     whole_number("draws", draws, 0, 1000)
     if criterion not in CRITERIA:
         raise InvalidProblem.at("criterion", not_one_of(criterion, CRITERIA))

@@ -27,8 +27,8 @@ from ..problems.messages import quote
 from ..problems.paths import field_or_none, get_field, varied_number
 from ..problems.problem import Problem
 from ..quantities import Quantity, in_chosen_units, value_of
-from .api import in_si, solver_options
-from .model import KindModel, model_of, quantities_of
+from .api import in_si
+from .model import KindModel, model_of, quantities_of, solver_options
 from .outcome import Outcome
 from .progress import Progress, progress_reporter
 

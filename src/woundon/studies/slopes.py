@@ -179,18 +179,19 @@ def _difference_quotient(
     return (y1 - y2) / (x1 - x2)
 
 
-def on_mesh_of(model: KindModel, result: Any) -> KindModel:
-    """Return the model with the nodes of a result, if the solver chooses the mesh.
+def on_mesh_of(model: KindModel, *results: Result) -> KindModel:
+    """Return the model with the nodes of the finest of some results, if the solver chooses them.
 
     On one mesh outputs are continuous functions of the fields, and discretisation errors cancel in
-    differences.
+    differences.  The model itself is returned if the number of nodes is an option that is set, or
+    if the solver has no such number.
     """
-    nodes = getattr(result, "nodes", None)
-    is_chosen = isinstance(nodes, int) and options_of(model.problem).get("nodes", ...) is None
-    if not is_chosen or "nodes" in model.options:
+    nodes: list[Any] = [getattr(result, "nodes", None) for result in results]
+    is_chosen = options_of(model.problem).get("nodes", ...) is None
+    if not is_chosen or "nodes" in model.options or not all(isinstance(n, int) for n in nodes):
         return model
     options = {name: value for name, value in model.options.items() if name != "rtol"}
-    return replace(model, options={**options, "nodes": nodes})
+    return replace(model, options={**options, "nodes": max(nodes)})
 
 
 def derivatives(result: Any, *parameters: str, **options: Any) -> Sensitivity:
@@ -229,6 +230,8 @@ def derivatives(result: Any, *parameters: str, **options: Any) -> Sensitivity:
     0.5
     """
     check_type("result", result, Result)
+    for name in parameters:
+        check_type("parameters", name, str)
     if not options and hasattr(result, "sensitivity"):
         sensitivity: Sensitivity = result.sensitivity(*parameters)
         return sensitivity

@@ -23,12 +23,13 @@ from typing import Any
 
 import numpy as np
 
-from ..arguments import whole_number
+from ..arguments import check_seed, whole_number
 from ..errors import InvalidProblem, NotConverged
 from ..problems.grades import Grade
 from ..problems.problem import Problem
 from .progress import Progress, progress_reporter
 from .run import Workers
+from .store import folder_of
 from .window_cases import (
     CaseSolver,
     Shares,
@@ -160,6 +161,7 @@ def operating_window(
         raise InvalidProblem.at("resume", "needs out, the folder of the windings")
     spreads, ties = spreads_and_ties(problem, uncertain, tie)
     whole_number("samples", samples, 100, 100_000)
+    check_seed(seed)
     model = window_model(problem, ties, options)
     for name in spreads:
         model.check_varied([name])
@@ -169,7 +171,7 @@ def operating_window(
     ranges = np.array([range_of(problem, name, ends) for name, ends in given.items()])
     set_points = SetPoints(tuple(given), ranges)
     sample = standard_normal(len(spreads), samples, seed)
-    folder = None if out is None else Path(out)
+    folder = None if out is None else folder_of(out)
     solver = CaseSolver(model, set_points, spreads, Workers(workers, scheduler), folder, resume)
     with progress_reporter(progress, "winding") as report:
         return _Study(solver, sample, report).run(preview)

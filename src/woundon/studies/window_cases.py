@@ -15,12 +15,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import inf, log
+from math import log
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..arguments import check_arguments
 from ..errors import InvalidProblem
 from ..problems.grades import Grade, grade
 from ..problems.messages import quote
@@ -28,9 +29,9 @@ from ..problems.paths import get_field, varied_number
 from ..problems.problem import Problem
 from ..problems.schedules import Profile, Taper
 from ..quantities import Quantity, scalar_outputs
-from .api import in_si
+from .api import range_in_si
 from .cases import table_of_cases
-from .model import Answer, KindModel, kind_of, model_of
+from .model import Answer, KindModel, kind_of, model_of, solver_options
 from .progress import Progress
 from .run import Workers, run_study
 from .window_map import SetPoints, fitted, from_reserve
@@ -78,6 +79,7 @@ def spreads_and_ties(
     elif uncertain is not None:
         text = f"{quote(uncertain)} is out of place; must be {{field: relative deviation}}"
         raise InvalidProblem.at("uncertain", text)
+    check_arguments(tie=tie)
     spreads, ties = dict[str, float](), dict(tie or {})
     if base_grade is not None:
         ties = {**base_grade.tied_fields(problem), **ties}
@@ -105,14 +107,8 @@ def _check_spread(problem: Problem, name: str, spread: Any) -> None:
 
 def range_of(problem: Problem, name: str, ends: Any) -> tuple[float, float]:
     """Return a range in SI units; only the torque split may be 0."""
-    if isinstance(ends, str) or not hasattr(ends, "__len__") or len(ends) != 2:
-        raise InvalidProblem.at(name, f"{quote(ends)} is out of place; must be (low, high)")
-    numbers = in_si(problem, {name: ends})[name]
-    for value in numbers:
-        if isinstance(value, bool) or not isinstance(value, (int, float, np.number)):
-            raise InvalidProblem.at(name, f"{quote(value)} is not a number")
-    low, high = map(float, numbers)
-    if not 0 <= low < high < inf or (low == 0 and name != "torque_split"):
+    low, high = range_in_si(problem, name, ends)
+    if low < 0 or (low == 0 and name != "torque_split"):
         text = f"({low:g}, {high:g}) is out of range; must be 0 < low < high"
         raise InvalidProblem.at(name, text)
     return low, high
@@ -190,7 +186,7 @@ def window_model(
         Options of the solver in place of the reduced accuracy.
     """
     names = [f"margins.{name}" for name in margin_names(problem)]
-    base = model_of(problem, names, tie, {**ACCURACY, **(options or {})})
+    base = model_of(problem, names, tie, {**ACCURACY, **solver_options(None, None, options)})
     depths = _depths(problem)
     shares = tuple(f"{FRICTION_SHARE}[{k}]" for k in range(len(depths)))
     return WindowModel(base.problem, (*base.outputs, *shares), base.options, base.tie, depths)
