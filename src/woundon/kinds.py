@@ -255,7 +255,7 @@ def named(name: str) -> Kind[Any, Any]:
     known = {kind.name: kind for kind in every()}
     with_underscores = str(name).replace("-", "_")
     if with_underscores not in known:
-        text = f"{name!r} is not a kind of problem{did_you_mean(with_underscores, known)}"
+        text = f"{quote(name)} is not a kind of problem{did_you_mean(with_underscores, known)}"
         raise InvalidProblem.at("kind", text)
     return known[with_underscores]
 

@@ -20,7 +20,7 @@ from .. import kinds
 from ..errors import InvalidProblem, NotConverged, did_you_mean, unwarned
 from ..io.case_files import SCHEMA, check_like_a_case, make_problem
 from ..problems.messages import quote
-from ..problems.paths import field_quantity, find_places, get_field
+from ..problems.paths import find_places, varied_number
 from ..problems.permitted import admissible, extremes
 from ..problems.problem import Problem
 from ..quantities import scalar_outputs, value_of, walk
@@ -33,7 +33,7 @@ from ..sensitivity import Sensitivity
 from ..studies.columns import measurable_outputs
 from ..studies.find import find as find_values
 from ..studies.measurements import Observable, predict
-from ..studies.model import KindModel, model_of
+from ..studies.model import KindModel, model_of, quantities_of
 from ..studies.slopes import slopes
 from ..winding.margins import FIELDS
 from .input_forms import quantity_schema, tables_of
@@ -350,13 +350,10 @@ def curve(tables: Any, query: Mapping[str, Any], options: Mapping[str, Any]) -> 
     By default from 0.5 to 1.5 times the field's value.
     """
     problem, field, points = problem_of(tables), query["field"], query["points"]
-    base = get_field(problem, field)
-    quantity = field_quantity(problem, field)
-    if quantity is None or isinstance(base, bool) or not isinstance(base, int | float):
-        raise InvalidProblem.at(field, f"{quote(base)} is not a number, so it cannot be varied")
+    base = varied_number(problem, field)
     names = tuple(filter(None, query["outputs"].split(","))) or _usual_outputs(problem)
     model = model_of(problem, names, {}, checked_options(kinds.of(problem), options))
-    ends = _ends(problem, field, float(base), query["low"], query["high"])
+    ends = _ends(problem, field, base, query["low"], query["high"])
     values = np.linspace(*ends, points).tolist()
     rows, failures, start = np.full((points, len(names)), np.nan), [], None
     for k, value in enumerate(values):
@@ -369,7 +366,7 @@ def curve(tables: Any, query: Mapping[str, Any], options: Mapping[str, Any]) -> 
     return to_json(
         {
             "field": field,
-            "unit": quantity.unit,
+            "unit": quantities_of(model, [field])[field].unit,
             "at": base,
             "values": values,
             "outputs": dict(zip(names, rows.T, strict=True)),

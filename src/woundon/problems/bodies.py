@@ -29,7 +29,7 @@ from ..quantities import length
 from . import viscoelastic as viscoelastic  # registers its materials
 from .description import Description
 from .family import Family
-from .fields import Number
+from .fields import Number, listed
 from .materials import AnyMaterial, Material
 from .permitted import is_within
 
@@ -447,7 +447,7 @@ class Layer(Description):
 if TYPE_CHECKING:
     Layers = CoercedField[tuple[Layer, ...], Iterable[Layer | Mapping[str, Any]]]
 else:
-    Layers = tuple[Layer, ...]
+    Layers = Annotated[tuple[Layer, ...], BeforeValidator(listed)]
 
 
 class Layered(LayeredBody):

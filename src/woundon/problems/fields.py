@@ -8,8 +8,6 @@ of the argument and whose ``__get__`` gives the type of the attribute.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from math import inf
-from numbers import Real
 from typing import TYPE_CHECKING, Annotated, Any, Generic, Self, TypeVar, overload
 
 from pydantic import (
@@ -18,8 +16,9 @@ from pydantic import (
     ValidatorFunctionWrapHandler,
     WrapValidator,
 )
+from pydantic_core import PydanticKnownError
 
-from .inputs import FloatWithUnit, NotANumber, read_text
+from .inputs import FloatWithUnit, is_array, read_text, real_number
 
 __all__ = [
     "CoercedField",
@@ -31,28 +30,17 @@ __all__ = [
     "OptionalNested",
     "OptionalNumber",
     "default",
+    "listed",
 ]
 
 
 def _number(value: Any, info: ValidationInfo) -> float:
-    """Return a real number of any type (int, NumPy scalar, Fraction, 0-d array) as a float.
-
-    Text is converted to SI.  Booleans are rejected; pydantic would accept them as numbers.
-    """
+    """Return a real number of any type, or a text with a unit, as a float in SI."""
     if type(value) is float:  # the common case first: studies create many variants
         return value
     if isinstance(value, (str, FloatWithUnit)):
         return read_text(value, info.field_name)
-    is_scalar = getattr(value, "shape", None) == () and hasattr(value, "dtype")
-    kind = getattr(value.dtype, "kind", "") if is_scalar else ""
-    if isinstance(value, bool) or not (isinstance(value, Real) or kind in ("i", "u", "f")):
-        raise NotANumber
-    if getattr(value, "mask", False) is not False and bool(value.mask):
-        raise NotANumber
-    try:
-        return float(value)
-    except OverflowError:  # an integer of more than 308 digits
-        return inf if value > 0 else -inf
+    return real_number(value)
 
 
 def _number_of_field(
@@ -64,9 +52,11 @@ def _number_of_field(
     return number if isinstance(number, FloatWithUnit) else checked
 
 
-def _listed(value: Any) -> Any:
-    """Return a one-dimensional array as a list, which pydantic validates."""
-    return value.tolist() if hasattr(value, "dtype") and hasattr(value, "tolist") else value
+def listed(value: Any) -> Any:
+    """Return an array as a list, which pydantic validates; reject a set, which has no order."""
+    if isinstance(value, (set, frozenset)):
+        raise PydanticKnownError("tuple_type")
+    return value.tolist() if is_array(value) else value
 
 
 def default(value: Any) -> Any:
@@ -100,9 +90,9 @@ if TYPE_CHECKING:
 else:
     Number = Annotated[float, BeforeValidator(_number)]
     OptionalNumber = Number | None
-    Numbers = Annotated[tuple[Number, ...], BeforeValidator(_listed)]
+    Numbers = Annotated[tuple[Number, ...], BeforeValidator(listed)]
     Nested = Annotated[T, "or a table of its fields"]
     OptionalNested = T | None
     # Values of a schedule: they have the unit of the field that holds the schedule.
     NumberOfField = Annotated[float, WrapValidator(_number_of_field)]
-    NumbersOfField = Annotated[tuple[NumberOfField, ...], BeforeValidator(_listed)]
+    NumbersOfField = Annotated[tuple[NumberOfField, ...], BeforeValidator(listed)]

@@ -11,7 +11,7 @@ from functools import cache
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import Field
+from pydantic import Field, field_validator
 
 from ..errors import InputWarning, InvalidProblem, did_you_mean, warn
 from ..quantities import (
@@ -28,11 +28,11 @@ from .bodies import Cylinder
 from .description import Description
 from .fields import Nested, Number, Numbers, default
 from .inputs import Inputs, is_basis_weight
-from .library import entry_of, library, read_file
+from .library import entry_of, library, read_file, relative_deviation
 from .limits import Limits
 from .materials import SOFTEST, STIFFEST, Orthotropic
 from .messages import quote
-from .paths import Faults, field_or_none, is_part_of, nest_tables
+from .paths import Faults, field_or_none, field_quantity, is_part_of, nest_tables
 from .radial_laws import Pfeiffer
 from .schedules import Profile
 from .stack import Stack
@@ -143,6 +143,20 @@ class Grade(Description):
     )
     spread: Mapping[str, float] = {}
     sources: Mapping[str, str] = {}
+
+    @field_validator("spread", "sources")
+    @classmethod
+    def _check_names_of_fields(cls, entries: Mapping[str, Any]) -> Mapping[str, Any]:
+        """Reject names that are no fields, as misspelt ones."""
+        for name in entries:
+            field_quantity(cls, name)
+        return entries
+
+    @field_validator("spread")
+    @classmethod
+    def _check_spread(cls, spread: Mapping[str, float]) -> Mapping[str, float]:
+        """Reject what is no relative standard deviation."""
+        return {name: relative_deviation(value, name) for name, value in spread.items()}
 
     @classmethod
     def _fields_of(cls, inputs: Inputs, faults: Faults) -> dict[str, Any]:
@@ -311,10 +325,10 @@ def grades(path: str | Path | None = None) -> Grades:
         If the file cannot be read, or a grade in it has an invalid value.
     """
     known_grades = Grades()
-    tables = [library()["grades"], *([] if path is None else [read_file(Path(path))])]
+    tables = [library()["grades"], *([] if path is None else [read_file(path)])]
     for known in tables:
         for name, table in known.items():
-            known_grades[name] = _make_grade(name, table, known_grades)
+            known_grades[name] = _make_grade(name, table, known_grades, f"grades.{name}")
     return known_grades
 
 
@@ -349,10 +363,10 @@ def grade(name: str | Grade | Mapping[str, Any], path: str | Path | None = None)
     if isinstance(name, Grade):
         return name
     if isinstance(name, Mapping):
-        return _make_grade("own grade", name, grades())
+        return _make_grade("own grade", name, grades(), "grade")
     known = library()["grades"]
     if path is None and isinstance(name, str) and name in known:
-        return _make_grade(name, known[name], Grades())
+        return _make_grade(name, known[name], Grades(), "grade")
     return _named(name, grades(path), "grade")
 
 
@@ -364,8 +378,21 @@ def _named(name: Any, known: Mapping[str, Grade], where: str) -> Grade:
     return known[name]
 
 
-def _make_grade(name: str, table: Mapping[str, Any], known: Mapping[str, Grade]) -> Grade:
-    """Create the grade of a table; missing values are those of the grade named by ``like``."""
+def _make_grade(
+    name: str, table: Mapping[str, Any], known: Mapping[str, Grade], where: str
+) -> Grade:
+    """Create the grade of a table; missing values are those of the grade named by ``like``.
+
+    Parameters
+    ----------
+    name : str
+    table : mapping
+        Values, and ``like``, the name of a grade.
+    known : mapping
+        The grades that ``like`` may name.
+    where : str
+        Name of the table, for the error message.
+    """
     try:
         entry = entry_of({key: value for key, value in table.items() if key != "like"})
         if table.get("like") is None:
@@ -378,7 +405,9 @@ def _make_grade(name: str, table: Mapping[str, Any], known: Mapping[str, Grade])
         changes |= {"spread": spread | entry.spread, "sources": sources | entry.sources}
         return base.replace(**changes)
     except InvalidProblem as fault:
-        raise fault.under(f"grades.{name}") from None
+        raise fault.under(where) from None
+    except RecursionError:
+        raise InvalidProblem.at(where, "is nested too deeply") from None
 
 
 # ---- in a case ----------------------------------------------------------------------------------

@@ -5,12 +5,14 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Mapping
 from functools import cache
+from os import PathLike
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
 from ..errors import InvalidProblem, did_you_mean
+from .messages import check_names, quote
 
-__all__ = ["Entry", "entry_of", "library", "read_file"]
+__all__ = ["Entry", "entry_of", "library", "read_file", "relative_deviation"]
 
 T = TypeVar("T")
 
@@ -32,7 +34,7 @@ def library() -> Mapping[str, Mapping[str, Any]]:
     return tomllib.loads(FILE.read_text(encoding="utf-8"))
 
 
-def read_file(path: Path) -> dict[str, Any]:
+def read_file(path: str | Path) -> dict[str, Any]:
     """Return the tables of a user's file.
 
     Raises
@@ -40,6 +42,9 @@ def read_file(path: Path) -> dict[str, Any]:
     InvalidProblem
         If it cannot be read, or is not a TOML file with a table ``grades``.
     """
+    if not isinstance(path, (str, PathLike)):
+        raise InvalidProblem.at("path", f"{quote(path)} is out of place; must be a path")
+    path = Path(path)
     try:
         if path.stat().st_size > LARGEST_FILE:
             raise InvalidProblem.at(str(path), f"is larger than {LARGEST_FILE} bytes")
@@ -64,6 +69,7 @@ def entry_of(table: Mapping[str, Any]) -> Entry:
     InvalidProblem
         For an entry without a value, an unknown name in it, or a spread that is not a number >= 0.
     """
+    check_names(table)
     entry = Entry({}, {}, {})
     for name, item in table.items():
         if isinstance(item, Mapping) and "value" not in item:
@@ -93,13 +99,24 @@ def _add_entry(entry: Entry, name: str, item: Mapping[str, Any]) -> None:
         if key not in known:
             raise InvalidProblem.at(f"{name}.{key}", f"no such field{did_you_mean(key, known)}")
     entry.values[name] = item["value"]
-    spread = item.get("spread", 0.0)
-    if isinstance(spread, bool) or not isinstance(spread, (int, float)) or not 0 <= spread <= 10:
-        text = f"{spread!r} is not a number >= 0 and <= 10, a relative standard deviation"
-        raise InvalidProblem.at(f"{name}.spread", text)
+    spread = relative_deviation(item.get("spread", 0.0), f"{name}.spread")
     if spread:
-        entry.spread[name] = float(spread)
+        entry.spread[name] = spread
     if not isinstance(item.get("source", ""), str):
         raise InvalidProblem.at(f"{name}.source", f"{item['source']!r} is not text")
     if item.get("source"):
         entry.sources[name] = item["source"]
+
+
+def relative_deviation(value: Any, name: str) -> float:
+    """Return a relative standard deviation [1]; ``name`` is quoted in the error.
+
+    Raises
+    ------
+    InvalidProblem
+        If it is not a number, or out of range.
+    """
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 <= value <= 10:
+        text = f"{value!r} is not a number >= 0 and <= 10, a relative standard deviation"
+        raise InvalidProblem.at(name, text)
+    return float(value)

@@ -22,8 +22,8 @@ from pydantic import BeforeValidator, Field, SerializeAsAny, model_validator
 from ..errors import InvalidProblem, did_you_mean
 from ..quantities import Quantity, pure, stress
 from .description import Description
-from .family import Family
-from .fields import Number, default
+from .family import Family, from_table
+from .fields import Number, default, listed
 from .library import entry_of, library
 from .messages import quote
 
@@ -261,7 +261,7 @@ class PronyTerm(Description):
         """Return the term of a pair or of a table."""
         if isinstance(value, (tuple, list)) and len(value) == 2:
             return cls(modulus=value[0], time=value[1])
-        return cls(**value) if isinstance(value, Mapping) else value
+        return from_table(value, [cls]) if isinstance(value, Mapping) else value
 
 
 if TYPE_CHECKING:
@@ -270,7 +270,13 @@ if TYPE_CHECKING:
         Iterable[PronyTerm | tuple[float | str, float | str] | Mapping[str, Any]] | None,
     ]
 else:
-    Prony = tuple[Annotated[PronyTerm, BeforeValidator(PronyTerm.coerce)], ...] | None
+    Prony = (
+        Annotated[
+            tuple[Annotated[PronyTerm, BeforeValidator(PronyTerm.coerce)], ...],
+            BeforeValidator(listed),
+        ]
+        | None
+    )
 
 
 class Isotropic(OneModulus):

@@ -9,14 +9,15 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from typing import Any
 
 from pydantic import BaseModel
 
 from ..errors import InvalidProblem, did_you_mean
 from ..quantities import Place, Quantity, is_list, members_of, quantity_of
-from .inputs import Inputs, read_number
-from .messages import no_such_field
+from .inputs import Inputs, NotANumber, is_array, read_number, real_number
+from .messages import no_such_field, quote
 from .units import parse
 
 __all__ = [
@@ -32,12 +33,31 @@ __all__ = [
     "names_above",
     "nest_tables",
     "number_in_si",
+    "parts_of",
     "set_in_tables",
+    "varied_number",
+    "varied_value",
 ]
 
 Faults = list[tuple[str, str]]
 Described = type[BaseModel] | BaseModel  # a class of descriptions, or one of them
 Holder = tuple[type[Any], Quantity | None]  # a class, and the quantity of the field that holds it
+
+
+def parts_of(path: str) -> list[str]:
+    """Return the parts of a dotted name.
+
+    >>> parts_of("drum.layers.0.thickness")
+    ['drum', 'layers', '0', 'thickness']
+
+    Raises
+    ------
+    InvalidProblem
+        If it is not text.
+    """
+    if not isinstance(path, str):
+        raise InvalidProblem.at(quote(path), "not the name of a field; must be text")
+    return path.split(".")
 
 
 # ---- in a class ---------------------------------------------------------------------------------
@@ -77,7 +97,7 @@ def _places_of_parts(
     """Yield the places of the first part of a dotted name, of the first two parts, ..."""
     holders: list[Holder] = [(thing if isinstance(thing, type) else type(thing), of_field)]
     places: tuple[Place, ...] = ()
-    parts = path.split(".")
+    parts = parts_of(path)
     for k, name in enumerate(parts):
         is_item = name == "*" or (name.isascii() and name.isdecimal())
         if not (is_item and places and is_list(places[0].field.annotation)):
@@ -150,7 +170,7 @@ def _check_exists(thing: Described, path: str) -> None:
     """
     models: tuple[type[Any], ...] = (thing if isinstance(thing, type) else type(thing),)
     above = models[0].__name__
-    for name, places in zip(path.split("."), _places_of_parts(thing, path), strict=True):
+    for name, places in zip(parts_of(path), _places_of_parts(thing, path), strict=True):
         if not models:  # the field above holds a value, not a description
             raise InvalidProblem.at(path, _nothing_below(above))
         if not places and len(models) == 1:
@@ -209,13 +229,23 @@ def halve_diameters(
     return radii
 
 
-def _half(diameter: Any, name: str, faults: Faults) -> Any:
-    """Return the radius of a diameter, or of each diameter in a list [m]; None for a fault."""
-    if isinstance(diameter, (list, tuple)):
-        return [_half(item, f"{name}.{k}", faults) for k, item in enumerate(diameter)]
-    if hasattr(diameter, "dtype"):
-        return diameter / 2
+def _half(diameter: Any, name: str, faults: Faults) -> float | list[float] | None:
+    """Return the radius of a diameter, or of each diameter in a list [m].
+
+    Diameters that are not lengths are added to ``faults``, (field, text).
+    """
+    diameters = diameter.tolist() if is_array(diameter) else diameter
+    if not isinstance(diameters, (list, tuple)):
+        return _half_of_one(diameters, name, faults)
+    radii = [_half_of_one(item, f"{name}.{k}", faults) for k, item in enumerate(diameters)]
+    return [radius for radius in radii if radius is not None]
+
+
+def _half_of_one(diameter: Any, name: str, faults: Faults) -> float | None:
+    """Return the radius of a number [m] or of a text with a unit; None for a fault."""
     try:
+        with suppress(NotANumber):
+            diameter = real_number(diameter)
         return parse(diameter, "m", name) / 2
     except InvalidProblem as fault:
         faults += fault.faults
@@ -260,7 +290,7 @@ def get_field(base: BaseModel, path: str) -> Any:
     """
     value: Any = base
     above = type(base).__name__
-    for name in path.split("."):
+    for name in parts_of(path):
         try:
             value, above = _inner(value, name), name
         except KeyError:
@@ -297,10 +327,66 @@ def number_in_si(base: BaseModel, path: str, value: str | float, where: str = ""
     return read_number(value, quantity, where or path, Inputs.of(base))
 
 
+def varied_value(base: BaseModel, path: str, where: str = "") -> float | None:
+    """Return the value in SI of a field that a study varies; None if the field is not set.
+
+    Parameters
+    ----------
+    base : Description
+    path : str
+    where : str
+        Name of the field in an error message; the path by default.
+
+    Raises
+    ------
+    InvalidProblem
+        If there is no such field, or its value is not a number: a material, a schedule, a word.
+    """
+    value = get_field(base, path)
+    if field_quantity(base, path) is None or not isinstance(value, float | None):
+        text = f"{quote(value)} is not a number, so it cannot be varied"
+        raise InvalidProblem.at(where or path, text)
+    return value
+
+
+def varied_number(
+    base: BaseModel, path: str, where: str = "", *, is_relative: bool = False
+) -> float:
+    """Return the value in SI of a field that a study varies around this value.
+
+    Parameters
+    ----------
+    base : Description
+    path : str
+    where : str
+        Name of the field in an error message; the path by default.
+    is_relative : bool
+        Whether the study varies the field by a share of its value, which must then be > 0.
+
+    Raises
+    ------
+    InvalidProblem
+        As of :func:`varied_value`, and for a field that is not set.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> varied_number(wo.RollerProblem.example(), "upper.diameter")
+    0.5
+    """
+    value = varied_value(base, path, where)
+    if value is None:
+        raise InvalidProblem.at(where or path, "is not set, so it cannot be varied")
+    if is_relative and value <= 0:
+        text = f"{quote(value)} is out of range; must be > 0 to have a relative standard deviation"
+        raise InvalidProblem.at(where or path, text)
+    return value
+
+
 def field_or_none(base: BaseModel, path: str) -> Any:
     """Return the value of a field; None if the description, or one in it, has no such field."""
     value: Any = base
-    for name in path.split("."):
+    for name in parts_of(path):
         try:
             value = _inner(value, name)
         except KeyError:
@@ -438,7 +524,7 @@ def set_in_tables(tables: dict[str, Any], path: str, value: Any, model: type[Any
         If a part of the name is not a table or an item of a list, or a field that is unset does
         not exist.
     """
-    *heads, leaf = path.split(".")
+    *heads, leaf = parts_of(path)
     inner: Any = tables
     for head, places in zip(heads, _places_of_parts(model, path), strict=False):
         if value is None and isinstance(inner, dict) and head not in inner:
@@ -502,7 +588,7 @@ def nest_tables(fields: Mapping[str, Any]) -> dict[str, Any]:
     """
     tables: dict[str, Any] = {}
     for path, value in sorted(fields.items()):  # a table comes before the fields in it
-        *heads, leaf = path.split(".")
+        *heads, leaf = parts_of(path)
         inner = tables
         for k, head in enumerate(heads):
             inner = inner.setdefault(head, {})

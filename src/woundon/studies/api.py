@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..arguments import check_arguments
 from ..errors import InvalidProblem
 from ..problems.messages import quote
 from ..problems.paths import field_quantity, number_in_si
@@ -150,14 +151,16 @@ def study_of(
     >>> cases.shape
     (2, 1)
     """
+    check_arguments(design=design)
     if columns is not None or isinstance(over, (str, Path)) or hasattr(over, "iloc"):
         if design not in ("grid", "table"):
             text = f"{design!r} draws samples, which cannot be combined with a table"
             raise InvalidProblem.at("design", text)
         over, design = read_cases(over, problem, columns), "table"
+    values = in_si(problem, over)
     return (
-        _model_of_study(problem, over, outputs, tie, options or {}),
-        make_cases(in_si(problem, over), design, samples, seed),
+        _model_of_study(problem, values, outputs, tie, options or {}),
+        make_cases(values, design, samples, seed),
     )
 
 
@@ -183,6 +186,10 @@ def in_si(problem: Problem, over: Any) -> Any:
     """
     if not isinstance(over, Mapping):
         return over
+    for name in over:
+        if not isinstance(name, str):
+            text = f"{quote(name)} is out of place; must be the name of a field"
+            raise InvalidProblem.at("over", text)
     return {name: _numbers(problem, name, entry) for name, entry in over.items()}
 
 
@@ -282,8 +289,9 @@ def global_sensitivity(
     >>> bool(indices.total_order[0, 0] > indices.total_order[0, 1])
     True
     """
-    model = _model_of_study(problem, over, outputs, tie, solver_options(nodes, rtol, options))
-    cases = saltelli_cases(in_si(problem, over), samples, seed)
+    ranges = in_si(problem, over)
+    model = _model_of_study(problem, ranges, outputs, tie, solver_options(nodes, rtol, options))
+    cases = saltelli_cases(ranges, samples, seed)
     table = run_study(
         model, cases, Workers(workers, scheduler), out=out, resume=resume, progress=progress
     )

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .. import __version__, kinds
+from ..arguments import check_type
 from ..errors import InvalidProblem, one_of
 from ..io.case_files import SCHEMA, check_like_a_case, load_case, make_problem
 from ..io.cells import MAX_COUNTED, Fault, as_plain_number, decimal_sign, numbers, raise_faults
@@ -156,11 +157,10 @@ def _base_problem(
     if case is None:
         found = _kind_of_columns(sheet, columns) if kind is None else kinds.named(kind)
         return found.example(), True
-    problem = load_case(case) if isinstance(case, (str, Path)) else case
+    check_type("case", case, Problem, str, Path)
     if kind is not None:
         raise InvalidProblem.at("kind", "is given together with a case, which has its own kind")
-    kind_of(problem)  # raises an error if it is no problem
-    return problem, False
+    return (case if isinstance(case, Problem) else load_case(case)), False
 
 
 def read_cases(

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "DESIGNS",
+    "MOST_CASES",
     "Cases",
     "Chunk",
     "Solved",
@@ -195,6 +196,7 @@ def make_cases(
     >>> cases.frame.iloc[1].tolist()
     [1000.0, 0.3]
     """
+    check_seed(seed)
     if design not in DESIGNS:
         raise InvalidProblem.at("design", f"{design!r} is unknown{did_you_mean(design, DESIGNS)}")
     if not isinstance(over, Mapping) or not over:
@@ -312,7 +314,6 @@ def _draw_points(design: str, inputs: int, samples: int | None, seed: int) -> Ar
     from scipy.stats import qmc
 
     samples = whole_number("samples", samples, 2, MOST_CASES)
-    check_seed(seed)
     if design == "latin-hypercube":
         return np.asarray(qmc.LatinHypercube(inputs, rng=seed).random(samples))
     power = int(log2(samples))

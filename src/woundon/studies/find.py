@@ -20,7 +20,7 @@ from ..arguments import whole_number
 from ..errors import InvalidProblem, NoSolution, NotConverged, warn
 from ..problems.inputs import Inputs, read_number
 from ..problems.messages import quote
-from ..problems.paths import find_places, get_field
+from ..problems.paths import find_places, varied_value
 from ..problems.permitted import admissible, admits, extremes
 from ..problems.problem import Problem
 from ..quantities import Quantity, in_chosen_units
@@ -275,9 +275,7 @@ def find(
     model = model_of(problem, output, tie, solver_options(nodes, rtol, options))
     model.check_varied([name])
     quantities = quantities_of(model, (name, output))
-    base = get_field(problem, name)
-    if name not in quantities or not isinstance(base, float | None):
-        raise InvalidProblem.at(name, f"{quote(base)} is not a number, so it cannot be found")
+    base = varied_value(problem, name)
     # with the width of the web a total force is one per width
     aim = read_number(value, quantities[output], output, Inputs.of(problem))
     if not isfinite(aim):

@@ -22,9 +22,10 @@ from typing import Any
 
 import numpy as np
 
+from ..arguments import check_arguments, check_seed, whole_number
 from ..errors import InvalidProblem, NoSteadyState, NotConverged
 from ..problems.messages import not_one_of, quote
-from ..problems.paths import field_quantity, get_field
+from ..problems.paths import varied_value
 from ..problems.problem import Problem
 from ..quantities import Quantity
 from .api import in_si
@@ -118,6 +119,10 @@ def fit(
     >>> round(found.estimate("upper.radius"), 2)  # m
     0.25
     """
+    check_arguments(profiles=profiles)
+    check_seed(seed)
+    if starts is not None:
+        whole_number("starts", starts, 1, 1000)
     data = read_observations(problem, measured, columns, over_radius=False)
     settings = _on_one_mesh(problem, solver_options(nodes, rtol, options))
     model = model_of(problem, tuple(dict.fromkeys(data.names)), tie, settings)
@@ -183,9 +188,7 @@ def _names_of_profiles(
 
 def _parameter(problem: Problem, name: str, bounds: Any) -> Parameter:
     """Return a parameter of a fit; its default bounds are a tenth and ten times its value."""
-    base = get_field(problem, name)
-    if field_quantity(problem, name) is None or not isinstance(base, float | None):
-        raise InvalidProblem.at(name, f"{quote(base)} is not a number, so it cannot be fitted")
+    base = varied_value(problem, name)
     if bounds is None:
         if base is None or base <= 0:
             raise InvalidProblem.at(name, f"is {quote(base)}: give bounds for it")

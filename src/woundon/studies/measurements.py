@@ -9,7 +9,7 @@ pull_tab_force at a radius        converted to a pressure by the calibration of 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite, nan
 from typing import Any, NamedTuple, get_args, get_type_hints
@@ -17,7 +17,9 @@ from typing import Any, NamedTuple, get_args, get_type_hints
 import numpy as np
 
 from ..errors import InvalidProblem, one_of
+from ..problems.messages import quote
 from ..problems.problem import Problem
+from ..problems.units import parse
 from ..quantities import Quantity, length, outputs, scalar_outputs, value_of
 from .columns import columns_of, conversion_of, measurable_outputs
 from .measured import read_measured
@@ -31,6 +33,7 @@ __all__ = [
     "definitions",
     "error_at",
     "predict",
+    "read_deviation",
     "read_observations",
 ]
 
@@ -245,6 +248,38 @@ def arrays_over_radius(result: type[Any], fields: set[str]) -> dict[str, Quantit
         for name, quantity in arrays.items()
         if name not in fields and name != "radius"
     }
+
+
+def read_deviation(
+    value: float | str, number_in_si: Callable[[float | str], float], where: str
+) -> tuple[float, bool]:
+    """Return a standard deviation, and whether it is relative.
+
+    Parameters
+    ----------
+    value : float or str
+        "20 %" is relative; a number is SI, a text has a unit.
+    number_in_si : callable
+        Converts one that is not relative.
+    where : str
+        Name of the value in error messages.
+
+    Raises
+    ------
+    InvalidProblem
+        If it is not a number > 0.
+
+    Examples
+    --------
+    >>> read_deviation("20 %", float, "spread"), read_deviation(1e-3, float, "spread")
+    ((0.2, True), (0.001, False))
+    """
+    is_relative = isinstance(value, str) and value.strip().endswith("%")
+    deviation = float(parse(value, "1", where) if is_relative else number_in_si(value))
+    if not (isfinite(deviation) and deviation > 0):
+        text = f"{quote(value)} is out of range; must be a standard deviation > 0"
+        raise InvalidProblem.at(where, text)
+    return deviation, is_relative
 
 
 # ---- predictions --------------------------------------------------------------------------------

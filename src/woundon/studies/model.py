@@ -17,10 +17,9 @@ from typing import Any, NamedTuple, Protocol, TypeVar
 import numpy as np
 
 from .. import __version__, kinds
-from ..arguments import check_type, optional_mapping
+from ..arguments import check_arguments, check_type
 from ..errors import InvalidProblem, NotConverged, did_you_mean, unwarned
 from ..parallel import progress
-from ..problems.messages import quote
 from ..problems.paths import field_quantity, get_field, is_part_of
 from ..problems.problem import Problem
 from ..quantities import Quantity, scalar_outputs, value_of
@@ -131,11 +130,6 @@ class KindModel:
         """
         self._check_outputs()
         self._check_options()
-        ties: Mapping[Any, Any] = self.tie
-        for follower, leader in ties.items():
-            if not isinstance(follower, str) or not isinstance(leader, str):
-                text = f"{leader!r} is not the name of a field; write FIELD = 'FIELD'"
-                raise InvalidProblem.at(f"tie.{follower}", text)
         self.variant({})
         return self
 
@@ -259,19 +253,12 @@ def model_of(
     >>> round(model.run({"load": 50e3}, None).values[0] * 1e6)
     265
     """
+    check_arguments(outputs=outputs, tie=tie, options=options)
     if outputs is None:
         outputs = kind_of(problem).result.MAIN
+    names = (outputs,) if isinstance(outputs, str) else tuple(outputs)
     settings = {name: value for name, value in options.items() if value is not None}
-    return KindModel(problem, _names_of(outputs), settings, optional_mapping("tie", tie)).checked()
-
-
-def _names_of(outputs: Any) -> tuple[str, ...]:
-    """Return one name or several as a tuple; reject what is not a name."""
-    names = (outputs,) if isinstance(outputs, str) else outputs
-    if not isinstance(names, Iterable) or not all(isinstance(name, str) for name in names):
-        text = f"{quote(outputs)} is out of place; must be names of outputs"
-        raise InvalidProblem.at("outputs", text)
-    return tuple(names)
+    return KindModel(problem, names, settings, dict(tie or {})).checked()
 
 
 def solver_options(nodes: Any, rtol: Any, options: Mapping[str, Any] | None) -> dict[str, Any]:
@@ -280,7 +267,8 @@ def solver_options(nodes: Any, rtol: Any, options: Mapping[str, Any] | None) -> 
     >>> solver_options(65, None, {"progress": None})
     {'nodes': 65, 'progress': None}
     """
-    further = optional_mapping("options", options)
+    check_arguments(options=options)
+    further = dict(options or {})
     explicit = {
         name: value for name, value in (("nodes", nodes), ("rtol", rtol)) if value is not None
     }

@@ -29,7 +29,7 @@ _MEASUREMENT = ("quantity", "at", "standard_deviation", "cost", "case", "fields"
 
 
 def load_plan(path: str | Path) -> dict[str, Any]:
-    """Return the keywords of :func:`~woundon.studies.experiment.next_experiment` in a study file.
+    """Return the keywords of :func:`~woundon.studies.plan.next_experiment` in a study file.
 
     Raises
     ------

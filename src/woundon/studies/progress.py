@@ -4,21 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
-from typing import Any
 
-from ..errors import InvalidProblem
-from ..problems.messages import quote
+from ..arguments import check_arguments
 
-__all__ = ["Progress", "check_progress", "progress_reporter"]
+__all__ = ["Progress", "progress_reporter"]
 
 Progress = Callable[[int, int], None]  # called with (done, expected)
-
-
-def check_progress(progress: Any) -> None:
-    """Reject an argument ``progress`` that is neither a truth value nor a callable."""
-    if not (progress is None or isinstance(progress, bool) or callable(progress)):
-        text = f"{quote(progress)} is out of place; must be True, False or a callable"
-        raise InvalidProblem.at("progress", text)
 
 
 def progress_reporter(
@@ -45,7 +36,7 @@ def progress_reporter(
     ...     report(1, 2)
     1 of 2
     """
-    check_progress(progress)
+    check_arguments(progress=progress)
     if progress is True:
         from .bars import bar
 

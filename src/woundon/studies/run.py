@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from .. import __version__
-from ..arguments import check_type
+from ..arguments import check_arguments
 from ..errors import InvalidProblem, NoSteadyState, NotConverged
 from ..parallel import WorkerDied, in_processes, stoppable, usable_cores
 from ..parallel import progress as report_progress
@@ -31,7 +31,7 @@ from ..quantities import Quantity
 from ..results import Presented
 from .cases import Cases, Chunk, Solved, as_labels
 from .model import Model, quantities_of
-from .progress import Progress, check_progress, progress_reporter
+from .progress import Progress, progress_reporter
 from .store import open_store
 
 if TYPE_CHECKING:
@@ -102,7 +102,7 @@ def run_study(
     >>> run_study(model, cases, Workers(1)).failed.size
     0
     """
-    check_progress(progress)
+    check_arguments(out=out, resume=resume, progress=progress)
     if resume and out is None:
         raise InvalidProblem.at("resume", "needs out, the folder of the study to resume")
     for name in set(cases.names) & set(model.outputs):
@@ -203,12 +203,11 @@ class Workers:
     scheduler: str | None = None
 
     def __post_init__(self) -> None:
+        check_arguments(scheduler=self.scheduler)
         count = self.processes
         if self.scheduler is not None and count is not None:
             text = "cannot be combined with a scheduler, which has its own workers"
             raise InvalidProblem.at("workers", text)
-        if self.scheduler is not None:
-            check_type("scheduler", self.scheduler, str)
         if count is not None and (not isinstance(count, int) or count is True or count < 1):
             raise InvalidProblem.at("workers", f"{count!r} is out of range: must be >= 1")
 

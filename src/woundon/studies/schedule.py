@@ -20,13 +20,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from .. import kinds
+from ..arguments import check_arguments, check_type, whole_number
 from ..errors import InvalidProblem, NotConverged, one_of
+from ..problems.limits import Limits
 from ..problems.messages import quote
-from ..problems.paths import field_or_none, field_quantity, get_field
+from ..problems.paths import field_or_none, get_field, varied_number
 from ..problems.problem import Problem
 from ..quantities import Quantity, in_chosen_units, value_of
 from .api import in_si
-from .model import KindModel, model_of, quantities_of
+from .model import KindModel, model_of, quantities_of, solver_options
 from .outcome import Outcome
 from .progress import Progress, progress_reporter
 
@@ -44,7 +46,7 @@ TOLERANCE = 1e-4  # of a limit: tolerance of the constraints
 FAILED = -1.0  # reserve of a winding that cannot be solved
 FAILED_OBJECTIVE = 2.0  # of such a winding, in magnitudes of the output of the first one
 BINDING = 0.01  # of a limit: a margin with a smaller reserve is active
-MIN_EVALUATIONS = 5
+MIN_EVALUATIONS, MOST_EVALUATIONS = 5, 100_000
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -211,12 +213,16 @@ def optimise_schedule(
     >>> best.feasible, best.names
     (True, ('wound_on_tension',))
     """
+    check_arguments(minimise=minimise, maximise=maximise)
+    whole_number("evaluations", evaluations, MIN_EVALUATIONS, MOST_EVALUATIONS)
+    if limits is not None:
+        check_type("limits", limits, Limits)
     if minimise is not None and maximise is not None:
         raise InvalidProblem.at(
             "maximise", "is given together with minimise; must be one of the two"
         )
     goal, sign = (minimise, 1.0) if maximise is None else (maximise, -1.0)
-    model = model_of(problem, goal, None, options or {})
+    model = model_of(problem, goal, None, solver_options(None, None, options))
     search = _Search(model, _ranges(problem, over), limits, goal, sign, evaluations)
     with progress_reporter(progress, "winding", unit="windings/min") as search.report:
         search.begin()
@@ -227,7 +233,7 @@ def optimise_schedule(
 def _ranges(problem: Problem, over: Mapping[str, Any] | None) -> dict[str, tuple[float, float]]:
     """Return the ranges of the varied fields, SI."""
     ranges = _usual(problem) if over is None else in_si(problem, over)
-    if not ranges:
+    if not isinstance(ranges, Mapping) or not ranges:
         text = "nothing to vary; must be a mapping of fields to (low, high)"
         raise InvalidProblem.at("over", text)
     return {name: _range(problem, name, ends) for name, ends in ranges.items()}
@@ -235,10 +241,7 @@ def _ranges(problem: Problem, over: Mapping[str, Any] | None) -> dict[str, tuple
 
 def _range(problem: Problem, name: str, ends: Any) -> tuple[float, float]:
     """Return the range of a field that is a number, SI."""
-    value = get_field(problem, name)
-    if field_quantity(problem, name) is None or not isinstance(value, float):
-        text = f"{quote(value)} is not a number, so it cannot be varied"
-        raise InvalidProblem.at(name, text)
+    varied_number(problem, name)
     try:
         low, high = (float(end) for end in ends)
     except (TypeError, ValueError):
@@ -305,9 +308,6 @@ class _Search:
         sign: float,
         evaluations: int,
     ) -> None:
-        if type(evaluations) is not int or evaluations < MIN_EVALUATIONS:
-            text = f"{quote(evaluations)} is out of range; must be >= {MIN_EVALUATIONS}"
-            raise InvalidProblem.at("evaluations", text)
         if model.kind.margins is None:
             known = one_of(kind.problem.__name__ for kind in kinds.every() if kind.margins)
             text = f"{quote(model.problem)} is out of place; must be a {known}"

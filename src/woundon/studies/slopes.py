@@ -21,7 +21,7 @@ import numpy as np
 
 from ..arguments import check_type
 from ..errors import InvalidProblem, NotConverged, unwarned
-from ..problems.paths import field_or_none, get_field, is_part_of
+from ..problems.paths import get_field, is_part_of, varied_number
 from ..problems.problem import Problem
 from ..results import Result
 from ..sensitivity import Sensitivity
@@ -251,9 +251,7 @@ def derivatives(result: Result, *parameters: str, **options: Any) -> Sensitivity
 
 def _continuous_field(problem: Problem, name: str) -> float:
     """Return the value of a field that can be varied by a share of it."""
-    value = field_or_none(problem, name)
-    if not isinstance(value, float):
-        raise InvalidProblem.at(name, "is not a continuous field")
+    value = varied_number(problem, name)
     if value == 0:
         raise InvalidProblem.at(name, "is 0, which has no scale for a difference")
     return value

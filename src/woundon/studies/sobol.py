@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..arguments import check_seed, check_type, whole_number
 from ..errors import InvalidProblem
-from .cases import Cases, scaled_to_range, table_of_cases
+from .cases import MOST_CASES, Cases, check_number, scaled_to_range, table_of_cases
 from .outcome import Outcome
 from .run import Table, failures
 
@@ -193,15 +194,18 @@ def saltelli_cases(ranges: Mapping[str, Any], samples: int, seed: int) -> Cases:
     """
     from scipy.stats import qmc
 
-    if not isinstance(ranges, Mapping) or not ranges:
+    check_type("over", ranges, Mapping)
+    if not ranges:
         raise InvalidProblem.at("over", "nothing to vary: give fields and their ranges")
     if len(ranges) < 2:
         text = "has one field; must be two or more: the index of a single input is 1"
         raise InvalidProblem.at("over", text)
-    valid = isinstance(samples, (int, np.integer)) and not isinstance(samples, bool)
-    if not valid or samples < 4 or samples != 2 ** int(log2(samples)):
+    check_seed(seed)
+    whole_number("samples", samples, 1, MOST_CASES)
+    if samples < 4 or samples & (samples - 1):
         raise InvalidProblem.at("samples", f"{samples!r} is not a power of 2, at least 4")
     d = len(ranges)
+    check_number(samples * (d + 2))
     unit = qmc.Sobol(2 * d, rng=seed).random_base2(int(log2(samples)))
     A, B = unit[:, :d], unit[:, d:]
     mixed = [np.where(np.arange(d) == k, B, A) for k in range(d)]

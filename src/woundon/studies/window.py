@@ -23,14 +23,13 @@ from typing import Any
 
 import numpy as np
 
-from ..arguments import check_seed, whole_number
+from ..arguments import check_arguments, check_seed, whole_number
 from ..errors import InvalidProblem, NotConverged
 from ..problems.grades import Grade
 from ..problems.problem import Problem
 from ..problems.winding import WindingProblem
 from .progress import Progress, progress_reporter
 from .run import Workers
-from .store import folder_of
 from .window_cases import (
     CaseSolver,
     Shares,
@@ -158,6 +157,7 @@ def operating_window(
     if not isinstance(problem, WindingProblem):
         text = f"{type(problem).__name__} is out of place; must be a WindingProblem"
         raise InvalidProblem.at("problem", text)
+    check_arguments(out=out, resume=resume, progress=progress, preview=preview)
     if resume and out is None:
         raise InvalidProblem.at("resume", "needs out, the folder of the windings")
     spreads, ties = spreads_and_ties(problem, uncertain, tie)
@@ -172,7 +172,7 @@ def operating_window(
     ranges = np.array([range_of(problem, name, ends) for name, ends in given.items()])
     set_points = SetPoints(tuple(given), ranges)
     sample = standard_normal(len(spreads), samples, seed)
-    folder = None if out is None else folder_of(out)
+    folder = None if out is None else Path(out)
     solver = CaseSolver(model, set_points, spreads, Workers(workers, scheduler), folder, resume)
     with progress_reporter(progress, "winding") as report:
         return _Study(solver, sample, report).run(preview)

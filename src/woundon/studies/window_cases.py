@@ -21,11 +21,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arguments import optional_mapping
+from ..arguments import check_arguments
 from ..errors import InvalidProblem
 from ..problems.grades import Grade, grade
 from ..problems.messages import quote
-from ..problems.paths import field_quantity, get_field
+from ..problems.paths import get_field, varied_number
 from ..problems.problem import Problem
 from ..problems.schedules import Profile, Taper
 from ..problems.winding import WindingProblem
@@ -68,23 +68,20 @@ TOGETHER = 3  # windings that one worker solves in a row, each from the one befo
 
 
 def spreads_and_ties(
-    problem: WindingProblem, uncertain: Any, tie: Mapping[str, str] | None
+    problem: WindingProblem,
+    uncertain: Mapping[str, float] | Grade | str | None,
+    tie: Mapping[str, str] | None,
 ) -> tuple[dict[str, float], dict[str, str]]:
     """Return the relative standard deviations of the inputs, and the fields that follow others."""
     base_grade = problem.named_grade
-    overrides: Mapping[str, Any] = {}
-    if isinstance(uncertain, Mapping):
-        overrides = uncertain
-    elif isinstance(uncertain, (str, Grade)):
-        base_grade = grade(uncertain)
-    elif uncertain is not None:
-        text = f"{quote(uncertain)} is out of place; must be {{field: relative deviation}}"
-        raise InvalidProblem.at("uncertain", text)
-    spreads, ties = dict[str, float](), optional_mapping("tie", tie)
+    if isinstance(uncertain, (str, Grade)):
+        base_grade, uncertain = grade(uncertain), None
+    check_arguments(uncertain=uncertain, tie=tie)
+    spreads, ties = dict[str, float](), dict(tie or {})
     if base_grade is not None:
         ties = {**base_grade.tied_fields(problem), **ties}
         spreads = {n: s for n, s in base_grade.spread_of(problem).items() if n not in ties}
-    for name, spread in overrides.items():
+    for name, spread in (uncertain or {}).items():
         _check_spread(problem, name, spread)
         spreads[name] = float(spread)
     if not spreads:
@@ -102,10 +99,7 @@ def _check_spread(problem: Problem, name: str, spread: Any) -> None:
     if not is_number or not 0 <= spread <= MOST_SPREAD:
         text = f"{quote(spread)} is out of range; must be >= 0 and <= {MOST_SPREAD:g}"
         raise InvalidProblem.at(f"uncertain.{name}", text)
-    value = get_field(problem, name)
-    if field_quantity(problem, name) is None or not isinstance(value, float) or value <= 0:
-        text = f"{quote(value)} is not a number > 0, so it has no log-normal distribution"
-        raise InvalidProblem.at(f"uncertain.{name}", text)
+    varied_number(problem, name, f"uncertain.{name}", is_relative=True)
 
 
 def range_of(problem: Problem, name: str, ends: Any) -> tuple[float, float]:

@@ -23,6 +23,7 @@ from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
 
+from ..arguments import check_type
 from ..errors import InvalidProblem, one_of
 from ..nip.air_films import friction_between
 from ..problems.air import Air
@@ -437,6 +438,8 @@ def margins(result: Any, limits: Limits | None = None) -> Margins:
         raise InvalidProblem.at(
             "result", f"{type(result).__name__} is out of place; must be a {names}"
         )
+    if limits is not None:
+        check_type("limits", limits, Limits)
     limits = limits or getattr(result.problem, "limits", None) or Limits()
     if limits.acceleration and roll.problem.density is None:
         text = (
