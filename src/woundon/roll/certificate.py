@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from math import inf
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,10 +12,13 @@ from .equations import StageData
 from .finished import add_constant, equations_of, final_changes
 from .stage_nodes import cell_source
 
+if TYPE_CHECKING:
+    from .result import RollResult
+
 __all__ = ["certificate"]
 
 
-def certificate(result: Any) -> Residuals:
+def certificate(result: RollResult) -> Residuals:
     """Return the residuals of a result; stresses are relative to the wound-on stress at the core.
 
     equilibrium
@@ -54,7 +57,7 @@ def certificate(result: Any) -> Residuals:
     )
 
 
-def _stages_are_valid(result: Any) -> bool:
+def _stages_are_valid(result: RollResult) -> bool:
     """Return True if the stages increase from the core, and their kappa are finite.
 
     A single stage near the core hardly affects the source, so that its residual does not show it.

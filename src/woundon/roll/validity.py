@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import isfinite
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,15 +12,19 @@ from ..problems.radial_laws import Constant
 from ..validity import limit_warning
 from .finite_layers import finite_layer_stresses
 
+if TYPE_CHECKING:
+    from ..problems.roll import RollProblem
+    from .result import RollResult
+
 __all__ = ["roll_warnings", "yield_warnings"]
 
 
-def roll_warnings(result: Any) -> tuple[str, ...]:
+def roll_warnings(result: RollResult) -> tuple[str, ...]:
     """Return the warnings of a wound roll outside the validity limits."""
     return (*_strain_warnings(result), *_stack_warnings(result))
 
 
-def _strain_warnings(result: Any) -> Iterator[str]:
+def _strain_warnings(result: RollResult) -> Iterator[str]:
     """Yield warnings about the strains of the web as it is wound, and in the finished roll."""
     problem = result.problem
     T = problem.tension_curve.at(result.radius)
@@ -47,7 +51,7 @@ def _strain_warnings(result: Any) -> Iterator[str]:
     )
 
 
-def _stack_warnings(result: Any) -> Iterator[str]:
+def _stack_warnings(result: RollResult) -> Iterator[str]:
     """Yield warnings about pressures beyond the range of the stack law."""
     stack = result.problem.stack
     law, k = stack.radial, int(np.argmax(result.pressure))
@@ -77,7 +81,7 @@ def _stack_warnings(result: Any) -> Iterator[str]:
         )
 
 
-def yield_warnings(problem: Any, yield_strain: float | None) -> tuple[str, ...]:
+def yield_warnings(problem: RollProblem, yield_strain: float | None) -> tuple[str, ...]:
     """Return a warning if the web yields where it is bent on the core.
 
     Parameters
@@ -96,6 +100,6 @@ def yield_warnings(problem: Any, yield_strain: float | None) -> tuple[str, ...]:
     )
 
 
-def _bending_strain(problem: Any) -> float:
+def _bending_strain(problem: RollProblem) -> float:
     """Return h/(2 r_c), the strain at the faces of a web that is bent on the core [1]."""
     return float(problem.web_thickness / (2 * problem.core.radius))

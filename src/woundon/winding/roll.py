@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,6 +12,9 @@ from ..problems.schedules import Profile
 from ..problems.winding import WindingProblem
 from ..roll.result import RollResult
 from ..roll.solve import ThinLayerRoll, solve_thin_layers
+
+if TYPE_CHECKING:
+    from .result import WindingResult
 
 __all__ = ["recompute_roll", "recomputed", "wind"]
 
@@ -53,11 +56,22 @@ def wind(
 def recomputed(
     problem: WindingProblem, roll: ThinLayerRoll, r: Array, tension: Array, film: float
 ) -> ThinLayerRoll:
-    """Recompute a roll with another tension and the same stages; see :func:`wind`."""
+    """Recompute a roll with another tension, at the same stages of its build-up.
+
+    Parameters
+    ----------
+    problem : WindingProblem
+    roll : ThinLayerRoll
+        Its stages are used.
+    r, tension : (M,) arrays
+        Radii [m], the other wound-on tension there [N/m].
+    film : float
+        Of air between the layers, at ambient pressure [m].
+    """
     return roll.wound_with(_roll_problem(problem, r, tension, film))
 
 
-def recompute_roll(result: Any) -> RollResult:
+def recompute_roll(result: WindingResult) -> RollResult:
     """Recompute the roll of a result that was loaded from a file."""
     thin_layers = wind(
         result.problem, result.radius, result.wound_on_tension, result.roll_rtol, result.air_film
