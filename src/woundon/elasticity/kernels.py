@@ -17,9 +17,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from .lag import Lag
 
 __all__ = ["Kernel", "SurfaceKernels", "singular", "smooth_parts"]
 
@@ -49,7 +52,7 @@ class Kernel:
     sign: float = 0.0
     smooth: Callable[[Array], Array] | None = None
     second_integral: Callable[[Array], Array] | None = None
-    lag: Any = None  # a Lag
+    lag: Lag | None = None
 
     def singular(self, t: Array) -> Array:
         """Return the singular parts and the lag at t (k,), t != 0."""
@@ -105,7 +108,7 @@ class SurfaceKernels:
     truncation_error: float = 0.0
     terms: int = 0
     smooth_gradients: Callable[[Array], Array] | None = None
-    lag: Any = None  # a Lag
+    lag: Lag | None = None
     smooth_normals: Callable[[Array], Array] | None = None
     max_distance: float | None = None
 
