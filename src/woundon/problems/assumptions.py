@@ -3,9 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING
 
 from .paths import field_quantity
+
+if TYPE_CHECKING:
+    from .bodies import Body
+    from .nip import NipProblem
+    from .roll import RollProblem
+    from .rollers import RollerProblem
+    from .winding import WindingProblem
 
 __all__ = ["of_nip", "of_roll", "of_rollers", "of_winding"]
 
@@ -29,7 +36,7 @@ NO_WRAP = (
 )
 
 
-def of_nip(problem: Any) -> tuple[str, ...]:
+def of_nip(problem: NipProblem) -> tuple[str, ...]:
     """Return the assumptions of a nip."""
     bodies = (text for name in ("roll", "drum") for text in _body(name, getattr(problem, name)))
     web = "linear elastic" if problem.web.linear else "a stack that hardens under pressure"
@@ -46,7 +53,7 @@ def of_nip(problem: Any) -> tuple[str, ...]:
     )
 
 
-def of_rollers(problem: Any) -> tuple[str, ...]:
+def of_rollers(problem: RollerProblem) -> tuple[str, ...]:
     """Return the assumptions of two rollers."""
     state = "Steady rolling" if problem.motion == "rolling" else "A static load, applied once"
     bodies = (
@@ -57,7 +64,7 @@ def of_rollers(problem: Any) -> tuple[str, ...]:
     return f"{state}, small strains, plane strain.", FRICTION, *bodies
 
 
-def _body(name: str, body: Any) -> Iterator[str]:
+def _body(name: str, body: Body) -> Iterator[str]:
     """Yield the assumptions on a body."""
     if body.rigid:
         yield f"The {name} is rigid."
@@ -69,7 +76,7 @@ def _body(name: str, body: Any) -> Iterator[str]:
         yield f"The {name} hardens under wound-in and nip pressure, without hysteresis."
 
 
-def of_roll(problem: Any) -> tuple[str, ...]:
+def of_roll(problem: RollProblem) -> tuple[str, ...]:
     """Return the assumptions of a wound roll."""
     axisymmetric = "The roll is axisymmetric, its layers in static equilibrium and elastic."
     change = "Temperature and shrinkage change the finished roll at once, without creep."
@@ -96,7 +103,7 @@ LAWS = {
 }
 
 
-def of_winding(problem: Any) -> tuple[str, ...]:
+def of_winding(problem: WindingProblem) -> tuple[str, ...]:
     """Return the assumptions of a winding."""
     law, tensions = problem.tension_law, problem.at("web_tension", problem.radii(2))
     if law == "nip":
@@ -124,7 +131,7 @@ def of_winding(problem: Any) -> tuple[str, ...]:
 REFERENCE_MASS = 0.01  # of a web of unknown density: m V^2 for each 10 g/m^2 [kg/m^2]
 
 
-def _centrifugal(problem: Any, low: float, high: float) -> Iterator[str]:
+def _centrifugal(problem: NipProblem | WindingProblem, low: float, high: float) -> Iterator[str]:
     """Yield the neglected part m V^2 of the tension, of a web whose speed is given.
 
     On a curved path with the radius R the web, of the mass m per area, presses with
@@ -143,11 +150,11 @@ def _centrifugal(problem: Any, low: float, high: float) -> Iterator[str]:
     assert speed is not None
     assert tension is not None
     neglected = f"The centrifugal force of the web is neglected: at {speed.text(V)} it takes m V^2"
-    given, of_grade = getattr(problem, "density", None), grade and grade.density
-    density = given or of_grade
+    of_grade = None if grade is None else grade.density
+    density: float | None = getattr(problem, "density", None) or of_grade
     if density is None:
-        force = tension.text(REFERENCE_MASS * V**2, ".3g")
-        yield f"{neglected} = {force} of the tension for each 10 g/m^2 (the density is not known)."
+        each = f"{tension.text(REFERENCE_MASS * V**2, '.3g')} of the tension for each 10 g/m^2"
+        yield f"{neglected} = {each} (the density is not known)."
         return
     force = density * problem.web.thickness * V**2
     text = f"{neglected} = {tension.text(force, '.3g')} of the tension"

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import cache, cached_property
-from itertools import pairwise
 from math import exp, inf, isfinite, log
 from typing import TYPE_CHECKING, Annotated, Any, Self
 
@@ -18,7 +17,7 @@ from pydantic import BeforeValidator, Field, SerializeAsAny, field_validator, mo
 from ..errors import InvalidProblem
 from ..quantities import pure, strain, stress
 from .family import Family
-from .fields import Number, Numbers
+from .fields import Number, Numbers, check_equal_lengths, check_rising
 from .materials import SOFTEST, STIFFEST
 from .messages import quote
 
@@ -449,22 +448,12 @@ class StackTest(SolidLaw):
     @model_validator(mode="after")
     def _is_increasing(self) -> Self:
         """Reject a test whose pressures or strains do not increase."""
-        if len(self.pressure) != len(self.strain):
-            text = (
-                f"{len(self.strain)} values; must be as many as of pressure, {len(self.pressure)}"
-            )
-            raise InvalidProblem.at("strain", text)
+        check_equal_lengths(self, "pressure", "strain")
         if self.pressure[0] < 0:
             text = f"{quote(self.pressure[0])} is out of range; must be >= 0 [Pa]"
             raise InvalidProblem.at("pressure.0", text)
-        for name, unit in (("pressure", " [Pa]"), ("strain", "")):
-            values = getattr(self, name)
-            for k, (previous, value) in enumerate(pairwise(values), start=1):
-                if value <= previous:
-                    text = (
-                        f"{quote(value)} is out of range; must be > {quote(previous)}{unit}, the "
-                    )
-                    raise InvalidProblem.at(f"{name}.{k}", f"{text}previous value")
+        check_rising(self, "pressure")
+        check_rising(self, "strain")
         if self.strain[-1] >= 1:
             text = (
                 f"{quote(self.strain[-1])} is out of range; must be < 1, at which the stack has no "

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import InitVar
-from math import inf
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
 import numpy as np
@@ -21,7 +20,15 @@ from .messages import quote
 from .permitted import Conditional, is_within
 from .problem import Problem, only_in
 from .radial_laws import Pfeiffer, RadialLaw
-from .schedules import Curve, Profile, Taper, WindingSchedule, unused_in_tapers, values_of
+from .schedules import (
+    Curve,
+    Profile,
+    Taper,
+    WindingSchedule,
+    uncovered_ends,
+    unused_in_tapers,
+    values_of,
+)
 from .stack import AnyStack, Stack
 from .web import CaliperPressure, WebDensity
 
@@ -270,17 +277,9 @@ class RollProblem(Problem):
         """Reject a tension that is not positive from the core to the surface."""
         schedule = self.wound_on_tension
         if isinstance(schedule, Profile):
-            core, R, last = self.core.radius, self.radius, len(schedule.radius) - 1
-            for k, covered, must in (
-                (0, (-inf, core), f"<= core.radius = {core:.6g}"),
-                (last, (R, inf), f">= radius = {R:.6g}"),
-            ):
-                if not is_within(schedule.radius[k], *covered):
-                    raise InvalidProblem.at(
-                        f"wound_on_tension.radius.{k}",
-                        f"{quote(schedule.radius[k])} is out of range; must be {must} [m], "
-                        "because the schedule must cover the whole roll",
-                    )
+            ends = self.core.radius, self.radius
+            if uncovered := list(uncovered_ends("wound_on_tension", schedule, *ends)):
+                raise InvalidProblem(uncovered)
         for name, value in values_of(schedule).items():
             if not 0 < value <= 1e6:
                 text = f"{quote(value)} is out of range; must be > 0 and <= 1e+06 [N/m]"

@@ -99,12 +99,12 @@ class Departure:
 
 
 def _slopes(sample: NipSample) -> Array:
-    """Return the derivatives of WOT by T_in, P and F, (3,) [1], with the change of the roll moduli.
+    """Return the derivatives of WOT by the LOADS P, F and T_in, (3,) [1].
 
-    On an effective roll a load changes the effective pressure P_e, and with it the moduli of the
-    roll: P_e = wound + 0.25 p_max, where the wound pressure at a depth is proportional to the depth
-    and thus to the half-width a, and p_max to P/a.  ``1/(1 - feedback)`` sums the further changes
-    of P_e by the change of the nip.
+    They include the change of the roll: on an effective roll a load changes the effective pressure
+    P_e, and with it the moduli.  P_e = wound + 0.25 p_max, where the wound pressure, a mean down to
+    the depth a, is about proportional to the half-width a, and p_max to P/a.  1/(1 - feedback) sums
+    the further changes of P_e by the change of the nip.
     """
     result, P_e = sample.result, sample.pressure
     sensitivity = result.sensitivity(*LOADS, outputs=("roll_wound_on_tension", "half_width"))
