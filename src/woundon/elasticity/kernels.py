@@ -17,12 +17,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
-
-if TYPE_CHECKING:
-    from .lag import Lag
 
 __all__ = ["Kernel", "SurfaceKernels", "singular", "smooth_parts"]
 
@@ -52,7 +49,7 @@ class Kernel:
     sign: float = 0.0
     smooth: Callable[[Array], Array] | None = None
     second_integral: Callable[[Array], Array] | None = None
-    lag: Lag | None = None
+    lag: Any = None  # a Lag
 
     def singular(self, t: Array) -> Array:
         """Return the singular parts and the lag at t (k,), t != 0."""
@@ -108,7 +105,7 @@ class SurfaceKernels:
     truncation_error: float = 0.0
     terms: int = 0
     smooth_gradients: Callable[[Array], Array] | None = None
-    lag: Lag | None = None
+    lag: Any = None  # a Lag
     smooth_normals: Callable[[Array], Array] | None = None
     max_distance: float | None = None
 

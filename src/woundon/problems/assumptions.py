@@ -3,16 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import Any
 
 from .paths import field_quantity
-
-if TYPE_CHECKING:
-    from .bodies import Body
-    from .nip import NipProblem
-    from .roll import RollProblem
-    from .rollers import RollerProblem
-    from .winding import WindingProblem
 
 __all__ = ["of_nip", "of_roll", "of_rollers", "of_winding"]
 
@@ -36,7 +29,7 @@ NO_WRAP = (
 )
 
 
-def of_nip(problem: NipProblem) -> tuple[str, ...]:
+def of_nip(problem: Any) -> tuple[str, ...]:
     """Return the assumptions of a nip."""
     bodies = (text for name in ("roll", "drum") for text in _body(name, getattr(problem, name)))
     web = "linear elastic" if problem.web.linear else "a stack that hardens under pressure"
@@ -53,7 +46,7 @@ def of_nip(problem: NipProblem) -> tuple[str, ...]:
     )
 
 
-def of_rollers(problem: RollerProblem) -> tuple[str, ...]:
+def of_rollers(problem: Any) -> tuple[str, ...]:
     """Return the assumptions of two rollers."""
     state = "Steady rolling" if problem.motion == "rolling" else "A static load, applied once"
     bodies = (
@@ -64,7 +57,7 @@ def of_rollers(problem: RollerProblem) -> tuple[str, ...]:
     return f"{state}, small strains, plane strain.", FRICTION, *bodies
 
 
-def _body(name: str, body: Body) -> Iterator[str]:
+def _body(name: str, body: Any) -> Iterator[str]:
     """Yield the assumptions on a body."""
     if body.rigid:
         yield f"The {name} is rigid."
@@ -76,7 +69,7 @@ def _body(name: str, body: Body) -> Iterator[str]:
         yield f"The {name} hardens under wound-in and nip pressure, without hysteresis."
 
 
-def of_roll(problem: RollProblem) -> tuple[str, ...]:
+def of_roll(problem: Any) -> tuple[str, ...]:
     """Return the assumptions of a wound roll."""
     axisymmetric = "The roll is axisymmetric, its layers in static equilibrium and elastic."
     change = "Temperature and shrinkage change the finished roll at once, without creep."
@@ -103,7 +96,7 @@ LAWS = {
 }
 
 
-def of_winding(problem: WindingProblem) -> tuple[str, ...]:
+def of_winding(problem: Any) -> tuple[str, ...]:
     """Return the assumptions of a winding."""
     law, tensions = problem.tension_law, problem.at("web_tension", problem.radii(2))
     if law == "nip":
@@ -131,7 +124,7 @@ def of_winding(problem: WindingProblem) -> tuple[str, ...]:
 REFERENCE_MASS = 0.01  # of a web of unknown density: m V^2 for each 10 g/m^2 [kg/m^2]
 
 
-def _centrifugal(problem: NipProblem | WindingProblem, low: float, high: float) -> Iterator[str]:
+def _centrifugal(problem: Any, low: float, high: float) -> Iterator[str]:
     """Yield the neglected part m V^2 of the tension, of a web whose speed is given.
 
     On a curved path with the radius R the web, of the mass m per area, presses with

@@ -39,7 +39,6 @@ if TYPE_CHECKING:
     from ..elasticity.layers import Layers as Stacked
     from ..elasticity.mesh import Face
     from .fields import CoercedField, Nested
-    from .wound_roll import WoundRoll
 
 __all__ = [
     "AnyBody",
@@ -407,7 +406,7 @@ class Cylinder(LayeredBody):
         return ((cylinder.depth(self.radius, self.core_radius), *self.material.stiffness),)
 
 
-def check_core(body: Cylinder | WoundRoll) -> None:
+def check_core(body: Any) -> None:
     """Reject a core that is not smaller than the body, or leaves a layer thinner than R/2000.
 
     Raises

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 from pydantic import Field, field_validator
 
@@ -39,9 +39,6 @@ from .stack import Stack
 from .units import text_with_unit
 from .web import Web
 from .wound_roll import WoundRoll
-
-if TYPE_CHECKING:
-    from .problem import Problem
 
 __all__ = [
     "Grade",
@@ -219,7 +216,7 @@ class Grade(Description):
             radius=radius, core_radius=core_radius, stack=self.stack, pressure=pressure
         )
 
-    def spread_of(self, problem: Problem) -> dict[str, float]:
+    def spread_of(self, problem: Description) -> dict[str, float]:
         """Return the relative standard deviations of the fields of a problem, by dotted name."""
         return {
             path: self.spread[name]
@@ -227,7 +224,7 @@ class Grade(Description):
             if name in self.spread and field_or_none(problem, path) is not None
         }
 
-    def tied_fields(self, problem: Problem) -> dict[str, str]:
+    def tied_fields(self, problem: Description) -> dict[str, str]:
         """Return the fields with the same value of the grade as another one: follower -> leader."""
         leaders, ties = dict[str, str](), dict[str, str]()
         names = dict(_FIELDS)
@@ -416,7 +413,7 @@ def _make_grade(
 # ---- in a case ----------------------------------------------------------------------------------
 
 
-def with_grade(model: type[Problem], fields: Mapping[str, Any], faults: Faults) -> dict[str, Any]:
+def with_grade(model: type[Any], fields: Mapping[str, Any], faults: Faults) -> dict[str, Any]:
     """Return the fields of a problem, completed by those of its grade.
 
     A value that is given next to the grade has precedence; :func:`warn_of_contradictions` names it.
@@ -449,7 +446,9 @@ def with_grade(model: type[Problem], fields: Mapping[str, Any], faults: Faults) 
     return completed
 
 
-def changes_of_grade(grade: Grade, problem: Problem, changes: Mapping[str, Any]) -> dict[str, Any]:
+def changes_of_grade(
+    grade: Grade, problem: Description, changes: Mapping[str, Any]
+) -> dict[str, Any]:
     """Return the values by dotted name that replace those of a problem's previous grade.
 
     Parameters
@@ -475,7 +474,7 @@ def changes_of_grade(grade: Grade, problem: Problem, changes: Mapping[str, Any])
     }
 
 
-def states_all(problem: Problem, named_grade: Grade) -> bool:
+def states_all(problem: Description, named_grade: Grade) -> bool:
     """Return True if a problem has a value for everything that a grade would supply."""
     return all(
         _has_values(field_or_none(problem, path), supplied)
@@ -529,7 +528,7 @@ def _library() -> tuple[Grade, ...]:
     return tuple(grades().values())
 
 
-def warn_of_contradictions(named_grade: Grade, problem: Problem) -> None:
+def warn_of_contradictions(named_grade: Grade, problem: Description) -> None:
     """Warn of values of a problem that differ from those of its grade."""
     texts = []
     for path, name in _FIELDS:
@@ -546,7 +545,7 @@ def warn_of_contradictions(named_grade: Grade, problem: Problem) -> None:
 
 
 def _fields_of_grade(
-    named_grade: Grade, model: type[Problem], fields: Mapping[str, Any]
+    named_grade: Grade, model: type[Any], fields: Mapping[str, Any]
 ) -> dict[str, Any]:
     """Return the fields of a problem that a grade supplies, as tables."""
     known: dict[str, Any] = {

@@ -22,12 +22,9 @@ parts of eps_r: mass is conserved, and a layer under the pressure p_c has the th
 from __future__ import annotations
 
 from math import pi
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
-
-if TYPE_CHECKING:
-    from .result import RollResult
 
 __all__ = ["density_during_winding", "finished_density", "volume", "wound_length"]
 
@@ -35,7 +32,7 @@ Array = np.ndarray
 GAUSS = 4  # points of a cell
 
 
-def _winding_strains(result: RollResult, r: Array) -> tuple[Array, Array]:
+def _winding_strains(result: Any, r: Array) -> tuple[Array, Array]:
     """Return (1 + kappa) T/E_t and T/E_t at radii r (k,) [m], two (k,) arrays [1].
 
     The first is the inward displacement of the surface by a layer wound there, relative to its
@@ -45,7 +42,7 @@ def _winding_strains(result: RollResult, r: Array) -> tuple[Array, Array]:
     return (1 + result.kappa(np.log(r))) * strain, strain
 
 
-def _length_per_volume(result: RollResult, r: Array) -> Array:
+def _length_per_volume(result: Any, r: Array) -> Array:
     """Return the length of web per increase of the roll volume at radii (k,) [m], (k,) [1/m].
 
     It is dL/(2 pi s ds) = 1/(h_0 g (1 + T/E_t)), h_0 the thickness of the web without pressure.
@@ -58,7 +55,7 @@ def _length_per_volume(result: RollResult, r: Array) -> Array:
     return np.asarray(1 / (result.problem.unloaded_thickness * g * (1 + strain)))
 
 
-def density_during_winding(result: RollResult, r: Array) -> Array:
+def density_during_winding(result: Any, r: Array) -> Array:
     """Return the mass of web per increase of the roll volume [kg/m^3].
 
     It is nan without the density of the web, and outside the range of small strains.
@@ -67,7 +64,7 @@ def density_during_winding(result: RollResult, r: Array) -> Array:
     return (np.nan if density is None else density) * h * _length_per_volume(result, r)
 
 
-def finished_density(result: RollResult) -> Array:
+def finished_density(result: Any) -> Array:
     """Return the density of the finished roll at the nodes [kg/m^3]."""
     problem, r = result.problem, result.radius
     stack, hoop = problem.stack, result.hoop_stress
@@ -81,7 +78,7 @@ def finished_density(result: RollResult) -> Array:
     return np.asarray(density_during_winding(result, r) / volume_ratio)
 
 
-def wound_length(result: RollResult) -> float:
+def wound_length(result: Any) -> float:
     """Return the length of web without stress of all layers [m]."""
     points, weights = np.polynomial.legendre.leggauss(GAUSS)
     ends = np.union1d(result.radius, result.stage_radius)
@@ -91,7 +88,7 @@ def wound_length(result: RollResult) -> float:
     return float(np.sum(half * weights * 2 * pi * r * length))
 
 
-def volume(result: RollResult) -> float:
+def volume(result: Any) -> float:
     """Return the volume of the finished roll, per metre of width [m^2]."""
     inner, outer = (result.radius + result.displacement)[[0, -1]].tolist()
     return pi * float(outer**2 - inner**2)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
@@ -12,9 +12,6 @@ from .equations import StageData, interpolate_pressure
 from .finished import add_constant, equations_of, final_changes
 from .stage_nodes import cell_source
 
-if TYPE_CHECKING:
-    from .result import RollResult
-
 __all__ = ["finite_layer_effects", "finite_layer_stresses", "layers_of"]
 
 Array = np.ndarray
@@ -23,13 +20,13 @@ NEIGHBOURHOOD = 0.15  # of the build-up, in which the largest error counts for t
 FEW_LAYERS = 1000  # in a roll of more layers a node is the beginning of a layer
 
 
-def layers_of(result: RollResult) -> Layers:
+def layers_of(result: Any) -> Layers:
     """Return the layers of a result with the thickness of its web, in place of thin layers."""
     problem = result.problem
     return Layers(equations_of(problem), problem.tension_curve, float(problem.web_thickness))
 
 
-def finite_layer_stresses(result: RollResult) -> tuple[Array, Array]:
+def finite_layer_stresses(result: Any) -> tuple[Array, Array]:
     """Return the changes of pressure and hoop stress by layers of finite thickness, (M,) each [Pa].
 
     They are relative to the limit of thin layers, at the nodes of the result, and nan if kappa with
@@ -53,7 +50,7 @@ def finite_layer_stresses(result: RollResult) -> tuple[Array, Array]:
     return solved.P + own - P, (P + Q) - (solved.P + solved.Q) + hoop_of_own
 
 
-def finite_layer_effects(result: RollResult) -> dict[str, float]:
+def finite_layer_effects(result: Any) -> dict[str, float]:
     """Return the change by finite layers of each output that has an error estimate [Pa].
 
     The hoop stress varies across a layer: its minimum is compared with that of a smooth curve
@@ -87,9 +84,7 @@ def _higher_order_factor(change: Array, pressure: Array) -> Array:
     return np.asarray((x / -np.expm1(-x) - 1) / (x / 2))
 
 
-def _hoop_stress_at_faces(
-    result: RollResult, change: Array, hoop_change: Array
-) -> tuple[Array, Array]:
+def _hoop_stress_at_faces(result: Any, change: Array, hoop_change: Array) -> tuple[Array, Array]:
     """Return the hoop stress at the inner and at the outer face of layers [Pa].
 
     The layers begin at the nodes, few layers at their own radii.  Equilibrium gives the mean hoop

@@ -23,8 +23,6 @@ from .stage_nodes import cell_source, kinks_of, nodes_between
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from .result import RollResult
-
 __all__ = ["Stage", "stage_arrays", "stage_at", "stresses_between"]
 
 Array = np.ndarray
@@ -52,7 +50,7 @@ class Stage(NamedTuple):
         return interpolate_pressure(np.log(self.radius), self.pressure, self.gradient, np.log(r))[0]
 
 
-def stresses_between(result: RollResult, radius: ArrayLike) -> dict[str, Any]:
+def stresses_between(result: Any, radius: ArrayLike) -> dict[str, Any]:
     """Return ``pressure`` and ``hoop_stress`` [Pa] at radii [m], with the shape of ``radius``.
 
     P and Q = r dP/dr are interpolated between the nodes; the hoop stress is -(P + Q).
@@ -63,7 +61,7 @@ def stresses_between(result: RollResult, radius: ArrayLike) -> dict[str, Any]:
     return {"pressure": P[()], "hoop_stress": (-(P + Q))[()]}
 
 
-def stage_arrays(result: RollResult, radius: float) -> dict[str, Any]:
+def stage_arrays(result: Any, radius: float) -> dict[str, Any]:
     """Return problem and arrays of the result of a stage; see :meth:`RollResult.at`.
 
     Parameters
@@ -91,7 +89,7 @@ def stage_arrays(result: RollResult, radius: float) -> dict[str, Any]:
     return {**arrays, "problem": stage.problem, "layer_growth": layer_growth}
 
 
-def stage_at(result: RollResult, radius: float) -> Stage:
+def stage_at(result: Any, radius: float) -> Stage:
     """Return the pressure at a stage of the build-up, without a certificate.
 
     Parameters
@@ -112,7 +110,7 @@ def stage_at(result: RollResult, radius: float) -> Stage:
     return Stage(r, stage.solved.P, stage.solved.Q, tension)
 
 
-def _radii_on_roll(result: RollResult, radius: ArrayLike) -> Array:
+def _radii_on_roll(result: Any, radius: ArrayLike) -> Array:
     """Return radii [m] as an array; those outside the roll by a rounding error are set to its ends.
 
     Raises
@@ -155,7 +153,7 @@ class _SolvedStage(NamedTuple):
     solved: StageSolution
 
 
-def _solve_stage(result: RollResult, surface: float, cells: int) -> _SolvedStage:
+def _solve_stage(result: Any, surface: float, cells: int) -> _SolvedStage:
     """Solve a stage of a result again, with the kappa of the result.
 
     Parameters

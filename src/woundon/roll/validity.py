@@ -4,27 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import isfinite
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
 from ..problems.radial_laws import Constant
+from ..problems.roll import RollProblem
 from ..validity import limit_warning
 from .finite_layers import finite_layer_stresses
-
-if TYPE_CHECKING:
-    from ..problems.roll import RollProblem
-    from .result import RollResult
 
 __all__ = ["roll_warnings", "yield_warnings"]
 
 
-def roll_warnings(result: RollResult) -> tuple[str, ...]:
+def roll_warnings(result: Any) -> tuple[str, ...]:
     """Return the warnings of a wound roll outside the validity limits."""
     return (*_strain_warnings(result), *_stack_warnings(result))
 
 
-def _strain_warnings(result: RollResult) -> Iterator[str]:
+def _strain_warnings(result: Any) -> Iterator[str]:
     """Yield warnings about the strains of the web as it is wound, and in the finished roll."""
     problem = result.problem
     T = problem.tension_curve.at(result.radius)
@@ -51,7 +48,7 @@ def _strain_warnings(result: RollResult) -> Iterator[str]:
     )
 
 
-def _stack_warnings(result: RollResult) -> Iterator[str]:
+def _stack_warnings(result: Any) -> Iterator[str]:
     """Yield warnings about pressures beyond the range of the stack law."""
     stack = result.problem.stack
     law, k = stack.radial, int(np.argmax(result.pressure))

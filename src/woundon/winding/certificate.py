@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
@@ -12,14 +12,11 @@ from ..problems.bodies import Body
 from ..problems.schedules import Curve
 from ..problems.winding import WindingProblem
 from ..results import ACCEPTED_RESIDUAL, Residuals, largest, positive
+from ..roll.result import RollResult
 from ..roll.stages import stage_at
 from .bodies import effective_cylinder, effective_pressure, hardening_roll, linear_cylinder
 from .measured import smoothed
 from .nips import PRESSURE_TOLERANCE, Nips
-
-if TYPE_CHECKING:
-    from ..roll.result import RollResult
-    from .result import WindingResult
 
 __all__ = ["LARGEST_COUPLING_RTOL", "certificate", "recomputed_nips"]
 
@@ -46,7 +43,7 @@ NIP_ARRAYS = (
 )
 
 
-def certificate(result: WindingResult) -> Residuals:
+def certificate(result: Any) -> Residuals:
     """Compute the residuals of a result.
 
     roll
@@ -101,7 +98,7 @@ def certificate(result: WindingResult) -> Residuals:
     )
 
 
-def _reach(result: WindingResult) -> float:
+def _reach(result: Any) -> float:
     """Return the difference of the end radii from those of the problem; inf for invalid arrays."""
     r = result.radius
     if not (np.diff(r) > 0).all() or any(getattr(result, name).shape != r.shape for name in LOADS):
@@ -109,7 +106,7 @@ def _reach(result: WindingResult) -> float:
     return largest(np.abs(r[[0, -1]] / result.problem.ends - 1))
 
 
-def _positivity_residual(result: WindingResult) -> float:
+def _positivity_residual(result: Any) -> float:
     """Return 0 if widths, pressures and friction of all nips are positive, else inf."""
     expected = result.nip_radius.shape if result.problem.tension_law == "nip" else (0,)
     if any(getattr(result, name).shape != expected for name in NIP_ARRAYS):
@@ -124,14 +121,14 @@ def _positivity_residual(result: WindingResult) -> float:
     return largest([positive(*quantities), 0.0 if (result.nip_residual >= 0).all() else np.inf])
 
 
-def _air_film_residual(result: WindingResult) -> float:
+def _air_film_residual(result: Any) -> float:
     """Return the difference of the air film from the mean film of the nips, over thickness."""
     r, h = result.nip_radius, result.nip_air_film
     mean = float(np.trapezoid(h * r, r) / np.trapezoid(r, r)) if r.size > 1 else 0.0
     return abs(result.air_film - mean) / float(result.problem.web.thickness)
 
 
-def recomputed_nips(result: WindingResult) -> Mapping[str, tuple[Array, Array]]:
+def recomputed_nips(result: Any) -> Mapping[str, tuple[Array, Array]]:
     """Solve the nips of a result again; return their outputs by field, with tolerances.
 
     A nip follows from the problem, its radius and the body of the roll: the effective pressure, or

@@ -19,7 +19,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from math import isclose, isinf, nan
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NamedTuple
+from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -41,9 +41,6 @@ from .criteria import (
     torque_carried,
     torque_share,
 )
-
-if TYPE_CHECKING:
-    from .result import WindingResult
 
 __all__ = ["Margin", "Margins", "WindingTorque", "WithMargins", "margins"]
 
@@ -323,7 +320,7 @@ class WindingTorque:
         return self.friction_ratio is not np.ones_like
 
     @classmethod
-    def of(cls, result: WindingResult | RollResult) -> WindingTorque:
+    def of(cls, result: Any) -> WindingTorque:
         """Return the quantities of a winding; a roll alone is taken as centre-wound."""
         if not isinstance(result, RollResult):
             # moment balance of the roll about its axis: core torque / r = T_in + F
@@ -419,7 +416,7 @@ LEFT_OUT = {
 NO_LIMIT = "no limit given"
 
 
-def margins(result: WindingResult | RollResult, limits: Limits | None = None) -> Margins:
+def margins(result: Any, limits: Limits | None = None) -> Margins:
     """Compute the margins of a roll against known defects.
 
     Parameters
@@ -720,7 +717,7 @@ class WithMargins:
     @cached_property
     def margins(self) -> Margins:
         """All margins, with the limits of the problem; see :func:`margins`."""
-        return margins(self)  # type: ignore[arg-type]  # a WindingResult
+        return margins(self)
 
     @property
     def torque_share(self) -> Annotated[float, SHARE]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
@@ -12,9 +12,6 @@ from ..problems.schedules import Profile
 from ..problems.winding import WindingProblem
 from ..roll.result import RollResult
 from ..roll.solve import ThinLayerRoll, solve_thin_layers
-
-if TYPE_CHECKING:
-    from .result import WindingResult
 
 __all__ = ["recompute_roll", "recomputed", "wind"]
 
@@ -71,7 +68,7 @@ def recomputed(
     return roll.wound_with(_roll_problem(problem, r, tension, film))
 
 
-def recompute_roll(result: WindingResult) -> RollResult:
+def recompute_roll(result: Any) -> RollResult:
     """Recompute the roll of a result that was loaded from a file."""
     thin_layers = wind(
         result.problem, result.radius, result.wound_on_tension, result.roll_rtol, result.air_film
