@@ -19,10 +19,9 @@ from pydantic import (
     ValidatorFunctionWrapHandler,
     WrapValidator,
 )
-from pydantic_core import PydanticKnownError
 
 from ..errors import InvalidProblem
-from .inputs import FloatWithUnit, is_array, read_text, real_number
+from .inputs import FloatWithUnit, NotAList, is_array, read_text, real_number
 from .messages import quote
 from .permitted import in_brackets, unit_of
 
@@ -63,7 +62,7 @@ def _number_of_field(
 def listed(value: Any) -> Any:
     """Return an array as a list, which pydantic validates; reject a set, which has no order."""
     if isinstance(value, (set, frozenset)):
-        raise PydanticKnownError("tuple_type")
+        raise NotAList
     return value.tolist() if is_array(value) else value
 
 

@@ -547,7 +547,17 @@ def warn_of_contradictions(named_grade: Grade, problem: Description) -> None:
 def _fields_of_grade(
     named_grade: Grade, model: type[Any], fields: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """Return the fields of a problem that a grade supplies, as tables."""
+    """Return the fields of a problem that a grade supplies, values or tables by name.
+
+    Parameters
+    ----------
+    named_grade : Grade
+    model : type
+        Class of the problem.
+    fields : mapping
+        Fields of the problem that are given, of which a table ``roll`` decides by its kind what is
+        supplied for it, and a table ``air`` receives the roughness.
+    """
     known: dict[str, Any] = {
         "web": {"thickness": named_grade.thickness, "material": _table(named_grade.material)},
         "web_thickness": named_grade.thickness,
@@ -576,7 +586,10 @@ def _table(part: Description) -> dict[str, Any]:
 
 
 def _merge_tables(explicit: Any, supplied: Any) -> Any:
-    """Return the given values, completed by the supplied ones."""
+    """Return given values completed by supplied ones; tables in tables are completed alike.
+
+    A given value that is no table, or a table of another kind, is returned unchanged.
+    """
     if not isinstance(explicit, Mapping) or not isinstance(supplied, Mapping):
         return explicit
     kinds = {part.get("kind") for part in (explicit, supplied)} - {None}
