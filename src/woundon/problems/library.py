@@ -1,4 +1,4 @@
-"""The data file of grades and drum covers, and users' files in the same format."""
+"""The data file of grades, drum covers and materials, and users' files of grades."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Entry(NamedTuple):
 
 @cache
 def library() -> Mapping[str, Mapping[str, Any]]:
-    """Return the tables ``sources``, ``grades`` and ``covers`` of the data file."""
+    """Return the tables ``sources``, ``grades``, ``covers`` and ``materials`` of the data file."""
     return tomllib.loads(FILE.read_text(encoding="utf-8"))
 
 
