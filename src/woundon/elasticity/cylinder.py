@@ -424,6 +424,7 @@ def _decay_rate(stiffness: Stiffness) -> float:
     of lambda is proportional to n.
     """
     n = 1e8
+    # sum and product of the two lambda with a positive real part
     total, product = (v.item() for v in LayerSystems.of((1.0, *stiffness)).roots(np.array([n])))
     discriminant = total * total / 4 - product
     slow = product / (total / 2 + sqrt(discriminant)) if discriminant > 0 else total / 2

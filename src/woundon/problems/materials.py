@@ -166,7 +166,7 @@ class Orthotropic(Material):
     ]
 
     @model_validator(mode="after")
-    def _positive_energy(self) -> Orthotropic:
+    def _check_energy(self) -> Orthotropic:
         """Reject stiffness with an indefinite strain energy."""
         limit = sqrt(self.radial) * sqrt(self.tangential)
         if self.cross >= limit * (1 - 1e-9):
@@ -319,7 +319,7 @@ class Isotropic(OneModulus):
     ] = default(None)
 
     @model_validator(mode="after")
-    def _has_moduli_in_pascals(self) -> Self:
+    def _check_moduli(self) -> Self:
         """Reject terms without an effect: mostly moduli relative to the instantaneous one."""
         total = sum(term.modulus for term in self.prony or ())
         least = SMALLEST_RELAXATION * self.youngs_modulus

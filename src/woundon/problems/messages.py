@@ -133,7 +133,12 @@ def not_one_of(value: Any, known: Iterable[str]) -> str:
 
 
 def no_such_field(name: str, model: type[BaseModel]) -> str:
-    """Return the message for an unknown field, with the class that has it or the intended name."""
+    """Return the message for an unknown field, with the class that has it or the intended name.
+
+    In this order: another member of the family has the field (a body, a law); another kind of
+    problem has it; the name is the symbol, a word of the meaning or a part of a field's name; a
+    field has a similar name.
+    """
     fields = model.model_fields
     family = getattr(model, "_members", {}).values()
     names = {name, name.replace("diameter", "radius")}

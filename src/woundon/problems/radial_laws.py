@@ -277,7 +277,7 @@ class Polynomial(SolidLaw):
 
     @field_validator("coefficients")
     @classmethod
-    def _positive_at_zero(cls, c: tuple[float, ...]) -> tuple[float, ...]:
+    def _check_modulus_at_zero(cls, c: tuple[float, ...]) -> tuple[float, ...]:
         """Reject a modulus that is not positive at zero pressure."""
         if not SOFTEST <= c[0] <= STIFFEST:
             text = f"{quote(c[0])} is out of range; must be >= {SOFTEST:g} and <= {STIFFEST:g} [Pa]"
@@ -361,7 +361,7 @@ class PowerLaw(SolidLaw):
     m: Annotated[Number, pure("m", "exponent of the pressure", (0.5, 1.0)), Field(ge=0.1, le=5)]
 
     @model_validator(mode="after")
-    def _finite_strain(self) -> Self:
+    def _check_strain(self) -> Self:
         """Reject a law with an infinite strain or too small a modulus."""
         if self.E0 == 0 and self.m >= 1:
             raise InvalidProblem.at(
@@ -446,7 +446,7 @@ class StackTest(SolidLaw):
     ]
 
     @model_validator(mode="after")
-    def _is_increasing(self) -> Self:
+    def _check_test(self) -> Self:
         """Reject a test whose pressures or strains do not increase."""
         check_equal_lengths(self, "pressure", "strain")
         if self.pressure[0] < 0:

@@ -106,7 +106,7 @@ class Core(Description):
         inner_diameter: InitVar[float | str] = Field(...)
 
     @model_validator(mode="after")
-    def _one_stiffness(self) -> Self:
+    def _check_stiffness(self) -> Self:
         """Reject a core without stiffness, or with a stiffness and a tube."""
         tube = self.inner_radius is not None or self.material is not None
         if (self.stiffness is not None) == tube:
@@ -245,7 +245,7 @@ class RollProblem(Problem):
     ] = default(0.0)
 
     @model_validator(mode="after")
-    def _windable(self) -> Self:
+    def _check_build_up(self) -> Self:
         """Reject a core that is larger than the roll, and a web too thick or too thin."""
         core, radius = self.core.radius, self.radius
         if core >= radius:
@@ -260,7 +260,7 @@ class RollProblem(Problem):
                 f"{quote(self.web_thickness)} is out of range; must be >= {thinnest:.4g} and <= "
                 f"{thickest:.4g} [m]: {FEWEST_LAYERS} to {MOST_LAYERS:.0e} layers",
             )
-        self._tension_is_positive()
+        self._check_tension()
         highest = self._law_of_web.max_pressure
         if float(self._law_of_web.strain_at(1e7)) > MOST_COMPRESSED:
             highest = min(highest, float(self._law_of_web.pressure_at(MOST_COMPRESSED)))
@@ -273,7 +273,7 @@ class RollProblem(Problem):
             )
         return self
 
-    def _tension_is_positive(self) -> None:
+    def _check_tension(self) -> None:
         """Reject a tension that is not positive from the core to the surface."""
         schedule = self.wound_on_tension
         if isinstance(schedule, Profile):

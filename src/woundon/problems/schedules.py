@@ -79,7 +79,7 @@ class Profile(Description):
     between: Literal["lines", "smooth"] = "lines"
 
     @model_validator(mode="after")
-    def _is_increasing(self) -> Self:
+    def _check_columns(self) -> Self:
         """Reject a profile whose radii do not increase."""
         check_equal_lengths(self, "radius", "value")
         check_rising(self, "radius", above=0.0)
@@ -158,7 +158,7 @@ class Taper(Description):
     law: Literal["linear", "hyperbolic", "constant_torque"] = "linear"
 
     @model_validator(mode="after")
-    def _one_taper(self) -> Self:
+    def _check_taper(self) -> Self:
         """Reject a taper for the law "constant_torque", which determines it."""
         if self.law == "constant_torque" and self.taper:
             text = f"{quote(self.taper)} is given, but law = 'constant_torque' has no taper"

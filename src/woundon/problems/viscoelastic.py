@@ -138,7 +138,7 @@ class DynamicTest(OneModulus):
     poissons_ratio: PoissonsRatio
 
     @model_validator(mode="after")
-    def _is_valid_table(self) -> Self:
+    def _check_table(self) -> Self:
         """Reject columns of different lengths and values out of range."""
         check_equal_lengths(self, "frequency", "storage_modulus", "loss_modulus")
         for name in ("storage_modulus", "loss_modulus"):
@@ -163,7 +163,7 @@ class DynamicTest(OneModulus):
         return self.frequency[0], self.frequency[-1]
 
     @model_validator(mode="after")
-    def _is_causal(self) -> Self:
+    def _check_causality(self) -> Self:
         """Reject moduli that contradict the Kramers-Kronig relations."""
         if self.misfit > LARGEST_MISFIT:
             raise InvalidProblem.at(

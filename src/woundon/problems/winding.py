@@ -235,7 +235,7 @@ class WindingProblem(Problem):
     width: Width = default(None)
 
     @model_validator(mode="after")
-    def _windable(self) -> Self:
+    def _check_winding(self) -> Self:
         """Check the roll, the schedules and their combination."""
         try:  # checks core, number of layers and density
             self.wound_roll(1.0)

@@ -72,7 +72,7 @@ class WoundRoll(Body):
     hardening: Literal["direct", "frozen"] = "direct"
 
     @model_validator(mode="after")
-    def _admissible(self) -> Self:
+    def _check_pressure(self) -> Self:
         """Reject a core out of range, or a pressure outside the range of the stack law."""
         check_core(self)
         for name, P in values_of(self.pressure).items():

@@ -132,7 +132,12 @@ def wind_with_stages(
     surface_layer: float,
     report: Callable[[float], None] | None = None,
 ) -> BuildUp:
-    """Wind a roll with the stages of a reference build-up; other parameters as of :func:`wind`."""
+    """Wind a roll with the stages of a reference build-up.
+
+    The reference is the same roll with fewer cells, or a roll with a similar tension: differences
+    between both are then free of the errors of the stages, which they share.  Other parameters as
+    of :func:`wind`.
+    """
     layers, all_stages = Layers(equations, tension), range(1, reference.growth.x.size)
     return _wind_selected_stages(
         layers, reference, all_stages, STAGE_TOLERANCE * tolerance, cells, surface_layer, report

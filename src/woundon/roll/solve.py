@@ -260,7 +260,10 @@ def _wind(
 
 
 def _with_finite_layers(result: RollResult, build_up: BuildUp, cells: int) -> RollResult:
-    """Return a result with kappa for layers of the web thickness, and their effect in its errors.
+    """Return a result with the effect of layers of the web thickness, also in its errors.
+
+    Kappa, the relative change of a layer's pressure with ln r below the surface, is computed with
+    these layers at the stages of the build-up, and from it the change of the pressure.
 
     Parameters
     ----------

@@ -148,7 +148,7 @@ def solved_nip(
     solve : callable
         (roll, neighbouring result or None) -> result.
     coupling_rtol : float
-        Relative tolerance of P_e.
+        Relative tolerance of the effective pressure P_e, at which the moduli of the roll are taken.
     """
     guess = previous or neighbour
     start = guess.result if guess else None
@@ -195,10 +195,20 @@ def _effective(
 
 
 def predicted_nip(problem: WindingProblem, stage: Stage, sample: NipSample) -> NipSample:
-    """Return a nip with its implied P_e on a stage of the roll, without solving it again.
+    """Return a nip with the effective pressure that it implies on a stage of the roll.
 
-    Newton's method for P_e = f(P_e), f from the power laws of WOT, a and p_max; its derivative f'
-    by a difference quotient.
+    The effective pressure P_e, at which the moduli of the roll are taken, is the wound pressure
+    near the surface plus a part of the peak pressure of the nip.  The nip is not solved again: its
+    outputs are extrapolated as powers of P_e, and P_e = f(P_e) is solved by Newton's method with a
+    difference quotient for f'.
+
+    Parameters
+    ----------
+    problem : WindingProblem
+    stage : Stage
+        The roll, with its wound pressure.
+    sample : NipSample
+        The solved nip, and the exponents of P_e in its outputs.
     """
     P, feedback, largest = sample.pressure, 0.0, _largest_pressure(problem)
     for _ in range(MAX_NIPS):

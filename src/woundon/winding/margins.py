@@ -513,7 +513,23 @@ def _margin(
     note: str = "",
     scale: float = nan,
 ) -> Margin:
-    """Return the margin of a worst value; its scale is the limit, or ``scale`` if that is 0."""
+    """Return the margin of a worst value.
+
+    Parameters
+    ----------
+    name : str
+        "slip", "compression", ...
+    worst : _WorstValue
+        In all stages of the build-up.
+    limit : float, optional
+        Permitted value, in the unit of ``quantity``; None if none is given.
+    quantity : Quantity
+        Of value and limit.
+    note : str
+        Remark on the limit or the value.
+    scale : float
+        Reference value of the reserve if the limit is 0; otherwise it is the limit.
+    """
     bound = nan if limit is None else limit
     note = "; ".join(filter(None, (worst.stage, note or NO_LIMIT * (limit is None))))
     return Margin(
@@ -560,7 +576,18 @@ def _worst(states: list[_State], values: list[Array]) -> _WorstValue:
 def _slip(
     states: list[_State], roll: RollResult, limits: Limits, torque_data: WindingTorque
 ) -> Margin:
-    """Return the margin of the torque over the friction capacity, at all stages."""
+    """Return the margin of the torque over the friction capacity, at all stages.
+
+    Parameters
+    ----------
+    states : list of _State
+        Stresses at the stages of the build-up, the finished roll last.
+    roll : RollResult
+    limits : Limits
+        Its ``layer_friction`` has precedence over the friction of the winding.
+    torque_data : WindingTorque
+        Friction, core torque and the effect of air of the winding.
+    """
     friction = limits.layer_friction or torque_data.friction
     if friction is None:
         unknown = _WorstValue(nan, nan, "", np.zeros(0), np.zeros(0))

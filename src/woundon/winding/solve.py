@@ -422,7 +422,12 @@ class _Winder:
         )
 
     def solve_measured(self, problem: WindingProblem) -> WindingResult:
-        """Solve a problem whose schedules fluctuate around the smooth ones of this winding."""
+        """Solve a problem whose schedules fluctuate around the smooth ones of this winding.
+
+        The tension is that of the smooth winding plus the departure, its linear change by the
+        differences between the schedules.  The roll is computed from this tension, and a few nips
+        under the measured schedules on this roll give the error of the linearisation.
+        """
         self.share_of_iterations = OF_MEASURED
         iteration, curve = self._converge(), self.curve
         departure = Departure(problem, self.problem, curve, self.nips)
