@@ -147,6 +147,7 @@ _KINDS = {
     "options": _Kind("a mapping of options of the solver to their values", _maps_names),
     "out": _Kind("the path of a folder", lambda value: isinstance(value, (str, PathLike))),
     "output": _NAME,
+    "over": _Kind("a mapping of fields to values or ranges", _maps_names),
     "outputs": _Kind("names of outputs", _are_names),
     "profiles": _Kind(
         "True, False or names of fitted fields",
@@ -164,6 +165,11 @@ _KINDS = {
     "spread": _Kind(_NUMBER_OF_EACH, _maps_names),
     "tie": _FIELD_OF_EACH,
     "uncertain": _Kind("a mapping of fields to relative standard deviations", _maps_names),
+    "vary": _Kind(
+        "names of fields, or {name: (low, high)}",
+        lambda value: _are_names(value) or _maps_names(value),
+        optional=False,
+    ),
     "unknown": _Kind("a mapping of fields to relative standard deviations", _maps_names, False),
 }
 

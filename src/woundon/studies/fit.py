@@ -28,7 +28,7 @@ from ..problems.messages import not_one_of, quote
 from ..problems.paths import varied_value
 from ..problems.problem import Problem
 from ..quantities import Quantity
-from .api import in_si
+from .api import range_in_si
 from .fit_result import FitResult
 from .measurements import Observations, read_observations
 from .minimise import ACCURACY, Linearisation, minimise
@@ -119,14 +119,14 @@ def fit(
     >>> round(found.estimate("upper.radius"), 2)  # m
     0.25
     """
-    check_arguments(profiles=profiles)
+    check_arguments(vary=vary, profiles=profiles)
     check_seed(seed)
     if starts is not None:
         whole_number("starts", starts, 1, 1000)
     data = read_observations(problem, measured, columns, over_radius=False)
     settings = _on_one_mesh(problem, solver_options(nodes, rtol, options))
     model = model_of(problem, tuple(dict.fromkeys(data.names)), tie, settings)
-    bounds = in_si(problem, _bounds(vary))
+    bounds = _bounds(vary)
     parameters = tuple(_parameter(problem, name, ends) for name, ends in bounds.items())
     model.check_varied([*(p.name for p in parameters), *data.inputs])
     for parameter in parameters:
@@ -161,12 +161,9 @@ def _on_one_mesh(problem: Problem, options: Mapping[str, Any]) -> dict[str, Any]
     return defaults | dict(options)
 
 
-def _bounds(vary: Any) -> dict[str, Any]:
+def _bounds(vary: Mapping[str, Any] | Sequence[str]) -> dict[str, Any]:
     """Return the fields to fit with their bounds; None for default bounds."""
     names = [vary] if isinstance(vary, str) else vary
-    if not isinstance(names, (Mapping, Sequence)) or not all(isinstance(n, str) for n in names):
-        text = f"{quote(vary)} is out of place; must be names of fields, or {{name: (low, high)}}"
-        raise InvalidProblem.at("vary", text)
     bounds = dict(names) if isinstance(names, Mapping) else dict.fromkeys(names)
     if not bounds:
         raise InvalidProblem.at("vary", "nothing to fit: give fields and their bounds")
@@ -193,11 +190,7 @@ def _parameter(problem: Problem, name: str, bounds: Any) -> Parameter:
         if base is None or base <= 0:
             raise InvalidProblem.at(name, f"is {quote(base)}: give bounds for it")
         bounds = (base / 10, base * 10)
-    try:
-        low, high = (float(end) for end in bounds)
-    except (TypeError, ValueError):
-        raise InvalidProblem.at(name, f"{bounds!r} are not bounds; write (low, high)") from None
-    return Parameter(name, low, high, base)
+    return Parameter(name, *range_in_si(problem, name, bounds), base)
 
 
 def _check_bounds(problem: Problem, parameter: Parameter) -> None:

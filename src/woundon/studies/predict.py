@@ -49,11 +49,6 @@ class Parameter:
     high: float
     base: float | None
 
-    def __post_init__(self) -> None:
-        if not self.low < self.high or not np.isfinite([self.low, self.high]).all():
-            text = f"bounds {self.low!r} to {self.high!r} must be finite, and low < high"
-            raise InvalidProblem.at(self.name, text)
-
     @property
     def logarithmic(self) -> bool:
         """True if u is the logarithm of the value."""

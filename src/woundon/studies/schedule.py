@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import inf, isfinite, isinf, nan
+from math import isfinite, isinf, nan
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -27,7 +27,7 @@ from ..problems.messages import quote
 from ..problems.paths import field_or_none, get_field, varied_number
 from ..problems.problem import Problem
 from ..quantities import Quantity, in_chosen_units, value_of
-from .api import in_si
+from .api import range_in_si
 from .model import KindModel, model_of, quantities_of, solver_options
 from .outcome import Outcome
 from .progress import Progress, progress_reporter
@@ -213,7 +213,7 @@ def optimise_schedule(
     >>> best.feasible, best.names
     (True, ('wound_on_tension',))
     """
-    check_arguments(minimise=minimise, maximise=maximise)
+    check_arguments(over=over, minimise=minimise, maximise=maximise)
     whole_number("evaluations", evaluations, MIN_EVALUATIONS, MOST_EVALUATIONS)
     if limits is not None:
         check_type("limits", limits, Limits)
@@ -232,24 +232,15 @@ def optimise_schedule(
 
 def _ranges(problem: Problem, over: Mapping[str, Any] | None) -> dict[str, tuple[float, float]]:
     """Return the ranges of the varied fields, SI."""
-    ranges = _usual(problem) if over is None else in_si(problem, over)
-    if not isinstance(ranges, Mapping) or not ranges:
+    given = _usual(problem) if over is None else over
+    if not given:
         text = "nothing to vary; must be a mapping of fields to (low, high)"
         raise InvalidProblem.at("over", text)
-    return {name: _range(problem, name, ends) for name, ends in ranges.items()}
-
-
-def _range(problem: Problem, name: str, ends: Any) -> tuple[float, float]:
-    """Return the range of a field that is a number, SI."""
-    varied_number(problem, name)
-    try:
-        low, high = (float(end) for end in ends)
-    except (TypeError, ValueError):
-        text = f"{quote(ends)} is out of place; must be (low, high)"
-        raise InvalidProblem.at(name, text) from None
-    if not -inf < low < high < inf:
-        raise InvalidProblem.at(name, f"({low:g}, {high:g}) is out of range; must be low < high")
-    return low, high
+    ranges = {}
+    for name, ends in given.items():
+        varied_number(problem, name)  # rejects a field that is not a number
+        ranges[name] = range_in_si(problem, name, ends)
+    return ranges
 
 
 def _usual(problem: Problem) -> dict[str, tuple[float, float]]:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..arguments import check_seed, check_type, whole_number
+from ..arguments import check_seed, whole_number
 from ..errors import InvalidProblem
 from .cases import MOST_CASES, Cases, check_number, scaled_to_range, table_of_cases
 from .outcome import Outcome
@@ -194,7 +194,6 @@ def saltelli_cases(ranges: Mapping[str, Any], samples: int, seed: int) -> Cases:
     """
     from scipy.stats import qmc
 
-    check_type("over", ranges, Mapping)
     if not ranges:
         raise InvalidProblem.at("over", "nothing to vary: give fields and their ranges")
     if len(ranges) < 2:

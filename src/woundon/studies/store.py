@@ -29,7 +29,7 @@ from typing import Any
 import numpy as np
 
 from .. import __version__
-from ..arguments import check_type
+from ..arguments import check_arguments
 from ..errors import InvalidProblem
 from .cases import Solved
 
@@ -125,7 +125,7 @@ class Store:
 
 def folder_of(out: Any) -> Path:
     """Return the folder of a study, the argument ``out``; reject what is not a path."""
-    check_type("out", out, str, os.PathLike)
+    check_arguments(out=out)
     return Path(out)
 
 
