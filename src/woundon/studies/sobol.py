@@ -144,13 +144,13 @@ class SobolIndices(Outcome):
         One of the two 95 % intervals is wider than 0.2, or the first-order index, which cannot
         exceed the total index, does so.
         """
-        widths = np.maximum(*(np.ptp(ends, axis=0) for ends in self._intervals))
-        uncertain: Array = (widths > WIDE) | (self.first_order > self.total_order + ROUNDING)
-        return uncertain
+        is_wide = self._widths.max(axis=0) > WIDE
+        return np.asarray(is_wide | (self.first_order > self.total_order + ROUNDING))
 
     @property
-    def _intervals(self) -> tuple[Array, Array]:
-        return self.first_interval, self.total_interval
+    def _widths(self) -> Array:
+        """Widths of the 95 % intervals, (order, outputs, inputs)."""
+        return np.ptp([self.first_interval, self.total_interval], axis=1)
 
     @property
     def proposed_samples(self) -> int:
@@ -161,8 +161,7 @@ class SobolIndices(Outcome):
         """
         if not self.uncertain.any():
             return self.samples
-        width = max(float(np.nanmax(np.ptp(ends, axis=0))) for ends in self._intervals)
-        required = self.samples * max(2.0, (width / WIDE) ** 2)
+        required = self.samples * max(2.0, (float(np.nanmax(self._widths)) / WIDE) ** 2)
         return int(2 ** ceil(log2(required)))
 
     def remarks(self) -> list[str]:
