@@ -135,11 +135,11 @@ def read_observations(
     InvalidProblem
         For an invalid table.
     """
-    fields = columns_of(problem)
+    fields, scalars = columns_of(problem), measurable_outputs(problem)
     result = kind_of(problem).result
-    positioned = arrays_over_radius(result, set(fields)) if over_radius else {}
-    known = {**positioned, **measurable_outputs(problem)}
-    if positioned:
+    arrays = arrays_over_radius(result, set(fields)) if over_radius else {}
+    known = {**arrays, **scalars}
+    if arrays:
         places = dict.fromkeys(POSITIONS, length("r", "where it was measured"))
         known |= {**places, TAB_FORCE: FORCE}
     replacements = {name: text for name, text in result.REPLACED.items() if name not in known}
@@ -147,41 +147,35 @@ def read_observations(
     values_of, deviations = dict(table.outputs), dict(table.deviations)
     radius = _radius(values_of, table.where, len(table.numbers))
     common = _convert_tab_forces(values_of, deviations, tab, table.where)
-    entries = []
-    scalars = measurable_outputs(problem)
-    for name, values in values_of.items():
-        nowhere = np.isnan(radius) & np.isfinite(values)
+    for name, of_rows in values_of.items():
+        nowhere = np.isnan(radius) & np.isfinite(of_rows)
         if name not in scalars and nowhere.any():
             row = table.numbers[int(np.argmax(nowhere))]
             column = TAB_FORCE if name == PRESSURE and TAB_FORCE in table.outputs else name
             text = f"row {row}: {column} needs a column {one_of(POSITIONS)}"
             raise InvalidProblem.at(table.where, text)
-        unknown = np.full(values.shape, nan)
-        entries += [
-            (
-                row,
-                name,
-                radius[row] if positioned else nan,
-                values[row],
-                deviations.get(name, unknown)[row],
-                common.get(name, np.zeros(values.shape))[row],
-            )
-            for row in np.nonzero(np.isfinite(values))[0]
-        ]
-    if not entries:
+    names, shape = list(values_of), (len(values_of), len(table.numbers))
+
+    def of_all_outputs(by_name: Mapping[str, Array], missing: float) -> Array:
+        """Return an (outputs, rows) array of values by output, which some outputs may lack."""
+        rows = [by_name.get(name, np.full(shape[1], missing)) for name in names]
+        return np.reshape(rows, shape)
+
+    values = of_all_outputs(values_of, nan)
+    rows, outputs = np.nonzero(np.isfinite(values.T))  # row by row
+    if not rows.size:
         raise InvalidProblem.at(table.where, "has no measured value")
-    entries.sort(key=lambda entry: entry[0])
-    rows, names, position, measured, deviation, shared = zip(*entries, strict=True)
-    quantities = {name: known[name] for name in names}
+    names_of_values = tuple(names[output] for output in outputs.tolist())
+    quantities = {name: known[name] for name in names_of_values}
     quantities |= {name: q for name in table.inputs if (q := fields.get(name)) is not None}
     return Observations(
-        rows=np.array(rows),
-        numbers=tuple(table.numbers[row] for row in rows),
-        names=names,
-        position=np.array(position),
-        measured=np.array(measured),
-        deviation=np.array(deviation),
-        common=np.array(shared),
+        rows=rows,
+        numbers=tuple(table.numbers[row] for row in rows.tolist()),
+        names=names_of_values,
+        position=radius[rows],
+        measured=values[outputs, rows],
+        deviation=of_all_outputs(deviations, nan)[outputs, rows],
+        common=of_all_outputs(common, 0.0)[outputs, rows],
         inputs=table.inputs,
         quantities=quantities,
         where=table.where,
