@@ -21,6 +21,7 @@ from ..problems.messages import quote
 from ..problems.problem import Problem
 from ..problems.units import parse
 from ..quantities import Quantity, length, outputs, scalar_outputs, value_of
+from ..results import Result
 from .columns import columns_of, conversion_of, measurable_outputs
 from .measured import read_measured
 from .model import kind_of
@@ -279,7 +280,7 @@ def read_deviation(
 # ---- predictions --------------------------------------------------------------------------------
 
 
-def predict(result: Any, observable: Observable) -> float:
+def predict(result: Result, observable: Observable) -> float:
     """Return the prediction of a measured value.
 
     Raises
@@ -290,7 +291,7 @@ def predict(result: Any, observable: Observable) -> float:
     name, radius = observable
     if not isfinite(radius):
         return float(value_of(result, name))
-    roll = getattr(result, "roll", result)
+    roll: Any = getattr(result, "roll", result)
     R = roll.radius[-1] if hasattr(roll, "radius") else np.nan
     if name == PRESSURE and abs(radius / R - 1) <= AT_SURFACE:
         text = "is zero at the surface of the roll, so that a value measured there is left out"
@@ -304,7 +305,7 @@ def predict(result: Any, observable: Observable) -> float:
                 "is not known of a stage of the build-up; leave out the column with its radius",
             )
         return float(value_of(roll.at(radius), name))
-    holder = result if hasattr(type(result), name) or name in vars(result) else roll
+    holder: Any = result if hasattr(type(result), name) or name in vars(result) else roll
     low, high = float(holder.radius[0]), float(holder.radius[-1])
     if not low <= radius <= high:
         text = f"{radius:.6g} is out of range; must be >= {low:.6g} and <= {high:.6g} [m]"
@@ -315,9 +316,9 @@ def predict(result: Any, observable: Observable) -> float:
     return float(np.interp(radius, holder.radius, values))
 
 
-def definitions(result: Any, names: Sequence[str]) -> Iterator[str]:
+def definitions(result: Result, names: Sequence[str]) -> Iterator[str]:
     """Yield the definitions of measured quantities that have two, with their values."""
-    roll = getattr(result, "roll", result)
+    roll: Any = getattr(result, "roll", result)
     if LENGTH in names and hasattr(roll, LENGTH):
         known = scalar_outputs(type(roll))
         texts = (
@@ -328,13 +329,14 @@ def definitions(result: Any, names: Sequence[str]) -> Iterator[str]:
         yield f"{LENGTH}: the {'; the finished roll also has the '.join(texts)}"
 
 
-def error_at(result: Any, observable: Observable) -> float:
+def error_at(result: Result, observable: Observable) -> float:
     """Return the estimated discretisation error of a prediction; nan where it is not known."""
     (name, radius), errors = observable, result.errors
     if name in errors and not isfinite(radius):
         return float(errors[name])
     if name in (PRESSURE, "hoop_stress") and {"core_pressure", "mid_pressure"} <= set(errors):
-        radii = getattr(result, "roll", result).radius
+        roll: Any = getattr(result, "roll", result)
+        radii = roll.radius
         ends = (radii[0], (radii[0] + radii[-1]) / 2)
         return float(np.interp(radius, ends, (errors["core_pressure"], errors["mid_pressure"])))
     return float(errors.get(name, errors.get(f"mean_{name}", nan)))

@@ -27,6 +27,7 @@ from ..problems.messages import quote
 from ..problems.paths import field_or_none, get_field, varied_number
 from ..problems.problem import Problem
 from ..quantities import Quantity, in_chosen_units, value_of
+from ..results import Result
 from .api import range_in_si
 from .model import KindModel, model_of, quantities_of, solver_options
 from .outcome import Outcome
@@ -95,8 +96,8 @@ class OptimisedSchedule(Outcome):
     names: tuple[str, ...]
     start: Array
     values: Array
-    before: Any
-    after: Any
+    before: Result
+    after: Result
     margins_before: Any
     margins_after: Any
     feasible: bool
@@ -351,7 +352,7 @@ class _Search:
         """The windings that were solved."""
         return [case for case in self.evaluations.values() if case.result is not None]
 
-    def _nearest(self, values: tuple[float, ...]) -> Any:
+    def _nearest(self, values: tuple[float, ...]) -> Result | None:
         """Return the result with the nearest values, relative to the ranges, as a warm start."""
         if not self.solved:
             return None
@@ -360,7 +361,7 @@ class _Search:
         )
         return self.solved[int(np.argmin(np.sum(distances**2, axis=1)))].result
 
-    def _evaluation(self, values: tuple[float, ...], result: Any) -> _Evaluation:
+    def _evaluation(self, values: tuple[float, ...], result: Result) -> _Evaluation:
         """Return a solved winding with its reserves and the value of the goal."""
         margins = self.margins(result, self.limits)
         reserves = np.array([margins[name].reserve for name in self.checked])
