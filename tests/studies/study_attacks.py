@@ -299,7 +299,7 @@ CASE = """
 schema = 1
 outputs = ["nip_induced_tension", "half_width"]
 [over]
-nip_load = { from = "1 kN/m", to = "4 kN/m", count = 120 }
+nip_load = { from = "1 kN/m", to = "4 kN/m", count = 60 }
 [solver]
 nodes = 17
 [case]
@@ -546,7 +546,9 @@ def main() -> int:
     given = parser.parse_args()
     place = Path(mkdtemp(prefix="attacks-"))
     whole, ends, faults = Undisturbed(place), Counter[tuple[str, str]](), list[str]()
-    with suppress(KeyboardInterrupt):  # prints the trials so far
+    # a shell lets jobs in its background ignore Ctrl-C; here it prints the trials so far
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    with suppress(KeyboardInterrupt):
         for seed in range(given.seed, given.seed + given.cases):
             folder = place / str(seed)
             try:

@@ -18,6 +18,7 @@ import pytest
 import woundon as wo
 
 PAIR, ROLL = wo.RollerProblem.example(), wo.RollProblem.example()
+WINDING = wo.WindingProblem.example().replace(limits=wo.Limits(web_strength=700.0))
 ROWS = {"load [kN/m]": [50, 89, 120], "half_width [um]": [265, 354, 411]}
 WIDTH = wo.Measurement("half_width", {}, "1 %")
 
@@ -46,11 +47,18 @@ STUDIES: dict[str, Callable[..., Any]] = {
         outputs=["half_width"],
     ),
     "sweep": partial(wo.sweep, problem=PAIR, over={"load": [5e4]}, outputs=["half_width"]),
+    "solve_table": partial(wo.solve_table, table={"load": [5e4]}, case=PAIR, outputs="half_width"),
+    "find": partial(wo.find, PAIR, "load", half_width=3e-4),
+    "operating_window": partial(
+        wo.operating_window, problem=WINDING, web_tension=(200.0, 500.0), nip_load=(1e3, 4e3),
+        uncertain={"roll_friction": 0.3},
+    ),
     "Measurement": partial(
         planned, quantity="half_width", at={}, standard_deviation="1 %", cost=1.0, problem=PAIR,
         fields={}, label="",
     ),
 }  # fmt: skip
+PERMITTED = r"must be|expected|known: |nothing to vary|meaning|write \(low, high\)|together with"
 WRONG = (-1.5, b"x", object(), [1], {1: 1}, float("nan"), np.ones(2))
 
 
@@ -75,4 +83,4 @@ def test_a_wrong_type_is_rejected_with_the_permitted_kind(
         with pytest.raises(wo.InvalidProblem) as report:
             STUDIES[study](**{argument: value})
         assert argument in str(report.value)
-        assert re.search("must be|expected|known: |nothing to vary|meaning", str(report.value))
+        assert re.search(PERMITTED, str(report.value))

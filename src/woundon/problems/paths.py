@@ -267,7 +267,7 @@ def names_above(path: str) -> list[str]:
     >>> names_above("drum.layers.0.thickness")
     ['drum', 'drum.layers', 'drum.layers.0']
     """
-    parts = path.split(".")
+    parts = parts_of(path)
     return [".".join(parts[:k]) for k in range(1, len(parts))]
 
 

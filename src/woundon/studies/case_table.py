@@ -13,11 +13,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import inf, isnan
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .. import __version__, kinds
+from ..arguments import check_type
 from ..errors import InvalidProblem, one_of
 from ..io.case_files import SCHEMA, check_like_a_case, load_case, make_problem
 from ..io.cells import MAX_COUNTED, Fault, as_plain_number, decimal_sign, numbers, raise_faults
@@ -28,7 +29,7 @@ from ..problems.family import field_from_table
 from ..problems.paths import field_or_none, is_part_of, nest_tables
 from ..problems.problem import Problem
 from ..quantities import is_on_request, pattern, scalar_outputs
-from .cases import table_of_cases
+from .cases import Solved, table_of_cases
 from .columns import (
     ANNOTATIONS,
     column_names,
@@ -156,11 +157,10 @@ def _base_problem(
     if case is None:
         found = _kind_of_columns(sheet, columns) if kind is None else kinds.named(kind)
         return found.example(), True
-    problem = load_case(case) if isinstance(case, (str, Path)) else case
+    check_type("case", case, Problem, str, Path)
     if kind is not None:
         raise InvalidProblem.at("kind", "is given together with a case, which has its own kind")
-    kind_of(problem)  # raises an error if it is no problem
-    return problem, False
+    return (case if isinstance(case, Problem) else load_case(case)), False
 
 
 def read_cases(
@@ -225,7 +225,7 @@ class _RowModel(KindModel):
 
     complete: bool = False
 
-    def variant(self, inputs: Mapping[str, Any]) -> Any:
+    def variant(self, inputs: Mapping[str, Any]) -> Problem:
         """Return the problem of one row; None and nan stand for a field without a value."""
         fields = {name: value for name, value in inputs.items() if not _is_missing(value)}
         if not self.complete:  # fields without a value have that of the base problem
@@ -233,22 +233,6 @@ class _RowModel(KindModel):
         # the fields of the row are the problem: others have their default, or are reported missing
         problem = make_problem({"schema": SCHEMA, **nest_tables(fields)}, self.kind.name)
         return self.with_ties(problem)
-
-
-class _SolvedRows(NamedTuple):
-    """Results of all rows of a table.
-
-    Attributes
-    ----------
-    values : (rows, outputs) array
-        nan for a row without a solution.
-    failure, warnings : list of str
-        One text for each row, '' without failure or warning.
-    """
-
-    values: Array
-    failure: list[str]
-    warnings: list[str]
 
 
 def _solve_rows(
@@ -259,8 +243,8 @@ def _solve_rows(
     workers: int | None,
     chunk: int | None,
     progress: bool | Progress,
-) -> _SolvedRows:
-    """Solve the rows without faults in one study.
+) -> Solved:
+    """Solve the rows without faults in one study; return the results of all rows.
 
     Parameters
     ----------
@@ -283,7 +267,7 @@ def _solve_rows(
         values[rows] = np.column_stack(list(solved.outputs.values()))
         for k, reason, warning in zip(rows, solved.failure, solved.warnings, strict=True):
             failure[k], warnings[k] = _reason_text(reason), warning
-    return _SolvedRows(values, failure, warnings)
+    return Solved(values, failure, warnings)
 
 
 def _is_missing(value: Any) -> bool:

@@ -12,7 +12,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cache
 from inspect import signature
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
@@ -23,6 +23,7 @@ from ..parallel import progress
 from ..problems.paths import field_quantity, get_field, is_part_of
 from ..problems.problem import Problem
 from ..quantities import Quantity, scalar_outputs, value_of
+from ..results import Result
 
 __all__ = [
     "Answer",
@@ -35,6 +36,7 @@ __all__ = [
     "solver_options",
 ]
 
+ProblemT = TypeVar("ProblemT", bound=Problem)
 _ERROR = "errors."  # of an output: "errors.half_width"
 
 
@@ -173,11 +175,11 @@ class KindModel:
 
     # ---- one case -------------------------------------------------------------------------------
 
-    def variant(self, inputs: Mapping[str, Any]) -> Any:
+    def variant(self, inputs: Mapping[str, Any]) -> Problem:
         """Return the problem of one case."""
         return self.with_ties(self.problem.replace(**inputs))
 
-    def with_ties(self, problem: Problem) -> Problem:
+    def with_ties(self, problem: ProblemT) -> ProblemT:
         """Return a problem whose tied fields have the values of the fields that they follow."""
         if not self.tie:
             return problem
@@ -185,7 +187,7 @@ class KindModel:
             **{follower: get_field(problem, leader) for follower, leader in self.tie.items()}
         )
 
-    def solve(self, problem: Any, start: Any | None) -> Any:
+    def solve(self, problem: Problem, start: Result | None) -> Result:
         """Solve a problem; if a warm start does not converge, solve without it.
 
         In a worker process the solver is cancelled at its next report of progress, if requested.
@@ -321,7 +323,7 @@ def _no_output(problem: Problem, name: str) -> str:
     return f"not a scalar output{did_you_mean(name, known)}"
 
 
-def _value(result: Any, name: str) -> Any:
+def _value(result: Result, name: str) -> Any:
     """Return an output or its error estimate; nan if there is none."""
     if name.startswith(_ERROR):
         return result.errors.get(name.removeprefix(_ERROR), np.nan)

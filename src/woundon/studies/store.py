@@ -29,11 +29,10 @@ from typing import Any
 import numpy as np
 
 from .. import __version__
-from ..arguments import check_arguments
 from ..errors import InvalidProblem
 from .cases import Solved
 
-__all__ = ["FILE", "Store", "folder_of", "open_store"]
+__all__ = ["FILE", "Store", "open_store"]
 
 FILE = "study.sqlite"
 RESUMABLE = "chunks in the file remain valid; resume continues the study"
@@ -123,12 +122,6 @@ class Store:
         return hashlib.sha256(repr((self.record, *row)).encode()).hexdigest()
 
 
-def folder_of(out: Any) -> Path:
-    """Return the folder of a study, the argument ``out``; reject what is not a path."""
-    check_arguments(out=out)
-    return Path(out)
-
-
 @contextmanager
 def open_store(
     folder: str | Path, record: Mapping[str, Any], chunks: int, *, resume: bool
@@ -153,7 +146,7 @@ def open_store(
     OSError
         If it cannot be read, or cannot be written and the study is not complete.
     """
-    folder = folder_of(folder)
+    folder = Path(folder)
     path = folder / FILE
     if not os.path.lexists(path):
         if folder.is_dir() and any(folder.iterdir()):
