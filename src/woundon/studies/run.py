@@ -102,7 +102,7 @@ def run_study(
     >>> run_study(model, cases, Workers(1)).failed.size
     0
     """
-    check_arguments(resume=resume, progress=progress)
+    check_arguments(out=out, resume=resume, progress=progress)
     if resume and out is None:
         raise InvalidProblem.at("resume", "needs out, the folder of the study to resume")
     for name in set(cases.names) & set(model.outputs):
