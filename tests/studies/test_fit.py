@@ -31,7 +31,7 @@ def _fitted(model, y, parameters, *, deviation=np.nan, starts=3, profiles=True, 
     predictor = Predictor(model, models.curve_data(X, y, deviation), tuple(parameters))
     named = [p.name for p in parameters if profiles]
     return fit_parameters(
-        predictor, starts=starts, seed=1, profiles=named, quantities={}, workers=Workers(workers)
+        predictor, starts=starts, seed=1, profiles=named, workers=Workers(workers)
     )  # fmt: skip
 
 

@@ -27,7 +27,6 @@ from ..errors import InvalidProblem, NoSteadyState, NotConverged
 from ..problems.messages import not_one_of, quote
 from ..problems.paths import varied_value
 from ..problems.problem import Problem
-from ..quantities import Quantity
 from .api import range_in_si
 from .fit_result import FitResult
 from .measurements import Observations, read_observations
@@ -132,7 +131,6 @@ def fit(
     for parameter in parameters:
         _check_bounds(problem, parameter)
     _check_rows(problem, data)
-    quantities = quantities_of(model, (*(p.name for p in parameters), *data.names))
     _check_units(data)
     predictor, profiled = Predictor(model, data, parameters), _names_of_profiles(profiles, bounds)
     with progress_reporter(progress, "fitting") as report:
@@ -141,12 +139,12 @@ def fit(
             starts=starts,
             seed=seed,
             profiles=profiled,
-            quantities=quantities,
             workers=Workers(workers, scheduler),
             progress=report,
         )
     estimates = dict(zip(result.names, result.estimates, strict=True))
-    return replace(result, problem=model.variant(estimates))
+    quantities = quantities_of(model, (*result.names, *data.names))
+    return replace(result, problem=model.variant(estimates), quantities=quantities)
 
 
 # ---- input --------------------------------------------------------------------------------------
@@ -234,11 +232,10 @@ def fit_parameters(
     starts: int | None,
     seed: int,
     profiles: Collection[str],
-    quantities: Mapping[str, Quantity],
     workers: Workers = Workers(1),  # noqa: B008
     progress: Progress = lambda done, expected: None,
 ) -> FitResult:
-    """Fit the predictor's parameters.
+    """Fit the predictor's parameters; the result has no problem and no quantities.
 
     Parameters
     ----------
@@ -249,8 +246,6 @@ def fit_parameters(
     seed : int
     profiles : collection of str
         Parameters whose profile-likelihood intervals are found.
-    quantities : mapping of str to Quantity
-        Of parameters and outputs.
     workers : Workers
         Where the profiles are found; the result does not depend on it.
     progress : callable
@@ -283,7 +278,7 @@ def fit_parameters(
         deeper = minimise(predictor, best[1])
         minima = minima if deeper is None else sorted([deeper, *minima], key=attrgetter("S"))
     tasks.end()
-    return _result(predictor, minima, count, likelihoods, quantities)
+    return _result(predictor, minima, count, likelihoods)
 
 
 def _minima(
@@ -437,7 +432,6 @@ def _result(
     minima: list[Linearisation],
     starts: int,
     profiles: tuple[ProfileLikelihood, ...],
-    quantities: Mapping[str, Quantity],
 ) -> FitResult:
     """Assemble the result: estimates, covariance, identifiability and fitted values."""
     u, r, J = minima[0]
@@ -474,7 +468,6 @@ def _result(
         row_numbers=tuple(predictor.data.rows.tolist()),
         weighted=predictor.weighted,
         profiles=profiles,
-        quantities=quantities,
     )
 
 
