@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 import study_models as models
@@ -131,15 +129,3 @@ def test_a_sweep_without_any_solution_raises_with_its_reasons(
     assert "\n" not in str(fault.value)
     if kind is wo.NotConverged:
         assert set(fault.value.best.failure.values.ravel()) != {""}
-
-
-@pytest.mark.parametrize(
-    ("over", "options", "field"),
-    [({"load": range(10**12)}, {}, "over"), ({"load": [1e5]}, {"chunk": -3}, "chunk"),
-     ({"load": [1e5]}, {"chunk": "a"}, "chunk")],
-)  # fmt: skip
-def test_sizes_are_checked_before_the_work(tmp_path: Path, over, options, field):
-    with pytest.raises(wo.InvalidProblem) as fault:
-        wo.sweep(wo.RollerProblem.example(), over, ["half_width"], out=tmp_path / "out", **options)
-    assert fault.value.faults[0][0] == field
-    assert not (tmp_path / "out").exists()

@@ -6,6 +6,7 @@ a type below converts its text to the value that the function expects.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -287,7 +288,16 @@ def present(
     if as_json:
         lines = [result.to_json()]
     for line in result.lines() if lines is None else lines:
-        click.echo(line)
+        click.echo(_in_characters_of_terminal(line))
+
+
+def _in_characters_of_terminal(text: str) -> str:
+    """Return a text with "+-" in place of "±" if the output cannot have this character."""
+    try:
+        text.encode(sys.stdout.encoding or "ascii")
+    except UnicodeEncodeError:
+        return text.replace("±", "+-")
+    return text
 
 
 def print_failures(cases: str, reasons: Iterable[str], seconds: float) -> int:

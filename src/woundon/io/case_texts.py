@@ -72,7 +72,7 @@ def template(kind: str = "nip") -> str:
     >>> print(template("rollers").splitlines()[0])
     # Two rollers in contact without a web, rolling or static.
     """
-    return to_toml(kinds.named(kind.replace("-", "_")).example(), comments=True)
+    return to_toml(kinds.named(kind).example(), comments=True)
 
 
 _GRADE_CASE = """\

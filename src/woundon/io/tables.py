@@ -11,11 +11,10 @@ from __future__ import annotations
 import re
 import shlex
 from collections.abc import Iterator, Mapping
-from types import NoneType
 from typing import Any, NamedTuple
 
+from ..arguments import check_arguments
 from ..errors import InvalidProblem, nearest, one_of
-from ..problems.messages import quote
 from ..problems.units import is_unit
 from ..quantities import Quantity, pattern
 from .sheets import Sheet
@@ -176,7 +175,7 @@ def match_columns(
     >>> [(c.name, c.unit) for c in match_columns(sheet, Names({"nip_width": length("b", "")}))]
     [('nip_width', 'mm')]
     """
-    _check_renaming(columns)
+    check_arguments(columns=columns)
     faults: Faults = []
     matched: list[Column] = []
     unknown: list[str] = []
@@ -210,19 +209,6 @@ def match_columns(
     if faults:
         raise InvalidProblem(faults)
     return matched
-
-
-def _check_renaming(columns: Any) -> None:
-    """Reject values that are not a mapping of headers to names."""
-    if columns is None:
-        return
-    if not isinstance(columns, Mapping):
-        text = f"{quote(columns)} is not a mapping; must be {{header: name or None}}"
-        raise InvalidProblem.at("columns", text)
-    for header, target in columns.items():
-        if not isinstance(header, str) or not isinstance(target, (str, NoneType)):
-            text = f"{quote(header)}: {quote(target)}: header and name must be texts"
-            raise InvalidProblem.at("columns", text)
 
 
 class _Renamed(NamedTuple):

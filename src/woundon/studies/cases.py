@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arguments import whole_number
+from ..arguments import check_seed, whole_number
 from ..errors import InvalidProblem, did_you_mean
 
 if TYPE_CHECKING:
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "DESIGNS",
+    "MOST_CASES",
     "Cases",
     "Chunk",
     "Solved",
@@ -61,7 +62,7 @@ class Chunk(NamedTuple):
 
 
 class Solved(NamedTuple):
-    """The results of a chunk of k cases.
+    """The results of k cases.
 
     Attributes
     ----------
@@ -121,23 +122,25 @@ class Cases:
         if size is None:
             size = min(100, max(10, ceil(len(self) / 32)))
         size = whole_number("chunk", size, 1, MOST_CASES)
-        order, points = np.arange(len(self)), None
-        numbers = self.frame.select_dtypes("number")
+        inputs = self.frame.to_dict("records")
+        return [
+            Chunk(number, rows, [inputs[row] for row in rows])
+            for number, rows in enumerate(self._neighbours(size))
+        ]
+
+    def _neighbours(self, size: int) -> list[Array]:
+        """Return the numbers of the cases of each chunk, in the order in which they are solved."""
         if self.axes:
             # objects vary slowest, then nested fields: they change the solution most
             rank = [(is_numeric(v), -name.count(".")) for name, v in self.axes.items()]
-            order = serpentine(self.shape, sorted(range(len(rank)), key=lambda k: rank[k]))
-        elif len(numbers.columns):
-            # a missing value counts as the mean of its column
-            points = numbers.fillna(numbers.mean()).fillna(0.0).to_numpy()
-            order = bisection_order(points)
-        parts = [order[k : k + size] for k in range(0, len(self), size)]
-        if points is not None:
-            parts = [rows[tour(points[rows])] for rows in parts]
-        inputs = self.frame.to_dict("records")
-        return [
-            Chunk(number, rows, [inputs[row] for row in rows]) for number, rows in enumerate(parts)
-        ]
+            path = serpentine(self.shape, sorted(range(len(rank)), key=lambda k: rank[k]))
+            return _divided(path, size)
+        numbers = self.frame.select_dtypes("number")
+        if numbers.columns.empty:
+            return _divided(np.arange(len(self)), size)
+        # a missing value counts as the mean of its column
+        points = numbers.fillna(numbers.mean()).fillna(0.0).to_numpy()
+        return [rows[tour(points[rows])] for rows in _divided(bisection_order(points), size)]
 
     def record(self) -> dict[str, Any]:
         """Return the inputs and a hash of their values, which identify the cases, for JSON."""
@@ -195,6 +198,7 @@ def make_cases(
     >>> cases.frame.iloc[1].tolist()
     [1000.0, 0.3]
     """
+    check_seed(seed)
     if design not in DESIGNS:
         raise InvalidProblem.at("design", f"{design!r} is unknown{did_you_mean(design, DESIGNS)}")
     if not isinstance(over, Mapping) or not over:
@@ -311,11 +315,7 @@ def _draw_points(design: str, inputs: int, samples: int | None, seed: int) -> Ar
     """Draw points of the unit cube, (samples, inputs)."""
     from scipy.stats import qmc
 
-    if isinstance(samples, bool) or not isinstance(samples, (int, np.integer)) or samples < 2:
-        raise InvalidProblem.at("samples", f"{samples!r} is not a number of cases, at least 2")
-    check_number(samples)
-    if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)) or seed < 0:
-        raise InvalidProblem.at("seed", f"{seed!r} is not a whole number, at least 0")
+    samples = whole_number("samples", samples, 2, MOST_CASES)
     if design == "latin-hypercube":
         return np.asarray(qmc.LatinHypercube(inputs, rng=seed).random(samples))
     power = int(log2(samples))
@@ -324,6 +324,11 @@ def _draw_points(design: str, inputs: int, samples: int | None, seed: int) -> Ar
         text = f"{samples} is not a power of 2, which Sobol points require: {nearest}"
         raise InvalidProblem.at("samples", text)
     return np.asarray(qmc.Sobol(inputs, rng=seed).random_base2(power))
+
+
+def _divided(cases: Array, size: int) -> list[Array]:
+    """Return the numbers of cases in parts of a size; the last part may be smaller."""
+    return [cases[k : k + size] for k in range(0, len(cases), size)]
 
 
 # ---- orders in which successive cases are neighbours --------------------------------------------

@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from .. import __version__
+from ..arguments import check_arguments
 from ..errors import InvalidProblem, NoSteadyState, NotConverged
 from ..parallel import WorkerDied, in_processes, stoppable, usable_cores
 from ..parallel import progress as report_progress
@@ -101,6 +102,7 @@ def run_study(
     >>> run_study(model, cases, Workers(1)).failed.size
     0
     """
+    check_arguments(out=out, resume=resume, progress=progress)
     if resume and out is None:
         raise InvalidProblem.at("resume", "needs out, the folder of the study to resume")
     for name in set(cases.names) & set(model.outputs):
@@ -201,6 +203,7 @@ class Workers:
     scheduler: str | None = None
 
     def __post_init__(self) -> None:
+        check_arguments(scheduler=self.scheduler)
         count = self.processes
         if self.scheduler is not None and count is not None:
             text = "cannot be combined with a scheduler, which has its own workers"

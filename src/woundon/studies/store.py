@@ -9,8 +9,9 @@
 its number, its results and the record, so that a damaged, exchanged or foreign chunk is noticed.
 
 Every chunk is one transaction with a rollback journal: after a kill -9 or a loss of power the file
-contains the chunks that were solved.  Several processes may use the same folder; SQLite separates
-their transactions.  A damaged file is rejected and left as it is.
+contains the chunks that were solved; a file of zero bytes is a study that was killed before its
+first transaction.  Several processes may use the same folder; SQLite separates their transactions.
+A damaged file, and one with other tables than a study has, is rejected and left as it is.
 """
 
 from __future__ import annotations
@@ -70,26 +71,26 @@ class Store:
             self.connection.execute(statement)
         self.connection.execute("INSERT INTO study VALUES (?)", (self.record,))
 
-    def is_empty(self) -> bool:
-        """Return True if the file has no tables, because the study was stopped at once."""
-        return self.connection.execute("SELECT 1 FROM sqlite_master").fetchone() is None
-
     def read_record(self) -> dict[str, Any]:
         """Return the record of the study in the file.
 
         Raises
         ------
         sqlite3.DatabaseError
-            If the file is damaged.
+            If the file has not exactly the tables of a study, or the record cannot be read.
         """
-        (state,) = self.connection.execute("PRAGMA quick_check(1)").fetchone()
-        row = self.connection.execute("SELECT record FROM study").fetchone()
+        # nothing is read from a view, which may contain any computation
+        names = self.connection.execute("SELECT type, name FROM sqlite_master").fetchall()
+        if sorted(names) != [("table", "chunk"), ("table", "study")]:
+            raise sqlite3.DatabaseError("its tables are not those of a study")
+        rows = self.connection.execute("SELECT record FROM study").fetchall()
         try:
-            record = json.loads(row[0])
+            [(text,)] = rows
+            record = json.loads(text)
         except (TypeError, ValueError, RecursionError):
             record = None
-        if state != "ok" or not isinstance(record, dict):
-            raise sqlite3.DatabaseError("its record cannot be read" if state == "ok" else state)
+        if not isinstance(record, dict):
+            raise sqlite3.DatabaseError("its record cannot be read")
         return record
 
     def read_chunks(self) -> None:
@@ -98,8 +99,14 @@ class Store:
         Raises
         ------
         sqlite3.DatabaseError
-            If the SHA-256 of a chunk is wrong.
+            If the tables have other columns, a page is damaged, or the SHA-256 of a chunk is wrong.
         """
+        statements = self.connection.execute("SELECT sql FROM sqlite_master").fetchall()
+        if {sql for (sql,) in statements} != set(CREATE):
+            raise sqlite3.DatabaseError("its tables have other columns than those of a study")
+        (state,) = self.connection.execute("PRAGMA quick_check(1)").fetchone()
+        if state != "ok":
+            raise sqlite3.DatabaseError(state)
         for *row, sha256 in self.connection.execute(
             "SELECT number, outputs, failure, warnings, sha256 FROM chunk"
         ):
@@ -159,7 +166,7 @@ def open_store(
         store = Store(connection, json.dumps(record, sort_keys=True))
         # of two processes that create the file at a time, the second reads what the first wrote
         connection.execute("BEGIN IMMEDIATE" if is_writable else "BEGIN")
-        if is_writable and store.is_empty():
+        if is_writable and not path.stat().st_size:
             store.create()
         else:
             _check_study(folder, store.read_record(), json.loads(store.record), resume)
