@@ -11,6 +11,7 @@ import webbrowser
 import click
 
 from ..errors import InvalidProblem
+from . import options
 
 __all__ = ["app"]
 
@@ -29,28 +30,28 @@ MISSING = 'needs FastAPI and uvicorn: pip install "woundon[app]"'
     """,
     short_help="Open the interactive page in the browser.",
 )
-@click.option(
+@options.option(
     "--port",
     type=click.IntRange(0, 65535),
     default=PORT,
     show_default=True,
     help="Port to listen on; 0 selects a free one.",
 )
-@click.option("--no-browser", is_flag=True, help="Do not open the browser.")
-@click.option(
+@options.option("--no-browser", is_flag=True, help="Do not open the browser.")
+@options.option(
     "--host",
     default="127.0.0.1",
     show_default=True,
     help="Address to listen on; any other than the loopback requires a token.",
 )
-@click.option(
+@options.option(
     "--name",
     "names",
     multiple=True,
     metavar="NAME",
     help="Public host name (e.g. behind a proxy); repeatable.",
 )
-@click.option(
+@options.option(
     "--token",
     default="",
     metavar="TOKEN",

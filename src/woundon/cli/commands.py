@@ -15,6 +15,7 @@ import sys
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
+from io import TextIOWrapper
 from typing import Any
 
 import click
@@ -59,6 +60,8 @@ def main(args: Sequence[str] | None = None) -> int:
     """
     for name, value in environment().items():  # read by NumPy when it is imported
         os.environ.setdefault(name, value)
+    if isinstance(sys.stdout, TextIOWrapper):  # as Python does for errors
+        sys.stdout.reconfigure(errors="backslashreplace")
     code = INTERRUPTED
     with suppress(KeyboardInterrupt), terminations_as_interrupts() as arrived:
         # a second signal does not change the exit code

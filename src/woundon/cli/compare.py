@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -29,32 +30,32 @@ TAB_OPTIONS = ("slope", "offset", "friction", "area", "faces", "deviation")
 )
 @click.argument("measured", type=options.PATH)
 @click.argument("case", type=options.PATH)
-@click.option(
+@options.option(
     "--tab-slope",
     type=options.as_number,
     metavar="VALUE",
     help='Pressure per force of the pull tab, "2 kPa/N".',
 )
-@click.option(
+@options.option(
     "--tab-offset", type=options.as_number, metavar="VALUE", help="Pressure at zero force."
 )
-@click.option("--tab-friction", type=float, help="Coefficient of friction of the tab.")
-@click.option(
+@options.option("--tab-friction", type=float, help="Coefficient of friction of the tab.")
+@options.option(
     "--tab-area",
     type=options.as_number,
     metavar="VALUE",
     help='Area of one face of the tab, "12 cm^2".',
 )
-@click.option(
+@options.option(
     "--tab-faces", type=click.IntRange(1, 2), help="Sliding faces of the tab; by default 2."
 )
-@click.option(
+@options.option(
     "--tab-deviation",
     type=options.as_number,
     metavar="VALUE",
     help='Relative standard deviation of the calibration, "5 %".',
 )
-@click.option(
+@options.option(
     "--spread",
     multiple=True,
     type=options.Pair("FIELD=VALUE", options.as_number),
@@ -68,7 +69,7 @@ TAB_OPTIONS = ("slope", "offset", "friction", "area", "faces", "deviation")
 @options.NODES
 @options.RTOL
 @options.JSON
-@click.option("--save", type=options.TABLE, help="Save all values as .csv or .xlsx, in SI.")
+@options.option("--save", type=options.TABLE, help="Save all values as .csv or .xlsx, in SI.")
 @options.PLOT
 def compare(
     measured: Path,
@@ -80,7 +81,6 @@ def compare(
     **arguments: Any,
 ) -> None:
     """Compare a table of measured values with the predictions for a case."""
-    from ..io.case_files import load_case
     from ..studies.compare import compare as compare_with
     from ..studies.export import write_table
     from ..studies.pull_tab import PullTab
@@ -88,8 +88,10 @@ def compare(
     values = {name: arguments.pop(f"tab_{name}") for name in TAB_OPTIONS}
     calibration = {name: value for name, value in values.items() if value is not None}
     tab = PullTab(**calibration) if calibration else None
-    problem = load_case(case, settings)
+    problem = options.load_case(case, settings)
     comparison = compare_with(problem, measured, tab=tab, progress=True, **arguments)
-    if save:
-        write_table(comparison.to_dataframe(), save)
-    options.present(comparison, as_json, plot, [*comparison.lines(), "", *comparison.table()])
+    files: options.Files = {
+        save: partial(write_table, comparison.to_dataframe()),
+        plot: comparison.plot,
+    }
+    options.present(comparison, as_json, files, [*comparison.lines(), "", *comparison.table()])

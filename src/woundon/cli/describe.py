@@ -180,7 +180,7 @@ def materials() -> None:
     short_help="List the grades of paper, film, foil and nonwoven, or the values of one.",
 )
 @click.argument("name", required=False)
-@click.option("--file", metavar="FILE", help="A TOML file with your own grades.")
+@options.option("--file", metavar="FILE", help="A TOML file with your own grades.")
 def grades(name: str | None, file: str | None) -> None:
     """List the grades, or the values of one with their spread and source."""
     from ..problems import grades as library

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from inspect import signature
 from math import isfinite
 from pathlib import Path
@@ -11,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import InvalidProblem, unwarned
-from ..io.files import write_whole
 from . import options
 
 if TYPE_CHECKING:
@@ -30,14 +30,14 @@ __all__ = ["find"]
     short_help="Find the value of a field for which an output reaches a target.",
 )
 @click.argument("case", type=options.PATH)
-@click.option(
+@options.option(
     "--vary",
     required=True,
     type=options.FieldRange(),
     help="The field to find, e.g. nip_load or nip_load='1 kN/m:5 kN/m'; without a range, a decade "
     "around the value of the case, and more if necessary.",
 )
-@click.option(
+@options.option(
     "--target",
     required=True,
     type=options.Pair("OUTPUT=VALUE", options.as_number),
@@ -46,7 +46,7 @@ __all__ = ["find"]
 @options.TIES
 @options.SETTINGS
 @options.UNITS
-@click.option(
+@options.option(
     "--points",
     type=click.IntRange(3, 1000),
     default=17,
@@ -56,7 +56,7 @@ __all__ = ["find"]
 @options.NODES
 @options.RTOL
 @options.JSON
-@click.option(
+@options.option(
     "--case",
     "new_case",
     type=options.OutputFile(".toml"),
@@ -74,8 +74,7 @@ def find(
     **arguments: Any,
 ) -> None:
     """Find the value of a field for which an output of a case reaches a target."""
-    from ..io.case_files import load_case
-    from ..io.case_texts import to_toml
+    from ..io.case_texts import save_case
     from ..quantities import in_chosen_units
     from ..studies.find import find as find_values
 
@@ -84,10 +83,9 @@ def find(
         raise InvalidProblem.at("target", f"{output!r} is an option, not an output")
     arguments |= {"between": between, "progress": not as_json, output: value}
     with unwarned():
-        result = find_values(load_case(case, settings), name, **arguments)
-        if new_case:
-            write_whole(new_case, to_toml(result.problem).encode())
-        options.present(result, as_json, plot, _lines(result))
+        result = find_values(options.load_case(case, settings), name, **arguments)
+        files: options.Files = {new_case: partial(save_case, result.problem), plot: result.plot}
+        options.present(result, as_json, files, _lines(result))
     for text in () if as_json else result.result.warnings:
         click.secho(f"warning: {in_chosen_units(text)}", fg="yellow", err=True)
 

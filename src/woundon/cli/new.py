@@ -20,13 +20,13 @@ __all__ = ["new"]
     short_help="Write a case file to start from, or a study file.",
 )
 @click.argument("kind", type=options.KindName(), default="nip", metavar="KIND")
-@click.option(
+@options.option(
     "--grade",
     metavar="NAME",
     help="A short case of a grade of 'woundon grades', for nip and winding.",
 )
-@click.option("--grades", "file", metavar="FILE", help="A TOML file with your own grades.")
-@click.option("--study", is_flag=True, help="Write a study file with such a case for 'sweep'.")
+@options.option("--grades", "file", metavar="FILE", help="A TOML file with your own grades.")
+@options.option("--study", is_flag=True, help="Write a study file with such a case for 'sweep'.")
 def new(kind: str, grade: str | None, file: str | None, study: bool) -> None:
     """Print a commented case or study file of a kind of problem."""
     from ..io.case_texts import grade_template, template

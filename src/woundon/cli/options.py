@@ -6,18 +6,22 @@ a type below converts its text to the value that the function expects.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..errors import InvalidProblem
+from ..errors import InvalidProblem, mapping_of
 from ..io.files import check_writable
 
 if TYPE_CHECKING:
     from rich.console import Console
+
+    from ..problems.problem import Problem
+    from ..studies.outcome import Outcome
 
 __all__ = [
     "COLUMNS",
@@ -36,13 +40,18 @@ __all__ = [
     "FieldRange",
     "KindName",
     "Numbers",
+    "Option",
     "OutputFile",
     "Pair",
     "as_mapping",
     "as_number",
+    "check_unit_names",
     "console",
+    "load_case",
+    "option",
     "present",
     "print_failures",
+    "print_written",
     "resumable",
 ]
 
@@ -196,11 +205,45 @@ TABLE = OutputFile(check=_check_table)
 # ---- options ------------------------------------------------------------------------------------
 
 
+class Option(click.Option):
+    """An option that is rejected if it is given twice, unless it is repeatable or a flag."""
+
+    def add_to_parser(self, parser: Any, ctx: click.Context) -> None:
+        """Let the parser collect all values of the option."""
+        if self.is_flag or self.multiple:
+            super().add_to_parser(parser, ctx)
+        else:
+            parser.add_option(
+                obj=self, opts=self.opts, dest=self.name, action="append", nargs=self.nargs
+            )
+
+    def handle_parse_result(
+        self, ctx: click.Context, opts: Mapping[str, Any], args: list[str]
+    ) -> tuple[Any, list[str]]:
+        """Return the value of the option and the other arguments.
+
+        Raises
+        ------
+        InvalidProblem
+            If the option has two values; names both.
+        """
+        name = self.name or ""
+        if name in opts and not (self.is_flag or self.multiple):
+            *others, last = opts[name]
+            if others and not ctx.resilient_parsing:  # as for the completion in a shell
+                mapping_of((self.opts[-1], value) for value in opts[name])
+            opts = {**opts, name: last}
+        return super().handle_parse_result(ctx, opts, args)
+
+
+option = partial(click.option, cls=Option)
+
+
 def as_mapping(
     context: click.Context, option: click.Parameter, pairs: Iterable[tuple[str, Any]]
 ) -> dict[str, Any]:
     """Return the pairs of a repeated option as a mapping; the callback of such an option."""
-    return dict(pairs)
+    return mapping_of(pairs, option.opts[-1])
 
 
 def _use_units(context: click.Context, option: click.Parameter, choices: tuple[str, ...]) -> None:
@@ -209,17 +252,38 @@ def _use_units(context: click.Context, option: click.Parameter, choices: tuple[s
         # the units import the kinds of problem, with NumPy and pydantic
         from ..io.chosen_units import units_of
 
+        context.meta[UNITS_OF_COMMAND] = choices
         context.with_resource(units_of(choices))
 
 
-SETTINGS = click.option(
+def check_unit_names(*problems: Problem) -> None:
+    """Reject a unit that --unit chooses for a name which none of the problems has."""
+    choices = click.get_current_context().meta.get(UNITS_OF_COMMAND)
+    if choices:
+        from ..io.chosen_units import check_names, names_and_units
+        from ..kinds import of
+
+        check_names(names_and_units(choices), map(of, problems))
+
+
+def load_case(path: Path, settings: Iterable[str] = ()) -> Problem:
+    """Return the problem of a case file; the names of --unit must be among its names."""
+    from ..io.case_files import load_case
+
+    problem = load_case(path, settings)
+    check_unit_names(problem)
+    return problem
+
+
+UNITS_OF_COMMAND = "woundon.units"  # entry of the context of a command
+SETTINGS = option(
     "--set",
     "settings",
     multiple=True,
     metavar="FIELD=VALUE",
     help='Change a field, e.g. web.thickness="57 um"; "none" unsets an optional field; repeatable.',
 )
-UNITS = click.option(
+UNITS = option(
     "--unit",
     multiple=True,
     expose_value=False,
@@ -228,14 +292,14 @@ UNITS = click.option(
     help='Display an input or output in another unit, e.g. nip_load="kN/m"; "mill" displays all in '
     "pli, psi, mil, in; repeatable.",
 )
-TIES = click.option(
+TIES = option(
     "--tie",
     multiple=True,
     type=Pair("FIELD=FIELD"),
     callback=as_mapping,
     help="Let a field follow another one, e.g. web.material=roll.material; repeatable.",
 )
-COLUMNS = click.option(
+COLUMNS = option(
     "--column",
     "columns",
     multiple=True,
@@ -245,12 +309,12 @@ COLUMNS = click.option(
     "'Linienlast=nip_load [kN/m]'; without NAME the column is ignored, and by '*=' every column "
     "without a known name; repeatable.",
 )
-PLOT = click.option("--plot", type=FIGURE, help="Plot to .png, .svg or .pdf.")
-JSON = click.option("--json", "as_json", is_flag=True, help="Print the complete result as JSON.")
-NODES = click.option("--nodes", type=int, help="Number of nodes on the last mesh.")
-RTOL = click.option("--rtol", type=float, help="Relative error of the solver.")
-WORKERS = click.option("--workers", type=int, help="Number of processes; by default one per core.")
-SCHEDULER = click.option("--scheduler", metavar="ADDRESS", help="Dask scheduler, tcp://host:port.")
+PLOT = option("--plot", type=FIGURE, help="Plot to .png, .svg or .pdf.")
+JSON = option("--json", "as_json", is_flag=True, help="Print the complete result as JSON.")
+NODES = option("--nodes", type=int, help="Number of nodes on the last mesh.")
+RTOL = option("--rtol", type=float, help="Relative error of the solver.")
+WORKERS = option("--workers", type=int, help="Number of processes; by default one per core.")
+SCHEDULER = option("--scheduler", metavar="ADDRESS", help="Dask scheduler, tcp://host:port.")
 
 # ---- running and printing -----------------------------------------------------------------------
 
@@ -267,27 +331,48 @@ def resumable(out: Path | None) -> Iterator[None]:
         raise click.Abort(text) from None
 
 
+Files = Mapping[Path | None, Callable[[Path], object]]  # None for a file that is not requested
+
+
 def present(
-    result: Any, as_json: bool, plot: Path | None, lines: Iterable[str] | None = None
+    result: Outcome, as_json: bool, files: Files, lines: Iterable[str] | None = None
 ) -> None:
-    """Save the figure of a study's result, and print its JSON or its lines.
+    """Write the requested files of a study's result, and print its JSON or its lines.
 
     Parameters
     ----------
-    result : object
-        A result of a study, with the methods ``plot``, ``to_json`` and ``lines``.
+    result : Outcome
     as_json : bool
-    plot : path, optional
-        File of the figure.
+        Whether JSON is printed in place of the lines.
+    files : mapping of path to callable
+        Writes the file of each path.
     lines : iterable of str, optional
         In place of ``result.lines()``.
     """
-    if plot:
-        result.plot(plot)
+    written = write(files)
     if as_json:
-        lines = [result.to_json()]
-    for line in result.lines() if lines is None else lines:
-        click.echo(line)
+        click.echo(result.to_json())
+    else:
+        # as in reports
+        plus_minus = "+-" if console().options.ascii_only else "±"
+        for line in result.lines() if lines is None else lines:
+            click.echo(line.replace("±", plus_minus))
+    print_written(written, as_json)
+
+
+def write(files: Files) -> list[Path]:
+    """Write the requested files; return their paths."""
+    requested = {path: save for path, save in files.items() if path is not None}
+    for path, save in requested.items():
+        save(path)
+    return list(requested)
+
+
+def print_written(paths: Iterable[Path], as_json: bool = False) -> None:
+    """Print the paths of written files; next to JSON on the error channel."""
+    text = ", ".join(map(str, paths))
+    if text:
+        click.echo(f"written: {text}", err=as_json)
 
 
 def print_failures(cases: str, reasons: Iterable[str], seconds: float) -> int:

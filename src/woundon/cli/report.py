@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import click
 
 from ..errors import InvalidProblem, unwarned
 from ..io.files import write_whole
 from . import options
+
+if TYPE_CHECKING:
+    from ..problems.problem import Problem
 
 __all__ = ["report"]
 
@@ -26,11 +29,11 @@ HTML = options.OutputFile(".html", ".htm")
     short_help="Write a report of solved cases: one HTML file for print.",
 )
 @click.argument("cases", nargs=-1, required=True, type=options.PATH)
-@click.option("--out", type=HTML, metavar="FILE.html", help="HTML file; by default CASE.html.")
+@options.option("--out", type=HTML, metavar="FILE.html", help="HTML file; by default CASE.html.")
 @options.SETTINGS
 @options.UNITS
-@click.option("--title", default="", help="Title of the report.")
-@click.option("--remarks", default="", help="Text of the remarks; by default left empty.")
+@options.option("--title", default="", help="Title of the report.")
+@options.option("--remarks", default="", help="Text of the remarks; by default left empty.")
 def report(
     cases: tuple[Path, ...], out: Path | None, settings: tuple[str, ...], title: str, remarks: str
 ) -> None:
@@ -39,6 +42,7 @@ def report(
     from ..report.html_report import report_file
 
     problems = [_load(path, settings) for path in cases]
+    options.check_unit_names(*problems)
     out = out or HTML.convert(cases[0].with_suffix(".html"), None, None)
     with unwarned():
         results = [kinds.solve(problem) for problem in problems]
@@ -50,10 +54,10 @@ def report(
             sources=[path.name for path in cases],
         )
     write_whole(out, page.encode())
-    click.echo(f"written: {out}")
+    options.print_written([out])
 
 
-def _load(path: Path, settings: tuple[str, ...]) -> Any:
+def _load(path: Path, settings: tuple[str, ...]) -> Problem:
     """Return the problem of a case file; errors name the file."""
     from ..io.case_files import load_case
 

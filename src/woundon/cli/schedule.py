@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -28,7 +29,7 @@ __all__ = ["schedule"]
     short_help="Compute the tension schedule for a target pressure in a roll.",
 )
 @click.argument("case", type=options.PATH)
-@click.option(
+@options.option(
     "--pressure",
     "target",
     required=True,
@@ -36,10 +37,10 @@ __all__ = ["schedule"]
     help="Target pressure between the layers: a CSV or Excel file with the columns radius and "
     'pressure, from the core to the surface, or one value, as "200 kPa".',
 )
-@click.option(
+@options.option(
     "--smooth", is_flag=True, help="Interpolate the table with a cubic spline; by default linearly."
 )
-@click.option(
+@options.option(
     "--rtol",
     type=float,
     default=1e-4,
@@ -48,13 +49,13 @@ __all__ = ["schedule"]
 )
 @options.SETTINGS
 @options.UNITS
-@click.option(
+@options.option(
     "--out",
     type=options.OutputFile(".csv"),
     help="Write the tension over the radius; a case reads it by [wound_on_tension], "
     'csv = "FILE.csv", between = "smooth".',
 )
-@click.option(
+@options.option(
     "--case", "new_case", type=options.OutputFile(".toml"), help="Write the case with the schedule."
 )
 @options.PLOT
@@ -69,26 +70,25 @@ def schedule(
     plot: Path | None,
 ) -> None:
     """Compute the wound-on-tension schedule that gives a target pressure in a roll."""
-    from ..io.case_files import load_case
-    from ..io.case_texts import to_toml
+    from ..io.case_texts import save_case
     from ..problems.roll import RollProblem
     from ..report.schedule_report import csv_text, plot_schedule, print_schedule
     from ..roll.design import design_tension
     from ..roll.solve import solve_wound_roll
 
-    problem = load_case(case, settings)
+    problem = options.load_case(case, settings)
     if not isinstance(problem, RollProblem):
         text = "is not a case of the kind roll; 'woundon new roll' writes one"
         raise InvalidProblem.at(str(case), text)
     solution = design_tension(problem, _target_pressure(target, smooth), rtol=rtol)
     roll = solve_wound_roll(solution.problem, rtol=max(rtol, 1e-8))
     print_schedule(solution, roll, options.console())
-    if out:
-        write_whole(out, csv_text(solution).encode())
-    if new_case:
-        write_whole(new_case, to_toml(solution.problem).encode())
-    if plot:
-        plot_schedule(solution, roll, plot)
+    files: options.Files = {
+        out: lambda path: write_whole(path, csv_text(solution).encode()),
+        new_case: partial(save_case, solution.problem),
+        plot: partial(plot_schedule, solution, roll),
+    }
+    options.print_written(options.write(files))
 
 
 def _target_pressure(text: str, smooth: bool) -> float | str | Profile:

@@ -44,12 +44,12 @@ def _check_result_file(path: Path) -> None:
 @options.SETTINGS
 @options.UNITS
 @options.JSON
-@click.option(
+@options.option(
     "--sensitivity",
     is_flag=True,
     help="Print the local sensitivities of the main outputs to all inputs, largest first.",
 )
-@click.option(
+@options.option(
     "--save",
     type=options.OutputFile(check=_check_result_file),
     help="Save the result as .nc, .json or .csv.",
@@ -66,23 +66,20 @@ def solve(
 ) -> None:
     """Solve a case file and print the report."""
     from .. import kinds
-    from ..io.case_files import load_case
     from ..io.result_files import to_json
 
     given = {name: value for name, value in arguments.items() if value is not None}
     wraps = [f"{name}={given.pop(name)}" for name in _wrap_fields() if name in given]
-    problem = load_case(case, [*settings, *wraps])
+    problem = options.load_case(case, [*settings, *wraps])
     _check_options(kinds.of(problem), given, sensitivity)
     result = _solve(problem, given)
     derivatives = result.sensitivity() if sensitivity else None
-    if save:
-        result.save(save)
-    if plot:
-        result.plot(plot)
+    written = options.write({save: result.save, plot: result.plot})
     if as_json:
         click.echo(to_json(result, derivatives), nl=False)
     else:
         _print(result, derivatives)
+    options.print_written(written, as_json)
 
 
 # ---- options ------------------------------------------------------------------------------------
@@ -106,7 +103,7 @@ def _solver_options() -> Iterator[click.Option]:
         if len(owners) < len(every()):
             text += f" Only for {one_of((kind.name for kind in owners), 'and')}."
         value_type = click.Choice(option.choices) if option.choices else option.type
-        yield click.Option([_option_name(name)], type=value_type, help=text.strip())
+        yield options.Option([_option_name(name)], type=value_type, help=text.strip())
 
 
 def _wrap_fields() -> dict[str, Any]:
@@ -126,7 +123,7 @@ def _wrap_options() -> Iterator[click.Option]:
     from ..io.case_texts import field_comment
 
     for name, field in _wrap_fields().items():
-        yield click.Option([_option_name(name)], metavar="VALUE", help=field_comment(field))
+        yield options.Option([_option_name(name)], metavar="VALUE", help=field_comment(field))
 
 
 def _check_options(kind: Kind[Any, Any], given: Iterable[str], sensitivity: bool) -> None:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -27,11 +28,11 @@ def _execution_options(command: Callable[..., Any]) -> Callable[..., Any]:
     for option in (
         options.WORKERS,
         options.SCHEDULER,
-        click.option("--resume", is_flag=True, help="Resume the study in DIR."),
-        click.option(
+        options.option("--resume", is_flag=True, help="Resume the study in DIR."),
+        options.option(
             "--out", type=options.PATH, required=True, metavar="DIR", help="Folder of results."
         ),
-        click.option(
+        options.option(
             "--export-to",
             type=options.PATH,
             metavar="FOLDER",
@@ -54,9 +55,9 @@ def _execution_options(command: Callable[..., Any]) -> Callable[..., Any]:
 )
 @click.argument("study", type=options.PATH)
 @_execution_options
-@click.option("--chunk", type=click.IntRange(1), help="Number of cases per chunk.")
+@options.option("--chunk", type=click.IntRange(1), help="Number of cases per chunk.")
 @options.UNITS
-@click.option(
+@options.option(
     "--export",
     "exports",
     multiple=True,
@@ -81,6 +82,7 @@ def sweep(
     from ..studies.study_file import load_study
 
     loaded = load_study(study)
+    options.check_unit_names(loaded.problem)
     folder = _export_folder(out, export_to)
     targets = [folder / f"study.{ending}" for ending in exports]
     for target in targets:
@@ -106,7 +108,7 @@ def sweep(
         table.plot(output, figure)
     code = options.print_failures("cases", table.failure, seconds)
     _print_ranges(table)
-    _print_written([*targets, *figures])
+    options.print_written([*targets, *figures])
     return code
 
 
@@ -138,10 +140,6 @@ def _print_ranges(table: Table) -> None:
             click.echo(text if unit == "1" else f"{text} {unit}")
 
 
-def _print_written(paths: Sequence[Path]) -> None:
-    click.echo("written: " + ", ".join(str(path) for path in paths))
-
-
 @click.command(
     help="""\
     Compute Sobol' indices: the share of each output's variance explained by each input range.
@@ -154,7 +152,7 @@ def _print_written(paths: Sequence[Path]) -> None:
 )
 @click.argument("study", type=options.PATH)
 @_execution_options
-@click.option("--samples", type=int, help="Base samples, a power of 2; by default 256.")
+@options.option("--samples", type=int, help="Base samples, a power of 2; by default 256.")
 def sobol(
     study: Path, out: Path, export_to: Path | None, samples: int | None, **arguments: Any
 ) -> None:
@@ -185,7 +183,7 @@ def sobol(
     targets = [folder / "sobol.nc", folder / "sobol.png"]
     indices.to_xarray().to_netcdf(targets[0], engine="scipy")
     indices.plot(targets[1])
-    _print_written(targets)
+    options.print_written(targets)
 
 
 @click.command(
@@ -199,7 +197,7 @@ def sobol(
 )
 @click.argument("case", type=options.PATH)
 @click.argument("data", type=options.PATH)
-@click.option(
+@options.option(
     "--vary",
     multiple=True,
     required=True,
@@ -211,13 +209,13 @@ def sobol(
 @options.COLUMNS
 @options.SETTINGS
 @options.UNITS
-@click.option(
+@options.option(
     "--starts",
     type=click.IntRange(1),
     help="Number of initial guesses; by default until two lead to the best minimum, at most 6.",
 )
 @options.NODES
-@click.option(
+@options.option(
     "--no-profiles",
     "profiles",
     flag_value=False,
@@ -225,7 +223,7 @@ def sobol(
     help="Omit the profile-likelihood intervals.",
 )
 @options.JSON
-@click.option("--save", type=options.OutputFile(".json"), help="Save the fit.")
+@options.option("--save", type=options.OutputFile(".json"), help="Save the fit.")
 @options.PLOT
 def fit(
     case: Path,
@@ -237,13 +235,15 @@ def fit(
     **arguments: Any,
 ) -> None:
     """Fit fields of a case to measured data (.csv or .xlsx, units in the header)."""
-    from ..io.case_files import load_case
     from ..studies.fit import fit as fit_problem
 
-    result = fit_problem(load_case(case, settings), data, progress=True, **arguments)
-    if save:
-        write_whole(save, result.to_json().encode())
-    options.present(result, as_json, plot)
+    problem = options.load_case(case, settings)
+    result = fit_problem(problem, data, progress=True, **arguments)
+    files: options.Files = {
+        save: lambda path: write_whole(path, result.to_json().encode()),
+        plot: result.plot,
+    }
+    options.present(result, as_json, files)
 
 
 @click.command(
@@ -258,15 +258,15 @@ def fit(
     short_help="Choose the next measurement by its expected information.",
 )
 @click.argument("study", type=options.PATH)
-@click.option("--count", type=click.IntRange(1), help="Number of measurements to select.")
-@click.option(
+@options.option("--count", type=click.IntRange(1), help="Number of measurements to select.")
+@options.option(
     "--draws",
     type=click.IntRange(0),
     help="Number of random points at which the ranking is repeated; by default 3.",
 )
 @options.UNITS
 @options.JSON
-@click.option("--save", type=options.TABLE, help="Save the steps as .csv or .xlsx, in SI.")
+@options.option("--save", type=options.TABLE, help="Save the steps as .csv or .xlsx, in SI.")
 @options.PLOT
 def plan(
     study: Path, as_json: bool, save: Path | None, plot: Path | None, **arguments: Any
@@ -277,8 +277,8 @@ def plan(
     from ..studies.plan_file import load_plan
 
     keywords = load_plan(study)
+    options.check_unit_names(keywords["problem"])
     keywords |= {name: value for name, value in arguments.items() if value is not None}
     result = next_experiment(progress=True, **keywords)
-    if save:
-        write_table(result.to_dataframe().reset_index(), save)
-    options.present(result, as_json, plot)
+    table = result.to_dataframe().reset_index()
+    options.present(result, as_json, {save: partial(write_table, table), plot: result.plot})

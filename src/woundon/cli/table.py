@@ -27,13 +27,17 @@ __all__ = ["table"]
     short_help="Solve the cases of a spreadsheet, one in each row.",
 )
 @click.argument("cases", type=options.PATH)
-@click.option(
+@options.option(
     "-o", "--out", type=options.TABLE, required=True, help="Table of the results, .csv or .xlsx."
 )
-@click.option("--case", type=options.PATH, metavar="CASE.toml", help="Values of all other fields.")
-@click.option("--kind", type=options.KindName(), help="Kind of problem of a table without --case.")
+@options.option(
+    "--case", type=options.PATH, metavar="CASE.toml", help="Values of all other fields."
+)
+@options.option(
+    "--kind", type=options.KindName(), help="Kind of problem of a table without --case."
+)
 @options.SETTINGS
-@click.option(
+@options.option(
     "--output",
     "outputs",
     multiple=True,
@@ -55,13 +59,12 @@ def table(
     **arguments: Any,
 ) -> int:
     """Solve the cases of a table (.csv or .xlsx), one in each row."""
-    from ..io.case_files import load_case
     from ..studies.case_table import solve_table
     from ..studies.export import write_table
 
     if settings and case is None:
         raise InvalidProblem.at("--set", "changes a field of --case, which is not given")
-    problem = load_case(case, settings) if case else None
+    problem = options.load_case(case, settings) if case else None
     start = time.perf_counter()
     with unwarned():
         solved = solve_table(cases, problem, outputs or None, progress=True, **arguments)
@@ -70,5 +73,5 @@ def table(
     warned = int((solved["warnings"] != "").sum())
     if warned:
         click.secho(f"  {warned} with a warning; see the column 'warnings'", fg="yellow")
-    click.echo(f"written: {out}")
+    options.print_written([out])
     return code

@@ -30,19 +30,19 @@ RANGE = options.Numbers("LOW:HIGH")
     short_help="Map the operating window: the probability of a roll without defects.",
 )
 @click.argument("case", type=options.PATH)
-@click.option(
+@options.option(
     "--web-tension",
     required=True,
     type=RANGE,
     help='Range at the core, e.g. "200 N/m:500 N/m"; plain numbers are SI.',
 )
-@click.option("--nip-load", required=True, type=RANGE, help="Range at the core.")
-@click.option(
+@options.option("--nip-load", required=True, type=RANGE, help="Range at the core.")
+@options.option(
     "--torque-split",
     type=RANGE,
     help="Range of the fraction of the web tension carried by the drum; by default as in the case.",
 )
-@click.option(
+@options.option(
     "--uncertain",
     multiple=True,
     type=options.Pair("FIELD=DEVIATION", options.as_number),
@@ -50,7 +50,7 @@ RANGE = options.Numbers("LOW:HIGH")
     help="Relative standard deviation of an input, e.g. roll_friction=0.15; 0 removes that of the "
     "grade; repeatable.",
 )
-@click.option(
+@options.option(
     "--at",
     "points",
     multiple=True,
@@ -59,7 +59,7 @@ RANGE = options.Numbers("LOW:HIGH")
 )
 @options.SETTINGS
 @options.UNITS
-@click.option(
+@options.option(
     "--samples",
     type=int,
     default=2048,
@@ -68,16 +68,16 @@ RANGE = options.Numbers("LOW:HIGH")
 )
 @options.WORKERS
 @options.SCHEDULER
-@click.option(
+@options.option(
     "--out", type=options.PATH, metavar="DIR", help="Store the solved windings in a folder."
 )
-@click.option("--resume", is_flag=True, help="Resume the computation in the folder.")
-@click.option(
+@options.option("--resume", is_flag=True, help="Resume the computation in the folder.")
+@options.option(
     "--plot",
     type=options.FIGURE,
     help="Plot to .png, .svg or .pdf; a coarse preview is plotted first.",
 )
-@click.option(
+@options.option(
     "--csv", type=options.OutputFile(), metavar="FILE.csv", help="Write the map as a table."
 )
 @options.JSON
@@ -91,7 +91,6 @@ def window(
     **arguments: Any,
 ) -> None:
     """Map the probability that all margins of a winding are positive."""
-    from ..io.case_files import load_case
     from ..studies.window import operating_window
 
     axes = [name for name in ("web_tension", "nip_load", "torque_split") if arguments[name]]
@@ -105,12 +104,14 @@ def window(
 
     with options.resumable(arguments["out"]), unwarned():
         result = operating_window(
-            load_case(case, settings), progress=not as_json, preview=draw, **arguments
+            options.load_case(case, settings), progress=not as_json, preview=draw, **arguments
         )
-        if csv:
-            write_whole(csv, _csv_text(result).encode())
+        files: options.Files = {
+            csv: lambda path: write_whole(path, _csv_text(result).encode()),
+            plot: result.plot,
+        }
         at_points = [result.at(*point) for point in points]
-        options.present(result, as_json, plot, result.lines(*at_points))
+        options.present(result, as_json, files, result.lines(*at_points))
 
 
 def _csv_text(window: OperatingWindow) -> str:

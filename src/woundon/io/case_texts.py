@@ -9,6 +9,7 @@ import json
 import textwrap
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, NamedTuple, get_args
 
 from pydantic.fields import FieldInfo
@@ -23,6 +24,7 @@ from ..problems.permitted import bounds, requirement
 from ..problems.problem import Problem
 from ..problems.units import text_with_unit
 from ..quantities import Quantity, members_of, quantity_of
+from .files import write_whole
 
 __all__ = [
     "SCHEMA",
@@ -30,6 +32,7 @@ __all__ = [
     "field_ranges",
     "grade_template",
     "material_name",
+    "save_case",
     "template",
     "to_toml",
 ]
@@ -170,6 +173,11 @@ def to_toml(problem: Problem, comments: bool = False, under: str = "") -> str:
     lines = [*_header(problem), ""] if comments and not under else []
     lines += _aligned_lines(sections, comments)
     return "\n".join(lines).rstrip() + "\n"
+
+
+def save_case(problem: Problem, path: Path) -> None:
+    """Write the case file of a problem, without comments."""
+    write_whole(path, to_toml(problem).encode())
 
 
 def _header(problem: Problem) -> list[str]:

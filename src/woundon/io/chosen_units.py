@@ -7,17 +7,18 @@ from contextlib import contextmanager, suppress
 from typing import Any
 
 from .. import kinds
-from ..errors import InvalidProblem, did_you_mean
+from ..errors import InvalidProblem, did_you_mean, mapping_of
 from ..problems.units import MILL, factor
 from ..quantities import DISPLAYED, Choice, Place, outputs, pattern, shown_in, value_of, walk
 from ..results import Result
 from .frames import to_frame
 
-__all__ = ["ResultInUnits", "in_units", "units", "units_of"]
+__all__ = ["ResultInUnits", "check_names", "in_units", "names_and_units", "units", "units_of"]
 
 Names = dict[tuple[str, str], tuple[str, float]]  # as of woundon.quantities.Choice
 System = dict[str, tuple[str, float]]
 SYSTEMS = ("SI", "mill")
+SYSTEM = "system of units"  # its name among those of fields and outputs
 # Quantities per width, and the unit of their totals.
 _TOTALS = {"N/m": "N", "kg/m": "kg", "W/m": "W"}
 
@@ -70,27 +71,54 @@ def units(chosen: Mapping[str, str] | None = None, /, **more: str) -> Iterator[N
 @contextmanager
 def units_of(settings: Iterable[str]) -> Iterator[None]:
     """Use the units of texts "NAME=UNIT" of the command line, and those of the system "mill"."""
-    explicit: dict[str, str] = {}
-    system: System = {}
-    for text in settings:
-        if text in SYSTEMS:
-            system |= _system(text)
-            continue
-        name, _, unit = (part.strip() for part in text.partition("="))
-        if not name or not unit:
-            raise InvalidProblem.at(
-                text, "must be written NAME=UNIT, e.g. nip_load='kN/m', or mill"
-            )
-        explicit[name] = unit
+    explicit = names_and_units(settings)
+    system = _system(explicit.pop(SYSTEM)) if SYSTEM in explicit else {}
     with shown_in(Choice(system=system)), units(explicit):
         yield
 
 
-def _places() -> list[Place]:
-    """Return the fields and outputs of all kinds of problem that are numbers."""
+def names_and_units(settings: Iterable[str]) -> dict[str, str]:
+    """Return the units of texts "NAME=UNIT" by name, a system of units by the name SYSTEM.
+
+    >>> names_and_units(["nip_load = kN/m", "mill"])
+    {'nip_load': 'kN/m', 'system of units': 'mill'}
+    """
+    chosen: list[tuple[str, str]] = []
+    for text in settings:
+        name, _, unit = (part.strip() for part in text.partition("="))
+        if text in SYSTEMS:
+            name, unit = SYSTEM, text
+        if not name or not unit:
+            reason = "must be written NAME=UNIT, e.g. nip_load='kN/m', or mill"
+            raise InvalidProblem.at(text, reason)
+        chosen.append((name, unit))
+    return mapping_of(chosen)
+
+
+def check_names(names: Iterable[str], described: Iterable[kinds.Kind[Any, Any]]) -> None:
+    """Reject names that are no field or output of the kinds of problem, with a permitted name.
+
+    Parameters
+    ----------
+    names : iterable of str
+        Dotted names; that of a system of units is permitted.
+    described : iterable of Kind
+    """
+    known = {place.path for place in _places(described)}
+    faults = [
+        (name, f"no field or output{did_you_mean(name, known)}")
+        for name in names
+        if name != SYSTEM and pattern(name) not in known
+    ]
+    if faults:
+        raise InvalidProblem(faults)
+
+
+def _places(described: Iterable[kinds.Kind[Any, Any]] | None = None) -> list[Place]:
+    """Return the fields and outputs of kinds of problem that are numbers; by default of all."""
     return [
         place
-        for kind in kinds.every()
+        for kind in described or kinds.every()
         for place in (*walk(kind.problem), *outputs(kind.result))
         if place.quantity is not None
     ]

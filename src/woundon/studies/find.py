@@ -134,7 +134,7 @@ class FindResult(Outcome):
         texts = []
         for k, (value, _) in enumerate(self.solutions):
             spread = self.uncertainties[k]
-            known = f" +- {self._text(self.name, spread, '.2g')}" if isfinite(spread) else ""
+            known = f" ± {self._text(self.name, spread, '.2g')}" if isfinite(spread) else ""
             reached = self._text(self.output, self.reached[k])
             text = self._text(self.name, value)
             texts.append(f"{self.name} = {text}{known}: {self.output} = {reached}")
@@ -149,7 +149,7 @@ class FindResult(Outcome):
                 "value, problem and result are those of the first"
             )
         if np.isfinite(self.uncertainties).any():
-            texts.append("+- is the estimated discretisation error of the output over the slope")
+            texts.append("± is the estimated discretisation error of the output over the slope")
         texts.append(f"scanned: {self._range_text()}, {self.output} {self._reachable_text()}")
         texts += self._limit_texts()
         for low, _ in self.jumps:

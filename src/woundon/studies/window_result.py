@@ -263,7 +263,7 @@ class OperatingWindow(Outcome):
         rows = [f"{head} {point.probability:.2f} at {self._text(point)}"]
         for name, (mean, deviation) in point.margins.items():
             mark = "  binding" * (name == point.binding)
-            rows.append(f"  {name:<14}{mean:+8.2f} +- {deviation:.2f}{mark}")
+            rows.append(f"  {name:<14}{mean:+8.2f} ± {deviation:.2f}{mark}")
         largest = list(point.contributions.items())[:3]
         shares = [f"{name} {100 * share:.0f} %" for name, share in largest if share > 0.005]
         return [*rows, f"  variance of {point.binding}: {', '.join(shares) or 'none'}"]
