@@ -15,18 +15,17 @@ __all__ = ["compare"]
 TAB_OPTIONS = ("slope", "offset", "friction", "area", "faces", "deviation")
 
 
-@click.command(
-    help="""\
-    Compare a table of measured values (.csv or .xlsx) with the predictions for a case.
+@options.command(
+    """\
+    Compare measured values with the predictions for a case.
 
-    A column is an input or an output by its name, with its unit, e.g. "nip_load [kN/m]",
-    "wound_on_tension [N/m]", "nip_width [mm]"; "nip_width +- [mm]" holds standard deviations. For a
-    roll or a winding also "pressure [kPa]", "pull_tab_force [N]" and "length [m]", with a column
-    "measured_radius [mm]" or "diameter [mm]". Residuals, their error budget and possible
-    explanations are printed. Exit status: 0 if a value has a prediction, 3 if the solver did not
-    converge at any row, 2 for invalid input.
-    """,
-    short_help="Compare measured values with the predictions for a case.",
+    MEASURED is a table (.csv or .xlsx). A column is an input or an output by its name, with its
+    unit, e.g. "nip_load [kN/m]", "wound_on_tension [N/m]", "nip_width [mm]"; "nip_width +- [mm]"
+    holds standard deviations. For a roll or a winding also "pressure [kPa]", "pull_tab_force [N]"
+    and "length [m]", with a column "measured_radius [mm]" or "diameter [mm]". Residuals, their
+    error budget and possible explanations are printed. Exit status: 0 if a value has a prediction,
+    3 if the solver did not converge at any row, 2 for invalid input.
+    """
 )
 @click.argument("measured", type=options.PATH)
 @click.argument("case", type=options.PATH)
@@ -69,7 +68,7 @@ TAB_OPTIONS = ("slope", "offset", "friction", "area", "faces", "deviation")
 @options.NODES
 @options.RTOL
 @options.JSON
-@options.option("--save", type=options.TABLE, help="Save all values as .csv or .xlsx, in SI.")
+@options.SAVE_TABLE
 @options.PLOT
 def compare(
     measured: Path,
@@ -80,7 +79,7 @@ def compare(
     plot: Path | None,
     **arguments: Any,
 ) -> None:
-    """Compare a table of measured values with the predictions for a case."""
+    """Compare measured values with the predictions for a case."""
     from ..studies.compare import compare as compare_with
     from ..studies.export import write_table
     from ..studies.pull_tab import PullTab

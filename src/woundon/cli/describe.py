@@ -22,14 +22,14 @@ WIDEST = 120  # characters of a line
 LEAST_MEANING = 20  # characters of the last column
 
 
-@click.command(
-    help="Print the fields, outputs and solver options of a KIND of problem (nip, rollers, roll, "
-    "winding): name, symbol, unit, meaning, typical range and, in parentheses, allowed range.",
-    short_help="List the fields, outputs and solver options of a kind of problem.",
+@options.command(
+    "List the fields, outputs and solver options of a kind of problem. KIND is nip (the default), "
+    "rollers, roll or winding. A line states name, symbol, unit, meaning, typical range and, in "
+    "parentheses, permitted range."
 )
 @click.argument("kind", type=options.KindName(), default="nip", metavar="KIND")
 def describe(kind: str) -> None:
-    """Print the fields, outputs and solver options of a kind of problem."""
+    """List the fields, outputs and solver options of a kind of problem."""
     from .. import kinds
 
     described = kinds.named(kind)
@@ -155,7 +155,7 @@ def _option_rows(kind: Kind[Any, Any]) -> Iterator[Row]:
         yield f"--{name.replace('_', '-')}", "", kind_of_value, text
 
 
-@click.command(help="List the named materials with their values and sources.")
+@options.command("List the named materials with their values and sources.")
 def materials() -> None:
     """List the named materials with their values and sources."""
     from ..problems.materials import MATERIALS
@@ -174,10 +174,9 @@ def materials() -> None:
         click.secho(f"  {known.source}", dim=True)
 
 
-@click.command(
-    help="List the grades of paper, film, foil and nonwoven, or the values of the grade NAME with "
-    "their spread and source.",
-    short_help="List the grades of paper, film, foil and nonwoven, or the values of one.",
+@options.command(
+    "List the grades of paper, film, foil and nonwoven, or the values of one. With NAME, the "
+    "values of that grade are listed with their spread and source.",
 )
 @click.argument("name", required=False)
 @options.option("--file", metavar="FILE", help="A TOML file with your own grades.")

@@ -20,14 +20,13 @@ if TYPE_CHECKING:
 __all__ = ["find"]
 
 
-@click.command(
-    help="""\
-    Find the value of a field for which an output of a case reaches a target.
+@options.command(
+    """\
+    Find the value of a field for which an output reaches a target.
 
     All solutions in the range are printed, the smallest first, then the points of the scan. Exit
     status: 0 if there is a solution, 3 if there is none in the range, 2 for invalid input.
-    """,
-    short_help="Find the value of a field for which an output reaches a target.",
+    """
 )
 @click.argument("case", type=options.PATH)
 @options.option(
@@ -56,12 +55,7 @@ __all__ = ["find"]
 @options.NODES
 @options.RTOL
 @options.JSON
-@options.option(
-    "--case",
-    "new_case",
-    type=options.OutputFile(".toml"),
-    help="Write the case with the first solution.",
-)
+@options.NEW_CASE
 @options.PLOT
 def find(
     case: Path,
@@ -73,7 +67,7 @@ def find(
     plot: Path | None,
     **arguments: Any,
 ) -> None:
-    """Find the value of a field for which an output of a case reaches a target."""
+    """Find the value of a field for which an output reaches a target."""
     from ..io.case_texts import save_case
     from ..quantities import in_chosen_units
     from ..studies.find import find as find_values

@@ -6,9 +6,11 @@ a type below converts its text to the value that the function expects.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import partial
+from inspect import cleandoc
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -27,10 +29,13 @@ __all__ = [
     "COLUMNS",
     "FIGURE",
     "JSON",
+    "NEW_CASE",
     "NODES",
     "PATH",
     "PLOT",
+    "RESUME",
     "RTOL",
+    "SAVE_TABLE",
     "SCHEDULER",
     "SETTINGS",
     "TABLE",
@@ -46,6 +51,7 @@ __all__ = [
     "as_mapping",
     "as_number",
     "check_unit_names",
+    "command",
     "console",
     "load_case",
     "option",
@@ -202,7 +208,17 @@ PATH = click.Path(path_type=Path)
 FIGURE = OutputFile(check=_check_figure)
 TABLE = OutputFile(check=_check_table)
 
-# ---- options ------------------------------------------------------------------------------------
+# ---- commands and options -----------------------------------------------------------------------
+
+
+def command(text: str, cls: type[click.Command] = click.Command) -> Callable[..., click.Command]:
+    """Return the decorator of a command with its help, whose first sentence is the summary.
+
+    The docstring of the function is no help, because Python leaves it out with ``-OO``.
+    """
+    first_sentence, *_ = re.split(r"\.(?=\s|$)", cleandoc(text), maxsplit=1)
+    summary = " ".join(first_sentence.split())
+    return click.command(cls=cls, help=text, short_help=f"{summary}.")
 
 
 class Option(click.Option):
@@ -260,10 +276,9 @@ def check_unit_names(*problems: Problem) -> None:
     """Reject a unit that --unit chooses for a name which none of the problems has."""
     choices = click.get_current_context().meta.get(UNITS_OF_COMMAND)
     if choices:
-        from ..io.chosen_units import check_names, names_and_units
-        from ..kinds import of
+        from ..io.chosen_units import check_names
 
-        check_names(names_and_units(choices), map(of, problems))
+        check_names(choices, problems)
 
 
 def load_case(path: Path, settings: Iterable[str] = ()) -> Problem:
@@ -310,6 +325,11 @@ COLUMNS = option(
     "without a known name; repeatable.",
 )
 PLOT = option("--plot", type=FIGURE, help="Plot to .png, .svg or .pdf.")
+NEW_CASE = option(
+    "--case", "new_case", type=OutputFile(".toml"), help="Write the case with the solution."
+)
+SAVE_TABLE = option("--save", type=TABLE, help="Save the table as .csv or .xlsx, in SI.")
+RESUME = option("--resume", is_flag=True, help="Resume the study in DIR.")
 JSON = option("--json", "as_json", is_flag=True, help="Print the complete result as JSON.")
 NODES = option("--nodes", type=int, help="Number of nodes on the last mesh.")
 RTOL = option("--rtol", type=float, help="Relative error of the solver.")

@@ -19,14 +19,13 @@ __all__ = ["report"]
 HTML = options.OutputFile(".html", ".htm")
 
 
-@click.command(
-    help="""\
-    Write a report of solved CASES: inputs, results with errors and certificate, figures.
+@options.command(
+    """\
+    Write a report of solved cases: one HTML file for print.
 
-    The report is one HTML file, which prints to PDF from any browser. Several cases are compared
-    with each other.
-    """,
-    short_help="Write a report of solved cases: one HTML file for print.",
+    It contains the inputs, the results with errors and certificate, and figures, and prints to PDF
+    from any browser. Several CASES are compared with each other.
+    """
 )
 @click.argument("cases", nargs=-1, required=True, type=options.PATH)
 @options.option("--out", type=HTML, metavar="FILE.html", help="HTML file; by default CASE.html.")
@@ -37,7 +36,7 @@ HTML = options.OutputFile(".html", ".htm")
 def report(
     cases: tuple[Path, ...], out: Path | None, settings: tuple[str, ...], title: str, remarks: str
 ) -> None:
-    """Write a report of solved cases as one HTML file."""
+    """Write a report of solved cases: one HTML file for print."""
     from .. import kinds
     from ..report.html_report import report_file
 

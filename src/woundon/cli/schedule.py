@@ -18,15 +18,14 @@ if TYPE_CHECKING:
 __all__ = ["schedule"]
 
 
-@click.command(
-    help="""\
-    Compute the wound-on-tension schedule that gives a target interlayer pressure profile.
+@options.command(
+    """\
+    Compute the tension schedule for a target pressure in a roll.
 
     CASE is a case of the kind roll ('woundon new roll'); its own tension is ignored. The report
     states the pressure of a roll that is wound with the schedule. The pressure is zero at the
     outer surface; the report states how deep this boundary layer extends.
-    """,
-    short_help="Compute the tension schedule for a target pressure in a roll.",
+    """
 )
 @click.argument("case", type=options.PATH)
 @options.option(
@@ -55,9 +54,7 @@ __all__ = ["schedule"]
     help="Write the tension over the radius; a case reads it by [wound_on_tension], "
     'csv = "FILE.csv", between = "smooth".',
 )
-@options.option(
-    "--case", "new_case", type=options.OutputFile(".toml"), help="Write the case with the schedule."
-)
+@options.NEW_CASE
 @options.PLOT
 def schedule(
     case: Path,
@@ -69,7 +66,7 @@ def schedule(
     new_case: Path | None,
     plot: Path | None,
 ) -> None:
-    """Compute the wound-on-tension schedule that gives a target pressure in a roll."""
+    """Compute the tension schedule for a target pressure in a roll."""
     from ..io.case_texts import save_case
     from ..problems.roll import RollProblem
     from ..report.schedule_report import csv_text, plot_schedule, print_schedule

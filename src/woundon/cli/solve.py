@@ -35,10 +35,8 @@ def _check_result_file(path: Path) -> None:
     writer_for(path)
 
 
-@click.command(
-    cls=SolveCommand,
-    help="Solve the problem in a case file (any kind; see 'woundon new'), and print the report.",
-    short_help="Solve a case file of any kind.",
+@options.command(
+    "Solve the problem in a case file of any kind, and print the report.", cls=SolveCommand
 )
 @click.argument("case", type=options.PATH)
 @options.SETTINGS

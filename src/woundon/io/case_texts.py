@@ -237,7 +237,7 @@ class _Writer:
         yield own._replace(rows=[*schema, *_grade_rows(problem), *own.rows])
         for group, names in problem.tables.items():
             rows = [self.row(problem, name) for name in names if self.is_shown(problem, name)]
-            yield Section(f"[{prefix}{group}]", rows, _comment_on_group(problem, group))
+            yield Section(f"[{prefix}{group}]", rows)
         yield from nested
 
     def description(
@@ -352,15 +352,6 @@ def _grade_rows(problem: Problem) -> list[Row]:
         return []
     comment = "supplies what is not stated here, and the spreads of the values"
     return [Row("grade", _value(named_grade.name), comment)]
-
-
-def _comment_on_group(problem: Problem, group: str) -> str:
-    """Return a comment on the problem that results if a group is omitted."""
-    names = set(type(problem).model_fields) - set(problem.tables[group])
-    other = kinds.for_fields(names)
-    if isinstance(problem, other.problem):
-        return ""
-    return f"without this table: {other.about[:1].lower()}{other.about[1:].rstrip('.')}"
 
 
 def material_name(value: Any) -> str | None:
