@@ -153,14 +153,6 @@ def test_describe_lists_fields_outputs_and_options(kind, capsys: Capture):
     assert ranges.get(kind.name, "(1e-08 to 10)") in text
 
 
-def test_describe_states_which_fields_are_required(capsys: Capture):
-    assert cli.main(["describe", "roll"]) == 0
-    text = " ".join(capsys.readouterr().out.split())
-    assert "(> 0 to 1e+12); required unless inner_radius and material define a tube" in text
-    assert "web thickness, 10 to 500 (> 0 to 100000); or from a grade" in text
-    assert "shrinkage of the core in the finished roll (-10 to 10); default 0" in text
-
-
 @pytest.mark.parametrize(
     ("command", "hint"),
     [

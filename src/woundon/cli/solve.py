@@ -14,7 +14,12 @@ from ..errors import InvalidProblem, one_of, unwarned
 from . import options
 
 if TYPE_CHECKING:
+    from pydantic.fields import FieldInfo
+
     from ..kinds import Kind
+    from ..problems.problem import Problem
+    from ..results import Result
+    from ..sensitivity import Sensitivity
 
 __all__ = ["solve"]
 
@@ -104,7 +109,7 @@ def _solver_options() -> Iterator[click.Option]:
         yield options.Option([_option_name(name)], type=value_type, help=text.strip())
 
 
-def _wrap_fields() -> dict[str, Any]:
+def _wrap_fields() -> dict[str, FieldInfo]:
     """Return the fields that case files group in a table, by name: the wrap angles."""
     from ..kinds import every
 
@@ -144,7 +149,7 @@ def _check_options(kind: Kind[Any, Any], given: Iterable[str], sensitivity: bool
 # ---- solving and printing -----------------------------------------------------------------------
 
 
-def _solve(problem: Any, arguments: Mapping[str, Any]) -> Any:
+def _solve(problem: Problem, arguments: Mapping[str, Any]) -> Any:
     """Solve, with a progress bar on a terminal if the solver reports its progress."""
     from .. import kinds
     from ..studies.bars import fraction_bar
@@ -157,7 +162,7 @@ def _solve(problem: Any, arguments: Mapping[str, Any]) -> Any:
             return kinds.solve(problem, progress=progress, **arguments)
 
 
-def _print(result: Any, sensitivity: Any) -> None:
+def _print(result: Result, sensitivity: Sensitivity | None) -> None:
     """Print the report of a result, and its sensitivities."""
     from ..report.result_report import print_report
     from ..report.sensitivity_report import print_sensitivity

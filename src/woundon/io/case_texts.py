@@ -408,7 +408,7 @@ def _value(value: Any, quantity: Quantity | None = None) -> str:
 # ---- description of a field --------------------------------------------------------------------
 
 
-def field_comment(field: Any) -> str:
+def field_comment(field: FieldInfo) -> str:
     """Return symbol, meaning, typical and allowed range of a field, in the unit for display."""
     quantity = quantity_of(field)
     if quantity is None:
@@ -422,7 +422,7 @@ def field_comment(field: Any) -> str:
     return text if not note or note.startswith("default") else f"{text}; {note}"
 
 
-def field_ranges(field: Any, quantity: Quantity, with_unit: bool = True) -> str:
+def field_ranges(field: FieldInfo, quantity: Quantity, with_unit: bool = True) -> str:
     """Return the typical range of a field and, in parentheses, the allowed range.
 
     >>> from woundon import NipProblem
@@ -441,7 +441,7 @@ def field_ranges(field: Any, quantity: Quantity, with_unit: bool = True) -> str:
     return " ".join(parts)
 
 
-def _limits(field: Any, quantity: Quantity) -> str:
+def _limits(field: FieldInfo, quantity: Quantity) -> str:
     """Return the permitted range: "0 to 10", "> 0", "0 to < 0.5"."""
     ends = dict(bounds(field))
     ends_shown = {sign: _number(quantity.shown(end)) for sign, end in ends.items()}

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
-from typing import Any
+from os import PathLike
+from typing import TYPE_CHECKING, Any
 
 from .. import kinds
 from ..errors import InvalidProblem, did_you_mean, mapping_of
@@ -13,6 +14,9 @@ from ..problems.units import MILL, factor
 from ..quantities import DISPLAYED, Choice, Place, outputs, pattern, shown_in, value_of, walk
 from ..results import Result
 from .frames import to_frame
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 __all__ = ["ResultInUnits", "check_names", "in_units", "units", "units_of"]
 
@@ -197,7 +201,7 @@ class ResultInUnits:
             if name in self._quantities
         }
 
-    def to_dataframe(self) -> Any:
+    def to_dataframe(self) -> pd.DataFrame:
         """Return the table of :meth:`woundon.Result.to_dataframe`."""
         frame = to_frame(self.result)
         for name in frame:
@@ -210,7 +214,7 @@ class ResultInUnits:
         with shown_in(self._choice):
             return self.result.plot(*args, **options)
 
-    def save(self, path: Any) -> None:
+    def save(self, path: str | PathLike[str]) -> None:
         """Write a ``.csv`` table; netCDF and JSON files are always in SI."""
         with shown_in(self._choice):
             self.result.save(path)
