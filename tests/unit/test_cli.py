@@ -200,7 +200,8 @@ def test_options_are_those_of_the_public_function(command, function):
 
 def single_options() -> Iterator[tuple[list[str], str]]:
     """Yield command, with arguments, and name of all options, except flags and repeatable ones."""
-    for name, command in cli.commands.commands.items():
+    for name in cli.commands.list_commands(click.Context(cli.commands)):  # plug-ins too
+        command = cli.commands.get_command(click.Context(cli.commands), name)
         params = command.get_params(click.Context(command))
         arguments = ["x" for p in params if isinstance(p, click.Argument) and p.required]
         for option in params:

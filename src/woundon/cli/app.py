@@ -29,28 +29,28 @@ MISSING = 'needs FastAPI and uvicorn: pip install "woundon[app]"'
     server' in the documentation).
     """
 )
-@options.option(
+@click.option(
     "--port",
     type=click.IntRange(0, 65535),
     default=PORT,
     show_default=True,
     help="Port to listen on; 0 selects a free one.",
 )
-@options.option("--no-browser", is_flag=True, help="Do not open the browser.")
-@options.option(
+@click.option("--no-browser", is_flag=True, help="Do not open the browser.")
+@click.option(
     "--host",
     default="127.0.0.1",
     show_default=True,
     help="Address to listen on; any other than the loopback requires a token.",
 )
-@options.option(
+@click.option(
     "--name",
     "names",
     multiple=True,
     metavar="NAME",
     help="Public host name (e.g. behind a proxy); repeatable.",
 )
-@options.option(
+@click.option(
     "--token",
     default="",
     metavar="TOKEN",

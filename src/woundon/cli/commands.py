@@ -15,6 +15,7 @@ import sys
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
+from copy import copy
 from io import TextIOWrapper
 from typing import Any
 
@@ -22,7 +23,15 @@ import click
 from click.shell_completion import shell_complete
 
 from .. import __version__, plugins
-from ..errors import InvalidProblem, NoSolution, NotConverged, did_you_mean, one_of, printable_line
+from ..errors import (
+    InvalidProblem,
+    NoSolution,
+    NotConverged,
+    did_you_mean,
+    mapping_of,
+    one_of,
+    printable_line,
+)
 from ..parallel import environment, terminations_as_interrupts
 from .app import app
 from .compare import compare
@@ -170,7 +179,11 @@ class Commands(click.Group):
         name = args[0]
         if self.get_command(ctx, name) is None and not name.startswith("-"):
             ctx.fail(f"No such command {name!r}{did_you_mean(name, self.list_commands(ctx))}")
-        return super().resolve_command(ctx, args)
+        resolved = super().resolve_command(ctx, args)
+        _, command, arguments = resolved
+        if command is not None and not ctx.resilient_parsing:  # as for the completion in a shell
+            _check_given_once(click.Context(command, parent=ctx), arguments)
+        return resolved
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the commands of each section with their summaries."""
@@ -179,6 +192,30 @@ class Commands(click.Group):
             if rows:
                 with formatter.section(title):
                     formatter.write_dl(rows)
+
+
+def _check_given_once(context: click.Context, arguments: Sequence[str]) -> None:
+    """Reject an option that has one value but is given twice; click would use the last value.
+
+    Parameters
+    ----------
+    context : click.Context
+        Of the command.
+    arguments : sequence of str
+        Those of the command.
+    """
+    parser = click.Command(None).make_parser(context)
+    of_one_value = []
+    for param in context.command.get_params(context):
+        collecting = copy(param)
+        if isinstance(collecting, click.Option) and not param.multiple and not collecting.is_flag:
+            collecting.multiple = True
+            of_one_value.append(collecting)
+        collecting.add_to_parser(parser, context)
+    with suppress(click.UsageError):  # reported when the command itself reads its arguments
+        values, *_ = parser.parse_args(list(arguments))
+        for option in of_one_value:
+            mapping_of((option.opts[-1], value) for value in values.get(option.name, ()))
 
 
 @click.group(

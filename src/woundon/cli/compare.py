@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,22 @@ from . import options
 
 __all__ = ["compare"]
 
-TAB_OPTIONS = ("slope", "offset", "friction", "area", "faces", "deviation")
+TAB_OPTIONS = {  # fields of a PullTab, which states their permitted values
+    "slope": 'Pressure per force of the pull tab, "2 kPa/N".',
+    "offset": "Pressure at zero force.",
+    "friction": "Coefficient of friction of the tab.",
+    "area": 'Area of one face of the tab, "12 cm^2".',
+    "faces": "Sliding faces of the tab, 1 or 2; by default 2.",
+    "deviation": 'Relative standard deviation of the calibration, "5 %".',
+}
+
+
+def _tab_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the options --tab-slope, ... with the calibration of a pull tab."""
+    for name, text in reversed(TAB_OPTIONS.items()):
+        option = click.option(f"--tab-{name}", type=options.as_number, metavar="VALUE", help=text)
+        command = option(command)
+    return command
 
 
 @options.command(
@@ -29,32 +45,8 @@ TAB_OPTIONS = ("slope", "offset", "friction", "area", "faces", "deviation")
 )
 @click.argument("measured", type=options.PATH)
 @click.argument("case", type=options.PATH)
-@options.option(
-    "--tab-slope",
-    type=options.as_number,
-    metavar="VALUE",
-    help='Pressure per force of the pull tab, "2 kPa/N".',
-)
-@options.option(
-    "--tab-offset", type=options.as_number, metavar="VALUE", help="Pressure at zero force."
-)
-@options.option("--tab-friction", type=float, help="Coefficient of friction of the tab.")
-@options.option(
-    "--tab-area",
-    type=options.as_number,
-    metavar="VALUE",
-    help='Area of one face of the tab, "12 cm^2".',
-)
-@options.option(
-    "--tab-faces", type=click.IntRange(1, 2), help="Sliding faces of the tab; by default 2."
-)
-@options.option(
-    "--tab-deviation",
-    type=options.as_number,
-    metavar="VALUE",
-    help='Relative standard deviation of the calibration, "5 %".',
-)
-@options.option(
+@_tab_options
+@click.option(
     "--spread",
     multiple=True,
     type=options.Pair("FIELD=VALUE", options.as_number),

@@ -186,7 +186,7 @@ def materials() -> None:
     "values of that grade are listed with their spread and source.",
 )
 @click.argument("name", required=False)
-@options.option("--file", metavar="FILE", help="A TOML file with your own grades.")
+@click.option("--file", metavar="FILE", help="A TOML file with your own grades.")
 def grades(name: str | None, file: str | None) -> None:
     """List the grades, or the values of one with their spread and source."""
     from ..problems import grades as library

@@ -29,14 +29,14 @@ __all__ = ["find"]
     """
 )
 @click.argument("case", type=options.PATH)
-@options.option(
+@click.option(
     "--vary",
     required=True,
     type=options.FieldRange(),
     help="The field to find, e.g. nip_load or nip_load='1 kN/m:5 kN/m'; without a range, a decade "
     "around the value of the case, and more if necessary.",
 )
-@options.option(
+@click.option(
     "--target",
     required=True,
     type=options.Pair("OUTPUT=VALUE", options.as_number),
@@ -45,7 +45,7 @@ __all__ = ["find"]
 @options.TIES
 @options.SETTINGS
 @options.UNITS
-@options.option(
+@click.option(
     "--points",
     type=click.IntRange(3, 1000),
     default=17,

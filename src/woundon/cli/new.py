@@ -19,13 +19,13 @@ __all__ = ["new"]
     """
 )
 @click.argument("kind", type=options.KindName(), default="nip", metavar="KIND")
-@options.option(
+@click.option(
     "--grade",
     metavar="NAME",
     help="A short case of a grade of 'woundon grades', for nip and winding.",
 )
-@options.option("--grades", "file", metavar="FILE", help="A TOML file with your own grades.")
-@options.option("--study", is_flag=True, help="Write a study file with such a case for 'sweep'.")
+@click.option("--grades", "file", metavar="FILE", help="A TOML file with your own grades.")
+@click.option("--study", is_flag=True, help="Write a study file with such a case for 'sweep'.")
 def new(kind: str, grade: str | None, file: str | None, study: bool) -> None:
     """Write a case file to start from, or a study file."""
     from ..io.case_texts import grade_template, template

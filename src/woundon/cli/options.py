@@ -9,7 +9,6 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from functools import partial
 from inspect import cleandoc
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -45,7 +44,6 @@ __all__ = [
     "FieldRange",
     "KindName",
     "Numbers",
-    "Option",
     "OutputFile",
     "Pair",
     "as_mapping",
@@ -54,7 +52,6 @@ __all__ = [
     "command",
     "console",
     "load_case",
-    "option",
     "present",
     "print_failures",
     "print_written",
@@ -221,40 +218,6 @@ def command(text: str, cls: type[click.Command] = click.Command) -> Callable[...
     return click.command(cls=cls, help=text, short_help=f"{summary}.")
 
 
-class Option(click.Option):
-    """An option that is rejected if it is given twice, unless it is repeatable or a flag."""
-
-    def add_to_parser(self, parser: Any, ctx: click.Context) -> None:
-        """Let the parser collect all values of the option."""
-        if self.is_flag or self.multiple:
-            super().add_to_parser(parser, ctx)
-        else:
-            parser.add_option(
-                obj=self, opts=self.opts, dest=self.name, action="append", nargs=self.nargs
-            )
-
-    def handle_parse_result(
-        self, ctx: click.Context, opts: Mapping[str, Any], args: list[str]
-    ) -> tuple[Any, list[str]]:
-        """Return the value of the option and the other arguments.
-
-        Raises
-        ------
-        InvalidProblem
-            If the option has two values; names both.
-        """
-        name = self.name or ""
-        if name in opts and not (self.is_flag or self.multiple):
-            *others, last = opts[name]
-            if others and not ctx.resilient_parsing:  # as for the completion in a shell
-                mapping_of((self.opts[-1], value) for value in opts[name])
-            opts = {**opts, name: last}
-        return super().handle_parse_result(ctx, opts, args)
-
-
-option = partial(click.option, cls=Option)
-
-
 def as_mapping(
     context: click.Context, option: click.Parameter, pairs: Iterable[tuple[str, Any]]
 ) -> dict[str, Any]:
@@ -291,14 +254,14 @@ def load_case(path: Path, settings: Iterable[str] = ()) -> Problem:
 
 
 UNITS_OF_COMMAND = "woundon.units"  # entry of the context of a command
-SETTINGS = option(
+SETTINGS = click.option(
     "--set",
     "settings",
     multiple=True,
     metavar="FIELD=VALUE",
     help='Change a field, e.g. web.thickness="57 um"; "none" unsets an optional field; repeatable.',
 )
-UNITS = option(
+UNITS = click.option(
     "--unit",
     multiple=True,
     expose_value=False,
@@ -307,14 +270,14 @@ UNITS = option(
     help='Display an input or output in another unit, e.g. nip_load="kN/m"; "mill" displays all in '
     "pli, psi, mil, in; repeatable.",
 )
-TIES = option(
+TIES = click.option(
     "--tie",
     multiple=True,
     type=Pair("FIELD=FIELD"),
     callback=as_mapping,
     help="Let a field follow another one, e.g. web.material=roll.material; repeatable.",
 )
-COLUMNS = option(
+COLUMNS = click.option(
     "--column",
     "columns",
     multiple=True,
@@ -324,17 +287,17 @@ COLUMNS = option(
     "'Linienlast=nip_load [kN/m]'; without NAME the column is ignored, and by '*=' every column "
     "without a known name; repeatable.",
 )
-PLOT = option("--plot", type=FIGURE, help="Plot to .png, .svg or .pdf.")
-NEW_CASE = option(
+PLOT = click.option("--plot", type=FIGURE, help="Plot to .png, .svg or .pdf.")
+NEW_CASE = click.option(
     "--case", "new_case", type=OutputFile(".toml"), help="Write the case with the solution."
 )
-SAVE_TABLE = option("--save", type=TABLE, help="Save the table as .csv or .xlsx, in SI.")
-RESUME = option("--resume", is_flag=True, help="Resume the study in DIR.")
-JSON = option("--json", "as_json", is_flag=True, help="Print the complete result as JSON.")
-NODES = option("--nodes", type=int, help="Number of nodes on the last mesh.")
-RTOL = option("--rtol", type=float, help="Relative error of the solver.")
-WORKERS = option("--workers", type=int, help="Number of processes; by default one per core.")
-SCHEDULER = option("--scheduler", metavar="ADDRESS", help="Dask scheduler, tcp://host:port.")
+SAVE_TABLE = click.option("--save", type=TABLE, help="Save the table as .csv or .xlsx, in SI.")
+RESUME = click.option("--resume", is_flag=True, help="Resume the study in DIR.")
+JSON = click.option("--json", "as_json", is_flag=True, help="Print the complete result as JSON.")
+NODES = click.option("--nodes", type=int, help="Number of nodes on the last mesh.")
+RTOL = click.option("--rtol", type=float, help="Relative error of the solver.")
+WORKERS = click.option("--workers", type=int, help="Number of processes; by default one per core.")
+SCHEDULER = click.option("--scheduler", metavar="ADDRESS", help="Dask scheduler, tcp://host:port.")
 
 # ---- running and printing -----------------------------------------------------------------------
 

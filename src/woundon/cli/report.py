@@ -28,11 +28,11 @@ HTML = options.OutputFile(".html", ".htm")
     """
 )
 @click.argument("cases", nargs=-1, required=True, type=options.PATH)
-@options.option("--out", type=HTML, metavar="FILE.html", help="HTML file; by default CASE.html.")
+@click.option("--out", type=HTML, metavar="FILE.html", help="HTML file; by default CASE.html.")
 @options.SETTINGS
 @options.UNITS
-@options.option("--title", default="", help="Title of the report.")
-@options.option("--remarks", default="", help="Text of the remarks; by default left empty.")
+@click.option("--title", default="", help="Title of the report.")
+@click.option("--remarks", default="", help="Text of the remarks; by default left empty.")
 def report(
     cases: tuple[Path, ...], out: Path | None, settings: tuple[str, ...], title: str, remarks: str
 ) -> None:

@@ -28,7 +28,7 @@ __all__ = ["schedule"]
     """
 )
 @click.argument("case", type=options.PATH)
-@options.option(
+@click.option(
     "--pressure",
     "target",
     required=True,
@@ -36,10 +36,10 @@ __all__ = ["schedule"]
     help="Target pressure between the layers: a CSV or Excel file with the columns radius and "
     'pressure, from the core to the surface, or one value, as "200 kPa".',
 )
-@options.option(
+@click.option(
     "--smooth", is_flag=True, help="Interpolate the table with a cubic spline; by default linearly."
 )
-@options.option(
+@click.option(
     "--rtol",
     type=float,
     default=1e-4,
@@ -48,7 +48,7 @@ __all__ = ["schedule"]
 )
 @options.SETTINGS
 @options.UNITS
-@options.option(
+@click.option(
     "--out",
     type=options.OutputFile(".csv"),
     help="Write the tension over the radius; a case reads it by [wound_on_tension], "

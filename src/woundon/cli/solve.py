@@ -47,12 +47,12 @@ def _check_result_file(path: Path) -> None:
 @options.SETTINGS
 @options.UNITS
 @options.JSON
-@options.option(
+@click.option(
     "--sensitivity",
     is_flag=True,
     help="Print the local sensitivities of the main outputs to all inputs, largest first.",
 )
-@options.option(
+@click.option(
     "--save",
     type=options.OutputFile(check=_check_result_file),
     help="Save the result as .nc, .json or .csv.",
@@ -106,7 +106,7 @@ def _solver_options() -> Iterator[click.Option]:
         if len(owners) < len(every()):
             text += f" Only for {one_of((kind.name for kind in owners), 'and')}."
         value_type = click.Choice(option.choices) if option.choices else option.type
-        yield options.Option([_option_name(name)], type=value_type, help=text.strip())
+        yield click.Option([_option_name(name)], type=value_type, help=text.strip())
 
 
 def _wrap_fields() -> dict[str, FieldInfo]:
@@ -126,7 +126,7 @@ def _wrap_options() -> Iterator[click.Option]:
     from ..io.case_texts import field_comment
 
     for name, field in _wrap_fields().items():
-        yield options.Option([_option_name(name)], metavar="VALUE", help=field_comment(field))
+        yield click.Option([_option_name(name)], metavar="VALUE", help=field_comment(field))
 
 
 def _check_options(kind: Kind[Any, Any], given: Iterable[str], sensitivity: bool) -> None:

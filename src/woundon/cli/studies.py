@@ -29,10 +29,10 @@ def _execution_options(command: Callable[..., Any]) -> Callable[..., Any]:
         options.WORKERS,
         options.SCHEDULER,
         options.RESUME,
-        options.option(
+        click.option(
             "--out", type=options.PATH, required=True, metavar="DIR", help="Folder of results."
         ),
-        options.option(
+        click.option(
             "--export-to",
             type=options.PATH,
             metavar="FOLDER",
@@ -54,9 +54,9 @@ def _execution_options(command: Callable[..., Any]) -> Callable[..., Any]:
 )
 @click.argument("study", type=options.PATH)
 @_execution_options
-@options.option("--chunk", type=click.IntRange(1), help="Number of cases per chunk.")
+@click.option("--chunk", type=click.IntRange(1), help="Number of cases per chunk.")
 @options.UNITS
-@options.option(
+@click.option(
     "--export",
     "exports",
     multiple=True,
@@ -151,7 +151,7 @@ def _print_ranges(table: Table) -> None:
 )
 @click.argument("study", type=options.PATH)
 @_execution_options
-@options.option("--samples", type=int, help="Base samples, a power of 2; by default 256.")
+@click.option("--samples", type=int, help="Base samples, a power of 2; by default 256.")
 def sobol(
     study: Path, out: Path, export_to: Path | None, samples: int | None, **arguments: Any
 ) -> None:
@@ -196,7 +196,7 @@ def sobol(
 )
 @click.argument("case", type=options.PATH)
 @click.argument("data", type=options.PATH)
-@options.option(
+@click.option(
     "--vary",
     multiple=True,
     required=True,
@@ -208,13 +208,13 @@ def sobol(
 @options.COLUMNS
 @options.SETTINGS
 @options.UNITS
-@options.option(
+@click.option(
     "--starts",
     type=click.IntRange(1),
     help="Number of initial guesses; by default until two lead to the best minimum, at most 6.",
 )
 @options.NODES
-@options.option(
+@click.option(
     "--no-profiles",
     "profiles",
     flag_value=False,
@@ -222,7 +222,7 @@ def sobol(
     help="Omit the profile-likelihood intervals.",
 )
 @options.JSON
-@options.option("--save", type=options.OutputFile(".json"), help="Save the fit.")
+@click.option("--save", type=options.OutputFile(".json"), help="Save the fit.")
 @options.PLOT
 def fit(
     case: Path,
@@ -258,8 +258,8 @@ def fit(
     """
 )
 @click.argument("study", type=options.PATH)
-@options.option("--count", type=click.IntRange(1), help="Number of measurements to select.")
-@options.option(
+@click.option("--count", type=click.IntRange(1), help="Number of measurements to select.")
+@click.option(
     "--draws",
     type=click.IntRange(0),
     help="Number of random points at which the ranking is repeated; by default 3.",

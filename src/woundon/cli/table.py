@@ -27,17 +27,13 @@ __all__ = ["table"]
     """
 )
 @click.argument("cases", type=options.PATH)
-@options.option(
+@click.option(
     "-o", "--out", type=options.TABLE, required=True, help="Table of the results, .csv or .xlsx."
 )
-@options.option(
-    "--case", type=options.PATH, metavar="CASE.toml", help="Values of all other fields."
-)
-@options.option(
-    "--kind", type=options.KindName(), help="Kind of problem of a table without --case."
-)
+@click.option("--case", type=options.PATH, metavar="CASE.toml", help="Values of all other fields.")
+@click.option("--kind", type=options.KindName(), help="Kind of problem of a table without --case.")
 @options.SETTINGS
-@options.option(
+@click.option(
     "--output",
     "outputs",
     multiple=True,

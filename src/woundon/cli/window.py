@@ -30,19 +30,19 @@ RANGE = options.Numbers("LOW:HIGH")
     """
 )
 @click.argument("case", type=options.PATH)
-@options.option(
+@click.option(
     "--web-tension",
     required=True,
     type=RANGE,
     help='Range at the core, e.g. "200 N/m:500 N/m"; plain numbers are SI.',
 )
-@options.option("--nip-load", required=True, type=RANGE, help="Range at the core.")
-@options.option(
+@click.option("--nip-load", required=True, type=RANGE, help="Range at the core.")
+@click.option(
     "--torque-split",
     type=RANGE,
     help="Range of the fraction of the web tension carried by the drum; by default as in the case.",
 )
-@options.option(
+@click.option(
     "--uncertain",
     multiple=True,
     type=options.Pair("FIELD=DEVIATION", options.as_number),
@@ -50,7 +50,7 @@ RANGE = options.Numbers("LOW:HIGH")
     help="Relative standard deviation of an input, e.g. roll_friction=0.15; 0 removes that of the "
     "grade; repeatable.",
 )
-@options.option(
+@click.option(
     "--at",
     "points",
     multiple=True,
@@ -59,7 +59,7 @@ RANGE = options.Numbers("LOW:HIGH")
 )
 @options.SETTINGS
 @options.UNITS
-@options.option(
+@click.option(
     "--samples",
     type=int,
     default=2048,
@@ -68,16 +68,16 @@ RANGE = options.Numbers("LOW:HIGH")
 )
 @options.WORKERS
 @options.SCHEDULER
-@options.option(
+@click.option(
     "--out", type=options.PATH, metavar="DIR", help="Folder in which the windings are stored."
 )
 @options.RESUME
-@options.option(
+@click.option(
     "--plot",
     type=options.FIGURE,
     help="Plot to .png, .svg or .pdf; a coarse preview is plotted first.",
 )
-@options.option(
+@click.option(
     "--csv", type=options.OutputFile(), metavar="FILE.csv", help="Write the map as a table."
 )
 @options.JSON
