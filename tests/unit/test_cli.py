@@ -237,6 +237,8 @@ def test_an_option_given_twice_is_rejected_with_both_values(command, option, cap
          "--column a: is given twice, 'b' and None"),
         (["compare", "no.csv", "--spread", "nip_load=3 N/m", "--spread", "nip_load=2"],
          "--spread nip_load: is given twice, '3 N/m' and 2.0"),
+        (["sweep", "--out", "x", "--export", "csv", "--export", "csv"],
+         "--export csv: is given twice, 'csv' and 'csv'"),
         (["window", "--uncertain", "roll_friction=1 %", "--uncertain", "roll_friction=2 %"],
          "--uncertain roll_friction: is given twice, '1 %' and '2 %'"),
     ],

@@ -195,7 +195,10 @@ class Commands(click.Group):
 
 
 def _check_given_once(context: click.Context, arguments: Sequence[str]) -> None:
-    """Reject an option that has one value but is given twice; click would use the last value.
+    """Reject an option that is given twice, or a repeatable one that is given twice alike.
+
+    click would use the last value, and has no record of the others; so the arguments are parsed
+    with all options repeatable.
 
     Parameters
     ----------
@@ -205,17 +208,17 @@ def _check_given_once(context: click.Context, arguments: Sequence[str]) -> None:
         Those of the command.
     """
     parser = click.Command(None).make_parser(context)
-    of_one_value = []
     for param in context.command.get_params(context):
         collecting = copy(param)
-        if isinstance(collecting, click.Option) and not param.multiple and not collecting.is_flag:
-            collecting.multiple = True
-            of_one_value.append(collecting)
+        collecting.multiple = isinstance(param, click.Option) and not param.is_flag
         collecting.add_to_parser(parser, context)
     with suppress(click.UsageError):  # reported when the command itself reads its arguments
         values, *_ = parser.parse_args(list(arguments))
-        for option in of_one_value:
-            mapping_of((option.opts[-1], value) for value in values.get(option.name, ()))
+        for option in context.command.get_params(context):
+            if isinstance(option, click.Option) and not option.is_flag:
+                texts = values.get(option.name, ())
+                names = texts if option.multiple else [""] * len(texts)
+                mapping_of(zip(names, texts, strict=True), option.opts[-1])
 
 
 @click.group(
