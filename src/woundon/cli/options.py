@@ -42,6 +42,7 @@ __all__ = [
     "UNITS",
     "WORKERS",
     "FieldRange",
+    "Files",
     "KindName",
     "Numbers",
     "OutputFile",
@@ -56,6 +57,7 @@ __all__ = [
     "print_failures",
     "print_written",
     "resumable",
+    "write",
 ]
 
 # ---- types of values ----------------------------------------------------------------------------
@@ -207,6 +209,8 @@ TABLE = OutputFile(check=_check_table)
 
 # ---- commands and options -----------------------------------------------------------------------
 
+UNITS_OF_COMMAND = "woundon.units"  # entry of a command's context: the texts of --unit
+
 
 def command(text: str, cls: type[click.Command] = click.Command) -> Callable[..., click.Command]:
     """Return the decorator of a command with its help, whose first sentence is the summary.
@@ -253,7 +257,6 @@ def load_case(path: Path, settings: Iterable[str] = ()) -> Problem:
     return problem
 
 
-UNITS_OF_COMMAND = "woundon.units"  # entry of the context of a command
 SETTINGS = click.option(
     "--set",
     "settings",
@@ -314,7 +317,8 @@ def resumable(out: Path | None) -> Iterator[None]:
         raise click.Abort(text) from None
 
 
-Files = Mapping[Path | None, Callable[[Path], object]]  # None for a file that is not requested
+# path of a file that a command writes -> function that writes it; None if it is not requested
+Files = Mapping[Path | None, Callable[[Path], object]]
 
 
 def present(
