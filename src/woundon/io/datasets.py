@@ -112,10 +112,11 @@ def record_of_netcdf(content: bytes) -> Record:
     record |= {name: json.loads(attributes.pop(name)) for name in AS_JSON}
     record["dimensions"] = {name: list(variables[name].dims) for name in values}
     record["units"] = {name: variables[name].attrs.get("units", "1") for name in values}
-    residuals = values.pop("residual")
-    record["residuals"] = dict(zip(values.pop("condition"), residuals, strict=True))
+    record["residuals"] = dict(zip(values.pop("condition"), values.pop("residual"), strict=True))
+    # an output may be named like the error estimate of another one, so its variable remains
     errors = {name: f"{name}_error" for name in json.loads(attributes.pop("errors"))}
     record["errors"] = {name: values[variable] for name, variable in errors.items()}
+    # the other variables are fields, or outputs that are computed from the fields
     result_class = kinds.named(str(record["kind"])).result
     saved = saved_fields(result_class)
     computed = {place.path for place in outputs(result_class)} - saved.keys()
@@ -125,6 +126,7 @@ def record_of_netcdf(content: bytes) -> Record:
         for name, value in values.items()
         if name in saved or name not in computed | set(errors.values())
     }
+    # the other attributes are fields that are texts, or tuples as JSON
     for name, text in attributes.items():
         is_text = name in saved and saved[name].hint is str
         record["fields"][name] = text if is_text else json.loads(text)

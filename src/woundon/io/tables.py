@@ -14,7 +14,7 @@ from collections.abc import Iterator, Mapping
 from types import NoneType
 from typing import Any, NamedTuple
 
-from ..errors import InvalidProblem, nearest, one_of
+from ..errors import InvalidProblem, mapping_of, nearest, one_of
 from ..problems.messages import quote
 from ..problems.units import is_unit
 from ..quantities import Quantity, pattern
@@ -176,16 +176,11 @@ def match_columns(
     >>> [(c.name, c.unit) for c in match_columns(sheet, Names({"nip_width": length("b", "")}))]
     [('nip_width', 'mm')]
     """
-    _check_renaming(columns)
+    renaming = _renaming_of({} if columns is None else columns)
+    ignores_others = renaming.pop(OTHERS, None) is not None
     faults: Faults = []
     matched: list[Column] = []
     unknown: list[str] = []
-    given = dict(columns or {})
-    ignores_others = OTHERS in given
-    if given.pop(OTHERS, None):
-        text = f"{OTHERS!r} stands for all columns without a known name; they can only be ignored"
-        raise InvalidProblem.at("columns", text)
-    renaming = {_normalise(header): (header, target) for header, target in given.items()}
     for header, cells in sheet.columns.items():
         target, unit = _rename_header(header, renaming)
         if target is None:
@@ -212,10 +207,15 @@ def match_columns(
     return matched
 
 
-def _check_renaming(columns: Any) -> None:
-    """Reject values that are not a mapping of headers to names."""
-    if columns is None:
-        return
+def _renaming_of(columns: Any) -> Renaming:
+    """Return the assigned headers and their targets, by the normalised header.
+
+    Raises
+    ------
+    InvalidProblem
+        For values that are not a mapping of texts, a target of ``"*"``, and two spellings of one
+        header.
+    """
     if not isinstance(columns, Mapping):
         text = f"{quote(columns)} is not a mapping; must be {{header: name or None}}"
         raise InvalidProblem.at("columns", text)
@@ -223,6 +223,10 @@ def _check_renaming(columns: Any) -> None:
         if not isinstance(header, str) or not isinstance(target, (str, NoneType)):
             text = f"{quote(header)}: {quote(target)}: header and name must be texts"
             raise InvalidProblem.at("columns", text)
+    if columns.get(OTHERS):
+        text = f"{OTHERS!r} stands for all columns without a known name; they can only be ignored"
+        raise InvalidProblem.at("columns", text)
+    return mapping_of(((_normalise(header), (header, to)) for header, to in columns.items()))
 
 
 class _Renamed(NamedTuple):
