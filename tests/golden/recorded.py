@@ -244,7 +244,8 @@ def figure_panels() -> dict[str, Any]:
         result = solution(name)
         for panel in panels_of(result):
             figure = figure_for_file([result], panels=[panel])
-            found[f"{name}: {panel}"] = [_axes_record(axes) for axes in figure.axes]
+            drawn = [part for axes in figure.axes for part in (axes, *axes.child_axes)]
+            found[f"{name}: {panel}"] = [_axes_record(axes) for axes in drawn]
             plt.close("all")
     return found
 

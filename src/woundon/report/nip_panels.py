@@ -356,6 +356,6 @@ def layer_shear(result: NipResult) -> Panel:
         marks=(Mark("y", 0.0, alone=False),),
         note=UNKNOWN if slip is None else "",
         column="layer_shear",
-        width=4.6,
+        width=5.4,
         height=3.6,
     )

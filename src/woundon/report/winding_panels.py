@@ -131,22 +131,24 @@ def _curves_of_stages(result: WindingResult, name: str) -> tuple[Curve, ...]:
     Of several results the finished rolls are compared.
     """
     stages, symbol = _stages(result), quantity_of(result.roll, name).symbol
+    labels = [f"stage {k}" for k in range(1, len(stages))]
+    labels[-1] = "earlier stages"  # one entry of the legend for all of them
     curves = []
-    for k, roll in enumerate(stages, 1):
+    for k, (roll, label) in enumerate(zip(stages, [*labels, "finished roll"], strict=True), 1):
         r, finished = radii_between(roll), k == len(stages)
-        curves.append(
-            Curve(
-                name,
-                r,
-                np.asarray(roll.at_radius(r)[name]),
-                symbol,
-                "finished roll" if finished else f"stage {k}",
-                opacity=k / len(stages),
-                width=1.0 + finished,
-                alone=not finished,
-                in_legend=finished,
-            )
+        values = np.asarray(roll.at_radius(r)[name])
+        curve = Curve(
+            name,
+            r,
+            values,
+            symbol,
+            label,
+            opacity=k / len(stages),
+            width=1.0 + finished,
+            alone=not finished,
+            in_legend=k >= len(labels),
         )
+        curves.append(curve)
     return tuple(curves)
 
 
@@ -178,7 +180,7 @@ def hoop_stress(result: WindingResult) -> Panel:
             cut=cut_above(lowest, values, BELOW, ABOVE),
         ),
         curves=_curves_of_stages(result, "hoop_stress"),
-        areas=(Area("", ends, depth, 0 * depth, "drum"),) if lowest < 0 else (),
+        areas=(Area("compression", ends, depth, 0 * depth, "drum"),) if lowest < 0 else (),
         marks=(Mark("x", 0.0, colour="web", alone=False),),
         column="right",
         height=3.0,
@@ -234,16 +236,17 @@ def reserves(result: WindingResult) -> Panel:
 def _curves_of_margin(margin: Margin, colour: str, low: float, surface: float) -> list[Curve]:
     """Return the reserve of a margin over the radius, at least ``low``, and its smallest value."""
     r, reserve = margin.over_radius, margin.reserve_of(margin.values)
+    words = margin.name.replace("_", " ")
     if r.size == 1:  # of the core alone
         r, reserve = np.array([r[0], r[0] + BAR * (surface - r[0])]), np.repeat(reserve, 2)
     smallest = np.clip(np.array([margin.reserve]), low, MOST)
     return [
-        Curve(margin.name, r, np.clip(reserve, low, 2 * MOST), label=margin.name, colour=colour),
+        Curve(margin.name, r, np.clip(reserve, low, 2 * MOST), label=words, colour=colour),
         Curve(
             margin.name,
             np.array([margin.radius]),
             smallest,
-            label=f"smallest reserve, {margin.name}",
+            label=f"smallest reserve, {words}",
             colour=colour if margin.ok else "alarm",
             line="none",
             marker="circle",
