@@ -72,7 +72,8 @@ def schedule(
     from ..io.case_files import load_case
     from ..io.case_texts import to_toml
     from ..problems.roll import RollProblem
-    from ..report.schedule_report import csv_text, plot_schedule, print_schedule
+    from ..report.schedule_report import csv_text, plot_schedule, schedule_parts
+    from ..report.terminal import print_parts
     from ..roll.design import design_tension
     from ..roll.solve import solve_wound_roll
 
@@ -82,7 +83,7 @@ def schedule(
         raise InvalidProblem.at(str(case), text)
     solution = design_tension(problem, _target_pressure(target, smooth), rtol=rtol)
     roll = solve_wound_roll(solution.problem, rtol=max(rtol, 1e-8))
-    print_schedule(solution, roll, options.console())
+    print_parts(schedule_parts(solution, roll), options.console())
     if out:
         write_whole(out, csv_text(solution).encode())
     if new_case:

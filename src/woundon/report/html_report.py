@@ -23,10 +23,10 @@ from ..problems.materials import MATERIALS
 from ..quantities import Place, scalar_outputs, walk
 from ..results import Result
 from .figures import figure_bytes
-from .html import label_html, parts_html, symbol_html, unit_html
+from .html import parts_html, table_html
 from .outputs_report import LEFT_OUT
 from .plots import figure_for_file, panel_columns
-from .report_parts import Line, Row, Section, output_row, row_of
+from .report_parts import Column, Line, Row, Section, Table, TableRow, output_row, row_of
 from .result_report import report_parts
 from .scale_drawing import scale_drawing
 
@@ -51,7 +51,7 @@ th, td { text-align: left; padding: 0.3mm 1.5mm 0.3mm 0; border-bottom: 0.2mm so
   vertical-align: top; }
 td { max-width: none !important; }
 th { border-bottom: 0.4mm solid #555; }
-td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; white-space: pre; }
+table { font-variant-numeric: tabular-nums; }
 sub, sup { line-height: 0; }
 tr, figure, div table { break-inside: avoid; }
 thead, tbody tr:first-child { break-after: avoid; }
@@ -170,9 +170,16 @@ def _inputs(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
         cells = [_row(places[path]) if path in places else Row("", "", "-") for places in fields]
         known = next(_row(places[path]) for places in fields if path in places)
         values = [f"{row.value_text} {row.unit}".strip() for row in cells]
-        mark = ' class="differs"' if len(set(values)) > 1 else ""
-        rows.append((mark, [path, known.meaning, known.symbol], values))
-    table = _table(["field", "meaning", "symbol"], names if len(names) > 1 else ["value"], rows)
+        tone = "differs" if len(set(values)) > 1 else ""
+        rows.append(TableRow((path, known.meaning, known.symbol, *values), tone))
+    columns: tuple[Column, ...] = (
+        Column("field", "name"),
+        Column("meaning"),
+        Column("symbol", "symbol"),
+    )
+    heads = names if len(names) > 1 else ["value"]
+    columns = (*columns, *(Column(head, "number") for head in heads))
+    table = table_html(Table("", columns, tuple(rows)))
     yield f'<div class="columns">{table}</div>' if len(names) == 1 else table
     if not_given:
         yield f'<p class="source">Not given: {escape(", ".join(not_given))}.</p>'
@@ -215,11 +222,12 @@ def _named_materials(thing: Any, path: str = "") -> Iterator[tuple[str, str]]:
 def _comparison(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
     """Yield a table of the common outputs with the differences from the first case."""
     yield "<h2>Comparison</h2>"
-    yield _table(["", "symbol"], names, list(_outputs(results)))
+    columns = (Column(), Column("symbol", "symbol"), *(Column(name, "number") for name in names))
+    yield table_html(Table("", columns, tuple(_outputs(results))))
     yield f'<p class="source">Below a value: how far it is from that of {escape(names[0])}.</p>'
 
 
-def _outputs(results: Sequence[Result]) -> Iterator[tuple[str, list[str], list[str]]]:
+def _outputs(results: Sequence[Result]) -> Iterator[TableRow]:
     """Yield the rows of the outputs that all results have, with the differences from the first."""
     known = [scalar_outputs(result) for result in results]
     left_out = LEFT_OUT | {f"{name}_error" for name in results[0].errors}
@@ -233,7 +241,7 @@ def _outputs(results: Sequence[Result]) -> Iterator[tuple[str, list[str], list[s
         cells = [_with_error(first)]
         cells += [f"{_with_error(row)}\n{_difference(first, row)}" for row in others]
         unit = f" [{first.unit}]" if first.unit else ""
-        yield "", [f"{first.meaning}{unit}", first.symbol], cells
+        yield TableRow((f"{first.meaning}{unit}", first.symbol, *cells))
 
 
 def _difference(first: Row, row: Row) -> str:
@@ -247,24 +255,6 @@ def _difference(first: Row, row: Row) -> str:
 
 def _with_error(row: Row) -> str:
     return f"{row.value_text} ± {row.error_text}" if row.error_text else row.value_text
-
-
-def _table(
-    heads: Sequence[str], names: Sequence[str], rows: Sequence[tuple[str, list[str], list[str]]]
-) -> str:
-    """Return a table of rows: attributes, cells of words, cells of numbers."""
-    head = "".join(f"<th>{escape(word)}</th>" for word in heads)
-    head += "".join(f'<th class="n">{escape(name)}</th>' for name in names)
-    body = ""
-    for mark, words, numbers in rows:
-        # a dotted name may be broken after a dot or an underscore
-        name, *middle, symbol = words
-        name = re.sub(r"([._])", r"\1<wbr>", escape(name))
-        meanings = map(label_html, middle)
-        cells = "".join(f"<td>{c}</td>" for c in (name, *meanings, symbol_html(symbol)))
-        cells += "".join(f'<td class="n">{unit_html(number)}</td>' for number in numbers)
-        body += f"<tr{mark}>{cells}</tr>\n"
-    return f"<table><thead><tr>{head}</tr></thead><tbody>\n{body}</tbody></table>"
 
 
 # ---- figures and foot -------------------------------------------------------------------------

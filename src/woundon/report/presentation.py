@@ -12,12 +12,12 @@ from ..sensitivity import Sensitivity
 from ..studies.outcome import Outcome
 from ..studies.run import Table
 from ..winding.margins import Margins
-from .html import parts_html, table_html
+from .html import frame_html, parts_html
 from .margins_report import margins_parts
 from .report_parts import Part
 from .result_report import report_parts
-from .sensitivity_report import print_sensitivity, sensitivity_html
-from .terminal import plain_text, print_parts
+from .sensitivity_report import sensitivity_parts
+from .terminal import plain_text
 
 __all__ = ["figure_of", "html_of", "text_of"]
 
@@ -26,26 +26,24 @@ MOST_ROWS = 60  # of the cases of a study in a notebook
 
 def text_of(thing: Any) -> str:
     """Return a result, margins or a study as plain text; the cases of a study in one line."""
-    if isinstance(thing, Result | Margins):
-        return plain_text(lambda console: print_parts(_parts(thing), console))
-    if isinstance(thing, Sensitivity):
-        return plain_text(lambda console: print_sensitivity(thing, console))
-    return "\n".join(thing.lines()) if isinstance(thing, Outcome) else repr(thing)
+    if isinstance(thing, Outcome):
+        return "\n".join(thing.lines())
+    return repr(thing) if isinstance(thing, Table) else plain_text(_parts(thing))
 
 
 def html_of(thing: Any) -> str:
     """Return a result, margins or a study as HTML, for a notebook."""
     if isinstance(thing, Outcome):
-        return table_html(thing.heading(), thing.table_for_display(), thing.remarks())
-    if isinstance(thing, Sensitivity):
-        return sensitivity_html(thing)
+        return frame_html(thing.heading(), thing.table_for_display(), thing.remarks())
     if isinstance(thing, Table):
         return str(thing.to_dataframe().to_html(max_rows=MOST_ROWS))
     return parts_html(_parts(thing))
 
 
-def _parts(thing: Result | Margins) -> list[Part]:
-    """Return the parts of the report of a result or of margins."""
+def _parts(thing: Result | Margins | Sensitivity) -> list[Part]:
+    """Return the parts of the report of a result, of margins or of sensitivities."""
+    if isinstance(thing, Sensitivity):
+        return sensitivity_parts(thing)
     return margins_parts(thing) if isinstance(thing, Margins) else report_parts(thing)
 
 

@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from math import floor, isfinite, log10, nan
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -23,14 +23,16 @@ from ..quantities import Quantity, in_chosen_units
 from ..results import ACCEPTED_RESIDUAL, Residuals, Result, Zone, zone_runs
 
 __all__ = [
+    "COLUMNS",
     "GREEK",
     "SYMBOL",
+    "Column",
     "Line",
     "Part",
     "Row",
     "Section",
-    "Verdict",
-    "Verdicts",
+    "Table",
+    "TableRow",
     "ZoneStrips",
     "certificate_line",
     "certificate_of",
@@ -100,6 +102,12 @@ class Row:
         last = 10.0 ** (floor(log10(size)) - DIGITS + 1) if size else 0.0
         return f"<{last:.0g}" if self.error < last else f"{self.error:.2g}"
 
+    @property
+    def cells(self) -> tuple[str, str, str, str]:
+        """Meaning, symbol, value, and unit with error and note, as in :data:`COLUMNS`."""
+        error = f"  ± {self.error_text}" if self.error_text else ""
+        return self.meaning, self.symbol, self.value_text, f"{self.unit}{error}{self.note}"
+
 
 @dataclass(frozen=True)
 class Section:
@@ -107,6 +115,52 @@ class Section:
 
     title: str
     rows: tuple[Row, ...]
+    text: str = ""
+
+    def as_table(self) -> Table:
+        """Return the rows as a table without a head."""
+        return Table(self.title, COLUMNS, tuple(TableRow(row.cells) for row in self.rows))
+
+
+class Column(NamedTuple):
+    """A column of a table: its head, and what its cells are.
+
+    ``kind`` is "words", "name" (dotted, of a field), "symbol", "number" (on the right) or "unit".
+    """
+
+    head: str = ""
+    kind: str = "words"
+
+
+COLUMNS = (Column(), Column("", "symbol"), Column("", "number"), Column("", "unit"))
+
+
+@dataclass(frozen=True)
+class TableRow:
+    """A row of a table.
+
+    Attributes
+    ----------
+    cells : tuple of str
+    tone : str
+        That of the last cell, as of a :class:`Line`; "differs" marks the row of a field in which
+        cases differ.
+    below : str
+        Remarks below the row.
+    """
+
+    cells: tuple[str, ...]
+    tone: str = ""
+    below: str = ""
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows of texts in columns under a title, with remarks below."""
+
+    title: str
+    columns: tuple[Column, ...]
+    rows: tuple[TableRow, ...]
     text: str = ""
 
 
@@ -145,47 +199,7 @@ class Line:
     tone: str = ""
 
 
-@dataclass(frozen=True)
-class Verdict:
-    """One row of a table of limits.
-
-    Attributes
-    ----------
-    meaning, value, limit, unit, place, word : str
-        Name, value and limit of the quantity, location of its worst value, verdict.
-    tone : str
-        Tone of the verdict, as of a :class:`Line`.
-    note, left_out : str
-        Remark on this row, and effects that the criterion neglects.
-    """
-
-    meaning: str
-    value: str
-    limit: str
-    unit: str
-    place: str
-    word: str
-    tone: str
-    note: str
-    left_out: str
-
-    @property
-    def below(self) -> str:
-        """Remarks below the row."""
-        return f"{self.note}. " * bool(self.note) + f"Not considered: {self.left_out}"
-
-
-@dataclass(frozen=True)
-class Verdicts:
-    """A table of limits under a title; ``HEAD`` names the columns after the first."""
-
-    HEAD: ClassVar[tuple[str, ...]] = ("value", "limit", "", "worst at", "")
-
-    title: str
-    rows: tuple[Verdict, ...]
-
-
-Part = Section | ZoneStrips | Verdicts | Line
+Part = Section | Table | ZoneStrips | Line
 
 
 # ---- rows from quantities -----------------------------------------------------------------------
