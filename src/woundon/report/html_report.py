@@ -11,6 +11,7 @@ import re
 from collections.abc import Iterator, Sequence
 from datetime import datetime
 from html import escape
+from importlib import resources
 from math import isnan
 from typing import Any
 
@@ -36,45 +37,6 @@ __all__ = ["report_file"]
 PRINTED = 0.88
 # of a drawing, what is no part of the picture
 _APART = re.compile(r"<metadata>.*?</metadata>|<!--.*?-->", re.DOTALL)
-_STYLE = """\
-:root { color-scheme: light; }
-body { font: 9.5pt/1.3 "DejaVu Sans", "Segoe UI", Helvetica, Arial, sans-serif; color: #111;
-  background: #fff; max-width: 180mm; margin: 12mm auto; padding: 0 6mm; }
-h1 { font-size: 15pt; margin: 0 0 1mm; }
-h2 { font-size: 11.5pt; margin: 4mm 0 1mm; border-bottom: 0.3mm solid #0072B2; break-after: avoid; }
-h3 { font-size: 11pt; margin: 5mm 0 1mm; break-after: avoid; }
-p.about { margin: 0 0 2mm; color: #444; }
-table { border-collapse: collapse; margin: 1mm 0 2mm; width: 100%; font-size: 7.5pt;
-  line-height: 1.15; }
-caption { text-align: left; font-weight: bold; padding: 1mm 0; break-after: avoid; }
-th, td { text-align: left; padding: 0.3mm 1.5mm 0.3mm 0; border-bottom: 0.2mm solid #ccc;
-  vertical-align: top; }
-td { max-width: none !important; }
-th { border-bottom: 0.4mm solid #555; }
-table { font-variant-numeric: tabular-nums; }
-sub, sup { line-height: 0; }
-tr, figure, div table { break-inside: avoid; }
-thead, tbody tr:first-child { break-after: avoid; }
-tbody tr:last-child { break-before: avoid; }
-div p { font-size: 8.5pt; }
-div.columns { columns: 2; column-gap: 6mm; }
-div.columns table { break-inside: auto; margin-top: 0; }
-div.figures { display: flex; gap: 4mm; align-items: flex-start; }
-div.figures figure { flex: 1; min-width: 0; }
-div.columns p { font-size: 7.5pt; }
-thead { display: table-header-group; }
-figure { margin: 3mm 0; }
-figure svg { width: 100%; height: auto; max-height: 76mm; }
-i { font-family: "STIX Two Text", "Times New Roman", "DejaVu Serif", serif; font-size: 1.08em; }
-tr.differs td { background: #FFF3D6; }
-p.source { margin: 0; font-size: 7.5pt; color: #444; }
-* { print-color-adjust: exact; -webkit-print-color-adjust: exact; }
-div.remarks { min-height: 12mm; border: 0.3mm solid #999; padding: 2mm 3mm; white-space: pre-wrap;
-  break-inside: avoid; }
-footer { margin-top: 2mm; font-size: 7.5pt; color: #444; }
-@page { size: A4; margin: 12mm; }
-@media print { body { margin: 0; padding: 0; max-width: none; } }
-"""
 
 
 def report_file(
@@ -113,6 +75,7 @@ def report_file(
     title = title or " and ".join(dict.fromkeys(kinds.of(r).about.rstrip(".") for r in results))
     origin = f", from {escape(', '.join(sources))}" if sources else ""
     date = (written or datetime.now()).strftime("%Y-%m-%d %H:%M")
+    style = (resources.files(__package__) / "report_file.css").read_text("utf-8")
     body = "\n".join(
         [
             f"<h1>{escape(title)}</h1>",
@@ -130,7 +93,7 @@ def report_file(
     return (
         f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
         f'<meta name="viewport" content="width=device-width">'
-        f"<title>{escape(title)}</title><style>\n{_STYLE}</style></head>\n"
+        f"<title>{escape(title)}</title><style>\n{style}</style></head>\n"
         f"<body>\n{body}\n</body></html>\n"
     )
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from ..quantities import length, share, stress
 from ..roll.design import TensionDesign
 from ..roll.result import RollResult
 from .drawing import show_panels
-from .panels import Axis, Curve, Panel
+from .panels import Axis, Curve
 from .report_parts import (
     Column,
     Line,
@@ -23,7 +24,7 @@ from .report_parts import (
     quantity_of_field,
     row_of,
 )
-from .roll_panels import radii_between, radius_axis
+from .roll_panels import over_radius, radii_between
 
 __all__ = ["csv_text", "plot_schedule", "schedule_parts"]
 
@@ -110,31 +111,18 @@ def _over_the_radius(design: TensionDesign, roll: RollResult) -> Table:
 
 def plot_schedule(design: TensionDesign, roll: RollResult, path: str | Path) -> None:
     """Plot the target pressure, the pressure of the roll wound with the schedule, the tension."""
-    r = radii_between(roll)
-    radius, P = radius_axis(r), quantity_of(roll, "pressure")
-    pressure = roll.at_radius(r)["pressure"]
-    target = Curve("target", design.radius, design.target_pressure, "", "target", "drum", "dashed")
-    panels = (
-        Panel(
-            "pressure",
-            "Pressure",
-            radius,
-            Axis("Pressure $P$", P, from_zero=True),
-            curves=(Curve("pressure", r, pressure, label="result"), target),
-            column="pressure",
-            width=4.2,
-            height=2.8,
-            legend="inside",
-        ),
-        Panel(
-            "tension",
-            "Tension schedule",
-            radius,
-            Axis("Wound-on tension", WOT, from_zero=True),
-            curves=(Curve("tension", r, design.tension.at(r)),),
-            column="tension",
-            width=4.2,
-            height=2.8,
-        ),
-    )
+    r, P = radii_between(roll), quantity_of(roll, "pressure")
+    pressures = [
+        Curve("pressure", r, roll.at_radius(r)["pressure"], label="result"),
+        Curve("target", design.radius, design.target_pressure, "", "target", "drum", "dashed"),
+    ]
+    tension = Curve("tension", r, design.tension.at(r))
+    size: dict[str, Any] = {"width": 4.2, "height": 2.8, "legend": "inside"}
+    panels = [
+        over_radius(r, name, title, y, curves, column=name, **size)
+        for name, title, y, curves in (
+            ("pressure", "Pressure", Axis("Pressure $P$", P, from_zero=True), pressures),
+            ("tension", "Tension", Axis("Wound-on tension", WOT, from_zero=True), [tension]),
+        )
+    ]
     show_panels([[panel] for panel in panels], path=path, lettered=False)
