@@ -15,7 +15,7 @@ from ..roll.result import RollResult
 from ..winding.result import WindingResult
 from .margins_report import verdict_lines
 from .outputs_report import LEAST_FRICTION
-from .report_parts import Line, Section, output_row, quantity_of, row_of
+from .report_parts import Line, Section, output_row, quantity_of, value_row
 
 __all__ = [
     "answer",
@@ -170,9 +170,6 @@ def defaults_section(problem: Any) -> list[Section]:
         value = place.value
         if value is None or type(value) is not type(default) or value != default:
             continue
-        if isinstance(value, str) or place.quantity is None:
-            texts.append(f"{place.path} = {value}")
-        elif isinstance(value, int | float):
-            row = row_of(place.quantity, value)
-            texts.append(f"{place.path} = {row.value_text} {row.unit}".rstrip())
+        if place.quantity is None or isinstance(value, str | int | float):
+            texts.append(f"{place.path} = {value_row(place.quantity, value).text}")
     return [Section("Defaults used", (), ", ".join(texts))] if texts else []

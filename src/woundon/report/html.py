@@ -139,6 +139,7 @@ def _breakable(name: str) -> str:
 # of each kind of column: HTML of a text, and style
 CELLS: Mapping[str, tuple[Callable[[str], str], str]] = {
     "words": (label_html, LEFT),
+    "phrase": (label_html, f"{LEFT};white-space:nowrap"),
     "name": (_breakable, LEFT),
     "symbol": (symbol_html, f"{LEFT};white-space:nowrap"),
     "number": (unit_html, f"{RIGHT};white-space:pre"),
@@ -150,7 +151,7 @@ def table_html(table: Table) -> str:
     """Return a table under its title; remarks on a row are below it."""
     caption = f'<caption style="{LEFT};font-weight:bold">{escape(table.title)}</caption>'
     head = "".join(
-        f'<th style="{RIGHT if kind == "number" else LEFT}">{escape(word)}</th>'
+        f'<th style="{RIGHT if kind == "number" else LEFT}">{label_html(word)}</th>'
         for word, kind in table.columns
     )
     head = f"<thead><tr>{head}</tr></thead>" if any(c.head for c in table.columns) else ""

@@ -21,13 +21,13 @@ from .. import __version__, kinds
 from ..errors import InvalidProblem
 from ..problems.description import Description
 from ..problems.materials import MATERIALS
-from ..quantities import Place, scalar_outputs, walk
+from ..quantities import scalar_outputs, walk
 from ..results import Result
 from .figures import figure_bytes
 from .html import parts_html, table_html
 from .outputs_report import LEFT_OUT
 from .plots import figure_for_file, panel_columns
-from .report_parts import Column, Line, Row, Section, Table, TableRow, output_row, row_of
+from .report_parts import Column, Line, Row, Section, Table, TableRow, output_row, value_row
 from .result_report import report_parts
 from .scale_drawing import scale_drawing
 
@@ -130,11 +130,14 @@ def _inputs(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
         if all(path not in places or places[path].value is None for places in fields):
             not_given.append(path)
             continue
-        cells = [_row(places[path]) if path in places else Row("", "", "-") for places in fields]
-        known = next(_row(places[path]) for places in fields if path in places)
-        values = [f"{row.value_text} {row.unit}".strip() for row in cells]
+        known = [
+            value_row(places[path].quantity, places[path].value) if path in places else None
+            for places in fields
+        ]
+        values = [row.text if row else "-" for row in known]
+        first = next(row for row in known if row)
         tone = "differs" if len(set(values)) > 1 else ""
-        rows.append(TableRow((path, known.meaning, known.symbol, *values), tone))
+        rows.append(TableRow((path, first.meaning, first.symbol, *values), tone))
     columns: tuple[Column, ...] = (
         Column("field", "name"),
         Column("meaning"),
@@ -152,18 +155,6 @@ def _inputs(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
     for path, name in sources:
         source = f"{path}: the named material {name}; {MATERIALS[name].source}"
         yield f'<p class="source">{escape(source)}</p>'
-
-
-def _row(place: Place) -> Row:
-    """Return the row of a field in the table of inputs."""
-    quantity, value = place.quantity, place.value
-    meaning, symbol = (quantity.meaning, quantity.symbol) if quantity else ("", "")
-    if quantity is not None and isinstance(value, tuple):
-        values = ", ".join(f"{quantity.shown(item):.5g}" for item in value)
-        return Row(meaning, symbol, values, quantity.display)
-    if quantity is not None and isinstance(value, int | float):
-        return row_of(quantity, value)
-    return Row(meaning, symbol, "not given" if value is None else str(value))
 
 
 def _named_materials(thing: Any, path: str = "") -> Iterator[tuple[str, str]]:

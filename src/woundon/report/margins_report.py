@@ -17,8 +17,8 @@ COLUMNS = (
     Column("value", "number"),
     Column("limit", "number"),
     Column("", "unit"),
-    Column("worst at", "unit"),
-    Column(),
+    Column("worst at", "phrase"),
+    Column("", "phrase"),
 )
 TONES = {True: "good", False: "bad", None: "quiet"}
 

@@ -44,7 +44,9 @@ __all__ = [
     "quantity_of_field",
     "roller_zones",
     "row_of",
+    "rows_of_given",
     "schedule_rows",
+    "value_row",
     "warning_lines",
     "zone_line",
     "zone_strips",
@@ -103,6 +105,11 @@ class Row:
         return f"<{last:.0g}" if self.error < last else f"{self.error:.2g}"
 
     @property
+    def text(self) -> str:
+        """The value with its unit."""
+        return f"{self.value_text} {self.unit}".rstrip()
+
+    @property
     def cells(self) -> tuple[str, str, str, str]:
         """Meaning, symbol, value, and unit with error and note, as in :data:`COLUMNS`."""
         error = f"  ± {self.error_text}" if self.error_text else ""
@@ -125,7 +132,8 @@ class Section:
 class Column(NamedTuple):
     """A column of a table: its head, and what its cells are.
 
-    ``kind`` is "words", "name" (dotted, of a field), "symbol", "number" (on the right) or "unit".
+    ``kind`` is "words", "phrase" (which is not broken), "name" (dotted, of a field), "symbol",
+    "number" (on the right) or "unit".
     """
 
     head: str = ""
@@ -241,6 +249,24 @@ def output_row(result: Result, name: str, value: float | None = None, **texts: s
         return row_of(quantity, value, nan, **texts)
     error = result.errors.get(name, nan)
     return row_of(quantity, quantities.value_of(result, name), error, **texts)
+
+
+def value_row(quantity: Quantity | None, value: Any) -> Row:
+    """Return the row of the value of a field: a number, several, a word, or None."""
+    text = "not given" if value is None else str(value)
+    if quantity is None:
+        return Row("", "", text)
+    if isinstance(value, int | float):
+        return row_of(quantity, value)
+    if isinstance(value, tuple):
+        text = ", ".join(f"{quantity.shown(item):.{DIGITS}g}" for item in value)
+    unit = quantity.display if isinstance(value, tuple) else ""
+    return Row(quantity.meaning, quantity.symbol, text, unit)
+
+
+def rows_of_given(problem: Any, *names: str) -> list[Row]:
+    """Return the rows of the fields that are given and not zero."""
+    return [field_row(problem, name) for name in names if getattr(problem, name)]
 
 
 def quantity_of_field(problem: Any, name: str) -> Quantity:

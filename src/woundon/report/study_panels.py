@@ -35,7 +35,6 @@ __all__ = [
 ]
 
 Array = np.ndarray
-DECADE = 10.0  # ratio of the ends from which the field of a search has a logarithmic axis
 LINES = ("dotted", "dashed", "solid")  # of the levels of the probability in a window
 MARKERS = ("circle", "square", "triangle", "diamond", "point")  # of the outputs of a fit
 
@@ -98,13 +97,12 @@ def find_panels(outcome: FindResult) -> list[Panel]:
         curves.append(Curve("", values[failed], at, "", label, "ink", "none", "cross"))
     reached = np.full(found.size, target)
     curves.append(Curve("", found, reached, "", "solution", "drum", "none", "ring"))
-    log = values[0] > 0 and values[-1] / values[0] >= DECADE
     return [
         Panel(
             "scan",
             "Output over the field",
-            Axis(field.meaning, field, log=bool(log)),
-            Axis(output.meaning, output),
+            named_axis(outcome.name, field, values),
+            named_axis(outcome.output, output),
             curves=tuple(curves),
             marks=(Mark("x", target, "target", colour="drum", line="dashed"),),
             width=5.2,
