@@ -9,6 +9,7 @@ from .. import kinds, quantities
 from ..errors import InvalidProblem, NoSteadyState, NotConverged, unwarned
 from ..nip.result import NipResult
 from ..nip.roller_result import RollerResult
+from ..problems.problem import Problem
 from ..quantities import walk
 from ..results import Result
 from ..roll.result import RollResult
@@ -159,7 +160,7 @@ def assumptions_section(result: Result) -> list[Section]:
     return [Section("Assumptions", (), " ".join(texts))] if texts else []
 
 
-def defaults_section(problem: Any) -> list[Section]:
+def defaults_section(problem: Problem) -> list[Section]:
     """Return the section of the fields whose default values are used; none if there are none."""
     texts: list[str] = []
     unused = tuple(f"{name}." for name in problem.unused)

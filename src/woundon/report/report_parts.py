@@ -17,7 +17,9 @@ import numpy as np
 from .. import quantities
 from ..nip.result import NipResult
 from ..nip.roller_result import RollerResult
+from ..problems.description import Description
 from ..problems.paths import field_quantity
+from ..problems.problem import Problem
 from ..problems.schedules import Profile, Taper
 from ..quantities import Quantity, in_chosen_units
 from ..results import ACCEPTED_RESIDUAL, Residuals, Result, Zone, zone_runs
@@ -264,12 +266,12 @@ def value_row(quantity: Quantity | None, value: Any) -> Row:
     return Row(quantity.meaning, quantity.symbol, text, unit)
 
 
-def rows_of_given(problem: Any, *names: str) -> list[Row]:
+def rows_of_given(problem: Description, *names: str) -> list[Row]:
     """Return the rows of the fields that are given and not zero."""
     return [field_row(problem, name) for name in names if getattr(problem, name)]
 
 
-def quantity_of_field(problem: Any, name: str) -> Quantity:
+def quantity_of_field(problem: Description | type[Description], name: str) -> Quantity:
     """Return the quantity of a field of a problem, or of a class of problems."""
     quantity = field_quantity(problem, name)
     if quantity is None:
@@ -277,13 +279,13 @@ def quantity_of_field(problem: Any, name: str) -> Quantity:
     return quantity
 
 
-def field_row(problem: Any, name: str, *, empty: float = nan, **texts: str) -> Row:
+def field_row(problem: Description, name: str, *, empty: float = nan, **texts: str) -> Row:
     """Return the row of a problem's field; ``empty`` is the value of a field that is None."""
     value = getattr(problem, name)
     return row_of(quantity_of_field(problem, name), empty if value is None else value, nan, **texts)
 
 
-def schedule_rows(problem: Any, name: str, ends: Iterable[float]) -> list[Row]:
+def schedule_rows(problem: Problem, name: str, ends: Iterable[float]) -> list[Row]:
     """Return the row of a number, or those of a schedule at the core and at the surface.
 
     Parameters

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from ..studies.cases import as_labels, is_numeric
 from .drawing import show_panels
@@ -24,7 +26,7 @@ SPARSE = 30  # up to so many points of a curve are marked
 COLUMNS = 3  # of the panels of points
 
 
-def plot_sweep(table: Table, output: str, path: str | Path | None = None) -> Any:
+def plot_sweep(table: Table, output: str, path: str | Path | None = None) -> Figure | Axes:
     """Plot one output of a study.
 
     Of a grid: curves over the longest axis, a curve for each value of the next, a panel for each
