@@ -69,7 +69,7 @@ def test_the_panels_of_the_page_are_those_of_the_figures(name: str) -> None:
         drawn = sum(len(strip.runs) for strip in panel.strips)
         assert not drawn or len(figure.axes[0].patches) == drawn
         assert bool(seen.get("scale")) == any(
-            "colorbar" in axes.get_label() for axes in figure.axes
+            "colorbar" in bar.get_label() for axes in figure.axes for bar in axes.child_axes
         )
 
 
