@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from .. import kinds
-from ..errors import InvalidProblem, NotConverged, did_you_mean, unwarned
+from ..errors import InvalidProblem, did_you_mean, unwarned
 from ..io.case_files import SCHEMA, check_like_a_case, make_problem
 from ..problems.messages import quote
 from ..problems.paths import field_quantity, find_places, get_field
@@ -30,10 +30,12 @@ from ..report.result_report import report_parts
 from ..results import ACCEPTED_RESIDUAL, Result, zone_runs
 from ..roll.design import design_tension
 from ..sensitivity import Sensitivity
+from ..studies.cases import Chunk
 from ..studies.columns import measurable_outputs
 from ..studies.find import find as find_values
 from ..studies.measurements import Observable, predict
 from ..studies.model import KindModel, model_of
+from ..studies.run import solve_chunk
 from ..studies.slopes import slopes
 from ..winding.margins import FIELDS
 from .input_forms import quantity_schema, tables_of
@@ -155,18 +157,18 @@ def checked_options(kind: kinds.Kind, options: Mapping[str, Any]) -> dict[str, A
         For an unknown option, or a text that is not a number.
     """
     if not options:
-        return {}
+        return {}  # the type hints of the solver are not read for each move of a slider
     known, converted = kind.solver_options(), dict[str, Any]()
-    for name, value in options.items():
+    for name, text in options.items():
         if name not in known:
-            text = f"no option of the kind {kind.name!r}; it has {', '.join(known) or 'none'}"
-            raise InvalidProblem.at(name, text)
+            reason = f"no option of the kind {kind.name!r}; it has {', '.join(known) or 'none'}"
+            raise InvalidProblem.at(name, reason)
         number_type = known[name].type
         try:
-            converted[name] = number_type(value) if isinstance(value, str) else value
-        except ValueError:
-            text = f"must be a {'whole ' * (number_type is int)}number, got {quote(value)}"
-            raise InvalidProblem.at(name, text) from None
+            converted[name] = number_type(text)
+        except (TypeError, ValueError):  # TypeError: of an option that is given twice
+            reason = f"must be a {'whole ' * (number_type is int)}number, got {quote(text)}"
+            raise InvalidProblem.at(name, reason) from None
     return converted
 
 
@@ -358,22 +360,20 @@ def curve(tables: Any, query: Mapping[str, Any], options: Mapping[str, Any]) -> 
     model = model_of(problem, names, {}, checked_options(kinds.of(problem), options))
     ends = _ends(problem, field, float(base), query["low"], query["high"])
     values = np.linspace(*ends, points).tolist()
-    rows, failures, start = np.full((points, len(names)), np.nan), [], None
-    for k, value in enumerate(values):
-        try:
-            answer = model.run({field: value}, start)
-        except (InvalidProblem, NotConverged, ArithmeticError) as fault:
-            failures.append({"value": value, "why": str(fault)})
-            continue
-        rows[k], start = answer.values, answer.state
+    chunk = Chunk(0, np.arange(points), [{field: value} for value in values])
+    solved_cases = solve_chunk(model, chunk)
     return to_json(
         {
             "field": field,
             "unit": quantity.unit,
             "at": base,
             "values": values,
-            "outputs": dict(zip(names, rows.T, strict=True)),
-            "failures": failures,
+            "outputs": dict(zip(names, solved_cases.values.T, strict=True)),
+            "failures": [
+                {"value": value, "why": reason}
+                for value, reason in zip(values, solved_cases.failure, strict=True)
+                if reason
+            ],
         }
     )
 
