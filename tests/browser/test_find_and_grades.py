@@ -120,6 +120,8 @@ def test_formulas_of_labels_are_typeset(look):
     label = page.locator("[data-path=winding_force] label")
     assert label.inner_text().replace("\xa0", " ").startswith("winding force (drum traction")
     assert label.locator("sub").all_inner_texts() == ["2", "2"]  # of -M2/R2
+    quotient = "async () => (await import('/static/symbols.js')).symbolText('mu/mu0')"
+    assert page.evaluate(quotient) == "μ/μ_0"
 
 
 def test_a_limit_is_entered_next_to_its_margin_on_a_phone(look):
@@ -151,6 +153,7 @@ TABLE = "load [kN/m]\thalf_width [um]\n50\t265\n89\t354\n120\t411\n"
 def test_a_pasted_table_is_fitted_and_the_estimate_taken_over(look):
     seen = look(width=1366, height=768)
     page = seen.page
+    page.click("button.tables")
     page.select_option(".kind", "rollers")
     seen.rest()
     page.click("#tab-fit")
@@ -167,6 +170,8 @@ def test_a_pasted_table_is_fitted_and_the_estimate_taken_over(look):
     found = wo.fit(wo.RollerProblem.example(), data, {"upper.radius": (0.0625, 1.0)})
     assert radius == pytest.approx(found.estimates[0], rel=1e-6)  # bounds are another
     assert page.locator("[data-panel=fit] canvas, .cell-fit canvas").count() == 1
+    assert page.locator("[data-panel=fit] .swatch circle").count() == 1  # points in the legend too
+    assert page.locator(".panel-cell table").count() == 1
     page.click("#fit-take")
     seen.rest()
     assert float(seen.box("upper.radius")) == pytest.approx(1e3 * radius, rel=1e-4)

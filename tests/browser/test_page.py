@@ -176,6 +176,21 @@ def test_wraps_are_fields_of_a_nip(look, example):
     assert seen.output("wound_on_tension") == pytest.approx(result.wound_on_tension, rel=CLOSE)
 
 
+def test_what_is_drawn_against_the_load_of_rollers_are_values_that_they_have(look):
+    """Elastic rollers have no losses, thus no rolling resistance, the first output of the kind."""
+    seen = look()
+    page = seen.page
+    page.select_option(".kind", "rollers")
+    seen.rest()
+    page.click("button.tables")
+    page.locator(".curve-cell").scroll_into_view_if_needed()
+    page.wait_for_selector("[data-panel=curve]", timeout=60_000)
+    assert page.inner_text("[data-panel=curve] h3").startswith("Creepage")
+    shown = page.locator(".cell-curve td").all_inner_texts()
+    assert len(shown) == 13
+    assert "–" not in shown
+
+
 def test_undo_redo_and_reset(look):
     seen = look()
     first = seen.output("wound_on_tension")
@@ -370,6 +385,8 @@ def test_a_study_is_run_seen_and_cancelled(look, example):
     page.fill("#study-first-count", "3")
     page.locator("#study-first-count").blur()
     page.click("#study-run")
+    page.click("#tab-fit")  # meanwhile it goes on
+    page.click("#tab-study")
     page.wait_for_selector("text=Done in", timeout=60_000)
     with page.expect_download() as waiting:
         page.click("text=Save as CSV")

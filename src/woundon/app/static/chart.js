@@ -55,8 +55,20 @@ function newHatch(ctx, zone, size) {
 /** The curves of all cases that are drawn: of several cases those that compare them. */
 export const linesOf = (cases) => cases.flatMap((one) => one.panel.curves.filter((curve) => cases.length === 1 || !curve.alone).map((curve) => ({ one, curve })));
 
+/** Curves as tables, one for each set of x: {x, axis, columns: [{one, curve, axis}]}. */
+export function tablesOf(lines) {
+  const tables = new Map();
+  for (const { one, curve } of lines) {
+    const { panel } = one;
+    const key = JSON.stringify(curve.x);
+    if (!tables.has(key)) tables.set(key, { x: curve.x, axis: panel.x, columns: [] });
+    tables.get(key).columns.push({ one, curve, axis: curve.side === "right" ? panel.right : panel.y });
+  }
+  return [...tables.values()];
+}
+
 /** Whether points are drawn without a line. */
-const isDots = (curve) => curve.dash === "none" || curve.dash === "dots";
+const isDots = (curve) => curve.dash === "none";
 
 // ---- what runs along x is shared by the panels of a column ----
 
@@ -444,11 +456,14 @@ function padded(min, max) {
   return [min - room, max + room];
 }
 
-const SWATCH = { solid: "", dashed: "7 3", dashdot: "8 2 2 2", dotted: "2 3", dots: "3 6", none: "3 6" };
+const SWATCH = { solid: "", dashed: "7 3", dashdot: "8 2 2 2", dotted: "2 3" };
 
+/** The entry of a curve in a legend: its line, or a point. */
 export function Swatch({ dash, colour, role }) {
-  return html`<svg class="swatch" width="26" height="8" aria-hidden="true"><line x1="1" x2="25" y1="4" y2="4"
-    style=${{ stroke: colour ?? `var(--${role})` }} stroke-width="2.2" stroke-dasharray=${SWATCH[dash]} /></svg>`;
+  const style = { stroke: colour ?? `var(--${role})` };
+  return html`<svg class="swatch" width="26" height="8" aria-hidden="true">${isDots({ dash })
+    ? html`<circle cx="13" cy="4" r="3" fill="none" style=${style} stroke-width="1.5" />`
+    : html`<line x1="1" x2="25" y1="4" y2="4" style=${style} stroke-width="2.2" stroke-dasharray=${SWATCH[dash]} />`}</svg>`;
 }
 
 /** A panel with its legend, in which the values under the pointer stand. */

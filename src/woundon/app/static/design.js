@@ -1,11 +1,11 @@
 // The inverse problem of a wound roll: a target pressure, drawn by dragging its points, and its tension.
 import * as api from "./api.js";
 import { html, useEffect, useRef, useState } from "./html.js";
-import { LENGTH, Points } from "./points.js";
+import { Points } from "./points.js";
 import { OnePanel } from "./results.js";
 import { endsOf, fewer, pointsOf } from "./schedules.js";
 import { T } from "./texts.js";
-import { digits } from "./units.js";
+import { digits, LENGTH } from "./units.js";
 
 export const DESIGNED = "roll"; // the kind whose tension can be found
 const TENSION = "wound_on_tension";

@@ -1,7 +1,7 @@
 // The nip drawn to scale: the whole of roll and drum, and the nip through a lens.
 import { html } from "./html.js";
 import { T } from "./texts.js";
-import { digits } from "./units.js";
+import { digits, LENGTH } from "./units.js";
 
 const WHOLE = { width: 190, height: 330 };
 const NAMES = 38; // height above the upper and below the lower body for their names and radii
@@ -19,11 +19,10 @@ export function Patterns() {
 export function Drawing({ result, units, catalogue }) {
   const { geometry } = result;
   if (!geometry?.bodies?.length) return null;
-  const quantity = { unit: "m", shown_unit: "mm" };
-  const size = (value, unit = quantity) => `${digits(units.shown(unit, value), 4)} ${units.text(unit)}`;
+  const size = (value, unit = LENGTH) => `${digits(units.shown(unit, value), 4)} ${units.text(unit)}`;
   return html`<div class="drawing">
     <${Whole} ...${{ result, geometry, size }} />
-    ${geometry.half_width && geometry.bodies.length > 1 && html`<${Lens} ...${{ result, geometry, size, unit: units.of(quantity).factor }} />`}
+    ${geometry.half_width && geometry.bodies.length > 1 && html`<${Lens} ...${{ result, geometry, size, unit: units.of(LENGTH).factor }} />`}
   </div>`;
 }
 

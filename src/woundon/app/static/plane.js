@@ -1,11 +1,13 @@
 // Panels over a plane: coloured maps with contours, cross sections of rolls, curves over a depth.
 import { colourOf, linesOf, Swatch } from "./chart.js";
-import { html, useLayoutEffect, useRef } from "./html.js";
+import { html, useEffect, useLayoutEffect, useRef, useState } from "./html.js";
 import { Symbol, Words } from "./symbols.js";
+import { T } from "./texts.js";
 import { digits, niceTicks } from "./units.js";
 
 const LEFT = 58;
 const RIGHT = 74; // with the scale of the colours
+const UNIT = 22; // height of the unit above the scale of the colours
 const BELOW = 34;
 const DASHES = { solid: [], dashed: [7, 4], dashdot: [8, 3, 2, 3], dotted: [2, 3] };
 const SEQUENTIAL = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
@@ -14,13 +16,12 @@ const DIVERGING = [[33, 102, 172], [146, 197, 222], [247, 247, 247], [244, 165, 
 /** Whether a panel is drawn here, and not as curves over x. */
 export const isPlane = (panel) => !!(panel.map || panel.discs || panel.note || (panel.y.range && panel.y.range[0] > panel.y.range[1]));
 
-/** The colour of a value on a scale, as "rgb(...)". */
+/** The colour of a value on a scale: red, green, blue. */
 function colourAt(value, { range: [low, high], palette }) {
   const stops = palette === "sequential" ? SEQUENTIAL : palette === "red above" ? DIVERGING : [...DIVERGING].reverse();
   const place = Math.min(Math.max((value - low) / (high - low), 0), 1) * (stops.length - 1);
   const k = Math.min(Math.floor(place), stops.length - 2);
-  const mixed = stops[k].map((from, n) => Math.round(from + (place - k) * (stops[k + 1][n] - from)));
-  return `rgb(${mixed})`;
+  return stops[k].map((from, n) => Math.round(from + (place - k) * (stops[k + 1][n] - from)));
 }
 
 /** A linear or logarithmic map from the ends of an axis to pixels. */
@@ -48,10 +49,10 @@ class Pen {
     this.ctx.clearRect(0, 0, width, height);
   }
 
-  text(words, x, y, { align = "center", turned = false, bold = false } = {}) {
+  text(words, x, y, { align = "center", turned = false, bold = false, colour = colourOf("soft") } = {}) {
     const { ctx } = this;
     ctx.save();
-    ctx.fillStyle = colourOf("soft");
+    ctx.fillStyle = colour;
     ctx.font = `${bold ? "600 " : ""}11px system-ui, sans-serif`;
     ctx.textAlign = align;
     ctx.textBaseline = "middle";
@@ -85,10 +86,10 @@ function ticksOf({ log, range }, factor, count) {
 function drawScale(pen, scale, units, right, height) {
   const { factor } = units.of(scale.quantity);
   const [low, high] = scale.range;
-  const y = (value) => height - BELOW + (16 - height + BELOW) * (value - low) / (high - low);
+  const y = (value) => height - BELOW + (UNIT - height + BELOW) * (value - low) / (high - low);
   for (let k = 0; k < 64; k++) {
     const value = low + (high - low) * k / 64;
-    pen.ctx.fillStyle = colourAt(value, scale);
+    pen.ctx.fillStyle = `rgb(${colourAt(value, scale)})`;
     pen.ctx.fillRect(right, y(value + (high - low) / 64), 10, y(value) - y(value + (high - low) / 64) + 1);
   }
   for (const tick of niceTicks(low / factor, high / factor, 4)) pen.text(digits(tick, 4), right + 14, y(tick * factor), { align: "left" });
@@ -109,9 +110,10 @@ function drawDiscs(pen, { discs, scale, x }, units, width, height) {
       pen.ctx.arc(...centre, r * size, 0, 2 * Math.PI);
       pen.ctx.fill();
     };
-    for (let k = radius.length - 1; k > 0; k--) circle(radius[k], colourAt(values[k], scale));
+    for (let k = radius.length - 1; k > 0; k--) circle(radius[k], `rgb(${colourAt(values[k], scale)})`);
     circle(radius[0], colourOf("line"));
-    pen.text(`${digits(radius.at(-1) / factor, 3)}${discs.length > 1 ? "" : ` ${units.text(x.quantity)}`}`, centre[0], centre[1] + radius.at(-1) * size + 9);
+    const text = digits(radius.at(-1) / factor, 3);
+    pen.text(discs.length > 1 ? text : `R ${text} ${units.text(x.quantity)}`, centre[0], centre[1] + radius.at(-1) * size + 9);
   }
   if (discs.length > 1) pen.text(units.label(x.label, x.quantity), 8, height - 8, { align: "left", bold: true });
 }
@@ -136,7 +138,7 @@ function drawMap(pen, { map, scale }, x, y) {
   const middles = (of, values) => values.map((value, k) => (k ? (of(values[k - 1]) + of(value)) / 2 : of(value))).concat(of(values.at(-1)));
   const [edges, rows] = [middles(x, map.x), middles(y, map.y)];
   map.values.forEach((row, j) => row.forEach((value, i) => {
-    pen.ctx.fillStyle = colourAt(value, scale);
+    pen.ctx.fillStyle = `rgb(${colourAt(value, scale)})`;
     pen.ctx.fillRect(edges[i], rows[j], edges[i + 1] - edges[i] + 0.5, rows[j + 1] - rows[j] + 0.5);
   }));
 }
@@ -200,4 +202,71 @@ export function Plane({ title, cases, units, height, theme, description }) {
     </div></figcaption>
     ${panel.note ? html`<p class="quiet">${panel.note}</p>` : ""}
     <div class="plane"><canvas ref=${place} role="img" aria-label=${description}></canvas></div></figure>`;
+}
+
+// ---- maps of an output over two fields ----
+
+const MAP = { left: 66, right: 14, top: 10, bottom: 44, height: 420 };
+
+/**
+ * The values of an output over two fields, small ones light; the value under the pointer is shown,
+ * and `note(i, j)` after it.  `values` runs along y first; null where there is none.
+ */
+export function ValueMap({ store, x, y, values, quantity, note = () => "", range = null }) {
+  const { units } = store;
+  const canvas = useRef(null);
+  const [shown, show] = useState("");
+  const known = values.filter((value) => value != null);
+  const [low, high] = range ?? (known.length ? [Math.min(...known), Math.max(...known)] : [0, 1]);
+  const [nx, ny] = [x.values.length, y.values.length];
+  const text = (field, value, count = 4) => digits(units.shown(field, value), count);
+  const draw = () => {
+    const width = canvas.current?.clientWidth;
+    if (!width) return;
+    const pen = new Pen(canvas.current, width, MAP.height);
+    const { ctx } = pen;
+    const [w, h] = [(width - MAP.left - MAP.right) / nx, (MAP.height - MAP.top - MAP.bottom) / ny];
+    const at = (i, j) => [MAP.left + i * w, MAP.top + (ny - 1 - j) * h];
+    values.forEach((value, k) => {
+      const [left, top] = at(Math.floor(k / ny), k % ny);
+      if (value == null) {
+        ctx.strokeStyle = colourOf("line");
+        ctx.strokeRect(left + 1, top + 1, w - 2, h - 2);
+        return;
+      }
+      const rgb = colourAt(value, { range: [high, low === high ? high - 1 : low], palette: "sequential" });
+      ctx.fillStyle = `rgb(${rgb})`;
+      ctx.fillRect(left, top, w + 0.6, h + 0.6);
+      const words = text(quantity, value, 3);
+      const isLight = 0.3 * rgb[0] + 0.59 * rgb[1] + 0.11 * rgb[2] > 130;
+      if (w > ctx.measureText(words).width + 6 && h > 14) pen.text(words, left + w / 2, top + h / 2, { colour: isLight ? "#111" : "#fff" });
+    });
+    const every = (size, label) => Math.max(1, Math.ceil(label / size)); // so many cells have one label
+    const below = MAP.height - MAP.bottom;
+    for (let i = 0; i < nx; i += every(w, 54)) pen.text(text(x.field, x.values[i]), at(i, 0)[0] + w / 2, below + 12);
+    for (let j = 0; j < ny; j += every(h, 16)) pen.text(text(y.field, y.values[j]), MAP.left - 6, at(0, j)[1] + h / 2, { align: "right" });
+    pen.text(units.label(x.field.label, x.field), MAP.left + (nx * w) / 2, MAP.height - 10, { bold: true });
+    pen.text(units.label(y.field.label, y.field), 10, (MAP.top + below) / 2, { turned: true, bold: true });
+  };
+  const redraw = useRef(draw);
+  redraw.current = draw;
+  useEffect(draw); // by now the page has forgotten the colours of the theme before
+  useEffect(() => {
+    const watch = new ResizeObserver(() => redraw.current());
+    watch.observe(canvas.current);
+    return () => watch.disconnect();
+  }, []);
+  const hover = (event) => {
+    const box = canvas.current.getBoundingClientRect();
+    const i = Math.floor(((event.clientX - box.left - MAP.left) / (box.width - MAP.left - MAP.right)) * nx);
+    const j = ny - 1 - Math.floor(((event.clientY - box.top - MAP.top) / (MAP.height - MAP.top - MAP.bottom)) * ny);
+    if (i < 0 || j < 0 || i >= nx || j >= ny) return show("");
+    show(`${x.field.label} ${text(x.field, x.values[i])}, ${y.field.label} ${text(y.field, y.values[j])}: ${text(quantity, values[i * ny + j], 5)} ${units.text(quantity)}${note(i, j)}`);
+  };
+  return html`<figure class="panel-cell map" data-panel="map"><figcaption><h3>${units.label(quantity.label, quantity)}</h3>
+      <div class="ramp"><span>${text(quantity, low)}</span><span class="ramp-bar" aria-hidden="true"></span><span>${text(quantity, high)}</span><output class="quiet">${shown}</output></div></figcaption>
+    <canvas ref=${canvas} class="map-canvas" role="img" aria-label=${`${quantity.label}: ${text(quantity, low)} – ${text(quantity, high)} ${units.text(quantity)}`} onMouseMove=${hover} onMouseLeave=${() => show("")}></canvas>
+    <details><summary>${T.panels.table}</summary><div class="table-scroll" tabindex="0"><table><caption>${quantity.label}</caption>
+      <thead><tr><th scope="col">${x.field.label} \\ ${y.field.label}</th>${y.values.map((value) => html`<th scope="col">${text(y.field, value)}</th>`)}</tr></thead>
+      <tbody>${x.values.map((value, i) => html`<tr><th scope="row">${text(x.field, value)}</th>${y.values.map((_, j) => html`<td>${text(quantity, values[i * ny + j], 5)}</td>`)}</tr>`)}</tbody></table></div></details></figure>`;
 }

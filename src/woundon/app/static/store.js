@@ -5,11 +5,13 @@ import { useEffect, useState } from "./html.js";
 import { atCore } from "./schedules.js";
 import { T } from "./texts.js";
 import { Units, usual } from "./units.js";
+import { curveOutputs } from "./variables.js";
 
 const PINS = 4;
 const REST = 220; // [ms] without a change, after which slower answers are requested
 const KEPT = 200; // steps of undo
 const RETRY = 1500; // [ms] between requests to a server that does not respond
+export const TABS = ["case", "study", "fit", "winding", "window", "thesis"];
 export const ROLLS = ["roll", "winding"]; // shown in a tab of their own, the quick one first
 const NO_FAULTS = Object.freeze({});
 
@@ -328,7 +330,7 @@ export class Store {
     const field = this.loadOf(this.kind);
     const ask = {
       report: () => api.solve(tables, { report: true }, signal),
-      curve: () => field && api.curve(tables, { field, points: 13 }, signal),
+      curve: () => field && api.curve(tables, { field, points: 13, outputs: curveOutputs(this.kind, this.state.result).join() }, signal),
       bars: () => field && api.sensitivities(tables, signal),
     };
     for (;;) {
