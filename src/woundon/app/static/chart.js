@@ -52,6 +52,16 @@ function newHatch(ctx, zone, size) {
   return ctx.createPattern(tile, "repeat");
 }
 
+/** A panel that the page makes itself, as the server describes panels. */
+export const newPanel = (parts) => ({
+  right: null, areas: [], marks: [], strips: [], words: [], discs: [], map: null, scale: null, note: "", column: parts.name, ...parts,
+});
+
+/** A curve of such a panel. */
+export const newCurve = (parts) => ({
+  symbol: "", label: "", colour: "roll", line: "solid", right: false, alone: false, in_legend: true, opacity: 1, ...parts,
+});
+
 /** The curves of all cases that are drawn: of several cases those that compare them. */
 export const linesOf = (cases) => cases.flatMap((one) => one.panel.curves.filter((curve) => cases.length === 1 || !curve.alone).map((curve) => ({ one, curve })));
 
@@ -62,13 +72,13 @@ export function tablesOf(lines) {
     const { panel } = one;
     const key = JSON.stringify(curve.x);
     if (!tables.has(key)) tables.set(key, { x: curve.x, axis: panel.x, columns: [] });
-    tables.get(key).columns.push({ one, curve, axis: curve.side === "right" ? panel.right : panel.y });
+    tables.get(key).columns.push({ one, curve, axis: curve.right ? panel.right : panel.y });
   }
   return [...tables.values()];
 }
 
 /** Whether points are drawn without a line. */
-const isDots = (curve) => curve.dash === "none";
+const isDots = (curve) => curve.line === "none";
 
 // ---- what runs along x is shared by the panels of a column ----
 
@@ -106,9 +116,8 @@ class Chart {
     this.column = panel.column || panel.name;
     this.lines = linesOf(cases);
     const key = JSON.stringify([
-      units.name, height, colours().ink, panel.name, panel.x.log, panel.x.label, panel.y.label, !!panel.right, !!panel.strips,
-      panel.strips && cases.map((one) => one.label),
-      this.lines.map(({ one, curve }) => [one.colour, curve.role, curve.dash, curve.side]),
+      units.name, height, colours().ink, panel.name, panel.x.log, panel.x.label, panel.y.label, !!panel.right, panel.strips.length > 0 && cases.map((one) => one.label),
+      this.lines.map(({ one, curve }) => [one.colour, curve.colour, curve.line, curve.right]),
     ]);
     const data = this.data();
     if (!this.plot || key !== this.key) this.make(key, data, height);
@@ -125,15 +134,10 @@ class Chart {
     return this.cases.flatMap((one) => one.panel.strips.map((strip) => ({ one, strip })));
   }
 
-  axis(side, curve) {
-    const { panel } = this.cases[0];
-    return curve?.side === "right" ? panel.right : panel[side];
-  }
-
   data() {
     const { units } = this;
     const { panel } = this.cases[0];
-    if (panel.strips) {
+    if (panel.strips.length) {
       const [low, high] = this.range();
       return [[low, high], [0, 0]];
     }
@@ -142,7 +146,7 @@ class Chart {
       return values.map((value) => (value === null ? null : value / factor));
     };
     const tables = this.lines.map(({ curve, one }) => [
-      shown(curve.x, one.panel.x.quantity), shown(curve.y, this.axis("y", curve).quantity),
+      shown(curve.x, one.panel.x.quantity), shown(curve.y, (curve.right ? panel.right : panel.y).quantity),
     ]);
     return tables.length === 1 ? tables[0] : uPlot.join(sorted(tables));
   }
@@ -151,8 +155,8 @@ class Chart {
   range() {
     const { panel } = this.cases[0];
     const { factor } = this.units.of(panel.x.quantity);
-    const ends = this.cases.flatMap(({ panel: own }) => own.x.range
-      ?? linesOf([{ panel: own }]).flatMap(({ curve }) => [curve]).flatMap((curve) => curve.x.filter((x) => !own.x.log || x > 0)));
+    const ends = this.cases.flatMap(({ panel: own }) => own.x.limits
+      ?? own.curves.flatMap((curve) => curve.x.filter((x) => !own.x.log || x > 0)));
     return [Math.min(...ends) / factor, Math.max(...ends) / factor];
   }
 
@@ -178,7 +182,7 @@ class Chart {
     this.key = key;
     const { ink, soft, line } = colours();
     const { panel } = this.cases[0];
-    const rows = panel.strips ? this.rows() : null;
+    const rows = panel.strips.length ? this.rows() : null;
     const font = "11px system-ui, sans-serif";
     const axis = (more) => ({
       stroke: soft, font, labelFont: `600 ${font}`, labelSize: 16, grid: { stroke: line, width: 1 },
@@ -211,19 +215,19 @@ class Chart {
         ...(panel.right ? { right: { range: (_, min, max) => padded(min, max) } } : {}),
       },
       axes: [
-        axis({ label: panel.strips ? undefined : label(panel.x), size: panel.strips ? 4 : 28, show: !panel.strips, values,
-          grid: { show: !panel.strips, stroke: line, width: 1 }, ...logarithmic }),
+        axis({ label: rows ? undefined : label(panel.x), size: rows ? 4 : 28, show: !rows, values,
+          grid: { show: !rows, stroke: line, width: 1 }, ...logarithmic }),
         rows
           ? axis({ size: LEFT + 16, splits: () => rows.map((_, k) => rows.length - k - 0.5), grid: { show: false },
             ticks: { show: false }, stroke: ink,
-            values: () => rows.map(({ one, strip }) => (one.label ? `${one.label} ${strip.label}` : strip.label)) })
+            values: () => rows.map(({ one, strip }) => `${one.label} ${strip.face}`.trim()) })
           : axis({ label: tall(panel.y), size: LEFT, values }),
         ...(panel.right ? [axis({ scale: "right", side: 1, label: label(panel.right), size: RIGHT, grid: { show: false }, values })] : []),
       ],
       series: [{}, ...(rows ? [{ show: true, stroke: "transparent", points: { show: false } }] : this.lines.map(({ one, curve }) => ({
-        scale: curve.side === "right" ? "right" : "y", stroke: one.colour ?? colours()[curve.role] ?? ink,
-        width: one.label && one.pinned ? 1.5 : 2, spanGaps: true, alpha: curve.opacity ?? 1,
-        ...(isDots(curve) ? DOTS : { dash: DASHES[curve.dash], points: { show: false } }),
+        scale: curve.right ? "right" : "y", stroke: one.colour ?? colours()[curve.colour] ?? ink,
+        width: one.label && one.pinned ? 1.5 : 2, spanGaps: true, alpha: curve.opacity,
+        ...(isDots(curve) ? DOTS : { dash: DASHES[curve.line], points: { show: false } }),
       })))],
       hooks: {
         drawClear: [(plot) => (rows ? null : this.areas(plot))],
@@ -243,18 +247,18 @@ class Chart {
   }
 
   /** The range of y: of the curves, of the bounds behind them, of the marks. */
-  tall(min, max, { from_zero: fromZero, range }) {
+  tall(min, max, { from_zero: fromZero, limits }) {
     const { panel } = this.cases[0];
     const { factor } = this.units.of(panel.y.quantity);
-    if (range) return range.map((end) => end / factor);
+    if (limits) return limits.map((end) => end / factor);
     let [low, high] = [min ?? 0, max ?? 1];
     if (this.cases.length === 1) {
-      for (const area of panel.areas ?? []) {
+      for (const area of panel.areas) {
         low = Math.min(low, ...area.low.filter(Number.isFinite).map((v) => v / factor));
         high = Math.max(high, ...area.high.filter(Number.isFinite).map((v) => v / factor));
       }
     }
-    for (const mark of (panel.marks ?? []).filter((one) => one.along === "x")) {
+    for (const mark of panel.marks.filter((one) => one.along === "x")) {
       low = Math.min(low, mark.value / factor);
       high = Math.max(high, mark.value / factor);
     }
@@ -274,7 +278,7 @@ class Chart {
 
   areas(plot) {
     const { panel } = this.cases[0];
-    if (this.cases.length > 1 || !panel.areas) return;
+    if (this.cases.length > 1) return;
     const { units } = this;
     const [fx, fy] = [units.of(panel.x.quantity).factor, units.of(panel.y.quantity).factor];
     const point = (x, y) => [plot.valToPos(x / fx, "x", true), plot.valToPos(y / fy, "y", true)];
@@ -296,7 +300,7 @@ class Chart {
       const { bbox } = plot;
       const ratio = devicePixelRatio;
       const zero = plot.valToPos(0, "y", true);
-      const lines = (panel.marks ?? []).map((mark) => ({ ...mark, plain: !mark.label && mark.value === 0, at: plot.valToPos(
+      const lines = panel.marks.map((mark) => ({ ...mark, plain: !mark.label && mark.value === 0, at: plot.valToPos(
         mark.value / this.units.of(mark.along === "x" ? panel.y.quantity : panel.x.quantity).factor, scaleOf[mark.along], true) }));
       if (zero > bbox.top && zero < bbox.top + bbox.height - 1) lines.push({ along: "x", at: zero, plain: true });
       const [low, high] = [{ x: bbox.top, y: bbox.left }, { x: bbox.top + bbox.height, y: bbox.left + bbox.width }];
@@ -351,12 +355,11 @@ class Chart {
     const { left, idxs } = plot.cursor;
     if (left == null || left < 0 || plot !== this.plot) return this.onReading(null);
     const x = plot.posToVal(left, "x");
-    if (panel.strips) {
+    if (panel.strips.length) {
       const si = x * this.units.of(panel.x.quantity).factor;
-      const words = panel.words ?? [];
       return this.onReading({ x, values: this.cases.flatMap((one) => one.panel.strips.map((strip) => {
         const run = strip.runs.find(([, from, to]) => si >= from && si <= to);
-        return run ? words[run[0] + 1] : "";
+        return run ? panel.words[run[0] + 1] : "";
       })) });
     }
     return this.onReading({ x, values: this.lines.map((_, k) => {
@@ -459,11 +462,11 @@ function padded(min, max) {
 const SWATCH = { solid: "", dashed: "7 3", dashdot: "8 2 2 2", dotted: "2 3" };
 
 /** The entry of a curve in a legend: its line, or a point. */
-export function Swatch({ dash, colour, role }) {
-  const style = { stroke: colour ?? `var(--${role})` };
-  return html`<svg class="swatch" width="26" height="8" aria-hidden="true">${isDots({ dash })
+export function Swatch({ curve, colour }) {
+  const style = { stroke: colour ?? `var(--${curve.colour})` };
+  return html`<svg class="swatch" width="26" height="8" aria-hidden="true">${isDots(curve)
     ? html`<circle cx="13" cy="4" r="3" fill="none" style=${style} stroke-width="1.5" />`
-    : html`<line x1="1" x2="25" y1="4" y2="4" style=${style} stroke-width="2.2" stroke-dasharray=${SWATCH[dash]} />`}</svg>`;
+    : html`<line x1="1" x2="25" y1="4" y2="4" style=${style} stroke-width="2.2" stroke-dasharray=${SWATCH[curve.line]} />`}</svg>`;
 }
 
 /** A panel with its legend, in which the values under the pointer stand. */
@@ -472,7 +475,7 @@ export function Panel({ title, cases, units, height, theme, description }) {
   const chart = useRef(null);
   const legend = useRef(null);
   const { panel } = cases[0];
-  const tall = panel.strips ? 18 + 24 * cases.reduce((n, one) => n + one.panel.strips.length, 0) : height;
+  const tall = panel.strips.length ? 18 + 24 * cases.reduce((n, one) => n + one.panel.strips.length, 0) : height;
 
   useLayoutEffect(() => {
     chart.current = new Chart(place.current, (reading) => showIn(legend.current, reading));
@@ -496,19 +499,18 @@ export function Panel({ title, cases, units, height, theme, description }) {
 
   const several = cases.length > 1;
   const lines = linesOf(cases);
-  const words = panel.words ?? [];
   return html`<figure class="panel" data-panel=${panel.name}>
     <figcaption>
       <h3>${title}</h3>
       <div class="legend" ref=${legend}>
         <span class="at" data-axis=${`${panel.x.label}`} data-unit=${units.text(panel.x.quantity)}></span>
-        ${lines.map(({ one, curve }, k) => curve.in_legend !== false && html`<span class="entry" key=${k}>
-          <${Swatch} dash=${curve.dash} colour=${one.colour} role=${curve.role} />
+        ${lines.map(({ one, curve }, k) => curve.in_legend && html`<span class="entry" key=${k}>
+          <${Swatch} curve=${curve} colour=${one.colour} />
           ${several && html`<b>${one.label} </b>`}<span class="symbol"><${Symbol} of=${curve.symbol} /></span> ${several && curve.symbol ? "" : html`<span><${Words} of=${curve.label} /></span>`}
           <output class="value" data-value=${k}></output></span>`)}
-        ${!several && (panel.areas ?? []).filter((area) => area.label).map((area) => html`<span class="entry"><span class=${`patch ${shadeOf(area)}`}></span>
+        ${!several && panel.areas.filter((area) => area.label).map((area) => html`<span class="entry"><span class=${`patch ${shadeOf(area)}`}></span>
           ${area.symmetrical ? html`<span class="symbol">±<${Symbol} of=${area.label} /></span>` : area.label}</span>`)}
-        ${panel.strips && html`${words.map((word, k) => html`<span class="entry"><span class=${`patch zone${k - 1}`}></span>${word}</span>`)}
+        ${panel.strips.length > 0 && html`${panel.words.map((word, k) => html`<span class="entry"><span class=${`patch zone${k - 1}`}></span>${word}</span>`)}
           ${cases.flatMap((one) => one.panel.strips).map((_, k) => html`<output class="value" data-value=${k} hidden></output>`)}`}
       </div>
     </figcaption>

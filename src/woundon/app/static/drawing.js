@@ -127,7 +127,7 @@ function Lens({ result, geometry, size, unit }) {
   const face = (sign) => (s) => middle + scale * (contact(s) + (sign < 0 ? -(1 - share) : share) * gap(s)) + sign * drawn / 2;
   const line = (of) => steps.map((s) => `${x(s).toFixed(2)} ${of(s).toFixed(2)}`).join("L");
   const [above, below] = [face(-1), face(1)];
-  const strips = result.panels.find((panel) => panel.strips)?.strips ?? [];
+  const strips = result.panels.find((panel) => panel.strips.length)?.strips ?? [];
   const band = 13;
   const zones = (strip, of, sign) => strip.runs.map(([zone, from, to]) => {
     const ends = [from, (from + to) / 2, to];

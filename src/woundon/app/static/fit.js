@@ -1,6 +1,7 @@
 // Fit of one or two fields to a table of measured values, with progress and cancel.
 import * as api from "./api.js";
 import { at, changed } from "./cases.js";
+import { newCurve, newPanel } from "./chart.js";
 import { html, useState } from "./html.js";
 import { RunButtons, runStudy, StudyState } from "./progress.js";
 import { OnePanel } from "./results.js";
@@ -108,16 +109,15 @@ function Agreement({ store, output, rows }) {
   const values = rows.flatMap(({ measured, fitted }) => [measured, fitted]);
   const ends = [Math.min(...values), Math.max(...values)];
   const margin = 0.05 * (ends[1] - ends[0] || Math.abs(ends[0]) || 1);
-  const range = [ends[0] - margin, ends[1] + margin];
+  const limits = [ends[0] - margin, ends[1] + margin];
   const ordered = [...rows].sort((a, b) => a.measured - b.measured);
-  const curve = (name, label, more) => ({ name, symbol: "", label, side: "left", ...more });
-  const panel = {
-    name: "fit", column: `fit-${output.name}`, x: { label: T.fit.measured, quantity: output, range }, y: { label: T.fit.fitted, quantity: output }, areas: [], marks: [],
+  const panel = newPanel({
+    name: "fit", column: `fit-${output.name}`, x: { label: T.fit.measured, quantity: output, limits }, y: { label: T.fit.fitted, quantity: output },
     curves: [
-      curve("fitted", T.fit.rows, { role: "roll", dash: "none", x: ordered.map((row) => row.measured), y: ordered.map((row) => row.fitted) }),
-      curve("equal", T.fit.equal, { role: "web", dash: "dashed", x: range, y: range }),
+      newCurve({ name: "fitted", label: T.fit.rows, line: "none", x: ordered.map((row) => row.measured), y: ordered.map((row) => row.fitted) }),
+      newCurve({ name: "equal", label: T.fit.equal, colour: "web", line: "dashed", x: limits, y: limits }),
     ],
-  };
+  });
   return html`<div class="panel-cell"><${OnePanel} store=${store} name="fit" title=${output.label} height=${280} tables=${false} cases=${[{ label: "", colour: null, panel }]} />
     <details><summary>${T.panels.table}</summary><div class="table-scroll" tabindex="0"><table><caption>${units.label(output.label, output)}</caption>
       <thead><tr>${[T.fit.row, T.fit.measured, T.fit.fitted, T.fit.difference].map((words) => html`<th scope="col">${words}</th>`)}</tr></thead>

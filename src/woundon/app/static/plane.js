@@ -14,10 +14,10 @@ const SEQUENTIAL = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [
 const DIVERGING = [[33, 102, 172], [146, 197, 222], [247, 247, 247], [244, 165, 130], [178, 24, 43]];
 
 /** Whether a panel is drawn here, and not as curves over x. */
-export const isPlane = (panel) => !!(panel.map || panel.discs || panel.note || (panel.y.range && panel.y.range[0] > panel.y.range[1]));
+export const isPlane = (panel) => !!(panel.map || panel.discs.length || panel.note || (panel.y.limits && panel.y.limits[0] > panel.y.limits[1]));
 
 /** The colour of a value on a scale: red, green, blue. */
-function colourAt(value, { range: [low, high], palette }) {
+function colourAt(value, { axis: { limits: [low, high] }, palette }) {
   const stops = palette === "sequential" ? SEQUENTIAL : palette === "red above" ? DIVERGING : [...DIVERGING].reverse();
   const place = Math.min(Math.max((value - low) / (high - low), 0), 1) * (stops.length - 1);
   const k = Math.min(Math.floor(place), stops.length - 2);
@@ -25,22 +25,26 @@ function colourAt(value, { range: [low, high], palette }) {
 }
 
 /** A linear or logarithmic map from the ends of an axis to pixels. */
-function scaled({ log, range }, from, to) {
+function scaled({ log, limits }, from, to) {
   const of = log ? Math.log : (value) => value;
-  const [first, last] = range.map(of);
+  const [first, last] = limits.map(of);
   return (value) => from + (to - from) * (of(value) - first) / (last - first);
 }
 
-/** An axis whose range is known: its own, or that of values. */
-function ranged(axis, values) {
-  if (axis.range) return axis;
+/** An axis with limits: its own, or those of values. */
+function limited(axis, values) {
+  if (axis.limits) return axis;
   const known = values.filter(Number.isFinite);
   const [low, high] = [Math.min(...known, 0), Math.max(...known, 0)];
-  return { ...axis, range: [low - 0.05 * (high - low), high + 0.05 * (high - low)] };
+  return { ...axis, limits: [low - 0.05 * (high - low), high + 0.05 * (high - low)] };
 }
+
+/** The place of the middle of a text along a canvas, from one edge to the other, so that it is whole. */
+const inside = (middle, size, edge) => Math.min(Math.max(middle, size / 2), Math.max(edge - size / 2, size / 2));
 
 class Pen {
   constructor(canvas, width, height) {
+    Object.assign(this, { width, height });
     canvas.width = width * devicePixelRatio;
     canvas.height = height * devicePixelRatio;
     canvas.style.height = `${height}px`;
@@ -56,7 +60,8 @@ class Pen {
     ctx.font = `${bold ? "600 " : ""}11px system-ui, sans-serif`;
     ctx.textAlign = align;
     ctx.textBaseline = "middle";
-    ctx.translate(x, y);
+    const size = ctx.measureText(words).width;
+    ctx.translate(align === "center" && !turned ? inside(x, size, this.width) : x, turned ? inside(y, size, this.height) : y);
     if (turned) ctx.rotate(-Math.PI / 2);
     ctx.fillText(words, 0, 0);
     ctx.restore();
@@ -75,8 +80,8 @@ class Pen {
 }
 
 /** Ticks of an axis in the shown units. */
-function ticksOf({ log, range }, factor, count) {
-  const [low, high] = [Math.min(...range) / factor, Math.max(...range) / factor];
+function ticksOf({ log, limits }, factor, count) {
+  const [low, high] = [Math.min(...limits) / factor, Math.max(...limits) / factor];
   if (!log) return niceTicks(low, high, count);
   const powers = [];
   for (let power = Math.floor(Math.log10(low)); power <= Math.log10(high); power++) powers.push(power);
@@ -84,8 +89,8 @@ function ticksOf({ log, range }, factor, count) {
 }
 
 function drawScale(pen, scale, units, right, height) {
-  const { factor } = units.of(scale.quantity);
-  const [low, high] = scale.range;
+  const { quantity, limits: [low, high] } = scale.axis;
+  const { factor } = units.of(quantity);
   const y = (value) => height - BELOW + (UNIT - height + BELOW) * (value - low) / (high - low);
   for (let k = 0; k < 64; k++) {
     const value = low + (high - low) * k / 64;
@@ -93,7 +98,7 @@ function drawScale(pen, scale, units, right, height) {
     pen.ctx.fillRect(right, y(value + (high - low) / 64), 10, y(value) - y(value + (high - low) / 64) + 1);
   }
   for (const tick of niceTicks(low / factor, high / factor, 4)) pen.text(digits(tick, 4), right + 14, y(tick * factor), { align: "left" });
-  pen.text(units.label("", scale.quantity).trim(), right + 4, 7, { align: "left", bold: true });
+  pen.text(units.label("", quantity).trim(), right + 4, 7, { align: "left", bold: true });
 }
 
 function drawDiscs(pen, { discs, scale, x }, units, width, height) {
@@ -157,7 +162,7 @@ function drawPlane(pen, cases, units, width, height) {
   const [right, bottom] = [width - (panel.scale ? RIGHT : 16), height - BELOW];
   const ends = { x: [LEFT, right], y: [bottom, 8] };
   const axes = Object.fromEntries(["x", "y"].map((name) => {
-    const axis = ranged(panel[name], lines.flatMap(({ curve }) => curve[name]));
+    const axis = limited(panel[name], lines.flatMap(({ curve }) => curve[name]));
     return [name, { ...axis, at: scaled(axis, ...ends[name]), factor: units.of(axis.quantity).factor }];
   }));
   const at = ([x, y]) => [axes.x.at(x), axes.y.at(y)];
@@ -170,7 +175,7 @@ function drawPlane(pen, cases, units, width, height) {
     for (const { level } of own.map?.contours ?? []) contour(own.map, level, (from, to) => pen.line([at(from), at(to)], colour ?? "#000", [], 1.4));
     for (const { value } of own.marks) pen.line([[axes.x.at(value), 8], [axes.x.at(value), bottom]], colour ?? colourOf("soft"), value ? DASHES.dotted : [], 1);
   }
-  for (const { one, curve } of lines) pen.line(curve.x.map((x, k) => at([x, curve.y[k]])), one.colour ?? colourOf(curve.role), DASHES[curve.dash]);
+  for (const { one, curve } of lines) pen.line(curve.x.map((x, k) => at([x, curve.y[k]])), one.colour ?? colourOf(curve.colour), DASHES[curve.line]);
   pen.ctx.restore();
   drawAxes(pen, panel, axes, units, right, bottom);
 }
@@ -183,9 +188,9 @@ export function Plane({ title, cases, units, height, theme, description }) {
     const width = place.current?.parentElement.clientWidth;
     if (!width || panel.note) return;
     const pen = new Pen(place.current, width, height + 40);
-    if (panel.discs) drawDiscs(pen, panel, units, width, height + 40);
+    if (panel.discs.length) drawDiscs(pen, panel, units, width, height + 40);
     else drawPlane(pen, cases, units, width, height + 40);
-    if (panel.scale && (panel.discs || cases.length === 1)) drawScale(pen, panel.scale, units, width - RIGHT + 12, height + 40);
+    if (panel.scale && (panel.discs.length || cases.length === 1)) drawScale(pen, panel.scale, units, width - RIGHT + 12, height + 40);
   };
   useLayoutEffect(() => {
     draw();
@@ -195,10 +200,10 @@ export function Plane({ title, cases, units, height, theme, description }) {
   }, [cases, units, theme]);
   const several = cases.length > 1;
   return html`<figure class="panel" data-panel=${panel.name}><figcaption><h3>${title}</h3><div class="legend">
-      ${linesOf(cases).map(({ one, curve }) => html`<span class="entry"><${Swatch} dash=${curve.dash} colour=${one.colour} role=${curve.role} />
+      ${linesOf(cases).map(({ one, curve }) => html`<span class="entry"><${Swatch} curve=${curve} colour=${one.colour} />
         ${several && html`<b>${one.label} </b>`}<span class="symbol"><${Symbol} of=${curve.symbol} /></span> <span><${Words} of=${curve.label} /></span></span>`)}
-      ${(panel.map?.contours ?? []).map((one) => html`<span class="entry"><${Swatch} dash="solid" role="ink" />${one.label}</span>`)}
-      ${panel.scale && html`<span class="entry">${panel.scale.label}</span>`}
+      ${(panel.map?.contours ?? []).map((one) => html`<span class="entry"><${Swatch} curve=${{ line: "solid", colour: "ink" }} />${one.label}</span>`)}
+      ${panel.scale && html`<span class="entry">${panel.scale.axis.label}</span>`}
     </div></figcaption>
     ${panel.note ? html`<p class="quiet">${panel.note}</p>` : ""}
     <div class="plane"><canvas ref=${place} role="img" aria-label=${description}></canvas></div></figure>`;
@@ -234,7 +239,7 @@ export function ValueMap({ store, x, y, values, quantity, note = () => "", range
         ctx.strokeRect(left + 1, top + 1, w - 2, h - 2);
         return;
       }
-      const rgb = colourAt(value, { range: [high, low === high ? high - 1 : low], palette: "sequential" });
+      const rgb = colourAt(value, { axis: { limits: [high, low === high ? high - 1 : low] }, palette: "sequential" });
       ctx.fillStyle = `rgb(${rgb})`;
       ctx.fillRect(left, top, w + 0.6, h + 0.6);
       const words = text(quantity, value, 3);

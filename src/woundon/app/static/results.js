@@ -1,6 +1,6 @@
 // The results of a case: numbers with errors, certificate, warnings, panels, differences.
 import { at, same } from "./cases.js";
-import { colourOf, linesOf, Panel, tablesOf } from "./chart.js";
+import { colourOf, linesOf, newCurve, newPanel, Panel, tablesOf } from "./chart.js";
 import { Drawing } from "./drawing.js";
 import { Fragment, html, useEffect, useMemo, useRef, useState } from "./html.js";
 import { isPlane, Plane } from "./plane.js";
@@ -159,7 +159,7 @@ function LatePanels({ store, chosen }) {
 /** A strip of zones stands below the first panel. */
 function cells(panels) {
   return panels.reduce((all, panel) => {
-    if (panel.strips && all.length) all[0].push(panel);
+    if (panel.strips.length && all.length) all[0].push(panel);
     else all.push([panel]);
     return all;
   }, []);
@@ -172,7 +172,7 @@ export function OnePanel({ store, name, cases, title, height = 200, tables = sto
   const Drawn = isPlane(cases[0].panel) ? Plane : Panel;
   return html`<div class=${`cell cell-${name}`}>
     <${Drawn} title=${shown} cases=${cases} units=${store.units} height=${height} theme=${store.state.theme}
-      description=${T.panels.describe(shown, lines || cases[0].panel.strips?.map((one) => one.label).join(", "))} />
+      description=${T.panels.describe(shown, lines || cases[0].panel.strips.map((one) => one.face).join(", "))} />
     ${tables && html`<${Table} store=${store} title=${shown} cases=${cases} />`}
   </div>`;
 }
@@ -181,11 +181,11 @@ export function OnePanel({ store, name, cases, title, height = 200, tables = sto
 function Table({ store, title, cases }) {
   const { units } = store;
   const { panel } = cases[0];
-  if (panel.strips) {
+  if (panel.strips.length) {
     return html`<div class="table-scroll" tabindex="0"><table><caption>${title}</caption>
       <thead><tr><th scope="col"></th><th scope="col">${T.study.from} [${units.text(panel.x.quantity)}]</th><th scope="col">${T.study.to} [${units.text(panel.x.quantity)}]</th><th scope="col">${T.panels.zones}</th></tr></thead>
       <tbody>${cases.flatMap(({ label, panel: own }) => own.strips.flatMap((strip) => strip.runs.map(([zone, from, to]) => html`<tr>
-        <th scope="row">${label} ${strip.label}</th><td>${digits(units.shown(own.x.quantity, from), 4)}</td><td>${digits(units.shown(own.x.quantity, to), 4)}</td>
+        <th scope="row">${label} ${strip.face}</th><td>${digits(units.shown(own.x.quantity, from), 4)}</td><td>${digits(units.shown(own.x.quantity, to), 4)}</td>
         <td>${panel.words[zone + 1]}</td></tr>`)))}</tbody></table></div>`;
   }
   return tablesOf(linesOf(cases)).map(({ x, axis, columns }) => {
@@ -211,22 +211,21 @@ function useInSight(store, name) {
   return place;
 }
 
-const ROLES = ["roll", "drum", "web"];
+const COLOURS = ["roll", "drum", "web"];
 const LINES = ["solid", "dashed", "dashdot"];
 
 function curvePanel(store, kind, answer) {
   const names = Object.keys(answer.outputs);
   const field = store.catalogue.forms[kind.form].fields.find((one) => one.name === answer.field);
   const first = store.output(names[0], kind);
-  return {
-    name: "curve", column: "curve", x: { label: field.label, quantity: field, range: [answer.values[0], answer.values.at(-1)] },
-    y: { label: names.length > 1 ? T.panels.tensions : first.label, quantity: first }, areas: [],
+  return newPanel({
+    name: "curve", x: { label: field.label, quantity: field, limits: [answer.values[0], answer.values.at(-1)] },
+    y: { label: names.length > 1 ? T.panels.tensions : first.label, quantity: first },
     marks: [{ along: "y", value: answer.at, label: "" }],
-    curves: names.map((name, k) => ({
-      name, symbol: store.output(name, kind).symbol, label: "", role: ROLES[k % 3], dash: LINES[k % 3], side: "left",
-      x: answer.values, y: answer.outputs[name],
+    curves: names.map((name, k) => newCurve({
+      name, symbol: store.output(name, kind).symbol, colour: COLOURS[k % 3], line: LINES[k % 3], x: answer.values, y: answer.outputs[name],
     })),
-  };
+  });
 }
 
 function Curve({ store }) {

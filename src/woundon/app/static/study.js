@@ -1,6 +1,7 @@
 // The study tab: one or two fields varied, a curve or a map, with progress and cancel.
 import * as api from "./api.js";
 import { at } from "./cases.js";
+import { newCurve, newPanel } from "./chart.js";
 import { QuantityBox } from "./quantity.js";
 import { OnePanel } from "./results.js";
 import { csvColumn, csvOf, save } from "./exchange.js";
@@ -116,9 +117,9 @@ function Outcome({ store, study, output }) {
 function curvePanel(store, x, study, name, quantity) {
   const [low, high] = [Math.min(...x.values), Math.max(...x.values)];
   const now = at(store.state.case, x.path);
-  return {
-    name: "study", column: "study", x: { label: x.field.label, quantity: x.field, range: [low, high] }, y: { label: quantity.label, quantity }, areas: [],
+  return newPanel({
+    name: "study", x: { label: x.field.label, quantity: x.field, limits: [low, high] }, y: { label: quantity.label, quantity },
     marks: typeof now === "number" && now > low && now < high ? [{ along: "y", value: now, label: "" }] : [],
-    curves: [{ name, symbol: quantity.symbol, label: "", role: "roll", dash: "solid", side: "left", x: x.values, y: study.values[name] }],
-  };
+    curves: [newCurve({ name, symbol: quantity.symbol, x: x.values, y: study.values[name] })],
+  });
 }
