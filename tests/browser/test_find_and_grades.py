@@ -15,13 +15,14 @@ def test_the_nip_load_for_a_wound_on_tension_is_found_and_taken_over(look):
     page.fill("#find-target", "600")
     page.click("#find-run")
     page.wait_for_selector(".solutions li", timeout=60_000)
-    found = wo.find(wo.NipProblem.example(), "nip_load", wound_on_tension=600.0)
+    found = page.inner_text(".solutions li")
     page.click(".solutions button")
     seen.rest()
-    # the box shows six digits
-    assert float(seen.box("nip_load")) == pytest.approx(found.value, rel=1e-5)
+    load = float(seen.box("nip_load"))
+    assert f"nip load = {load:.5g} N/m" in found
+    result = wo.solve(wo.NipProblem.example().replace(nip_load=load))
     # on another mesh: within the estimated errors
-    apart = 2 * found.result.errors["wound_on_tension"]
+    apart = 2 * result.errors["wound_on_tension"]
     assert seen.output("wound_on_tension") == pytest.approx(600.0, abs=apart)
     page.select_option("#grade", "lwc")  # the solution is that of another web
     page.wait_for_selector(".solutions", state="detached")
