@@ -58,6 +58,7 @@ __all__ = [
 # width.
 WARM_OPTIONS = {"nodes": 49, "errors": False}
 WARM_UP = 1.0  # seconds after which no further example is solved
+DESIGNED = ("radius", "target_pressure", "pressure", "outer_layer", "surface_deviation")
 MOST_OUTPUTS = 6  # of kinds without main outputs
 MOST_SESSIONS = 32  # whose last results are kept as initial guesses
 # by session: the last result, and the problem and options that it solves without a warm start
@@ -301,11 +302,7 @@ def design(tables: Any, pressure: Any, rtol: float) -> bytes:
     return to_json(
         {
             "tension": tables_of(solution.tension),
-            "radius": solution.radius,
-            "target_pressure": solution.target_pressure,
-            "pressure": solution.pressure,
-            "outer_layer": solution.outer_layer,
-            "surface_deviation": solution.surface_deviation,
+            **{name: getattr(solution, name) for name in DESIGNED},
         }
     )
 

@@ -190,12 +190,16 @@ class APIRequest(Request):
         rank : int
             Lower ones first.
         media_type : str
+            Of content that browsers show.
         file_name : str
-            Under which browsers save the content; "" to show it.
+            Under which browsers save the content.
         """
         body = await self.computed(pool or self.workers.others, call, *args, rank=rank)
+        if not file_name:
+            return Response(body, media_type=media_type)
+        media_type = MEDIA_TYPES[file_name.rpartition(".")[2]]
         headers = {"content-disposition": f'attachment; filename="{file_name}"'}
-        return Response(body, headers=headers if file_name else None, media_type=media_type)
+        return Response(body, headers=headers, media_type=media_type)
 
 
 class _Route(APIRoute):
@@ -424,14 +428,8 @@ async def result_file(
     request: APIRequest, case: Case, query: Annotated[FileQuery, Query()]
 ) -> Response:
     """Return the solved case as a result file."""
-    args, media_type = (case, query.format, query.options), MEDIA_TYPES[query.format]
-    return await request.answered(
-        documents.result_file,
-        *args,
-        rank=LATER,
-        media_type=media_type,
-        file_name=f"result.{query.format}",
-    )
+    args, name = (case, query.format, query.options), f"result.{query.format}"
+    return await request.answered(documents.result_file, *args, rank=LATER, file_name=name)
 
 
 @router.post("/api/report", tags=["documents"])
@@ -450,13 +448,8 @@ async def figure(
 ) -> Response:
     """Return a figure of one case or of several cases."""
     args = (cases.model_dump(), format, [name for name in panels.split(",") if name])
-    return await request.answered(
-        documents.figure,
-        *args,
-        rank=LATER,
-        media_type=MEDIA_TYPES[format],
-        file_name=f"figure.{format}",
-    )
+    name = f"figure.{format}"
+    return await request.answered(documents.figure, *args, rank=LATER, file_name=name)
 
 
 @router.get("/api/thesis/{name}", tags=["documents"])

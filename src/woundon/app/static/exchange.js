@@ -35,7 +35,7 @@ async function open(store, file) {
     store.take(kind, problem);
     store.say(T.menu.opened(file.name));
   } catch (fault) {
-    store.showErrors({ ...fault, errors: [], message: fault.errors?.map((e) => (e.field ? `${e.field}: ${e.message}` : e.message)).join("\n") || fault.message });
+    store.showErrors({ errors: [], message: store.textOf(fault) });
   }
 }
 
@@ -87,7 +87,7 @@ export function Menu({ store }) {
     try {
       await work();
     } catch (fault) {
-      store.showErrors({ ...fault, errors: [], message: fault.message });
+      store.showErrors({ errors: [], message: fault.message });
     }
   };
   const name = (ending) => `${store.state.kind}.${ending}`;

@@ -103,7 +103,7 @@ export class Store {
 
   /** An error of the server in the units that are shown. */
   textOf(fault) {
-    return fault.errors.map(({ field, message, unit }) => `${field && `${field}: `}${this.messageOf(field, { message, unit })}`).join("\n") || fault.message;
+    return (fault.errors ?? []).map(({ field, message, unit }) => `${field && `${field}: `}${this.messageOf(field, { message, unit })}`).join("\n") || fault.message;
   }
 
   /** All errors of the case: {label, text}. */
