@@ -64,13 +64,14 @@ def test_tabs_are_entries_of_the_history(look):
     seen = look()
     page = seen.page
     page.click("#tab-study")
-    seen.put("nip_load", "4321")
+    seen.put("web_tension", "400")
+    assert page.input_value("#study-first") == "web_tension"  # a study is of what was changed
     page.click("#tab-fit")
     page.go_back()
     page.wait_for_selector("#study-run")
     page.go_back()
     page.wait_for_selector("[data-output=wound_on_tension]")
-    assert seen.box("nip_load") == "4321"  # tabs go back, the case does not: that is undone
+    assert seen.box("web_tension") == "400"  # tabs go back, the case does not: that is undone
     page.go_forward()
     page.wait_for_selector("#study-run")
     assert held(page)["tab"] == "study"

@@ -63,6 +63,10 @@ def test_every_box_of_a_nip_keeps_its_value(look):
     assert found["find-target"] == 600
     assert found["f-nip_load"] == 3500
     assert found["f-web-thickness"] == pytest.approx(66e-6)
+    seen.page.click(".segmented >> text=mill")
+    seen.put("nip_load", "25")
+    seen.page.click(".segmented >> text=SI")
+    assert values(seen.page)["f-nip_load"] == pytest.approx(25 * SIZES["pli"], rel=DIGITS)
     seen.page.select_option("#find-output", "nip_width")  # 600 N/m is no width
     assert seen.page.input_value("#find-target") == ""
     seen.page.click("#tab-study")

@@ -62,7 +62,7 @@ DESIGNED = ("radius", "target_pressure", "pressure", "outer_layer", "surface_dev
 MOST_OUTPUTS = 6  # of kinds without main outputs
 MOST_SESSIONS = 32  # whose last results are kept as initial guesses
 # by session: the last result, and the problem and options that it solves without a warm start
-_LAST: OrderedDict[str, tuple[Result | None, Any]] = OrderedDict()
+_LAST: OrderedDict[str, tuple[Any, Any]] = OrderedDict()
 
 
 def problem_of(tables: Any) -> Problem:
@@ -111,14 +111,15 @@ def solve(
     """
     began = time.perf_counter()
     problem = problem_of(tables)
-    result, solution_of = _LAST.get(session, (None, None))
-    request = None if warm else (problem, options)
-    if result is None or request is None or request != solution_of:
-        result = solved(problem, options, result if warm else None, warm=warm)
+    previous, solution_of = _LAST.get(session, (None, None))
+    if not warm and solution_of == (problem, options):
+        result = previous
+    else:
+        result = solved(problem, options, previous if warm else None, warm=warm)
     if session:
-        _LAST[session] = result, request
+        _LAST[session] = result, None if warm else (problem, options)
         _LAST.move_to_end(session)
-        while len(_LAST) > MOST_SESSIONS:
+        if len(_LAST) > MOST_SESSIONS:
             _LAST.popitem(last=False)
     answer = state_of(result, report, drawn)
     answer["seconds"] = time.perf_counter() - began

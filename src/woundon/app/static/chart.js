@@ -8,7 +8,8 @@ const DASHES = { solid: [], dashed: [7, 4], dashdot: [8, 3, 2, 3], dotted: [2, 3
 const DOTS = { dash: [], paths: () => null, points: { show: true, size: 8 } }; // points without a line
 const LEFT = 58;
 const RIGHT = 54;
-const LONG = 28; // characters of a label along y
+const MARGIN = 24; // [px] above and below a label along y
+const LABEL_FONT = "600 11px system-ui, sans-serif";
 
 // ---- colours of the style sheet, read once a theme ----
 
@@ -79,6 +80,15 @@ export function tablesOf(lines) {
 
 /** Whether points are drawn without a line. */
 const isDots = (curve) => curve.line === "none";
+
+const pen = document.createElement("canvas").getContext("2d");
+
+/** The label of an axis; one that is longer than its room has no words after a comma, or the unit alone: titles have them. */
+export function axisLabel(units, { label, quantity }, room) {
+  pen.font = LABEL_FONT;
+  const shorter = [label, label.split(",")[0], ""].map((words) => units.label(words, quantity).trim());
+  return shorter.find((words) => pen.measureText(words).width <= room) ?? "";
+}
 
 // ---- what runs along x is shared by the panels of a column ----
 
@@ -185,7 +195,7 @@ class Chart {
     const rows = panel.strips.length ? this.rows() : null;
     const font = "11px system-ui, sans-serif";
     const axis = (more) => ({
-      stroke: soft, font, labelFont: `600 ${font}`, labelSize: 16, grid: { stroke: line, width: 1 },
+      stroke: soft, font, labelFont: LABEL_FONT, labelSize: 16, grid: { stroke: line, width: 1 },
       ticks: { stroke: line, width: 1, size: 4 }, ...more,
     });
     const values = (_, ticks) => ticks.map((tick) => (tick === null ? "" : digits(tick, 6)));
@@ -198,8 +208,7 @@ class Chart {
       },
     } : {};
     const { units } = this;
-    const label = (reading) => units.label(reading.label, reading.quantity);
-    const tall = (reading) => (reading.label.length > LONG ? units.label("", reading.quantity).trim() : label(reading)); // the title has the words
+    const wide = this.place.clientWidth - LEFT - (panel.right ? RIGHT : 20);
     const { y: yAxis } = panel;
     this.plot = new uPlot({
       width: this.place.clientWidth || 320, height, padding: [8, panel.right ? 0 : 20, 0, 0],
@@ -215,14 +224,14 @@ class Chart {
         ...(panel.right ? { right: { range: (_, min, max) => padded(min, max) } } : {}),
       },
       axes: [
-        axis({ label: rows ? undefined : label(panel.x), size: rows ? 4 : 28, show: !rows, values,
+        axis({ label: rows ? undefined : axisLabel(units, panel.x, wide), size: rows ? 4 : 28, show: !rows, values,
           grid: { show: !rows, stroke: line, width: 1 }, ...logarithmic }),
         rows
           ? axis({ size: LEFT + 16, splits: () => rows.map((_, k) => rows.length - k - 0.5), grid: { show: false },
             ticks: { show: false }, stroke: ink,
             values: () => rows.map(({ one, strip }) => `${one.label} ${strip.face}`.trim()) })
-          : axis({ label: tall(panel.y), size: LEFT, values }),
-        ...(panel.right ? [axis({ scale: "right", side: 1, label: label(panel.right), size: RIGHT, grid: { show: false }, values })] : []),
+          : axis({ label: axisLabel(units, panel.y, height - MARGIN), size: LEFT, values }),
+        ...(panel.right ? [axis({ scale: "right", side: 1, label: axisLabel(units, panel.right, height - MARGIN), size: RIGHT, grid: { show: false }, values })] : []),
       ],
       series: [{}, ...(rows ? [{ show: true, stroke: "transparent", points: { show: false } }] : this.lines.map(({ one, curve }) => ({
         scale: curve.right ? "right" : "y", stroke: one.colour ?? colours()[curve.colour] ?? ink,
@@ -432,7 +441,7 @@ function nearest(values, x, index) {
 
 const DIGITS = [1, 2, 3, 4, 5, 6, 7, 8, 9];
 const FEW = [1, 2, 5];
-const LABEL = 44; // [px] from one label to the next
+const GAP = 44; // [px] from one label to the next
 
 /** Ticks of a logarithmic axis, and those of them that have room for a label. */
 function logTicks(min, max, width) {
@@ -442,14 +451,14 @@ function logTicks(min, max, width) {
   for (let power = Math.floor(Math.log10(min)); power <= Math.log10(max); power++) powers.push(power);
   const inside = (numbers, of) => of.flatMap((power) => numbers.map((digit) => Number(`${digit}e${power}`))).filter((tick) => tick >= min && tick <= max);
   if (decades < 1) { // as on a linear axis, as many as have room
-    const apart = (ticks) => ticks.length > 1 && ticks.slice(1).every((tick, k) => room * Math.log10(tick / ticks[k]) > LABEL);
+    const apart = (ticks) => ticks.length > 1 && ticks.slice(1).every((tick, k) => room * Math.log10(tick / ticks[k]) > GAP);
     const ticks = [8, 6, 4, 3, 2].map((count) => niceTicks(min, max, count)).find(apart) ?? inside(FEW, powers);
     return { ticks, labelled: new Set(ticks) };
   }
-  const every = Math.max(1, Math.ceil(LABEL / room));
+  const every = Math.max(1, Math.ceil(GAP / room));
   return {
     ticks: inside(DIGITS, powers),
-    labelled: new Set(inside(room > 4 * LABEL ? FEW : [1], powers.filter((power) => power % every === 0))),
+    labelled: new Set(inside(room > 4 * GAP ? FEW : [1], powers.filter((power) => power % every === 0))),
   };
 }
 

@@ -143,7 +143,7 @@ function Lens({ result, geometry, size, unit }) {
       aria-label=${T.drawing.lens(size(2 * a))}>
     <path d=${`M0 0L${line(above)}L${LENS.width} 0z`} class=${`body roll layer0${upper.rigid ? " rigid" : ""}`} />
     <path d=${`M0 ${LENS.height}L${line(below)}L${LENS.width} ${LENS.height}z`} class=${`body drum layer0${lower.rigid ? " rigid" : ""}`} />
-    ${[[upper, -1, above], [lower, 1, below]].map(([body, sign, of]) => (body.layers ?? []).slice(0, -1).reduce(([depth, lines], layer) => {
+    ${[[upper, -1, above], [lower, 1, below]].map(([body, sign, of]) => body.layers.reduce(([depth, lines], layer) => {
       const deep = depth + layer.thickness * scale;
       return [deep, [...lines, html`<path d=${`M${line((s) => of(s) + sign * deep)}`} class="layer-line" />`]];
     }, [0, []])[1])}

@@ -1,5 +1,5 @@
 // Panels over a plane: coloured maps with contours, cross sections of rolls, curves over a depth.
-import { colourOf, linesOf, Swatch } from "./chart.js";
+import { axisLabel, colourOf, linesOf, Swatch } from "./chart.js";
 import { html, useEffect, useLayoutEffect, useRef, useState } from "./html.js";
 import { Symbol, Words } from "./symbols.js";
 import { T } from "./texts.js";
@@ -151,8 +151,8 @@ function drawMap(pen, { map, scale }, x, y) {
 function drawAxes(pen, panel, axes, units, right, bottom) {
   for (const tick of ticksOf(axes.x, axes.x.factor, 6)) pen.text(digits(tick, 4), axes.x.at(tick * axes.x.factor), bottom + 9);
   for (const tick of ticksOf(axes.y, axes.y.factor, 6)) pen.text(digits(tick, 4), LEFT - 5, axes.y.at(tick * axes.y.factor), { align: "right" });
-  pen.text(units.label(panel.x.label, panel.x.quantity), (LEFT + right) / 2, bottom + 25, { bold: true });
-  pen.text(units.label(panel.y.label, panel.y.quantity), 10, (8 + bottom) / 2, { turned: true, bold: true });
+  pen.text(axisLabel(units, panel.x, pen.width), (LEFT + right) / 2, bottom + 25, { bold: true });
+  pen.text(axisLabel(units, panel.y, pen.height), 10, (8 + bottom) / 2, { turned: true, bold: true });
   pen.line([[LEFT, 8], [LEFT, bottom], [right, bottom]], colourOf("line"), [], 1);
 }
 
@@ -250,8 +250,8 @@ export function ValueMap({ store, x, y, values, quantity, note = () => "", range
     const below = MAP.height - MAP.bottom;
     for (let i = 0; i < nx; i += every(w, 54)) pen.text(text(x.field, x.values[i]), at(i, 0)[0] + w / 2, below + 12);
     for (let j = 0; j < ny; j += every(h, 16)) pen.text(text(y.field, y.values[j]), MAP.left - 6, at(0, j)[1] + h / 2, { align: "right" });
-    pen.text(units.label(x.field.label, x.field), MAP.left + (nx * w) / 2, MAP.height - 10, { bold: true });
-    pen.text(units.label(y.field.label, y.field), 10, (MAP.top + below) / 2, { turned: true, bold: true });
+    pen.text(axisLabel(units, { label: x.field.label, quantity: x.field }, width), MAP.left + (nx * w) / 2, MAP.height - 10, { bold: true });
+    pen.text(axisLabel(units, { label: y.field.label, quantity: y.field }, MAP.height), 10, (MAP.top + below) / 2, { turned: true, bold: true });
   };
   const redraw = useRef(draw);
   redraw.current = draw;

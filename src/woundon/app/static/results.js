@@ -220,7 +220,7 @@ function curvePanel(store, kind, answer) {
   const first = store.output(names[0], kind);
   return newPanel({
     name: "curve", x: { label: field.label, quantity: field, limits: [answer.values[0], answer.values.at(-1)] },
-    y: { label: names.length > 1 ? T.panels.tensions : first.label, quantity: first },
+    y: { label: names.length > 1 ? T.panels.tensions : first.label.split(",")[0], quantity: first },
     marks: [{ along: "y", value: answer.at, label: "" }],
     curves: names.map((name, k) => newCurve({
       name, symbol: store.output(name, kind).symbol, colour: COLOURS[k % 3], line: LINES[k % 3], x: answer.values, y: answer.outputs[name],
