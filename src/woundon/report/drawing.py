@@ -293,7 +293,7 @@ def draw_panel(axes: Axes, cases: Sequence[Panel], colours: Colours = (None,)) -
     if panel.note:
         axes.text(0.5, 0.5, panel.note, ha="center", transform=axes.transAxes)
     if panel.heading:
-        axes.set_title(panel.heading, fontsize=9, loc="left")
+        axes.set_title(formulas(panel.heading), fontsize=9, loc="left")
     _format_axis(axes, "x", [case.x for case in cases], [c.x for p in cases for c in p.curves])
     left = [curve.y for case in cases for curve in case.curves if not curve.right]
     _format_axis(axes, "y", [case.y for case in cases], left)
