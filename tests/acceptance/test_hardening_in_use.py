@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from math import pi
-from typing import Any
 
 import numpy as np
 import pytest
@@ -11,18 +10,6 @@ from hardening_cases import linear, nip, roll
 from slow_cases import campaign_case, slow_case
 
 import woundon as wo
-
-
-@pytest.mark.parametrize("wrapped", [False, slow_case(True)])
-def test_a_neighbour_saves_work_and_changes_nothing(wrapped: bool) -> None:
-    problem: Any = nip(roll())
-    if wrapped:
-        problem = problem.replace(roll_wrap=pi / 2)
-    first = wo.solve(problem, nodes=17)
-    near = problem.replace(**{"roll.stack.radial.K2": 130.0})
-    cold, warm = wo.solve(near, nodes=17), wo.solve(near, nodes=17, start=first)
-    assert warm.outlet_tension == pytest.approx(cold.outlet_tension, rel=1e-7)
-    assert warm.iterations <= 0.8 * cold.iterations
 
 
 @pytest.mark.parametrize(
@@ -83,25 +70,3 @@ def test_a_modulus_that_turns_negative_is_rejected(where: str) -> None:
         wo.solve(problem, nodes=17)
     light = wo.solve(problem.replace(nip_load=300.0), nodes=17)
     assert light.residuals.largest <= 1e-8
-
-
-# ---- the newsprint experiment -------------------------------------------------------------------
-
-
-@pytest.mark.slow  # test_newsprint_hardening.py has all points with the first
-@pytest.mark.parametrize(("K2", "total"), [(126.3, 100e3), campaign_case(303.8, 10e3)])
-def test_one_fitted_number_meets_the_measured_tensions(K2: float, total: float) -> None:
-    """A sample of test_newsprint_hardening.py, whose RMS over all points is 10.5 and 14.2.
-
-    K2 is fitted to the point (3502, 350), measured 700 N/m; an independent program has K2 of 127
-    and 306.
-    """
-    from newsprint_winder import nip as winder
-
-    points = {(3502.0, 350.0): 700.0, (350.0, 350.0): 410.0, (5837.0, 350.0): 815.0}
-    misses = [
-        wo.solve(winder(P, T, K2, total), nodes=33).wound_on_tension - measured
-        for (P, T), measured in points.items()
-    ]
-    assert abs(misses[0]) < 2.5  # the mesh leaves 1 to 2
-    assert np.max(np.abs(misses)) < 25.0  # the scatter of the data is 10

@@ -184,18 +184,6 @@ def test_rounding_does_not_prevent_the_equilibrium_of_a_large_roll_under_a_light
     assert state.residual < ring_equilibrium.TOLERANCE
 
 
-def test_a_pressure_beyond_the_law_is_reported() -> None:
-    P = np.linspace(0, 400e3, 9)
-    test = wo.StackTest(pressure=P, strain=np.log1p(P / 10e3) / 127.0)
-    body: Any = roll()
-    body = body.replace(stack=body.stack.replace(radial=test))
-    face = FACES["nip"]
-    assert body.surface(face, A).range_message(*loads(face, 200e3)) == ""
-    assert "[Pa], beyond the range of its stack law (4e+05 [Pa])" in body.surface(
-        face, A
-    ).range_message(*loads(face, 900e3))
-
-
 def test_a_torn_stack_is_reported() -> None:
     """A load that is large next to the wound pressure lifts the stack next to the contact."""
     face = FACES["nip"]

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from thesis_cases import newsprint_nip
+from viscoelastic_cases import cover, rubber
 
 import woundon as wo
 from woundon.elasticity.mesh import Wrap, nip_mesh
@@ -16,19 +17,10 @@ from woundon.elasticity.relaxation import modulus_ratio
 from woundon.io.case_files import make_problem
 from woundon.io.case_texts import to_toml
 
-PRONY = [(3e6, 1e-3), (2e6, 1e-2)]
 # a measured rubber, compound unknown
 HZ = [1.0, 10.0, 100.0, 968.0, 7030.0]
 STORAGE = [8.93e6, 9.94e6, 12.3e6, 15.0e6, 18.8e6]
 LOSS = [1.21e6, 1.61e6, 2.13e6, 3.38e6, 5.35e6]
-
-
-def rubber(prony: Any = PRONY) -> wo.Isotropic:
-    return wo.Isotropic(youngs_modulus=5e6, poissons_ratio=0.45, prony=prony)
-
-
-def cover(material: wo.Material) -> wo.Cylinder:
-    return wo.Cylinder(radius=0.25, core_radius=0.235, material=material)
 
 
 def nip(**changes: Any) -> wo.NipProblem:

@@ -7,7 +7,6 @@ import re
 import warnings
 from collections.abc import Callable
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -376,17 +375,3 @@ def test_every_law_can_fail(law: str, corrupt: Corrupt):
 
 def test_no_law_is_without_its_fault():
     assert {law for law, _ in FAULTS} == set(dict(wound().residuals.items()))
-
-
-# ---- files --------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("ending", [".nc", ".json"])
-def test_a_file_gives_the_winding_back_with_its_roll(tmp_path: Path, ending: str):
-    run = wound("effective")
-    path = tmp_path / f"run{ending}"
-    run.save(path)
-    again = wo.load_result(path)
-    assert again == run
-    np.testing.assert_array_equal(again.roll.pressure, run.roll.pressure)
-    assert again.certified() == run.certified()

@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from elastic_cases import Stiffness, isotropic
 from numpy.polynomial import legendre
 from scipy.linalg import lu_factor, lu_solve
 
@@ -24,14 +25,7 @@ from woundon.elasticity.cylinder import asymptotic_compliance, layered_kernels, 
 from woundon.elasticity.layers import Layers, stacked_compliance
 
 Array = np.ndarray
-Stiffness = tuple[float, float, float, float]
 ORDER = 16
-
-
-def isotropic(E: float, nu: float) -> Stiffness:
-    """Return A_rr, A_tt, A_rt, G of plane strain."""
-    direct = E * (1 - nu) / ((1 + nu) * (1 - 2 * nu))
-    return direct, direct, direct * nu / (1 - nu), E / (2 * (1 + nu))
 
 
 STEEL, SOFT, HARD = isotropic(206e9, 0.3), isotropic(10e6, 0.49), isotropic(60e6, 0.45)

@@ -95,17 +95,13 @@ def curves(
     look
         Further fields of the curves.
     """
-    names = names or [named(along, value) for value in data[along].values.tolist()]
-    return tuple(
-        Curve(
-            y,
-            one[x].values,
-            one[y].values,
-            **{"label": name, "colour": COLOURS[k], "line": LINES[k % len(LINES)], **look},
-        )
-        for k, name in enumerate(names)
-        for one in [data.isel({along: k})]
-    )
+    made = []
+    for k, value in enumerate(data[along].values.tolist()):
+        one = data.isel({along: k})
+        name = names[k] if names else named(along, value)
+        usual = {"label": name, "colour": COLOURS[k], "line": LINES[k % len(LINES)]}
+        made.append(Curve(y, one[x].values, one[y].values, **{**usual, **look}))
+    return tuple(made)
 
 
 def curve_panels(
