@@ -6,6 +6,7 @@ from math import pi
 
 import numpy as np
 import pytest
+from derivatives import check_sensitivity
 from hardening_cases import linear, nip, roll
 from slow_cases import campaign_case, slow_case
 
@@ -13,24 +14,13 @@ import woundon as wo
 
 
 @pytest.mark.parametrize(
-    ("name", "value"),
-    [slow_case("roll.stack.radial.K2", 127.0), slow_case("roll.pressure", 90e3),
-     campaign_case("roll.stack.shear", 10e6)],
-)  # fmt: skip
-def test_sensitivities_are_the_derivatives(name: str, value: float) -> None:
-    """Of the implicit function, against central differences over 2 parts in 1000."""
-    problem = nip(roll(shear_exponent=0.5))
-    step = 2e-3 * value
-    result = wo.solve(problem, nodes=17)
-    less, more = (
-        wo.solve(problem.replace(**{name: value + s}), nodes=17, start=result)
-        for s in (-step, step)
-    )
-    derivatives = result.sensitivity(name)
-    for output in ("nip_induced_tension", "half_width"):
-        difference = (getattr(more, output) - getattr(less, output)) / (2 * step)
-        # a tangent may be one part in ten thousand old
-        assert derivatives.derivative(output, name) == pytest.approx(difference, rel=1e-3)
+    "name",
+    [*map(slow_case, ("roll.stack.radial.K2", "roll.pressure")), campaign_case("roll.stack.shear")],
+)
+def test_sensitivities_are_the_derivatives(name: str) -> None:
+    """Of the implicit function; a tangent may be one part in ten thousand old."""
+    result = wo.solve(nip(roll(shear_exponent=0.5)), nodes=17)
+    check_sensitivity(result, [name], ["nip_induced_tension", "half_width"], step=2e-3, rtol=1e-3)
 
 
 # ---- refusals -----------------------------------------------------------------------------------

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from derivatives import check_sensitivity
 from thesis_cases import newsprint_nip
 from viscoelastic_cases import cover, rubber
 
@@ -151,26 +152,12 @@ def test_the_balance_of_power_converges_with_the_mesh(kind: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "value"),
-    [
-        ("web_speed", 5.0),
-        ("drum.material.prony.0.modulus", 3e6),
-        ("drum.material.prony.1.time", 1e-2),
-    ],
+    "name", ["web_speed", "drum.material.prony.0.modulus", "drum.material.prony.1.time"]
 )
 @pytest.mark.parametrize("wrapped", [False, True])
-def test_exact_sensitivities(wrapped: bool, name: str, value: float) -> None:
-    problem: Any = nip().replace(roll_wrap=pi) if wrapped else nip()
-    step = 1e-3 * value
-    exact = wo.solve(problem, nodes=33).sensitivity(name)
-    up, down = (
-        wo.solve(problem.replace(**{name: value + way * step}), nodes=33) for way in (1, -1)
-    )
-    computed = [(r.nip_induced_tension, r.half_width, r.drum_creepage) for r in (up, down)]
-    differences = np.subtract(*computed) / (2 * step)
-    outputs = ("nip_induced_tension", "half_width", "drum_creepage")
-    found = [exact.derivative(output, name) for output in outputs]
-    assert found == pytest.approx(differences.tolist(), rel=2e-4)
+def test_exact_sensitivities(wrapped: bool, name: str) -> None:
+    problem = nip().replace(roll_wrap=pi) if wrapped else nip()
+    check_sensitivity(wo.solve(problem, nodes=33), [name], rtol=2e-4)
 
 
 def test_bodies_without_a_speed_answer_relaxed() -> None:
