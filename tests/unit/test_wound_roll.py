@@ -59,16 +59,6 @@ def test_of_one_pressure_it_is_a_cylinder(pressure: Any) -> None:
     np.testing.assert_allclose(found, expected, rtol=1e-10)
 
 
-def test_of_a_constant_law_it_is_a_cylinder() -> None:
-    rr, tt, rt, shear, _ = wo.material("newsprint").stiffness
-    linear = wo.Stack(
-        radial=rr * (1 - rt**2 / (rr * tt)), tangential=tt - rt**2 / rr, poissons_ratio=rt / rr,
-        shear=shear,
-    )  # fmt: skip
-    made = EXAMPLE.replace(roll=roll(stack=linear))
-    np.testing.assert_allclose(outputs(made), outputs(EXAMPLE), rtol=1e-10)
-
-
 def test_cells_converge_with_the_fourth_order() -> None:
     n = np.geomspace(2, 300, 12)
     graded = roll(pressure=GRADED)
