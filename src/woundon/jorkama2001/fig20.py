@@ -16,7 +16,7 @@ import woundon as wo
 from ..report.panels import Panel
 from .cases import paper_nip
 from .exhibits import Exhibit
-from .nips import FINE, Nip, along_nip, joined, solved
+from .nips import FINE, Nip, along_nip, joined, solved, solved_accurately
 from .panels import slips_and_increase
 from .verdicts import Verdict, accurate, at_least, at_most, untested, verdict, whether
 from .zones import Run, longest_stick, runs
@@ -39,7 +39,9 @@ def exhibits(solver: str) -> list[Exhibit]:
     data = joined("roll_friction [1]", {mu: along_nip(r) for mu, r in nips.items()})
     below, above = nips.values()
     taut = paper_nip(nip_load=NIP_LOAD)
-    wrapped = [solved(taut.replace(roll_friction=mu, roll_wrap=np.pi)) for mu in FRICTIONS]
+    wrapped = [
+        solved_accurately(taut.replace(roll_friction=mu, roll_wrap=np.pi)) for mu in FRICTIONS
+    ]
     verdicts = [*_pattern(above), *_numbers(below, above), *accurate(_of_the_wrap(*wrapped))]
     return [Exhibit("fig20", data, verdicts, _panels([below, above]))]
 

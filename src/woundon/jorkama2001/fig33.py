@@ -20,7 +20,7 @@ from ..report.panels import Axis, Curve, Panel
 from . import procedure
 from .cases import COVERS, covered_nip, paper_nip
 from .exhibits import Exhibit
-from .nips import dataset, joined, quiet, solved, swept
+from .nips import dataset, joined, quiet, solved_accurately, swept
 from .panels import COLOURS, axis
 from .verdicts import Verdict, at_least, at_most, grows, untested, verdict
 
@@ -61,7 +61,7 @@ def _converging(solver: str, times: pd.Series) -> xr.Dataset:
     NIT = []
     for M in NODES.tolist():
         by_thesis = solver == "thesis"
-        result = procedure.solve(PROBLEM, M) if by_thesis else solved(PROBLEM, nodes=M)
+        result = procedure.solve(PROBLEM, M) if by_thesis else solved_accurately(PROBLEM, M)
         NIT.append(result.nip_induced_tension)
     data = dataset("nodes", {"nip_induced_tension [N/m]": NIT, "time [1]": times.to_numpy()})
     return data.assign_coords(nodes=("nodes", NODES, {"units": "1"}))
@@ -125,8 +125,8 @@ def _half_plane_error(problem: wo.NipProblem, body: str) -> float:
     """Return the change of NIT if a half-plane replaces the roll or the drum [%]."""
     cylinder = getattr(problem, body)
     flat = wo.HalfPlane(radius=cylinder.radius, material=cylinder.material)
-    exact = solved(problem, "accurate").nip_induced_tension
-    rough = solved(problem.replace(**{body: flat}), "accurate").nip_induced_tension
+    exact = solved_accurately(problem).nip_induced_tension
+    rough = solved_accurately(problem.replace(**{body: flat})).nip_induced_tension
     return 100 * abs(rough / exact - 1)
 
 

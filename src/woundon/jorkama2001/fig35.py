@@ -20,7 +20,7 @@ from .cases import paper_nip
 from .exhibits import Exhibit
 from .fig34 import web_rate
 from .influence import surface_strain
-from .nips import FINE, Nip, dataset, joined, solved
+from .nips import FINE, Nip, dataset, joined, solved, solved_accurately
 from .panels import COLOURS, LEGEND, axis, named
 from .verdicts import Verdict, accurate, at_most, verdict, whether
 
@@ -74,7 +74,7 @@ def _nip(mu: float, solver: str) -> _Nip:
             "web_rate [1/rad]": np.append(nan, web_rate(problem.web, tension, mu, downstream)),
         },
     )
-    return _Nip(alone, solved(problem.replace(roll_wrap=np.pi)), data)
+    return _Nip(alone, solved_accurately(problem.replace(roll_wrap=np.pi)), data)
 
 
 def _roll_strain(r: Nip, x: np.ndarray) -> np.ndarray:

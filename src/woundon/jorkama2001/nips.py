@@ -32,6 +32,7 @@ __all__ = [
     "joined",
     "quiet",
     "solved",
+    "solved_accurately",
     "swept",
 ]
 
@@ -71,20 +72,21 @@ def quiet() -> Iterator[None]:
         yield
 
 
-def solved(problem: wo.Problem, solver: str = "accurate", nodes: int = NODES) -> Any:
-    """Solve a nip accurately, or by the procedure of the thesis with M = 200.
-
-    A nip with wraps is solved accurately only.
-    """
+def solved(problem: wo.NipProblem, solver: str = "accurate", nodes: int = NODES) -> Nip:
+    """Solve a nip accurately, or by the procedure of the thesis with M = 200."""
     if solver == "thesis":
-        assert isinstance(problem, wo.NipProblem)
         return procedure.solve(problem, THESIS_NODES)
+    return solved_accurately(problem, nodes)
+
+
+def solved_accurately(problem: wo.NipProblem, nodes: int = NODES) -> wo.NipResult:
+    """Solve a nip, also one with wraps."""
     with quiet():
         return wo.solve(problem, nodes=nodes)
 
 
 def swept(
-    problem: wo.Problem,
+    problem: wo.NipProblem,
     over: Mapping[str, Any],
     solver: str = "accurate",
     outputs: Sequence[str] = OUTPUTS,
