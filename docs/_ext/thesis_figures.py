@@ -23,7 +23,9 @@ def make(app) -> None:
         return
     figures = list(publish(NAMES, folder, dpi=100))
     known = listed()
-    changed = [figure.name for figure in figures if figure.counts != known[figure.name].counts]
+    changed = [
+        figure.name for figure in figures if figure.judged.counts != known[figure.name].counts
+    ]
     if changed:
         raise ExtensionError(
             f"the number of statements that hold has changed: {', '.join(changed)}"

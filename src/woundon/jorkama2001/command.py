@@ -57,7 +57,7 @@ def thesis(
         ):
             for one in parts:
                 done.append(one)
-                text = "\n".join(_brief(one)) if everything else one.report
+                text = "\n".join(_brief(one)) if everything else one.judged.report()
                 click.echo(text, file=channel)
                 report(len(done), len(wanted))
     except KeyboardInterrupt:
@@ -71,15 +71,14 @@ def thesis(
 
 def _brief(one: Published) -> list[str]:
     """Return the number of statements that hold, and the failed statements."""
-    from .exhibits import listed
-
-    failures = (f"    - {line}" for line in one.failures)
-    return [f"{listed()[one.name].label:9}{one.tally}  ({one.seconds:.1f} s)", *failures]
+    label = one.judged.exhibit.label
+    failures = (f"    - {line}" for line in one.judged.failures)
+    return [f"{label:9}{one.judged.tally}  ({one.seconds:.1f} s)", *failures]
 
 
 def _total(done: Iterable[Published]) -> str:
     """Return the numbers of all statements that hold and fail."""
-    counts = [one.counts for one in done]
+    counts = [one.judged.counts for one in done]
     held, failed, untested = map(sum, zip(*counts, strict=True))
     return (
         f"{len(counts)} figures and tables, {held + failed + untested} statements: {held} hold, "

@@ -13,7 +13,6 @@ from typing import NamedTuple
 import woundon as wo
 
 from .catalogue import NAMES, chosen, modules
-from .exhibits import listed
 from .judgement import Judged, judged
 from .verdicts import Outcome
 
@@ -25,28 +24,20 @@ class Published(NamedTuple):
 
     Attributes
     ----------
-    name : str
-        ``fig16``, ``table3``.
-    counts : tuple of int
-        Numbers of statements that hold, fail and cannot be tested.
-    tally : str
-        Sentence with the counts.
-    failures : list of str
-        Sentences about the statements that do not hold.
-    report : str
-        All verdicts as text.
+    judged : Judged
     files : list of Path
     seconds : float
         Spent on the module that made it, and perhaps others with it.
     """
 
-    name: str
-    counts: tuple[int, ...]
-    tally: str
-    failures: list[str]
-    report: str
+    judged: Judged
     files: list[Path]
     seconds: float
+
+    @property
+    def name(self) -> str:
+        """``fig16``, ``table3``."""
+        return self.judged.exhibit.name
 
 
 def publish(
@@ -96,12 +87,7 @@ def _publish_module(
     begun = perf_counter()
     written = [(one, _write(one, folder, dpi)) for one in judged(module, names, solver)]
     seconds = perf_counter() - begun
-    return [
-        Published(
-            one.exhibit.name, one.counts, one.tally, one.failures, one.report(), files, seconds
-        )
-        for one, files in written
-    ]
+    return [Published(one, files, seconds) for one, files in written]
 
 
 def _write(one: Judged, folder: Path, dpi: int | None) -> list[Path]:
@@ -129,6 +115,6 @@ def summary(done: Iterable[Published], folder: str = "") -> str:
     words = " | ".join(outcome.value for outcome in Outcome)
     lines = [f"| | shows | {words} |", "|---|---|---|---|---|"]
     for one in sorted(done, key=lambda one: NAMES.index(one.name)):
-        entry, counts = listed()[one.name], " | ".join(map(str, one.counts))
-        lines.append(f"| [{entry.label}]({folder}{one.name}.md) | {entry.title} | {counts} |")
+        exhibit, counts = one.judged.exhibit, " | ".join(map(str, one.judged.counts))
+        lines.append(f"| [{exhibit.label}]({folder}{one.name}.md) | {exhibit.title} | {counts} |")
     return "\n".join(lines) + "\n"
