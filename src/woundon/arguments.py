@@ -149,6 +149,7 @@ _KINDS = {
         "the path of a folder", lambda v: isinstance(v, (str, PathLike)) and "\0" not in str(v)
     ),
     "output": _NAME,
+    "over": _Kind("a mapping of fields to values or ranges", _maps_names),
     "outputs": _Kind("names of outputs", _are_names),
     "preview": _Kind("a function of the coarse window", callable),
     "profiles": _Kind(
@@ -167,6 +168,11 @@ _KINDS = {
     "spread": _Kind(_NUMBER_OF_EACH, _maps_names),
     "tie": _FIELD_OF_EACH,
     "uncertain": _Kind("a mapping of fields to relative standard deviations", _maps_names),
+    "vary": _Kind(
+        "names of fields, or {name: (low, high)}",
+        lambda value: _are_names(value) or _maps_names(value),
+        optional=False,
+    ),
     "unknown": _Kind("a mapping of fields to relative standard deviations", _maps_names, False),
 }
 

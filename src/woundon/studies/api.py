@@ -157,7 +157,8 @@ def study_of(
             text = f"{design!r} draws samples, which cannot be combined with a table"
             raise InvalidProblem.at("design", text)
         over, design = read_cases(over, problem, columns), "table"
-    values = in_si(problem, over)
+    check_arguments(over=over)
+    values = in_si(problem, over or {})
     return (
         _model_of_study(problem, values, outputs, tie, options or {}),
         make_cases(values, design, samples, seed),
@@ -166,30 +167,24 @@ def study_of(
 
 def _model_of_study(
     problem: Problem,
-    over: Any,
+    over: Mapping[str, Any],
     outputs: Sequence[str] | None,
     tie: Mapping[str, str] | None,
     options: Mapping[str, Any],
 ) -> KindModel:
     """Return the model of a study, its inputs checked."""
     model = model_of(problem, outputs, tie, options)
-    model.check_varied(over if isinstance(over, Mapping) else ())
+    model.check_varied(over)
     return model
 
 
-def in_si(problem: Problem, over: Any) -> Any:
-    """Return values, ranges or bounds by field, with texts with units converted to SI.
+def in_si(problem: Problem, over: Mapping[str, Any]) -> dict[str, Any]:
+    """Return values or ranges by field, with texts with units converted to SI.
 
     >>> import woundon as wo
     >>> in_si(wo.RollerProblem.example(), {"load": ("50 kN/m", 1e5)})
     {'load': [50000.0, 100000.0]}
     """
-    if not isinstance(over, Mapping):
-        return over
-    for name in over:
-        if not isinstance(name, str):
-            text = f"{quote(name)} is out of place; must be the name of a field"
-            raise InvalidProblem.at("over", text)
     return {name: _numbers(problem, name, entry) for name, entry in over.items()}
 
 
@@ -289,7 +284,8 @@ def global_sensitivity(
     >>> bool(indices.total_order[0, 0] > indices.total_order[0, 1])
     True
     """
-    ranges = in_si(problem, over)
+    check_arguments(over=over)
+    ranges = in_si(problem, over or {})
     model = _model_of_study(problem, ranges, outputs, tie, solver_options(nodes, rtol, options))
     cases = saltelli_cases(ranges, samples, seed)
     table = run_study(

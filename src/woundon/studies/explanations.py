@@ -29,6 +29,7 @@ from ..errors import InvalidProblem, NotConverged
 from ..problems.paths import get_field, parts_of
 from ..problems.problem import Problem
 from ..quantities import length, pure, walk
+from ..results import Result
 from .compare_result import Comparison, Explanation
 from .measurements import PRESSURE, TAB, TAB_FORCE, predict
 from .model import KindModel
@@ -55,7 +56,7 @@ class SolvedCase(NamedTuple):
     """A solved case, with the values that its result predicts."""
 
     case: Case
-    result: Any
+    result: Result
 
 
 class InputEffects:

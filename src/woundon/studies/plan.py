@@ -25,7 +25,7 @@ import itertools
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -144,64 +144,97 @@ def next_experiment(
     theta = {
         name: varied_number(base, name, f"unknown: {name}", is_relative=True) for name in prior
     }
+    _check_measurements(candidates, completed)
+    n = len(candidates)
+    count = n if count is None else whole_number("count", count, 1, n)
+    planned = partial(
+        plan_measurement,
+        problem=base,
+        unknown=tuple(theta),
+        tie=tie or {},
+        options=solver_options(nodes, rtol, options),
+    )
+    output = output or next(iter(main_outputs), candidates[0].quantity)
+    goal = planned(Measurement(output, operating_point or {}, 1.0))
+    if goal.measurement.size != 1:
+        raise InvalidProblem.at("operating_point", "must be one state, without sequences")
+    known, possible = [planned(m) for m in completed], [planned(m) for m in candidates]
+    total = len(completed) + (1 + draws) * n
+    with progress_reporter(progress, "planning") as report:
+        done = itertools.count(1)
+        study = _Study(possible, goal, criterion, lambda: report(next(done), total))
+        solved: SolvedStates = {}
+        start = _prior_information(prior, fitted) + study.information(known, theta, solved).sum(0)
+        local = study.at(theta, start, solved)
+        steps = local.select(count)
+        others, failures = _at_drawn_points(study, theta, steps.covariances[0], draws, seed)
+    return _result(base, theta, study, [local, *others], steps, failures)
+
+
+def _check_measurements(
+    candidates: Sequence[Measurement], completed: Sequence[Measurement]
+) -> None:
+    """Reject lists with anything else than measurements, and an empty list of candidates."""
     for name, measurements in (("candidates", candidates), ("completed", completed)):
         check_type(name, measurements, list, tuple)
         for measurement in measurements:
             check_type(name, measurement, Measurement)
     if not candidates:
         raise InvalidProblem.at("candidates", "missing; give at least one wo.Measurement")
-    n = len(candidates)
-    count = n if count is None else whole_number("count", count, 1, n)
-    settings = solver_options(nodes, rtol, options)
-    output = output or next(iter(main_outputs), candidates[0].quantity)
-    target = Measurement(output, operating_point or {}, 1.0)
 
-    def planned(measurement: Measurement) -> PlannedMeasurement:
-        return plan_measurement(measurement, base, tuple(theta), tie or {}, settings)
 
-    known, goal = [planned(m) for m in completed], planned(target)
-    if target.size != 1:
-        raise InvalidProblem.at("operating_point", "must be one state, without sequences")
-    total = len(completed) + (1 + draws) * n
-    with progress_reporter(progress, "planning") as report:
-        done = itertools.count(1)
-        study = _Study(
-            candidates=[planned(m) for m in candidates],
-            goal=goal,
-            criterion=criterion,
-            report=lambda: report(next(done), total),
-        )
-        solved: SolvedStates = {}
-        start = _prior_information(prior, fitted) + study.information(known, theta, solved).sum(0)
-        local = study.at(theta, start, solved)
-        order, scores, covariances = local.select(count)
-        others, failures = _at_drawn_points(study, theta, covariances[0], draws, seed)
-    unidentified, direction, direction_error = _weakest(local, covariances[0], list(theta))
-    first = np.array([each.scores(each.start) for each in (local, *others)])
+def _result(
+    problem: Problem,
+    theta: Mapping[str, float],
+    study: _Study,
+    points: Sequence[_Linearised],
+    steps: _Steps,
+    failures: int,
+) -> NextExperiment:
+    """Return the result of a study.
+
+    Parameters
+    ----------
+    problem : Problem
+    theta : mapping of str to float
+        Unknown field -> value, SI.
+    study : _Study
+    points : sequence of _Linearised
+        At the values of the problem, and at the points drawn.
+    steps : _Steps
+        The selected measurements.
+    failures : int
+        Number of points drawn that could not be solved.
+    """
+    local, names, goal = points[0], tuple(theta), study.goal
+    candidates = tuple(each.measurement for each in study.candidates)
+    covariances = steps.covariances
+    first_scores = np.array([point.scores(point.start) for point in points])
+    after_first = [np.linalg.inv(local.start + each) for each in local.information]
+    unidentified, direction, direction_error = _weakest(local, covariances[0], names)
+    warnings = _warnings(first_scores, candidates, covariances[0], names, failures)
     quantities = {goal.output: goal.quantity}
-    quantities |= {name: q for name in theta if (q := field_quantity(base, name)) is not None}
+    quantities |= {name: q for name in names if (q := field_quantity(problem, name)) is not None}
     return NextExperiment(
-        names=tuple(theta),
+        names=names,
         values=np.array(list(theta.values())),
-        measurements=tuple(candidates[k] for k in order),
-        scores=np.array(scores),
+        measurements=tuple(candidates[k] for k in steps.order),
+        scores=np.array(steps.scores),
         standard_errors=np.sqrt([np.diag(C) for C in covariances]),
         output=goal.output,
         output_value=local.output_value,
         output_errors=np.sqrt([local.gradient @ C @ local.gradient for C in covariances]),
         covariance=covariances[-1],
-        candidates=tuple(candidates),
-        first_scores=first,
-        first_errors=np.sqrt(
-            [np.diag(np.linalg.inv(local.start + each)) for each in local.information]
-        ),
+        candidates=candidates,
+        first_scores=first_scores,
+        first_errors=np.sqrt([np.diag(C) for C in after_first]),
         unidentified=unidentified,
         direction=direction,
         direction_error=direction_error,
-        criterion=criterion,
-        warnings=tuple(_warnings(first, candidates, covariances[0], list(theta), failures)),
+        criterion=study.criterion,
+        warnings=tuple(warnings),
         quantities=quantities,
-        problem=base,
+        problem=problem,
     )
 
 
@@ -239,6 +272,23 @@ def _prior_information(prior: Mapping[str, float], fitted: FitResult | None) -> 
 
 
 # ---- criteria and selection ----------------------------------------------------------------------
+
+
+class _Steps(NamedTuple):
+    """Selected candidates, each in addition to those before it.
+
+    Attributes
+    ----------
+    order : list of n int
+        Numbers of the candidates, best first.
+    scores : list of n float
+    covariances : list of n + 1 (p, p) arrays
+        Of ln(theta), before and after each.
+    """
+
+    order: list[int]
+    scores: list[float]
+    covariances: list[Array]
 
 
 @dataclass(frozen=True)
@@ -326,15 +376,14 @@ class _Linearised:
         reductions = [self.measure(J) - self.measure(J + each) for each in self.information]
         return np.array(reductions) / self.cost
 
-    def select(self, count: int) -> tuple[list[int], list[float], list[Array]]:
+    def select(self, count: int) -> _Steps:
         """Return the selected candidates, best first, by an exchange algorithm (Fedorov 1972).
 
         From the greedy selection, each selected candidate is exchanged for each of the others, and
         every exchange that increases the reduction per total cost is kept, until there is none.
-        The return values are those of :meth:`ranked`.
         """
         everyone = range(len(self.cost))
-        selection = self.ranked(everyone, count)[0]
+        selection = self.ranked(everyone, count).order
         reduction = self._reduction_per_cost(selection)
         improved = True
         while improved:
@@ -354,32 +403,19 @@ class _Linearised:
         J = self.start + self.information[selection].sum(axis=0)
         return (self.measure(self.start) - self.measure(J)) / float(self.cost[selection].sum())
 
-    def ranked(
-        self, among: Iterable[int], count: int
-    ) -> tuple[list[int], list[float], list[Array]]:
-        """Return candidates, each the best one in addition to those before it.
-
-        Returns
-        -------
-        list of int
-            The candidates.
-        list of float
-            The score of each.
-        list of count + 1 (p, p) arrays
-            The covariance of ln(theta) before and after each.
-        """
+    def ranked(self, among: Iterable[int], count: int) -> _Steps:
+        """Return candidates, each the best one in addition to those before it."""
         J, remaining = self.start, list(among)
-        order: list[int] = []
-        best_scores, covariances = [], [np.linalg.inv(J)]
+        steps = _Steps([], [], [np.linalg.inv(J)])
         for _ in range(count):
             scores = self.scores(J)
             best = max(remaining, key=scores.__getitem__)
             remaining.remove(best)
-            order.append(best)
-            best_scores.append(float(scores[best]))
             J = J + self.information[best]
-            covariances.append(np.linalg.inv(J))
-        return order, best_scores, covariances
+            steps.order.append(best)
+            steps.scores.append(float(scores[best]))
+            steps.covariances.append(np.linalg.inv(J))
+        return steps
 
 
 def _weakest(

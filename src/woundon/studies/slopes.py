@@ -188,8 +188,9 @@ def on_mesh_of(model: KindModel, *results: Result) -> KindModel:
     if the solver has no such number.
     """
     nodes: list[Any] = [getattr(result, "nodes", None) for result in results]
-    is_chosen = options_of(model.problem).get("nodes", ...) is None
-    if not is_chosen or "nodes" in model.options or not all(isinstance(n, int) for n in nodes):
+    has_nodes = all(isinstance(number, int) for number in nodes)
+    is_chosen = has_nodes and options_of(model.problem).get("nodes", ...) is None
+    if not is_chosen or "nodes" in model.options:
         return model
     options = {name: value for name, value in model.options.items() if name != "rtol"}
     return replace(model, options={**options, "nodes": max(nodes)})

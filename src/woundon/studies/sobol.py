@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..arguments import check_seed, check_type, whole_number
+from ..arguments import check_seed, whole_number
 from ..errors import InvalidProblem
 from .cases import MOST_CASES, Cases, check_number, scaled_to_range, table_of_cases
 from .outcome import Outcome
@@ -144,13 +144,13 @@ class SobolIndices(Outcome):
         One of the two 95 % intervals is wider than 0.2, or the first-order index, which cannot
         exceed the total index, does so.
         """
-        widths = np.maximum(*(np.ptp(ends, axis=0) for ends in self._intervals))
-        uncertain: Array = (widths > WIDE) | (self.first_order > self.total_order + ROUNDING)
-        return uncertain
+        is_wide = self._widths.max(axis=0) > WIDE
+        return np.asarray(is_wide | (self.first_order > self.total_order + ROUNDING))
 
     @property
-    def _intervals(self) -> tuple[Array, Array]:
-        return self.first_interval, self.total_interval
+    def _widths(self) -> Array:
+        """Widths of the 95 % intervals, (order, outputs, inputs)."""
+        return np.ptp([self.first_interval, self.total_interval], axis=1)
 
     @property
     def proposed_samples(self) -> int:
@@ -161,8 +161,7 @@ class SobolIndices(Outcome):
         """
         if not self.uncertain.any():
             return self.samples
-        width = max(float(np.nanmax(np.ptp(ends, axis=0))) for ends in self._intervals)
-        required = self.samples * max(2.0, (width / WIDE) ** 2)
+        required = self.samples * max(2.0, (float(np.nanmax(self._widths)) / WIDE) ** 2)
         return int(2 ** ceil(log2(required)))
 
     def remarks(self) -> list[str]:
@@ -171,7 +170,7 @@ class SobolIndices(Outcome):
             return []
         return [
             f"* not determined by {self.samples} samples (interval wider than {WIDE:g}, or first "
-            f"order above total): use samples={self.proposed_samples}"
+            f"order above total): use {self.proposed_samples} samples"
         ]
 
 
@@ -194,7 +193,6 @@ def saltelli_cases(ranges: Mapping[str, Any], samples: int, seed: int) -> Cases:
     """
     from scipy.stats import qmc
 
-    check_type("over", ranges, Mapping)
     if not ranges:
         raise InvalidProblem.at("over", "nothing to vary: give fields and their ranges")
     if len(ranges) < 2:
