@@ -145,7 +145,9 @@ _KINDS = {
     "minimise": _NAME,
     "operating_point": _Kind(_NUMBER_OF_EACH, _maps_names),
     "options": _Kind("a mapping of options of the solver to their values", _maps_names),
-    "out": _Kind("the path of a folder", lambda value: isinstance(value, (str, PathLike))),
+    "out": _Kind(
+        "the path of a folder", lambda v: isinstance(v, (str, PathLike)) and "\0" not in str(v)
+    ),
     "output": _NAME,
     "over": _Kind("a mapping of fields to values or ranges", _maps_names),
     "outputs": _Kind("names of outputs", _are_names),

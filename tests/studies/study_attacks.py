@@ -65,9 +65,6 @@ class Wave:
         warning = "a is large" if a > 7 else ""
         return Answer((float(np.sin(a)) + self.slope * b, a / 3), warning, None)
 
-    def gradient(self, state: Any, names: tuple[str, ...]) -> None:
-        return None
-
     def quantity(self, name: str) -> Quantity | None:
         return None if name == "word" else pure(name, name)
 

@@ -176,6 +176,22 @@ def test_a_database_of_another_program_is_rejected_and_left_as_it_is(
     check_rejected_and_unchanged(tmp_path)
 
 
+def test_the_write_ahead_log_of_another_program_is_left_as_it_is(tmp_path: Path):
+    """SQLite would write the log into the file, and delete it, when the last connection closes."""
+    path, out = tmp_path / "notes.sqlite", tmp_path / "out"
+    out.mkdir()
+    with closing(sqlite3.connect(path)) as connection:
+        connection.execute("PRAGMA journal_mode=WAL")
+        connection.execute("CREATE TABLE notes (text TEXT)")
+        connection.commit()
+        for ending in ("", "-wal"):
+            shutil.copy(f"{path}{ending}", out / f"study.sqlite{ending}")
+    files = {file.name: file.read_bytes() for file in out.iterdir()}
+    with pytest.raises(wo.InvalidProblem, match="it has a write-ahead log, and a study has none"):
+        run(out, resume=True)
+    assert {file.name: file.read_bytes() for file in out.iterdir()} == files
+
+
 def check_rejected_and_unchanged(out: Path) -> None:
     """Check that a damaged study is neither resumed nor overwritten, and is the only file."""
     path = out / "study.sqlite"

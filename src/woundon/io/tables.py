@@ -14,7 +14,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
 from ..arguments import check_arguments
-from ..errors import InvalidProblem, nearest, one_of
+from ..errors import InvalidProblem, mapping_of, nearest, one_of
 from ..problems.units import is_unit
 from ..quantities import Quantity, pattern
 from .sheets import Sheet
@@ -176,15 +176,11 @@ def match_columns(
     [('nip_width', 'mm')]
     """
     check_arguments(columns=columns)
+    renaming = _renaming_of(columns or {})
+    ignores_others = renaming.pop(OTHERS, None) is not None
     faults: Faults = []
     matched: list[Column] = []
     unknown: list[str] = []
-    given = dict(columns or {})
-    ignores_others = OTHERS in given
-    if given.pop(OTHERS, None):
-        text = f"{OTHERS!r} stands for all columns without a known name; they can only be ignored"
-        raise InvalidProblem.at("columns", text)
-    renaming = {_normalise(header): (header, target) for header, target in given.items()}
     for header, cells in sheet.columns.items():
         target, unit = _rename_header(header, renaming)
         if target is None:
@@ -209,6 +205,20 @@ def match_columns(
     if faults:
         raise InvalidProblem(faults)
     return matched
+
+
+def _renaming_of(columns: Mapping[str, str | None]) -> Renaming:
+    """Return the assigned headers and their targets, by the normalised header.
+
+    Raises
+    ------
+    InvalidProblem
+        For a target of ``"*"``, and two spellings of one header.
+    """
+    if columns.get(OTHERS):
+        text = f"{OTHERS!r} stands for all columns without a known name; they can only be ignored"
+        raise InvalidProblem.at("columns", text)
+    return mapping_of(((_normalise(header), (header, to)) for header, to in columns.items()))
 
 
 class _Renamed(NamedTuple):

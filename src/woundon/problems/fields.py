@@ -8,17 +8,22 @@ of the argument and whose ``__get__`` gives the type of the attribute.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from itertools import pairwise
+from math import inf
 from typing import TYPE_CHECKING, Annotated, Any, Generic, Self, TypeVar, overload
 
 from pydantic import (
+    BaseModel,
     BeforeValidator,
     ValidationInfo,
     ValidatorFunctionWrapHandler,
     WrapValidator,
 )
-from pydantic_core import PydanticKnownError
 
-from .inputs import FloatWithUnit, is_array, read_text, real_number
+from ..errors import InvalidProblem
+from .inputs import FloatWithUnit, NotAList, is_array, read_text, real_number
+from .messages import quote
+from .permitted import in_brackets, unit_of
 
 __all__ = [
     "CoercedField",
@@ -29,6 +34,8 @@ __all__ = [
     "NumbersOfField",
     "OptionalNested",
     "OptionalNumber",
+    "check_equal_lengths",
+    "check_rising",
     "default",
     "listed",
 ]
@@ -55,8 +62,36 @@ def _number_of_field(
 def listed(value: Any) -> Any:
     """Return an array as a list, which pydantic validates; reject a set, which has no order."""
     if isinstance(value, (set, frozenset)):
-        raise PydanticKnownError("tuple_type")
+        raise NotAList
     return value.tolist() if is_array(value) else value
+
+
+def check_equal_lengths(table: BaseModel, first: str, *others: str) -> None:
+    """Reject lists of a description that have not as many values as the first one.
+
+    Raises
+    ------
+    InvalidProblem
+    """
+    count = len(getattr(table, first))
+    for name in others:
+        if len(getattr(table, name)) != count:
+            text = f"{len(getattr(table, name))} values; must be as many as of {first}, {count}"
+            raise InvalidProblem.at(name, text)
+
+
+def check_rising(table: BaseModel, name: str, above: float = -inf) -> None:
+    """Reject a list of a description whose values do not rise, or do not begin above a value.
+
+    Raises
+    ------
+    InvalidProblem
+    """
+    unit = in_brackets(unit_of(type(table).model_fields[name]))
+    for k, (previous, value) in enumerate(pairwise((above, *getattr(table, name)))):
+        if value <= previous:
+            text = f"{quote(value)} is out of range; must be > {quote(previous)}{unit}"
+            raise InvalidProblem.at(f"{name}.{k}", f"{text}, the previous value" if k else text)
 
 
 def default(value: Any) -> Any:

@@ -216,7 +216,7 @@ class Grade(Description):
             radius=radius, core_radius=core_radius, stack=self.stack, pressure=pressure
         )
 
-    def spread_of(self, problem: Any) -> dict[str, float]:
+    def spread_of(self, problem: Description) -> dict[str, float]:
         """Return the relative standard deviations of the fields of a problem, by dotted name."""
         return {
             path: self.spread[name]
@@ -224,7 +224,7 @@ class Grade(Description):
             if name in self.spread and field_or_none(problem, path) is not None
         }
 
-    def tied_fields(self, problem: Any) -> dict[str, str]:
+    def tied_fields(self, problem: Description) -> dict[str, str]:
         """Return the fields with the same value of the grade as another one: follower -> leader."""
         leaders, ties = dict[str, str](), dict[str, str]()
         names = dict(_FIELDS)
@@ -446,7 +446,9 @@ def with_grade(model: type[Any], fields: Mapping[str, Any], faults: Faults) -> d
     return completed
 
 
-def changes_of_grade(grade: Grade, problem: Any, changes: Mapping[str, Any]) -> dict[str, Any]:
+def changes_of_grade(
+    grade: Grade, problem: Description, changes: Mapping[str, Any]
+) -> dict[str, Any]:
     """Return the values by dotted name that replace those of a problem's previous grade.
 
     Parameters
@@ -472,7 +474,7 @@ def changes_of_grade(grade: Grade, problem: Any, changes: Mapping[str, Any]) -> 
     }
 
 
-def states_all(problem: Any, named_grade: Grade) -> bool:
+def states_all(problem: Description, named_grade: Grade) -> bool:
     """Return True if a problem has a value for everything that a grade would supply."""
     return all(
         _has_values(field_or_none(problem, path), supplied)
@@ -526,7 +528,7 @@ def _library() -> tuple[Grade, ...]:
     return tuple(grades().values())
 
 
-def warn_of_contradictions(named_grade: Grade, problem: Any) -> None:
+def warn_of_contradictions(named_grade: Grade, problem: Description) -> None:
     """Warn of values of a problem that differ from those of its grade."""
     texts = []
     for path, name in _FIELDS:
@@ -545,7 +547,17 @@ def warn_of_contradictions(named_grade: Grade, problem: Any) -> None:
 def _fields_of_grade(
     named_grade: Grade, model: type[Any], fields: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """Return the fields of a problem that a grade supplies, as tables."""
+    """Return the fields of a problem that a grade supplies, values or tables by name.
+
+    Parameters
+    ----------
+    named_grade : Grade
+    model : type
+        Class of the problem.
+    fields : mapping
+        Fields of the problem that are given, of which a table ``roll`` decides by its kind what is
+        supplied for it, and a table ``air`` receives the roughness.
+    """
     known: dict[str, Any] = {
         "web": {"thickness": named_grade.thickness, "material": _table(named_grade.material)},
         "web_thickness": named_grade.thickness,
@@ -574,7 +586,10 @@ def _table(part: Description) -> dict[str, Any]:
 
 
 def _merge_tables(explicit: Any, supplied: Any) -> Any:
-    """Return the given values, completed by the supplied ones."""
+    """Return given values completed by supplied ones; tables in tables are completed alike.
+
+    A given value that is no table, or a table of another kind, is returned unchanged.
+    """
     if not isinstance(explicit, Mapping) or not isinstance(supplied, Mapping):
         return explicit
     kinds = {part.get("kind") for part in (explicit, supplied)} - {None}

@@ -37,6 +37,7 @@ from .units import has_dimension, parse
 __all__ = [
     "FloatWithUnit",
     "Inputs",
+    "NotAList",
     "NotANumber",
     "is_array",
     "is_basis_weight",
@@ -58,6 +59,10 @@ _OF_SCHEDULES = ("N/m", "N", "Pa", "1")
 
 class NotANumber(ValueError):
     """A validator found something else in place of a number."""
+
+
+class NotAList(ValueError):
+    """A validator found something else in place of a list."""
 
 
 class Inputs:

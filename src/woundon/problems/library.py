@@ -1,20 +1,18 @@
-"""The data file of grades and drum covers, and users' files in the same format."""
+"""The data file of grades, drum covers and materials, and users' files of grades."""
 
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import cache
 from os import PathLike
 from pathlib import Path
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple
 
 from ..errors import InvalidProblem, did_you_mean
 from .messages import check_names, quote
 
 __all__ = ["Entry", "entry_of", "library", "read_file", "relative_deviation"]
-
-T = TypeVar("T")
 
 LARGEST_FILE = 10_000_000  # bytes; far above any list of grades
 FILE = Path(__file__).with_name("grades.toml")
@@ -30,7 +28,7 @@ class Entry(NamedTuple):
 
 @cache
 def library() -> Mapping[str, Mapping[str, Any]]:
-    """Return the tables ``sources``, ``grades`` and ``covers`` of the data file."""
+    """Return the tables ``sources``, ``grades``, ``covers`` and ``materials`` of the data file."""
     return tomllib.loads(FILE.read_text(encoding="utf-8"))
 
 
@@ -69,27 +67,23 @@ def entry_of(table: Mapping[str, Any]) -> Entry:
     InvalidProblem
         For an entry without a value, an unknown name in it, or a spread that is not a number >= 0.
     """
-    check_names(table)
     entry = Entry({}, {}, {})
-    for name, item in table.items():
-        if isinstance(item, Mapping) and "value" not in item:
-            try:
-                inner = entry_of(item)
-            except InvalidProblem as fault:
-                raise fault.under(name) from None
-            entry.values.update(_below(name, inner.values))
-            entry.spread.update(_below(name, inner.spread))
-            entry.sources.update(_below(name, inner.sources))
-        elif isinstance(item, Mapping):
+    for name, item in _flat_items(table, ""):
+        if isinstance(item, Mapping):
             _add_entry(entry, name, item)
         else:
             entry.values[name] = item
     return entry
 
 
-def _below(name: str, part: Mapping[str, T]) -> dict[str, T]:
-    """Return the entries of a nested table by dotted name."""
-    return {f"{name}.{key}": value for key, value in part.items()}
+def _flat_items(table: Mapping[str, Any], prefix: str) -> Iterator[tuple[str, Any]]:
+    """Yield dotted name and item of a table and of the tables in it that are no entries."""
+    check_names(table, prefix)
+    for name, item in table.items():
+        if isinstance(item, Mapping) and "value" not in item:
+            yield from _flat_items(item, f"{prefix}{name}.")
+        else:
+            yield f"{prefix}{name}", item
 
 
 def _add_entry(entry: Entry, name: str, item: Mapping[str, Any]) -> None:

@@ -13,7 +13,7 @@ from pydantic.fields import FieldInfo
 
 from ..errors import InvalidProblem, NoSteadyState, did_you_mean, nearest, one_of
 from ..quantities import members_of, quantity_of
-from .inputs import FloatWithUnit, NotANumber, read_text
+from .inputs import FloatWithUnit, NotAList, NotANumber, read_text
 from .permitted import admissible, admits, unit_of
 
 __all__ = ["check_names", "no_such_field", "not_one_of", "quote", "validation_error"]
@@ -86,8 +86,8 @@ _OTHER_TYPES = {
 
 def _fault(item: Any, name: str, field: FieldInfo) -> str:
     """Return the text for one item of pydantic's report on a field of that name."""
-    value, kind = item["input"], item["type"]
-    if isinstance(item.get("ctx", {}).get("error"), NotANumber):
+    value, kind, error = item["input"], item["type"], item.get("ctx", {}).get("error")
+    if isinstance(error, NotANumber):
         return f"{quote(value)} is not a number; must be {admissible(field)}"
     if kind == "missing":
         return f"missing; must be {admissible(field)}"
@@ -97,7 +97,7 @@ def _fault(item: Any, name: str, field: FieldInfo) -> str:
         (limit,) = (n for name, n in item["ctx"].items() if name in ("min_length", "max_length"))
         bound = "at least" if kind == "too_short" else "at most"
         return f"{item['ctx']['actual_length']} values; must be {bound} {limit}"
-    if kind in ("tuple_type", "list_type"):
+    if kind == "tuple_type" or isinstance(error, NotAList):
         return f"{quote(value)} is not a list"
     if kind in _OTHER_TYPES:
         return f"{quote(value)} is out of place; must be {_OTHER_TYPES[kind]}"
@@ -112,14 +112,14 @@ def _fault(item: Any, name: str, field: FieldInfo) -> str:
     return f"{quote(value)} is out of range; must be {admissible(field)}{hint}"
 
 
-def check_names(table: Mapping[Any, Any]) -> None:
-    """Reject a table with a name that is not text.
+def check_names(table: Mapping[Any, Any], prefix: str = "") -> None:
+    """Reject a table with a name that is not text; ``prefix`` precedes it in the error.
 
     Raises
     ------
     InvalidProblem
     """
-    wrong = [quote(name) for name in table if not isinstance(name, str)]
+    wrong = [f"{prefix}{quote(name)}" for name in table if not isinstance(name, str)]
     if wrong:
         raise InvalidProblem((name, "not the name of a field; must be text") for name in wrong)
 
@@ -133,7 +133,12 @@ def not_one_of(value: Any, known: Iterable[str]) -> str:
 
 
 def no_such_field(name: str, model: type[BaseModel]) -> str:
-    """Return the message for an unknown field, with the class that has it or the intended name."""
+    """Return the message for an unknown field, with the class that has it or the intended name.
+
+    In this order: another member of the family has the field (a body, a law); another kind of
+    problem has it; the name is the symbol, a word of the meaning or a part of a field's name; a
+    field has a similar name.
+    """
     fields = model.model_fields
     family = getattr(model, "_members", {}).values()
     names = {name, name.replace("diameter", "radius")}

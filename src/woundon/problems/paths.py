@@ -94,7 +94,11 @@ def find_places(thing: Described, path: str, of_field: Quantity | None = None) -
 def _places_of_parts(
     thing: Described, path: str, of_field: Quantity | None = None
 ) -> Iterator[tuple[Place, ...]]:
-    """Yield the places of the first part of a dotted name, of the first two parts, ..."""
+    """Yield the places of the first part of a dotted name, of the first two parts, ...
+
+    A part is looked up in all classes that the field above it admits: a body may be a cylinder or
+    a wound roll.  The number of an item of a list has the places of the list itself.
+    """
     holders: list[Holder] = [(thing if isinstance(thing, type) else type(thing), of_field)]
     places: tuple[Place, ...] = ()
     parts = parts_of(path)
@@ -107,7 +111,15 @@ def _places_of_parts(
 
 
 def _places_of_name(holders: list[Holder], name: str, path: str) -> Iterator[Place]:
-    """Yield the fields of a name in several classes, or those of the radius of a diameter."""
+    """Yield the places of a name in several classes; of a diameter, those of the radius.
+
+    Parameters
+    ----------
+    holders : list of (class, Quantity or None)
+        Classes, each with the quantity of the field that holds it, for the values of a schedule.
+    name, path : str
+        Last part of a dotted name, and the complete name.
+    """
     owners = [holder for holder in holders if name in holder[0].model_fields]
     for model, of_field in owners:
         field = model.model_fields[name]
@@ -485,7 +497,16 @@ def change_fields(base: BaseModel, changes: Mapping[str, Any], faults: Faults) -
 
 
 def _changed(value: Any, name: str, changes: Mapping[str, Any]) -> Any:
-    """Return the value of a field with changes below it, by the names below it."""
+    """Return the value of a field, a description or a list, with changes below it.
+
+    Parameters
+    ----------
+    value : object
+    name : str
+        Of the field, for the error message.
+    changes : mapping
+        New values by the dotted names below the field: ``{"0.thickness": 0.01}`` of a list.
+    """
     if isinstance(value, BaseModel):
         return value.replace(**changes)  # type: ignore[attr-defined]  # of a Description
     if not isinstance(value, tuple):
@@ -552,7 +573,20 @@ def _is_group(path: str, groups: Mapping[str, tuple[str, ...]]) -> bool:
 
 
 def _table_below(table: Any, name: str, models: tuple[type[Any], ...], path: str) -> Any:
-    """Return the table, or the list, of a name in a table or a list of tables."""
+    """Return the table, or the list, of a name in a table or a list of tables.
+
+    One that is missing in a table is added.
+
+    Parameters
+    ----------
+    table : dict or list
+    name : str
+        Name, or number of an item.
+    models : tuple of types
+        Classes of the descriptions that the field admits, which may have names as materials do.
+    path : str
+        Complete dotted name, for the error message.
+    """
     key: Any = _index_of(name, table, path) if isinstance(table, list) else name
     inner = table[key] if isinstance(table, list) else table.setdefault(name, {})
     if isinstance(inner, str):

@@ -79,14 +79,15 @@ def _schedule_panels(
 def _reserves(before: Margins, after: Margins) -> list[Panel]:
     """Return the panel of the reserves of both schedules, as bars next to each other."""
     names = tuple(margin.name for margin in after if margin.checked)
+    titles = tuple(after[name].title for name in names)
     panel = Panel(
         "reserves",
         "Reserves of the margins",
         Axis("Reserve, share of the limit, at most 100 [%]"),
-        Axis("", limits=(len(names) - 0.4, -0.6), names=names),
+        Axis("", limits=(len(names) - 0.4, -0.6), names=titles),
         marks=(Mark("y", 0.0, colour="alarm", alone=False),),
         column="reserves",
-        width=4.2,
+        width=5.2,
     )
     shares = [
         100 * np.clip([margins[name].reserve for name in names], -1, 1)

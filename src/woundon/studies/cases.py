@@ -11,15 +11,17 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from math import ceil, log2, prod
-from numbers import Real
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from ..arguments import check_seed, whole_number
 from ..errors import InvalidProblem, did_you_mean
+from ..problems.inputs import NotANumber, real_number
+from ..problems.messages import quote
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -251,20 +253,27 @@ def _as_array(name: str, values: Any) -> Array:
     InvalidProblem
         If it is not a sequence, is empty, or mixes numbers with other values.
     """
-    if isinstance(values, (str, Mapping)) or not hasattr(values, "__len__"):
+    if isinstance(values, (str, bytes, Mapping)) or not hasattr(values, "__len__"):
         raise InvalidProblem.at(name, f"{values!r} is not a list of values")
     check_number(len(values))
     items = list(values)
     if not items:
         raise InvalidProblem.at(name, "an empty list of values")
-    numbers = [isinstance(v, (Real, np.number)) and not isinstance(v, bool) for v in items]
-    if all(numbers):
-        return np.array(items, dtype=float)
-    if any(numbers):
+    numbers = [_number_or_none(item) for item in items]
+    if None not in numbers:
+        return np.array(numbers, dtype=float)
+    if any(number is not None for number in numbers):
         raise InvalidProblem.at(name, "contains numbers and other values; must be all of one type")
     array = np.empty(len(items), dtype=object)
     array[:] = items
     return array
+
+
+def _number_or_none(value: Any) -> float | None:
+    """Return a real number as a float; None for another value."""
+    with suppress(NotANumber):
+        return real_number(value)
+    return None
 
 
 def _frame(columns: Mapping[str, Array]) -> pd.DataFrame:
@@ -297,16 +306,14 @@ def scaled_to_range(name: str, ends: Any, fractions: Array) -> Array:
     """
     parts = list(ends) if isinstance(ends, (list, tuple, np.ndarray)) else []
     is_log = len(parts) == 3 and parts[2] == "log"
-    if not (len(parts) == 2 or is_log) or not all(
-        isinstance(v, (Real, np.number)) and np.isfinite(float(v)) for v in parts[:2]
-    ):
-        raise InvalidProblem.at(
-            name, f"{ends!r} is not a range; write (low, high) or (low, high, 'log')"
-        )
-    low, high = float(parts[0]), float(parts[1])
+    numbers = [number for end in parts[:2] if (number := _number_or_none(end)) is not None]
+    if not (len(parts) == 2 or is_log) or len(numbers) < 2 or not np.isfinite(numbers).all():
+        text = f"{quote(ends)} is not a range; write (low, high) or (low, high, 'log')"
+        raise InvalidProblem.at(name, text)
+    low, high = numbers
     if not low < high or (is_log and low <= 0):
         positive = "0 < " if is_log else ""
-        raise InvalidProblem.at(name, f"{ends!r} is not a range: must be {positive}low < high")
+        raise InvalidProblem.at(name, f"{quote(ends)} is not a range: must be {positive}low < high")
     scaled = low * (high / low) ** fractions if is_log else low + (high - low) * fractions
     return np.asarray(scaled)
 

@@ -253,7 +253,7 @@ class Comparison(Outcome):
         parts = [
             f"{output}: {agreement.size} {'value' if agreement.size == 1 else 'values'}",
             f"measured - predicted {quantity.text(agreement.bias, '+.3g')} "
-            + (f"+- {quantity.text(uncertainty, '.3g')} " if uncertainty else "")
+            + (f"± {quantity.text(uncertainty, '.3g')} " if uncertainty else "")
             + f"({100 * agreement.relative_bias:+.2g} %)",
             f"RMS {quantity.text(agreement.rms, '.3g')}",
         ]

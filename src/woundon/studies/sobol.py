@@ -170,7 +170,7 @@ class SobolIndices(Outcome):
             return []
         return [
             f"* not determined by {self.samples} samples (interval wider than {WIDE:g}, or first "
-            f"order above total): use samples={self.proposed_samples}"
+            f"order above total): use {self.proposed_samples} samples"
         ]
 
 

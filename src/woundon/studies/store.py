@@ -155,13 +155,9 @@ def open_store(
     elif not path.is_file():
         raise InvalidProblem.at(str(folder), f"its {FILE} is not a regular file")
     is_writable = all(os.access(p, os.W_OK) for p in (folder, path) if p.exists())
-    address = f"{path.absolute().as_uri()}?mode={'rwc' if is_writable else 'ro'}"
     with (
         _errors_of_sqlite_translated(folder, is_writable),
-        closing(
-            # without implicit transactions: every statement is one, unless BEGIN starts one
-            sqlite3.connect(address, timeout=PATIENCE, isolation_level=None, uri=True)
-        ) as connection,
+        closing(_connect(path, is_writable)) as connection,
     ):
         store = Store(connection, json.dumps(record, sort_keys=True))
         # of two processes that create the file at a time, the second reads what the first wrote
@@ -177,6 +173,23 @@ def open_store(
             text = f"cannot be written, and {missing} of {chunks} chunks are not in it"
             raise OSError(errno.EROFS, text, str(folder))
         yield store
+
+
+def _connect(path: Path, is_writable: bool) -> sqlite3.Connection:
+    """Return a connection on which every statement is a transaction, unless BEGIN starts one.
+
+    Raises
+    ------
+    sqlite3.DatabaseError
+        If the file has a write-ahead log, which SQLite would write into it; a store has none.
+    """
+    if path.exists():
+        with path.open("rb") as file:
+            header = file.read(20)
+        if header.startswith(b"SQLite format 3\0") and 2 in header[18:]:  # versions of the format
+            raise sqlite3.DatabaseError("it has a write-ahead log, and a study has none")
+    address = f"{path.absolute().as_uri()}?mode={'rwc' if is_writable else 'ro'}"
+    return sqlite3.connect(address, timeout=PATIENCE, isolation_level=None, uri=True)
 
 
 def _check_study(
@@ -207,7 +220,7 @@ def _errors_of_sqlite_translated(folder: Path, is_writable: bool) -> Iterator[No
         code = getattr(fault, "sqlite_errorcode", sqlite3.SQLITE_ERROR) & 0xFF  # the primary code
         if not isinstance(fault, sqlite3.OperationalError) or code == sqlite3.SQLITE_ERROR:
             reason = " ".join(str(fault).split())  # SQLite reports each damaged page on a line
-            text = f"its {FILE} is damaged ({reason}) and is left as it is"
+            text = f"its {FILE} is damaged or not a study ({reason}) and is left as it is"
             raise InvalidProblem.at(
                 str(folder), f"{text}; solve the study in another folder"
             ) from None
