@@ -152,6 +152,7 @@ _KINDS = {
     "over": _Kind("a mapping of fields to values or ranges", _maps_names),
     "outputs": _Kind("names of outputs", _are_names),
     "preview": _Kind("a function of the coarse window", callable),
+    "panels": _Kind("names of panels", _are_names),
     "profiles": _Kind(
         "True, False or names of fitted fields",
         lambda value: isinstance(value, bool) or _are_names(value),
