@@ -165,17 +165,16 @@ def _option_rows(kind: Kind[Any, Any]) -> Iterator[Row]:
 @options.command("List the named materials with their values and sources.")
 def materials() -> None:
     """List the named materials with their values and sources."""
+    from ..io.case_texts import toml_value
     from ..problems.materials import MATERIALS
-    from ..problems.units import text_with_unit
     from ..quantities import walk
 
     for name, known in MATERIALS.items():
-        values = []
-        for place in walk(known.material):
-            if place.value is not None and place.quantity is not None:
-                text = text_with_unit(place.value, place.quantity.unit, place.quantity.display)
-                value = f'"{text}"' if isinstance(text, str) else f"{text:g}"
-                values.append(f"{place.path} = {value}")
+        values = [
+            f"{place.path} = {toml_value(place.value, place.quantity)}"
+            for place in walk(known.material)
+            if place.value is not None and place.quantity is not None
+        ]
         click.secho(name, bold=True)
         click.echo(f"  {{ {', '.join(values)} }}")
         click.secho(f"  {known.source}", dim=True)

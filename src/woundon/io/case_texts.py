@@ -35,6 +35,7 @@ __all__ = [
     "save_case",
     "template",
     "to_toml",
+    "toml_value",
 ]
 
 SCHEMA = 1
@@ -184,7 +185,7 @@ def _header(problem: Problem) -> list[str]:
     """Return the comment at the top of a case file, which explains its use."""
     quantities = {n: quantity_of(info) for n, info in type(problem).model_fields.items()}
     settings = (
-        f"{name}={_value(quantity.typical[1], quantity)}"
+        f"{name}={toml_value(quantity.typical[1], quantity)}"
         for name, quantity in quantities.items()
         if quantity and quantity.unit != "1" and quantity.typical
     )
@@ -313,8 +314,8 @@ class _Writer:
             return Row(name, UNSET, field_comment(info))
         if isinstance(value, Description):
             comment = "a name ('woundon materials' lists them), or a table of its fields"
-            return Row(name, _value(material_name(value)), comment)
-        return Row(name, _value(value, quantity_of(info, of_field)), field_comment(info))
+            return Row(name, toml_value(material_name(value)), comment)
+        return Row(name, toml_value(value, quantity_of(info, of_field)), field_comment(info))
 
     def kind_row(self, thing: Family, holder: FieldInfo) -> Row:
         """Return the line with the kind of a description; its comment lists the alternatives.
@@ -336,7 +337,9 @@ class _Writer:
                 fields = "" if member in self.listed else f" ({', '.join(member.model_fields)})"
                 names.append(f"{member.member_name()}{fields}")
         self.listed.update(members)
-        return Row("kind", _value(thing.member_name()), f"or {', '.join(names)}" if names else "")
+        return Row(
+            "kind", toml_value(thing.member_name()), f"or {', '.join(names)}" if names else ""
+        )
 
 
 def _grade_rows(problem: Problem) -> list[Row]:
@@ -351,7 +354,7 @@ def _grade_rows(problem: Problem) -> list[Row]:
     if not states_all(problem, named_grade):
         return []
     comment = "supplies what is not stated here, and the spreads of the values"
-    return [Row("grade", _value(named_grade.name), comment)]
+    return [Row("grade", toml_value(named_grade.name), comment)]
 
 
 def material_name(value: Any) -> str | None:
@@ -393,10 +396,15 @@ def _with_comment(text: str, comment: str, column: int) -> list[str]:
     return [f"{text.ljust(column)}  # {first}", *(f"{'':{column}}  # {part}" for part in others)]
 
 
-def _value(value: Any, quantity: Quantity | None = None) -> str:
-    """Return a value as TOML; a number of a quantity as a text with its unit, if that is exact."""
+def toml_value(value: Any, quantity: Quantity | None = None) -> str:
+    """Return a value as TOML; a number of a quantity as a text with its unit, if that is exact.
+
+    >>> from woundon.quantities import length
+    >>> toml_value([66e-6, 0.3], length("2h", "thickness", "um"))
+    '["66 um", "300 mm"]'
+    """
     if isinstance(value, (tuple, list)):
-        return f"[{', '.join(_value(item, quantity) for item in value)}]"
+        return f"[{', '.join(toml_value(item, quantity) for item in value)}]"
     if quantity is not None and not isinstance(value, (bool, str)):
         text = text_with_unit(float(value), quantity.unit, quantity.display)
         value = text if isinstance(text, str) else value
