@@ -253,8 +253,10 @@ def unwarned() -> Iterator[None]:
 
 def nearest(word: Any, known: Iterable[str]) -> str:
     """Return the known name most similar to a misspelt ``word``; empty if none is similar."""
+    if not isinstance(word, str):
+        return ""
     by_lower = {name.lower(): name for name in sorted(known)}
-    near = difflib.get_close_matches(str(word).lower(), by_lower, n=1, cutoff=0.55)
+    near = difflib.get_close_matches(word.lower(), by_lower, n=1, cutoff=0.55)
     return by_lower[near[0]] if near else ""
 
 

@@ -69,7 +69,8 @@ def schedule(
     """Compute the tension schedule for a target pressure in a roll."""
     from ..io.case_texts import save_case
     from ..problems.roll import RollProblem
-    from ..report.schedule_report import csv_text, plot_schedule, print_schedule
+    from ..report.schedule_report import csv_text, plot_schedule, schedule_parts
+    from ..report.terminal import print_parts
     from ..roll.design import design_tension
     from ..roll.solve import solve_wound_roll
 
@@ -79,7 +80,7 @@ def schedule(
         raise InvalidProblem.at(str(case), text)
     solution = design_tension(problem, _target_pressure(target, smooth), rtol=rtol)
     roll = solve_wound_roll(solution.problem, rtol=max(rtol, 1e-8))
-    print_schedule(solution, roll, options.console())
+    print_parts(schedule_parts(solution, roll), options.console())
     files: options.Files = {
         out: lambda path: write_whole(path, csv_text(solution).encode()),
         new_case: partial(save_case, solution.problem),

@@ -164,10 +164,11 @@ def _solve(problem: Problem, arguments: Mapping[str, Any]) -> Any:
 
 def _print(result: Result, sensitivity: Sensitivity | None) -> None:
     """Print the report of a result, and its sensitivities."""
-    from ..report.result_report import print_report
-    from ..report.sensitivity_report import print_sensitivity
+    from ..report.result_report import report_parts
+    from ..report.sensitivity_report import sensitivity_parts
+    from ..report.terminal import print_parts
 
-    terminal = options.console()
-    print_report(result, terminal)
+    parts = report_parts(result)
     if sensitivity is not None:
-        print_sensitivity(sensitivity, terminal)
+        parts += sensitivity_parts(sensitivity)
+    print_parts(parts, options.console())

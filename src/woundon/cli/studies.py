@@ -272,8 +272,8 @@ def plan(
     study: Path, as_json: bool, save: Path | None, plot: Path | None, **arguments: Any
 ) -> None:
     """Choose the next measurement by its expected information."""
-    from ..studies.experiment import next_experiment
     from ..studies.export import write_table
+    from ..studies.plan import next_experiment
     from ..studies.plan_file import load_plan
 
     keywords = load_plan(study)

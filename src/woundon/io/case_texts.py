@@ -75,7 +75,7 @@ def template(kind: str = "nip") -> str:
     >>> print(template("rollers").splitlines()[0])
     # Two rollers in contact without a web, rolling or static.
     """
-    return to_toml(kinds.named(kind.replace("-", "_")).example(), comments=True)
+    return to_toml(kinds.named(kind).example(), comments=True)
 
 
 _GRADE_CASE = """\
@@ -397,11 +397,13 @@ def _with_comment(text: str, comment: str, column: int) -> list[str]:
 
 
 def toml_value(value: Any, quantity: Quantity | None = None) -> str:
-    """Return a value as TOML; a number of a quantity as a text with its unit, if that is exact.
+    """Return the value of a field as TOML; a number of a quantity as a text with its unit.
+
+    A number for which no text with a unit is exact is written as a plain number in SI.
 
     >>> from woundon.quantities import length
-    >>> toml_value([66e-6, 0.3], length("2h", "thickness", "um"))
-    '["66 um", "300 mm"]'
+    >>> toml_value(66e-6, length("2h", "web thickness", "um")), toml_value((0.5, 1.0))
+    ('"66 um"', '[0.5, 1.0]')
     """
     if isinstance(value, (tuple, list)):
         return f"[{', '.join(toml_value(item, quantity) for item in value)}]"

@@ -11,11 +11,10 @@ from __future__ import annotations
 import re
 import shlex
 from collections.abc import Iterator, Mapping
-from types import NoneType
 from typing import Any, NamedTuple
 
+from ..arguments import check_arguments
 from ..errors import InvalidProblem, mapping_of, nearest, one_of
-from ..problems.messages import quote
 from ..problems.units import is_unit
 from ..quantities import Quantity, pattern
 from .sheets import Sheet
@@ -176,7 +175,8 @@ def match_columns(
     >>> [(c.name, c.unit) for c in match_columns(sheet, Names({"nip_width": length("b", "")}))]
     [('nip_width', 'mm')]
     """
-    renaming = _renaming_of({} if columns is None else columns)
+    check_arguments(columns=columns)
+    renaming = _renaming_of(columns or {})
     ignores_others = renaming.pop(OTHERS, None) is not None
     faults: Faults = []
     matched: list[Column] = []
@@ -207,22 +207,14 @@ def match_columns(
     return matched
 
 
-def _renaming_of(columns: Any) -> Renaming:
+def _renaming_of(columns: Mapping[str, str | None]) -> Renaming:
     """Return the assigned headers and their targets, by the normalised header.
 
     Raises
     ------
     InvalidProblem
-        For values that are not a mapping of texts, a target of ``"*"``, and two spellings of one
-        header.
+        For a target of ``"*"``, and two spellings of one header.
     """
-    if not isinstance(columns, Mapping):
-        text = f"{quote(columns)} is not a mapping; must be {{header: name or None}}"
-        raise InvalidProblem.at("columns", text)
-    for header, target in columns.items():
-        if not isinstance(header, str) or not isinstance(target, (str, NoneType)):
-            text = f"{quote(header)}: {quote(target)}: header and name must be texts"
-            raise InvalidProblem.at("columns", text)
     if columns.get(OTHERS):
         text = f"{OTHERS!r} stands for all columns without a known name; they can only be ignored"
         raise InvalidProblem.at("columns", text)

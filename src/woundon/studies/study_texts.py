@@ -55,7 +55,7 @@ def study_template(kind: str) -> str:
     InvalidProblem
         For an unknown kind, or one that has no example.
     """
-    problem_kind = kinds.named(kind.replace("-", "_"))
+    problem_kind = kinds.named(kind)
     problem = problem_kind.example()
     varied = dict(_varied_fields(problem))
     width = max(map(len, varied), default=0)
@@ -91,7 +91,7 @@ def _varied_fields(problem: Problem) -> Iterator[tuple[str, str]]:
         text = f"from = {toml_value(low, loads[name])}, to = {toml_value(high, loads[name])}"
         yield name, f"{{ {text}, count = 5 }}"
     for name, values in other.items():
-        yield name, f"[{', '.join(toml_value(value, loads[name]) for value in values)}]"
+        yield name, toml_value(values, loads[name])
 
 
 def _is_admissible(problem: Problem, values: dict[str, tuple[float, float]]) -> bool:
