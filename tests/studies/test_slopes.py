@@ -154,6 +154,9 @@ def test_fields_that_have_no_derivative_are_rejected() -> None:
     roll = wo.solve(wo.RollProblem.example())
     with pytest.raises(wo.InvalidProblem, match="parameters: missing; must be names of fields"):
         wo.derivatives(roll)
+    for result in (roll, wo.solve(wo.NipProblem.example(), nodes=13)):
+        with pytest.raises(wo.InvalidProblem, match=r"parameters: \['core'\] is out of place"):
+            wo.derivatives(result, ["core"])
     with pytest.raises(
         wo.InvalidProblem, match=r"stack: .* is not a number, so it cannot be varied"
     ):

@@ -16,10 +16,10 @@ from typing import Any
 
 from .. import kinds
 from ..arguments import check_type
-from ..errors import InvalidProblem, did_you_mean
+from ..errors import InvalidProblem, did_you_mean, mapping_of
 from ..problems.grades import grade
 from ..problems.messages import check_names, quote
-from ..problems.paths import parts_of, set_in_tables
+from ..problems.paths import counterpart, parts_of, set_in_tables
 from ..problems.problem import Problem
 from .case_texts import SCHEMA, template, to_toml
 from .columns import with_columns
@@ -200,11 +200,12 @@ def apply_settings(case: Mapping[str, Any], settings: Iterable[str]) -> dict[str
     Raises
     ------
     InvalidProblem
-        For a text that is not a setting, a name below a field that has no fields of its own, or
-        an unset field that does not exist.
+        For a text that is not a setting, two settings of one field, a name below a field that has
+        no fields of its own, or an unset field that does not exist.
     """
     check_type("settings", settings, str, Iterable)
     changed = deepcopy(dict(case))
+    values: list[tuple[str, str]] = []
     for setting in [settings] if isinstance(settings, str) else settings:
         check_type("setting", setting, str)
         path, sign, value = setting.partition("=")
@@ -220,7 +221,11 @@ def apply_settings(case: Mapping[str, Any], settings: Iterable[str]) -> dict[str
             # a field of a group is changed in the table of the group, if the case has it
             groups = (group for group, names in model.tables.items() if parts[0] in names)
             parts = [*(group for group in groups if group in changed), *parts]
-        set_in_tables(changed, ".".join(parts), _plain(value), model)
+        name = ".".join(parts)
+        set_in_tables(changed, name, _plain(value), model)
+        parts[-1] = counterpart(parts[-1], "diameter") or parts[-1]  # it is the same field
+        values.append((".".join(parts), setting))
+    mapping_of(values)  # raises an error for a field that is set twice
     return changed
 
 

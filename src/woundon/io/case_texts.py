@@ -9,6 +9,7 @@ import json
 import textwrap
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, NamedTuple, get_args
 
 from pydantic.fields import FieldInfo
@@ -23,6 +24,7 @@ from ..problems.permitted import bounds, requirement
 from ..problems.problem import Problem
 from ..problems.units import text_with_unit
 from ..quantities import Quantity, members_of, quantity_of
+from .files import write_whole
 
 __all__ = [
     "SCHEMA",
@@ -30,6 +32,7 @@ __all__ = [
     "field_ranges",
     "grade_template",
     "material_name",
+    "save_case",
     "template",
     "to_toml",
     "toml_value",
@@ -72,7 +75,7 @@ def template(kind: str = "nip") -> str:
     >>> print(template("rollers").splitlines()[0])
     # Two rollers in contact without a web, rolling or static.
     """
-    return to_toml(kinds.named(kind.replace("-", "_")).example(), comments=True)
+    return to_toml(kinds.named(kind).example(), comments=True)
 
 
 _GRADE_CASE = """\
@@ -173,6 +176,11 @@ def to_toml(problem: Problem, comments: bool = False, under: str = "") -> str:
     return "\n".join(lines).rstrip() + "\n"
 
 
+def save_case(problem: Problem, path: Path) -> None:
+    """Write the case file of a problem, without comments."""
+    write_whole(path, to_toml(problem).encode())
+
+
 def _header(problem: Problem) -> list[str]:
     """Return the comment at the top of a case file, which explains its use."""
     quantities = {n: quantity_of(info) for n, info in type(problem).model_fields.items()}
@@ -230,7 +238,7 @@ class _Writer:
         yield own._replace(rows=[*schema, *_grade_rows(problem), *own.rows])
         for group, names in problem.tables.items():
             rows = [self.row(problem, name) for name in names if self.is_shown(problem, name)]
-            yield Section(f"[{prefix}{group}]", rows, _comment_on_group(problem, group))
+            yield Section(f"[{prefix}{group}]", rows)
         yield from nested
 
     def description(
@@ -349,15 +357,6 @@ def _grade_rows(problem: Problem) -> list[Row]:
     return [Row("grade", toml_value(named_grade.name), comment)]
 
 
-def _comment_on_group(problem: Problem, group: str) -> str:
-    """Return a comment on the problem that results if a group is omitted."""
-    names = set(type(problem).model_fields) - set(problem.tables[group])
-    other = kinds.for_fields(names)
-    if isinstance(problem, other.problem):
-        return ""
-    return f"without this table: {other.about[:1].lower()}{other.about[1:].rstrip('.')}"
-
-
 def material_name(value: Any) -> str | None:
     """Return the name of a material; None for a material without one and for any other value."""
     return next((name for name, known in MATERIALS.items() if known.material == value), None)
@@ -419,7 +418,7 @@ def toml_value(value: Any, quantity: Quantity | None = None) -> str:
 # ---- description of a field --------------------------------------------------------------------
 
 
-def field_comment(field: Any) -> str:
+def field_comment(field: FieldInfo) -> str:
     """Return symbol, meaning, typical and allowed range of a field, in the unit for display."""
     quantity = quantity_of(field)
     if quantity is None:
@@ -433,7 +432,7 @@ def field_comment(field: Any) -> str:
     return text if not note or note.startswith("default") else f"{text}; {note}"
 
 
-def field_ranges(field: Any, quantity: Quantity, with_unit: bool = True) -> str:
+def field_ranges(field: FieldInfo, quantity: Quantity, with_unit: bool = True) -> str:
     """Return the typical range of a field and, in parentheses, the allowed range.
 
     >>> from woundon import NipProblem
@@ -452,7 +451,7 @@ def field_ranges(field: Any, quantity: Quantity, with_unit: bool = True) -> str:
     return " ".join(parts)
 
 
-def _limits(field: Any, quantity: Quantity) -> str:
+def _limits(field: FieldInfo, quantity: Quantity) -> str:
     """Return the permitted range: "0 to 10", "> 0", "0 to < 0.5"."""
     ends = dict(bounds(field))
     ends_shown = {sign: _number(quantity.shown(end)) for sign, end in ends.items()}

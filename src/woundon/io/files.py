@@ -102,7 +102,7 @@ def _sync(path: Path, flags: int) -> None:
         os.close(descriptor)
 
 
-def write_whole(path: str | Path, content: bytes) -> None:
+def write_whole(path: str | os.PathLike[str], content: bytes) -> None:
     """Write a file atomically; see :func:`replaced_file`.
 
     Raises

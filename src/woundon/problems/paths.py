@@ -30,6 +30,7 @@ __all__ = [
     "halve_diameters",
     "is_part_of",
     "models_at",
+    "names_above",
     "nest_tables",
     "number_in_si",
     "parts_of",
@@ -193,7 +194,7 @@ def _check_exists(thing: Described, path: str) -> None:
 
 
 def counterpart(name: str, word: str) -> str:
-    """Return the radius of a diameter's name (``core_diameter``), or the reverse; '' for none.
+    """Return the radius of a diameter's name (``core.diameter``), or the reverse; '' for none.
 
     Parameters
     ----------
@@ -203,7 +204,8 @@ def counterpart(name: str, word: str) -> str:
     """
     opposite = {"diameter": "radius", "radius": "diameter"}[word]
     head, match, tail = name.rpartition(word)
-    return head + opposite if match and not tail and (not head or head.endswith("_")) else ""
+    is_word = not head or head.endswith(("_", "."))
+    return head + opposite if match and not tail and is_word else ""
 
 
 def halve_diameters(
@@ -269,6 +271,16 @@ def is_part_of(name: str, path: str) -> bool:
     (True, False)
     """
     return f"{name}.".startswith(f"{path}.")
+
+
+def names_above(path: str) -> list[str]:
+    """Return the names of the descriptions and lists that contain a field, the outermost first.
+
+    >>> names_above("drum.layers.0.thickness")
+    ['drum', 'drum.layers', 'drum.layers.0']
+    """
+    parts = parts_of(path)
+    return [".".join(parts[:k]) for k in range(1, len(parts))]
 
 
 # ---- in a description ---------------------------------------------------------------------------

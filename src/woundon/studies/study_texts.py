@@ -55,7 +55,7 @@ def study_template(kind: str) -> str:
     InvalidProblem
         For an unknown kind, or one that has no example.
     """
-    problem_kind = kinds.named(kind.replace("-", "_"))
+    problem_kind = kinds.named(kind)
     problem = problem_kind.example()
     varied = dict(_varied_fields(problem))
     width = max(map(len, varied), default=0)
