@@ -127,7 +127,9 @@ class _SolvedByProcedure(KindModel):
 
     def run(self, inputs: Mapping[str, Any], start: object) -> Answer:
         """Solve one case; the procedure takes no neighbouring solution as a start."""
-        nip = procedure.solve(self.variant(inputs), THESIS_NODES)
+        problem = self.variant(inputs)
+        assert isinstance(problem, wo.NipProblem)
+        nip = procedure.solve(problem, THESIS_NODES)
         values = tuple(_output(nip, name) for name in self.outputs)
         return Answer(values, warnings="", state=None)
 
