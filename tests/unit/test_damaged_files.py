@@ -35,7 +35,7 @@ def test_malformed_cases_are_rejected_in_plain_words(tmp_path: Path):
 
 @pytest.mark.slow
 def test_without_its_checksum_damage_would_be_accepted(tmp_path: Path, monkeypatch):
-    """The test of damaged results can fail: a tenth of the damaged files passes the certificate too."""
+    """The test of damaged results can fail: a tenth of the files passes the certificate too."""
     monkeypatch.setattr(result_files.seals, "check_bytes", lambda content: True)
     monkeypatch.setattr(result_files.seals, "check_record", lambda record: True)
     outcomes = [damaged_files.damaged_result(seed, tmp_path) for seed in range(100)]
