@@ -198,7 +198,7 @@ class _Linearisation:
     def _system(self, problem: Any) -> Any:
         """Return the equations of a problem, with the known surfaces of bodies that it shares."""
         system = self.mesh.system.for_problem(problem)
-        system.surface_of = self._surface
+        system.surfaces.surface_of = self._surface
         return system
 
     def _surface(self, body: Any, face: Face, a: float, speed: float | None) -> Any:
