@@ -162,7 +162,7 @@ class ContactEquations:
         """
         u = np.zeros(self.layout.size)
         u[self.ln_a] = log(self.initial_half_width())
-        return u, np.zeros(u[self.layout.q].size, dtype=np.int8)
+        return u, np.zeros(self.layout.traction_count, dtype=np.int8)
 
     # ---- for subclasses ------------------------------------------------------------------------
 
