@@ -305,7 +305,10 @@ def _central_difference(
 
 
 def _step_scale(problem: Any, name: str, value: float) -> float:
-    """Return the scale of the difference step of a field."""
+    """Return the size of a field, to which its difference step is relative, in its unit.
+
+    It is the value; for a field at zero that of a quantity on which the result depends as strongly.
+    """
     head, _, rest = name.partition(".")
     thickness = getattr(getattr(problem, head), "thickness", np.inf)
     if head in problem.pair and rest.endswith("radius") and np.isfinite(thickness):

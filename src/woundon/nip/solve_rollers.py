@@ -249,7 +249,10 @@ def _traction_error(refinement: Refinement) -> float:
 
 
 def _inconsistent(result: RollerResult, errors: Mapping[str, float]) -> list[str]:
-    """Return a warning if the power balance is violated beyond the error estimates."""
+    """Return a warning if the power balance is violated beyond the error estimates of its terms.
+
+    Both are relative to P a/R*; ``errors`` are the estimated errors of the outputs by name.
+    """
     if not result.problem.viscoelastic:
         return []
     problem, violation = result.problem, consistency(result).power_balance
