@@ -11,7 +11,11 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from woundon.elasticity.hat_integrals import by_second_integral, gauss_rule_in_cells, singular_integrals
+from woundon.elasticity.hat_integrals import (
+    by_second_integral,
+    gauss_rule_in_cells,
+    singular_integrals,
+)
 from woundon.elasticity.mesh import Wrap, nip_mesh
 
 Array = np.ndarray

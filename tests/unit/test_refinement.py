@@ -13,8 +13,8 @@ from woundon.contact.newton import NewtonFailed
 from woundon.contact.refinement import (
     FIRST_SIZES,
     OTHER_SIZES,
-    richardson_estimates,
     refine,
+    richardson_estimates,
     sizes_up_to,
 )  # fmt: skip
 

@@ -71,8 +71,8 @@ POINTS_PER_WAVE, MIN_POINTS = 2, 4096
 # Harmonics at which a cylinder is evaluated: every one up to this number, then with spacings of
 # SPACING n.  The difference between cylinder and half-plane is a smooth function of ln n.
 EVERY_HARMONIC_BELOW, SPACING = 32, 0.06
-# Points of the polynomials that interpolate it, with an error of 1e-10 of the largest B; a spline of
-# SciPy would take a quarter of a second to import.
+# Points of the polynomials that interpolate it, with an error of 1e-10 of the largest B; splines of
+# SciPy take a quarter of a second to import.
 POINTS = 6
 # Relative difference of the roots below which they are taken as equal: the error is its square, and
 # the difference quotient would lose as many digits.

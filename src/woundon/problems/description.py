@@ -63,9 +63,7 @@ class DocumentedMeta(ModelMetaclass):
 class Description(BaseModel, metaclass=DocumentedMeta):
     """An immutable, validated description; rejects unknown names and values out of range."""
 
-    model_config = ConfigDict(
-        frozen=True, extra="forbid", allow_inf_nan=False, defer_build=True
-    )
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, defer_build=True)
 
     @model_validator(mode="wrap")
     @classmethod
