@@ -14,9 +14,9 @@ any body whose influence matrices are known.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from math import inf, log, prod
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -198,19 +198,21 @@ class SurfacesByHalfWidth:
 
     Parameters
     ----------
-    compute : callable
-        (a, face of each body) -> surface of each body.
-    linear : bool
-        True if all bodies are linear.  Surfaces of nonlinear bodies, which cost an equilibrium
-        each, are not interpolated.
+    bodies : sequence of Body
+        Surfaces of nonlinear bodies, which cost an equilibrium each, are not interpolated.
+    speed : float, optional
+        V [m/s], on which viscoelastic bodies depend.
     """
 
-    def __init__(
-        self, compute: Callable[[float, Sequence[Face]], tuple[SurfaceResponse, ...]], linear: bool
-    ) -> None:
-        self.compute, self.linear = compute, linear
+    def __init__(self, bodies: Sequence[Any], speed: float | None = None) -> None:
+        self.bodies, self.speed = bodies, speed
         # (x, surfaces) at one or two half widths, the latest first
         self.computed: list[tuple[float, tuple[SurfaceResponse, ...]]] = []
+
+    def surface_of(self, body: Any, face: Face, a: float, speed: float | None) -> SurfaceResponse:
+        """Compute the surface of a body on a face."""
+        surface: SurfaceResponse = body.surface(face, a, speed)
+        return surface
 
     def at(self, a: float, faces: Sequence[Face], tolerance: float) -> tuple[SurfaceResponse, ...]:
         """Return the surfaces at a half width.
@@ -227,8 +229,10 @@ class SurfacesByHalfWidth:
         """
         x = log(a)
         if self._interpolation_error(x) > tolerance:
+            pairs = zip(self.bodies, faces, strict=True)
+            surfaces = tuple(self.surface_of(body, face, a, self.speed) for body, face in pairs)
             other = [known for known in self.computed if abs(known[0] - x) > NEAREST]
-            self.computed = [(x, self.compute(a, faces)), *other[:1]]
+            self.computed = [(x, surfaces), *other[:1]]
         for known_x, surfaces in self.computed:
             if known_x == x or len(self.computed) == 1:
                 return surfaces
@@ -243,6 +247,6 @@ class SurfacesByHalfWidth:
         distances = [abs(x - known_x) for known_x, _ in self.computed]
         if 0 in distances:
             return 0.0
-        if not distances or not self.linear:
+        if not distances or not all(body.linear for body in self.bodies):
             return inf
         return prod(distances) / len(distances)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import cached_property
 from math import exp, inf, log, pi
 from typing import Any, NamedTuple
@@ -36,11 +35,17 @@ class Side(NamedTuple):
     flattening: float  # 1/R^2 of a cylinder, 0 of a half-plane or a rigid body
 
     def displacement(self, slope: Array, p: Array, q: Array, a: float) -> Array:
-        """Return the normal displacement v at the nodes [m]."""
+        """Return the normal displacement v at the n nodes [m].
+
+        ``slope`` is that at the points of the face, (n+1,), under the nodal loads p and q, (n,).
+        """
         return self.face.displacement_at_nodes(slope, self.surface.end_displacement(p, q), a)
 
     def curvature(self, slope: Array, p: Array, q: Array, a: float) -> Array:
-        """Return the curvature of the deformed surface at the nodes, 1/R - v'' - v/R^2."""
+        """Return the curvature of the deformed surface at the n nodes, 1/R - v'' - v/R^2 [1/m].
+
+        ``slope`` is that at the points of the face, (n+1,), under the nodal loads p and q, (n,).
+        """
         out = 1 / self.radius + self.face.curvature_change(slope, a)
         if self.flattening:
             out -= self.flattening * self.displacement(slope, p, q, a)
@@ -49,7 +54,10 @@ class Side(NamedTuple):
     def curvature_tangent(
         self, tangent: SurfaceTangent, p: Array, q: Array, a: float
     ) -> tuple[Array, Array] | None:
-        """Return the derivatives of the curvature by p and by q; None for a rigid body."""
+        """Return the derivatives of the curvature at the nodes by p and by q, (n, n) each.
+
+        In 1/(m Pa); None for a rigid body.
+        """
         if self.surface.rigid:
             return None
         slopes = tangent.slope_p, tangent.slope_q
@@ -93,7 +101,7 @@ class ContactEquations:
         # scales: the maximum pressure of Hertz, and the slope of the gap at the contact edge
         self.pressure_scale, self.slope_scale = 2 * load / (pi * a), a / problem.contact_radius
         self.slip_scale = self.slope_scale
-        self._surfaces = SurfacesByHalfWidth(self._compute_surfaces, problem.linear)
+        self.surfaces = SurfacesByHalfWidth(problem.bodies, problem.rolling_speed)
 
     # ---- interface of the semismooth Newton method ---------------------------------------------
 
@@ -140,7 +148,7 @@ class ContactEquations:
         The responses are interpolated: an error of 1 % in this column only slows the convergence.
         """
         a = state.geometry.a
-        if len(self._surfaces.computed) == 1:
+        if len(self.surfaces.computed) == 1:
             self.geometry(a * exp(SECOND))
         shifted = self.state(state.u, self.geometry(a * exp(DIFFERENCE), inf))
         for name, matrix in jacobian._asdict().items():
@@ -154,7 +162,7 @@ class ContactEquations:
         """
         u = np.zeros(self.layout.size)
         u[self.ln_a] = log(self.initial_half_width())
-        return u, np.zeros(u[self.layout.q].size, dtype=np.int8)
+        return u, np.zeros(self.layout.traction_count, dtype=np.int8)
 
     # ---- for subclasses ------------------------------------------------------------------------
 
@@ -181,22 +189,11 @@ class ContactEquations:
         tolerance : float
             Relative error of the responses (:meth:`.SurfacesByHalfWidth.at`).
         """
-        surfaces = self._surfaces.at(a, faces, tolerance)
+        surfaces = self.surfaces.at(a, faces, tolerance)
         return [
             Side(face, surface, body.radius, 0.0 if body.rigid else body.curvature**2)
             for body, face, surface in zip(self.problem.bodies, faces, surfaces, strict=True)
         ]
-
-    def _compute_surfaces(self, a: float, faces: Sequence[Face]) -> tuple[SurfaceResponse, ...]:
-        """Return the surfaces of both bodies on their faces."""
-        pairs = zip(self.problem.bodies, faces, strict=True)
-        speed = self.problem.rolling_speed
-        return tuple(self.surface_of(body, face, a, speed) for body, face in pairs)
-
-    def surface_of(self, body: Any, face: Face, a: float, speed: float | None) -> SurfaceResponse:
-        """Return the surface of a body on a face."""
-        surface: SurfaceResponse = body.surface(face, a, speed)
-        return surface
 
     def initial_half_width(self) -> float:
         """Return the half width of the frictionless contact [m].

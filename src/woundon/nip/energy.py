@@ -123,7 +123,11 @@ def dissipation(problem: Any, bodies: tuple[BodyWork, BodyWork]) -> float:
 
 
 def power_balance(equations: NipEquations, state: NipState) -> float:
-    """Return the signed defect of the balance of power, relative to P a/R*."""
+    """Return the signed defect of the balance of power of a web nip, relative to P a/R*.
+
+    That is W+ + W- minus the right-hand side of the balance in the docstring of the module, term by
+    term.  All integrals are sums over the cells of a face, with the values at their points.
+    """
     layout, f, problem = equations.layout, state.fields, equations.problem
     a, mesh = f.geometry.a, f.geometry.mesh
     web, first, last = problem.web, layout.first, layout.last

@@ -438,7 +438,10 @@ class _Assembly:
         return out
 
     def _gap_slope_rows(self) -> Array:
-        """Return the rows of the gap slope, v+' + v-' + c12 (q+ + q-) - 2h F(p+)' + Delta/R*."""
+        """Return the rows of the gap slope in the cells of the nip, (cells, size).
+
+        Derivatives of v+' + v-' + c12 (q+ + q-) - 2h F(p+)' + Delta/R*.
+        """
         layout, mesh, web, nip = self.layout, self.mesh, self.problem.web, self.mesh.nip_cells
         n = layout.last - layout.first
         by_p = self.roll.slope_p[:n].copy()
@@ -456,7 +459,10 @@ class _Assembly:
         return rows
 
     def _wrap_rows(self) -> list[Array]:
-        """Return the rows of the normal equilibrium p+ - p- - T kappa on the wraps."""
+        """Return the rows of the normal equilibrium p+ - p- - T kappa, one block for each wrap.
+
+        On the drum p+ is zero, and kappa is -kappa-; on the roll p- is zero.
+        """
         layout, f, blocks = self.layout, self.fields, []
         if self.equations.drum_wrap:
             nodes = layout.drum_wrap_nodes

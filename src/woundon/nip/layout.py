@@ -23,12 +23,12 @@ class Unknowns:
         Pressures and tractions.
     shift, xi, ln_a : int
         Delta/R*, the creepage and ln a.
-    size : int
-        n + 3 + k.
+    size, traction_count : int
+        n + 3 + k and k.
     """
 
     def __init__(self, pressures: int, tractions: int) -> None:
-        n, self.size = pressures, pressures + 3 + tractions
+        n, self.size, self.traction_count = pressures, pressures + 3 + tractions, tractions
         self.p, self.q = slice(0, n), slice(n + 3, self.size)
         self.shift, self.xi, self.ln_a = n, n + 1, n + 2
 

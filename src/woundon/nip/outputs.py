@@ -46,7 +46,11 @@ SLIP_RATIOS = ("leading_roll", "trailing_roll", "dual")
 
 
 def roll_wound_on_tension(equations: NipEquations, state: NipState) -> float:
-    """Return the wound-on tension reduced to the closed layer of a wound roll [N/m]."""
+    """Return the wound-on tension reduced to the closed layer of a wound roll [N/m].
+
+    T_closed = T + (2h/c11) (eps_closed - eps_1) with T and eps_1 at EVALUATION_ANGLE downstream of
+    the centre of the nip, or at the end of a shorter wrap.
+    """
     layout, f, problem = equations.layout, state.fields, equations.problem
     mesh, a, R = f.geometry.mesh, f.geometry.a, problem.roll.radius
     s = EVALUATION_ANGLE * R / a  # in units of the half width
@@ -73,41 +77,43 @@ def approach(equations: NipEquations, state: NipState) -> float:
     return float(a**2 / (2 * problem.contact_radius) - v - state.u[layout.shift] * a)
 
 
-def _extend_to_nodes(values: Array, first: int, size: int, fill: float = np.nan) -> Array:
-    """Extend values in the cells of a face to all nodes: a node has that of the cell upstream.
+def _extend_to_nodes(values: Array, first: int, size: int) -> Array:
+    """Return values in the cells of a face as those of all nodes, (size,).
 
-    The first node of the face repeats the next one; nodes outside of the face are filled.
+    A node has the value of the cell upstream of it, the first node of the face that of its cell;
+    nodes outside of the face have nan.
+
+    Parameters
+    ----------
+    values : (cells,) array
+    first : int
+        First node of the face.
+    size : int
+        Number of all nodes.
     """
-    out = np.full(size, fill)
+    out = np.full(size, np.nan)
     out[first + 1 : first + 1 + values.size] = values
     out[first] = values[0]
     return out
 
 
 def web_arrays(equations: NipEquations, state: NipState, active: Array) -> dict[str, Array]:
-    """Return the fields along the web at all nodes, by the names of the results.
+    """Return the fields along the web at all nodes, by the names of the results, in SI units.
 
     Slips and strains, which belong to cells, are those of the cell upstream of each node; the
-    points at which they are evaluated are ``slip_x``.
+    points at which they are evaluated are ``slip_x``.  ``active`` are the zones of the traction
+    nodes, (k,).
     """
     layout, f = equations.layout, state.fields
     a, mesh, n = f.geometry.a, f.geometry.mesh, layout.end + 1
     roll_slip, drum_slip = equations.slip_velocities(float(state.u[layout.xi]), f)
-    zones = np.zeros((2, n), dtype=np.int8)
-    k = layout.roll_nodes.size
-    zones[0, layout.roll_nodes], zones[1, layout.drum_nodes] = active[:k], active[k:]
-    # nodes without an upstream cell, and that where the web is held, repeat their neighbour
-    zones[0, layout.first], zones[0, -1], zones[1, 0] = (
-        zones[0, layout.first + 1],
-        zones[0, -2],
-        zones[1, 1],
-    )
+    roll_zone, drum_zone = _zones_at_nodes(equations, active)
     # where a face ends at the trailing edge, p = q = 0 and the friction law permits either zone:
     # the sign of the slip tells whether a slip zone shorter than the last cell ends there
     rounding = strain_rounding(equations, state)
-    zones[1, layout.last] = _slip_direction(drum_slip[-1], rounding)
+    drum_zone[layout.last] = _slip_direction(drum_slip[-1], rounding)
     if not equations.roll_wrap:
-        zones[0, layout.last] = _slip_direction(roll_slip[-1], rounding)
+        roll_zone[layout.last] = _slip_direction(roll_slip[-1], rounding)
     slip_x = np.append(mesh.points[:1], mesh.points)
     slip_x[layout.first] = slip_x[layout.first + 1]
     kappa = np.zeros(n)
@@ -127,11 +133,25 @@ def web_arrays(equations: NipEquations, state: NipState, active: Array) -> dict[
         "drum_traction": f.q_drum,
         "roll_slip": _extend_to_nodes(roll_slip, layout.first, n),
         "drum_slip": _extend_to_nodes(drum_slip, 0, n),
-        "roll_zone": zones[0],
-        "drum_zone": zones[1],
+        "roll_zone": roll_zone,
+        "drum_zone": drum_zone,
         "tension": f.tension,
         "roll_strain": _extend_to_nodes(f.roll.strain[:-2], layout.first, n),
     }
+
+
+def _zones_at_nodes(equations: NipEquations, active: Array) -> tuple[Array, Array]:
+    """Return the zones on the roll and on the drum at all nodes, from those of the traction nodes.
+
+    The first node of a face, which has no cell upstream, and the node at which the web is held to
+    the roll have the zone of their neighbour; nodes outside of a face have 0.
+    """
+    layout = equations.layout
+    roll, drum = np.zeros((2, layout.end + 1), dtype=np.int8)
+    k = layout.roll_nodes.size  # the tractions on the roll come first
+    roll[layout.roll_nodes], drum[layout.drum_nodes] = active[:k], active[k:]
+    roll[layout.first], roll[-1], drum[0] = roll[layout.first + 1], roll[-2], drum[1]
+    return roll, drum
 
 
 def _slip_direction(slip: float, rounding: float) -> int:

@@ -119,8 +119,7 @@ class RollerEquations(ContactEquations):
     @cached_property
     def creepage_nodes(self) -> Array:
         """All traction nodes, unless the creepage is given."""
-        tractions = np.arange(self.layout.q.stop - self.layout.q.start)
-        return tractions if self.problem.creepage is None else tractions[:0]
+        return np.arange(self.layout.traction_count if self.problem.creepage is None else 0)
 
     def for_problem(self, problem: RollerProblem) -> RollerEquations:
         """Return the equations of a neighbouring problem on the same mesh."""
@@ -234,9 +233,8 @@ class RollerEquations(ContactEquations):
         ``inner`` nodes have columns.
         """
         layout, geometry, inner = self.layout, state.geometry, slice(1, -1)
-        traction_count = layout.q.stop - layout.q.start
         gap_slope = np.zeros((self.size - 1, layout.size))
-        slip, bound = np.zeros((2, traction_count, layout.size))
+        slip = np.zeros((layout.traction_count, layout.size))
         # the traction is q on the upper and -q on the lower roller, and the slip u2 - u1 + xi
         for side, sign in ((geometry.upper, 1.0), (geometry.lower, -1.0)):
             if side.surface.rigid:
@@ -250,9 +248,8 @@ class RollerEquations(ContactEquations):
                 slip[:, layout.q] -= by_q[:, inner]  # sign^2 = 1
         gap_slope[:, layout.shift] = 1.0
         slip[:, layout.xi] = 1.0
-        if self.friction:  # the bound of a node is its pressure
-            nodes = np.arange(traction_count)
-            bound[nodes, nodes] = 1 / self.pressure_scale
+        # the friction bound of node i, in units of mu, is its pressure, the unknown i
+        bound = np.eye(layout.traction_count, layout.size) / self.pressure_scale
         equilibrium = np.concatenate(
             [gap_slope / self.slope_scale, self._drive_and_load_rows(geometry.a)]
         )
@@ -416,7 +413,7 @@ class RollerEquations(ContactEquations):
         """
         new, old = self.layout, coarse.layout
         x_old, x_new = coarse.mesh.nodes, self.mesh.nodes[1:-1]
-        u, zones = np.zeros(new.size), np.zeros(new.q.stop - new.q.start, dtype=np.int8)
+        u, zones = np.zeros(new.size), np.zeros(new.traction_count, dtype=np.int8)
         u[new.p] = np.interp(x_new, x_old, state.p)
         u[new.shift] = state.u[old.shift]
         u[new.ln_a] = min(state.u[old.ln_a], self.largest_ln_a)

@@ -198,7 +198,7 @@ class _Linearisation:
     def _system(self, problem: Any) -> Any:
         """Return the equations of a problem, with the known surfaces of bodies that it shares."""
         system = self.mesh.system.for_problem(problem)
-        system.surface_of = self._surface
+        system.surfaces.surface_of = self._surface
         return system
 
     def _surface(self, body: Any, face: Face, a: float, speed: float | None) -> Any:
@@ -305,7 +305,10 @@ def _central_difference(
 
 
 def _step_scale(problem: Any, name: str, value: float) -> float:
-    """Return the scale of the difference step of a field."""
+    """Return the size of a field, to which its difference step is relative, in its unit.
+
+    It is the value; for a field at zero that of a quantity on which the result depends as strongly.
+    """
     head, _, rest = name.partition(".")
     thickness = getattr(getattr(problem, head), "thickness", np.inf)
     if head in problem.pair and rest.endswith("radius") and np.isfinite(thickness):

@@ -227,10 +227,12 @@ def _result(problem: RollerProblem, refinement: Refinement, unmet: str) -> Rolle
 
 
 def _traction_error(refinement: Refinement) -> float:
-    """Return the estimated error of the traction, L2 norm relative to its own.
+    """Return the estimated error of the traction, its L2 norm relative to that of the traction.
 
-    The larger one of the estimates from the last two changes.  Next to zone boundaries tractions
-    have infinite slopes, so their order is one.
+    Next to zone boundaries tractions have infinite slopes, so that they converge with order one: on
+    meshes of m < n nodes the error on the finer one is about the change over n/m - 1, and n/N of
+    that on the last mesh of N nodes.  Of the estimates from the last two changes the larger one is
+    returned; nan without any traction, and on a single mesh.
     """
     last, estimates = refinement.last, [nan]
     if not last.state.q.any():
@@ -247,7 +249,10 @@ def _traction_error(refinement: Refinement) -> float:
 
 
 def _inconsistent(result: RollerResult, errors: Mapping[str, float]) -> list[str]:
-    """Return a warning if the power balance is violated beyond the error estimates."""
+    """Return a warning if the power balance is violated beyond the error estimates of its terms.
+
+    Both are relative to P a/R*; ``errors`` are the estimated errors of the outputs by name.
+    """
     if not result.problem.viscoelastic:
         return []
     problem, violation = result.problem, consistency(result).power_balance
