@@ -278,10 +278,10 @@ class Panel:
     Attributes
     ----------
     name : str
-    title : str
-        Heading on the page.
     x, y, right : Axis
         ``right`` is a second vertical axis.
+    title : str
+        Heading on the page.
     curves, areas, marks, strips, map, regions, discs, scale, bars
         Contents.
     words : (str, str, str)
@@ -289,7 +289,8 @@ class Panel:
     heading, note : str
         Text above the panel; text in place of missing contents.
     column : str
-        Panels of one column are drawn below each other; those with the same x axis share it.
+        Panels of one column are drawn below each other; those with the same x axis share it.  By
+        default a panel has a column of its own, named after it.
     width, height : float
         Inches; a column has the width of its widest panel.
     legend : {"above", "stacked", "inside", "right", "figure below", "figure right"}
@@ -298,9 +299,9 @@ class Panel:
     """
 
     name: str
-    title: str
     x: Axis
     y: Axis
+    title: str = ""
     right: Axis | None = None
     curves: tuple[Curve, ...] = ()
     areas: tuple[Area, ...] = ()
@@ -318,6 +319,10 @@ class Panel:
     width: float = 6.3
     height: float = 3.2
     legend: str = "above"
+
+    def __post_init__(self) -> None:
+        """Name a column of its own after the panel."""
+        object.__setattr__(self, "column", self.column or self.name)
 
 
 @dataclass(frozen=True)

@@ -56,7 +56,7 @@ def _without_solution(table: Table, output: str) -> Panel:
     """Return the panel of a study of which no case was solved."""
     y = named_axis(output, table.quantities.get(output))
     note = f"none of the {len(table.cases)} cases was solved"
-    return Panel(output, y.label, Axis(""), y, note=note, width=5.0)
+    return Panel(output, Axis(""), y, note=note, width=5.0)
 
 
 def _grid_panels(table: Table, output: str) -> tuple[list[Panel], str]:
@@ -74,7 +74,6 @@ def _grid_panels(table: Table, output: str) -> tuple[list[Panel], str]:
     panels = [
         Panel(
             output,
-            y.label,
             _axis_of_input(table, drawn[0]),
             y,
             curves=tuple(_curves(table, output, drawn, values[:, :, place])),
@@ -138,7 +137,6 @@ def _scatter_panels(table: Table, output: str) -> list[Panel]:
         points = Curve(output, x, table.outputs[output], line="none", marker="point", opacity=0.6)
         panels.append(
             Panel(
-                name,
                 name,
                 named_axis(name, table.quantities.get(name), x),
                 named_axis(output, table.quantities.get(output)),
