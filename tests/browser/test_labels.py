@@ -97,11 +97,13 @@ def written(seen):
 
 def test_labels_of_axes_do_not_overlap(recorded):
     page = recorded.page
-    page.wait_for_selector("[data-panel=wrap_pressure] canvas")
+    page.wait_for_selector(
+        "[data-panel=layer_slip] canvas"
+    )  # with a scale of colours; the last one
     for system in ("mill", "SI"):
         page.click(f".segmented >> text={system}")
         panels = written(recorded)
-        assert set(panels) >= {"tractions", "slips", "pressure", "wrap_tension", "wrap_pressure"}
+        assert set(panels) >= {"tractions", "slips", "pressure", "wrap_tension", "layer_slip"}
 
 
 def test_a_logarithmic_axis_is_labelled_however_far_it_is_zoomed(recorded):
@@ -123,6 +125,25 @@ def test_a_logarithmic_axis_is_labelled_however_far_it_is_zoomed(recorded):
     np.testing.assert_allclose(whole, np.round(whole))  # decades
     assert len(whole) >= 4
     assert numbers[-1][-1] / numbers[-1][0] < 3
+
+
+def test_labels_of_a_map_are_whole(recorded):
+    page = recorded.page
+    page.click("#tab-study")
+    page.select_option("#study-first", "winding_force")  # with the longest label
+    page.select_option("#study-second", "web_tension")
+    for box, text in (
+        ("first-0", "0"),
+        ("first-1", "100"),
+        ("first-count", "2"),
+        ("second-count", "2"),
+    ):
+        page.fill(f"#study-{box}", text)
+        page.locator(f"#study-{box}").blur()
+    page.click("#study-run")
+    page.wait_for_selector("text=Done in", timeout=60_000)
+    texts = [label["text"] for label in written(recorded)["map"]["texts"]]
+    assert sum("[N/m]" in text for text in texts) == 2
 
 
 def is_number(text):

@@ -104,18 +104,6 @@ def test_a_moved_slider_changes_numbers_and_curves_as_python_does(look, example)
     assert list(map(float, q)) == pytest.approx(result.roll_traction[own] / 1e3, rel=1e-6, abs=1e-6)
 
 
-def test_mill_units_in_and_out(look, example):
-    seen = look()
-    seen.page.click(".segmented >> text=mill")
-    seen.put("nip_load", "25")
-    result = wo.solve(example.replace(nip_load=25 * PLI))
-    assert seen.output("wound_on_tension") == pytest.approx(result.wound_on_tension, rel=CLOSE)
-    assert f"{result.wound_on_tension / PLI:.5g}" in seen.card("wound_on_tension")
-    assert "pli" in seen.card("wound_on_tension")
-    assert "psi" in seen.card("peak_pressure")
-    assert seen.box("web.thickness") == "2.59843"  # mil
-
-
 WRONG = [
     ("nip_load", "ten", ["must be a number, got 'ten'", "≤ 1e7 N/m"]),
     ("drum_friction", "50", ["out of range", "≤ 10"]),
@@ -132,8 +120,14 @@ def test_wrong_input_is_reported_at_its_field_and_the_picture_stays(look):
         assert all(word in fault for word in says)
         assert seen.page.get_attribute(f"[data-path='{path}'] .box", "aria-invalid") == "true"
         assert seen.output("wound_on_tension") == numbers
+        # and is marked as that of the last valid case
+        assert seen.page.locator("main .notice").count() == 1
+        assert seen.page.locator(".certificate.good").count() == 0
+        assert "Last valid case" in seen.page.inner_text(".certificate summary")
         seen.page.click(f"[data-path='{path}'] .reset")
         seen.rest()
+        assert seen.page.locator("main .notice").count() == 0
+        assert seen.page.locator(".certificate.good").count() == 1
         assert seen.page.locator(f"[data-path='{path}'] .fault").count() == 0
         assert seen.output("wound_on_tension") == pytest.approx(numbers, rel=CLOSE)
 
@@ -174,6 +168,21 @@ def test_wraps_are_fields_of_a_nip(look, example):
     seen.put("drum_wrap", "90")
     result = wo.solve(example.replace(roll_wrap=0.0, drum_wrap=np.pi / 2))
     assert seen.output("wound_on_tension") == pytest.approx(result.wound_on_tension, rel=CLOSE)
+
+
+def test_what_is_drawn_against_the_load_of_rollers_are_values_that_they_have(look):
+    """Elastic rollers have no losses, thus no rolling resistance, the first output of the kind."""
+    seen = look()
+    page = seen.page
+    page.select_option(".kind", "rollers")
+    seen.rest()
+    page.click("button.tables")
+    page.locator(".curve-cell").scroll_into_view_if_needed()
+    page.wait_for_selector("[data-panel=curve]", timeout=60_000)
+    assert page.inner_text("[data-panel=curve] h3") == "Creepage against load"
+    shown = page.locator(".cell-curve td").all_inner_texts()
+    assert len(shown) == 13
+    assert "–" not in shown
 
 
 def test_undo_redo_and_reset(look):
@@ -370,6 +379,8 @@ def test_a_study_is_run_seen_and_cancelled(look, example):
     page.fill("#study-first-count", "3")
     page.locator("#study-first-count").blur()
     page.click("#study-run")
+    page.click("#tab-fit")  # meanwhile it goes on
+    page.click("#tab-study")
     page.wait_for_selector("text=Done in", timeout=60_000)
     with page.expect_download() as waiting:
         page.click("text=Save as CSV")

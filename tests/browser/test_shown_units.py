@@ -12,7 +12,7 @@ SIZES = {
     "": 1, "N/m": 1, "pli": POUND / INCH, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "Pa": 1,
     "psi": POUND / INCH**2, "ksi": 1e3 * POUND / INCH**2, "m": 1, "mm": 1e-3, "µm": 1e-6,
     "ft": 12 * INCH, "in": INCH, "mil": 1e-3 * INCH, "m/min": 1 / 60, "fpm": INCH / 5,
-    "kg/m³": 1, "lb/ft^3": 0.45359237 / (12 * INCH) ** 3, "°": math.pi / 180, "%": 0.01,
+    "kg/m³": 1, "lb/ft³": 0.45359237 / (12 * INCH) ** 3, "°": math.pi / 180, "%": 0.01,
     "1/K": 1, "K": 1, "N": 1, "m/s²": 1, "s": 1,
 }  # fmt: skip
 DIGITS = 1e-5  # boxes show six digits, rounded twice here
@@ -63,6 +63,10 @@ def test_every_box_of_a_nip_keeps_its_value(look):
     assert found["find-target"] == 600
     assert found["f-nip_load"] == 3500
     assert found["f-web-thickness"] == pytest.approx(66e-6)
+    seen.page.click(".segmented >> text=mill")
+    seen.put("nip_load", "25")
+    seen.page.click(".segmented >> text=SI")
+    assert values(seen.page)["f-nip_load"] == pytest.approx(25 * SIZES["pli"], rel=DIGITS)
     seen.page.select_option("#find-output", "nip_width")  # 600 N/m is no width
     assert seen.page.input_value("#find-target") == ""
     seen.page.click("#tab-study")

@@ -23,7 +23,7 @@ SHOWN = """() => {
     }
     return [...document.querySelectorAll(parts.join(", "))].map(words)
 }"""
-SPELT = {"µm": "um", "°": " deg", "−": "-", "³": "^3", "²": "^2"}
+SPELT = {"µm": "um", "°": " deg", "−": "-", "³": "^3", "²": "^2", "·": "*"}
 
 
 def shown(seen) -> list[str]:

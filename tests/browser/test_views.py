@@ -11,6 +11,10 @@ VIEWS = [
     pytest.param(390, 844, "light", marks=pytest.mark.campaign),
 ]
 
+# labels of numbers that are longer than their place
+CLIPPED = """() => [...document.querySelectorAll('.number-card .what')]
+    .filter(label => label.scrollHeight > label.clientHeight + 1).map(label => label.textContent)"""
+
 
 def each_tab_fits(page, width, scheme):
     """Yield the tabs, each seen in turn, after a look at colours and width."""
@@ -33,6 +37,7 @@ def test_a_view_fits_and_is_open_to_all(look, width, height, scheme):
     page.click(".pin")
     for tab in each_tab_fits(page, width, scheme):
         seen.rest()
+        assert page.evaluate(CLIPPED) == []
         found = Axe().run(page).response["violations"]
         serious = [one for one in found if one["impact"] in ("serious", "critical")]
         computed = [

@@ -55,20 +55,20 @@ def test_the_panels_of_the_page_are_those_of_the_figures(name: str) -> None:
         panel, seen = maker.make(result), page[panel_name]
         figure = figure_for_file(result, panels=panel_name)
         left, right = figure.axes[0].get_lines(), figure.axes[-1].get_lines()
-        lines = {"left": iter(left), "right": iter(right)}  # of each axis in this order
+        lines = {False: iter(left), True: iter(right)}  # of each axis in this order
         assert len(seen["curves"]) == len(panel.curves)
         for curve in seen["curves"]:
-            line = next(lines[curve["side"]])
-            axis, y_axis = ("right", panel.right) if curve["side"] == "right" else ("y", panel.y)
+            line = next(lines[curve["right"]])
+            axis, y_axis = ("right", panel.right) if curve["right"] else ("y", panel.y)
             x, y = shown(seen["x"], curve["x"], panel.x), shown(seen[axis], curve["y"], y_axis)
             np.testing.assert_allclose(x, line.get_xdata(), **ROUNDED)
             np.testing.assert_allclose(y, line.get_ydata(), **ROUNDED)
-        assert [len(strip["runs"]) for strip in seen.get("strips", [])] == [
+        assert [len(strip["runs"]) for strip in seen["strips"]] == [
             len(strip.runs) for strip in panel.strips
         ]
         drawn = sum(len(strip.runs) for strip in panel.strips)
         assert not drawn or len(figure.axes[0].patches) == drawn
-        assert bool(seen.get("scale")) == any(
+        assert bool(seen["scale"]) == any(
             "colorbar" in bar.get_label() for axes in figure.axes for bar in axes.child_axes
         )
 

@@ -17,10 +17,10 @@ from typing import Any
 import numpy as np
 
 from .. import kinds
-from ..errors import InvalidProblem, NotConverged, did_you_mean, unwarned
+from ..errors import InvalidProblem, did_you_mean, unwarned
 from ..io.case_files import SCHEMA, check_like_a_case, make_problem
 from ..problems.messages import quote
-from ..problems.paths import field_quantity, find_places, get_field
+from ..problems.paths import find_places, varied_number
 from ..problems.permitted import admissible, extremes
 from ..problems.problem import Problem
 from ..quantities import scalar_outputs, value_of, walk
@@ -30,10 +30,12 @@ from ..report.result_report import report_parts
 from ..results import ACCEPTED_RESIDUAL, Result, zone_runs
 from ..roll.design import design_tension
 from ..sensitivity import Sensitivity
+from ..studies.cases import Chunk
 from ..studies.columns import measurable_outputs
 from ..studies.find import find as find_values
 from ..studies.measurements import Observable, predict
-from ..studies.model import KindModel, model_of
+from ..studies.model import KindModel, model_of, quantities_of
+from ..studies.run import solve_chunk
 from ..studies.slopes import slopes
 from ..winding.margins import FIELDS
 from .input_forms import quantity_schema, tables_of
@@ -56,10 +58,11 @@ __all__ = [
 # width.
 WARM_OPTIONS = {"nodes": 49, "errors": False}
 WARM_UP = 1.0  # seconds after which no further example is solved
+DESIGNED = ("radius", "target_pressure", "pressure", "outer_layer", "surface_deviation")
 MOST_OUTPUTS = 6  # of kinds without main outputs
 MOST_SESSIONS = 32  # whose last results are kept as initial guesses
 # by session: the last result, and the problem and options that it solves without a warm start
-_LAST: OrderedDict[str, tuple[Result | None, Any]] = OrderedDict()
+_LAST: OrderedDict[str, tuple[Any, Any]] = OrderedDict()
 
 
 def problem_of(tables: Any) -> Problem:
@@ -108,14 +111,15 @@ def solve(
     """
     began = time.perf_counter()
     problem = problem_of(tables)
-    result, solution_of = _LAST.get(session, (None, None))
-    request = None if warm else (problem, options)
-    if result is None or request is None or request != solution_of:
-        result = solved(problem, options, result if warm else None, warm=warm)
+    previous, solution_of = _LAST.get(session, (None, None))
+    if not warm and solution_of == (problem, options):
+        result = previous
+    else:
+        result = solved(problem, options, previous if warm else None, warm=warm)
     if session:
-        _LAST[session] = result, request
+        _LAST[session] = result, None if warm else (problem, options)
         _LAST.move_to_end(session)
-        while len(_LAST) > MOST_SESSIONS:
+        if len(_LAST) > MOST_SESSIONS:
             _LAST.popitem(last=False)
     answer = state_of(result, report, drawn)
     answer["seconds"] = time.perf_counter() - began
@@ -155,18 +159,18 @@ def checked_options(kind: kinds.Kind, options: Mapping[str, Any]) -> dict[str, A
         For an unknown option, or a text that is not a number.
     """
     if not options:
-        return {}
+        return {}  # the type hints of the solver are not read for each move of a slider
     known, converted = kind.solver_options(), dict[str, Any]()
-    for name, value in options.items():
+    for name, text in options.items():
         if name not in known:
-            text = f"no option of the kind {kind.name!r}; it has {', '.join(known) or 'none'}"
-            raise InvalidProblem.at(name, text)
+            reason = f"no option of the kind {kind.name!r}; it has {', '.join(known) or 'none'}"
+            raise InvalidProblem.at(name, reason)
         number_type = known[name].type
         try:
-            converted[name] = number_type(value) if isinstance(value, str) else value
-        except ValueError:
-            text = f"must be a {'whole ' * (number_type is int)}number, got {quote(value)}"
-            raise InvalidProblem.at(name, text) from None
+            converted[name] = number_type(text)
+        except (TypeError, ValueError):  # TypeError: of an option that is given twice
+            reason = f"must be a {'whole ' * (number_type is int)}number, got {quote(text)}"
+            raise InvalidProblem.at(name, reason) from None
     return converted
 
 
@@ -299,11 +303,7 @@ def design(tables: Any, pressure: Any, rtol: float) -> bytes:
     return to_json(
         {
             "tension": tables_of(solution.tension),
-            "radius": solution.radius,
-            "target_pressure": solution.target_pressure,
-            "pressure": solution.pressure,
-            "outer_layer": solution.outer_layer,
-            "surface_deviation": solution.surface_deviation,
+            **{name: getattr(solution, name) for name in DESIGNED},
         }
     )
 
@@ -350,30 +350,25 @@ def curve(tables: Any, query: Mapping[str, Any], options: Mapping[str, Any]) -> 
     By default from 0.5 to 1.5 times the field's value.
     """
     problem, field, points = problem_of(tables), query["field"], query["points"]
-    base = get_field(problem, field)
-    quantity = field_quantity(problem, field)
-    if quantity is None or isinstance(base, bool) or not isinstance(base, int | float):
-        raise InvalidProblem.at(field, f"{quote(base)} is not a number, so it cannot be varied")
+    base = varied_number(problem, field)
     names = tuple(filter(None, query["outputs"].split(","))) or _usual_outputs(problem)
     model = model_of(problem, names, {}, checked_options(kinds.of(problem), options))
-    ends = _ends(problem, field, float(base), query["low"], query["high"])
+    ends = _ends(problem, field, base, query["low"], query["high"])
     values = np.linspace(*ends, points).tolist()
-    rows, failures, start = np.full((points, len(names)), np.nan), [], None
-    for k, value in enumerate(values):
-        try:
-            answer = model.run({field: value}, start)
-        except (InvalidProblem, NotConverged, ArithmeticError) as fault:
-            failures.append({"value": value, "why": str(fault)})
-            continue
-        rows[k], start = answer.values, answer.state
+    chunk = Chunk(0, np.arange(points), [{field: value} for value in values])
+    solved_cases = solve_chunk(model, chunk)
     return to_json(
         {
             "field": field,
-            "unit": quantity.unit,
+            "unit": quantities_of(model, [field])[field].unit,
             "at": base,
             "values": values,
-            "outputs": dict(zip(names, rows.T, strict=True)),
-            "failures": failures,
+            "outputs": dict(zip(names, solved_cases.values.T, strict=True)),
+            "failures": [
+                {"value": value, "why": reason}
+                for value, reason in zip(values, solved_cases.failure, strict=True)
+                if reason
+            ],
         }
     )
 

@@ -15,10 +15,13 @@ __all__ = [
     "Cases",
     "CurveQuery",
     "DesignRequest",
+    "FileQuery",
     "FindRequest",
     "FitRequest",
     "GradeRequest",
     "LabelledCase",
+    "SolveQuery",
+    "SolverQuery",
     "Study",
     "WindowRequest",
 ]
@@ -78,7 +81,33 @@ class _Request(BaseModel):
     model_config = ConfigDict(extra="forbid")
 
 
-class CurveQuery(BaseModel):
+class SolverQuery(BaseModel):
+    """A query whose other fields are options of the solver: ``?nodes=129``."""
+
+    model_config = ConfigDict(extra="allow")
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """The options of the solver, as texts."""
+        others = self.model_extra or {}
+        return {name: text for name, text in others.items() if name != "token"}
+
+
+class SolveQuery(SolverQuery):
+    """Start from the session's last state; add the report; return panels in place of arrays."""
+
+    warm: bool = False
+    report: bool = False
+    drawn: bool = False
+
+
+class FileQuery(SolverQuery):
+    """The format of a result file."""
+
+    format: str = Field("csv", pattern="^(csv|json|nc)$")
+
+
+class CurveQuery(SolverQuery):
     """The varied field of a curve, its ends and number of points, and outputs with commas."""
 
     field: str

@@ -17,7 +17,7 @@ from contextlib import asynccontextmanager
 from functools import cache
 from html import escape
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeVar
 
 from fastapi import APIRouter, FastAPI, Query, Request, Response
 from fastapi.exceptions import RequestValidationError
@@ -43,9 +43,12 @@ from .request_models import (
     CaseText,
     CurveQuery,
     DesignRequest,
+    FileQuery,
     FindRequest,
     FitRequest,
     GradeRequest,
+    SolveQuery,
+    SolverQuery,
     Study,
     WindowRequest,
 )
@@ -53,10 +56,12 @@ from .worker_pool import Pool
 
 __all__ = ["application"]
 
+Answer = TypeVar("Answer")
 STATIC = Path(__file__).parent / "static"
 MOST_SOLVERS = 4
 BODY_SECONDS = 10.0  # for a body to arrive
 POLL_SECONDS = 0.2  # between two checks whether the client is still connected
+LATER, LAST = 1, 2  # ranks of requests: after those that a user waits for, and after these
 SESSION = re.compile(r"[A-Za-z0-9_-]{8,64}")
 MEDIA_TYPES = {
     "csv": "text/csv",
@@ -140,11 +145,6 @@ class APIRequest(Request):
         name = self.headers.get("x-session", "")
         return name if SESSION.fullmatch(name) else ""
 
-    def solver_options(self, *known: str) -> dict[str, str]:
-        """Return the options of the solver: the fields of the query except those of the route."""
-        excluded = {"token", *known}
-        return {name: text for name, text in self.query_params.items() if name not in excluded}
-
     @property
     def workers(self) -> Workers:
         """The worker processes of the application."""
@@ -152,8 +152,8 @@ class APIRequest(Request):
         return workers
 
     async def computed(
-        self, pool: Pool, call: Callable[..., Any], *args: Any, rank: int = 0
-    ) -> Any:
+        self, pool: Pool, call: Callable[..., Answer], *args: Any, rank: int = 0
+    ) -> Answer:
         """Return ``call(*args)``, computed by a worker.
 
         A new request of a session cancels its earlier one for the same function.  The computation
@@ -170,12 +170,36 @@ class APIRequest(Request):
         finally:
             answer.cancel()
 
-    async def json_of(
-        self, pool: Pool, call: Callable[..., bytes], *args: Any, rank: int = 0
+    async def answered(
+        self,
+        call: Callable[..., bytes],
+        *args: Any,
+        pool: Pool | None = None,
+        rank: int = 0,
+        media_type: str = MEDIA_TYPES["json"],
+        file_name: str = "",
     ) -> Response:
-        """Return the response with the JSON that a worker computes."""
-        body = await self.computed(pool, call, *args, rank=rank)
-        return Response(body, media_type="application/json")
+        """Return the response whose content ``call(*args)`` a worker computes.
+
+        Parameters
+        ----------
+        call, args
+            A function and its arguments.
+        pool : Pool, optional
+            By default ``workers.others``.
+        rank : int
+            Lower ones first.
+        media_type : str
+            Of content that browsers show.
+        file_name : str
+            Under which browsers save the content.
+        """
+        body = await self.computed(pool or self.workers.others, call, *args, rank=rank)
+        if not file_name:
+            return Response(body, media_type=media_type)
+        media_type = MEDIA_TYPES[file_name.rpartition(".")[2]]
+        headers = {"content-disposition": f'attachment; filename="{file_name}"'}
+        return Response(body, headers=headers, media_type=media_type)
 
 
 class _Route(APIRoute):
@@ -278,48 +302,45 @@ def _encoded_catalogue() -> tuple[bytes, bytes, str]:
 
 
 @router.post("/api/solve", tags=["states"])
-async def solve(
-    request: APIRequest, case: Case, warm: bool = False, report: bool = False, drawn: bool = False
-) -> Response:
+async def solve(request: APIRequest, case: Case, query: Annotated[SolveQuery, Query()]) -> Response:
     """Solve a case.  Other fields of the query are options of the solver: ``?nodes=129``."""
-    options = request.solver_options("warm", "report", "drawn")
-    args = (case, options, request.session_name, warm, report, drawn)
-    return await request.json_of(request.workers.solvers, computations.solve, *args)
+    args = (case, query.options, request.session_name, query.warm, query.report, query.drawn)
+    return await request.answered(computations.solve, *args, pool=request.workers.solvers)
 
 
 @router.post("/api/grade", tags=["states"])
 async def grade(request: APIRequest, body: GradeRequest) -> Response:
     """Return the tables of a case with the web, friction and limits of a grade."""
-    call, args = computations.with_grade, (body.case, body.grade)
-    return await request.json_of(request.workers.solvers, call, *args)
+    args = (body.case, body.grade)
+    return await request.answered(computations.with_grade, *args, pool=request.workers.solvers)
 
 
 @router.post("/api/design", tags=["states"])
 async def design(request: APIRequest, body: DesignRequest) -> Response:
     """Find the tension over the radius that gives a wound roll a target pressure."""
     args = (body.case, body.pressure, body.rtol)
-    return await request.json_of(request.workers.solvers, computations.design, *args)
+    return await request.answered(computations.design, *args, pool=request.workers.solvers)
 
 
 @router.post("/api/curve", tags=["states"])
 async def curve(request: APIRequest, case: Case, query: Annotated[CurveQuery, Query()]) -> Response:
     """Return outputs against one field around a case."""
-    args = (case, query.model_dump(), request.solver_options(*CurveQuery.model_fields))
-    return await request.json_of(request.workers.others, computations.curve, *args)
+    return await request.answered(computations.curve, case, query.model_dump(), query.options)
 
 
 @router.post("/api/sensitivities", tags=["states"])
-async def sensitivities(request: APIRequest, case: Case) -> Response:
+async def sensitivities(
+    request: APIRequest, case: Case, query: Annotated[SolverQuery, Query()]
+) -> Response:
     """Return the derivatives of the outputs with respect to each field."""
-    call, args = computations.sensitivities, (case, request.solver_options())
-    return await request.json_of(request.workers.others, call, *args, rank=1)
+    return await request.answered(computations.sensitivities, case, query.options, rank=LATER)
 
 
 @router.post("/api/find", tags=["states"])
 async def find(request: APIRequest, body: FindRequest) -> Response:
     """Find the values of a field for which an output reaches a target."""
     args = (body.case, body.field, body.output, body.target, body.between)
-    return await request.json_of(request.workers.others, computations.find, *args)
+    return await request.answered(computations.find, *args)
 
 
 # ---- studies, which stream their events ----------------------------------------------------------
@@ -387,41 +408,35 @@ def _streamed(lines: AsyncIterator[bytes]) -> Response:
 @router.post("/api/case/read", tags=["documents"])
 async def read_case(request: APIRequest, text: CaseText) -> Response:
     """Return the tables of the text of a case file, complete and in SI."""
-    call = documents.read_case
-    return await request.json_of(request.workers.others, call, text.toml, rank=1)
+    return await request.answered(documents.read_case, text.toml, rank=LATER)
 
 
 @router.post("/api/case/write", tags=["documents"])
 async def case_file(request: APIRequest, case: Case) -> Response:
     """Return the case file of a case, with comments."""
-    body = await _written(request, documents.case_file, case)
-    return Response(body, media_type="text/plain")
+    return await request.answered(documents.case_file, case, rank=LATER, media_type="text/plain")
 
 
 @router.post("/api/python", tags=["documents"])
 async def python_text(request: APIRequest, case: Case) -> Response:
     """Return the Python script that computes a case."""
-    body = await _written(request, documents.python_text, case)
-    return Response(body, media_type="text/plain")
+    return await request.answered(documents.python_text, case, rank=LATER, media_type="text/plain")
 
 
 @router.post("/api/file", tags=["documents"])
 async def result_file(
-    request: APIRequest,
-    case: Case,
-    format: Annotated[str, Query(pattern="^(csv|json|nc)$")] = "csv",
+    request: APIRequest, case: Case, query: Annotated[FileQuery, Query()]
 ) -> Response:
     """Return the solved case as a result file."""
-    options = request.solver_options("format")
-    body = await _written(request, documents.result_file, case, format, options)
-    return _file(body, f"result.{format}")
+    args, name = (case, query.format, query.options), f"result.{query.format}"
+    return await request.answered(documents.result_file, *args, rank=LATER, file_name=name)
 
 
 @router.post("/api/report", tags=["documents"])
 async def report(request: APIRequest, cases: Cases) -> Response:
     """Return the report of solved cases as a self-contained HTML file."""
-    body = await _written(request, documents.report, cases.model_dump())
-    return Response(body, media_type="text/html")
+    args = (documents.report, cases.model_dump())
+    return await request.answered(*args, rank=LATER, media_type="text/html")
 
 
 @router.post("/api/figure", tags=["documents"])
@@ -433,28 +448,15 @@ async def figure(
 ) -> Response:
     """Return a figure of one case or of several cases."""
     args = (cases.model_dump(), format, [name for name in panels.split(",") if name])
-    return _file(await _written(request, documents.figure, *args), f"figure.{format}")
+    name = f"figure.{format}"
+    return await request.answered(documents.figure, *args, rank=LATER, file_name=name)
 
 
 @router.get("/api/thesis/{name}", tags=["documents"])
 async def exhibit(request: APIRequest, name: str) -> Response:
     """Compute a figure that the catalogue names among its exhibits."""
-    body = await _written(request, documents.exhibit, name, rank=2)
-    return Response(body, media_type=MEDIA_TYPES["svg"])
-
-
-async def _written(
-    request: APIRequest, call: Callable[..., bytes], *args: Any, rank: int = 1
-) -> bytes:
-    """Return the content of a file that a worker writes, after requests that a user waits for."""
-    content: bytes = await request.computed(request.workers.others, call, *args, rank=rank)
-    return content
-
-
-def _file(body: bytes, name: str) -> Response:
-    """Return the response with a file to save."""
-    headers = {"content-disposition": f'attachment; filename="{name}"'}
-    return Response(body, headers=headers, media_type=MEDIA_TYPES[name.rpartition(".")[2]])
+    args = (documents.exhibit, name)
+    return await request.answered(*args, rank=LAST, media_type=MEDIA_TYPES["svg"])
 
 
 def _description(document: dict[str, Any]) -> str:

@@ -151,11 +151,16 @@ def _check_size(over: Mapping[str, Any], design: Mapping[str, Any]) -> None:
     else:
         cases = prod(counts) if design["design"] == "grid" else max(counts)
     if cases > LIMITS["sweep_cases"]:
-        text = (
-            f"{cases} cases are too many for the page, which solves {LIMITS['sweep_cases']} "
-            "at most; 'woundon sweep' solves any number"
-        )
-        raise RequestError(413, "too-large", text)
+        raise _too_many(cases, "cases", "sweep_cases", "sweep", "solves")
+
+
+def _too_many(count: int, things: str, limit: str, command: str, verb: str) -> RequestError:
+    """Return the error for a study that only the command line takes."""
+    text = (
+        f"{count} {things} are too many for the page, which {verb} {LIMITS[limit]} at most; "
+        f"'woundon {command}' {verb} any number"
+    )
+    return RequestError(413, "too-large", text)
 
 
 def solve_cases(model: KindModel, chunk: Chunk) -> dict[str, Any]:
@@ -302,11 +307,7 @@ def _sheet_of(request: Mapping[str, Any]) -> Sheet:
             raise InvalidProblem.at("table", "is not an .xlsx file in base64") from None
     sheet = sheet_of_content(content, "table", excel=request["is_workbook"])
     if len(sheet.numbers) > LIMITS["fit_rows"]:
-        text = (
-            f"{len(sheet.numbers)} rows are too many for the page, which fits at most "
-            f"{LIMITS['fit_rows']}; 'woundon fit' fits any number"
-        )
-        raise RequestError(413, "too-large", text)
+        raise _too_many(len(sheet.numbers), "rows", "fit_rows", "fit", "fits")
     return sheet
 
 
@@ -324,7 +325,7 @@ def _fitted(result: FitResult) -> dict[str, Any]:
         ),
         "rms": result.rms,
         "is_weighted": result.weighted,
-        "remarks": result.lines()[1 + len(result.names) :],
+        "remarks": result.remarks(),
         "rows": records(
             row=result.row_numbers,
             output=result.row_outputs,
@@ -396,22 +397,11 @@ def _map(found: OperatingWindow) -> dict[str, Any]:
     With a torque split its levels are innermost.  ``binding`` and ``dominant`` are numbers of
     margins and inputs, -1 if there is none.
     """
-    best = found.best
     return {
-        "names": found.names,
-        "axes": found.axes,
-        "probability": found.probability.ravel(),
-        "binding": found.binding.ravel(),
-        "margins": found.margins,
-        "dominant": found.dominant.ravel(),
+        **{name: getattr(found, name) for name in ("names", "axes", "margins", "errors")},
+        **{name: getattr(found, name).ravel() for name in ("probability", "binding", "dominant")},
         "inputs": list(found.uncertain),
-        "best": {
-            "values": best.values,
-            "probability": best.probability,
-            "binding": best.binding,
-            "contributions": best.contributions,
-        },
-        "errors": found.errors,
+        "best": found.best._asdict(),
         "windings": found.windings,
         "failed": len(found.failures),
         "is_coarse": found.is_coarse,

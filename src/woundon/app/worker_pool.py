@@ -225,13 +225,14 @@ class Pool:
                 request.answer.set_exception(answer)
             else:
                 request.answer.set_result(answer)
-        if not 0 < memory <= RELEASE:  # the allocator and caches keep it while the process runs
+        if 0 < memory <= RELEASE:
+            self._set_idle(slot)
+        else:  # it died, or holds memory that the allocator and caches keep while it runs
             await asyncio.to_thread(slot.worker.kill)
-            await slot.exchange(_ready)
-        self._set_idle(slot)
+            await self._start_worker(slot)
 
     async def _start_worker(self, slot: _Slot) -> None:
-        """Prepare the process of a worker; then the worker is idle."""
+        """Prepare the process of a worker, which is then idle."""
         await slot.exchange(_ready)
         self._set_idle(slot)
 

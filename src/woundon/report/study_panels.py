@@ -15,10 +15,10 @@ from .panels import SERIES, Axis, Bars, Contour, Curve, Map, Mark, Panel, Region
 from .report_parts import quantity_of
 
 if TYPE_CHECKING:
-    from ..studies.compare import Comparison
-    from ..studies.experiment import NextExperiment
+    from ..studies.compare_result import Comparison
     from ..studies.find import FindResult
     from ..studies.fit_result import FitResult
+    from ..studies.plan_result import NextExperiment
     from ..studies.profiles import ProfileLikelihood
     from ..studies.sobol import SobolIndices
 

@@ -11,11 +11,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ..studies.compare import Comparison
-from ..studies.experiment import NextExperiment
+from ..studies.compare_result import Comparison
 from ..studies.find import FindResult
 from ..studies.fit_result import FitResult
 from ..studies.outcome import Outcome
+from ..studies.plan_result import NextExperiment
 from ..studies.schedule import OptimisedSchedule
 from ..studies.sobol import SobolIndices
 from ..studies.window_result import OperatingWindow

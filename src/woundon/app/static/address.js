@@ -2,12 +2,12 @@
 // tabs are entries of the history.
 import * as api from "./api.js";
 import { at } from "./cases.js";
+import { TABS } from "./store.js";
 import { T } from "./texts.js";
 
 const LONGEST = 30_000; // characters of a fragment
 const MOST = 1_000_000; // characters of what it says
 const REST = 300; // [ms] without a change, after which the address follows; browsers limit how often
-const TABS = ["case", "study", "fit", "winding", "window", "thesis"];
 
 // ---- text of a state: JSON, compressed with its checksum (zlib) ----
 

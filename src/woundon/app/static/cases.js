@@ -38,9 +38,6 @@ export function held(field, holder) {
   return { ...field, symbol, unit, shown_unit, typical, limits, other_form };
 }
 
-const SHARED = ["web", "drum", "roll_friction", "drum_friction", "wrap_friction", "nip_load", "web_tension", "winding_force",
-  "roll_wrap", "drum_wrap", "web_speed", "air", "width"]; // fields of a nip and a winding
-
 /** The values of a nip with which a roll or a winding starts, by path; the roll is wound to that of the nip. */
 export function ofNip(catalogue, kind, nip, tension) {
   const { web, roll } = nip;
@@ -49,7 +46,7 @@ export function ofNip(catalogue, kind, nip, tension) {
   const stack = roll.stack ? { stack: roll.stack } : { "stack.tangential": tangential, "stack.shear": material(roll.material)?.shear };
   const rounded = Number((tension ?? nip.web_tension).toPrecision(5));
   const own = kind === "roll" ? { web_thickness: web.thickness, wound_on_tension: rounded }
-    : Object.fromEntries(SHARED.map((name) => [name, nip[name]]));
+    : Object.fromEntries(fieldsOf(catalogue, catalogue.kinds.find(({ name }) => name === kind).form).map(({ name }) => [name, nip[name]]));
   const values = { ...own, radius: roll.radius, "core.radius": roll.core_radius, ...stack };
   return Object.fromEntries(Object.entries(values).filter(([, value]) => value !== undefined));
 }

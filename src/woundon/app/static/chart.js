@@ -8,7 +8,8 @@ const DASHES = { solid: [], dashed: [7, 4], dashdot: [8, 3, 2, 3], dotted: [2, 3
 const DOTS = { dash: [], paths: () => null, points: { show: true, size: 8 } }; // points without a line
 const LEFT = 58;
 const RIGHT = 54;
-const LONG = 28; // characters of a label along y
+const MARGIN = 24; // [px] above and below a label along y
+const LABEL_FONT = "600 11px system-ui, sans-serif";
 
 // ---- colours of the style sheet, read once a theme ----
 
@@ -52,11 +53,42 @@ function newHatch(ctx, zone, size) {
   return ctx.createPattern(tile, "repeat");
 }
 
+/** A panel that the page makes itself, as the server describes panels. */
+export const newPanel = (parts) => ({
+  right: null, areas: [], marks: [], strips: [], words: [], discs: [], map: null, scale: null, note: "", column: parts.name, ...parts,
+});
+
+/** A curve of such a panel. */
+export const newCurve = (parts) => ({
+  symbol: "", label: "", colour: "roll", line: "solid", right: false, alone: false, in_legend: true, opacity: 1, ...parts,
+});
+
 /** The curves of all cases that are drawn: of several cases those that compare them. */
 export const linesOf = (cases) => cases.flatMap((one) => one.panel.curves.filter((curve) => cases.length === 1 || !curve.alone).map((curve) => ({ one, curve })));
 
+/** Curves as tables, one for each set of x: {x, axis, columns: [{one, curve, axis}]}. */
+export function tablesOf(lines) {
+  const tables = new Map();
+  for (const { one, curve } of lines) {
+    const { panel } = one;
+    const key = JSON.stringify(curve.x);
+    if (!tables.has(key)) tables.set(key, { x: curve.x, axis: panel.x, columns: [] });
+    tables.get(key).columns.push({ one, curve, axis: curve.right ? panel.right : panel.y });
+  }
+  return [...tables.values()];
+}
+
 /** Whether points are drawn without a line. */
-const isDots = (curve) => curve.dash === "none" || curve.dash === "dots";
+const isDots = (curve) => curve.line === "none";
+
+const pen = document.createElement("canvas").getContext("2d");
+
+/** The label of an axis; one that is longer than its room has no words after a comma, or the unit alone: titles have them. */
+export function axisLabel(units, { label, quantity }, room) {
+  pen.font = LABEL_FONT;
+  const shorter = [label, label.split(",")[0], ""].map((words) => units.label(words, quantity).trim());
+  return shorter.find((words) => pen.measureText(words).width <= room) ?? "";
+}
 
 // ---- what runs along x is shared by the panels of a column ----
 
@@ -94,9 +126,8 @@ class Chart {
     this.column = panel.column || panel.name;
     this.lines = linesOf(cases);
     const key = JSON.stringify([
-      units.name, height, colours().ink, panel.name, panel.x.log, panel.x.label, panel.y.label, !!panel.right, !!panel.strips,
-      panel.strips && cases.map((one) => one.label),
-      this.lines.map(({ one, curve }) => [one.colour, curve.role, curve.dash, curve.side]),
+      units.name, height, colours().ink, panel.name, panel.x.log, panel.x.label, panel.y.label, !!panel.right, panel.strips.length > 0 && cases.map((one) => one.label),
+      this.lines.map(({ one, curve }) => [one.colour, curve.colour, curve.line, curve.right]),
     ]);
     const data = this.data();
     if (!this.plot || key !== this.key) this.make(key, data, height);
@@ -113,15 +144,10 @@ class Chart {
     return this.cases.flatMap((one) => one.panel.strips.map((strip) => ({ one, strip })));
   }
 
-  axis(side, curve) {
-    const { panel } = this.cases[0];
-    return curve?.side === "right" ? panel.right : panel[side];
-  }
-
   data() {
     const { units } = this;
     const { panel } = this.cases[0];
-    if (panel.strips) {
+    if (panel.strips.length) {
       const [low, high] = this.range();
       return [[low, high], [0, 0]];
     }
@@ -130,7 +156,7 @@ class Chart {
       return values.map((value) => (value === null ? null : value / factor));
     };
     const tables = this.lines.map(({ curve, one }) => [
-      shown(curve.x, one.panel.x.quantity), shown(curve.y, this.axis("y", curve).quantity),
+      shown(curve.x, one.panel.x.quantity), shown(curve.y, (curve.right ? panel.right : panel.y).quantity),
     ]);
     return tables.length === 1 ? tables[0] : uPlot.join(sorted(tables));
   }
@@ -139,8 +165,8 @@ class Chart {
   range() {
     const { panel } = this.cases[0];
     const { factor } = this.units.of(panel.x.quantity);
-    const ends = this.cases.flatMap(({ panel: own }) => own.x.range
-      ?? linesOf([{ panel: own }]).flatMap(({ curve }) => [curve]).flatMap((curve) => curve.x.filter((x) => !own.x.log || x > 0)));
+    const ends = this.cases.flatMap(({ panel: own }) => own.x.limits
+      ?? own.curves.flatMap((curve) => curve.x.filter((x) => !own.x.log || x > 0)));
     return [Math.min(...ends) / factor, Math.max(...ends) / factor];
   }
 
@@ -166,10 +192,10 @@ class Chart {
     this.key = key;
     const { ink, soft, line } = colours();
     const { panel } = this.cases[0];
-    const rows = panel.strips ? this.rows() : null;
+    const rows = panel.strips.length ? this.rows() : null;
     const font = "11px system-ui, sans-serif";
     const axis = (more) => ({
-      stroke: soft, font, labelFont: `600 ${font}`, labelSize: 16, grid: { stroke: line, width: 1 },
+      stroke: soft, font, labelFont: LABEL_FONT, labelSize: 16, grid: { stroke: line, width: 1 },
       ticks: { stroke: line, width: 1, size: 4 }, ...more,
     });
     const values = (_, ticks) => ticks.map((tick) => (tick === null ? "" : digits(tick, 6)));
@@ -182,8 +208,7 @@ class Chart {
       },
     } : {};
     const { units } = this;
-    const label = (reading) => units.label(reading.label, reading.quantity);
-    const tall = (reading) => (reading.label.length > LONG ? units.label("", reading.quantity).trim() : label(reading)); // the title has the words
+    const wide = this.place.clientWidth - LEFT - (panel.right ? RIGHT : 20);
     const { y: yAxis } = panel;
     this.plot = new uPlot({
       width: this.place.clientWidth || 320, height, padding: [8, panel.right ? 0 : 20, 0, 0],
@@ -199,19 +224,19 @@ class Chart {
         ...(panel.right ? { right: { range: (_, min, max) => padded(min, max) } } : {}),
       },
       axes: [
-        axis({ label: panel.strips ? undefined : label(panel.x), size: panel.strips ? 4 : 28, show: !panel.strips, values,
-          grid: { show: !panel.strips, stroke: line, width: 1 }, ...logarithmic }),
+        axis({ label: rows ? undefined : axisLabel(units, panel.x, wide), size: rows ? 4 : 28, show: !rows, values,
+          grid: { show: !rows, stroke: line, width: 1 }, ...logarithmic }),
         rows
           ? axis({ size: LEFT + 16, splits: () => rows.map((_, k) => rows.length - k - 0.5), grid: { show: false },
             ticks: { show: false }, stroke: ink,
-            values: () => rows.map(({ one, strip }) => (one.label ? `${one.label} ${strip.label}` : strip.label)) })
-          : axis({ label: tall(panel.y), size: LEFT, values }),
-        ...(panel.right ? [axis({ scale: "right", side: 1, label: label(panel.right), size: RIGHT, grid: { show: false }, values })] : []),
+            values: () => rows.map(({ one, strip }) => `${one.label} ${strip.face}`.trim()) })
+          : axis({ label: axisLabel(units, panel.y, height - MARGIN), size: LEFT, values }),
+        ...(panel.right ? [axis({ scale: "right", side: 1, label: axisLabel(units, panel.right, height - MARGIN), size: RIGHT, grid: { show: false }, values })] : []),
       ],
       series: [{}, ...(rows ? [{ show: true, stroke: "transparent", points: { show: false } }] : this.lines.map(({ one, curve }) => ({
-        scale: curve.side === "right" ? "right" : "y", stroke: one.colour ?? colours()[curve.role] ?? ink,
-        width: one.label && one.pinned ? 1.5 : 2, spanGaps: true, alpha: curve.opacity ?? 1,
-        ...(isDots(curve) ? DOTS : { dash: DASHES[curve.dash], points: { show: false } }),
+        scale: curve.right ? "right" : "y", stroke: one.colour ?? colours()[curve.colour] ?? ink,
+        width: one.label && one.pinned ? 1.5 : 2, spanGaps: true, alpha: curve.opacity,
+        ...(isDots(curve) ? DOTS : { dash: DASHES[curve.line], points: { show: false } }),
       })))],
       hooks: {
         drawClear: [(plot) => (rows ? null : this.areas(plot))],
@@ -231,18 +256,18 @@ class Chart {
   }
 
   /** The range of y: of the curves, of the bounds behind them, of the marks. */
-  tall(min, max, { from_zero: fromZero, range }) {
+  tall(min, max, { from_zero: fromZero, limits }) {
     const { panel } = this.cases[0];
     const { factor } = this.units.of(panel.y.quantity);
-    if (range) return range.map((end) => end / factor);
+    if (limits) return limits.map((end) => end / factor);
     let [low, high] = [min ?? 0, max ?? 1];
     if (this.cases.length === 1) {
-      for (const area of panel.areas ?? []) {
+      for (const area of panel.areas) {
         low = Math.min(low, ...area.low.filter(Number.isFinite).map((v) => v / factor));
         high = Math.max(high, ...area.high.filter(Number.isFinite).map((v) => v / factor));
       }
     }
-    for (const mark of (panel.marks ?? []).filter((one) => one.along === "x")) {
+    for (const mark of panel.marks.filter((one) => one.along === "x")) {
       low = Math.min(low, mark.value / factor);
       high = Math.max(high, mark.value / factor);
     }
@@ -262,7 +287,7 @@ class Chart {
 
   areas(plot) {
     const { panel } = this.cases[0];
-    if (this.cases.length > 1 || !panel.areas) return;
+    if (this.cases.length > 1) return;
     const { units } = this;
     const [fx, fy] = [units.of(panel.x.quantity).factor, units.of(panel.y.quantity).factor];
     const point = (x, y) => [plot.valToPos(x / fx, "x", true), plot.valToPos(y / fy, "y", true)];
@@ -284,7 +309,7 @@ class Chart {
       const { bbox } = plot;
       const ratio = devicePixelRatio;
       const zero = plot.valToPos(0, "y", true);
-      const lines = (panel.marks ?? []).map((mark) => ({ ...mark, plain: !mark.label && mark.value === 0, at: plot.valToPos(
+      const lines = panel.marks.map((mark) => ({ ...mark, plain: !mark.label && mark.value === 0, at: plot.valToPos(
         mark.value / this.units.of(mark.along === "x" ? panel.y.quantity : panel.x.quantity).factor, scaleOf[mark.along], true) }));
       if (zero > bbox.top && zero < bbox.top + bbox.height - 1) lines.push({ along: "x", at: zero, plain: true });
       const [low, high] = [{ x: bbox.top, y: bbox.left }, { x: bbox.top + bbox.height, y: bbox.left + bbox.width }];
@@ -339,12 +364,11 @@ class Chart {
     const { left, idxs } = plot.cursor;
     if (left == null || left < 0 || plot !== this.plot) return this.onReading(null);
     const x = plot.posToVal(left, "x");
-    if (panel.strips) {
+    if (panel.strips.length) {
       const si = x * this.units.of(panel.x.quantity).factor;
-      const words = panel.words ?? [];
       return this.onReading({ x, values: this.cases.flatMap((one) => one.panel.strips.map((strip) => {
         const run = strip.runs.find(([, from, to]) => si >= from && si <= to);
-        return run ? words[run[0] + 1] : "";
+        return run ? panel.words[run[0] + 1] : "";
       })) });
     }
     return this.onReading({ x, values: this.lines.map((_, k) => {
@@ -417,7 +441,7 @@ function nearest(values, x, index) {
 
 const DIGITS = [1, 2, 3, 4, 5, 6, 7, 8, 9];
 const FEW = [1, 2, 5];
-const LABEL = 44; // [px] from one label to the next
+const GAP = 44; // [px] from one label to the next
 
 /** Ticks of a logarithmic axis, and those of them that have room for a label. */
 function logTicks(min, max, width) {
@@ -427,14 +451,14 @@ function logTicks(min, max, width) {
   for (let power = Math.floor(Math.log10(min)); power <= Math.log10(max); power++) powers.push(power);
   const inside = (numbers, of) => of.flatMap((power) => numbers.map((digit) => Number(`${digit}e${power}`))).filter((tick) => tick >= min && tick <= max);
   if (decades < 1) { // as on a linear axis, as many as have room
-    const apart = (ticks) => ticks.length > 1 && ticks.slice(1).every((tick, k) => room * Math.log10(tick / ticks[k]) > LABEL);
+    const apart = (ticks) => ticks.length > 1 && ticks.slice(1).every((tick, k) => room * Math.log10(tick / ticks[k]) > GAP);
     const ticks = [8, 6, 4, 3, 2].map((count) => niceTicks(min, max, count)).find(apart) ?? inside(FEW, powers);
     return { ticks, labelled: new Set(ticks) };
   }
-  const every = Math.max(1, Math.ceil(LABEL / room));
+  const every = Math.max(1, Math.ceil(GAP / room));
   return {
     ticks: inside(DIGITS, powers),
-    labelled: new Set(inside(room > 4 * LABEL ? FEW : [1], powers.filter((power) => power % every === 0))),
+    labelled: new Set(inside(room > 4 * GAP ? FEW : [1], powers.filter((power) => power % every === 0))),
   };
 }
 
@@ -444,11 +468,14 @@ function padded(min, max) {
   return [min - room, max + room];
 }
 
-const SWATCH = { solid: "", dashed: "7 3", dashdot: "8 2 2 2", dotted: "2 3", dots: "3 6", none: "3 6" };
+const SWATCH = { solid: "", dashed: "7 3", dashdot: "8 2 2 2", dotted: "2 3" };
 
-export function Swatch({ dash, colour, role }) {
-  return html`<svg class="swatch" width="26" height="8" aria-hidden="true"><line x1="1" x2="25" y1="4" y2="4"
-    style=${{ stroke: colour ?? `var(--${role})` }} stroke-width="2.2" stroke-dasharray=${SWATCH[dash]} /></svg>`;
+/** The entry of a curve in a legend: its line, or a point. */
+export function Swatch({ curve, colour }) {
+  const style = { stroke: colour ?? `var(--${curve.colour})` };
+  return html`<svg class="swatch" width="26" height="8" aria-hidden="true">${isDots(curve)
+    ? html`<circle cx="13" cy="4" r="3" fill="none" style=${style} stroke-width="1.5" />`
+    : html`<line x1="1" x2="25" y1="4" y2="4" style=${style} stroke-width="2.2" stroke-dasharray=${SWATCH[curve.line]} />`}</svg>`;
 }
 
 /** A panel with its legend, in which the values under the pointer stand. */
@@ -457,7 +484,7 @@ export function Panel({ title, cases, units, height, theme, description }) {
   const chart = useRef(null);
   const legend = useRef(null);
   const { panel } = cases[0];
-  const tall = panel.strips ? 18 + 24 * cases.reduce((n, one) => n + one.panel.strips.length, 0) : height;
+  const tall = panel.strips.length ? 18 + 24 * cases.reduce((n, one) => n + one.panel.strips.length, 0) : height;
 
   useLayoutEffect(() => {
     chart.current = new Chart(place.current, (reading) => showIn(legend.current, reading));
@@ -481,19 +508,18 @@ export function Panel({ title, cases, units, height, theme, description }) {
 
   const several = cases.length > 1;
   const lines = linesOf(cases);
-  const words = panel.words ?? [];
   return html`<figure class="panel" data-panel=${panel.name}>
     <figcaption>
       <h3>${title}</h3>
       <div class="legend" ref=${legend}>
         <span class="at" data-axis=${`${panel.x.label}`} data-unit=${units.text(panel.x.quantity)}></span>
-        ${lines.map(({ one, curve }, k) => curve.in_legend !== false && html`<span class="entry" key=${k}>
-          <${Swatch} dash=${curve.dash} colour=${one.colour} role=${curve.role} />
+        ${lines.map(({ one, curve }, k) => curve.in_legend && html`<span class="entry" key=${k}>
+          <${Swatch} curve=${curve} colour=${one.colour} />
           ${several && html`<b>${one.label} </b>`}<span class="symbol"><${Symbol} of=${curve.symbol} /></span> ${several && curve.symbol ? "" : html`<span><${Words} of=${curve.label} /></span>`}
           <output class="value" data-value=${k}></output></span>`)}
-        ${!several && (panel.areas ?? []).filter((area) => area.label).map((area) => html`<span class="entry"><span class=${`patch ${shadeOf(area)}`}></span>
+        ${!several && panel.areas.filter((area) => area.label).map((area) => html`<span class="entry"><span class=${`patch ${shadeOf(area)}`}></span>
           ${area.symmetrical ? html`<span class="symbol">±<${Symbol} of=${area.label} /></span>` : area.label}</span>`)}
-        ${panel.strips && html`${words.map((word, k) => html`<span class="entry"><span class=${`patch zone${k - 1}`}></span>${word}</span>`)}
+        ${panel.strips.length > 0 && html`${panel.words.map((word, k) => html`<span class="entry"><span class=${`patch zone${k - 1}`}></span>${word}</span>`)}
           ${cases.flatMap((one) => one.panel.strips).map((_, k) => html`<output class="value" data-value=${k} hidden></output>`)}`}
       </div>
     </figcaption>

@@ -1,11 +1,12 @@
 // The inverse problem of a wound roll: a target pressure, drawn by dragging its points, and its tension.
 import * as api from "./api.js";
+import { newCurve, newPanel } from "./chart.js";
 import { html, useEffect, useRef, useState } from "./html.js";
-import { LENGTH, Points } from "./points.js";
+import { Points } from "./points.js";
 import { OnePanel } from "./results.js";
 import { endsOf, fewer, pointsOf } from "./schedules.js";
 import { T } from "./texts.js";
-import { digits } from "./units.js";
+import { digits, LENGTH } from "./units.js";
 
 export const DESIGNED = "roll"; // the kind whose tension can be found
 const TENSION = "wound_on_tension";
@@ -66,10 +67,10 @@ function Found({ store, found: { answer, fault }, own }) {
   const now = pointsOf(own, endsOf(state.solved));
   const before = state.result.panels.find((panel) => panel.name === "pressure").curves[0];
   const along = { label: T.winding.radius, quantity: LENGTH };
-  const curve = (symbol, label, role, dash, x, y) => ({ name: label, symbol, label, role, dash, side: "left", x, y });
-  const panel = (name, words, quantity, curves) => [{ label: "", colour: null, panel: {
-    name, column: "design", x: along, y: { label: words, quantity, from_zero: true }, areas: [], marks: [], curves,
-  } }];
+  const curve = (symbol, label, colour, line, x, y) => newCurve({ name: label, symbol, label, colour, line, x, y });
+  const panel = (name, words, quantity, curves) => [{ label: "", colour: null, panel: newPanel({
+    name, column: "design", x: along, y: { label: words, quantity, from_zero: true }, curves,
+  }) }];
   const tension = store.fieldAt(TENSION);
   const shown = [
     [T.design.tension, panel("design_tension", T.design.tension, tension, [

@@ -1,7 +1,7 @@
 // The nip drawn to scale: the whole of roll and drum, and the nip through a lens.
 import { html } from "./html.js";
 import { T } from "./texts.js";
-import { digits } from "./units.js";
+import { digits, LENGTH } from "./units.js";
 
 const WHOLE = { width: 190, height: 330 };
 const NAMES = 38; // height above the upper and below the lower body for their names and radii
@@ -19,11 +19,10 @@ export function Patterns() {
 export function Drawing({ result, units, catalogue }) {
   const { geometry } = result;
   if (!geometry?.bodies?.length) return null;
-  const quantity = { unit: "m", shown_unit: "mm" };
-  const size = (value, unit = quantity) => `${digits(units.shown(unit, value), 4)} ${units.text(unit)}`;
+  const size = (value, unit = LENGTH) => `${digits(units.shown(unit, value), 4)} ${units.text(unit)}`;
   return html`<div class="drawing">
     <${Whole} ...${{ result, geometry, size }} />
-    ${geometry.half_width && geometry.bodies.length > 1 && html`<${Lens} ...${{ result, geometry, size, unit: units.of(quantity).factor }} />`}
+    ${geometry.half_width && geometry.bodies.length > 1 && html`<${Lens} ...${{ result, geometry, size, unit: units.of(LENGTH).factor }} />`}
   </div>`;
 }
 
@@ -128,7 +127,7 @@ function Lens({ result, geometry, size, unit }) {
   const face = (sign) => (s) => middle + scale * (contact(s) + (sign < 0 ? -(1 - share) : share) * gap(s)) + sign * drawn / 2;
   const line = (of) => steps.map((s) => `${x(s).toFixed(2)} ${of(s).toFixed(2)}`).join("L");
   const [above, below] = [face(-1), face(1)];
-  const strips = result.panels.find((panel) => panel.strips)?.strips ?? [];
+  const strips = result.panels.find((panel) => panel.strips.length)?.strips ?? [];
   const band = 13;
   const zones = (strip, of, sign) => strip.runs.map(([zone, from, to]) => {
     const ends = [from, (from + to) / 2, to];
@@ -144,7 +143,7 @@ function Lens({ result, geometry, size, unit }) {
       aria-label=${T.drawing.lens(size(2 * a))}>
     <path d=${`M0 0L${line(above)}L${LENS.width} 0z`} class=${`body roll layer0${upper.rigid ? " rigid" : ""}`} />
     <path d=${`M0 ${LENS.height}L${line(below)}L${LENS.width} ${LENS.height}z`} class=${`body drum layer0${lower.rigid ? " rigid" : ""}`} />
-    ${[[upper, -1, above], [lower, 1, below]].map(([body, sign, of]) => (body.layers ?? []).slice(0, -1).reduce(([depth, lines], layer) => {
+    ${[[upper, -1, above], [lower, 1, below]].map(([body, sign, of]) => body.layers.reduce(([depth, lines], layer) => {
       const deep = depth + layer.thickness * scale;
       return [deep, [...lines, html`<path d=${`M${line((s) => of(s) + sign * deep)}`} class="layer-line" />`]];
     }, [0, []])[1])}

@@ -1,7 +1,7 @@
 // In and out: case files, data, pictures, a link to the state, Python, the report.
 import { writeAddress } from "./address.js";
 import * as api from "./api.js";
-import { same } from "./cases.js";
+import { linesOf, tablesOf } from "./chart.js";
 import { html, useEffect, useRef, useState } from "./html.js";
 import { wordsText } from "./symbols.js";
 import { T } from "./texts.js";
@@ -9,7 +9,8 @@ import { digits } from "./units.js";
 
 const MOST = 1_000_000; // bytes of a case file
 
-function save(blob, name) {
+/** Let the browser save a file. */
+export function save(blob, name) {
   const link = document.createElement("a");
   link.href = URL.createObjectURL(blob);
   link.download = name;
@@ -34,7 +35,7 @@ async function open(store, file) {
     store.take(kind, problem);
     store.say(T.menu.opened(file.name));
   } catch (fault) {
-    store.showErrors({ ...fault, errors: [], message: fault.errors?.map((e) => (e.field ? `${e.field}: ${e.message}` : e.message)).join("\n") || fault.message });
+    store.showErrors({ errors: [], message: store.textOf(fault) });
   }
 }
 
@@ -49,35 +50,29 @@ function seen(store) {
 /** The system of units that is shown, as the server takes it. */
 const unitsOf = ({ units }) => (units.name === "SI" ? undefined : units.name);
 
-/** What the panels show as a table: a block for every x. */
-export function csvOf(store) {
-  const { units, state } = store;
-  const blocks = [];
+/** A column of a CSV file in the shown units: its heading and its values [SI]. */
+export function csvColumn(units, words, quantity, values) {
+  return { head: units.label(words, quantity), values: values.map((value) => units.shown(quantity, value)) };
+}
+
+/** The text of a CSV file with these columns. */
+export function csvOf(columns) {
   const quote = (text) => {
     const cell = /^'*[=+@\t\r-]/.test(text) ? `'${text}` : text; // a spreadsheet would take it for a formula
     return /[",\r\n]/.test(cell) ? `"${cell.replaceAll('"', '""')}"` : cell;
   };
-  const states = [{ label: "", result: state.result }, ...store.pinned];
-  for (const { label, result } of states) {
-    for (const panel of result.panels) {
-      const groups = [];
-      for (const curve of panel.curves) {
-        const group = groups.find((one) => same(one.x, curve.x));
-        if (group) group.curves.push(curve);
-        else groups.push({ x: curve.x, curves: [curve] });
-      }
-      for (const { x, curves } of groups) {
-        const columns = [{ head: units.label(panel.x.label, panel.x.quantity), values: x.map((v) => units.shown(panel.x.quantity, v)) },
-          ...curves.map((curve) => {
-            const { quantity } = curve.side === "right" ? panel.right : panel.y;
-            return { head: `${label && `${label} `}${units.label(`${curve.name} ${wordsText(curve.label)}`.trim(), quantity)}`, values: curve.y.map((v) => units.shown(quantity, v)) };
-          })];
-        const rows = x.map((_, k) => columns.map(({ values }) => (values[k] == null ? "" : Number(values[k].toPrecision(8)))).join(","));
-        blocks.push([columns.map(({ head }) => quote(head)).join(","), ...rows].join("\n"));
-      }
-    }
-  }
-  return `${blocks.join("\n\n")}\n`;
+  const heads = columns.map(({ head }) => quote(head)).join(",");
+  const rows = columns[0].values.map((_, k) => columns.map(({ values }) => (values[k] == null ? "" : Number(values[k].toPrecision(9)))).join(","));
+  return `${[heads, ...rows].join("\n")}\n`;
+}
+
+/** What the panels show as CSV: a table for every x. */
+function csvOfPanels({ units, state, pinned }) {
+  const states = [{ label: "", result: state.result }, ...pinned];
+  return states.flatMap(({ label, result }) => result.panels.flatMap((panel) => tablesOf(linesOf([{ label, panel }])).map(({ x, axis, columns }) => csvOf([
+    csvColumn(units, axis.label, axis.quantity, x),
+    ...columns.map(({ curve, axis: own }) => csvColumn(units, `${label} ${curve.name} ${wordsText(curve.label)}`.trim(), own.quantity, curve.y)),
+  ])))).join("\n");
 }
 
 // ---- the menu ----
@@ -92,7 +87,7 @@ export function Menu({ store }) {
     try {
       await work();
     } catch (fault) {
-      store.showErrors({ ...fault, errors: [], message: fault.message });
+      store.showErrors({ errors: [], message: fault.message });
     }
   };
   const name = (ending) => `${store.state.kind}.${ending}`;
@@ -100,7 +95,7 @@ export function Menu({ store }) {
   const acts = [
     [T.menu.open, () => input.current.click()],
     [T.menu.save, async () => save(new Blob([await api.writeCase(store.state.case)], { type: "application/toml" }), name("toml"))],
-    [T.menu.csv, () => save(new Blob([csvOf(store)], { type: "text/csv" }), name("csv"))],
+    [T.menu.csv, () => save(new Blob([csvOfPanels(store)], { type: "text/csv" }), name("csv"))],
     [T.menu.png, picture("png")],
     [T.menu.svg, picture("svg")],
     [T.menu.link, async () => {

@@ -1,6 +1,7 @@
 // The inverse problem: the value of a field for which an output reaches a target.
 import * as api from "./api.js";
 import { changed } from "./cases.js";
+import { newCurve, newPanel } from "./chart.js";
 import { html, useEffect, useRef, useState } from "./html.js";
 import { QuantityBox } from "./quantity.js";
 import { OnePanel } from "./results.js";
@@ -70,13 +71,12 @@ function Found({ store, found }) {
   const text = (quantity, value, count) => `${digits(units.shown(quantity, value), count)} ${units.text(quantity)}`.trim();
   const error = ({ uncertainty }) => (uncertainty == null ? "" : ` ± ${digits(units.shown(field, uncertainty), 2)}`);
   const name = output.label.split(",")[0];
-  const range = [Math.min(...found.values), Math.max(...found.values)];
-  const panel = {
-    name: "find", column: "find", x: { label: field.label, quantity: field, range, log: range[0] > 0 && range[1] / range[0] > WIDE },
-    y: { label: name, quantity: output }, areas: [],
+  const limits = [Math.min(...found.values), Math.max(...found.values)];
+  const panel = newPanel({
+    name: "find", x: { label: field.label, quantity: field, limits, log: limits[0] > 0 && limits[1] / limits[0] > WIDE }, y: { label: name, quantity: output },
     marks: [{ along: "x", value: found.target, label: T.find.mark }, ...found.solutions.map(({ value }) => ({ along: "y", value, label: "" }))],
-    curves: [{ name: output.name, symbol: output.symbol, label: "", role: "roll", dash: "solid", side: "left", x: found.values, y: found.outputs }],
-  };
+    curves: [newCurve({ name: output.name, symbol: output.symbol, x: found.values, y: found.outputs })],
+  });
   return html`<ul class="solutions">${found.solutions.map((solution) => html`<li key=${solution.value}>
       <b>${field.label} = ${text(field, solution.value, 5)}</b>${error(solution)}: ${name} ${text(output, solution.reached, 5)}
       <button type="button" onClick=${() => store.change(found.field, Number(solution.value.toPrecision(6)))}>${T.find.take}</button></li>`)}</ul>

@@ -1,7 +1,9 @@
 // Fit of one or two fields to a table of measured values, with progress and cancel.
 import * as api from "./api.js";
 import { at, changed } from "./cases.js";
+import { newCurve, newPanel } from "./chart.js";
 import { html, useState } from "./html.js";
+import { RunButtons, runStudy, StudyState } from "./progress.js";
 import { OnePanel } from "./results.js";
 import { End } from "./study.js";
 import { T } from "./texts.js";
@@ -54,22 +56,10 @@ export function Fit({ store }) {
     if (file.size * (excel ? 4 / 3 : 1) > 0.9 * limits.body_bytes) return setTable({ text: "", name: "", fault: T.fit.tooBig(digits(file.size / 1e6, 3)) });
     setTable(excel ? { text: await base64(file), name: file.name } : { text: await file.text(), name: "" });
   };
-  const run = async () => {
-    const abort = new AbortController();
-    const outcome = { kind: state.kind, done: 0, of: 0, running: true, abort };
-    const put = (patch) => { Object.assign(outcome, patch); store.set({ fit: { ...outcome } }); };
-    put({});
-    try {
-      const body = { case: state.case, table: table.text, is_workbook: !!table.name, vary: Object.fromEntries(unknown.map((one) => [one.path, endsOf(one)])) };
-      await api.fit(body, (event) => {
-        if (event.event === "progress") put({ done: event.done, of: event.of });
-        else if (event.event === "fitted") put({ found: event, done: outcome.of });
-        else if (event.event === "cancelled") put({ text: T.study.cancelled });
-      }, abort.signal);
-      put({ running: false });
-    } catch (fault) {
-      put({ running: false, ...(fault.name === "AbortError" ? { text: T.study.cancelled } : { fault }) });
-    }
+  const run = () => {
+    const body = { case: state.case, table: table.text, is_workbook: !!table.name, vary: Object.fromEntries(unknown.map((one) => [one.path, endsOf(one)])) };
+    const take = (event, { of }) => (event.event === "fitted" ? { found: event, done: of } : {});
+    return runStudy(store, "fit", (handle, signal) => api.fit(body, handle, signal), take);
   };
   const unknownRow = (k, one) => html`<div class="axis-row" key=${k}>
     <label class="stacked">${T.fit.unknown(k + 1)}<select id=${`fit-field-${k}`} value=${one?.path ?? ""} onChange=${(event) => pick(k ? [first.path, event.target.value] : [event.target.value, second?.path])}>
@@ -85,11 +75,8 @@ export function Fit({ store }) {
     : state.result?.kind === state.kind && html`<button type="button" id="fit-example" onClick=${() => setTable({ text: exampleTable(store), name: "" })}>${T.fit.columns}</button>`}</div>
     ${table.fault && html`<p class="fault" role="alert">${table.fault}</p>`}
     <div class="study-form">${[first, second].map((one, k) => unknownRow(k, one))}
-      <div class="study-run"><button type="button" class="primary" id="fit-run" disabled=${!ready || fit?.running} onClick=${run}>${T.fit.run}</button>
-        <button type="button" id="fit-cancel" disabled=${!fit?.running} onClick=${() => fit.abort.abort()}>${T.study.cancel}</button></div></div>
-    ${fit && html`<div class="study-state" role="status">${fit.running && html`<progress max=${fit.of || 1} value=${fit.done} aria-label=${T.fit.title}></progress>
-      <span>${T.fit.progress(fit.done, fit.of)}</span>`} <b>${fit.text ?? ""}</b>
-      ${fit.fault && html`<span class="fault" role="alert">${store.textOf(fit.fault)}</span>`}</div>`}
+      <${RunButtons} ...${{ name: "fit", study: fit, words: T.fit.run, ready, run }} /></div>
+    <${StudyState} ...${{ store, study: fit, words: fit && T.fit.progress(fit.done, fit.of) }} />
   </section>
   ${fit?.found && html`<${Found} store=${store} found=${fit.found} />`}`;
 }
@@ -122,17 +109,16 @@ function Agreement({ store, output, rows }) {
   const values = rows.flatMap(({ measured, fitted }) => [measured, fitted]);
   const ends = [Math.min(...values), Math.max(...values)];
   const margin = 0.05 * (ends[1] - ends[0] || Math.abs(ends[0]) || 1);
-  const range = [ends[0] - margin, ends[1] + margin];
+  const limits = [ends[0] - margin, ends[1] + margin];
   const ordered = [...rows].sort((a, b) => a.measured - b.measured);
-  const curve = (name, label, more) => ({ name, symbol: "", label, side: "left", ...more });
-  const panel = {
-    name: "fit", column: `fit-${output.name}`, x: { label: T.fit.measured, quantity: output, range }, y: { label: T.fit.fitted, quantity: output }, areas: [], marks: [],
+  const panel = newPanel({
+    name: "fit", column: `fit-${output.name}`, x: { label: T.fit.measured, quantity: output, limits }, y: { label: T.fit.fitted, quantity: output },
     curves: [
-      curve("fitted", T.fit.rows, { role: "roll", dash: "dots", x: ordered.map((row) => row.measured), y: ordered.map((row) => row.fitted) }),
-      curve("equal", T.fit.equal, { role: "web", dash: "dashed", x: range, y: range }),
+      newCurve({ name: "fitted", label: T.fit.rows, line: "none", x: ordered.map((row) => row.measured), y: ordered.map((row) => row.fitted) }),
+      newCurve({ name: "equal", label: T.fit.equal, colour: "web", line: "dashed", x: limits, y: limits }),
     ],
-  };
-  return html`<div class="panel-cell"><${OnePanel} store=${store} name="fit" title=${output.label} height=${280} cases=${[{ label: "", colour: null, panel }]} />
+  });
+  return html`<div class="panel-cell"><${OnePanel} store=${store} name="fit" title=${output.label} height=${280} tables=${false} cases=${[{ label: "", colour: null, panel }]} />
     <details><summary>${T.panels.table}</summary><div class="table-scroll" tabindex="0"><table><caption>${units.label(output.label, output)}</caption>
       <thead><tr>${[T.fit.row, T.fit.measured, T.fit.fitted, T.fit.difference].map((words) => html`<th scope="col">${words}</th>`)}</tr></thead>
       <tbody>${rows.map(({ row, measured, fitted }) => html`<tr key=${row}><th scope="row">${row}</th>${[measured, fitted].map((value) => html`<td>${digits(units.shown(output, value), 4)}</td>`)}

@@ -9,14 +9,13 @@ import { Fit } from "./fit.js";
 import { Form } from "./form.js";
 import { html, render, useEffect, useLayoutEffect, useMemo } from "./html.js";
 import { Differences, Numbers, Panels, Pending, Pins, Sections, Verdict } from "./results.js";
-import { ROLLS, Store, useStore } from "./store.js";
+import { ROLLS, Store, TABS, useStore } from "./store.js";
 import { Study } from "./study.js";
 import { T } from "./texts.js";
 import { Thesis } from "./thesis.js";
 import { Winding } from "./winding.js";
 import { Window } from "./window.js";
 
-const TABS = ["case", "study", "fit", "winding", "window", "thesis"];
 const tabsOf = ({ catalogue }) => TABS.filter((name) => name !== "thesis" || catalogue.exhibits?.length);
 
 function Page({ store }) {
@@ -100,8 +99,7 @@ function Case({ store }) {
     return html`<${Verdict} store=${store} />
       <${Numbers} store=${store} />
       <${Find} store=${store} />
-      <div class="bar-row"><${Pins} store=${store} />
-        <button type="button" class="tables" aria-pressed=${tables} onClick=${() => store.set({ tables: !tables })}>${tables ? T.header.hideTables : T.header.tables}</button></div>
+      <${Pins} store=${store} />
       <${Panels} store=${store} />
       <p class="quiet hint">${T.panels.hint}</p>
       <${Differences} store=${store} />

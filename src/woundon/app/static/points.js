@@ -2,9 +2,8 @@
 import { html, useLayoutEffect, useRef, useState } from "./html.js";
 import { fewer } from "./schedules.js";
 import { T } from "./texts.js";
-import { digits, niceTicks } from "./units.js";
+import { digits, LENGTH, niceTicks } from "./units.js";
 
-export const LENGTH = { unit: "m", shown_unit: "mm" };
 const MOST_POINTS = 40; // that can be distinguished to be dragged
 const WIDE = { width: 860, height: 206, left: 58, right: 16, top: 28, bottom: 40 };
 const NARROW = { ...WIDE, width: 400, height: 236 }; // of a phone, where its texts would be too small

@@ -1,31 +1,19 @@
 // The results of a case: numbers with errors, certificate, warnings, panels, differences.
 import { at, same } from "./cases.js";
-import { colourOf, linesOf, Panel } from "./chart.js";
+import { colourOf, linesOf, newCurve, newPanel, Panel, tablesOf } from "./chart.js";
 import { Drawing } from "./drawing.js";
 import { Fragment, html, useEffect, useMemo, useRef, useState } from "./html.js";
 import { isPlane, Plane } from "./plane.js";
 import { Label, Symbol, symbolText, wordsText } from "./symbols.js";
 import { T } from "./texts.js";
 import { digits } from "./units.js";
+import { headlines } from "./variables.js";
 
 const BARS = 9;
 const ERRORS = 3; // that are listed
 const ROWS = 33; // of a table of a panel
 
 // ---- numbers ----
-
-/** The outputs on cards: the kind's own, and those with an estimated error. */
-export function headlines(kind, result) {
-  const { outputs } = result;
-  const scalars = kind.outputs.filter((output) => !output.array && outputs[output.name]?.value != null);
-  const named = (names) => names.map((name) => scalars.find((output) => output.name === name)).filter(Boolean);
-  const main = named(kind.main);
-  const usual = named(T.order);
-  if (usual.length >= 3) return [...new Set([...main, ...usual])];
-  const estimated = scalars.filter((output) => outputs[output.name].error != null && !main.includes(output));
-  const rest = scalars.filter((output) => !main.includes(output) && !estimated.includes(output) && !output.whole);
-  return [...main, ...estimated, ...(main.length + estimated.length > 2 ? [] : rest.slice(0, 7))];
-}
 
 const ROUNDING = 1e-14; // [SI]: smaller values within their errors are zero, as the offset of equal rollers
 
@@ -154,8 +142,11 @@ export function SlowPanels({ store }) {
 /** The other arrays, drawn when the reader opens them. */
 export function MorePanels({ store }) {
   const [open, setOpen] = useState(false);
+  const { answer } = store.extra("report");
+  const isOther = (panel) => panel.group === OTHERS;
+  if (answer && !answer.slow_panels?.some(isOther)) return null;
   return html`<details class="more" onToggle=${(event) => setOpen(event.target.open)}><summary>${T.panels.more}</summary>
-    ${open && html`<div class="panels"><${LatePanels} store=${store} chosen=${(panel) => panel.group === OTHERS} /></div>`}</details>`;
+    ${open && (answer ? html`<div class="panels"><${LatePanels} store=${store} chosen=${isOther} /></div>` : html`<p class="quiet">${T.results.busy} …</p>`)}</details>`;
 }
 
 function LatePanels({ store, chosen }) {
@@ -168,21 +159,21 @@ function LatePanels({ store, chosen }) {
 /** A strip of zones stands below the first panel. */
 function cells(panels) {
   return panels.reduce((all, panel) => {
-    if (panel.strips && all.length) all[0].push(panel);
+    if (panel.strips.length && all.length) all[0].push(panel);
     else all.push([panel]);
     return all;
   }, []);
 }
 
-export function OnePanel({ store, name, cases, title, height = 200 }) {
+export function OnePanel({ store, name, cases, title, height = 200, tables = store.state.tables }) {
   const words = title ?? cases[0].panel.title;
   const shown = words.charAt(0).toUpperCase() + words.slice(1);
   const lines = cases[0].panel.curves.map((curve) => `${symbolText(curve.symbol)} ${wordsText(curve.label)}`).join(", ");
   const Drawn = isPlane(cases[0].panel) ? Plane : Panel;
   return html`<div class=${`cell cell-${name}`}>
     <${Drawn} title=${shown} cases=${cases} units=${store.units} height=${height} theme=${store.state.theme}
-      description=${T.panels.describe(shown, lines || cases[0].panel.strips?.map((one) => one.label).join(", "))} />
-    ${store.state.tables && html`<${Table} store=${store} title=${shown} cases=${cases} />`}
+      description=${T.panels.describe(shown, lines || cases[0].panel.strips.map((one) => one.face).join(", "))} />
+    ${tables && html`<${Table} store=${store} title=${shown} cases=${cases} />`}
   </div>`;
 }
 
@@ -190,26 +181,20 @@ export function OnePanel({ store, name, cases, title, height = 200 }) {
 function Table({ store, title, cases }) {
   const { units } = store;
   const { panel } = cases[0];
-  const groups = new Map();
-  for (const { one: { label, panel: own }, curve } of linesOf(cases)) {
-    const key = JSON.stringify(curve.x);
-    if (!groups.has(key)) groups.set(key, { x: curve.x, axis: own.x, curves: [] });
-    groups.get(key).curves.push({ label, curve, axis: curve.side === "right" ? own.right : own.y });
-  }
-  if (panel.strips) {
+  if (panel.strips.length) {
     return html`<div class="table-scroll" tabindex="0"><table><caption>${title}</caption>
       <thead><tr><th scope="col"></th><th scope="col">${T.study.from} [${units.text(panel.x.quantity)}]</th><th scope="col">${T.study.to} [${units.text(panel.x.quantity)}]</th><th scope="col">${T.panels.zones}</th></tr></thead>
       <tbody>${cases.flatMap(({ label, panel: own }) => own.strips.flatMap((strip) => strip.runs.map(([zone, from, to]) => html`<tr>
-        <th scope="row">${label} ${strip.label}</th><td>${digits(units.shown(own.x.quantity, from), 4)}</td><td>${digits(units.shown(own.x.quantity, to), 4)}</td>
+        <th scope="row">${label} ${strip.face}</th><td>${digits(units.shown(own.x.quantity, from), 4)}</td><td>${digits(units.shown(own.x.quantity, to), 4)}</td>
         <td>${panel.words[zone + 1]}</td></tr>`)))}</tbody></table></div>`;
   }
-  return [...groups.values()].map(({ x, axis, curves }) => {
+  return tablesOf(linesOf(cases)).map(({ x, axis, columns }) => {
     const step = Math.max(1, Math.ceil(x.length / ROWS));
     const rows = x.map((_, k) => k).filter((k) => k % step === 0 || k === x.length - 1);
     return html`<div class="table-scroll" tabindex="0"><table><caption>${title}</caption><thead><tr><th scope="col">${units.label(axis.label, axis.quantity)}</th>
-      ${curves.map(({ label, curve, axis: own }) => html`<th scope="col">${label} ${symbolText(curve.symbol)} ${wordsText(curve.label)} ${units.text(own.quantity) && `[${units.text(own.quantity)}]`}</th>`)}</tr></thead>
+      ${columns.map(({ one: { label }, curve, axis: own }) => html`<th scope="col">${label} ${symbolText(curve.symbol)} ${wordsText(curve.label)} ${units.text(own.quantity) && `[${units.text(own.quantity)}]`}</th>`)}</tr></thead>
       <tbody>${rows.map((k) => html`<tr><th scope="row">${digits(units.shown(axis.quantity, x[k]), 4)}</th>
-        ${curves.map(({ curve, axis: own }) => html`<td>${digits(units.shown(own.quantity, curve.y[k]), 5)}</td>`)}</tr>`)}</tbody></table></div>`;
+        ${columns.map(({ curve, axis: own }) => html`<td>${digits(units.shown(own.quantity, curve.y[k]), 5)}</td>`)}</tr>`)}</tbody></table></div>`;
   });
 }
 
@@ -226,22 +211,21 @@ function useInSight(store, name) {
   return place;
 }
 
-const ROLES = ["roll", "drum", "web"];
+const COLOURS = ["roll", "drum", "web"];
 const LINES = ["solid", "dashed", "dashdot"];
 
 function curvePanel(store, kind, answer) {
-  const names = Object.keys(answer.outputs).filter((name) => !/error/.test(name));
+  const names = Object.keys(answer.outputs);
   const field = store.catalogue.forms[kind.form].fields.find((one) => one.name === answer.field);
   const first = store.output(names[0], kind);
-  return {
-    name: "curve", column: "curve", x: { label: field.label, quantity: field, range: [answer.values[0], answer.values.at(-1)] },
-    y: { label: first.unit === "N/m" ? T.panels.tensions : first.label, quantity: first }, areas: [],
+  return newPanel({
+    name: "curve", x: { label: field.label, quantity: field, limits: [answer.values[0], answer.values.at(-1)] },
+    y: { label: names.length > 1 ? T.panels.tensions : first.label.split(",")[0], quantity: first },
     marks: [{ along: "y", value: answer.at, label: "" }],
-    curves: names.filter((name) => store.output(name, kind).unit === first.unit).map((name, k) => ({
-      name, symbol: store.output(name, kind).symbol, label: "", role: ROLES[k % 3], dash: LINES[k % 3], side: "left",
-      x: answer.values, y: answer.outputs[name],
+    curves: names.map((name, k) => newCurve({
+      name, symbol: store.output(name, kind).symbol, colour: COLOURS[k % 3], line: LINES[k % 3], x: answer.values, y: answer.outputs[name],
     })),
-  };
+  });
 }
 
 function Curve({ store }) {
@@ -307,9 +291,10 @@ function SectionValue({ store, row }) {
 
 // ---- pinned states ----
 
+/** The pinned states, and the switch of the tables below the panels. */
 export function Pins({ store }) {
-  const { pins } = store.state;
-  return html`<div class="pins" role="group" aria-label=${T.compare.title}>
+  const { pins, tables } = store.state;
+  return html`<div class="bar-row"><div class="pins" role="group" aria-label=${T.compare.title}>
     <button type="button" class="pin" onClick=${() => store.pin()} disabled=${store.full} title=${store.full ? T.compare.full : ""}>
       <svg viewBox="0 0 16 16" width="14" height="14" aria-hidden="true"><path d="M9.5 1.5 14.5 6.5l-2 .5-2.5 2.5.2 3.3-1 .9-6-6 .9-1 3.3.2L9.9 4.4z M5 11l-3.5 3.5" fill="none" stroke="currentColor" stroke-width="1.4" stroke-linejoin="round" /></svg>
       ${T.compare.pin}</button>
@@ -317,7 +302,8 @@ export function Pins({ store }) {
     ${pins.map((pin) => html`<span class=${`chip pin-${pin.label}`} key=${pin.label}><span class="dot"></span>
       <button type="button" onClick=${() => store.take(pin.kind, pin.case)} title=${T.compare.recall(pin.label)} aria-label=${T.compare.recall(pin.label)}>${pin.label}${pin.kind !== store.state.kind ? ` (${T.kinds[pin.kind] ?? pin.kind})` : ""}</button>
       <button type="button" onClick=${() => store.unpin(pin.label)} aria-label=${T.compare.unpin(pin.label)}>✕</button></span>`)}
-  </div>`;
+  </div>
+  <button type="button" class="tables" aria-pressed=${tables} onClick=${() => store.set({ tables: !tables })}>${tables ? T.header.hideTables : T.header.tables}</button></div>`;
 }
 
 function leaves(thing, prefix = "") {

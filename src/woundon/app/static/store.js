@@ -5,11 +5,13 @@ import { useEffect, useState } from "./html.js";
 import { atCore } from "./schedules.js";
 import { T } from "./texts.js";
 import { Units, usual } from "./units.js";
+import { curveOutputs } from "./variables.js";
 
 const PINS = 4;
 const REST = 220; // [ms] without a change, after which slower answers are requested
 const KEPT = 200; // steps of undo
 const RETRY = 1500; // [ms] between requests to a server that does not respond
+export const TABS = ["case", "study", "fit", "winding", "window", "thesis"];
 export const ROLLS = ["roll", "winding"]; // shown in a tab of their own, the quick one first
 const NO_FAULTS = Object.freeze({});
 
@@ -101,7 +103,7 @@ export class Store {
 
   /** An error of the server in the units that are shown. */
   textOf(fault) {
-    return fault.errors.map(({ field, message, unit }) => `${field && `${field}: `}${this.messageOf(field, { message, unit })}`).join("\n") || fault.message;
+    return (fault.errors ?? []).map(({ field, message, unit }) => `${field && `${field}: `}${this.messageOf(field, { message, unit })}`).join("\n") || fault.message;
   }
 
   /** All errors of the case: {label, text}. */
@@ -328,7 +330,7 @@ export class Store {
     const field = this.loadOf(this.kind);
     const ask = {
       report: () => api.solve(tables, { report: true }, signal),
-      curve: () => field && api.curve(tables, { field, points: 13 }, signal),
+      curve: () => field && api.curve(tables, { field, points: 13, outputs: curveOutputs(this.kind, this.state.result).join() }, signal),
       bars: () => field && api.sensitivities(tables, signal),
     };
     for (;;) {

@@ -14,13 +14,13 @@ function parts(symbol) {
   return { factor, base: GREEK[base] ?? base, below: number + (GREEK[index] ?? index ?? ""), sign };
 }
 
-/** The symbol as markup, words apart ("mu+ p"). */
+/** The symbol as markup: words ("mu+ p") and quotients ("mu/mu0") of symbols. */
 export function Symbol({ of }) {
-  return of.split(" ").map((word, k) => {
+  return of.split(/([ /])/).map((word, k) => {
+    if (k % 2) return word;
     const p = parts(word);
-    const space = k ? " " : "";
-    if (!p) return html`${space}<i>${word}</i>`;
-    return html`${space}<i>${p.factor}${p.base}</i>${p.below && html`<sub>${p.below}</sub>`}${
+    if (!p) return html`<i>${word}</i>`;
+    return html`<i>${p.factor}${p.base}</i>${p.below && html`<sub>${p.below}</sub>`}${
       p.sign && html`<sup>${p.sign === "-" ? "−" : "+"}</sup>`}`;
   });
 }
@@ -45,8 +45,7 @@ export function Label({ of }) {
     inFormula = symbol || (inFormula && text in OPERATORS);
     const space = k ? (joined ? "\u00a0" : " ") : "";
     if (!symbol) return `${space}${joined ? OPERATORS[text] : text}${end}`;
-    const factors = text.replace(/^-/, "").split("/");
-    return html`${space}${text.startsWith("-") ? "−" : ""}${factors.map((one, n) => html`${n ? "/" : ""}<${Symbol} of=${one} />`)}${end}`;
+    return html`${space}${text.startsWith("-") ? "−" : ""}<${Symbol} of=${text.replace(/^-/, "")} />${end}`;
   });
 }
 
@@ -54,10 +53,10 @@ const RAISED = { "+": "⁺", "-": "⁻" };
 
 /** The symbol as plain text. */
 export function symbolText(symbol) {
-  return symbol.split(" ").map((word) => {
+  return symbol.split(/([ /])/).map((word) => {
     const p = parts(word);
     return p ? p.factor + p.base + (p.below ? `_${p.below}` : "") + (RAISED[p.sign] ?? "") : word;
-  }).join(" ");
+  }).join("");
 }
 
 const FORMULA = /\$([^$]*)\$/;

@@ -1,7 +1,11 @@
 // Numbers are SI everywhere; here they become what people see, and back.
 import { T } from "./texts.js";
 
-const SPELT = { um: "µm", deg: "°", "kg/m^3": "kg/m³", "kg/m^2": "kg/m²", "m/s^2": "m/s²" };
+/** A unit as it is printed: "um" -> "µm", "lb/ft^3" -> "lb/ft³", "Pa*s" -> "Pa·s". */
+const spelled = (unit) => ({ um: "µm", deg: "°" }[unit] ?? unit.replace("^2", "²").replace("^3", "³").replace("*", "·"));
+
+/** What a length without a field of its own is shown as, for instance a radius. */
+export const LENGTH = { unit: "m", shown_unit: "mm" };
 
 // The grammar of "66 um" and "20 lbf/in", as on the command line
 const NAME = "(?:[A-Za-zµμ%°]+|[\"″])";
@@ -56,8 +60,7 @@ export class Units {
   }
 
   text(quantity) {
-    const { name } = this.of(quantity);
-    return SPELT[name] ?? name;
+    return spelled(this.of(quantity).name);
   }
 
   /**
@@ -124,7 +127,7 @@ export class Units {
       if (!unit) return part;
       const ratio = this.product(usualUnit).factor / this.product(unit).factor;
       const count = (number) => Math.max(3, number.replace(/e.*|\D/g, "").replace(/^0+/, "").length);
-      return `${numbers.replace(PLAIN, (number) => digits(Number(number) * ratio, count(number)))} ${SPELT[unit] ?? unit}`;
+      return `${numbers.replace(PLAIN, (number) => digits(Number(number) * ratio, count(number)))} ${spelled(unit)}`;
     });
   }
 

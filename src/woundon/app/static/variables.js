@@ -1,4 +1,5 @@
-// The numbers of a case that can be varied or found, with their fields.
+// The numbers of a case that can be varied or found, with their fields; the outputs of its result.
+import { T } from "./texts.js";
 
 export function variables(store) {
   const found = [];
@@ -34,4 +35,24 @@ export function outputsOf({ kind, state: { result } }) {
 export function labelOf({ path, field }) {
   const tables = path.split(".").slice(0, -1).join(" ");
   return tables ? `${field.label} (${tables.replaceAll("_", " ")})` : field.label;
+}
+
+/** The outputs on cards: the kind's own, and those with an estimated error. */
+export function headlines(kind, result) {
+  const { outputs } = result;
+  const scalars = kind.outputs.filter((output) => !output.array && outputs[output.name]?.value != null);
+  const named = (names) => names.map((name) => scalars.find((output) => output.name === name)).filter(Boolean);
+  const main = named(kind.main);
+  const usual = named(T.order);
+  if (usual.length >= 3) return [...new Set([...main, ...usual])];
+  const estimated = scalars.filter((output) => outputs[output.name].error != null && !main.includes(output));
+  const rest = scalars.filter((output) => !main.includes(output) && !estimated.includes(output) && !output.whole);
+  return [...main, ...estimated, ...(main.length + estimated.length > 2 ? [] : rest.slice(0, 7))];
+}
+
+/** The names of the outputs that are drawn around the working point: the tensions, or the first output on a card. */
+export function curveOutputs(kind, result) {
+  const names = headlines(kind, result).map(({ name }) => name);
+  const tensions = names.filter((name) => name.endsWith("tension"));
+  return tensions.length ? tensions : names.slice(0, 1);
 }

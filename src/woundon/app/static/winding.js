@@ -3,12 +3,12 @@ import { at } from "./cases.js";
 import { DESIGNED, Design } from "./design.js";
 import { Find } from "./find.js";
 import { html, useState } from "./html.js";
-import { LENGTH, Points } from "./points.js";
+import { Points } from "./points.js";
 import { QuantityBox } from "./quantity.js";
 import { Differences, MorePanels, Numbers, OnePanel, Pending, Pins, Sections, SlowPanels, states, Verdict } from "./results.js";
 import { endsOf, pointsOf, profile, schedulesOf } from "./schedules.js";
 import { T } from "./texts.js";
-import { digits } from "./units.js";
+import { digits, LENGTH } from "./units.js";
 
 export function Winding({ store }) {
   const { state } = store;
@@ -23,8 +23,7 @@ export function Winding({ store }) {
           ${schedules.map((one) => html`<option value=${one.name} selected=${one.name === field.name}>${one.label}</option>`)}</select></label>`}</div>
       <${Schedule} key=${field.name} store=${store} field=${field} /></section>`}
     ${good && state.kind === DESIGNED && html`<${Design} store=${store} />`}
-    ${good && html`<div class="bar-row"><${Pins} store=${store} />
-        <button type="button" class="tables" aria-pressed=${state.tables} onClick=${() => store.set({ tables: !state.tables })}>${state.tables ? T.header.hideTables : T.header.tables}</button></div>
+    ${good && html`<${Pins} store=${store} />
       <div class="panels">${state.result.panels.map((panel) => html`<div class="panel-cell" key=${panel.name}><${OnePanel} store=${store} name=${panel.name} height=${230}
         cases=${states(store, (one) => one.result.panels.find((other) => other.name === panel.name))} /></div>`)}<${SlowPanels} store=${store} /></div><${MorePanels} store=${store} />
       <${Differences} store=${store} /><${Sections} store=${store} />`}`;

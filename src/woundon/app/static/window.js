@@ -3,7 +3,9 @@ import * as api from "./api.js";
 import { at } from "./cases.js";
 import { html, useState } from "./html.js";
 import { atCore } from "./schedules.js";
-import { End, Map2 } from "./study.js";
+import { ValueMap } from "./plane.js";
+import { RunButtons, runStudy, StudyState } from "./progress.js";
+import { End } from "./study.js";
 import { T } from "./texts.js";
 import { digits } from "./units.js";
 
@@ -18,26 +20,15 @@ export function Window({ store }) {
   const [grade, setGrade] = useState("");
   const [withSplit, setWithSplit] = useState(false);
   if (state.kind !== "winding") return html`<p class="quiet">${T.window.onlyWindings}</p>`;
-  const found = state.window; // it goes on while other tabs are shown
+  const found = state.window;
   const rangeOf = (name) => ends[name] ?? (name === SPLIT ? USUAL_SPLIT : [0.5, 1.5].map((factor) => Number((factor * atCore(at(state.case, name))).toPrecision(3))));
   const names = withSplit ? [...NAMES, SPLIT] : NAMES;
   const chosen = grade || store.grade || catalogue.grades[0].name;
   const ready = names.every((name) => { const [low, high] = rangeOf(name); return (name === SPLIT ? low >= 0 : low > 0) && high > low; });
-  const run = async () => {
-    const abort = new AbortController();
-    const outcome = { done: 0, of: 0, running: true, abort };
-    const put = (patch) => { Object.assign(outcome, patch); store.set({ window: { ...outcome } }); };
-    put({});
-    try {
-      const body = { case: state.case, uncertain: chosen, ...Object.fromEntries(names.map((name) => [name, rangeOf(name)])) };
-      await api.operatingWindow(body, (event) => {
-        if (event.event === "progress") put({ done: event.done, of: event.of });
-        else if (event.event === "window") put({ map: event });
-      }, abort.signal);
-      put({ running: false });
-    } catch (fault) {
-      put({ running: false, ...(fault.name === "AbortError" ? { text: T.study.cancelled } : { fault }) });
-    }
+  const run = () => {
+    const body = { case: state.case, uncertain: chosen, ...Object.fromEntries(names.map((name) => [name, rangeOf(name)])) };
+    const take = (event) => (event.event === "window" ? { map: event } : {});
+    return runStudy(store, "window", (handle, signal) => api.operatingWindow(body, handle, signal), take);
   };
   const box = (name, k) => html`<${End} ...${{ store, id: `window-${name}-${k}`, words: k ? T.study.to : T.study.from, field: store.fieldAt(name), value: rangeOf(name)[k],
     put: (value) => setEnds({ ...ends, [name]: rangeOf(name).map((end, n) => (n === k ? value : end)) }) }} />`;
@@ -46,11 +37,8 @@ export function Window({ store }) {
       <div class="axis-row"><label class="stacked">${T.window.spreads}<select id="window-grade" value=${chosen} onChange=${(event) => setGrade(event.target.value)}>
         ${catalogue.grades.map(({ name, title }) => html`<option value=${name} selected=${name === chosen}>${title}</option>`)}</select></label>
         <label class="check"><input type="checkbox" id="window-split" checked=${withSplit} onChange=${(event) => setWithSplit(event.target.checked)} /> ${T.window.split}</label>
-        <div class="study-run"><button type="button" class="primary" id="window-run" disabled=${!ready || found?.running} onClick=${run}>${T.window.run}</button>
-          <button type="button" id="window-cancel" disabled=${!found?.running} onClick=${() => found.abort.abort()}>${T.study.cancel}</button></div></div></div>
-    ${found && html`<div class="study-state" role="status"><progress max=${found.of || 1} value=${found.done} aria-label=${T.window.title}></progress>
-      <span>${T.window.progress(found.done, found.of)}</span> <b>${found.text ?? ""}</b>
-      ${found.fault && html`<span class="fault" role="alert">${store.textOf(found.fault)}</span>`}</div>`}
+        <${RunButtons} ...${{ name: "window", study: found, words: T.window.run, ready, run }} /></div></div>
+    <${StudyState} ...${{ store, study: found, words: found && T.window.progress(found.done, found.of) }} />
   </section>
   ${found?.map && html`<${WindowMap} store=${store} map=${found.map} />`}`;
 }
@@ -82,5 +70,5 @@ function WindowMap({ store, map }) {
     <p class="quiet">${T.window.errors(Object.entries(map.errors).filter(([, value]) => value != null).map(([name, value]) => `${name} ${digits(value, 2)}`).join(", "))} ${T.window.windings(map.windings, map.failed)}${map.is_coarse ? ` ${T.window.preview}` : ""}</p>
     ${map.names.length > 2 && html`<label class="stacked">${store.fieldAt(SPLIT).label}<select id="window-level" value=${level} onChange=${(event) => choose(Number(event.target.value))}>
       ${levels.map((value, k) => html`<option value=${k} selected=${k === level}>${digits(value, 3)}</option>`)}</select></label>`}</section>
-    <${Map2} ...${{ store, x: axis(0), y: axis(1), values: probabilities, quantity: PROBABILITY, note: binding, range: [0, 1] }} />`;
+    <${ValueMap} ...${{ store, x: axis(0), y: axis(1), values: probabilities, quantity: PROBABILITY, note: binding, range: [0, 1] }} />`;
 }
