@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -43,6 +43,7 @@ __all__ = [
 
 Array = np.ndarray
 Limits = tuple[float, float]
+Legend = Literal["above", "stacked", "inside", "right", "figure below", "figure right"]
 
 # Names of the colours of several curves in one panel, in their order.
 SERIES = ("roll", "drum", "green", "purple", "sky", "amber", "ink")
@@ -318,7 +319,7 @@ class Panel:
     column: str = ""
     width: float = 6.3
     height: float = 3.2
-    legend: str = "above"
+    legend: Legend = "above"
 
     def __post_init__(self) -> None:
         """Name a column of its own after the panel."""
