@@ -125,7 +125,7 @@ def over_radius(
     radius : (n,) array
         The first and the last one are the ends of the axis [m].
     name, title, y, curves, others
-        As of a :class:`Panel`; on the left by default.
+        As of a :class:`~woundon.report.panels.Panel`; on the left by default.
     """
     place = {"column": "left", "height": 2.6, **others}
     return Panel(name, radius_axis(radius), y, title, curves=tuple(curves), **place)
