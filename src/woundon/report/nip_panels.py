@@ -117,7 +117,7 @@ def _in_nip(result: NipResult, name: str, label: str, colour: str, line: str = "
 def _panel(
     result: NipResult, name: str, title: str, y: Axis, curves: Sequence[Curve], **others: Any
 ) -> Panel:
-    """Return a panel along the nip; ``others`` are further fields of a :class:`~woundon.report.panels.Panel`."""
+    """Return a panel along the nip; ``others`` are further fields of the panel."""
     x = along_contact(result, "nip")
     return Panel(name, x, y, title, curves=tuple(curves), column="nip", **others)
 

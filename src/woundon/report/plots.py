@@ -15,7 +15,7 @@ from ..errors import InvalidProblem, one_of
 from ..problems.messages import quote
 from ..results import Result
 from .drawing import check_axes, draw_figure, show_panels
-from .figures import text_of
+from .figures import named_value
 from .panels import Panel
 from .result_panels import chosen, named_panels
 
@@ -175,7 +175,11 @@ def _labels(results: Sequence[Any]) -> list[str]:
         ", ".join(
             [
                 *([word] if len(set(words)) > 1 else []),
-                *(_value_text(t[path]) for path in differ[:2] if path in t),
+                *(
+                    named_value(path, t[path].quantity, t[path].value)
+                    for path in differ[:2]
+                    if path in t
+                ),
             ]
         )
         for word, t in zip(words, fields, strict=True)
@@ -183,11 +187,3 @@ def _labels(results: Sequence[Any]) -> list[str]:
     if len(differ) > 2 or len(set(texts)) < len(texts) or not all(texts):
         return [f"{word} {k}" for k, word in enumerate(words, 1)]
     return texts
-
-
-def _value_text(place: quantities.Place) -> str:
-    """Return "nip load = 2000 N/m"."""
-    name, quantity = place.name.replace("_", " "), place.quantity
-    if quantity is None or not isinstance(place.value, int | float):
-        return f"{name} = {place.value}"
-    return f"{name} = {text_of(quantity, place.value, '.5g')}"

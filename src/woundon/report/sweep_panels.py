@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from ..studies.cases import as_labels, is_numeric
 from .drawing import show_panels
-from .figures import text_of
+from .figures import named_value
 from .panels import LINES, SERIES, Axis, Curve, Panel
 from .study_panels import named_axis
 
@@ -156,10 +156,6 @@ def _evenly_spaced(count: int, limit: int) -> list[int]:
 
 def _value_label(table: Table, axis: int, place: int) -> str:
     """Return a label such as "shear = 10 MPa" for an index on an axis."""
-    field = table.cases.names[axis]
-    values = table.cases.axes[field]
-    value, quantity = as_labels(values)[place], table.quantities.get(field)
-    name = field.rpartition(".")[2].replace("_", " ")
-    if not is_numeric(values):
-        return f"{name} = {value}"
-    return f"{name} = {value:.4g}" if quantity is None else f"{name} = {text_of(quantity, value)}"
+    name = table.cases.names[axis]
+    value = as_labels(table.cases.axes[name])[place]
+    return named_value(name, table.quantities.get(name), value)
