@@ -20,13 +20,7 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import SubplotSpec
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.ticker import (
-    FuncFormatter,
-    LogLocator,
-    MaxNLocator,
-    NullFormatter,
-    ScalarFormatter,
-)
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter, ScalarFormatter
 
 from ..errors import InvalidProblem
 from ..problems.messages import quote
@@ -43,20 +37,7 @@ from .figures import (
     wrapped_text,
     zone_look,
 )
-from .panels import (
-    SERIES,
-    Area,
-    Axis,
-    Bars,
-    Curve,
-    Disc,
-    Map,
-    Mark,
-    Panel,
-    Regions,
-    Scale,
-    widest,
-)
+from .panels import SERIES, Area, Axis, Bars, Curve, Disc, Map, Mark, Panel, Regions, Scale, widest
 
 __all__ = ["check_axes", "draw_figure", "draw_panel", "show_panels"]
 
