@@ -26,7 +26,7 @@ from ..results import Result
 from .figures import figure_bytes
 from .html import parts_html, table_html
 from .outputs_report import LEFT_OUT
-from .plots import figure_for_file, panel_columns
+from .plots import figures_of_columns
 from .report_parts import (
     Column,
     Line,
@@ -93,7 +93,7 @@ def report_file(
             f"<h1>{escape(title)}</h1>",
             f'<p class="about">woundon {__version__}, {escape(date)}{origin}</p>',
             *_answers(parts, names),
-            *_figure(results, names if len(results) > 1 else None),
+            *_figure(results, names),
             *(_comparison(results, names) if len(results) > 1 else ()),
             *_results(parts, names),
             *_inputs(results, names),
@@ -224,10 +224,10 @@ def _with_error(row: Row) -> str:
 # ---- figures and foot -------------------------------------------------------------------------
 
 
-def _figure(results: Sequence[Result], names: Sequence[str] | None) -> Iterator[str]:
+def _figure(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
     """Yield the figure of the cases as inline SVG; nothing for kinds without common panels."""
     try:
-        columns = panel_columns(results)
+        figures = figures_of_columns(results, names)
     except InvalidProblem as fault:
         yield f"<p>{escape(str(fault))}</p>"
         return
@@ -235,11 +235,10 @@ def _figure(results: Sequence[Result], names: Sequence[str] | None) -> Iterator[
     if drawing is not None:
         yield _inline(drawing, "drawing to scale", 0)
     yield '<div class="figures">'
-    for number, panels in enumerate(columns, 1):
-        figure = figure_for_file(results, labels=names, panels=panels, lettered=False)
+    for number, (panels, figure) in enumerate(figures, 1):
         width, height = figure.get_size_inches()
         figure.set_size_inches(PRINTED * width, PRINTED * height)
-        yield _inline(figure, ", ".join(panels), number)
+        yield _inline(figure, panels, number)
     yield "</div>"
 
 

@@ -19,7 +19,7 @@ from .figures import named_value
 from .panels import Panel
 from .result_panels import chosen, named_panels
 
-__all__ = ["figure_for_file", "panel_columns", "plot"]
+__all__ = ["figure_for_file", "figures_of_columns", "plot"]
 
 
 @overload
@@ -99,19 +99,29 @@ def figure_for_file(
     *,
     labels: Sequence[str] | None = None,
     panels: str | Sequence[str] | None = None,
-    lettered: bool = True,
 ) -> Figure:
     """Return the figure of :func:`plot` for a file: not registered with a window or notebook."""
     all_results, labels = _labelled(results, labels)
-    return draw_figure(_panels(all_results, panels), labels, lettered=lettered)
+    return draw_figure(_panels(all_results, panels), labels)
 
 
-def panel_columns(results: Sequence[Result]) -> list[list[str]]:
-    """Return the names of the panels of a plot of results, by columns."""
-    columns: dict[str, list[str]] = {}
-    for first, *_ in _panels(results, None):
-        columns.setdefault(first.column, []).append(first.name)
-    return list(columns.values())
+def figures_of_columns(
+    results: Sequence[Result], labels: Sequence[str]
+) -> list[tuple[str, Figure]]:
+    """Return each column of the figure of :func:`plot` as a figure, with the names of its panels.
+
+    Raises
+    ------
+    InvalidProblem
+        For results without common panels.
+    """
+    columns: dict[str, list[list[Panel]]] = {}
+    for cases in _panels(results, None):
+        columns.setdefault(cases[0].column, []).append(cases)
+    return [
+        (", ".join(cases[0].name for cases in column), draw_figure(column, labels, lettered=False))
+        for column in columns.values()
+    ]
 
 
 def _labelled(results: Any, labels: Sequence[str] | None) -> tuple[list[Result], Sequence[str]]:
