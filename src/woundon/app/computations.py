@@ -18,7 +18,7 @@ import numpy as np
 
 from .. import kinds
 from ..errors import InvalidProblem, did_you_mean, unwarned
-from ..io.case_files import SCHEMA, check_like_a_case, make_problem
+from ..io.case_files import check_like_a_case, make_problem
 from ..problems.messages import quote
 from ..problems.paths import find_places, varied_number
 from ..problems.permitted import admissible, extremes
@@ -77,7 +77,7 @@ def problem_of(tables: Any) -> Problem:
         text = f"{quote(tables)} is not a table; must be the tables of a case file"
         raise InvalidProblem(text)
     check_like_a_case(tables)
-    return make_problem({"schema": SCHEMA, **tables})
+    return make_problem(tables)
 
 
 def warm_up() -> None:
