@@ -198,7 +198,8 @@ def artists(figure: Figure) -> list[tuple[str, Any]]:
 def units_of_figure(figure: Figure) -> set[str]:
     """Return the units of the axes, texts and legends of a figure."""
     texts = [text for _, text in artists(figure) if isinstance(text, str)]
-    labels = [label for axes in figure.axes for label in (axes.get_xlabel(), axes.get_ylabel())]
+    drawn = [part for axes in figure.axes for part in (axes, *axes.child_axes)]  # colour bars
+    labels = [label for axes in drawn for label in (axes.get_xlabel(), axes.get_ylabel())]
     return units_in("\n".join([*texts, *labels]))
 
 

@@ -14,15 +14,18 @@ SOURCES = HERE.parent.parent / "src"
 def make(app) -> None:
     """Compute every figure, unless the program has not changed since."""
     from woundon.jorkama2001.catalogue import NAMES
-    from woundon.jorkama2001.publication import known_counts, publish, summary
+    from woundon.jorkama2001.exhibits import listed
+    from woundon.jorkama2001.publication import publish, summary
 
     folder = Path(app.srcdir) / "thesis" / "figures"
     stamp, state = folder / "made_by.txt", _state()
     if stamp.exists() and stamp.read_text() == state:
         return
     figures = list(publish(NAMES, folder, dpi=100))
-    known = known_counts()
-    changed = [figure.name for figure in figures if figure.judged.counts != known[figure.name]]
+    known = listed()
+    changed = [
+        figure.name for figure in figures if figure.judged.counts != known[figure.name].counts
+    ]
     if changed:
         raise ExtensionError(
             f"the number of statements that hold has changed: {', '.join(changed)}"
@@ -44,8 +47,9 @@ def _downloads(figure) -> str:
 
 def _state() -> str:
     digest = hashlib.sha256(Path(__file__).read_bytes())
-    for path in sorted([*SOURCES.rglob("*.py"), *SOURCES.rglob("*.csv")]):
-        digest.update(path.read_bytes())
+    for path in sorted(SOURCES.rglob("*")):
+        if path.suffix in (".py", ".csv", ".toml"):
+            digest.update(path.read_bytes())
     return digest.hexdigest()
 
 

@@ -64,14 +64,14 @@ from .sensitivity import Sensitivity as Sensitivity
 from .studies.api import global_sensitivity as global_sensitivity
 from .studies.api import sweep as sweep
 from .studies.case_table import solve_table as solve_table
-from .studies.compare import Comparison as Comparison
 from .studies.compare import compare as compare
-from .studies.experiment import NextExperiment as NextExperiment
-from .studies.experiment import next_experiment as next_experiment
+from .studies.compare_result import Comparison as Comparison
 from .studies.find import FindResult as FindResult
 from .studies.find import find as find
 from .studies.fit import fit as fit
 from .studies.fit_result import FitResult as FitResult
+from .studies.plan import next_experiment as next_experiment
+from .studies.plan_result import NextExperiment as NextExperiment
 from .studies.planned import Measurement as Measurement
 from .studies.pull_tab import PullTab as PullTab
 from .studies.schedule import OptimisedSchedule as OptimisedSchedule

@@ -8,7 +8,7 @@ import sys
 import warnings
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from typing import Any, Self
+from typing import Any, Self, TypeVar
 
 __all__ = [
     "InputWarning",
@@ -18,9 +18,12 @@ __all__ = [
     "NotConverged",
     "ResolutionWarning",
     "ValidityWarning",
+    "mapping_of",
     "unwarned",
     "warn",
 ]
+
+Value = TypeVar("Value")
 
 RESOLUTION = "resolution: "  # prefix of a warning about the grid
 
@@ -92,6 +95,34 @@ def _shortened(text: str, longest: int) -> str:
     """Return a text without its middle if it is longer than ``longest``."""
     half = longest // 2
     return text if len(text) <= longest else f"{text[:half]} ... {text[-half:]}"
+
+
+def mapping_of(pairs: Iterable[tuple[str, Value]], where: str = "") -> dict[str, Value]:
+    """Return pairs of a name and a value as a mapping; reject a name that is given twice.
+
+    Parameters
+    ----------
+    pairs : iterable of (str, value)
+    where : str
+        Stands before the name in the error, such as the option of a command.
+
+    Raises
+    ------
+    InvalidProblem
+        Names both values.
+
+    Examples
+    --------
+    >>> mapping_of([("load", 1.0), ("friction", 0.3)])
+    {'load': 1.0, 'friction': 0.3}
+    """
+    mapping: dict[str, Value] = {}
+    for name, value in pairs:
+        if name in mapping:
+            text = f"is given twice, {mapping[name]!r} and {value!r}; must be given once"
+            raise InvalidProblem.at(f"{where} {name}".strip(), text)
+        mapping[name] = value
+    return mapping
 
 
 class NoSteadyState(InvalidProblem):
@@ -222,8 +253,10 @@ def unwarned() -> Iterator[None]:
 
 def nearest(word: Any, known: Iterable[str]) -> str:
     """Return the known name most similar to a misspelt ``word``; empty if none is similar."""
+    if not isinstance(word, str):
+        return ""
     by_lower = {name.lower(): name for name in sorted(known)}
-    near = difflib.get_close_matches(str(word).lower(), by_lower, n=1, cutoff=0.55)
+    near = difflib.get_close_matches(word.lower(), by_lower, n=1, cutoff=0.55)
     return by_lower[near[0]] if near else ""
 
 

@@ -242,7 +242,7 @@ def every() -> tuple[Kind[Any, Any], ...]:
 
 
 def named(name: str) -> Kind[Any, Any]:
-    """Return a kind by its name.
+    """Return a kind by its name, with hyphens or underscores.
 
     >>> named("nip").problem.__name__, list(named("nip").solver_options())
     ('NipProblem', ['nodes', 'rtol'])
@@ -253,10 +253,11 @@ def named(name: str) -> Kind[Any, Any]:
         For an unknown name.
     """
     known = {kind.name: kind for kind in every()}
-    if name not in known:
-        text = f"{name!r} is not a kind of problem{did_you_mean(name, known)}"
+    with_underscores = str(name).replace("-", "_")
+    if with_underscores not in known:
+        text = f"{quote(name)} is not a kind of problem{did_you_mean(with_underscores, known)}"
         raise InvalidProblem.at("kind", text)
-    return known[name]
+    return known[with_underscores]
 
 
 def of(thing: Any) -> Kind[Any, Any]:

@@ -454,7 +454,21 @@ def value_of(thing: Any, name: str) -> Any:
 
 
 def _walk_outputs(thing: Any, cls: type, prefix: str, values: bool = True) -> Iterator[Place]:
-    """Yield the outputs of a result or a class of results, with those of its parts."""
+    """Yield the outputs of a result or a class of results, with those of its parts.
+
+    Of an instance, outputs of a part that it does not have (``air.film`` without air) and outputs
+    on request are left out, and its attribute ``relabelled`` may replace quantities by name.
+
+    Parameters
+    ----------
+    thing : result or class
+    cls : class
+        Of the result.
+    prefix : str
+        Beginning of every path.
+    values : bool
+        Whether the values of an instance are read, which may compute them.
+    """
     relabelled = {} if thing is cls else getattr(thing, "relabelled", {})
     for name, (quantity, hint) in _annotated(cls, _version(cls)).items():
         part = name.partition(".")[0]
@@ -472,7 +486,10 @@ def is_on_request(cls: type, name: str) -> bool:
 
 
 def _version(cls: type) -> tuple[tuple[str, int], ...]:
-    """Return the identity of the outputs of a class, for caching."""
+    """Return the identity of the properties and methods of a class, a key for caching.
+
+    Plug-ins may add outputs to a class after it was created.
+    """
     return tuple(
         (name, id(attribute))
         for base in cls.__mro__
@@ -483,7 +500,10 @@ def _version(cls: type) -> tuple[tuple[str, int], ...]:
 
 @cache
 def _annotated(cls: type, version: object) -> Mapping[str, tuple[Quantity, Any]]:
-    """Return the outputs of a class by name with what their annotation says."""
+    """Return quantity and annotation of each output of a class by name; parts have dotted names.
+
+    ``version`` is :func:`_version` of the class, with which the answer is cached.
+    """
     hints: dict[str, Any] = {}
     for name, hint in _hints(cls):
         parts = [h for h in (hint, *get_args(hint)) if getattr(h, "part_of_result", False)]

@@ -355,7 +355,7 @@ class Result(Presented, ReadOnly):
         """
         return self._figure(path, ax, panels)
 
-    def save(self, path: Any) -> None:
+    def save(self, path: str | PathLike[str]) -> None:
         """Save the result to a file; the suffix, .nc, .json or .csv, determines the format."""
         from .io.result_files import save_result
 

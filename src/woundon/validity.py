@@ -203,7 +203,7 @@ def zone_warnings(x: Array, faces: Mapping[str, Array], slips: str = "the web") 
             cell = 1e3 * float(np.diff(x[with_neighbours]).max())
             yield (
                 f"{RESOLUTION}{nodes} in {where}, the ends of which are known to {cell:.2g} mm; "
-                f"use nodes={2 * x.size - 1}"
+                f"use {2 * x.size - 1} nodes"
             )
 
 

@@ -160,7 +160,7 @@ def test_a_figure_of_the_thesis_is_drawn():
     computed = {figure["name"]: figure for group in plugins.figures() for figure in group.list()}
     assert set(computed) == {name for name in catalogue.NAMES if name.startswith("fig")}
     assert computed["fig15"]["label"] == "Fig. 15"
-    assert computed["fig15"]["title"].startswith("how the nip adds tension")
+    assert computed["fig15"]["title"].startswith("Tractions, slips and web tension in the nip")
     assert b"<svg" in documents.exhibit("fig5")
     with pytest.raises(wo.InvalidProblem, match="did you mean 'fig15'"):
         documents.exhibit("fig151")

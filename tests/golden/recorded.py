@@ -178,11 +178,17 @@ def case_texts() -> str:
 
 
 def reports() -> str:
-    """Return the printed reports of all problems."""
+    """Return the printed reports of all problems, and of sensitivities."""
+    soft = wo.Isotropic(youngs_modulus=1e9, poissons_ratio=0.3)
+    lower = wo.HalfPlane(radius=0.25, material=soft)
+    pair = problems()["rollers"].replace(lower=lower, tangential_load=None)
+    printed = {name: solution(name) for name in problems()}
+    printed["dissimilar rollers"] = coarse_solution(pair, 33)
+    printed["sensitivities of the nip"] = solution("nip").sensitivity()
     parts = []
-    for name in problems():
+    for name, thing in printed.items():
         paper = StringIO()
-        Console(file=paper, width=100).print(str(solution(name)))
+        Console(file=paper, width=100).print(str(thing))
         parts.append(f"==== {name}\n{paper.getvalue()}")
     return "\n".join(parts)
 
@@ -244,7 +250,8 @@ def figure_panels() -> dict[str, Any]:
         result = solution(name)
         for panel in panels_of(result):
             figure = figure_for_file([result], panels=[panel])
-            found[f"{name}: {panel}"] = [_axes_record(axes) for axes in figure.axes]
+            drawn = [part for axes in figure.axes for part in (axes, *axes.child_axes)]
+            found[f"{name}: {panel}"] = [_axes_record(axes) for axes in drawn]
             plt.close("all")
     return found
 

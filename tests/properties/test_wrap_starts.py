@@ -97,15 +97,6 @@ def test_neighbours_hand_on_a_start_that_does_not_move_the_answer(
     assert_same(cold, wo.solve(problem, **MESH, start=solved(name)))
 
 
-def test_a_neighbour_saves_iterations_and_leaves_the_error_estimates() -> None:
-    problem = HARD.replace(nip_load=1.02 * HARD.nip_load)
-    cold, warm = wo.solve(problem, nodes=33), wo.solve(problem, nodes=33, start=solved("hard"))
-    assert warm.iterations < cold.iterations
-    assert set(warm.errors) == set(cold.errors)
-    ratio = warm.errors["wound_on_tension"] / cold.errors["wound_on_tension"]
-    assert ratio == pytest.approx(1, rel=0.05)
-
-
 @pytest.mark.parametrize("far", ["", *FAR])
 def test_the_last_mesh_alone_has_the_same_solution(far: str) -> None:
     """If the iteration fails from a start that is far away, all meshes are solved."""

@@ -64,7 +64,7 @@ def test_data_as_csv():
     joint = joined("F [N/m]", {0.0: dataset("node", {"x [m]": [1.0, 2.0], "z [1]": [0, 1]}),
                                -5.0: dataset("node", {"x [m]": [3.0], "z [1]": [1]})})  # fmt: skip
     joint["untold"] = ("node", [7.0, 8.0])
-    text = Exhibit("fig99", "One", joint, ()).csv()
+    text = Exhibit("fig15", joint, ()).csv()
     # what is shorter ends where it ends, and what has no unit is no column
     assert text == "F [N/m],x [m],z [1]\n0,1,0\n0,2,1\n-5,3,1\n"
 
@@ -77,12 +77,12 @@ def two(solver: str) -> tuple[Exhibit, ...]:
         verdict("it is there", 1.0, at_least(0.5)),
         untested("it is blue", "no colour is printed"),
     )
-    return (Exhibit("fig99", "Two", dataset("row", {"x [m]": [1.0]}), verdicts),)
+    return (Exhibit("fig18", dataset("row", {"x [m]": [1.0]}), verdicts),)
 
 
 def test_where_a_statement_fails_both_solvers_are_shown(monkeypatch):
     monkeypatch.setattr(judgement, "made_by", lambda _, solver: two(solver))
-    (one,) = judged("fig99", ("fig99",), "accurate")
+    (one,) = judged("fig16_18", ("fig18",), "accurate")
     assert one.tally == "3 statements: 1 holds, 1 does not hold, 1 cannot be tested"
     assert one.lines() == [
         "DOES NOT HOLD: it is small: 5 N/m, asked at most 2 N/m; with the thesis's procedure "
@@ -90,9 +90,9 @@ def test_where_a_statement_fails_both_solvers_are_shown(monkeypatch):
         "holds: it is there: 1, asked at least 0.5.",
         "cannot be tested: it is blue. No colour is printed.",
     ]
-    text = one.markdown("fig99.png")
-    assert text.startswith("# Fig. 99: Two\n")
-    assert "![Fig. 99](fig99.png)" in text
+    text = one.markdown("fig18.png")
+    assert text.startswith("# Fig. 18: Dual slip ratio against the nip load\n")
+    assert "![Fig. 18](fig18.png)" in text
     assert one.report().count("\n- ") == 3
 
 

@@ -1,21 +1,24 @@
 """Attacks on studies: damaged files, kill -9, Ctrl-C, two processes on one folder, full disks.
 
-damage     one to three faults are put into the file of a finished study: bytes are changed,
-           overwritten or cut off, rows edited, exchanged, deleted or taken from another study, the
-           file is replaced by something else, or a journal is put next to it.  Resumed, it is
-           rejected in one line and left as it is, or its table is bit for bit what it was.
+    python tests/studies/study_attacks.py --cases 500 --seed 0    prints how the trials ended
+
+damaged    one to three faults are put into the file of a finished study: bytes are changed,
+           overwritten or cut off, rows or tables edited, exchanged, deleted or taken from another
+           study, the file is replaced by something else, or a journal is put next to it.  Resumed,
+           it is rejected in one line and left as it is, or its table is bit for bit what it was.
 killed     `woundon sweep`, with one worker or two, is killed (kill -9) at a random moment, and so
            is every second resume; resumed once more, its table is compared.
-together   the same with two processes on one folder.
+together   the same with two processes on one folder; every second pair is not killed.
 stopped    Ctrl-C at a random moment, soon a second one: no process is left.
 full       the same on a file system of random size, which is then made larger (a tmpfs where it may
-           be mounted, else a limit on the size of files).
+           be mounted, and in every second trial a limit on the size of files).
 
 The seed determines the trial.  A trial returns how it ended, or raises an exception.
 """
 
 from __future__ import annotations
 
+import argparse
 import faulthandler
 import multiprocessing
 import os
@@ -25,13 +28,17 @@ import sqlite3
 import subprocess
 import sys
 import time
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing, suppress
 from dataclasses import dataclass
 from pathlib import Path
+from shutil import rmtree
+from tempfile import mkdtemp
 from typing import Any
 
 import numpy as np
+from study_models import stored
 
 import woundon as wo
 from woundon.cli import commands as cli
@@ -57,9 +64,6 @@ class Wave:
             raise ZeroDivisionError("a is 3")
         warning = "a is large" if a > 7 else ""
         return Answer((float(np.sin(a)) + self.slope * b, a / 3), warning, None)
-
-    def gradient(self, state: Any, names: tuple[str, ...]) -> None:
-        return None
 
     def quantity(self, name: str) -> Quantity | None:
         return None if name == "word" else pure(name, name)
@@ -204,6 +208,18 @@ def missing(study: Path, other: Path, dice: random.Random) -> None:
     ]))  # fmt: skip
 
 
+def tables(study: Path, other: Path, dice: random.Random) -> None:
+    """Add a view, an index or a table; replace a table by a view; drop both tables."""
+    _changed(study, *dice.choice([
+        ("CREATE VIEW more AS SELECT number FROM chunk",),
+        ("CREATE INDEX more ON chunk (sha256)",),
+        ("CREATE TABLE more (number INTEGER)",),
+        ("ALTER TABLE chunk RENAME TO rows", "CREATE VIEW chunk AS SELECT * FROM rows"),
+        ("DROP TABLE chunk", "DROP TABLE study"),
+        ("DROP TABLE chunk", "DROP TABLE study", "CREATE TABLE notes (text TEXT)", "VACUUM"),
+    ]))  # fmt: skip
+
+
 def no_file(study: Path, other: Path, dice: random.Random) -> None:
     """Put a folder, a pipe, a link to nowhere, to itself or to a device in the file's place."""
     path = _file(study)
@@ -242,7 +258,7 @@ def journal(study: Path, other: Path, dice: random.Random) -> None:
 
 FAULTS: tuple[Fault, ...] = (
     cut, flipped, header, overwritten, pages, swapped, foreign, edited, record_edited, missing,
-    no_file, journal,
+    tables, no_file, journal,
 )  # fmt: skip
 
 
@@ -250,10 +266,10 @@ class Wrong(Exception):
     """Wrong data were accepted, or the rejection is not one line."""
 
 
-def damage(seed: int, folder: Path) -> str:
-    """Damage a study, resume it; return what came of it."""
+def damaged(seed: int, folder: Path, whole: Undisturbed | None = None) -> str:
+    """Damage a study, resume it; return how it ended."""
     dice, study, other = random.Random(seed), folder / "study", folder / "other"
-    whole = table_of(study)
+    undamaged = table_of(study)
     table_of(other, slope=2.0)
     faults = [dice.choice(FAULTS) for _ in range(dice.choice([1, 1, 2, 3]))]
     for fault in faults:
@@ -263,15 +279,15 @@ def damage(seed: int, folder: Path) -> str:
     try:
         resumed = table_of(study, resume=True)
     except (wo.InvalidProblem, OSError) as refusal:
-        if "\n" in str(refusal):
-            raise Wrong(f"{names}: refused in several lines: {refusal}") from None
+        if "\n" in str(refusal) or str(study) not in str(refusal):
+            raise Wrong(f"{names}: rejected without name or in lines: {refusal}") from None
         # SQLite undoes a transaction that a journal describes
         if journal not in faults and bytes(_content(study)) != before:
-            raise Wrong(f"{names}: refused, and the file was changed") from None
-        return "refused in one line"
-    if not same(whole, resumed):
+            raise Wrong(f"{names}: rejected, and the file was changed") from None
+        return "rejected in one line, the file is the same"
+    if not same(undamaged, resumed):
         raise Wrong(f"{names}: accepted, and the table differs")
-    return "the table is the same"
+    return "accepted, the table is the same"
 
 
 # ---- kill -9 and full disks: the command, on nips -----------------------------------------------
@@ -280,7 +296,7 @@ CASE = """
 schema = 1
 outputs = ["nip_induced_tension", "half_width"]
 [over]
-nip_load = { from = "1 kN/m", to = "4 kN/m", count = 120 }
+nip_load = { from = "1 kN/m", to = "4 kN/m", count = 60 }
 [solver]
 nodes = 17
 [case]
@@ -302,9 +318,10 @@ radius = "0.5 m"
 
 
 HEAVY = [
-    "woundon.studies.commands", "woundon.studies.api", "woundon.nip.solve", "woundon.nip.result",
-    "woundon.report.study_plots", "woundon.studies.export", "sqlite3", "pandas", "xarray",
-    "matplotlib.backends.backend_agg", "rich.progress", "scipy.optimize",
+    "woundon.cli.commands", "woundon.cli.studies", "woundon.studies.study_file",
+    "woundon.nip.solve", "woundon.nip.result", "woundon.report.study_plots",
+    "woundon.studies.export", "sqlite3", "pandas", "xarray", "matplotlib.backends.backend_agg",
+    "rich.progress", "scipy.optimize",
 ]  # fmt: skip
 FORKS = multiprocessing.get_context("forkserver")
 FORKS.set_forkserver_preload(HEAVY)  # imported once, not in every trial
@@ -378,19 +395,23 @@ def _woundon(arguments: Sequence[str], complaints: Path, largest: int) -> None:
     sys.exit(cli.main(arguments))
 
 
-def _finished(folder: Path, out: Path) -> bytes:
-    """Resume the study to its end; return its table."""
+def _finished(folder: Path, out: Path) -> tuple[bytes, dict[int, bytes]]:
+    """Resume the study to its end; return its table, and the outputs of its chunks."""
+    before = stored(out)
     code, said = Command(folder, out, workers=1).end()
     if code:
         raise Wrong(f"does not resume: {said}")
-    return (out / "study.csv").read_bytes()
+    chunks = stored(out)
+    if not before.items() <= chunks.items():
+        raise Wrong("solved chunks were lost or changed")
+    return (out / "study.csv").read_bytes(), chunks
 
 
 class Undisturbed:
-    """The table that every trial is compared with, and how long it takes."""
+    """The study that every trial is compared with, and how long it takes."""
 
     def __init__(self, folder: Path) -> None:
-        self.table = _finished(folder, folder / "whole")
+        self.content = _finished(folder, folder / "whole")
         began = time.monotonic()  # the first had to import everything
         self.compare(folder, folder / "again")
         self.seconds = time.monotonic() - began
@@ -400,7 +421,7 @@ class Undisturbed:
         time.sleep(dice.uniform(0, 1.3 * self.seconds))
 
     def compare(self, folder: Path, out: Path) -> None:
-        if _finished(folder, out) != self.table:
+        if _finished(folder, out) != self.content:
             raise Wrong("the table differs")
 
 
@@ -423,15 +444,18 @@ def together(seed: int, folder: Path, whole: Undisturbed) -> str:
     for _ in range(2):
         commands.append(Command(folder, out, dice.choice([1, 2])))
         time.sleep(dice.choice([0, dice.uniform(0, whole.seconds / 2)]))
-    whole.moment(dice)
-    dice.shuffle(commands)
-    for command in commands:
-        command.kill()
-        time.sleep(dice.choice([0, dice.uniform(0, 0.3)]))
-    for command in commands:
-        command.end()
+    is_killed = dice.random() < 0.5
+    if is_killed:
+        whole.moment(dice)
+        dice.shuffle(commands)
+        for command in commands:
+            command.kill()
+            time.sleep(dice.choice([0, dice.uniform(0, 0.3)]))
+    ends = [command.end() for command in commands]
+    if not is_killed and any(code for code, _ in ends):
+        raise Wrong(f"one of two processes failed: {ends}")
     whole.compare(folder, out)
-    return "the table is the same"
+    return f"{'both killed, resumed' if is_killed else 'both finished'}, the table is the same"
 
 
 def _empty(group: int, patience: float = 5.0) -> bool:
@@ -476,8 +500,9 @@ def full(seed: int, folder: Path, whole: Undisturbed) -> str:
         ["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", str(disk)], capture_output=True
     )
     try:
-        limited = {} if mounted.returncode == 0 else {"largest": dice.randrange(1, 3000)}
-        command = Command(folder, disk / "out", dice.choice([1, 2]), **limited)
+        is_limited = mounted.returncode != 0 or dice.random() < 0.5
+        largest = dice.randrange(1, 30_000) if is_limited else 0
+        command = Command(folder, disk / "out", dice.choice([1, 2]), largest)
         if dice.random() < 0.5:
             whole.moment(dice)
             command.kill()
@@ -494,3 +519,50 @@ def full(seed: int, folder: Path, whole: Undisturbed) -> str:
     finally:
         if mounted.returncode == 0:
             subprocess.run(["umount", "-l", str(disk)], check=True)
+
+
+# ---- all trials ---------------------------------------------------------------------------------
+
+KINDS: tuple[Callable[[int, Path, Undisturbed], str], ...] = (
+    damaged, killed, together, stopped, full,
+)  # fmt: skip
+
+
+def attacked(seed: int, folder: Path, whole: Undisturbed) -> tuple[str, str]:
+    """Return the kind of trial of a seed, and how the trial ended."""
+    kind = KINDS[seed % len(KINDS)]
+    folder.mkdir()
+    return kind.__name__, kind(seed, folder, whole)
+
+
+def main() -> int:
+    """Run many trials; print how many of each kind ended in which way, and the seeds of faults."""
+    parser = argparse.ArgumentParser(description="Attack studies and print how the trials ended.")
+    parser.add_argument("--cases", type=int, default=500)
+    parser.add_argument("--seed", type=int, default=0, help="of the first trial")
+    given = parser.parse_args()
+    place = Path(mkdtemp(prefix="attacks-"))
+    whole, ends, faults = Undisturbed(place), Counter[tuple[str, str]](), list[str]()
+    # a shell lets jobs in its background ignore Ctrl-C; here it prints the trials so far
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    with suppress(KeyboardInterrupt):
+        for seed in range(given.seed, given.seed + given.cases):
+            folder = place / str(seed)
+            try:
+                ends[attacked(seed, folder, whole)] += 1
+            except Exception as fault:
+                name = KINDS[seed % len(KINDS)].__name__
+                ends[name, "FAULT"] += 1
+                faults.append(f"{name}, seed {seed}: {type(fault).__name__}: {fault}")
+                print(faults[-1], file=sys.stderr, flush=True)
+            rmtree(folder, ignore_errors=True)
+    for (name, end), count in sorted(ends.items()):
+        print(f"{name:<10}{count:>5}  {end}")
+    print(f"{ends.total()} trials from seed {given.seed}, {len(faults)} with faults")
+    print(*faults, sep="\n")
+    rmtree(place, ignore_errors=True)
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import re
+import tomllib
+from importlib import resources
 from math import pi
 from pathlib import Path
 
@@ -12,9 +15,11 @@ import pandas
 import pytest
 
 import woundon as wo
+from woundon import kinds
 from woundon.cli.commands import main
 from woundon.io.case_texts import to_toml
 from woundon.problems.paths import get_field
+from woundon.quantities import scalar_outputs
 
 NIP = wo.NipProblem.example()
 ROLL = wo.RollProblem.example()
@@ -296,6 +301,24 @@ def test_a_smaller_friction_is_among_the_causes_of_a_smaller_tension():
     """Independent: the measured values are those of a nip with less friction."""
     check = check_of(tensions(roll_friction=0.15, nodes=33), nodes=33)
     assert "roll_friction -" in causes(check)
+
+
+def test_the_effects_outside_a_problem_name_classes_and_fields_that_exist():
+    """A misspelt name would never match a difference."""
+    path = resources.files("woundon") / "studies" / "explanations.toml"
+    content = tomllib.loads(path.read_text("utf-8"))
+    fields = {"radius"}.union(*(kind.problem.model_fields for kind in kinds.every()))
+    for effect in content["effects"]:
+        assert effect.get("unless", "air") in fields
+        for difference in effect["explains"]:
+            of_class, word, *trend = difference.split()
+            assert of_class in {"tension", *content["classes"]}
+            assert word in ("rises", "falls") if trend else word in ("larger", "smaller")
+            assert not trend or (trend[0] == "with" and trend[1] in fields)
+    for output in itertools.chain(*content["classes"].values()):
+        assert any(output in scalar_outputs(kind.result) for kind in kinds.every()) or (
+            output == "pressure"  # over the radius
+        )
 
 
 def test_a_constant_ratio_of_pressures_points_to_the_calibration(roll):

@@ -10,6 +10,8 @@ import json
 import pytest
 
 import woundon as wo
+from woundon.quantities import stress
+from woundon.report.study_panels import in_words
 
 
 @pytest.fixture(scope="module")
@@ -51,6 +53,11 @@ def test_sobol_indices_and_their_cases_are_shown_like_other_studies() -> None:
     rows = json.loads(indices.to_json())["rows"]
     assert [row["total_order"] for row in rows] == pytest.approx(indices.total_order[0])
     assert f"{rows[0]['total_order']:.4g}" in html
+    (axes,) = indices.plot().axes
+    labels = [text.get_text() for text in axes.get_yticklabels()]
+    assert sorted(labels) == ["friction coefficient of the\nrollers", "load"]
+    assert axes.get_title(loc="left") == "half-width of the contact"
+    assert axes.get_xlabel() == "share of the variance, with 95 % intervals"
     cases = indices.table._repr_html_()
     assert cases.count("<tr") == 1 + len(indices.table.cases)
     assert "half_width" in cases
@@ -63,3 +70,22 @@ def test_a_panel_is_drawn_into_given_axes(schedule: wo.OptimisedSchedule) -> Non
     assert schedule.plot(ax=ax, panels="reserves") is ax
     with pytest.raises(wo.InvalidProblem, match=r"must be .* or reserves"):
         schedule.plot(panels="reserve")
+
+
+def test_error_bars_of_a_comparison_are_explained_in_its_legends() -> None:
+    data = {"load": [4e3, 8e3], "nip_width [mm]": [0.65, 0.92], "nip_width +- [mm]": [0.02] * 2}
+    problem = wo.RollerProblem.example().replace(tangential_load=0.0)
+    figure = wo.compare(problem, data, nodes=17).plot()
+    for axes in figure.axes:
+        (entry, *_) = axes.get_legend().get_texts()
+        assert entry.get_text() == "two standard uncertainties"
+        (points,) = axes.containers
+        assert points.get_label() == entry.get_text()
+        assert points.has_yerr
+
+
+def test_labels_are_words_and_name_the_part_of_a_field() -> None:
+    assert in_words("upper.material.shear", stress("G", "shear modulus, of a layer")) == (
+        "shear modulus (upper material)"
+    )
+    assert in_words("gauge_band", None) == "gauge band"

@@ -216,32 +216,22 @@ nodes = 33
 CASE = Path(__file__).with_name("nip_alone.toml")
 
 
-def _command(study: Path, out: Path, *more: str) -> list[str]:
-    return [
+def _interrupted_in_the_middle(study: Path, out: Path, workers: str) -> tuple[int, str]:
+    """Start the study, press Ctrl-C after the first chunks; return exit code and output."""
+    command = [
         sys.executable, "-m", "woundon", "sweep", str(study), "--out", str(out), "--chunk", "5",
-        "--export", "csv", *more,
+        "--workers", workers,
     ]  # fmt: skip
-
-
-def _hear_ctrl_c() -> None:
-    """Undo what a shell does to jobs in its background: there Ctrl-C is ignored, and inherited."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
-
-
-def _stopped_in_the_middle(study: Path, out: Path, with_signal: int, *more: str) -> tuple[int, str]:
-    """Start the study, send the signal after the first chunks; return exit code and output."""
     process = subprocess.Popen(
-        _command(study, out, *more), stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True,
-        start_new_session=True, preexec_fn=_hear_ctrl_c,
+        command, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True,
+        start_new_session=True,
+        # a shell lets jobs in its background ignore Ctrl-C, which processes inherit
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )  # fmt: skip
     limit = time.monotonic() + 60
     while len(models.stored(out)) < 3 and process.poll() is None and time.monotonic() < limit:
         time.sleep(0.005)
-    # as a terminal's Ctrl-C does: to the whole group; a kill -9 hits the parent alone
-    if with_signal == signal.SIGINT:
-        os.killpg(process.pid, with_signal)
-    else:
-        process.send_signal(with_signal)
+    os.killpg(process.pid, signal.SIGINT)  # a terminal sends it to the whole group
     said = process.communicate(timeout=60)[1]
     return process.returncode, said
 
@@ -254,36 +244,11 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return study
 
 
-@pytest.fixture(scope="module")
-def whole(study: Path) -> bytes:
-    """Its result when nothing interrupts it."""
-    out = study.parent / "whole"
-    subprocess.run(_command(study, out), check=True, capture_output=True)
-    return (out / "study.csv").read_bytes()
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
-def test_kill_9_loses_no_finished_chunk_and_changes_no_number(
-    study: Path, whole: bytes, tmp_path: Path
-):
-    code, _ = _stopped_in_the_middle(study, tmp_path / "out", signal.SIGKILL, "--workers", "2")
-    assert code == -signal.SIGKILL
-    kept = models.stored(tmp_path / "out")
-    assert 3 <= len(kept) < 24
-    resumed = subprocess.run(
-        _command(study, tmp_path / "out", "--resume"), check=True, capture_output=True, text=True
-    )
-    assert resumed.stdout.startswith("120 cases in ")
-    assert (tmp_path / "out" / "study.csv").read_bytes() == whole
-    assert kept.items() <= models.stored(tmp_path / "out").items()
-
-
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
 @pytest.mark.parametrize("workers", ["1", slow_case("2")])
 def test_ctrl_c_ends_cleanly(study: Path, tmp_path: Path, workers: str):
     out = tmp_path / "out"
-    code, said = _stopped_in_the_middle(study, out, signal.SIGINT, "--workers", workers)
+    code, said = _interrupted_in_the_middle(study, out, workers)
     assert code == 130
     assert "finishing the chunks under way; press Ctrl-C again to stop at once" in said
     assert f"interrupted; the solved cases are in {out}, --resume continues" in said

@@ -137,5 +137,5 @@ def test_a_schedule_is_drawn_before_and_after(best: wo.OptimisedSchedule, tmp_pa
     assert (tmp_path / "schedule.png").stat().st_size > 10_000
     bars = figure.axes[-1]
     assert [label.get_text() for label in bars.get_yticklabels()] == [
-        margin.name for margin in best.margins_after if margin.checked
+        margin.title for margin in best.margins_after if margin.checked
     ]

@@ -154,7 +154,12 @@ def test_fields_that_have_no_derivative_are_rejected() -> None:
     roll = wo.solve(wo.RollProblem.example())
     with pytest.raises(wo.InvalidProblem, match="parameters: missing; must be names of fields"):
         wo.derivatives(roll)
-    with pytest.raises(wo.InvalidProblem, match="stack: is not a continuous field"):
+    for result in (roll, wo.solve(wo.NipProblem.example(), nodes=13)):
+        with pytest.raises(wo.InvalidProblem, match=r"parameters: \['core'\] is out of place"):
+            wo.derivatives(result, ["core"])
+    with pytest.raises(
+        wo.InvalidProblem, match=r"stack: .* is not a number, so it cannot be varied"
+    ):
         wo.derivatives(roll, "stack")
     with pytest.raises(wo.InvalidProblem, match="core_shrinkage: is 0, which has no scale"):
         wo.derivatives(roll, "core_shrinkage")

@@ -31,11 +31,6 @@ def test_ishigami():
     assert np.all(high - low < 0.15)
 
 
-def test_a_single_input_is_rejected():
-    with pytest.raises(wo.InvalidProblem, match="over: has one field; must be two or more"):
-        saltelli_cases({"a": (0.0, 1.0)}, 16, seed=0)
-
-
 def test_a_sum_has_no_interactions():
     # y = 2 a + b on equal ranges: shares 4/5 and 1/5
     found = _indices(models.LinearModel(), {"a": (0.0, 1.0), "b": (0.0, 1.0)}, 512)

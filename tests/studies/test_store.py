@@ -138,6 +138,13 @@ def test_a_store_has_a_rollback_journal_and_a_transaction_a_chunk(tmp_path: Path
         "UPDATE study SET record = '[]'",
         "DELETE FROM study",
         "DROP TABLE study",
+        "INSERT INTO study SELECT * FROM study",
+        "CREATE VIEW more AS SELECT number FROM chunk",
+        "CREATE INDEX more ON chunk (sha256)",
+        "CREATE TABLE more (number INTEGER)",
+        "CREATE TRIGGER more AFTER INSERT ON chunk BEGIN DELETE FROM chunk; END",
+        "ALTER TABLE chunk ADD COLUMN more TEXT",
+        "ALTER TABLE study RENAME COLUMN record TO text",
     ],
 )
 def test_a_damaged_study_is_rejected_and_left_as_it_is(tmp_path: Path, damage: str):
@@ -150,6 +157,39 @@ def test_a_damaged_study_is_rejected_and_left_as_it_is(tmp_path: Path, damage: s
 def test_a_file_that_is_no_database_is_rejected_and_left_as_it_is(tmp_path: Path, content: bytes):
     (tmp_path / "study.sqlite").write_bytes(content)
     check_rejected_and_unchanged(tmp_path)
+
+
+@pytest.mark.parametrize(
+    "statements",
+    [
+        ("CREATE TABLE more (number INTEGER)", "DROP TABLE more"),
+        ("CREATE TABLE notes (text TEXT)", "INSERT INTO notes VALUES ('mine')"),
+        # a view whose rows have no end
+        ("CREATE TABLE chunk (number INTEGER)", "CREATE VIEW study AS WITH RECURSIVE n(record) AS "
+         "(SELECT 1 UNION ALL SELECT record + 1 FROM n) SELECT record FROM n"),
+    ],
+)  # fmt: skip
+def test_a_database_of_another_program_is_rejected_and_left_as_it_is(
+    tmp_path: Path, statements: tuple[str, ...]
+):
+    change(tmp_path, *statements)
+    check_rejected_and_unchanged(tmp_path)
+
+
+def test_the_write_ahead_log_of_another_program_is_left_as_it_is(tmp_path: Path):
+    """SQLite would write the log into the file, and delete it, when the last connection closes."""
+    path, out = tmp_path / "notes.sqlite", tmp_path / "out"
+    out.mkdir()
+    with closing(sqlite3.connect(path)) as connection:
+        connection.execute("PRAGMA journal_mode=WAL")
+        connection.execute("CREATE TABLE notes (text TEXT)")
+        connection.commit()
+        for ending in ("", "-wal"):
+            shutil.copy(f"{path}{ending}", out / f"study.sqlite{ending}")
+    files = {file.name: file.read_bytes() for file in out.iterdir()}
+    with pytest.raises(wo.InvalidProblem, match="it has a write-ahead log, and a study has none"):
+        run(out, resume=True)
+    assert {file.name: file.read_bytes() for file in out.iterdir()} == files
 
 
 def check_rejected_and_unchanged(out: Path) -> None:

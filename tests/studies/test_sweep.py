@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 import study_models as models
@@ -65,24 +63,6 @@ def test_a_failed_case_is_a_row_with_its_reason():
     assert values[2] == pytest.approx(single.nip_induced_tension, rel=SAME)
 
 
-def test_web_tension_is_free_and_right():
-    """The winding theorem: T_in shifts T_out, and moves creep and approach, which are solved."""
-    tensions = [100.0, 500.0, 900.0]
-    cheap = wo.sweep(
-        paper_nip(), {"web_tension": tensions}, ("outlet_tension", "nip_induced_tension"), nodes=17
-    )
-    whole = wo.sweep(
-        paper_nip(), {"web_tension": tensions}, ("outlet_tension", "drum_creepage"), nodes=17
-    )
-    for T_in in tensions:
-        single = wo.solve(paper_nip(web_tension=T_in), nodes=17)
-        at = {"web_tension": T_in}
-        assert float(cheap.outlet_tension.sel(at)) == pytest.approx(single.outlet_tension, rel=SAME)
-        assert float(whole.outlet_tension.sel(at)) == pytest.approx(single.outlet_tension, rel=SAME)
-        assert float(whole.drum_creepage.sel(at)) == pytest.approx(single.drum_creepage, rel=SAME)
-        assert str(cheap.warnings.sel(at).values) == "; ".join(single.warnings)
-
-
 def test_bodies_and_materials_can_be_varied():
     drums = [wo.Rigid(radius=0.5), wo.Cylinder(radius=0.5, core_radius=0.48, material="rubber")]
     data = wo.sweep(
@@ -131,15 +111,3 @@ def test_a_sweep_without_any_solution_raises_with_its_reasons(
     assert "\n" not in str(fault.value)
     if kind is wo.NotConverged:
         assert set(fault.value.best.failure.values.ravel()) != {""}
-
-
-@pytest.mark.parametrize(
-    ("over", "options", "field"),
-    [({"load": range(10**12)}, {}, "over"), ({"load": [1e5]}, {"chunk": -3}, "chunk"),
-     ({"load": [1e5]}, {"chunk": "a"}, "chunk")],
-)  # fmt: skip
-def test_sizes_are_checked_before_the_work(tmp_path: Path, over, options, field):
-    with pytest.raises(wo.InvalidProblem) as fault:
-        wo.sweep(wo.RollerProblem.example(), over, ["half_width"], out=tmp_path / "out", **options)
-    assert fault.value.faults[0][0] == field
-    assert not (tmp_path / "out").exists()

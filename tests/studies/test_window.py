@@ -256,6 +256,11 @@ def test_the_best_point_and_the_table(strength):
     assert json.loads(strength.to_json())["windings"] == strength.windings
     with pytest.raises(wo.InvalidProblem, match="the range of the map"):
         strength.at(1000.0, 1500.0)
+    for load, given, field in (
+        (None, {}, "nip_load"), (2e3, {"seed": 1.5}, "seed"), (2e3, {"samples": 0}, "samples"),
+    ):  # fmt: skip
+        with pytest.raises(wo.InvalidProblem, match=f"{field}: "):
+            strength.simulate(300.0, load, **given)
 
 
 def test_without_uncertain_inputs_margins_hold_or_do_not():

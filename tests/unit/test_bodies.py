@@ -13,8 +13,6 @@ from woundon.elasticity.mesh import Wrap, nip_mesh
 STEEL = wo.material("steel")
 FACE = nip_mesh(17, Wrap(), Wrap()).roll_face
 
-KERNELS = [f"{q}_{load}" for q in ("normal", "tangent", "slope", "strain") for load in "pq"]
-
 
 def test_a_rigid_body_has_a_radius_and_does_not_deform() -> None:
     body = wo.Rigid(radius=0.3)
@@ -36,24 +34,6 @@ def test_a_half_planes_strain_has_no_curvature_and_its_answer_no_radius() -> Non
     C = 2 * (1 - 0.3**2) / 206e9
     assert near.kernels().slope_p.inverse == pytest.approx(C / pi, rel=1e-14)
     assert near.kernels().normal_p.log == pytest.approx(C / pi, rel=1e-14)
-
-
-def test_a_cylinder_is_a_half_plane_up_close() -> None:
-    cylinder = wo.Cylinder(radius=0.3, core_radius=0.05, material="paper")
-    half_plane = wo.HalfPlane(radius=0.3, material="paper")
-    assert cylinder.curvature == pytest.approx(1 / 0.3)
-    assert cylinder.thickness == pytest.approx(0.25)
-    near, limit = cylinder.kernels(), half_plane.kernels()
-    assert near.terms > 0
-    assert near.truncation_error < 1e-9
-    for name in KERNELS:
-        k, h = getattr(near, name), getattr(limit, name)
-        # the singular parts of the leading order are those of the half-plane, others are absent
-        assert k.inverse == pytest.approx(h.inverse, rel=1e-12, abs=1e-25)
-        assert k.delta == pytest.approx(h.delta, rel=1e-12, abs=1e-25)
-        if h.log or h.sign:
-            assert k.log == pytest.approx(h.log, rel=1e-12, abs=1e-25)
-            assert k.sign == pytest.approx(h.sign, rel=1e-12, abs=1e-25)
 
 
 def test_the_thinnest_layer_is_the_1_in_2000th() -> None:

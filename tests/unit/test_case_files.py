@@ -139,19 +139,11 @@ def test_bad_file_is_rejected(tmp_path, text, said):
         assert part in fault
 
 
-def test_a_number_of_thousands_of_digits_and_900_tables_are_rejected(tmp_path):
-    path = tmp_path / "case.toml"
-    path.write_text(f"schema = {'1' * 5000}\n")
-    with pytest.raises(wo.InvalidProblem, match="a number of thousands of digits"):
-        wo.load_case(path)
-    path.write_text(f"[{'.'.join('a' * 900)}]\n")
-    with pytest.raises(wo.InvalidProblem, match="nested too deeply"):
-        wo.load_case(path)
-
-
 @pytest.mark.parametrize(
     ("text", "said"),
     [
+        (f"schema = {'1' * 5000}", "it has a number of thousands of digits"),
+        (f"[{'.'.join('a' * 900)}]", "it is nested too deeply"),
         (f"nip_load = 0x{'f' * 5000}", "it has a number of thousands of digits"),
         (f"layers = [1, [0b{'1' * 20_000}]]", "it has a number of thousands of digits"),
         (f"{'.'.join('a' * 50_000)} = 1", "it is nested too deeply"),

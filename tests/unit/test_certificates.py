@@ -320,6 +320,8 @@ def test_the_tensions_are_those_of_the_tractions() -> None:
     for case in NIPS:
         r = solved(case)
         assert (r.wound_on_tension, r.inlet_tension) == (r.outlet_tension, r.problem.web_tension)
+        assert r.x[[0, -1]] == pytest.approx([-r.half_width, r.half_width])
+        assert (r.slip_angle, r.hoop_pressure.size, r.curvature.size) == (0.0, 0, 0)
         assert r.roll_wrap_traction == r.drum_wrap_traction == 0
     # the traction downstream of the edge is that on the roll alone
     r = solved("wrapped, both")

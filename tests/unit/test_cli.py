@@ -7,8 +7,10 @@ import json
 import os
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
+import click
 import pytest
 from slow_cases import slow_case
 
@@ -151,14 +153,6 @@ def test_describe_lists_fields_outputs_and_options(kind, capsys: Capture):
     assert ranges.get(kind.name, "(1e-08 to 10)") in text
 
 
-def test_describe_states_which_fields_are_required(capsys: Capture):
-    assert cli.main(["describe", "roll"]) == 0
-    text = " ".join(capsys.readouterr().out.split())
-    assert "(> 0 to 1e+12); required unless inner_radius and material define a tube" in text
-    assert "web thickness, 10 to 500 (> 0 to 100000); or from a grade" in text
-    assert "shrinkage of the core in the finished roll (-10 to 10); default 0" in text
-
-
 @pytest.mark.parametrize(
     ("command", "hint"),
     [
@@ -199,6 +193,138 @@ def test_options_are_those_of_the_public_function(command, function):
             assert option.name in known
             if isinstance(option.default, (bool, int, float)):
                 assert option.default == known[option.name].default
+
+
+# ---- options that are given twice ---------------------------------------------------------------
+
+
+def single_options() -> Iterator[tuple[list[str], str]]:
+    """Yield command, with arguments, and name of all options, except flags and repeatable ones."""
+    for name in cli.commands.list_commands(click.Context(cli.commands)):  # plug-ins too
+        command = cli.commands.get_command(click.Context(cli.commands), name)
+        params = command.get_params(click.Context(command))
+        arguments = ["x" for p in params if isinstance(p, click.Argument) and p.required]
+        for option in params:
+            if isinstance(option, click.Option) and not (option.is_flag or option.multiple):
+                yield [name, *arguments], option.opts[-1]
+
+
+@pytest.mark.parametrize(("command", "option"), list(single_options()))
+def test_an_option_given_twice_is_rejected_with_both_values(command, option, capsys: Capture):
+    assert cli.main([*command, option, "5", option, "7"]) == 2
+    message = f"error: {option}: is given twice, '5' and '7'; must be given once\n"
+    assert capsys.readouterr() == ("", message)
+
+
+@pytest.mark.parametrize(
+    ("args", "message"),
+    [
+        (["solve", "--set", "nip_load=1", "--set", "nip_load=2"],
+         "nip_load: is given twice, 'nip_load=1' and 'nip_load=2'"),
+        (["solve", "--set", "wrap.roll_wrap=1", "--roll-wrap", "2"],
+         "wrap.roll_wrap: is given twice, 'wrap.roll_wrap=1' and 'roll_wrap=2'"),
+        (["solve", "--set", "roll.radius=0.1", "--set", "roll.diameter=0.3"],
+         "roll.radius: is given twice, 'roll.radius=0.1' and 'roll.diameter=0.3'"),
+        (["solve", "--unit", "nip_load=pli", "--unit", "nip_load=kN/m"],
+         "nip_load: is given twice, 'pli' and 'kN/m'"),
+        (["solve", "--unit", "mill", "--unit", "SI"],
+         "system of units: is given twice, 'mill' and 'SI'"),
+        (["find", "--vary", "nip_load", "--tie", "a=b", "--tie", "a=c"],
+         "--tie a: is given twice, 'b' and 'c'"),
+        (["fit", "no.csv", "--vary", "nip_load", "--vary", "nip_load=1:2"],
+         "--vary nip_load: is given twice, None and (1.0, 2.0)"),
+        (["compare", "no.csv", "--column", "a=b", "--column", "a="],
+         "--column a: is given twice, 'b' and None"),
+        (["compare", "no.csv", "--spread", "nip_load=3 N/m", "--spread", "nip_load=2"],
+         "--spread nip_load: is given twice, '3 N/m' and 2.0"),
+        (["sweep", "--out", "x", "--export", "csv", "--export", "csv"],
+         "--export csv: is given twice, 'csv' and 'csv'"),
+        (["window", "--uncertain", "roll_friction=1 %", "--uncertain", "roll_friction=2 %"],
+         "--uncertain roll_friction: is given twice, '1 %' and '2 %'"),
+    ],
+)  # fmt: skip
+def test_a_name_given_twice_is_rejected_with_both_values(args, message, capsys: Capture):
+    command, *rest = args
+    assert cli.main([command, EXAMPLE, *rest]) == 2
+    assert capsys.readouterr() == ("", f"error: {message}; must be given once\n")
+
+
+def test_fields_of_one_table_and_flags_may_be_repeated(capsys: Capture):
+    settings = ["--set", "drum.kind=cylinder", "--set", "drum.core_radius=70 mm"]
+    command = [*QUICK, *settings, "--set", "drum.material=soft-cover", "--json", "--json"]
+    assert cli.main(command) == 0
+    assert json.loads(capsys.readouterr().out)["problem"]["drum"]["core_radius"] == 0.07
+
+
+# ---- units --------------------------------------------------------------------------------------
+
+
+def test_units_are_of_names_of_the_case(tmp_path, capsys: Capture):
+    case = tmp_path / "roll.toml"
+    case.write_text(template("roll"), encoding="utf-8")
+    study = tmp_path / "study.toml"
+    over = 'schema = 1\ncase = "roll.toml"\n[over]\nradius = [0.1, 0.15]\n'
+    study.write_text(over, encoding="utf-8")
+    of_roll = ["solve", str(case)], ["report", str(case)], ["sweep", str(study), "--out", "none"]
+    for command in of_roll:
+        assert cli.main([*command, "--unit", "nip_load=kN/m"]) == 2  # a field of nips
+        message = capsys.readouterr().err
+        assert message.startswith("error: nip_load: no field or output; known: caliper_pressure, ")
+
+
+# ---- written files ------------------------------------------------------------------------------
+
+FIND = ["find", EXAMPLE, *ALONE, "--nodes", "17", "--vary", "nip_load=1000:4000", "--points", "3"]
+FOUND = [*FIND, "--target", "wound_on_tension=600"]
+
+
+@pytest.mark.parametrize(
+    ("command", "files"),
+    [
+        ([*QUICK], {"--save": "a.csv", "--plot": "b.svg"}),
+        (FOUND, {"--case": "a.toml", "--plot": "b.svg"}),
+        (["schedule", "roll.toml", "--pressure", "200 kPa", "--rtol", "1e-3"],
+         {"--out": "a.csv", "--case": "b.toml"}),
+    ],
+)  # fmt: skip
+def test_written_files_are_named(command, files, tmp_path, monkeypatch, capsys: Capture):
+    monkeypatch.chdir(tmp_path)
+    Path("roll.toml").write_text(template("roll"), encoding="utf-8")
+    options = [part for option in files.items() for part in option]
+    assert cli.main([*command, *options]) == 0
+    expected = f"written: {', '.join(files.values())}"
+    assert capsys.readouterr().out.splitlines()[-1] == expected
+    assert all(Path(file).stat().st_size for file in files.values())
+
+
+def test_next_to_json_written_files_are_named_on_the_error_channel(
+    tmp_path, monkeypatch, capsys: Capture
+):
+    monkeypatch.chdir(tmp_path)
+    assert cli.main([*FOUND, "--case", "a.toml", "--json"]) == 0
+    printed = capsys.readouterr()
+    assert json.loads(printed.out)["output"] == "wound_on_tension"
+    assert printed.err.splitlines()[-1] == "written: a.toml"
+
+
+@pytest.mark.parametrize(("encoding", "sign", "name"), [
+    ("utf-8", "±", "\N{LATIN SMALL LETTER L WITH STROKE}.toml"),
+    ("latin-1", "+-", "\\u0142.toml"),
+])  # fmt: skip
+def test_a_terminal_gets_characters_that_it_can_show(encoding, sign, name, tmp_path):
+    """Solve and find write an error in the same way."""
+    file = tmp_path / "\N{LATIN SMALL LETTER L WITH STROKE}.toml"
+    for command in (QUICK, [*FOUND, "--case", str(file)]):
+        done = run_apart("-m", "woundon", *command, PYTHONIOENCODING=encoding)
+        assert f" {sign} " in done.stdout.decode(encoding)
+    assert done.stdout.decode(encoding).splitlines()[-1] == f"written: {tmp_path / name}"
+
+
+def test_a_coarse_mesh_is_reported_in_terms_of_all_interfaces(capsys: Capture):
+    """Neither nodes=33 of Python nor --nodes 33 of the command line."""
+    assert cli.main(["solve", EXAMPLE, *ALONE, "--set", "nip_load=1000", "--nodes", "17"]) == 0
+    text = " ".join(capsys.readouterr().out.split())
+    assert "the ends of which are known to 0.17 mm; use 33 nodes" in text
 
 
 def test_an_unknown_name_of_the_package_names_those_like_it():

@@ -13,6 +13,7 @@ import pytest
 
 import woundon as wo
 from woundon import kinds
+from woundon.problems.paths import counterpart
 from woundon.problems.permitted import requirement
 from woundon.quantities import members_of
 
@@ -203,3 +204,36 @@ def test_described_as_required_is_what_the_constructor_demands(model: Any) -> No
             assert can_be_omitted == {True, False}, name
         else:
             assert can_be_omitted == {note != ""}, name
+
+
+# ---- wrong types --------------------------------------------------------------------------------
+
+WRONG = [
+    {1: 2}, {None: 1}, {"material": {1: 2}}, {"kind": ["cylinder"]}, {"\ud800": 1}, [{1: 2}],
+    [None], [[1.0, 2.0]], (), {1.0, 2.0}, range(3), np.eye(2), np.array(["a"]), np.array([None]),
+    np.datetime64("2020-01-01"), np.ma.masked, (x for x in [1.0]), b"1", 1j, len, int, wo.Rigid,
+    wo.Web(thickness=66e-6, material="paper"), ValueError("x"), 10**400, "\ud800", True, ...,
+]  # fmt: skip
+
+
+def is_rejected_with_its_name(model: type[wo.Problem], fields: dict[str, Any]) -> bool:
+    """Return True if the constructor rejects a field by name; any other error is raised."""
+    try:
+        model(**fields)
+    except wo.InvalidProblem as error:
+        return all(field and text for field, text in error.faults)
+    return False
+
+
+@pytest.mark.parametrize("model", sorted(reachable(), key=lambda m: m.__name__))
+def test_values_of_a_wrong_type_are_rejected_with_the_name_of_the_field(model: Any) -> None:
+    example = next(example for example in EXAMPLES if type(example) is model)
+    fields = {name: getattr(example, name) for name in model.model_fields}
+    diameters = {counterpart(name, "radius") for name in fields} - {""}
+    graded = {"grade"} if getattr(model, "graded", ()) else set()
+    for name in sorted({*fields, *diameters, *graded}):
+        others = {n: v for n, v in fields.items() if n != counterpart(name, "diameter")}
+        for value in WRONG:
+            may_be_permitted = isinstance(value, (str, range, tuple, np.ndarray, bytes, wo.Web))
+            is_rejected = is_rejected_with_its_name(model, {**others, name: value})
+            assert is_rejected or may_be_permitted, (name, value)

@@ -7,21 +7,15 @@ from math import pi
 
 import numpy as np
 import pytest
+from elastic_cases import Stiffness, isotropic, whole
 from scipy.integrate import quad
 
 from woundon.elasticity import cylinder, half_plane
 from woundon.elasticity.cylinder import sequences, surface_kernels
-from woundon.elasticity.kernels import Kernel, SurfaceKernels
+from woundon.elasticity.kernels import SurfaceKernels
 
-Stiffness = tuple[float, float, float, float]
 PAPER: Stiffness = (20e6, 3e9, 5e6, 10e6)
 COMPLEX: Stiffness = (20e6, 30e6, 5e6, 30e6)
-
-
-def isotropic(E: float, nu: float) -> Stiffness:
-    """Return A_rr, A_tt, A_rt, G of plane strain."""
-    direct = E * (1 - nu) / ((1 + nu) * (1 - 2 * nu))
-    return direct, direct, direct * nu / (1 - nu), E / (2 * (1 + nu))
 
 
 BODIES: dict[str, tuple[float, float, Stiffness]] = {
@@ -35,13 +29,6 @@ BODIES: dict[str, tuple[float, float, Stiffness]] = {
 NAMES = [
     f"{quantity}_{load}" for quantity in ("normal", "tangent", "slope", "strain") for load in "pq"
 ]
-
-
-def whole(kernel: Kernel, t: np.ndarray) -> np.ndarray:
-    """Return the kernel with its singular parts, away from t = 0."""
-    assert kernel.smooth is not None
-    near = kernel.inverse / t + kernel.log * np.log(np.abs(t)) + kernel.sign * np.sign(t)
-    return near + kernel.smooth(t)
 
 
 def kernels(body: tuple[float, float, Stiffness]) -> SurfaceKernels:

@@ -7,18 +7,11 @@ from math import pi
 import mpmath as mp
 import numpy as np
 import pytest
+from elastic_cases import whole
 
 from woundon.elasticity.fourier import HarmonicSum, HarmonicSums, polylogarithm
-from woundon.elasticity.kernels import Kernel
 
 R = 0.4
-
-
-def whole(kernel: Kernel, t: np.ndarray) -> np.ndarray:
-    """Return the kernel with its singular parts, away from t = 0."""
-    assert kernel.smooth is not None
-    near = kernel.inverse / t + kernel.log * np.log(np.abs(t)) + kernel.sign * np.sign(t)
-    return near + kernel.smooth(t)
 
 
 @pytest.mark.parametrize("j", range(8))

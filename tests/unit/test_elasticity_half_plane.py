@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import pi, sqrt
 
 import pytest
+from elastic_cases import isotropic
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -12,12 +13,6 @@ from woundon.elasticity import half_plane, strip
 
 PAPER = (20e6, 3e9, 5e6, 10e6)
 modulus = st.floats(1e5, 1e11)
-
-
-def isotropic(E: float, nu: float) -> tuple[float, float, float, float]:
-    """Return A_rr, A_tt, A_rt, G of plane strain."""
-    direct = E * (1 - nu) / ((1 + nu) * (1 - 2 * nu))
-    return direct, direct, direct * nu / (1 - nu), E / (2 * (1 + nu))
 
 
 @pytest.mark.parametrize("nu", [0.0, 0.3, 0.45, 0.499, 0.49999])

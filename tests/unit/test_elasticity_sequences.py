@@ -12,20 +12,12 @@ from math import cosh, log, sinh, sqrt
 import mpmath as mp
 import numpy as np
 import pytest
+from elastic_cases import Stiffness, isotropic
 from hypothesis import given
 from hypothesis import strategies as st
 
 from woundon.elasticity import half_plane
 from woundon.elasticity.cylinder import asymptotic_compliance, sequences, surface_compliance
-
-Stiffness = tuple[float, float, float, float]
-
-
-def isotropic(E: float, nu: float) -> Stiffness:
-    """Return A_rr, A_tt, A_rt, G of plane strain."""
-    direct = E * (1 - nu) / ((1 + nu) * (1 - 2 * nu))
-    return direct, direct, direct * nu / (1 - nu), E / (2 * (1 + nu))
-
 
 MATERIALS: dict[str, Stiffness] = {
     "paper, real roots": (20e6, 3e9, 5e6, 10e6),

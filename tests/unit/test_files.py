@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import io
 import os
 import resource
@@ -104,7 +103,7 @@ def test_files_of_the_kernel_that_say_they_are_empty_are_read():
 @pytest.mark.parametrize("load", [wo.load_case, wo.load_result])
 @pytest.mark.parametrize("path", [0, None])
 def test_what_is_no_path_is_no_open_file(load, path):
-    with pytest.raises(TypeError, match=r"os\.PathLike"):
+    with pytest.raises(wo.InvalidProblem, match=r"path: .* is out of place; must be a str or"):
         load(path)
 
 
@@ -128,16 +127,6 @@ def largest_file(size: int) -> Iterator[None]:
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, kept)
         sys.dont_write_bytecode = compiled
-
-
-def test_a_write_that_fails_leaves_the_old_file_and_nothing_else(tmp_path):
-    path = tmp_path / "a"
-    path.write_text("old")
-    with pytest.raises(OSError, match="File too large") as fault, largest_file(1000):
-        write_whole(path, bytes(5000))
-    assert (fault.value.errno, fault.value.filename) == (errno.EFBIG, str(path))
-    assert path.read_text() == "old"
-    assert list(tmp_path.iterdir()) == [path]
 
 
 def test_a_block_that_raises_leaves_the_old_file_and_nothing_else(tmp_path):

@@ -10,7 +10,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import woundon as wo
-from woundon.elasticity import half_plane
 from woundon.elasticity.strip import compliance
 from woundon.problems.materials import MATERIALS
 
@@ -35,12 +34,6 @@ def test_isotropic_stiffness_inverts_plane_strain_hookes_law(E: float, nu: float
     assert c.c11 == pytest.approx(direct, rel=8 * rounding)
     assert c.c12 == pytest.approx(-nu * (1 + nu) / E, rel=8 * rounding, abs=1e-15 / E)
     assert c.c22 == c.c11
-
-
-@given(E=modulus, nu=ratio)
-def test_an_isotropic_half_plane_has_hertzs_modulus(E: float, nu: float) -> None:
-    C = half_plane.coefficients(*wo.Isotropic(youngs_modulus=E, poissons_ratio=nu).stiffness).C
-    assert pytest.approx(2 * (1 - nu**2) / E, rel=1e-15 / (1 - 2 * nu) * 8) == C
 
 
 @given(radial=modulus, tangential=modulus, share=st.floats(0, 0.999), shear=modulus)

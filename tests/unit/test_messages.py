@@ -17,7 +17,7 @@ from golden_text import assert_golden, read_golden
 
 import woundon as wo
 from woundon.cli.commands import main
-from woundon.io.case_files import to_toml
+from woundon.io.case_files import apply_settings, make_problem, to_toml
 from woundon.problems.two_drums import drum_loads, rider_load_for, roll_weight
 from woundon.problems.units import parse
 from woundon.studies.api import study_of
@@ -114,7 +114,8 @@ NAMES = {
     "COVER": wo.Cylinder(radius=0.25, core_radius=0.235, material=RUBBER),
     "roll_weight": roll_weight, "rider_load_for": rider_load_for, "plan": plan,
     "fit": fit, "case": case, "study": study, "parse": parse, "written": written,
-    "measured": measured, "cases": cases, "to_toml": to_toml,
+    "measured": measured, "cases": cases, "to_toml": to_toml, "make_problem": make_problem,
+    "apply_settings": apply_settings,
 }  # fmt: skip
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
 
@@ -19,6 +20,7 @@ from woundon import kinds, quantities
 from woundon.quantities import line_load, stress
 from woundon.report.drawing import draw_figure
 from woundon.report.figures import symbol_text
+from woundon.report.panels import Axis, Curve, Panel
 from woundon.report.result_panels import array_panels
 from woundon.report.sweep_panels import plot_sweep
 from woundon.studies.cases import make_cases
@@ -368,8 +370,77 @@ def test_a_sweep_states_how_many_curves_and_panels_it_shows(shape, curves, panel
     figure = plot_sweep(grid(*shape), "output")
     assert len(figure.axes) == panels
     assert all(len(axes.get_lines()) == curves for axes in figure.axes)
-    assert not any(axes.get_legend() for axes in figure.axes[:-1])
+    assert [axes.get_legend() for axes in figure.axes] == [None] * panels
+    assert len(figure.legends) == (curves > 1)  # one of all panels
+    figure.draw_without_rendering()
+    widths = [axes.get_window_extent().width for axes in figure.axes]
+    assert widths == pytest.approx([widths[0]] * panels, rel=1e-4)  # positions are rounded
     title = figure.get_suptitle()
     assert [f"{n} of {count}" in title for n, count in stated] == [True] * len(stated)
     assert title.count(" of ") == len(stated)
     assert ("drum friction" in title) == (len(shape) > 3)
+
+
+def test_panels_without_a_solution_say_so():
+    swept = grid(3, 2, 2)
+    swept.outputs["output"][::2] = np.nan  # the first value of the third input
+    empty, drawn = plot_sweep(swept, "output").axes
+    assert [text.get_text() for text in empty.texts] == ["no case was solved"]
+    assert drawn.texts[:] == []
+    assert empty.get_ylim() == drawn.get_ylim()
+    swept.outputs["output"][:] = np.nan
+    (axes,) = plot_sweep(swept, "output").axes
+    assert [text.get_text() for text in axes.texts] == ["none of the 12 cases was solved"]
+    assert not any(tick.label1.get_visible() for tick in axes.yaxis.get_major_ticks())
+
+
+# ---- scales, labels and legends
+
+
+def test_a_scale_of_colours_is_as_tall_as_its_panel(results):
+    figure = results["roll"].plot(panels=["pressure", "hardness", "disc"])
+    figure.draw_without_rendering()
+    disc = figure.axes[-1]
+    (bar,) = disc.child_axes
+    assert bar.get_window_extent().height == pytest.approx(disc.get_window_extent().height)
+    assert bar.get_window_extent().height < 0.8 * figure.bbox.height
+    assert bar.get_ylabel() == "Pressure $P$ [kPa]"
+
+
+@pytest.mark.parametrize("ends", [(3.1, 4.5), (1.2, 9.0), (6.0, 70.0), (2.0, 1500.0)])
+def test_logarithmic_axes_have_at_least_three_labels(ends: tuple[float, float]):
+    x = np.geomspace(*ends, 5)
+    panel = Panel("a", "a", Axis("x", log=True, limits=ends), Axis("y"), curves=(Curve("a", x, x),))
+    (axes,) = draw_figure([[panel]]).axes
+    figure = axes.figure
+    figure.draw_without_rendering()
+    labels = [text.get_text() for text in axes.get_xticklabels()]
+    ticks = zip(axes.get_xticks(), labels, strict=True)
+    assert len([label for tick, label in ticks if ends[0] <= tick <= ends[1] and label]) >= 3
+
+
+def test_no_power_of_ten_stands_apart_from_the_labels():
+    x = np.linspace(2.05e10, 2.3e10, 5)
+    panel = Panel("a", "a", Axis("x"), Axis("y"), curves=(Curve("a", x, 1e-7 * x),), width=3.1)
+    (axes,) = draw_figure([[panel]]).axes
+    axes.figure.draw_without_rendering()
+    assert (axes.xaxis.get_offset_text().get_text(), axes.yaxis.get_offset_text().get_text()) == (
+        "", "",
+    )  # fmt: skip
+    texts = [text.get_text() for text in axes.get_xticklabels()]
+    assert [float(text) for text in texts] == pytest.approx(list(axes.get_xticks()))
+    boxes = [text.get_window_extent() for text in axes.get_xticklabels()]
+    assert not any(left.overlaps(right) for left, right in pairwise(boxes))
+
+
+def test_legends_of_a_winding_name_all_that_is_drawn(results):
+    figure = results["winding"].plot(panels=["pressure", "hoop_stress", "reserves"])
+    pressure, hoop, reserves = (
+        [text.get_text() for text in axes.get_legend().get_texts()] for axes in figure.axes
+    )
+    assert pressure == ["$P$ earlier stages", "$P$ finished roll"]
+    assert [text.partition("$ ")[2] or text for text in hoop] == [
+        "earlier stages", "finished roll", "compression",
+    ]  # fmt: skip
+    assert "slip" in reserves
+    assert not any("_" in text for text in reserves)

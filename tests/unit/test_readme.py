@@ -55,9 +55,9 @@ def test_python_block_prints_what_the_readme_says():
 
 
 def start_of_report(answer: str) -> str:
-    """Return the first line of a report and its section of results, the third paragraph."""
+    """Return the first line of a report and its section of results; "..." for those between."""
     first, _, results = answer.split("\n\n")[:3]
-    return f"{first.splitlines()[0]}\n\n{results}\n"
+    return f"{first.splitlines()[0]}\n...\n\n{results}\n"
 
 
 def test_command_prints_what_the_readme_says():

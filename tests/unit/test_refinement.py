@@ -7,9 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from random_nips import random_nip
 
-import woundon as wo
 from woundon.contact import refinement
 from woundon.contact.newton import NewtonFailed
 from woundon.contact.refinement import (
@@ -148,23 +146,3 @@ def test_a_start_that_fails_is_replaced_by_the_initial_guess() -> None:
     start = refine(Toy, nodes=41)
     found = refine(Unguided, nodes=41, start=start)
     assert found.last.outputs["Q"] == pytest.approx(start.last.outputs["Q"], rel=1e-14)
-
-
-@pytest.mark.slow
-def test_estimated_errors_bound_true_errors() -> None:
-    """Random nips against meshes of four times the nodes: convergence.
-
-    97 % of true errors are required within 1.5 estimates; of 12 nips with a chance of 3 % each,
-    more than two lie outside in one of two hundred draws.
-    """
-    names = ("nip_induced_tension", "outlet_tension", "half_width", "peak_pressure", "offset",
-             "drum_creepage")  # fmt: skip
-    problems = [random_nip(seed) for seed in range(300, 312)]
-    pairs = [(wo.solve(p, nodes=65), wo.solve(p, nodes=257)) for p in problems]
-    for name in names:
-        ratios = [
-            abs(getattr(one, name) - getattr(two, name)) / one.errors[name] for one, two in pairs
-        ]
-        assert sum(ratio > 1.5 for ratio in ratios) <= 2, name
-        # an error many times too large would be a bound as well, and of no use
-        assert np.median(ratios) > 0.02, name

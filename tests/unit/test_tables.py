@@ -73,6 +73,11 @@ def test_names_symbols_and_meanings_of_units(header: str, name: str, value: floa
     assert data.inputs[name].tolist() == [value]  # to the last bit: by exact fractions
 
 
+def test_one_header_is_assigned_once_in_any_spelling():
+    twice = "is given twice, ('Load', 'nip_load') and ('LOAD', None); must be given once"
+    assert faults({"load": [1.0]}, {"Load": "nip_load", "LOAD": None}) == [twice]
+
+
 # ---- text files ---------------------------------------------------------------------------------
 
 GERMAN = (

@@ -126,10 +126,10 @@ def test_few_nodes_in_a_zone() -> None:
     result = solved(newsprint_nip(), nodes=13)
     texts = result.warnings
     resolved = [re.sub(r", the ends of which are known to [\d.]+ mm", "", text) for text in texts]
-    assert "resolution: 2 nodes in a stick zone at the roll; use nodes=25" in resolved
+    assert "resolution: 2 nodes in a stick zone at the roll; use 25 nodes" in resolved
     # the words of the reports; the roll's last zone and the drum's are one
-    assert "resolution: 3 nodes in a zone with the web slower at the roll; use nodes=25" in resolved
-    assert "resolution: 3 nodes in the dual-slip zone; use nodes=25" in resolved
+    assert "resolution: 3 nodes in a zone with the web slower at the roll; use 25 nodes" in resolved
+    assert "resolution: 3 nodes in the dual-slip zone; use 25 nodes" in resolved
     cell = float(np.diff(result.x[result.in_nip]).max()) * 1e3
     known = [float(text.split("known to ")[1].split(" mm")[0]) for text in texts if "known" in text]
     assert all(0 < one <= 1.05 * cell for one in known)

@@ -7,7 +7,6 @@ import re
 import warnings
 from collections.abc import Callable
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -37,6 +36,13 @@ def wound(body: str = "linear") -> wo.WindingResult:
 @cache
 def braked() -> wo.WindingResult:
     return wo.solve(CASE.replace(tension_law="friction", winding_force=-50.0))
+
+
+def deviation(run: wo.WindingResult, r: float) -> float:
+    """Return how far a linear winding's tension is from that of a nip solved at r, relative."""
+    nip = run.problem.nip(r, wo.Cylinder(radius=r, core_radius=0.05, material="newsprint"))
+    tension = np.interp(r, run.radius, run.wound_on_tension)
+    return float(abs(wo.solve(nip, nodes=33).roll_wound_on_tension / tension - 1))
 
 
 # ---- interpolation ------------------------------------------------------------------------------
@@ -91,9 +97,7 @@ def test_schedules_that_wander_take_as_few_nips_as_smooth_ones():
 def test_nips_under_measured_loads_are_within_the_error_reported():
     run = wandering()
     for r in (0.0573, 0.0811, 0.1024):
-        nip = run.problem.nip(r, wo.Cylinder(radius=r, core_radius=0.05, material="newsprint"))
-        tension = np.interp(r, run.radius, run.wound_on_tension)
-        off = abs(wo.solve(nip, nodes=33).roll_wound_on_tension / tension - 1)
+        off = deviation(run, r)
         assert off <= run.interpolation_error
     # noise moves the tension by 5 % of it and more: what is left is the second order
     assert run.interpolation_error < 0.015
@@ -137,9 +141,7 @@ def test_nips_are_solved_down_to_ten_layers_on_the_core():
     assert run.nip_radius[0] == pytest.approx(0.05 + 10 * 66e-6)
     assert np.count_nonzero(run.nip_radius < 0.0525) >= 3
     for r in (0.0508, 0.0517, 0.0522):
-        nip = run.problem.nip(r, wo.Cylinder(radius=r, core_radius=0.05, material="newsprint"))
-        tension = np.interp(r, run.radius, run.wound_on_tension)
-        off = abs(wo.solve(nip, nodes=33).roll_wound_on_tension / tension - 1)
+        off = deviation(run, r)
         # and the error of linear interpolation between the radii, 0.3 rtol
         assert off <= run.core_interpolation_error + 0.3 * COARSE["rtol"]
     assert run.nip_induced_tension[0] < 0.2 * run.nip_induced_tension.max()
@@ -210,9 +212,7 @@ def test_the_interpolation_error_is_reported():
     """Nips at radii that took no part miss the curve by no more than is reported."""
     run = wound()
     for r in (0.057, 0.075, 0.1):
-        nip = run.problem.nip(r, wo.Cylinder(radius=r, core_radius=0.05, material="newsprint"))
-        tension = np.interp(r, run.radius, run.wound_on_tension)
-        off = abs(wo.solve(nip, nodes=33).roll_wound_on_tension / tension - 1)
+        off = deviation(run, r)
         assert off <= run.interpolation_error <= 5e-3
     assert run.errors["mean_wound_on_tension"] > run.interpolation_error * 400
 
@@ -376,17 +376,3 @@ def test_every_law_can_fail(law: str, corrupt: Corrupt):
 
 def test_no_law_is_without_its_fault():
     assert {law for law, _ in FAULTS} == set(dict(wound().residuals.items()))
-
-
-# ---- files --------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("ending", [".nc", ".json"])
-def test_a_file_gives_the_winding_back_with_its_roll(tmp_path: Path, ending: str):
-    run = wound("effective")
-    path = tmp_path / f"run{ending}"
-    run.save(path)
-    again = wo.load_result(path)
-    assert again == run
-    np.testing.assert_array_equal(again.roll.pressure, run.roll.pressure)
-    assert again.certified() == run.certified()

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from derivatives import check_sensitivity
 from thesis_cases import newsprint_nip
 
 import woundon as wo
@@ -58,16 +59,6 @@ def test_of_one_pressure_it_is_a_cylinder(pressure: Any) -> None:
     np.testing.assert_allclose(found, expected, rtol=1e-10)
 
 
-def test_of_a_constant_law_it_is_a_cylinder() -> None:
-    rr, tt, rt, shear, _ = wo.material("newsprint").stiffness
-    linear = wo.Stack(
-        radial=rr * (1 - rt**2 / (rr * tt)), tangential=tt - rt**2 / rr, poissons_ratio=rt / rr,
-        shear=shear,
-    )  # fmt: skip
-    made = EXAMPLE.replace(roll=roll(stack=linear))
-    np.testing.assert_allclose(outputs(made), outputs(EXAMPLE), rtol=1e-10)
-
-
 def test_cells_converge_with_the_fourth_order() -> None:
     n = np.geomspace(2, 300, 12)
     graded = roll(pressure=GRADED)
@@ -101,20 +92,10 @@ def test_a_soft_surface_makes_a_wide_nip() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("name", "value"), [("roll.stack.radial.K2", 127.0), ("roll.pressure.value.3", 20e3)]
-)
-def test_sensitivities_of_a_frozen_roll(name: str, value: float) -> None:
-    problem = EXAMPLE.replace(roll=roll(pressure=GRADED))
-    result = wo.solve(problem, nodes=25)
-    slope = result.sensitivity(name).derivative("half_width", name)
-    step = 1e-3 * value
-    up, down = (
-        wo.solve(problem.replace(**{name: value + sign * step}), nodes=25, start=result)
-        for sign in (1, -1)
-    )
-    by_differences = (up.half_width - down.half_width) / (2 * step)
-    assert slope == pytest.approx(by_differences, rel=1e-4)
+@pytest.mark.parametrize("name", ["roll.stack.radial.K2", "roll.pressure.value.3"])
+def test_sensitivities_of_a_frozen_roll(name: str) -> None:
+    result = wo.solve(EXAMPLE.replace(roll=roll(pressure=GRADED)), nodes=25)
+    check_sensitivity(result, [name], ["half_width"], rtol=1e-4)
 
 
 def test_what_is_no_full_answer_says_so() -> None:

@@ -8,9 +8,9 @@ contact) and ``bentall`` (Bentall and Johnson 1967, 200 elements).
 from __future__ import annotations
 
 import pytest
+from roller_cases import dissimilar_pair
 
 import woundon as wo
-from woundon import theories
 
 # by retardation time tau_C [s]: largest pressure [Pa], creepage
 VISCOELASTIC = {
@@ -43,21 +43,8 @@ def test_viscoelastic_cylinders(tau: float) -> None:
     assert creepage < abs(result.creepage) < 1.02 * creepage  # measured: 0.5 to 1.7 %
 
 
-def test_the_elastic_cylinders_agree_with_the_closed_form() -> None:
-    problem = cylinders(0.0)
-    result, exact = wo.solve(problem, rtol=1e-4), theories.carter(problem).creepage
-    assert result.creepage == pytest.approx(exact, rel=1e-4)
-
-
 @pytest.mark.parametrize("share", DISSIMILAR)
 def test_dissimilar_rollers_with_traction(share: float) -> None:
-    def roller(shear: float, nu: float) -> wo.HalfPlane:
-        material = wo.Isotropic(youngs_modulus=2 * shear * (1 + nu), poissons_ratio=nu)
-        return wo.HalfPlane(radius=0.05, material=material)
-
-    problem = wo.RollerProblem(
-        upper=roller(23e9, 0.31), lower=roller(82e9, 0.28), load=16201.9, friction=0.05,
-        tangential_load=share * 0.05 * 16201.9,
-    )  # fmt: skip
+    problem = dissimilar_pair(0.05, tangential_load=share * 0.05 * 16201.9)
     # measured: 1e-5, 4e-4, 3e-5
     assert abs(wo.solve(problem).creepage) == pytest.approx(DISSIMILAR[share], rel=6e-4)

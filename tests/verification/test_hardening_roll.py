@@ -45,14 +45,6 @@ def test_elements_of_a_constant_law_make_the_linear_cylinder(reference: float) -
     assert errors[0] > 3.5 * errors[1]  # order two and better: 4.7
 
 
-def test_a_stack_that_does_not_harden_is_the_linear_roll() -> None:
-    hard = roll()
-    body = hard.replace(stack=hard.stack.replace(radial=27e6))
-    found, wanted = (wo.solve(nip(one), nodes=33) for one in (body, linear(body, 0.0)))
-    assert found.nip_induced_tension == pytest.approx(wanted.nip_induced_tension, rel=1e-7)
-    assert found.peak_pressure == pytest.approx(wanted.peak_pressure, rel=1e-7)
-
-
 @pytest.mark.slow
 def test_under_a_light_load_it_is_the_linear_roll_of_the_wound_pressure() -> None:
     """At 0.2 N/m p_max is 4 kPa and K1 + P0 100 kPa: the rest falls with the pressure."""

@@ -12,6 +12,7 @@ from math import sqrt
 import numpy as np
 import pytest
 from random_nips import random_rollers
+from roller_cases import dissimilar_pair
 
 import woundon as wo
 from woundon import theories
@@ -19,19 +20,9 @@ from woundon import theories
 BETA = 0.143834  # Dundurs' constant of the pair
 
 
-def pair(friction: float, radius: float = 0.05) -> wo.RollerProblem:
-    def roller(shear: float, nu: float) -> wo.HalfPlane:
-        steel_like = wo.Isotropic(youngs_modulus=2 * shear * (1 + nu), poissons_ratio=nu)
-        return wo.HalfPlane(radius=radius, material=steel_like)
-
-    return wo.RollerProblem(
-        upper=roller(23e9, 0.31), lower=roller(82e9, 0.28), load=16201.9, friction=friction
-    )
-
-
 def test_the_limit_of_little_friction() -> None:
     """The soft upper roller is the faster one before strain: xi < 0."""
-    result = wo.solve(pair(1e-4))
+    result = wo.solve(dissimilar_pair(1e-4))
     assert result.creepage == pytest.approx(-5.26299e-4, rel=3e-3)  # measured: 1e-4
     assert result.half_width == pytest.approx(0.1e-3, rel=1e-4)
     assert result.tangential_load == pytest.approx(0, abs=1e-10 * 16201.9)
@@ -45,14 +36,14 @@ def test_the_limit_of_little_friction() -> None:
 
 
 def test_little_friction_with_rollers_half_as_large() -> None:
-    result = wo.solve(pair(1e-4, radius=0.025))
+    result = wo.solve(dissimilar_pair(1e-4, radius=0.025))
     a, R = result.half_width, 0.0125
     assert a == pytest.approx(0.1e-3 / sqrt(2), rel=1e-4)
     assert result.creepage == pytest.approx(-0.457386 * 2 * BETA * a / R, rel=3e-3)
 
 
 def test_the_limit_of_full_stick() -> None:
-    problem = pair(10.0)
+    problem = dissimilar_pair(10.0)
     result, exact = wo.solve(problem), theories.bentall_johnson_stick(problem)
     # with mu = 10 the slip at the edges is shorter than a cell of this or any affordable grid
     assert set(result.zone) == {wo.Zone.STICK}
@@ -66,7 +57,7 @@ def test_the_limit_of_full_stick() -> None:
 
 
 def test_full_stick_converges() -> None:
-    problem, nodes = pair(10.0), [26, 51, 101, 201]
+    problem, nodes = dissimilar_pair(10.0), [26, 51, 101, 201]
     exact = theories.bentall_johnson_stick(problem)
     misses = [abs(wo.solve(problem, nodes=n).creepage - exact.creepage) for n in nodes]
     order = -np.polyfit(np.log(nodes), np.log(misses), 1)[0]
@@ -74,7 +65,9 @@ def test_full_stick_converges() -> None:
 
 
 def test_between_the_limits_the_creepage_falls_with_friction() -> None:
-    creepages = [abs(wo.solve(pair(mu)).creepage) for mu in (1e-4, 0.02, 0.05, 0.2, 10.0)]
+    creepages = [
+        abs(wo.solve(dissimilar_pair(mu)).creepage) for mu in (1e-4, 0.02, 0.05, 0.2, 10.0)
+    ]
     assert creepages == sorted(creepages, reverse=True)
 
 

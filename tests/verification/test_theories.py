@@ -12,48 +12,19 @@ from typing import Any
 
 import numpy as np
 import pytest
+import thesis_cases
+from roller_cases import dissimilar_pair, steel_pair
 from scipy.integrate import quad
 
 import woundon as wo
 from woundon import theories
 
-STEEL = wo.Isotropic(youngs_modulus=206e9, poissons_ratio=0.3)
 PAPER = wo.material("paper")
 
 
-def steel_pair(**fields: Any) -> wo.RollerProblem:
-    """Two equal steel rollers, the case of thesis Fig. 5 with a tangential load below sliding."""
-    roller = wo.HalfPlane(radius=0.25, material=STEEL)
-    given = {"load": 89e3, "friction": 0.5, "tangential_load": 8.4e3} | fields
-    return wo.RollerProblem(upper=roller, lower=roller, **given)
-
-
-def dissimilar_pair(load: float = 16201.9) -> wo.RollerProblem:
-    """Bentall and Johnson's pair: shear moduli 23 and 82 GPa, a = 0.1 mm by Hertz.
-
-    The published a, P and creepages agree with each other for a relative radius of 25 mm.
-    """
-
-    def roller(shear: float, nu: float) -> wo.HalfPlane:
-        material = wo.Isotropic(youngs_modulus=2 * shear * (1 + nu), poissons_ratio=nu)
-        return wo.HalfPlane(radius=0.05, material=material)
-
-    return wo.RollerProblem(
-        upper=roller(23e9, 0.31), lower=roller(82e9, 0.28), load=load, friction=0.1
-    )
-
-
 def paper_nip(**fields: Any) -> wo.NipProblem:
-    given: dict[str, Any] = {
-        "web": wo.Web(thickness=66e-6, material=PAPER),
-        "roll": wo.HalfPlane(radius=0.3, material=PAPER),
-        "drum": wo.Rigid(radius=0.5),
-        "roll_friction": 0.2,
-        "drum_friction": 0.4,
-        "nip_load": 1900.0,
-        "winding_force": 100.0,
-    } | fields
-    return wo.NipProblem(**given, roll_wrap=0.0)
+    """Return the nip of Table 1 with a half-plane for a roll."""
+    return thesis_cases.paper_nip(**{"roll": wo.HalfPlane(radius=0.3, material=PAPER)} | fields)
 
 
 def integral(f: Any, a: float, kinks: tuple[float, ...] = ()) -> float:

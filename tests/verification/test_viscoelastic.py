@@ -19,6 +19,7 @@ from woundon.elasticity.mesh import Face, Wrap, nip_mesh
 from woundon.elasticity.relaxation import creep, modulus_ratio
 
 Array = np.ndarray
+NIP = wo.NipProblem.example().replace(roll_wrap=0.0, drum=cover(rubber()), web_speed=3.0)
 
 
 def nip_face(nodes: int) -> Face:
@@ -234,14 +235,11 @@ def test_a_single_layer_is_a_cylinder() -> None:
 
 
 def test_dissipation_by_the_surface_and_by_harmonics() -> None:
-    problem = (
-        wo.NipProblem.example().replace(roll_wrap=0.0).replace(drum=cover(rubber()), web_speed=3.0)
-    )
     misses = []
     for nodes in (33, 129):
-        result = wo.solve(problem, nodes=nodes)
+        result = wo.solve(NIP, nodes=nodes)
         found = lost_by_harmonics(
-            result.x, result.drum_pressure, result.drum_traction, problem.drum, 3.0
+            result.x, result.drum_pressure, result.drum_traction, NIP.drum, 3.0
         )
         misses.append(abs(found - result.rolling_resistance))
         # harmonics are cut at waves of 80 um, a part in 1000
@@ -252,11 +250,7 @@ def test_dissipation_by_the_surface_and_by_harmonics() -> None:
 @pytest.mark.parametrize("force", [0.0, -200.0])
 def test_work_of_shafts_and_tensions_is_dissipated(force: float) -> None:
     """The balance with integrals along the nodes, not those of the cells; it closes with them."""
-    problem = (
-        wo.NipProblem.example()
-        .replace(roll_wrap=0.0)
-        .replace(drum=cover(rubber()), web_speed=3.0, winding_force=force)
-    )
+    problem = NIP.replace(winding_force=force)
     misses = []
     for nodes in (33, 129):
         r = wo.solve(problem, nodes=nodes)
@@ -289,13 +283,10 @@ def _edge_strain(r: wo.NipResult) -> float:
 
 
 def test_the_error_estimate_falls_with_the_grid() -> None:
-    problem = (
-        wo.NipProblem.example().replace(roll_wrap=0.0).replace(drum=cover(rubber()), web_speed=3.0)
-    )
-    fine = wo.solve(problem, nodes=257).rolling_resistance
+    fine = wo.solve(NIP, nodes=257).rolling_resistance
     computed = []
     for nodes in (33, 65, 129):
-        result = wo.solve(problem, nodes=nodes)
+        result = wo.solve(NIP, nodes=nodes)
         computed.append(result.errors["rolling_resistance"])
         assert abs(result.rolling_resistance - fine) <= 1.5 * computed[-1]
     assert computed[2] < computed[1] < computed[0]
@@ -303,10 +294,7 @@ def test_the_error_estimate_falls_with_the_grid() -> None:
 
 
 def test_pressure_moves_to_the_inlet_and_heat_is_never_taken() -> None:
-    problem = (
-        wo.NipProblem.example().replace(roll_wrap=0.0).replace(drum=cover(rubber()), web_speed=3.0)
-    )
-    result = wo.solve(problem, nodes=33)
+    result = wo.solve(NIP, nodes=33)
     assert result.pressure_shift < 0 < result.rolling_resistance
     assert result.dissipated_power == pytest.approx(3.0 * result.rolling_resistance, rel=1e-14)
     assert (
@@ -318,12 +306,7 @@ def test_pressure_moves_to_the_inlet_and_heat_is_never_taken() -> None:
 def test_a_viscoelastic_roll_downstream_of_the_nip() -> None:
     """Half a turn behind, where distances are longer than half the circumference."""
     roll = wo.Cylinder(radius=0.2, core_radius=0.05, material=rubber(E=50e6))
-    problem = (
-        wo.NipProblem.example()
-        .replace(roll_wrap=0.0)
-        .replace(roll=roll, web_speed=8.0)
-        .replace(roll_wrap=pi)
-    )
+    problem = wo.NipProblem.example().replace(roll=roll, web_speed=8.0, roll_wrap=pi)
     coarse, fine = (solve_wrapped(problem, nodes=n) for n in (33, 129))
     for name in ("wound_on_tension", "rolling_resistance"):
         miss = abs(getattr(coarse, name) - getattr(fine, name))

@@ -3,20 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
 import woundon as wo
-from woundon.elasticity import strip
-
-
-@pytest.mark.parametrize("nu", [0.0, 0.2, 0.3, 0.45, 0.499])
-def test_the_strip_stretches_under_pressure(nu: float) -> None:
-    E = 2e9
-    A_rr, A_tt, A_rt, *_ = wo.Isotropic(youngs_modulus=E, poissons_ratio=nu).stiffness
-    c = strip.compliance(A_rr, A_tt, A_rt)
-    # eps = c11 T/(2h) - c12 p; the stiffness holds 1 - 2 nu to a relative 1e-16/(1 - 2 nu)
-    assert -c.c12 == pytest.approx(nu * (1 + nu) / E, rel=1e-12, abs=1e-25)
-    assert c.c11 == pytest.approx((1 - nu**2) / E, rel=1e-12)
 
 
 def test_in_the_nip_without_friction_the_web_runs_ahead_where_it_is_pressed() -> None:

@@ -236,9 +236,6 @@ def inside(problem: wo.RollProblem) -> np.ndarray:
 def test_the_plateau_under_constant_tension(problem: wo.RollProblem, exponent: float):
     roll = coarse_solution(problem).at_radius(inside(problem))
     P, hoop = (roll[name][:20] for name in ("pressure", "hoop_stress"))
-    low = plateau_pressure(problem.stack, problem.wound_on_tension / problem.web_thickness)
-    assert (low / P > 0.87).all()  # 3 to 13 % low: 6 % of both
-    assert (low / P < 0.97).all()
     np.testing.assert_allclose(hoop, -P, rtol=0.03)
 
 

@@ -32,14 +32,6 @@ NIPS = {
 }
 
 
-@pytest.mark.parametrize("name", NIPS)
-def test_without_wraps_the_web_is_held_at_the_trailing_edge(name: str) -> None:
-    result = wo.solve(NIPS[name], nodes=33)
-    assert result.wound_on_tension == result.outlet_tension
-    assert result.x[[0, -1]] == pytest.approx([-result.half_width, result.half_width])
-    assert (result.slip_angle, result.hoop_pressure.size, result.curvature.size) == (0.0, 0, 0)
-
-
 def added_in_nip(result: wo.NipResult) -> float:
     """Return the tension added between the edges of the nip [N/m]."""
     return result.outlet_tension - result.inlet_tension

@@ -21,7 +21,7 @@ from ..errors import InvalidProblem, did_you_mean, unwarned
 from ..io.case_files import SCHEMA, check_like_a_case, make_problem
 from ..problems.bodies import Body
 from ..problems.messages import quote
-from ..problems.paths import field_quantity, find_places, get_field
+from ..problems.paths import find_places, varied_number
 from ..problems.permitted import admissible, extremes
 from ..problems.problem import Problem
 from ..quantities import scalar_outputs, value_of, walk
@@ -35,7 +35,7 @@ from ..studies.cases import Chunk
 from ..studies.columns import measurable_outputs
 from ..studies.find import find as find_values
 from ..studies.measurements import Observable, predict
-from ..studies.model import KindModel, model_of
+from ..studies.model import KindModel, model_of, quantities_of
 from ..studies.run import solve_chunk
 from ..studies.slopes import slopes
 from ..winding.margins import FIELDS, Margin
@@ -352,20 +352,17 @@ def curve(tables: Mapping[str, Any], query: Mapping[str, Any], options: Mapping[
     By default from 0.5 to 1.5 times the field's value.
     """
     problem, field, points = problem_of(tables), query["field"], query["points"]
-    base = get_field(problem, field)
-    quantity = field_quantity(problem, field)
-    if quantity is None or isinstance(base, bool) or not isinstance(base, int | float):
-        raise InvalidProblem.at(field, f"{quote(base)} is not a number, so it cannot be varied")
+    base = varied_number(problem, field)
     names = tuple(filter(None, query["outputs"].split(","))) or _usual_outputs(problem)
     model = model_of(problem, names, {}, checked_options(kinds.of(problem), options))
-    ends = _ends(problem, field, float(base), query["low"], query["high"])
+    ends = _ends(problem, field, base, query["low"], query["high"])
     values = np.linspace(*ends, points).tolist()
     chunk = Chunk(0, np.arange(points), [{field: value} for value in values])
     solved_cases = solve_chunk(model, chunk)
     return to_json(
         {
             "field": field,
-            "unit": quantity.unit,
+            "unit": quantities_of(model, [field])[field].unit,
             "at": base,
             "values": values,
             "outputs": dict(zip(names, solved_cases.values.T, strict=True)),

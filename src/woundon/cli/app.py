@@ -11,6 +11,7 @@ import webbrowser
 import click
 
 from ..errors import InvalidProblem
+from . import options
 
 __all__ = ["app"]
 
@@ -18,16 +19,15 @@ PORT = 8321
 MISSING = 'needs FastAPI and uvicorn: pip install "woundon[app]"'
 
 
-@click.command(
-    help="""\
-    Open the interactive page (nip and wound roll) in the browser.
+@options.command(
+    """\
+    Open the interactive page in the browser.
 
     By default the server listens on this machine only. To serve other machines, choose another
     --host, give its public --name, and send users the address with the access token that is
     printed. Traffic is encrypted only by a reverse proxy in front of the server (see 'Run the
     server' in the documentation).
-    """,
-    short_help="Open the interactive page in the browser.",
+    """
 )
 @click.option(
     "--port",
@@ -57,7 +57,7 @@ MISSING = 'needs FastAPI and uvicorn: pip install "woundon[app]"'
     help="Access token; generated if omitted when serving other hosts.",
 )
 def app(port: int, no_browser: bool, host: str, names: tuple[str, ...], token: str) -> None:
-    """Open the interactive page (nip and wound roll) in the browser."""
+    """Open the interactive page in the browser."""
     try:
         from ..app.uvicorn_server import LOOPBACK, interrupts_counted, listening, serve
     except ImportError as fault:

@@ -15,13 +15,23 @@ import sys
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
+from copy import copy
+from io import TextIOWrapper
 from typing import Any
 
 import click
 from click.shell_completion import shell_complete
 
 from .. import __version__, plugins
-from ..errors import InvalidProblem, NoSolution, NotConverged, did_you_mean, one_of, printable_line
+from ..errors import (
+    InvalidProblem,
+    NoSolution,
+    NotConverged,
+    did_you_mean,
+    mapping_of,
+    one_of,
+    printable_line,
+)
 from ..parallel import environment, terminations_as_interrupts
 from .app import app
 from .compare import compare
@@ -59,6 +69,8 @@ def main(args: Sequence[str] | None = None) -> int:
     """
     for name, value in environment().items():  # read by NumPy when it is imported
         os.environ.setdefault(name, value)
+    if isinstance(sys.stdout, TextIOWrapper):  # as Python does for errors
+        sys.stdout.reconfigure(errors="backslashreplace")
     code = INTERRUPTED
     with suppress(KeyboardInterrupt), terminations_as_interrupts() as arrived:
         # a second signal does not change the exit code
@@ -167,7 +179,11 @@ class Commands(click.Group):
         name = args[0]
         if self.get_command(ctx, name) is None and not name.startswith("-"):
             ctx.fail(f"No such command {name!r}{did_you_mean(name, self.list_commands(ctx))}")
-        return super().resolve_command(ctx, args)
+        resolved = super().resolve_command(ctx, args)
+        _, command, arguments = resolved
+        if command is not None and not ctx.resilient_parsing:  # as for the completion in a shell
+            _check_given_once(click.Context(command, parent=ctx), arguments)
+        return resolved
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the commands of each section with their summaries."""
@@ -176,6 +192,33 @@ class Commands(click.Group):
             if rows:
                 with formatter.section(title):
                     formatter.write_dl(rows)
+
+
+def _check_given_once(context: click.Context, arguments: Sequence[str]) -> None:
+    """Reject an option that is given twice, or a repeatable one that is given twice alike.
+
+    click would use the last value, and has no record of the others; so the arguments are parsed
+    with all options repeatable.
+
+    Parameters
+    ----------
+    context : click.Context
+        Of the command.
+    arguments : sequence of str
+        Those of the command.
+    """
+    parser = click.Command(None).make_parser(context)
+    for param in context.command.get_params(context):
+        collecting = copy(param)
+        collecting.multiple = isinstance(param, click.Option) and not param.is_flag
+        collecting.add_to_parser(parser, context)
+    with suppress(click.UsageError):  # reported when the command itself reads its arguments
+        values, *_ = parser.parse_args(list(arguments))
+        for option in context.command.get_params(context):
+            if isinstance(option, click.Option) and not option.is_flag:
+                texts = values.get(option.name, ())
+                names = texts if option.multiple else [""] * len(texts)
+                mapping_of(zip(names, texts, strict=True), option.opts[-1])
 
 
 @click.group(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -11,49 +13,39 @@ from . import options
 
 __all__ = ["compare"]
 
-TAB_OPTIONS = ("slope", "offset", "friction", "area", "faces", "deviation")
+TAB_OPTIONS = {  # fields of a PullTab, which states their permitted values
+    "slope": 'Pressure per force of the pull tab, "2 kPa/N".',
+    "offset": "Pressure at zero force.",
+    "friction": "Coefficient of friction of the tab.",
+    "area": 'Area of one face of the tab, "12 cm^2".',
+    "faces": "Sliding faces of the tab, 1 or 2; by default 2.",
+    "deviation": 'Relative standard deviation of the calibration, "5 %".',
+}
 
 
-@click.command(
-    help="""\
-    Compare a table of measured values (.csv or .xlsx) with the predictions for a case.
+def _tab_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the options --tab-slope, ... with the calibration of a pull tab."""
+    for name, text in reversed(TAB_OPTIONS.items()):
+        option = click.option(f"--tab-{name}", type=options.as_number, metavar="VALUE", help=text)
+        command = option(command)
+    return command
 
-    A column is an input or an output by its name, with its unit, e.g. "nip_load [kN/m]",
-    "wound_on_tension [N/m]", "nip_width [mm]"; "nip_width +- [mm]" holds standard deviations. For a
-    roll or a winding also "pressure [kPa]", "pull_tab_force [N]" and "length [m]", with a column
-    "measured_radius [mm]" or "diameter [mm]". Residuals, their error budget and possible
-    explanations are printed. Exit status: 0 if a value has a prediction, 3 if the solver did not
-    converge at any row, 2 for invalid input.
-    """,
-    short_help="Compare measured values with the predictions for a case.",
+
+@options.command(
+    """\
+    Compare measured values with the predictions for a case.
+
+    MEASURED is a table (.csv or .xlsx). A column is an input or an output by its name, with its
+    unit, e.g. "nip_load [kN/m]", "wound_on_tension [N/m]", "nip_width [mm]"; "nip_width +- [mm]"
+    holds standard deviations. For a roll or a winding also "pressure [kPa]", "pull_tab_force [N]"
+    and "length [m]", with a column "measured_radius [mm]" or "diameter [mm]". Residuals, their
+    error budget and possible explanations are printed. Exit status: 0 if a value has a prediction,
+    3 if the solver did not converge at any row, 2 for invalid input.
+    """
 )
 @click.argument("measured", type=options.PATH)
 @click.argument("case", type=options.PATH)
-@click.option(
-    "--tab-slope",
-    type=options.as_number,
-    metavar="VALUE",
-    help='Pressure per force of the pull tab, "2 kPa/N".',
-)
-@click.option(
-    "--tab-offset", type=options.as_number, metavar="VALUE", help="Pressure at zero force."
-)
-@click.option("--tab-friction", type=float, help="Coefficient of friction of the tab.")
-@click.option(
-    "--tab-area",
-    type=options.as_number,
-    metavar="VALUE",
-    help='Area of one face of the tab, "12 cm^2".',
-)
-@click.option(
-    "--tab-faces", type=click.IntRange(1, 2), help="Sliding faces of the tab; by default 2."
-)
-@click.option(
-    "--tab-deviation",
-    type=options.as_number,
-    metavar="VALUE",
-    help='Relative standard deviation of the calibration, "5 %".',
-)
+@_tab_options
 @click.option(
     "--spread",
     multiple=True,
@@ -68,7 +60,7 @@ TAB_OPTIONS = ("slope", "offset", "friction", "area", "faces", "deviation")
 @options.NODES
 @options.RTOL
 @options.JSON
-@click.option("--save", type=options.TABLE, help="Save all values as .csv or .xlsx, in SI.")
+@options.SAVE_TABLE
 @options.PLOT
 def compare(
     measured: Path,
@@ -79,8 +71,7 @@ def compare(
     plot: Path | None,
     **arguments: Any,
 ) -> None:
-    """Compare a table of measured values with the predictions for a case."""
-    from ..io.case_files import load_case
+    """Compare measured values with the predictions for a case."""
     from ..studies.compare import compare as compare_with
     from ..studies.export import write_table
     from ..studies.pull_tab import PullTab
@@ -88,8 +79,10 @@ def compare(
     values = {name: arguments.pop(f"tab_{name}") for name in TAB_OPTIONS}
     calibration = {name: value for name, value in values.items() if value is not None}
     tab = PullTab(**calibration) if calibration else None
-    problem = load_case(case, settings)
+    problem = options.load_case(case, settings)
     comparison = compare_with(problem, measured, tab=tab, progress=True, **arguments)
-    if save:
-        write_table(comparison.to_dataframe(), save)
-    options.present(comparison, as_json, plot, [*comparison.lines(), "", *comparison.table()])
+    files: options.Files = {
+        save: partial(write_table, comparison.to_dataframe()),
+        plot: comparison.plot,
+    }
+    options.present(comparison, as_json, files, [*comparison.lines(), "", *comparison.table()])

@@ -13,7 +13,13 @@ from ..errors import one_of
 from . import options
 
 if TYPE_CHECKING:
+    from pydantic import BaseModel
+    from pydantic.fields import FieldInfo
+
     from ..kinds import Kind
+    from ..problems.problem import Problem
+    from ..quantities import Quantity
+    from ..results import Result
 
 __all__ = ["describe", "grades", "materials"]
 
@@ -22,14 +28,14 @@ WIDEST = 120  # characters of a line
 LEAST_MEANING = 20  # characters of the last column
 
 
-@click.command(
-    help="Print the fields, outputs and solver options of a KIND of problem (nip, rollers, roll, "
-    "winding): name, symbol, unit, meaning, typical range and, in parentheses, allowed range.",
-    short_help="List the fields, outputs and solver options of a kind of problem.",
+@options.command(
+    "List the fields, outputs and solver options of a kind of problem. KIND is nip (the default), "
+    "rollers, roll or winding. A line states name, symbol, unit, meaning, typical range and, in "
+    "parentheses, permitted range."
 )
 @click.argument("kind", type=options.KindName(), default="nip", metavar="KIND")
 def describe(kind: str) -> None:
-    """Print the fields, outputs and solver options of a kind of problem."""
+    """List the fields, outputs and solver options of a kind of problem."""
     from .. import kinds
 
     described = kinds.named(kind)
@@ -63,7 +69,7 @@ def _lines(rows: list[Row]) -> Iterator[str]:
             yield f"{'':{indent}}{part}"
 
 
-def _field_tables(problem: type[Any]) -> Iterator[tuple[str, list[Row]]]:
+def _field_tables(problem: type[Problem]) -> Iterator[tuple[str, list[Row]]]:
     """Yield the fields of a problem, then those of its members, every member once."""
     graded = getattr(problem, "graded", ())
     yield (
@@ -73,7 +79,9 @@ def _field_tables(problem: type[Any]) -> Iterator[tuple[str, list[Row]]]:
     for names, members in _members(problem):
         kind: Row = ("kind", "", "", one_of(map(_member_name, members)))
         rows = [kind] if len(members) > 1 else []
-        owners: dict[Row, list[Any]] = {}  # a name may have another meaning in another member
+        owners: dict[
+            Row, list[type[BaseModel]]
+        ] = {}  # a name may have another meaning in another member
         for member in members:
             for name, field in member.model_fields.items():
                 owners.setdefault(_field_row(name, field), []).append(member)
@@ -83,7 +91,7 @@ def _field_tables(problem: type[Any]) -> Iterator[tuple[str, list[Row]]]:
         yield f"Fields of {one_of(names, 'and')}", rows
 
 
-def _members(problem: type[Any]) -> list[tuple[list[str], list[Any]]]:
+def _members(problem: type[Problem]) -> list[tuple[list[str], list[type[BaseModel]]]]:
     """Return the descriptions inside a problem with the names of the fields that hold them.
 
     Descriptions that one field may hold, such as the bodies, form a family and are listed together.
@@ -91,8 +99,8 @@ def _members(problem: type[Any]) -> list[tuple[list[str], list[Any]]]:
     from ..problems.family import Family
     from ..quantities import members_of
 
-    families: dict[Any, tuple[list[str], list[Any]]] = {}
-    waiting: list[type[Any]] = [problem]
+    families: dict[type, tuple[list[str], list[type[BaseModel]]]] = {}
+    waiting: list[type[BaseModel]] = [problem]
     for model in waiting:  # grows in the loop
         for name, field in model.model_fields.items():
             for member in members_of(field.annotation):
@@ -106,11 +114,11 @@ def _members(problem: type[Any]) -> list[tuple[list[str], list[Any]]]:
     return list(families.values())
 
 
-def _member_name(member: Any) -> str:
+def _member_name(member: type) -> str:
     return str(member.member_name()) if hasattr(member, "member_name") else member.__name__
 
 
-def _field_row(name: str, field: Any, is_graded: bool = False) -> Row:
+def _field_row(name: str, field: FieldInfo, is_graded: bool = False) -> Row:
     """Return name, symbol, unit and meaning of a field, and whether it is required."""
     from ..io.case_texts import field_comment, field_ranges
     from ..problems.permitted import requirement
@@ -127,11 +135,11 @@ def _field_row(name: str, field: Any, is_graded: bool = False) -> Row:
     return name, quantity.symbol, quantity.display or "-", "; ".join(filter(None, (meaning, note)))
 
 
-def _output_tables(result: type[Any]) -> Iterator[tuple[str, list[Row]]]:
+def _output_tables(result: type[Result]) -> Iterator[tuple[str, list[Row]]]:
     """Yield the scalar outputs of a result, the main ones first, then the arrays."""
     from ..quantities import outputs, scalar_outputs
 
-    rows = {place.path: _output_row(place) for place in outputs(result) if place.quantity}
+    rows = {p.path: _output_row(p.path, p.quantity) for p in outputs(result) if p.quantity}
     scalars = scalar_outputs(result)
     main = [name for name in result.MAIN if name in scalars]
     yield "Outputs", [rows[name] for name in dict.fromkeys((*main, *scalars))]
@@ -140,11 +148,10 @@ def _output_tables(result: type[Any]) -> Iterator[tuple[str, list[Row]]]:
         yield "Output arrays", arrays
 
 
-def _output_row(place: Any) -> Row:
+def _output_row(name: str, quantity: Quantity) -> Row:
     """Return name, symbol, unit and meaning of an output."""
-    quantity = place.quantity
     unit = quantity.unit if quantity.unit != "1" else "-"
-    return place.path, quantity.symbol, unit, quantity.meaning
+    return name, quantity.symbol, unit, quantity.meaning
 
 
 def _option_rows(kind: Kind[Any, Any]) -> Iterator[Row]:
@@ -155,29 +162,27 @@ def _option_rows(kind: Kind[Any, Any]) -> Iterator[Row]:
         yield f"--{name.replace('_', '-')}", "", kind_of_value, text
 
 
-@click.command(help="List the named materials with their values and sources.")
+@options.command("List the named materials with their values and sources.")
 def materials() -> None:
     """List the named materials with their values and sources."""
+    from ..io.case_texts import toml_value
     from ..problems.materials import MATERIALS
-    from ..problems.units import text_with_unit
     from ..quantities import walk
 
     for name, known in MATERIALS.items():
-        values = []
-        for place in walk(known.material):
-            if place.value is not None and place.quantity is not None:
-                text = text_with_unit(place.value, place.quantity.unit, place.quantity.display)
-                value = f'"{text}"' if isinstance(text, str) else f"{text:g}"
-                values.append(f"{place.path} = {value}")
+        values = [
+            f"{place.path} = {toml_value(place.value, place.quantity)}"
+            for place in walk(known.material)
+            if place.value is not None and place.quantity is not None
+        ]
         click.secho(name, bold=True)
         click.echo(f"  {{ {', '.join(values)} }}")
         click.secho(f"  {known.source}", dim=True)
 
 
-@click.command(
-    help="List the grades of paper, film, foil and nonwoven, or the values of the grade NAME with "
-    "their spread and source.",
-    short_help="List the grades of paper, film, foil and nonwoven, or the values of one.",
+@options.command(
+    "List the grades of paper, film, foil and nonwoven, or the values of one. With NAME, the "
+    "values of that grade are listed with their spread and source.",
 )
 @click.argument("name", required=False)
 @click.option("--file", metavar="FILE", help="A TOML file with your own grades.")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from inspect import signature
 from math import isfinite
 from pathlib import Path
@@ -11,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..errors import InvalidProblem, unwarned
-from ..io.files import write_whole
 from . import options
 
 if TYPE_CHECKING:
@@ -20,14 +20,13 @@ if TYPE_CHECKING:
 __all__ = ["find"]
 
 
-@click.command(
-    help="""\
-    Find the value of a field for which an output of a case reaches a target.
+@options.command(
+    """\
+    Find the value of a field for which an output reaches a target.
 
     All solutions in the range are printed, the smallest first, then the points of the scan. Exit
     status: 0 if there is a solution, 3 if there is none in the range, 2 for invalid input.
-    """,
-    short_help="Find the value of a field for which an output reaches a target.",
+    """
 )
 @click.argument("case", type=options.PATH)
 @click.option(
@@ -56,12 +55,7 @@ __all__ = ["find"]
 @options.NODES
 @options.RTOL
 @options.JSON
-@click.option(
-    "--case",
-    "new_case",
-    type=options.OutputFile(".toml"),
-    help="Write the case with the first solution.",
-)
+@options.NEW_CASE
 @options.PLOT
 def find(
     case: Path,
@@ -73,9 +67,8 @@ def find(
     plot: Path | None,
     **arguments: Any,
 ) -> None:
-    """Find the value of a field for which an output of a case reaches a target."""
-    from ..io.case_files import load_case
-    from ..io.case_texts import to_toml
+    """Find the value of a field for which an output reaches a target."""
+    from ..io.case_texts import save_case
     from ..quantities import in_chosen_units
     from ..studies.find import find as find_values
 
@@ -84,10 +77,9 @@ def find(
         raise InvalidProblem.at("target", f"{output!r} is an option, not an output")
     arguments |= {"between": between, "progress": not as_json, output: value}
     with unwarned():
-        result = find_values(load_case(case, settings), name, **arguments)
-        if new_case:
-            write_whole(new_case, to_toml(result.problem).encode())
-        options.present(result, as_json, plot, _lines(result))
+        result = find_values(options.load_case(case, settings), name, **arguments)
+        files: options.Files = {new_case: partial(save_case, result.problem), plot: result.plot}
+        options.present(result, as_json, files, _lines(result))
     for text in () if as_json else result.result.warnings:
         click.secho(f"warning: {in_chosen_units(text)}", fg="yellow", err=True)
 

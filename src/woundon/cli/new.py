@@ -9,15 +9,14 @@ from . import options
 __all__ = ["new"]
 
 
-@click.command(
-    help="""\
-    Write a case file to start from: woundon new > case.toml.
+@options.command(
+    """\
+    Write a case file to start from, or a study file.
 
-    KIND is nip (the default), rollers, roll, winding or the kind of a plug-in. The file contains
-    every field with its range; with --grade it is short: the grade supplies paper or film, and
-    only the values of the winder are left to enter.
-    """,
-    short_help="Write a case file to start from, or a study file.",
+    'woundon new > case.toml' writes a case of a nip. KIND is nip (the default), rollers, roll,
+    winding or the kind of a plug-in. The file contains every field with its range; with --grade it
+    is short: the grade supplies paper or film, and only the values of the winder are left to enter.
+    """
 )
 @click.argument("kind", type=options.KindName(), default="nip", metavar="KIND")
 @click.option(
@@ -28,7 +27,7 @@ __all__ = ["new"]
 @click.option("--grades", "file", metavar="FILE", help="A TOML file with your own grades.")
 @click.option("--study", is_flag=True, help="Write a study file with such a case for 'sweep'.")
 def new(kind: str, grade: str | None, file: str | None, study: bool) -> None:
-    """Print a commented case or study file of a kind of problem."""
+    """Write a case file to start from, or a study file."""
     from ..io.case_texts import grade_template, template
     from ..studies.study_texts import study_template
 

@@ -6,27 +6,35 @@ a type below converts its text to the value that the function expects.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from inspect import cleandoc
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..errors import InvalidProblem
+from ..errors import InvalidProblem, mapping_of
 from ..io.files import check_writable
 
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from ..problems.problem import Problem
+    from ..studies.outcome import Outcome
+
 __all__ = [
     "COLUMNS",
     "FIGURE",
     "JSON",
+    "NEW_CASE",
     "NODES",
     "PATH",
     "PLOT",
+    "RESUME",
     "RTOL",
+    "SAVE_TABLE",
     "SCHEDULER",
     "SETTINGS",
     "TABLE",
@@ -34,16 +42,22 @@ __all__ = [
     "UNITS",
     "WORKERS",
     "FieldRange",
+    "Files",
     "KindName",
     "Numbers",
     "OutputFile",
     "Pair",
     "as_mapping",
     "as_number",
+    "check_unit_names",
+    "command",
     "console",
+    "load_case",
     "present",
     "print_failures",
+    "print_written",
     "resumable",
+    "write",
 ]
 
 # ---- types of values ----------------------------------------------------------------------------
@@ -193,14 +207,26 @@ PATH = click.Path(path_type=Path)
 FIGURE = OutputFile(check=_check_figure)
 TABLE = OutputFile(check=_check_table)
 
-# ---- options ------------------------------------------------------------------------------------
+# ---- commands and options -----------------------------------------------------------------------
+
+UNITS_OF_COMMAND = "woundon.units"  # entry of a command's context: the texts of --unit
+
+
+def command(text: str, cls: type[click.Command] = click.Command) -> Callable[..., click.Command]:
+    """Return the decorator of a command with its help, whose first sentence is the summary.
+
+    The docstring of the function is no help, because Python leaves it out with ``-OO``.
+    """
+    first_sentence, *_ = re.split(r"\.(?=\s|$)", cleandoc(text), maxsplit=1)
+    summary = " ".join(first_sentence.split())
+    return click.command(cls=cls, help=text, short_help=f"{summary}.")
 
 
 def as_mapping(
     context: click.Context, option: click.Parameter, pairs: Iterable[tuple[str, Any]]
 ) -> dict[str, Any]:
     """Return the pairs of a repeated option as a mapping; the callback of such an option."""
-    return dict(pairs)
+    return mapping_of(pairs, option.opts[-1])
 
 
 def _use_units(context: click.Context, option: click.Parameter, choices: tuple[str, ...]) -> None:
@@ -209,7 +235,26 @@ def _use_units(context: click.Context, option: click.Parameter, choices: tuple[s
         # the units import the kinds of problem, with NumPy and pydantic
         from ..io.chosen_units import units_of
 
+        context.meta[UNITS_OF_COMMAND] = choices
         context.with_resource(units_of(choices))
+
+
+def check_unit_names(*problems: Problem) -> None:
+    """Reject a unit that --unit chooses for a name which none of the problems has."""
+    choices = click.get_current_context().meta.get(UNITS_OF_COMMAND)
+    if choices:
+        from ..io.chosen_units import check_names
+
+        check_names(choices, problems)
+
+
+def load_case(path: Path, settings: Iterable[str] = ()) -> Problem:
+    """Return the problem of a case file; the names of --unit must be among its names."""
+    from ..io.case_files import load_case
+
+    problem = load_case(path, settings)
+    check_unit_names(problem)
+    return problem
 
 
 SETTINGS = click.option(
@@ -246,6 +291,11 @@ COLUMNS = click.option(
     "without a known name; repeatable.",
 )
 PLOT = click.option("--plot", type=FIGURE, help="Plot to .png, .svg or .pdf.")
+NEW_CASE = click.option(
+    "--case", "new_case", type=OutputFile(".toml"), help="Write the case with the solution."
+)
+SAVE_TABLE = click.option("--save", type=TABLE, help="Save the table as .csv or .xlsx, in SI.")
+RESUME = click.option("--resume", is_flag=True, help="Resume the study in DIR.")
 JSON = click.option("--json", "as_json", is_flag=True, help="Print the complete result as JSON.")
 NODES = click.option("--nodes", type=int, help="Number of nodes on the last mesh.")
 RTOL = click.option("--rtol", type=float, help="Relative error of the solver.")
@@ -267,27 +317,49 @@ def resumable(out: Path | None) -> Iterator[None]:
         raise click.Abort(text) from None
 
 
+# path of a file that a command writes -> function that writes it; None if it is not requested
+Files = Mapping[Path | None, Callable[[Path], object]]
+
+
 def present(
-    result: Any, as_json: bool, plot: Path | None, lines: Iterable[str] | None = None
+    result: Outcome, as_json: bool, files: Files, lines: Iterable[str] | None = None
 ) -> None:
-    """Save the figure of a study's result, and print its JSON or its lines.
+    """Write the requested files of a study's result, and print its JSON or its lines.
 
     Parameters
     ----------
-    result : object
-        A result of a study, with the methods ``plot``, ``to_json`` and ``lines``.
+    result : Outcome
     as_json : bool
-    plot : path, optional
-        File of the figure.
+        Whether JSON is printed in place of the lines.
+    files : mapping of path to callable
+        Writes the file of each path.
     lines : iterable of str, optional
         In place of ``result.lines()``.
     """
-    if plot:
-        result.plot(plot)
+    written = write(files)
     if as_json:
-        lines = [result.to_json()]
-    for line in result.lines() if lines is None else lines:
-        click.echo(line)
+        click.echo(result.to_json())
+    else:
+        # as in reports
+        plus_minus = "+-" if console().options.ascii_only else "±"
+        for line in result.lines() if lines is None else lines:
+            click.echo(line.replace("±", plus_minus))
+    print_written(written, as_json)
+
+
+def write(files: Files) -> list[Path]:
+    """Write the requested files; return their paths."""
+    requested = {path: save for path, save in files.items() if path is not None}
+    for path, save in requested.items():
+        save(path)
+    return list(requested)
+
+
+def print_written(paths: Iterable[Path], as_json: bool = False) -> None:
+    """Print the paths of written files; next to JSON on the error channel."""
+    text = ", ".join(map(str, paths))
+    if text:
+        click.echo(f"written: {text}", err=as_json)
 
 
 def print_failures(cases: str, reasons: Iterable[str], seconds: float) -> int:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -11,19 +11,21 @@ from ..errors import InvalidProblem, unwarned
 from ..io.files import write_whole
 from . import options
 
+if TYPE_CHECKING:
+    from ..problems.problem import Problem
+
 __all__ = ["report"]
 
 HTML = options.OutputFile(".html", ".htm")
 
 
-@click.command(
-    help="""\
-    Write a report of solved CASES: inputs, results with errors and certificate, figures.
+@options.command(
+    """\
+    Write a report of solved cases: one HTML file for print.
 
-    The report is one HTML file, which prints to PDF from any browser. Several cases are compared
-    with each other.
-    """,
-    short_help="Write a report of solved cases: one HTML file for print.",
+    It contains the inputs, the results with errors and certificate, and figures, and prints to PDF
+    from any browser. Several CASES are compared with each other.
+    """
 )
 @click.argument("cases", nargs=-1, required=True, type=options.PATH)
 @click.option("--out", type=HTML, metavar="FILE.html", help="HTML file; by default CASE.html.")
@@ -34,11 +36,12 @@ HTML = options.OutputFile(".html", ".htm")
 def report(
     cases: tuple[Path, ...], out: Path | None, settings: tuple[str, ...], title: str, remarks: str
 ) -> None:
-    """Write a report of solved cases as one HTML file."""
+    """Write a report of solved cases: one HTML file for print."""
     from .. import kinds
     from ..report.html_report import report_file
 
     problems = [_load(path, settings) for path in cases]
+    options.check_unit_names(*problems)
     out = out or HTML.convert(cases[0].with_suffix(".html"), None, None)
     with unwarned():
         results = [kinds.solve(problem) for problem in problems]
@@ -50,10 +53,10 @@ def report(
             sources=[path.name for path in cases],
         )
     write_whole(out, page.encode())
-    click.echo(f"written: {out}")
+    options.print_written([out])
 
 
-def _load(path: Path, settings: tuple[str, ...]) -> Any:
+def _load(path: Path, settings: tuple[str, ...]) -> Problem:
     """Return the problem of a case file; errors name the file."""
     from ..io.case_files import load_case
 

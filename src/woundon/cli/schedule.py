@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,15 +18,14 @@ if TYPE_CHECKING:
 __all__ = ["schedule"]
 
 
-@click.command(
-    help="""\
-    Compute the wound-on-tension schedule that gives a target interlayer pressure profile.
+@options.command(
+    """\
+    Compute the tension schedule for a target pressure in a roll.
 
     CASE is a case of the kind roll ('woundon new roll'); its own tension is ignored. The report
     states the pressure of a roll that is wound with the schedule. The pressure is zero at the
     outer surface; the report states how deep this boundary layer extends.
-    """,
-    short_help="Compute the tension schedule for a target pressure in a roll.",
+    """
 )
 @click.argument("case", type=options.PATH)
 @click.option(
@@ -54,9 +54,7 @@ __all__ = ["schedule"]
     help="Write the tension over the radius; a case reads it by [wound_on_tension], "
     'csv = "FILE.csv", between = "smooth".',
 )
-@click.option(
-    "--case", "new_case", type=options.OutputFile(".toml"), help="Write the case with the schedule."
-)
+@options.NEW_CASE
 @options.PLOT
 def schedule(
     case: Path,
@@ -68,27 +66,27 @@ def schedule(
     new_case: Path | None,
     plot: Path | None,
 ) -> None:
-    """Compute the wound-on-tension schedule that gives a target pressure in a roll."""
-    from ..io.case_files import load_case
-    from ..io.case_texts import to_toml
+    """Compute the tension schedule for a target pressure in a roll."""
+    from ..io.case_texts import save_case
     from ..problems.roll import RollProblem
-    from ..report.schedule_report import csv_text, plot_schedule, print_schedule
+    from ..report.schedule_report import csv_text, plot_schedule, schedule_parts
+    from ..report.terminal import print_parts
     from ..roll.design import design_tension
     from ..roll.solve import solve_wound_roll
 
-    problem = load_case(case, settings)
+    problem = options.load_case(case, settings)
     if not isinstance(problem, RollProblem):
         text = "is not a case of the kind roll; 'woundon new roll' writes one"
         raise InvalidProblem.at(str(case), text)
     solution = design_tension(problem, _target_pressure(target, smooth), rtol=rtol)
     roll = solve_wound_roll(solution.problem, rtol=max(rtol, 1e-8))
-    print_schedule(solution, roll, options.console())
-    if out:
-        write_whole(out, csv_text(solution).encode())
-    if new_case:
-        write_whole(new_case, to_toml(solution.problem).encode())
-    if plot:
-        plot_schedule(solution, roll, plot)
+    print_parts(schedule_parts(solution, roll), options.console())
+    files: options.Files = {
+        out: lambda path: write_whole(path, csv_text(solution).encode()),
+        new_case: partial(save_case, solution.problem),
+        plot: partial(plot_schedule, solution, roll),
+    }
+    options.print_written(options.write(files))
 
 
 def _target_pressure(text: str, smooth: bool) -> float | str | Profile:

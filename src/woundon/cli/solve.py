@@ -14,7 +14,12 @@ from ..errors import InvalidProblem, one_of, unwarned
 from . import options
 
 if TYPE_CHECKING:
+    from pydantic.fields import FieldInfo
+
     from ..kinds import Kind
+    from ..problems.problem import Problem
+    from ..results import Result
+    from ..sensitivity import Sensitivity
 
 __all__ = ["solve"]
 
@@ -35,10 +40,8 @@ def _check_result_file(path: Path) -> None:
     writer_for(path)
 
 
-@click.command(
-    cls=SolveCommand,
-    help="Solve the problem in a case file (any kind; see 'woundon new'), and print the report.",
-    short_help="Solve a case file of any kind.",
+@options.command(
+    "Solve the problem in a case file of any kind, and print the report.", cls=SolveCommand
 )
 @click.argument("case", type=options.PATH)
 @options.SETTINGS
@@ -66,23 +69,20 @@ def solve(
 ) -> None:
     """Solve a case file and print the report."""
     from .. import kinds
-    from ..io.case_files import load_case
     from ..io.result_files import to_json
 
     given = {name: value for name, value in arguments.items() if value is not None}
     wraps = [f"{name}={given.pop(name)}" for name in _wrap_fields() if name in given]
-    problem = load_case(case, [*settings, *wraps])
+    problem = options.load_case(case, [*settings, *wraps])
     _check_options(kinds.of(problem), given, sensitivity)
     result = _solve(problem, given)
     derivatives = result.sensitivity() if sensitivity else None
-    if save:
-        result.save(save)
-    if plot:
-        result.plot(plot)
+    written = options.write({save: result.save, plot: result.plot})
     if as_json:
         click.echo(to_json(result, derivatives), nl=False)
     else:
         _print(result, derivatives)
+    options.print_written(written, as_json)
 
 
 # ---- options ------------------------------------------------------------------------------------
@@ -109,7 +109,7 @@ def _solver_options() -> Iterator[click.Option]:
         yield click.Option([_option_name(name)], type=value_type, help=text.strip())
 
 
-def _wrap_fields() -> dict[str, Any]:
+def _wrap_fields() -> dict[str, FieldInfo]:
     """Return the fields that case files group in a table, by name: the wrap angles."""
     from ..kinds import every
 
@@ -149,7 +149,7 @@ def _check_options(kind: Kind[Any, Any], given: Iterable[str], sensitivity: bool
 # ---- solving and printing -----------------------------------------------------------------------
 
 
-def _solve(problem: Any, arguments: Mapping[str, Any]) -> Any:
+def _solve(problem: Problem, arguments: Mapping[str, Any]) -> Any:
     """Solve, with a progress bar on a terminal if the solver reports its progress."""
     from .. import kinds
     from ..studies.bars import fraction_bar
@@ -162,12 +162,13 @@ def _solve(problem: Any, arguments: Mapping[str, Any]) -> Any:
             return kinds.solve(problem, progress=progress, **arguments)
 
 
-def _print(result: Any, sensitivity: Any) -> None:
+def _print(result: Result, sensitivity: Sensitivity | None) -> None:
     """Print the report of a result, and its sensitivities."""
-    from ..report.result_report import print_report
-    from ..report.sensitivity_report import print_sensitivity
+    from ..report.result_report import report_parts
+    from ..report.sensitivity_report import sensitivity_parts
+    from ..report.terminal import print_parts
 
-    terminal = options.console()
-    print_report(result, terminal)
+    parts = report_parts(result)
     if sensitivity is not None:
-        print_sensitivity(sensitivity, terminal)
+        parts += sensitivity_parts(sensitivity)
+    print_parts(parts, options.console())

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -27,7 +28,7 @@ def _execution_options(command: Callable[..., Any]) -> Callable[..., Any]:
     for option in (
         options.WORKERS,
         options.SCHEDULER,
-        click.option("--resume", is_flag=True, help="Resume the study in DIR."),
+        options.RESUME,
         click.option(
             "--out", type=options.PATH, required=True, metavar="DIR", help="Folder of results."
         ),
@@ -42,15 +43,14 @@ def _execution_options(command: Callable[..., Any]) -> Callable[..., Any]:
     return command
 
 
-@click.command(
-    help="""\
-    Solve all cases of a study file, e.g. examples/study_nip_load_and_shear.toml.
+@options.command(
+    """\
+    Solve all cases of a study file.
 
-    Results are written to DIR/study.sqlite chunk by chunk, so that an interrupted study can be
-    resumed with --resume. The same option exports a complete study again, with --export-to also
-    from a read-only medium.
-    """,
-    short_help="Solve all cases of a study file.",
+    An example is examples/study_nip_load_and_shear.toml. Results are written to DIR/study.sqlite
+    chunk by chunk, so that an interrupted study can be resumed with --resume. The same option
+    exports a complete study again, with --export-to also from a read-only medium.
+    """
 )
 @click.argument("study", type=options.PATH)
 @_execution_options
@@ -81,6 +81,7 @@ def sweep(
     from ..studies.study_file import load_study
 
     loaded = load_study(study)
+    options.check_unit_names(loaded.problem)
     folder = _export_folder(out, export_to)
     targets = [folder / f"study.{ending}" for ending in exports]
     for target in targets:
@@ -106,7 +107,7 @@ def sweep(
         table.plot(output, figure)
     code = options.print_failures("cases", table.failure, seconds)
     _print_ranges(table)
-    _print_written([*targets, *figures])
+    options.print_written([*targets, *figures])
     return code
 
 
@@ -138,19 +139,15 @@ def _print_ranges(table: Table) -> None:
             click.echo(text if unit == "1" else f"{text} {unit}")
 
 
-def _print_written(paths: Sequence[Path]) -> None:
-    click.echo("written: " + ", ".join(str(path) for path in paths))
+@options.command(
+    """\
+    Rank the inputs of a study by Sobol' sensitivity indices.
 
-
-@click.command(
-    help="""\
-    Compute Sobol' indices: the share of each output's variance explained by each input range.
-
+    An index is the share of an output's variance that is explained by the range of an input.
     Every entry of [over] in the study file is a range { from, to }. The number of cases is
     samples * (inputs + 2). The derivatives at a single case are computed by 'woundon solve
     --sensitivity'.
-    """,
-    short_help="Rank the inputs of a study by Sobol' sensitivity indices.",
+    """
 )
 @click.argument("study", type=options.PATH)
 @_execution_options
@@ -158,7 +155,7 @@ def _print_written(paths: Sequence[Path]) -> None:
 def sobol(
     study: Path, out: Path, export_to: Path | None, samples: int | None, **arguments: Any
 ) -> None:
-    """Compute the Sobol' indices of the ranges of a study file."""
+    """Rank the inputs of a study by Sobol' sensitivity indices."""
     from ..studies.api import global_sensitivity
     from ..studies.study_file import load_study
 
@@ -185,17 +182,17 @@ def sobol(
     targets = [folder / "sobol.nc", folder / "sobol.png"]
     indices.to_xarray().to_netcdf(targets[0], engine="scipy")
     indices.plot(targets[1])
-    _print_written(targets)
+    options.print_written(targets)
 
 
-@click.command(
-    help="""\
-    Fit fields of a case to measured data (.csv or .xlsx, units in the header).
+@options.command(
+    """\
+    Fit fields of a case to measured data.
 
-    A column is an input or an output by its name, e.g. "nip_load [kN/m]", "web_tension [N/m]",
-    "wound_on_tension [N/m]"; "wound_on_tension +- [N/m]" holds its standard deviations.
-    """,
-    short_help="Fit fields of a case to measured data.",
+    DATA is a table (.csv or .xlsx) with units in its header. A column is an input or an output by
+    its name, e.g. "nip_load [kN/m]", "web_tension [N/m]", "wound_on_tension [N/m]";
+    "wound_on_tension +- [N/m]" holds its standard deviations.
+    """
 )
 @click.argument("case", type=options.PATH)
 @click.argument("data", type=options.PATH)
@@ -236,26 +233,29 @@ def fit(
     plot: Path | None,
     **arguments: Any,
 ) -> None:
-    """Fit fields of a case to measured data (.csv or .xlsx, units in the header)."""
-    from ..io.case_files import load_case
+    """Fit fields of a case to measured data."""
     from ..studies.fit import fit as fit_problem
 
-    result = fit_problem(load_case(case, settings), data, progress=True, **arguments)
-    if save:
-        write_whole(save, result.to_json().encode())
-    options.present(result, as_json, plot)
+    problem = options.load_case(case, settings)
+    result = fit_problem(problem, data, progress=True, **arguments)
+    files: options.Files = {
+        save: lambda path: write_whole(path, result.to_json().encode()),
+        plot: result.plot,
+    }
+    options.present(result, as_json, files)
 
 
-@click.command(
-    help="""\
-    Rank the candidate measurements of a study file by the expected reduction of uncertainty per
-    cost, e.g. examples/plan_next_measurement.toml.
+@options.command(
+    """\
+    Choose the next measurement by its expected information.
+
+    The candidate measurements of a study file, such as examples/plan_next_measurement.toml, are
+    ranked by the expected reduction of uncertainty per cost.
 
     The file names unknown fields with their prior relative standard deviations [unknown], completed
     measurements [[completed]] and candidates [[candidate]]: quantity, state, standard deviation and
     cost. The standard errors that are expected after each measurement are printed.
-    """,
-    short_help="Choose the next measurement by its expected information.",
+    """
 )
 @click.argument("study", type=options.PATH)
 @click.option("--count", type=click.IntRange(1), help="Number of measurements to select.")
@@ -266,19 +266,19 @@ def fit(
 )
 @options.UNITS
 @options.JSON
-@click.option("--save", type=options.TABLE, help="Save the steps as .csv or .xlsx, in SI.")
+@options.SAVE_TABLE
 @options.PLOT
 def plan(
     study: Path, as_json: bool, save: Path | None, plot: Path | None, **arguments: Any
 ) -> None:
-    """Rank the candidate measurements of a study file."""
-    from ..studies.experiment import next_experiment
+    """Choose the next measurement by its expected information."""
     from ..studies.export import write_table
+    from ..studies.plan import next_experiment
     from ..studies.plan_file import load_plan
 
     keywords = load_plan(study)
+    options.check_unit_names(keywords["problem"])
     keywords |= {name: value for name, value in arguments.items() if value is not None}
     result = next_experiment(progress=True, **keywords)
-    if save:
-        write_table(result.to_dataframe().reset_index(), save)
-    options.present(result, as_json, plot)
+    table = result.to_dataframe().reset_index()
+    options.present(result, as_json, {save: partial(write_table, table), plot: result.plot})

@@ -14,17 +14,17 @@ from . import options
 __all__ = ["table"]
 
 
-@click.command(
-    help="""\
-    Solve the cases of a table (.csv or .xlsx), one in each row, and write the results as a table.
+@options.command(
+    """\
+    Solve the cases of a spreadsheet, one in each row.
 
-    A column is a field by its name, e.g. "nip_load [kN/m]" or "web.thickness [um]", with the unit
-    in the header, in a row below it or in the cells. Fields without a column, and empty cells, have
-    the value of --case; without it, the columns describe the complete problem. The columns
-    "failure" and "warnings" explain the rows that were not solved or leave the validity of the
-    model. Exit status: 0 if a row was solved, 3 if none was, 2 for invalid input.
-    """,
-    short_help="Solve the cases of a spreadsheet, one in each row.",
+    CASES is a table (.csv or .xlsx); the results are written as a table too. A column is a field by
+    its name, e.g. "nip_load [kN/m]" or "web.thickness [um]", with the unit in the header, in a row
+    below it or in the cells. Fields without a column, and empty cells, have the value of --case;
+    without it, the columns describe the complete problem. The columns "failure" and "warnings"
+    explain the rows that were not solved or leave the validity of the model. Exit status: 0 if a
+    row was solved, 3 if none was, 2 for invalid input.
+    """
 )
 @click.argument("cases", type=options.PATH)
 @click.option(
@@ -54,14 +54,13 @@ def table(
     outputs: tuple[str, ...],
     **arguments: Any,
 ) -> int:
-    """Solve the cases of a table (.csv or .xlsx), one in each row."""
-    from ..io.case_files import load_case
+    """Solve the cases of a spreadsheet, one in each row."""
     from ..studies.case_table import solve_table
     from ..studies.export import write_table
 
     if settings and case is None:
         raise InvalidProblem.at("--set", "changes a field of --case, which is not given")
-    problem = load_case(case, settings) if case else None
+    problem = options.load_case(case, settings) if case else None
     start = time.perf_counter()
     with unwarned():
         solved = solve_table(cases, problem, outputs or None, progress=True, **arguments)
@@ -70,5 +69,5 @@ def table(
     warned = int((solved["warnings"] != "").sum())
     if warned:
         click.secho(f"  {warned} with a warning; see the column 'warnings'", fg="yellow")
-    click.echo(f"written: {out}")
+    options.print_written([out])
     return code

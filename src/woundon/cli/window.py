@@ -19,15 +19,15 @@ if TYPE_CHECKING:
 RANGE = options.Numbers("LOW:HIGH")
 
 
-@click.command(
-    help="""\
-    Map the probability that all margins of a winding are positive, over web tension and nip load.
+@options.command(
+    """\
+    Map the operating window: the probability of a roll without defects.
 
+    The probability is that of positive margins of a winding, over web tension and nip load.
     The inputs are uncertain: their relative standard deviations are those of the grade of the case,
     and of --uncertain. The ranges are of the values at the core; schedules keep their shape. Exit
     status: 0 if the map is complete, 2 for invalid input, 3 if too few windings can be solved.
-    """,
-    short_help="Map the operating window: the probability of a roll without defects.",
+    """
 )
 @click.argument("case", type=options.PATH)
 @click.option(
@@ -69,9 +69,9 @@ RANGE = options.Numbers("LOW:HIGH")
 @options.WORKERS
 @options.SCHEDULER
 @click.option(
-    "--out", type=options.PATH, metavar="DIR", help="Store the solved windings in a folder."
+    "--out", type=options.PATH, metavar="DIR", help="Folder in which the windings are stored."
 )
-@click.option("--resume", is_flag=True, help="Resume the computation in the folder.")
+@options.RESUME
 @click.option(
     "--plot",
     type=options.FIGURE,
@@ -90,8 +90,7 @@ def window(
     as_json: bool,
     **arguments: Any,
 ) -> None:
-    """Map the probability that all margins of a winding are positive."""
-    from ..io.case_files import load_case
+    """Map the operating window: the probability of a roll without defects."""
     from ..studies.window import operating_window
 
     axes = [name for name in ("web_tension", "nip_load", "torque_split") if arguments[name]]
@@ -105,12 +104,14 @@ def window(
 
     with options.resumable(arguments["out"]), unwarned():
         result = operating_window(
-            load_case(case, settings), progress=not as_json, preview=draw, **arguments
+            options.load_case(case, settings), progress=not as_json, preview=draw, **arguments
         )
-        if csv:
-            write_whole(csv, _csv_text(result).encode())
+        files: options.Files = {
+            csv: lambda path: write_whole(path, _csv_text(result).encode()),
+            plot: result.plot,
+        }
         at_points = [result.at(*point) for point in points]
-        options.present(result, as_json, plot, result.lines(*at_points))
+        options.present(result, as_json, files, result.lines(*at_points))
 
 
 def _csv_text(window: OperatingWindow) -> str:

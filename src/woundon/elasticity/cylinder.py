@@ -251,15 +251,29 @@ class Spectrum(NamedTuple):
 
 @lru_cache(maxsize=2)
 def _elastic_spectrum(layers: Layers, open_bore: bool) -> Spectrum:
-    """Return the spectrum of elastic layers.
+    """Return the surface compliances Y_n of elastic layers, and their powers of 1/n.
 
-    It is also that of a single viscoelastic layer, relative to its creep compliance.
+    They are also those of a single viscoelastic layer, relative to its creep compliance.
+    Parameters as of :func:`layered_kernels`.
     """
     return _spectrum(layers, open_bore)
 
 
 def _spectrum(layers: Layers, open_bore: bool, factors: Factors | None = None) -> Spectrum:
-    """Return the spectrum of layers; with ``factors``, relative to the outermost compliance."""
+    """Return the surface compliances Y_n of layers, and their powers of 1/n.
+
+    As many harmonics are computed as are needed until Y_n is its asymptotic series sum_j S_j/n^j.
+
+    Parameters
+    ----------
+    layers : sequence of (depth, A_rr, A_tt, A_rt, G, D)
+        As of :func:`layered_kernels`.
+    open_bore : bool
+        True for an open bore, False for a rigid core.
+    factors : callable, optional
+        n -> factors of the moduli of viscoelastic layers, (L, n) complex.  The spectrum is then
+        relative to the creep compliance of the outermost layer.
+    """
     depth = float(layers[0][0] or 0.0)
     stiffness: Stiffness = layers[0][1:]  # type: ignore[assignment]
     tail = asymptotic_compliance(HIGHEST_POWER + 2, *stiffness)
@@ -287,7 +301,11 @@ def _spectrum(layers: Layers, open_bore: bool, factors: Factors | None = None) -
 
 
 def _compliance(n: Array, layers: Layers, open_bore: bool, factors: Factors | None) -> Array:
-    """Return Y_n, for viscoelastic layers relative to the compliance of the outermost one."""
+    """Return Y_n at harmonics n (k,), (2, 2, k) [1/Pa].
+
+    With ``factors``, n -> factors of the moduli of the layers, it is relative to the creep
+    compliance of the outermost layer.
+    """
     Y = stacked_compliance(n, layers, open_bore, factors)
     return Y if factors is None else Y * factors(n)[0]
 
@@ -295,9 +313,10 @@ def _compliance(n: Array, layers: Layers, open_bore: bool, factors: Factors | No
 def _interpolated_compliance(
     N: int, layers: Layers, open_bore: bool, factors: Factors | None
 ) -> Array:
-    """Return Y_n, n = 0 ... N, with n Y_n interpolated by Chebyshev polynomials of ln n.
+    """Return Y_n, n = 0 ... N, (2, 2, N + 1), with n Y_n interpolated by polynomials of ln n.
 
-    The number of points is doubled until the last quarter of the coefficients is negligible.
+    The number of Chebyshev points is doubled until the last quarter of the coefficients of the
+    Chebyshev polynomials is negligible.  Other parameters as of :func:`_spectrum`.
     """
     from scipy.fft import dct  # problems are read and written without SciPy
 
@@ -329,7 +348,17 @@ def _interpolated_compliance(
 
 
 def _remainder(Y: Array, tail: Array, J: int) -> Array:
-    """Return |n Y_n - sum_j S_(j+1)/n^j|, n = 1 ... N, relative to |S_1|."""
+    """Return |n Y_n - sum_j S_(j+1)/n^j|, n = 1 ... N, relative to |S_1|, (N,).
+
+    Parameters
+    ----------
+    Y : (2, 2, N + 1) array
+        The surface compliances.
+    tail : (K, 2, 2) array
+        The coefficients S_j of their asymptotic series.
+    J : int
+        Highest power of 1/n in the sum.
+    """
     n = np.arange(1.0, Y.shape[-1])
     remainder = np.abs(n * Y[..., 1:] - _powers(tail[1 : J + 2], n.size))
     return np.array(remainder.max(axis=(0, 1)) / np.abs(tail[1]).max())
@@ -339,6 +368,7 @@ def _truncated_spectrum(Y: Array, tail: Array, decay: float) -> Spectrum:
     """Return the spectrum of a layer so thin that Y_n does not reach its asymptotic series.
 
     Shorter waves, which are much shorter than any contact, are given the n Y_n of the last one.
+    Parameters as the attributes of :class:`Spectrum`.
     """
     N = Y.shape[-1] - 1
     last_terms = np.zeros((3, 2, 2), dtype=Y.dtype)
@@ -368,7 +398,8 @@ def _inverse_powers(count: int, terms: int) -> Array:
 def _highest_power(tail: Array) -> int:
     """Return the highest power of 1/n to sum in closed form.
 
-    Coefficients that grow by a factor of more than 1e4 would cause cancellation.
+    Coefficients S_j of the asymptotic series (``tail``, (K, 2, 2)) that grow by a factor of more
+    than 1e4 would cause cancellation.
     """
     size = np.abs(tail).max(axis=(1, 2))
     for J in range(HIGHEST_POWER, 1, -1):
@@ -387,8 +418,13 @@ def _decay_over_depth(depth: float, stiffness: Stiffness) -> float:
 
 @lru_cache(maxsize=64)
 def _decay_rate(stiffness: Stiffness) -> float:
-    """Return lambda/n for large n, lambda the smaller real part of the two decaying waves."""
+    """Return the rate of decay per unit of ln r and of n of short waves below the surface [1].
+
+    Both waves decay as exp(-lambda y) over the depth y in ln r; for large n the smaller real part
+    of lambda is proportional to n.
+    """
     n = 1e8
+    # sum and product of the two lambda with a positive real part
     total, product = (v.item() for v in LayerSystems.of((1.0, *stiffness)).roots(np.array([n])))
     discriminant = total * total / 4 - product
     slow = product / (total / 2 + sqrt(discriminant)) if discriminant > 0 else total / 2
@@ -399,6 +435,17 @@ def _harmonic_count(depth: float, tail: Array, J: int, stiffness: Stiffness) -> 
     """Return the number of harmonics at which the remainder is negligible.
 
     The remainder consists of the effect of the core, exp(-2 kappa n), and the next power of 1/n.
+
+    Parameters
+    ----------
+    depth : float
+        Of the outermost layer, ln of the ratio of its radii.
+    tail : (K, 2, 2) array
+        The coefficients S_j of the asymptotic series of Y_n.
+    J : int
+        Highest power of 1/n that is summed in closed form.
+    stiffness : (A_rr, A_tt, A_rt, G, D)
+        Of the outermost layer [Pa].
     """
     core = 20 / _decay_over_depth(depth, stiffness)
     size = np.abs(tail).max(axis=(1, 2))
@@ -414,6 +461,13 @@ def _truncation_error(
     It is relative to their values at a distance of the thickness of the layer (or the radius).  The
     neglected terms n > N decay as n^-(J+1), with a sum of N/J last terms, or as exp(-2 kappa n),
     with a sum of 1/(2 kappa).
+
+    Parameters
+    ----------
+    terms : (2, 2, N) array
+        n Y_n less the powers of 1/n that are summed in closed form.
+    tail, depth, stiffness, J
+        As of :func:`_harmonic_count`.
     """
     N = terms.shape[-1]
     last = terms[..., -max(4, N // 16) :]

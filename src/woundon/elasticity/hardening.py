@@ -161,7 +161,18 @@ class HardeningLaw:
         return StressState(stress, tangent, P)
 
     def _pressure(self, target: Array, gamma: Array, P0: Array, guess: Array | None) -> Array:
-        """Return the root P of f(P) = target by Newton's method."""
+        """Return the root P of f(P) = target by Newton's method, (...) [Pa].
+
+        f(P) = F(P) - F(P0) - nu^2/E_t (P - P0) - G'(P) gamma^2/2, F the compression of the stack.
+
+        Parameters
+        ----------
+        target, gamma, P0 : (...) arrays
+            -(e_r + nu e_t) and the shear strain [1]; the wound pressure [Pa].
+        guess : (...) array, optional
+            Initial guess [Pa]; without it, and if it does not converge, the root for nu = 0 and a
+            constant G.
+        """
         c = self.poissons_ratio**2 / self.tangential
         F0 = self.radial.strain_at(P0)
         P = self._pressure_at_strain(F0 + target) if guess is None else guess
@@ -177,7 +188,9 @@ class HardeningLaw:
         return P if guess is None else self._pressure(target, gamma, P0, None)
 
     def _derivatives(self, P: Array, gamma: Array, P0: Array) -> tuple[Array, Array, Array]:
-        """Return f'(P) = 1/E_r - nu^2/E_t - G'' gamma^2/2, G = shear (E_r/E_r(P0))^beta and G'.
+        """Return f'(P) [1/Pa], the shear modulus G [Pa] and G' = dG/dP [1], (...) arrays.
+
+        f' = 1/E_r - nu^2/E_t - G'' gamma^2/2 and G = shear (E_r/E_r(P0))^beta.
 
         Lower bounds keep f' and G positive for iterates outside the range of the law.
         """

@@ -161,7 +161,17 @@ class InfluenceSurface:
         return self._displacement((kernels.normal_p, kernels.normal_q), kernels.normal_smooth, -2)
 
     def _displacement(self, kernels: tuple[Kernel, Kernel], smooth: Smooth | None, k: int) -> Array:
-        """Return a displacement at point k of the face by nodal p and by q, (2, n) [m/Pa]."""
+        """Return a displacement at one point by nodal pressures p and tractions q, (2, n) [m/Pa].
+
+        Parameters
+        ----------
+        kernels : (Kernel, Kernel)
+            Influence functions of this displacement by p and by q.
+        smooth : callable or None
+            t -> their smooth parts, (2, *t.shape); None for a half-plane.
+        k : int
+            Number of the point among those of the face.
+        """
         face, point = self.face, self.face.points[k, None]
         out = _factors(kernels, self.a) @ self._singular[:, k]
         out += _log_factors(kernels, self.a)[:, None] * face.weights
@@ -324,12 +334,16 @@ def _lag_integrals(lag: Lag, points: Array, nodes: Array) -> Array:
 
 
 def _factors(kernels: tuple[Kernel, ...], a: float) -> Array:
-    """Return the coefficients of the integrals of 1/t, Dirac, ln|t| and sgn in units of a."""
+    """Return the coefficients of the integrals of 1/t, Dirac, ln|t| and sgn, (kernels, 4).
+
+    The integrals are in units of the half width ``a`` [m]; those of ln|t| and sgn are proportional
+    to it.
+    """
     return np.array([[k.inverse, k.delta, k.log * a, k.sign * a] for k in kernels])
 
 
 def _log_factors(kernels: tuple[Kernel, ...], a: float) -> Array:
-    """Return the coefficients of ln a in ln|a t| = ln|t| + ln a, in units of a."""
+    """Return the coefficients of ln a in ln|a t| = ln|t| + ln a, (kernels,), ``a`` in metres."""
     return np.array([k.log for k in kernels]) * (a * log(a))
 
 

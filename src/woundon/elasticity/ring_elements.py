@@ -102,7 +102,12 @@ class Topology:
 
     @cached_property
     def _entries(self) -> tuple[Array, Array, Array, Array]:
-        """Entries of the element matrices that are assembled, their slots, and the CSC pattern."""
+        """The pattern of the assembled matrix, in compressed columns (CSC).
+
+        Four int arrays: the entries of the element matrices, flattened, that are assembled (those
+        of core nodes are not); the place of each in the data of the sparse matrix, which adds
+        entries with the same row and column; row indices and column pointers of the sparse matrix.
+        """
         n, ids = self.size, self.unknowns
         i = np.broadcast_to(ids[:, :, None], (*ids.shape, 18)).ravel()
         j = np.broadcast_to(ids[:, None, :], (*ids.shape, 18)).ravel()
@@ -131,7 +136,10 @@ class Topology:
 
 @lru_cache(maxsize=16)
 def ring_topology(columns: int, rows: int) -> Topology:
-    """Return shape functions and numbering of a ring."""
+    """Return shape functions and numbering of a ring of columns x rows elements.
+
+    Quadratic elements of nine nodes, all of them unit squares here; :class:`RingMesh` scales them.
+    """
     from skfem import Basis, ElementQuad2, MeshQuad  # only hardening rolls need it
 
     mesh = MeshQuad.init_tensor(np.arange(columns + 1.0), np.arange(rows + 1.0))

@@ -73,8 +73,8 @@ class RingState:
     Attributes
     ----------
     mesh : RingMesh
-    u : array
-        Displacements [m].
+    u : (size,) array
+        Displacements of all unknowns of the mesh [m].
     stress_state : StressState
         Stresses, moduli and pressure at the quadrature points.
     residual : float
@@ -310,10 +310,17 @@ class RingPair:
 
 
 def _energy_norm(forces: Array, step: Array, f: Array, u: Array) -> float:
-    """Return the step under unbalanced forces in the energy norm.
+    """Return the step under unbalanced forces in the energy norm, the residual of the equilibrium.
 
     It is relative to the displacements after the step, u + step, under the forces f; a ring without
     forces has none, and the norm is absolute [sqrt(J/m)].
+
+    Parameters
+    ----------
+    forces, f : (size,) arrays
+        Unbalanced forces, and all forces on the ring [N/m].
+    step, u : (size,) arrays
+        Step of Newton's method, and the displacements before it [m].
     """
     return sqrt(abs(forces @ step) / (abs(f @ (u + step)) or 1.0))
 

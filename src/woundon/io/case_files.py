@@ -15,10 +15,11 @@ from pathlib import Path
 from typing import Any
 
 from .. import kinds
-from ..errors import InvalidProblem, did_you_mean
+from ..arguments import check_type
+from ..errors import InvalidProblem, did_you_mean, mapping_of
 from ..problems.grades import grade
-from ..problems.messages import quote
-from ..problems.paths import set_in_tables
+from ..problems.messages import check_names, quote
+from ..problems.paths import counterpart, parts_of, set_in_tables
 from ..problems.problem import Problem
 from .case_texts import SCHEMA, template, to_toml
 from .columns import with_columns
@@ -98,8 +99,8 @@ def read_case(path: str | Path) -> dict[str, Any]:
     InvalidProblem
         If the file cannot be read, is empty, or is not TOML (names the line).
     """
-    folder = Path(path).parent
     written = tables_of_text(read_whole(path, MAX_BYTES), str(path))
+    folder = Path(path).parent
     tables = dict(with_columns(written, folder, lambda: _kind_of(written).problem))
     if "grades" not in tables:
         return tables
@@ -199,13 +200,16 @@ def apply_settings(case: Mapping[str, Any], settings: Iterable[str]) -> dict[str
     Raises
     ------
     InvalidProblem
-        For a text that is not a setting, a name below a field that has no fields of its own, or
-        an unset field that does not exist.
+        For a text that is not a setting, two settings of one field, a name below a field that has
+        no fields of its own, or an unset field that does not exist.
     """
+    check_type("settings", settings, str, Iterable)
     changed = deepcopy(dict(case))
+    values: list[tuple[str, str]] = []
     for setting in [settings] if isinstance(settings, str) else settings:
+        check_type("setting", setting, str)
         path, sign, value = setting.partition("=")
-        parts = path.strip().split(".")
+        parts = parts_of(path.strip())
         if not sign or not all((*parts, value.strip())):
             text = "is not a setting; write field=value, e.g. nip_load='3.5 kN/m'"
             raise InvalidProblem.at(setting, text)
@@ -217,7 +221,11 @@ def apply_settings(case: Mapping[str, Any], settings: Iterable[str]) -> dict[str
             # a field of a group is changed in the table of the group, if the case has it
             groups = (group for group, names in model.tables.items() if parts[0] in names)
             parts = [*(group for group in groups if group in changed), *parts]
-        set_in_tables(changed, ".".join(parts), _plain(value), model)
+        name = ".".join(parts)
+        set_in_tables(changed, name, _plain(value), model)
+        parts[-1] = counterpart(parts[-1], "diameter") or parts[-1]  # it is the same field
+        values.append((".".join(parts), setting))
+    mapping_of(values)  # raises an error for a field that is set twice
     return changed
 
 
@@ -252,6 +260,8 @@ def make_problem(tables: Mapping[str, Any], kind: str | None = None) -> Problem:
     InvalidProblem
         Lists all errors.
     """
+    check_type("case", tables, Mapping)
+    check_names(tables)
     model = (kinds.named(kind) if kind else _kind_of(tables)).problem
     faults = list(_schema_faults(tables))
     fields = {name: value for name, value in tables.items() if name != "schema"}
@@ -305,7 +315,7 @@ def _flatten_groups(fields: dict[str, Any], model: type[Any], faults: Faults) ->
 
 def _with_hint(field: str, text: str, model: type[Any]) -> tuple[str, str]:
     """Return an error with a hint if a top-level field was written below a [section]."""
-    *heads, leaf = field.split(".")
+    *heads, leaf = parts_of(field)
     if heads and leaf in model.model_fields and text.startswith("no such field"):
         section = ".".join(head for head in heads if not head.isdecimal())
         return field, f"no such field in [{section}]; write {leaf} above the first [section]"

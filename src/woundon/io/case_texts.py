@@ -9,6 +9,7 @@ import json
 import textwrap
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, NamedTuple, get_args
 
 from pydantic.fields import FieldInfo
@@ -23,6 +24,7 @@ from ..problems.permitted import bounds, requirement
 from ..problems.problem import Problem
 from ..problems.units import text_with_unit
 from ..quantities import Quantity, members_of, quantity_of
+from .files import write_whole
 
 __all__ = [
     "SCHEMA",
@@ -30,8 +32,10 @@ __all__ = [
     "field_ranges",
     "grade_template",
     "material_name",
+    "save_case",
     "template",
     "to_toml",
+    "toml_value",
 ]
 
 SCHEMA = 1
@@ -71,7 +75,7 @@ def template(kind: str = "nip") -> str:
     >>> print(template("rollers").splitlines()[0])
     # Two rollers in contact without a web, rolling or static.
     """
-    return to_toml(kinds.named(kind.replace("-", "_")).example(), comments=True)
+    return to_toml(kinds.named(kind).example(), comments=True)
 
 
 _GRADE_CASE = """\
@@ -172,11 +176,16 @@ def to_toml(problem: Problem, comments: bool = False, under: str = "") -> str:
     return "\n".join(lines).rstrip() + "\n"
 
 
+def save_case(problem: Problem, path: Path) -> None:
+    """Write the case file of a problem, without comments."""
+    write_whole(path, to_toml(problem).encode())
+
+
 def _header(problem: Problem) -> list[str]:
     """Return the comment at the top of a case file, which explains its use."""
     quantities = {n: quantity_of(info) for n, info in type(problem).model_fields.items()}
     settings = (
-        f"{name}={_value(quantity.typical[1], quantity)}"
+        f"{name}={toml_value(quantity.typical[1], quantity)}"
         for name, quantity in quantities.items()
         if quantity and quantity.unit != "1" and quantity.typical
     )
@@ -229,7 +238,7 @@ class _Writer:
         yield own._replace(rows=[*schema, *_grade_rows(problem), *own.rows])
         for group, names in problem.tables.items():
             rows = [self.row(problem, name) for name in names if self.is_shown(problem, name)]
-            yield Section(f"[{prefix}{group}]", rows, _comment_on_group(problem, group))
+            yield Section(f"[{prefix}{group}]", rows)
         yield from nested
 
     def description(
@@ -305,8 +314,8 @@ class _Writer:
             return Row(name, UNSET, field_comment(info))
         if isinstance(value, Description):
             comment = "a name ('woundon materials' lists them), or a table of its fields"
-            return Row(name, _value(material_name(value)), comment)
-        return Row(name, _value(value, quantity_of(info, of_field)), field_comment(info))
+            return Row(name, toml_value(material_name(value)), comment)
+        return Row(name, toml_value(value, quantity_of(info, of_field)), field_comment(info))
 
     def kind_row(self, thing: Family, holder: FieldInfo) -> Row:
         """Return the line with the kind of a description; its comment lists the alternatives.
@@ -328,7 +337,9 @@ class _Writer:
                 fields = "" if member in self.listed else f" ({', '.join(member.model_fields)})"
                 names.append(f"{member.member_name()}{fields}")
         self.listed.update(members)
-        return Row("kind", _value(thing.member_name()), f"or {', '.join(names)}" if names else "")
+        return Row(
+            "kind", toml_value(thing.member_name()), f"or {', '.join(names)}" if names else ""
+        )
 
 
 def _grade_rows(problem: Problem) -> list[Row]:
@@ -343,16 +354,7 @@ def _grade_rows(problem: Problem) -> list[Row]:
     if not states_all(problem, named_grade):
         return []
     comment = "supplies what is not stated here, and the spreads of the values"
-    return [Row("grade", _value(named_grade.name), comment)]
-
-
-def _comment_on_group(problem: Problem, group: str) -> str:
-    """Return a comment on the problem that results if a group is omitted."""
-    names = set(type(problem).model_fields) - set(problem.tables[group])
-    other = kinds.for_fields(names)
-    if isinstance(problem, other.problem):
-        return ""
-    return f"without this table: {other.about[:1].lower()}{other.about[1:].rstrip('.')}"
+    return [Row("grade", toml_value(named_grade.name), comment)]
 
 
 def material_name(value: Any) -> str | None:
@@ -394,10 +396,17 @@ def _with_comment(text: str, comment: str, column: int) -> list[str]:
     return [f"{text.ljust(column)}  # {first}", *(f"{'':{column}}  # {part}" for part in others)]
 
 
-def _value(value: Any, quantity: Quantity | None = None) -> str:
-    """Return a value as TOML; a number of a quantity as a text with its unit, if that is exact."""
+def toml_value(value: Any, quantity: Quantity | None = None) -> str:
+    """Return the value of a field as TOML; a number of a quantity as a text with its unit.
+
+    A number for which no text with a unit is exact is written as a plain number in SI.
+
+    >>> from woundon.quantities import length
+    >>> toml_value(66e-6, length("2h", "web thickness", "um")), toml_value((0.5, 1.0))
+    ('"66 um"', '[0.5, 1.0]')
+    """
     if isinstance(value, (tuple, list)):
-        return f"[{', '.join(_value(item, quantity) for item in value)}]"
+        return f"[{', '.join(toml_value(item, quantity) for item in value)}]"
     if quantity is not None and not isinstance(value, (bool, str)):
         text = text_with_unit(float(value), quantity.unit, quantity.display)
         value = text if isinstance(text, str) else value
@@ -409,7 +418,7 @@ def _value(value: Any, quantity: Quantity | None = None) -> str:
 # ---- description of a field --------------------------------------------------------------------
 
 
-def field_comment(field: Any) -> str:
+def field_comment(field: FieldInfo) -> str:
     """Return symbol, meaning, typical and allowed range of a field, in the unit for display."""
     quantity = quantity_of(field)
     if quantity is None:
@@ -423,7 +432,7 @@ def field_comment(field: Any) -> str:
     return text if not note or note.startswith("default") else f"{text}; {note}"
 
 
-def field_ranges(field: Any, quantity: Quantity, with_unit: bool = True) -> str:
+def field_ranges(field: FieldInfo, quantity: Quantity, with_unit: bool = True) -> str:
     """Return the typical range of a field and, in parentheses, the allowed range.
 
     >>> from woundon import NipProblem
@@ -442,7 +451,7 @@ def field_ranges(field: Any, quantity: Quantity, with_unit: bool = True) -> str:
     return " ".join(parts)
 
 
-def _limits(field: Any, quantity: Quantity) -> str:
+def _limits(field: FieldInfo, quantity: Quantity) -> str:
     """Return the permitted range: "0 to 10", "> 0", "0 to < 0.5"."""
     ends = dict(bounds(field))
     ends_shown = {sign: _number(quantity.shown(end)) for sign, end in ends.items()}

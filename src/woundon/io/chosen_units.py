@@ -4,20 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
-from typing import Any
+from os import PathLike
+from typing import TYPE_CHECKING, Any
 
 from .. import kinds
-from ..errors import InvalidProblem, did_you_mean
+from ..errors import InvalidProblem, did_you_mean, mapping_of
+from ..problems.problem import Problem
 from ..problems.units import MILL, factor
 from ..quantities import DISPLAYED, Choice, Place, outputs, pattern, shown_in, value_of, walk
 from ..results import Result
 from .frames import to_frame
 
-__all__ = ["ResultInUnits", "in_units", "units", "units_of"]
+if TYPE_CHECKING:
+    import pandas as pd
+
+__all__ = ["ResultInUnits", "check_names", "in_units", "units", "units_of"]
 
 Names = dict[tuple[str, str], tuple[str, float]]  # as of woundon.quantities.Choice
 System = dict[str, tuple[str, float]]
 SYSTEMS = ("SI", "mill")
+SYSTEM = "system of units"  # its name among those of fields and outputs
 # Quantities per width, and the unit of their totals.
 _TOTALS = {"N/m": "N", "kg/m": "kg", "W/m": "W"}
 
@@ -46,23 +52,7 @@ def units(chosen: Mapping[str, str] | None = None, /, **more: str) -> Iterator[N
     True
     """
     requested = {**(chosen or {}), **more}
-    known = _si_units() if requested else {}
-    faults: list[tuple[str, str]] = []
-    names: Names = {}
-    for name, unit in requested.items():
-        si_units = known.get(pattern(name))
-        if si_units is None:
-            faults.append((name, f"no field or output{did_you_mean(name, known)}"))
-            continue
-        sizes = _names_in(unit, name, si_units)
-        if not sizes:
-            try:
-                factor(unit, si_units[-1], name)
-            except InvalidProblem as fault:
-                faults += fault.faults
-        names |= sizes
-    if faults:
-        raise InvalidProblem(faults)
+    names = _by_name(requested, _places(kinds.every())) if requested else {}
     with shown_in(Choice(names)):
         yield
 
@@ -70,40 +60,94 @@ def units(chosen: Mapping[str, str] | None = None, /, **more: str) -> Iterator[N
 @contextmanager
 def units_of(settings: Iterable[str]) -> Iterator[None]:
     """Use the units of texts "NAME=UNIT" of the command line, and those of the system "mill"."""
-    explicit: dict[str, str] = {}
-    system: System = {}
-    for text in settings:
-        if text in SYSTEMS:
-            system |= _system(text)
-            continue
-        name, _, unit = (part.strip() for part in text.partition("="))
-        if not name or not unit:
-            raise InvalidProblem.at(
-                text, "must be written NAME=UNIT, e.g. nip_load='kN/m', or mill"
-            )
-        explicit[name] = unit
-    with shown_in(Choice(system=system)), units(explicit):
+    requested = units_by_name(settings)
+    system = _system(requested.pop(SYSTEM)) if SYSTEM in requested else {}
+    with shown_in(Choice(system=system)), units(requested):
         yield
 
 
-def _places() -> list[Place]:
-    """Return the fields and outputs of all kinds of problem that are numbers."""
-    return [
-        place
-        for kind in kinds.every()
-        for place in (*walk(kind.problem), *outputs(kind.result))
-        if place.quantity is not None
-    ]
+def units_by_name(settings: Iterable[str]) -> dict[str, str]:
+    """Return the units of texts "NAME=UNIT" by name, a system of units by the name SYSTEM.
+
+    >>> units_by_name(["nip_load = kN/m", "mill"])
+    {'nip_load': 'kN/m', 'system of units': 'mill'}
+    """
+    chosen: list[tuple[str, str]] = []
+    for text in settings:
+        name, _, unit = (part.strip() for part in text.partition("="))
+        if text in SYSTEMS:
+            name, unit = SYSTEM, text
+        if not name or not unit:
+            reason = "must be written NAME=UNIT, e.g. nip_load='kN/m', or mill"
+            raise InvalidProblem.at(text, reason)
+        chosen.append((name, unit))
+    return mapping_of(chosen)
 
 
-def _si_units() -> dict[str, list[str]]:
-    """Return the SI units of all fields and outputs; a name may have several, by kind."""
+def check_names(settings: Iterable[str], problems: Iterable[Problem]) -> None:
+    """Reject units of names that are no field or output of the kinds of some problems.
+
+    Parameters
+    ----------
+    settings : iterable of str
+        As of :func:`units_of`.
+    problems : iterable of Problem
+
+    Raises
+    ------
+    InvalidProblem
+        States the permitted names.
+    """
+    requested = units_by_name(settings)
+    requested.pop(SYSTEM, None)
+    _by_name(requested, _places(map(kinds.of, problems)))
+
+
+def _places(described: Iterable[kinds.Kind[Any, Any]]) -> list[Place]:
+    """Return the fields and outputs of kinds of problem."""
+    return [place for kind in described for place in (*walk(kind.problem), *outputs(kind.result))]
+
+
+def _by_name(
+    requested: Mapping[str, str], places: Iterable[Place], width: float | None = None
+) -> Names:
+    """Return requested units with their sizes, by name and SI unit.
+
+    Parameters
+    ----------
+    requested : mapping of str to str
+        Name of a field or output -> unit.
+    places : iterable of Place
+        The fields and outputs that may be named; a name may have several quantities, by kind.
+    width : float, optional
+        Of the web [m]; with it, a unit of a total force is one of a force per width.
+
+    Raises
+    ------
+    InvalidProblem
+        Lists all unknown names, and units that are unknown or of another dimension.
+    """
     known: dict[str, list[str]] = {}
-    for place in _places():
-        unit = place.quantity.unit if place.quantity else "1"
-        if unit not in known.setdefault(place.path, []):
-            known[place.path].append(unit)
-    return known
+    for place in places:
+        if place.quantity is not None:
+            known.setdefault(place.path, []).append(place.quantity.unit)
+    names: Names = {}
+    faults: list[tuple[str, str]] = []
+    for name, unit in requested.items():
+        si_units = known.get(pattern(name))
+        if si_units is None:
+            faults.append((name, f"no field or output{did_you_mean(name, known)}"))
+            continue
+        sizes = {si_unit: _size(unit, si_unit, width) for si_unit in si_units}
+        names |= {(name, si_unit): (unit, size) for si_unit, size in sizes.items() if size}
+        if not any(sizes.values()):
+            try:
+                factor(unit, si_units[-1], name)
+            except InvalidProblem as fault:
+                faults += fault.faults
+    if faults:
+        raise InvalidProblem(faults)
+    return names
 
 
 # ---- a result in units --------------------------------------------------------------------------
@@ -157,7 +201,7 @@ class ResultInUnits:
             if name in self._quantities
         }
 
-    def to_dataframe(self) -> Any:
+    def to_dataframe(self) -> pd.DataFrame:
         """Return the table of :meth:`woundon.Result.to_dataframe`."""
         frame = to_frame(self.result)
         for name in frame:
@@ -170,7 +214,7 @@ class ResultInUnits:
         with shown_in(self._choice):
             return self.result.plot(*args, **options)
 
-    def save(self, path: Any) -> None:
+    def save(self, path: str | PathLike[str]) -> None:
         """Write a ``.csv`` table; netCDF and JSON files are always in SI."""
         with shown_in(self._choice):
             self.result.save(path)
@@ -187,8 +231,7 @@ class ResultInUnits:
 def in_units(result: Result, chosen: Iterable[str], by_name: Mapping[str, str]) -> ResultInUnits:
     """Return a result in units; parameters as of :meth:`woundon.Result.in_units`."""
     width = getattr(result.problem, "width", None)
-    problem = kinds.of(result).problem
-    places = [*walk(result.problem), *walk(problem), *outputs(result)]
+    places = [*walk(kinds.of(result).problem), *outputs(result)]
     displayed = _displayed(places)
     system: System = {}
     for unit in [chosen] if isinstance(chosen, str) else chosen:
@@ -200,15 +243,7 @@ def in_units(result: Result, chosen: Iterable[str], by_name: Mapping[str, str]) 
         if not found:
             raise _no_such_unit(unit, width)
         system |= found
-    names: Names = {}
-    for name, unit in by_name.items():
-        si_units = [p.quantity.unit for p in places if p.path == name and p.quantity]
-        in_unit = _names_in(unit, name, si_units, width)
-        if not in_unit:
-            with units({name: unit}):  # raises with the reason, if the name or the unit is unknown
-                raise _no_such_unit(unit, width)
-        names |= in_unit
-    return ResultInUnits(result, Choice(names, system))
+    return ResultInUnits(result, Choice(_by_name(by_name, places, width), system))
 
 
 def _displayed(places: Iterable[Place]) -> dict[str, str]:
@@ -230,18 +265,12 @@ def _system(system: str) -> System:
     mill units, and ``{"N/m": ("N/m", 1.0), "mm": ("m", 1.0)}`` of SI units.
     """
     sizes: System = {}
-    for displayed_unit, si_unit in _displayed(_places()).items():
+    for displayed_unit, si_unit in _displayed(_places(kinds.every())).items():
         unit = si_unit if system == "SI" else MILL.get(displayed_unit, "")
         if unit and unit != "1":
             size = 1.0 if unit == si_unit else float(factor(unit, si_unit, displayed_unit))
             sizes[displayed_unit] = (unit, size)
     return sizes
-
-
-def _names_in(unit: str, name: str, si_units: Iterable[str], width: float | None = None) -> Names:
-    """Return a unit with its size by a name and those of its SI units that have its dimension."""
-    sizes = {si_unit: _size(unit, si_unit, width) for si_unit in si_units}
-    return {(name, si_unit): (unit, size) for si_unit, size in sizes.items() if size}
 
 
 def _size(unit: str, si_unit: str, width: float | None) -> float | None:

@@ -25,6 +25,11 @@ if TYPE_CHECKING:
 
 __all__ = ["record_of_netcdf", "to_dataset", "to_netcdf"]
 
+# The parts of a record that are attributes of a Dataset: as they are, and as JSON.  The names of
+# the error estimates are a further attribute, their values are variables.
+AS_THEY_ARE = ("format", "schema", "version", "kind")
+AS_JSON = ("problem", "warnings")
+
 
 def to_dataset(result: Result) -> xarray.Dataset:
     """Return the result as an xarray Dataset; all variables have unit, name and symbol.
@@ -42,8 +47,8 @@ def to_dataset(result: Result) -> xarray.Dataset:
 
     record = to_record(result)
     known = {place.path: place.quantity for place in outputs(result)}
-    attributes = {name: record[name] for name in ("format", "schema", "version", "kind")}
-    attributes |= {name: json.dumps(record[name]) for name in ("problem", "warnings")}
+    attributes = {name: record[name] for name in AS_THEY_ARE}
+    attributes |= {name: json.dumps(record[name]) for name in AS_JSON}
     attributes["errors"] = json.dumps(list(record["errors"]))
     variables: dict[str, Any] = {}
     for name, value in (record["fields"] | record["outputs"]).items():
@@ -103,16 +108,15 @@ def record_of_netcdf(content: bytes) -> Record:
         attributes = {str(name): plain(value) for name, value in data.attrs.items()}
     attributes.pop(seals.NAME, None)
     values = {str(name): plain(variable.values) for name, variable in variables.items()}
-    record: Record = {
-        name: attributes.pop(name) for name in ("format", "schema", "version", "kind")
-    }
-    record |= {name: json.loads(attributes.pop(name)) for name in ("problem", "warnings")}
+    record: Record = {name: attributes.pop(name) for name in AS_THEY_ARE}
+    record |= {name: json.loads(attributes.pop(name)) for name in AS_JSON}
     record["dimensions"] = {name: list(variables[name].dims) for name in values}
     record["units"] = {name: variables[name].attrs.get("units", "1") for name in values}
-    residuals = values.pop("residual")
-    record["residuals"] = dict(zip(values.pop("condition"), residuals, strict=True))
+    record["residuals"] = dict(zip(values.pop("condition"), values.pop("residual"), strict=True))
+    # an output may be named like the error estimate of another one, so its variable remains
     errors = {name: f"{name}_error" for name in json.loads(attributes.pop("errors"))}
     record["errors"] = {name: values[variable] for name, variable in errors.items()}
+    # the other variables are fields, or outputs that are computed from the fields
     result_class = kinds.named(str(record["kind"])).result
     saved = saved_fields(result_class)
     computed = {place.path for place in outputs(result_class)} - saved.keys()
@@ -122,6 +126,7 @@ def record_of_netcdf(content: bytes) -> Record:
         for name, value in values.items()
         if name in saved or name not in computed | set(errors.values())
     }
+    # the other attributes are fields that are texts, or tuples as JSON
     for name, text in attributes.items():
         is_text = name in saved and saved[name].hint is str
         record["fields"][name] = text if is_text else json.loads(text)

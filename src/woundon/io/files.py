@@ -10,6 +10,7 @@ from pathlib import Path
 from shutil import copymode
 from threading import get_ident
 
+from ..arguments import check_type
 from ..errors import InvalidProblem
 
 __all__ = ["check_writable", "read_whole", "replaced_file", "write_whole"]
@@ -31,7 +32,7 @@ def read_whole(path: str | Path, max_bytes: int) -> bytes:
     Traceback (most recent call last):
     woundon.errors.InvalidProblem: missing.toml: cannot be read: No such file or directory
     """
-    path = os.fspath(path)  # open() would take a number for an open file
+    check_type("path", path, str, os.PathLike)  # open() would take a number for an open file
     try:
         # open() would wait for a pipe that nobody writes to
         with open(path, "rb", opener=_open_nonblocking) as file:
@@ -101,7 +102,7 @@ def _sync(path: Path, flags: int) -> None:
         os.close(descriptor)
 
 
-def write_whole(path: str | Path, content: bytes) -> None:
+def write_whole(path: str | os.PathLike[str], content: bytes) -> None:
     """Write a file atomically; see :func:`replaced_file`.
 
     Raises

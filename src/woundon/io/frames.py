@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -35,9 +36,7 @@ def to_frame(result: Result) -> pd.DataFrame:
 
     known = {p.path: p.quantity for p in outputs(result) if p.quantity is not None}
     values = {name: value_of(result, name) for name in known}
-    arrays = {name: value for name, value in values.items() if isinstance(value, np.ndarray)}
-    length = next((array.shape[:1] for array in arrays.values()), None)
-    columns = {name: array for name, array in arrays.items() if array.shape == length}
+    columns = _columns(values)
     frame = pd.DataFrame(columns) if columns else pd.DataFrame([values])
     frame.attrs = {
         "units": {name: known[name].unit for name in frame},
@@ -66,14 +65,8 @@ def to_csv(result: Result) -> bytes:
         for name, error in result.errors.items()
         if f"{name}_error" not in known
     ]
-    values = saved_values(result)
-    arrays = {name: value for name, value in values.items() if isinstance(value, np.ndarray)}
-    length = next((array.shape[:1] for array in arrays.values()), None)
-    columns = dict(
-        _in_table(name, known.get(name), array)
-        for name, array in arrays.items()
-        if array.shape == length
-    )
+    arrays = _columns(saved_values(result))
+    columns = dict(_in_table(name, known.get(name), array) for name, array in arrays.items())
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")
     table.writerow([f"# woundon {__version__}", kinds.of(result).name])
@@ -85,6 +78,13 @@ def to_csv(result: Result) -> bytes:
     table.writerow(columns)
     table.writerows(zip(*(array.tolist() for array in columns.values()), strict=True))
     return text.getvalue().encode("utf-8")
+
+
+def _columns(values: Mapping[str, Any]) -> dict[str, np.ndarray]:
+    """Return the arrays of a result that have the shape (n,), n being the length of the first."""
+    arrays = {name: value for name, value in values.items() if isinstance(value, np.ndarray)}
+    shape = next((array.shape[:1] for array in arrays.values()), None)
+    return {name: array for name, array in arrays.items() if array.shape == shape}
 
 
 def _in_table(name: str, quantity: Quantity | None, value: Any) -> tuple[str, Any]:

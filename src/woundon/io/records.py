@@ -241,7 +241,11 @@ def _restore_field(value: Any, item: SavedField, name: str) -> Any:
 
 
 def _items(value: Any, hint: Any) -> Any:
-    """Return lists as tuples, and null among floats as nan."""
+    """Return the lists of a value as tuples, and null as nan where its type hint has a float.
+
+    >>> _items([[0.5, "a"], [None, "b"]], tuple[tuple[float, str], ...])
+    ((0.5, 'a'), (nan, 'b'))
+    """
     if not isinstance(value, list):
         return nan if value is None and hint is float else value
     inner = get_args(hint) or (Any,)

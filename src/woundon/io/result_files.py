@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import json
 from collections.abc import Callable
+from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -32,7 +33,7 @@ __all__ = ["load_result", "save_result", "to_json", "writer_for"]
 MAX_BYTES = 1_000_000_000
 
 
-def save_result(result: Result, path: str | Path) -> None:
+def save_result(result: Result, path: str | PathLike[str]) -> None:
     """Save a result as ``.nc``, ``.json`` or ``.csv``.
 
     netCDF and JSON files are complete and contain a ``sha256`` that detects changes; CSV files are
@@ -90,7 +91,7 @@ def load_result(path: str | Path) -> Any:
     return result
 
 
-def writer_for(path: str | Path) -> Callable[[Result], bytes]:
+def writer_for(path: str | PathLike[str]) -> Callable[[Result], bytes]:
     """Return the function that converts a result to the file format of the suffix of a path.
 
     Raises

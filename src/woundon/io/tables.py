@@ -11,11 +11,10 @@ from __future__ import annotations
 import re
 import shlex
 from collections.abc import Iterator, Mapping
-from types import NoneType
 from typing import Any, NamedTuple
 
-from ..errors import InvalidProblem, nearest, one_of
-from ..problems.messages import quote
+from ..arguments import check_arguments
+from ..errors import InvalidProblem, mapping_of, nearest, one_of
 from ..problems.units import is_unit
 from ..quantities import Quantity, pattern
 from .sheets import Sheet
@@ -176,16 +175,12 @@ def match_columns(
     >>> [(c.name, c.unit) for c in match_columns(sheet, Names({"nip_width": length("b", "")}))]
     [('nip_width', 'mm')]
     """
-    _check_renaming(columns)
+    check_arguments(columns=columns)
+    renaming = _renaming_of(columns or {})
+    ignores_others = renaming.pop(OTHERS, None) is not None
     faults: Faults = []
     matched: list[Column] = []
     unknown: list[str] = []
-    given = dict(columns or {})
-    ignores_others = OTHERS in given
-    if given.pop(OTHERS, None):
-        text = f"{OTHERS!r} stands for all columns without a known name; they can only be ignored"
-        raise InvalidProblem.at("columns", text)
-    renaming = {_normalise(header): (header, target) for header, target in given.items()}
     for header, cells in sheet.columns.items():
         target, unit = _rename_header(header, renaming)
         if target is None:
@@ -212,17 +207,18 @@ def match_columns(
     return matched
 
 
-def _check_renaming(columns: Any) -> None:
-    """Reject values that are not a mapping of headers to names."""
-    if columns is None:
-        return
-    if not isinstance(columns, Mapping):
-        text = f"{quote(columns)} is not a mapping; must be {{header: name or None}}"
+def _renaming_of(columns: Mapping[str, str | None]) -> Renaming:
+    """Return the assigned headers and their targets, by the normalised header.
+
+    Raises
+    ------
+    InvalidProblem
+        For a target of ``"*"``, and two spellings of one header.
+    """
+    if columns.get(OTHERS):
+        text = f"{OTHERS!r} stands for all columns without a known name; they can only be ignored"
         raise InvalidProblem.at("columns", text)
-    for header, target in columns.items():
-        if not isinstance(header, str) or not isinstance(target, (str, NoneType)):
-            text = f"{quote(header)}: {quote(target)}: header and name must be texts"
-            raise InvalidProblem.at("columns", text)
+    return mapping_of(((_normalise(header), (header, to)) for header, to in columns.items()))
 
 
 class _Renamed(NamedTuple):

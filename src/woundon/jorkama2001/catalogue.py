@@ -1,6 +1,7 @@
-"""The figures and tables of the thesis by name, and the module that computes each of them.
+"""Figures and tables of the thesis computed by name.
 
-A module has a function ``exhibits(solver)`` that returns its figures and tables.
+A module ``fig15``, ``fig16_18``, ... has a function ``exhibits(solver)`` that returns its figures
+and tables.
 """
 
 from __future__ import annotations
@@ -11,37 +12,11 @@ from difflib import get_close_matches
 
 import woundon as wo
 
-from .exhibits import Exhibit
+from .exhibits import Exhibit, listed
 
 __all__ = ["NAMES", "chosen", "made_by", "modules"]
 
-# in the order of the thesis
-_MODULES = {
-    "fig5": "fig5",
-    "fig15": "fig15",
-    "fig16": "fig16_18",
-    "fig17": "fig16_18",
-    "fig18": "fig16_18",
-    "fig19": "fig19",
-    "fig20": "fig20",
-    "fig21": "fig21_22",
-    "fig22": "fig21_22",
-    "fig23": "fig23_24",
-    "fig24": "fig23_24",
-    "fig25": "fig25",
-    "fig26": "fig26",
-    "fig27": "fig27",
-    "fig28": "fig28_29",
-    "fig29": "fig28_29",
-    "fig30": "fig30",
-    "fig33": "fig33",
-    "fig34": "fig34",
-    "fig35": "fig35",
-    "table3": "table3",
-    "fig37": "table3",
-    "table4": "table4",
-}
-NAMES = tuple(_MODULES)
+NAMES = tuple(listed())
 
 # the ones that take longest, longest first: processes that start with them end sooner
 _LONG = ("fig28_29", "table3", "fig19", "fig16_18", "fig21_22", "fig23_24", "fig26", "fig33")
@@ -56,7 +31,7 @@ def chosen(names: Sequence[str]) -> tuple[str, ...]:
         For a name that is no figure or table here.
     """
     for name in names:
-        if name not in _MODULES:
+        if name not in NAMES:
             near = get_close_matches(name, NAMES, 1)
             hint = f"; did you mean {near[0]!r}?" if near else ""
             text = f"unknown{hint}; there are {', '.join(NAMES)}"
@@ -66,13 +41,13 @@ def chosen(names: Sequence[str]) -> tuple[str, ...]:
 
 def modules(names: Sequence[str]) -> tuple[str, ...]:
     """Return the modules that make these figures and tables, the longest first."""
-    needed = dict.fromkeys(_MODULES[name] for name in names)
+    needed = dict.fromkeys(listed()[name].module for name in names)
     return tuple(sorted(needed, key=lambda m: _LONG.index(m) if m in _LONG else len(_LONG)))
 
 
 def made_by(module: str, solver: str) -> tuple[Exhibit, ...]:
     """Compute all figures of a module, "accurate" or by the procedure of the "thesis"."""
-    # the names are needed without the modules, which import xarray and Matplotlib
+    # the names are needed without the modules, which import xarray and SciPy
     from . import (  # noqa: F401  found below by their names
         fig5,
         fig15,
@@ -89,6 +64,7 @@ def made_by(module: str, solver: str) -> tuple[Exhibit, ...]:
         fig33,
         fig34,
         fig35,
+        fig37,
         table3,
         table4,
     )

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import closing, contextmanager
+from collections.abc import Iterable
+from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,12 +16,7 @@ if TYPE_CHECKING:
 __all__ = ["thesis"]
 
 
-@click.command(
-    help="""\
-    Recompute figures and tables of the thesis and test its statements: fig16, table3, ...
-    """,
-    short_help="Recompute figures and tables of the thesis.",
-)
+@click.command(short_help="Recompute figures and tables of the thesis.")
 @click.argument("names", nargs=-1, metavar="[NAME]...")
 @click.option("--all", "everything", is_flag=True, help="Every figure and table.")
 @click.option(
@@ -43,6 +38,7 @@ def thesis(
     names: tuple[str, ...], everything: bool, out: Path, solver: str, jobs: int | None
 ) -> None:
     """Recompute figures and tables of the thesis and test its statements: fig16, table3, ..."""
+    from ..studies.progress import progress_reporter
     from .catalogue import NAMES, chosen
     from .publication import publish, summary
 
@@ -52,12 +48,18 @@ def thesis(
         )
     wanted = NAMES if everything else chosen(names)
     done: list[Published] = []
+    # a bar prints what goes to the terminal above itself; a file or a pipe gets it unchanged
+    channel = None if sys.stdout.isatty() else sys.stdout
     try:
-        with _bar(len(wanted)) as tell, closing(publish(wanted, out, solver, jobs=jobs)) as parts:
+        with (
+            progress_reporter(sys.stderr.isatty(), "figures and tables") as report,
+            closing(publish(wanted, out, solver, jobs=jobs)) as parts,
+        ):
             for one in parts:
                 done.append(one)
-                click.echo("\n".join(_brief(one)) if everything else one.judged.report())
-                tell()
+                text = "\n".join(_brief(one)) if everything else one.judged.report()
+                click.echo(text, file=channel)
+                report(len(done), len(wanted))
     except KeyboardInterrupt:
         text = f"interrupted; {len(done)} of {len(wanted)} are in {out}"
         raise click.Abort(text) from None
@@ -65,30 +67,6 @@ def thesis(
         click.echo(_total(done))
         (out / "index.md").write_text(summary(done), encoding="utf-8")
     click.echo(f"written to {out}: {_files(done)}")
-
-
-@contextmanager
-def _bar(size: int) -> Iterator[Callable[[], object]]:
-    """Show a progress bar on stderr if that is a terminal; yield the function that advances it."""
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
-
-    console = Console(stderr=True)
-    columns = (
-        TextColumn("figures and tables"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeElapsedColumn(),
-    )
-    with Progress(
-        *columns,
-        console=console,
-        transient=True,
-        disable=not console.is_terminal,
-        redirect_stdout=sys.stdout.isatty(),
-    ) as progress:
-        task = progress.add_task("", total=size)
-        yield lambda: progress.advance(task)
 
 
 def _brief(one: Published) -> list[str]:

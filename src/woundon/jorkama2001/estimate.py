@@ -11,7 +11,7 @@ With T_out it brackets the wound-on tension of the same nip with a roll wrap.
 from __future__ import annotations
 
 from math import nan, pi
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,13 +19,16 @@ import woundon as wo
 
 from .influence import surface_strain
 
+if TYPE_CHECKING:
+    from .procedure import ProcedureResult
+
 __all__ = ["RIG_ANGLE", "rig_tension", "wound_on_tension_estimate"]
 
 # Angle downstream of the nip at which the laboratory winder leads the web to a load cell [rad].
 RIG_ANGLE = pi / 2
 
 
-def wound_on_tension_estimate(result: Any, angle: float = pi) -> float:
+def wound_on_tension_estimate(result: wo.NipResult | ProcedureResult, angle: float = pi) -> float:
     """Return the tension of a web that sticks to the roll up to an angle (thesis eq. 183) [N/m].
 
     Parameters
@@ -70,6 +73,6 @@ def wound_on_tension_estimate(result: Any, angle: float = pi) -> float:
     return float(result.outlet_tension + problem.web.thickness / c11 * (far - near))
 
 
-def rig_tension(result: Any) -> float:
+def rig_tension(result: wo.NipResult | ProcedureResult) -> float:
     """Return the estimate (183) a quarter turn downstream, at the laboratory's load cell [N/m]."""
     return wound_on_tension_estimate(result, RIG_ANGLE)

@@ -1,10 +1,13 @@
-"""A figure or table of the thesis, recomputed: data, verdicts and drawing."""
+"""Figures and tables of the thesis: their list, and one recomputed with data, verdicts, panels."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import tomllib
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from functools import cache
+from importlib import resources
+from typing import TYPE_CHECKING, NamedTuple
 
 from .verdicts import Outcome, Verdict
 
@@ -12,7 +15,49 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-__all__ = ["Exhibit"]
+    from ..report.panels import Panel
+
+__all__ = ["Entry", "Exhibit", "listed"]
+
+
+class Entry(NamedTuple):
+    """A figure or table in the list.
+
+    Attributes
+    ----------
+    label : str
+        As the thesis writes it: ``Fig. 16``, ``Table 3``.
+    title : str
+    module : str
+        The module that computes it, perhaps with others.
+    counts : tuple of int
+        Known numbers of statements that hold, fail and cannot be tested, by the accurate solver.
+        The exhibit states why a statement fails.
+    """
+
+    label: str
+    title: str
+    module: str
+    counts: tuple[int, ...]
+
+
+@cache
+def listed() -> Mapping[str, Entry]:
+    """Return all figures and tables by name (``fig16``, ``table3``), in the order of the thesis.
+
+    The modules that compute them, and the libraries they need, are not imported.
+    """
+    text = (resources.files(__package__) / "exhibits.toml").read_text("utf-8")
+    return {
+        name: Entry(_label(name), entry["title"], entry["module"], tuple(entry["counts"]))
+        for name, entry in tomllib.loads(text).items()
+    }
+
+
+def _label(name: str) -> str:
+    if name.startswith("fig"):
+        return f"Fig. {name.removeprefix('fig')}"
+    return f"Table {name.removeprefix('table')}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,13 +67,14 @@ class Exhibit:
     Attributes
     ----------
     name : str
-        ``fig16``, ``table3``.
-    title : str
+        A name in the list: ``fig16``, ``table3``.
     data : xarray.Dataset
         What has a unit in its ``attrs`` is a column of the CSV file.
     verdicts : sequence of Verdict
-    draw : callable
-        Makes the matplotlib figure; None for a table.
+    panels : sequence of Panel
+        Of a figure.
+    lettered : bool
+        Whether several panels are lettered (a), (b), ...
     text : str
         A table as the thesis has it.
     one_solver : bool
@@ -36,22 +82,32 @@ class Exhibit:
     """
 
     name: str
-    title: str
     data: xr.Dataset
     verdicts: Sequence[Verdict]
-    draw: Callable[[], Figure] | None = None
+    panels: Sequence[Panel] = ()
+    lettered: bool = True
     text: str = ""
     one_solver: bool = False
 
     @property
     def label(self) -> str:
-        """The name as the thesis writes it: ``Fig. 16``, ``Table 3``."""
-        kind, number = ("Fig.", self.name[3:]) if self.name[0] == "f" else ("Table", self.name[5:])
-        return f"{kind} {number}"
+        """The name as the thesis writes it."""
+        return listed()[self.name].label
+
+    @property
+    def title(self) -> str:
+        """The title in the list."""
+        return listed()[self.name].title
 
     def count(self, outcome: Outcome) -> int:
         """Count the statements with this outcome."""
         return sum(verdict.outcome is outcome for verdict in self.verdicts)
+
+    def figure(self) -> Figure:
+        """Return the figure of the panels."""
+        from ..report.drawing import draw_figure  # here, because the list draws nothing
+
+        return draw_figure([[panel] for panel in self.panels], lettered=self.lettered)
 
     def csv(self) -> str:
         """Return the data as text, comma separated, ten digits, names with units."""

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from . import drawing
 from .cases import paper_nip
 from .exhibits import Exhibit
 from .nips import FINE, Nip, along_nip, solved
+from .panels import nip_panels
 from .verdicts import Range, Verdict, at_least, at_most, verdict, whether
 from .zones import runs, zone_lengths
 
@@ -21,11 +21,8 @@ def exhibits(solver: str) -> list[Exhibit]:
     """Solve the base case; return Fig. 15."""
     result = solved(paper_nip(), solver, FINE)
     heavy = solved(paper_nip(nip_load=HEAVY_LOAD), solver, FINE)
-    title = "Tractions, slips and web tension in the nip, hard drum"
     verdicts = [*_pattern(result, heavy), *_tension(result)]
-    return [
-        Exhibit("fig15", title, along_nip(result), verdicts, lambda: drawing.nip_figure(result))
-    ]
+    return [Exhibit("fig15", along_nip(result), verdicts, nip_panels(result))]
 
 
 def _pattern(r: Nip, heavy: Nip) -> list[Verdict]:

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
 
 import numpy as np
 import xarray as xr
 
-from . import drawing
 from .cases import WINDING_FORCES, paper_nip
 from .exhibits import Exhibit
 from .nips import Nip, solved, swept
+from .panels import curve_panels
 from .verdicts import Range, Verdict, at_least, at_most, exactly, falls, grows, verdict
 from .zones import zone_lengths
 
@@ -26,30 +25,12 @@ def exhibits(solver: str) -> list[Exhibit]:
     """Solve Table 1's nip over nip load and winding force; return Figs. 16, 17 and 18."""
     data, heavy = _swept(NIP_LOADS, solver), _swept([HEAVY_LOAD], solver)
     light = solved(paper_nip(winding_force=0.0, nip_load=LIGHT_LOAD), solver)
-    made = (
-        (
-            "fig16",
-            "NIT and nip width against the nip load",
-            _tension(data, light),
-            ("nip_induced_tension", "nip_width"),
-        ),
-        (
-            "fig17",
-            "Leading and trailing slip at the roll against the nip load",
-            _slip(data),
-            ("leading_roll_slip", "trailing_roll_slip"),
-        ),
-        ("fig18", "Dual slip ratio against the nip load", _dual_slip(data, heavy), ("dual_slip",)),
-    )
+    slips, over = ("leading_roll_slip", "trailing_roll_slip"), "nip_load"
+    tensions = curve_panels(data, ("nip_induced_tension", "nip_width"), over)
     return [
-        Exhibit(
-            name,
-            title,
-            data,
-            verdicts,
-            partial(drawing.sheet, data, shown, "nip_load", legend=5 if len(shown) > 1 else 3),
-        )
-        for name, title, verdicts, shown in made
+        Exhibit("fig16", data, _tension(data, light), tensions),
+        Exhibit("fig17", data, _slip(data), curve_panels(data, slips, over)),
+        Exhibit("fig18", data, _dual_slip(data, heavy), curve_panels(data, ("dual_slip",), over)),
     ]
 
 

@@ -7,16 +7,18 @@ nip.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 import xarray as xr
-from matplotlib.figure import Figure
 
-from . import drawing
+from ..report.panels import Curve, Panel
 from .cases import WINDING_FORCES, paper_nip
 from .exhibits import Exhibit
 from .nips import OUTPUTS, swept
+from .panels import curve_panels, curves
 from .verdicts import Verdict, accurate, at_least, at_most, exactly, verdict
 
 __all__ = ["exhibits"]
@@ -44,8 +46,7 @@ def exhibits(solver: str) -> list[Exhibit]:
         ),
         *accurate([_share_of_fall()]),
     ]
-    title = "NIT against the friction between the layers"
-    return [Exhibit("fig19", title, data, verdicts, lambda: _draw(data))]
+    return [Exhibit("fig19", data, verdicts, _panels(data))]
 
 
 @cache
@@ -144,20 +145,23 @@ def _share_of_fall() -> Verdict:
     )
 
 
-def _draw(data: xr.Dataset) -> Figure:
-    """Draw the curves of the nip alone; points with the web wrapped, thin lines by (183)."""
-    figure = drawing.blank(size=(7.2, 3.8))
-    for axes, P in zip(figure.axes, NIP_LOADS, strict=True):
-        panel = data.sel(nip_load=P)
-        drawing.curves(axes, panel, "roll_friction", CONFINED, "winding_force")
-        for name, look in (
-            (WRAPPED, {"marker": "o", "linewidth": 0}),
-            (ESTIMATE, {"linewidth": 0.6}),
-        ):
-            for k, values in enumerate(panel[name]):
-                axes.plot(FRICTIONS, values, color=drawing.COLOURS[k], markersize=3, **look)
-            label = {WRAPPED: "wrapped", ESTIMATE: "by (183)"}[name]
-            axes.plot([], [], color="#888888", markersize=3, label=label, **look)
-        axes.set_title(f"$P = {P:.0f}$ N/m", fontsize=9)
-    drawing.shared_legend(figure, 4)
-    return figure
+def _panels(data: xr.Dataset) -> list[Panel]:
+    """Return the curves of the nip alone, with points with the web wrapped, thin lines by (183)."""
+    x, along = "roll_friction", "winding_force"
+    points: dict[str, Any] = {"line": "none", "marker": "point"}
+    thin: dict[str, Any] = {"line": "solid", "width": 0.6}
+    nothing = np.empty(0)
+    legend = (
+        Curve(WRAPPED, nothing, nothing, label="wrapped", colour="soft", **points),
+        Curve(ESTIMATE, nothing, nothing, label="by (183)", colour="soft", **thin),
+    )
+    alone = curve_panels(data, [CONFINED], x, along, panels="nip_load")
+    panels = []
+    for panel, P in zip(alone, NIP_LOADS, strict=True):
+        part = data.sel(nip_load=P)
+        compared = (
+            *curves(part, x, WRAPPED, along, in_legend=False, **points),
+            *curves(part, x, ESTIMATE, along, in_legend=False, **thin),
+        )
+        panels.append(replace(panel, curves=(*panel.curves, *compared)))
+    return [*panels[:-1], replace(panels[-1], curves=(*panels[-1].curves, *legend))]

@@ -6,15 +6,18 @@ P = 4897 and F = 100 N/m.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import numpy as np
-from matplotlib.figure import Figure
 
 import woundon as wo
 
-from . import drawing
+from ..report.panels import Panel
 from .cases import paper_nip
 from .exhibits import Exhibit
-from .nips import FINE, Nip, along_nip, joined, solved
+from .nips import FINE, Nip, along_nip, joined, solved, solved_accurately
+from .panels import slips_and_increase
 from .verdicts import Verdict, accurate, at_least, at_most, untested, verdict, whether
 from .zones import Run, longest_stick, runs
 
@@ -34,12 +37,13 @@ def exhibits(solver: str) -> list[Exhibit]:
     base = paper_nip(nip_load=NIP_LOAD, web_tension=0.0)  # T is then what the nip has added so far
     nips = {mu: solved(base.replace(roll_friction=mu), solver, FINE) for mu in FRICTIONS}
     data = joined("roll_friction [1]", {mu: along_nip(r) for mu, r in nips.items()})
-    title = "Slips and tension for mu+ below and above mu-"
     below, above = nips.values()
     taut = paper_nip(nip_load=NIP_LOAD)
-    wrapped = [solved(taut.replace(roll_friction=mu, roll_wrap=np.pi)) for mu in FRICTIONS]
+    wrapped = [
+        solved_accurately(taut.replace(roll_friction=mu, roll_wrap=np.pi)) for mu in FRICTIONS
+    ]
     verdicts = [*_pattern(above), *_numbers(below, above), *accurate(_of_the_wrap(*wrapped))]
-    return [Exhibit("fig20", title, data, verdicts, lambda: _draw([below, above]))]
+    return [Exhibit("fig20", data, verdicts, _panels([below, above]))]
 
 
 def _pattern(r: Nip | wo.NipResult, when: str = "mu+ > mu-") -> list[Verdict]:
@@ -113,16 +117,15 @@ def _of_the_wrap(below: wo.NipResult, above: wo.NipResult) -> list[Verdict]:
     ]
 
 
-def _draw(nips: list[Nip]) -> Figure:
-    """Draw tractions, slips and zones of both nips."""
-    figure = drawing.blank(1, 2, (9.0, 3.6), letters=False)
-    panels = list(figure.axes)
-    with drawing.style():
-        for letter, axes, nip in zip("ab", panels, nips, strict=True):
-            drawing.draw_slips(axes, nip)
-            text = rf"({letter})  $\mu^+ = {nip.problem.roll_friction}$, $\mu^- = 0.4$"
-            axes.text(0.04, 0.93, text, transform=axes.transAxes)
-            axes.set_xlabel("Position along the nip $x$ [mm]")
-        for twin in figure.axes[2:]:
-            twin.set_ylabel(r"$T - T_\mathrm{in}$ [N/m]")
-    return figure
+def _panels(nips: Sequence[Nip]) -> list[Panel]:
+    """Return the panels of the slips and of the tension that both nips have added so far."""
+    return [
+        replace(
+            slips_and_increase(nip),
+            heading=f"$mu+ = {nip.problem.roll_friction}$, $mu- = {nip.problem.drum_friction}$",
+            column=str(k),
+            width=4.5,
+            legend="below",
+        )
+        for k, nip in enumerate(nips)
+    ]

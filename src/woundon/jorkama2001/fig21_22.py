@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 import pandas as pd
 import xarray as xr
 
 import woundon as wo
 
-from . import drawing
 from .cases import WINDING_FORCES, paper_nip
 from .exhibits import Exhibit
 from .nips import swept
+from .panels import curve_panels
 from .verdicts import Range, Verdict, at_least, at_most, falls, grows, verdict
 
 __all__ = ["exhibits"]
@@ -31,11 +29,9 @@ def exhibits(solver: str) -> list[Exhibit]:
     return [
         Exhibit(
             name,
-            f"NIT against the radius of the {body}",
             data[body],
             [*_trends(data[body], body), *own[body]],
-            partial(
-                drawing.sheet,
+            curve_panels(
                 data[body],
                 ["nip_induced_tension"],
                 f"{body}_radius",

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 import xarray as xr
 
-from . import drawing
 from .cases import covered_nip
 from .exhibits import Exhibit
 from .nips import swept
+from .panels import curve_panels
 from .verdicts import Verdict, at_least, at_most, grows, verdict
 
 __all__ = ["exhibits"]
@@ -25,20 +23,13 @@ def exhibits(solver: str) -> list[Exhibit]:
     over = {"nip_load": NIP_LOADS, "poissons_ratio": RATIOS, "youngs_modulus": MODULI}
     data = swept(covered_nip(MODULI[0], RATIOS[0]), over, solver)
     NIT, width = data["nip_induced_tension"], data["nip_width"]
-    made = (
-        ("fig23", "NIT against the modulus of the drum cover", NIT, _tension(NIT)),
-        ("fig24", "Nip width against the modulus of the drum cover", width, _width(width, NIT)),
-    )
     axes = ("youngs_modulus", "poissons_ratio")
+    tensions, widths = (
+        curve_panels(data, [str(shown.name)], *axes, panels="nip_load") for shown in (NIT, width)
+    )
     return [
-        Exhibit(
-            name,
-            title,
-            data,
-            verdicts,
-            partial(drawing.sheet, data, [str(shown.name)], *axes, panels="nip_load"),
-        )
-        for name, title, shown, verdicts in made
+        Exhibit("fig23", data, _tension(NIT), tensions),
+        Exhibit("fig24", data, _width(width, NIT), widths),
     ]
 
 

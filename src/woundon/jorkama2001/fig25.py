@@ -7,12 +7,11 @@ figure's P = 1900 N/m is taken.
 from __future__ import annotations
 
 import numpy as np
-from matplotlib.figure import Figure
 
-from . import drawing
 from .cases import covered_nip, paper_nip
 from .exhibits import Exhibit
 from .nips import FINE, Nip, along_nip, solved
+from .panels import nip_panels, slips_and_increase
 from .verdicts import Range, Verdict, at_least, exactly, verdict, whether
 from .zones import runs
 
@@ -29,14 +28,15 @@ def exhibits(solver: str) -> list[Exhibit]:
         for P in (1900.0, FALL_LOAD)
     )
     hard = solved(paper_nip(), solver, FINE)
-    title = "Tractions, slips and web tension in the nip, soft drum cover"
     verdicts = [
         *_tractions(hard, soft),
         *_pattern(soft),
         *_edges(soft, heavier),
         *_tension(soft, heavier),
     ]
-    return [Exhibit("fig25", title, along_nip(soft), verdicts, lambda: _draw(soft))]
+    tractions, _, zones = nip_panels(soft)
+    panels = [tractions, slips_and_increase(soft), zones]
+    return [Exhibit("fig25", along_nip(soft), verdicts, panels)]
 
 
 def _tractions(hard: Nip, soft: Nip) -> list[Verdict]:
@@ -143,9 +143,3 @@ def _tension(r: Nip, heavier: Nip) -> list[Verdict]:
             " N/m, and the text does not give the load",
         ),
     ]
-
-
-def _draw(result: Nip) -> Figure:
-    figure = drawing.nip_figure(result)
-    figure.axes[-1].set_ylabel(r"$T - T_\mathrm{in}$ [N/m]")
-    return figure

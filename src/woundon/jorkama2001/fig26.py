@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 import xarray as xr
 
 import woundon as wo
 
-from . import drawing
 from .cases import COVERS, DRUM_RADIUS, covered_nip
 from .exhibits import Exhibit
 from .fig16_18 import NIP_LOADS
 from .nips import swept
+from .panels import curve_panels
 from .verdicts import Verdict, at_most, grows, verdict
 
 __all__ = ["exhibits"]
@@ -27,11 +25,10 @@ def exhibits(solver: str) -> list[Exhibit]:
     moduli, ratios = zip(*COVERS.values(), strict=True)
     data["youngs_modulus"] = ("cover", list(moduli), {"units": "Pa"})
     data["poissons_ratio"] = ("cover", list(ratios), {"units": "1"})
-    names = [f"{name}, {_modulus(E)}, $\\nu_2$ = {nu:g}" for name, (E, nu) in COVERS.items()]
+    names = [f"{name}, {_modulus(E)}, $nu2$ = {nu:g}" for name, (E, nu) in COVERS.items()]
     shown = ("nip_induced_tension", "nip_width")
-    draw = partial(drawing.sheet, data, shown, "nip_load", "cover", names=names, legend=3)
-    title = "NIT and nip width against the nip load for three drum covers"
-    return [Exhibit("fig26", title, data, _verdicts(data, _without_shell(solver)), draw)]
+    panels = curve_panels(data, shown, "nip_load", "cover", names=names, legend=2.7)
+    return [Exhibit("fig26", data, _verdicts(data, _without_shell(solver)), panels)]
 
 
 def _without_shell(solver: str) -> xr.DataArray:

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 import xarray as xr
 
-from . import drawing
 from .cases import COVERS, DRUM_RADIUS, covered_nip
 from .exhibits import Exhibit
 from .nips import swept
+from .panels import curve_panels
 from .verdicts import Verdict, at_least, at_most, falls, verdict
 
 __all__ = ["exhibits"]
@@ -27,11 +25,11 @@ def exhibits(solver: str) -> list[Exhibit]:
     data = swept(covered_nip(*COVERS["rubber"], nip_load=5000.0), over, solver)
     data = data.rename(cover_core_radius="cover_thickness")
     data["cover_thickness"] = ("cover_thickness", THICKNESSES, {"units": "m"})
-    names = [rf"{name}, $\nu_2$ = {nu:g}" for name, nu in zip(SOFT, ratios, strict=True)]
+    names = [f"{name}, $nu2$ = {nu:g}" for name, nu in zip(SOFT, ratios, strict=True)]
     axes = (("nip_induced_tension", "nip_width"), "cover_thickness", "poissons_ratio")
-    draw = partial(drawing.sheet, data, *axes, names=names, legend=2)
-    title = "NIT and nip width against the thickness of the drum cover"
-    return [Exhibit("fig27", title, data, _verdicts(data), draw)]
+    return [
+        Exhibit("fig27", data, _verdicts(data), curve_panels(data, *axes, names=names, legend=2.4))
+    ]
 
 
 def _verdicts(data: xr.Dataset) -> list[Verdict]:

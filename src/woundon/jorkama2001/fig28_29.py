@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import xarray as xr
-from matplotlib.figure import Figure
 
-from . import drawing
+from ..report.panels import Panel
 from .cases import paper_nip
 from .exhibits import Exhibit
 from .nips import swept
+from .panels import axis, curves, named
 from .verdicts import Verdict, at_least, at_most, falls, grows, verdict
 
 __all__ = ["exhibits"]
@@ -24,20 +24,15 @@ def exhibits(solver: str) -> list[Exhibit]:
     """Solve the nip at 5 kN/m over the four moduli; return Figs. 28 and 29."""
     over = {"shear": SHEAR, "cross": CROSS, "radial": RADIAL, "tangential": TANGENTIAL}
     data = swept(paper_nip(nip_load=5000.0), over, solver)
+    tension, dual_slip = "nip_induced_tension", "dual_slip"
     return [
-        Exhibit(
-            "fig28",
-            "NIT against the elastic constants of the paper",
-            data,
-            _tension(data["nip_induced_tension"]),
-            lambda: _draw(data, "nip_induced_tension"),
-        ),
+        Exhibit("fig28", data, _tension(data[tension]), _panels(data, tension), lettered=False),
         Exhibit(
             "fig29",
-            "Dual slip ratio against the elastic constants of the paper",
             data,
-            _dual_slip(data["dual_slip"], solver),
-            lambda: _draw(data, "dual_slip"),
+            _dual_slip(data[dual_slip], solver),
+            _panels(data, dual_slip),
+            lettered=False,
         ),
     ]
 
@@ -131,20 +126,24 @@ def _dual_slip(dual: xr.DataArray, solver: str) -> list[Verdict]:
     ]
 
 
-def _draw(data: xr.Dataset, shown: str) -> Figure:
-    """Draw an output over the moduli."""
-    figure = drawing.blank(3, 3, (9.0, 8.4), letters=False)
-    for k, axes in enumerate(figure.axes):
-        row, column = divmod(k, 3)
-        drawing.curves(axes, data.isel(shear=row, cross=column), "tangential", shown, "radial")
-        axes.set_title(
-            f"({'abc'[row]}$_{column + 1}$)  $G$ = {SHEAR[row] / 1e6:g}, "
-            rf"$A_{{r\theta}}$ = {CROSS[column] / 1e6:g} MPa",
-            fontsize=8.5,
-        )
-        if row < 2:
-            axes.set_xlabel("")
-        if column > 0:
-            axes.set_ylabel("")
-    drawing.shared_legend(figure, 3)
-    return figure
+def _panels(data: xr.Dataset, shown: str) -> list[Panel]:
+    """Return the panels of an output over A_tt: rows of one G, columns of one A_rt."""
+    panels = []
+    for row, G in zip("abc", SHEAR, strict=True):
+        for column, A_rt in enumerate(CROSS):
+            part = data.sel(shear=G, cross=A_rt)
+            panels.append(
+                Panel(
+                    f"{row}{column + 1}",
+                    "",
+                    axis("tangential"),
+                    axis(shown),
+                    curves=curves(part, "tangential", shown, "radial"),
+                    heading=f"({row}{column + 1})  {named('shear', G)}, {named('cross', A_rt)}",
+                    column=str(column),
+                    width=3.2,
+                    height=2.8,
+                    legend="below",
+                )
+            )
+    return panels

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import woundon as wo
 
-from . import drawing
 from .cases import paper_nip
 from .exhibits import Exhibit
 from .fig15 import gain_in_dual_slip, squeezed
 from .nips import FINE, Nip, along_nip, joined, solved
+from .panels import curve_panels
 from .verdicts import Range, Verdict, at_least, at_most, verdict
 from .zones import zone_lengths
 
@@ -23,9 +21,8 @@ def exhibits(solver: str) -> list[Exhibit]:
     """Solve A_tt = 7 GPa, A_rr = 20 MPa, G = 100 MPa with both A_rt; return Fig. 30."""
     nips = {rt: solved(_problem(rt), solver, FINE) for rt in CROSS}
     data = joined("cross [Pa]", {rt: along_nip(r) for rt, r in nips.items()})
-    draw = partial(drawing.sheet, data, ["tension_increase"], "x", "cross", legend=2)
-    title = "Web tension along the nip for two cross stiffnesses"
-    return [Exhibit("fig30", title, data, _verdicts(*nips.values()), draw)]
+    panels = curve_panels(data, ["tension_increase"], "x", "cross")
+    return [Exhibit("fig30", data, _verdicts(*nips.values()), panels)]
 
 
 def _problem(cross: float) -> wo.NipProblem:

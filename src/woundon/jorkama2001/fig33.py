@@ -13,14 +13,15 @@ from importlib import resources
 import numpy as np
 import pandas as pd
 import xarray as xr
-from matplotlib.figure import Figure
 
 import woundon as wo
 
-from . import drawing, procedure
+from ..report.panels import Axis, Curve, Panel
+from . import procedure
 from .cases import COVERS, covered_nip, paper_nip
 from .exhibits import Exhibit
-from .nips import dataset, joined, quiet, solved, swept
+from .nips import dataset, joined, quiet, solved_accurately, swept
+from .panels import COLOURS, axis
 from .verdicts import Verdict, at_least, at_most, grows, untested, verdict
 
 __all__ = ["exhibits"]
@@ -42,9 +43,8 @@ def exhibits(solver: str) -> list[Exhibit]:
         limit = wo.solve(PROBLEM, rtol=1e-5)
     verdicts = [*_errors(data, limit), _widths(), *_half_planes(), _terms(limit)]
     shown = 2 if solver == "accurate" else 1
-    draw = lambda: _draw(data.isel(accurate=slice(shown)))  # noqa: E731
-    title = "Computing time and NIT against the number of nodes"
-    return [Exhibit("fig33", title, data, verdicts, draw, one_solver=True)]
+    panel = _panel(data.isel(accurate=slice(shown)))
+    return [Exhibit("fig33", data, verdicts, [panel], one_solver=True)]
 
 
 def _times() -> pd.DataFrame:
@@ -61,7 +61,7 @@ def _converging(solver: str, times: pd.Series) -> xr.Dataset:
     NIT = []
     for M in NODES.tolist():
         by_thesis = solver == "thesis"
-        result = procedure.solve(PROBLEM, M) if by_thesis else solved(PROBLEM, nodes=M)
+        result = procedure.solve(PROBLEM, M) if by_thesis else solved_accurately(PROBLEM, M)
         NIT.append(result.nip_induced_tension)
     data = dataset("nodes", {"nip_induced_tension [N/m]": NIT, "time [1]": times.to_numpy()})
     return data.assign_coords(nodes=("nodes", NODES, {"units": "1"}))
@@ -125,8 +125,8 @@ def _half_plane_error(problem: wo.NipProblem, body: str) -> float:
     """Return the change of NIT if a half-plane replaces the roll or the drum [%]."""
     cylinder = getattr(problem, body)
     flat = wo.HalfPlane(radius=cylinder.radius, material=cylinder.material)
-    exact = solved(problem, "accurate").nip_induced_tension
-    rough = solved(problem.replace(**{body: flat}), "accurate").nip_induced_tension
+    exact = solved_accurately(problem).nip_induced_tension
+    rough = solved_accurately(problem.replace(**{body: flat})).nip_induced_tension
     return 100 * abs(rough / exact - 1)
 
 
@@ -177,24 +177,24 @@ def _terms(limit: wo.NipResult) -> Verdict:
     )
 
 
-def _draw(data: xr.Dataset) -> Figure:
-    """Draw the errors over the number of nodes."""
-    figure, axes = drawing.one_panel()
-    with drawing.style():
-        twin = axes.twinx()
+def _panel(data: xr.Dataset) -> Panel:
+    """Return the panel of computing time and NIT over the number of nodes."""
+    curves = []
     for k in data["accurate"].values.tolist():
-        one, name, colour = data.sel(accurate=k), NAMES[k], drawing.COLOURS[k]
-        axes.plot(one["nodes"], one["time"], "-", color=colour, label=f"time, {name}")
-        twin.plot(
-            one["nodes"],
-            one["nip_induced_tension"],
-            "--",
-            color=colour,
-            label=f"NIT, {name} (right axis)",
-        )
-    axes.set_xlabel("Number of nodes $M$")
-    axes.set_ylabel("Computing time / dense solve of 398 x 398")
-    twin.set_ylabel("NIT [N/m]")
-    twin.grid(visible=False)
-    drawing.shared_legend(figure, 2)
-    return figure
+        one, name = data.sel(accurate=k), NAMES[k]
+        for output, label, line in (
+            ("time", f"time, {name}", "solid"),
+            ("nip_induced_tension", f"NIT, {name}", "dashed"),
+        ):
+            values, right = one[output].values, output != "time"
+            curves.append(Curve(output, NODES, values, "", label, COLOURS[k], line, right=right))
+    return Panel(
+        "convergence",
+        "",
+        Axis("Number of nodes $M$"),
+        Axis("Computing time / dense solve of 398 x 398"),
+        right=axis("nip_induced_tension"),
+        curves=tuple(curves),
+        legend="stacked",
+        height=4.4,
+    )

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from math import pi
 
 import numpy as np
 import xarray as xr
-from matplotlib.figure import Figure
 
 import woundon as wo
 
-from . import drawing
+from ..report.panels import Curve, Panel
 from .cases import paper_nip
 from .exhibits import Exhibit
 from .influence import surface_strain
 from .nips import dataset
+from .panels import axis
 from .verdicts import Verdict, at_least, verdict
 
 __all__ = ["exhibits", "web_rate"]
@@ -29,8 +30,7 @@ AWAY = 5.0  # [deg] from either end of the load, where strains are singular
 def exhibits(solver: str) -> list[Exhibit]:
     """Load the roll of Table 1 by eq. (181) with mu+ = 0.5; return Fig. 34."""
     data = _rates()
-    title = "Growth rates of the strains of web and roll under a web that slips all round"
-    return [Exhibit("fig34", title, data, _verdicts(data), lambda: _draw(data), one_solver=True)]
+    return [Exhibit("fig34", data, _verdicts(data), [_panel(data)], one_solver=True)]
 
 
 def web_rate(web: wo.Web, tension: float, friction: float, theta: np.ndarray) -> np.ndarray:
@@ -83,14 +83,18 @@ def _verdicts(data: xr.Dataset) -> list[Verdict]:
     ]
 
 
-def _draw(data: xr.Dataset) -> Figure:
-    """Draw the strain rates of roll and web over the angle."""
-    figure, axes = drawing.one_panel()
-    for k, body in enumerate(("roll", "web")):
-        rate = np.abs(data[f"{body}_rate"])
-        look = {"color": drawing.COLOURS[k], "label": body}
-        axes.semilogy(np.degrees(data["angle"]), rate, drawing.LINES[k], **look)
-    axes.set_xlabel(r"Angle downstream of the start of slip $\theta$ [deg]")
-    axes.set_ylabel(r"$|d\varepsilon/d\theta|$ [1/rad]")
-    drawing.shared_legend(figure, 2)
-    return figure
+def _panel(data: xr.Dataset) -> Panel:
+    """Return the panel of the strain rates of roll and web over the angle."""
+    angle = data["angle"].values
+    return Panel(
+        "rates",
+        "",
+        replace(axis("angle"), label="Angle downstream of the start of slip $theta$"),
+        axis("roll_rate"),
+        curves=tuple(
+            Curve(
+                f"{body}_rate", angle, np.abs(data[f"{body}_rate"].values), "", body, colour, line
+            )
+            for body, colour, line in (("roll", "roll", "solid"), ("web", "drum", "dashed"))
+        ),
+    )

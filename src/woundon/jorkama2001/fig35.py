@@ -6,21 +6,22 @@ What the section concludes from them is tested on the solved wrap.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
-from matplotlib.figure import Figure
 
 import woundon as wo
 
-from . import drawing
+from ..report.panels import Curve, Mark, Panel
 from .cases import paper_nip
 from .exhibits import Exhibit
 from .fig34 import web_rate
 from .influence import surface_strain
-from .nips import FINE, Nip, dataset, joined, solved
+from .nips import FINE, Nip, dataset, joined, solved, solved_accurately
+from .panels import COLOURS, LEGEND, axis, named
 from .verdicts import Verdict, accurate, at_most, verdict, whether
 
 __all__ = ["exhibits"]
@@ -48,9 +49,8 @@ def exhibits(solver: str) -> list[Exhibit]:
     """Solve P = 10 kN/m with mu+ = 0.7 and 0.2, alone and wrapped; return Fig. 35."""
     nips = [_nip(mu, solver) for mu in FRICTIONS]
     data = joined("roll_friction [1]", dict(zip(FRICTIONS, (n.data for n in nips), strict=True)))
-    title = "Strain of the roll's surface about the nip, and growth rates downstream of it"
     verdicts = [*_of_the_nip_alone(nips), *_of_the_wrap(nips)]
-    return [Exhibit("fig35", title, data, verdicts, lambda: _draw(data))]
+    return [Exhibit("fig35", data, verdicts, _panels(nips))]
 
 
 @cache
@@ -74,7 +74,7 @@ def _nip(mu: float, solver: str) -> _Nip:
             "web_rate [1/rad]": np.append(nan, web_rate(problem.web, tension, mu, downstream)),
         },
     )
-    return _Nip(alone, solved(problem.replace(roll_wrap=np.pi)), data)
+    return _Nip(alone, solved_accurately(problem.replace(roll_wrap=np.pi)), data)
 
 
 def _roll_strain(r: Nip, x: np.ndarray) -> np.ndarray:
@@ -151,23 +151,30 @@ def _of_the_wrap(nips: list[_Nip]) -> list[Verdict]:
     ]
 
 
-def _draw(data: xr.Dataset) -> Figure:
-    """Draw strains and slip over the angle downstream of the nip."""
-    figure = drawing.blank(1, 2, (9.0, 3.9))
-    strains, rates = figure.axes
-    for k, mu in enumerate(FRICTIONS):
-        one = data.isel(roll_friction=k)
-        downstream = one.isel(point=one["angle"].values > 0)
-        look: Any = {"color": drawing.COLOURS[k]}
-        angle, which = np.degrees(downstream["angle"]), rf"$\mu^+$ = {mu:g}"
-        around, strain = np.degrees(one["angle"]), 100 * one["roll_strain"]
-        strains.plot(around, strain, "-", label=f"roll, {which}", **look)
-        rates.loglog(angle, np.abs(downstream["roll_rate"]), "-", **look)
-        rates.loglog(angle, downstream["web_rate"], "--", label=f"slipping web, {which}", **look)
-    rates.axvline(CLAIMED, color="#666666", linewidth=0.8)
-    for axes in (strains, rates):
-        axes.set_xlabel(r"Angle downstream of the trailing edge $\theta$ [deg]")
-    strains.set_ylabel(r"Roll surface strain $\varepsilon_{\theta 1}$ [%]")
-    rates.set_ylabel(r"$|d\varepsilon/d\theta|$ [1/rad]")
-    drawing.shared_legend(figure, 4)
-    return figure
+def _panels(nips: list[_Nip]) -> list[Panel]:
+    """Return the panels of the strain around the nip and of the rates downstream of it."""
+    strains, rates = [], []
+    for nip, mu, colour in zip(nips, FRICTIONS, COLOURS, strict=False):
+        angle, strain = nip.data["angle"].values, nip.data["roll_strain"].values
+        strains.append(Curve("roll_strain", angle, strain, colour=colour))
+        for body, line in (("roll", "solid"), ("web", "dashed")):
+            name, label = f"{body}_rate", f"{body}, {named('roll_friction', mu)}"
+            rate = np.abs(nip.downstream[name].values)
+            angle = nip.downstream["angle"].values
+            rates.append(Curve(name, angle, rate, label=label, colour=colour, line=line))
+    claimed = Mark("y", np.radians(CLAIMED))
+    logarithmic = replace(axis("angle"), log=True)
+    return [
+        Panel("strains", "", axis("angle"), axis("roll_strain"), curves=tuple(strains), width=4.5),
+        Panel(
+            "rates",
+            "",
+            logarithmic,
+            axis("roll_rate"),
+            curves=tuple(rates),
+            marks=(claimed,),
+            column="rates",
+            legend="right",
+            width=4.5 + LEGEND,
+        ),
+    ]

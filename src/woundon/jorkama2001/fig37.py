@@ -4,30 +4,35 @@ from __future__ import annotations
 
 import numpy as np
 import pandas as pd
-import xarray as xr
-from matplotlib.figure import Figure
 
-from . import drawing
+from ..report.panels import Axis, Curve, Panel
 from .cases import measured_tensions, newsprint_nip
 from .exhibits import Exhibit
-from .laboratory import Theory
+from .laboratory import THICKNESSES, theory
 from .nips import dataset, swept
+from .panels import COLOURS, QUANTITIES, axis, named, with_one_legend
 from .verdicts import Verdict, at_least, at_most, verdict
 
 __all__ = ["exhibits"]
 
 TENSIONS = (175.0, 263.0, 350.0)  # T_in [N/m]
+# curves of the figure: column of the data, label, line, marker
+CURVES = (
+    ("measured", "experiment", "solid", "circle"),
+    ("thesis_theory", "theory as printed", "dotted", ""),
+    ("one_point_fit", "theory, $G$ fitted to one point", "dashed", ""),
+    ("printed_parameters", "theory, printed parameters", "dashdot", ""),
+)
 
 
-def exhibits(printed: Theory, fitted: Theory, solver: str) -> list[Exhibit]:
+def exhibits(solver: str) -> list[Exhibit]:
     """Return Fig. 37 of the theory with the printed parameters, and fitted to the one point."""
-    points = measured_tensions()
-    points["printed_parameters"] = printed.tension(points)
-    points["one_point_fit"] = fitted.tension(points)
+    points, thickness = measured_tensions(), THICKNESSES[0]
+    points["printed_parameters"] = theory(solver, thickness).tension(points)
+    points["one_point_fit"] = theory(solver, thickness, ("shear",)).tension(points)
     data = dataset("point", {f"{name} [N/m]": points[name] for name in points})
     verdicts = [*_agreement(points), *_winding_theorem(solver), *_opposing(solver)]
-    title = "Measured and computed wound-on tension of newsprint"
-    return [Exhibit("fig37", title, data, verdicts, lambda: _draw(data))]
+    return [Exhibit("fig37", data, verdicts, _panels(points))]
 
 
 def _agreement(points: pd.DataFrame) -> list[Verdict]:
@@ -101,28 +106,26 @@ def _opposing(solver: str) -> list[Verdict]:
     ]
 
 
-def _draw(data: xr.Dataset) -> Figure:
-    """Draw measured and computed tensions."""
-    figure, axes = drawing.one_panel((6.0, 4.4))
-    lines = (
-        ("measured", "o-", "experiment"),
-        ("thesis_theory", ":", "theory as printed"),
-        ("one_point_fit", "--", "theory, $G$ fitted to one point"),
-        ("printed_parameters", "-.", "theory, printed parameters"),
-    )
-    for T, rows in data.groupby("web_tension"):
-        load = rows["nip_load"] / 1e3
-        for k, (name, line, label) in enumerate(lines):
-            axes.plot(load, rows[name], line, color=drawing.COLOURS[k], label=label, markersize=4)
-        axes.annotate(
-            rf"$T_\mathrm{{in}} = {T:.0f}$ N/m",
-            (load[-1], rows["measured"][-1]),
-            xytext=(7, -3),
-            textcoords="offset points",
-            fontsize=8,
+def _panels(points: pd.DataFrame) -> list[Panel]:
+    """Return the panels of measured and computed tensions, one for each T_in."""
+    y = Axis("Wound-on tension", QUANTITIES["web_tension"], limits=(250.0, 920.0))
+    panels = []
+    for T, rows in points.groupby("web_tension"):
+        load = rows["nip_load"].to_numpy()
+        curves = tuple(
+            Curve(name, load, rows[name].to_numpy(), "", label, colour, line, marker)
+            for (name, label, line, marker), colour in zip(CURVES, COLOURS, strict=False)
         )
-    axes.set_xlim(right=7.2)  # room for the names
-    axes.set_xlabel("Nip load $P$ [kN/m]")
-    axes.set_ylabel("Wound-on tension [N/m]")
-    drawing.shared_legend(figure, 2)
-    return figure
+        panels.append(
+            Panel(
+                "tension",
+                "",
+                axis("nip_load"),
+                y,
+                curves=curves,
+                heading=named("web_tension", T),
+                column=f"{T:.0f}",
+                width=3.2,
+            )
+        )
+    return with_one_legend(panels, 2.4)

@@ -6,7 +6,6 @@ and more than friction holds; it is read as a tangential load of 21 kN/m.
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -14,9 +13,9 @@ import xarray as xr
 
 import woundon as wo
 
-from . import drawing
 from .exhibits import Exhibit
 from .nips import dataset, joined
+from .panels import curve_panels
 from .verdicts import Range, Verdict, at_least, at_most, verdict, whether
 from .zones import Run, runs
 
@@ -33,9 +32,9 @@ def exhibits(solver: str) -> list[Exhibit]:
     rolling, static = _pair("rolling"), _pair("static")
     data = joined("rolling [1]", {1.0: _along(rolling), 0.0: _along(static)})
     verdicts = [*_pattern(rolling, static), *_difference(rolling, static), *_basics()]
-    title = "Tangential traction of two similar cylinders, rolling and static"
-    draw = partial(drawing.sheet, data, ["traction"], "x", "rolling", legend=2)
-    return [Exhibit("fig5", title, data, verdicts, draw, one_solver=True)]
+    names = ("rolling (Carter)", "static (Cattaneo)")
+    shown = curve_panels(data, ["traction"], "x", "rolling", names=names)
+    return [Exhibit("fig5", data, verdicts, shown, one_solver=True)]
 
 
 def _pair(motion: Literal["rolling", "static"]) -> wo.RollerResult:

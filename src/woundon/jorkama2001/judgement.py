@@ -131,7 +131,7 @@ def judged(module: str, names: Sequence[str], solver: str) -> list[Judged]:
     Parameters
     ----------
     module : str
-        From :func:`~woundon.jorkama2001.exhibits.modules`.
+        From :func:`~woundon.jorkama2001.catalogue.modules`.
     names : sequence of str
         Exhibits asked for; the module may make more.
     solver : {"accurate", "thesis"}

@@ -16,17 +16,27 @@ import woundon as wo
 from .cases import ONE_PAPER, measured_tensions, newsprint_nip
 from .nips import NODES, swept
 
-__all__ = ["FITTED_POINT", "NIP_LOADS", "THICKNESSES", "Theory", "rms", "theories"]
+__all__ = [
+    "FITTED_POINT",
+    "MODULI",
+    "NIP_LOADS",
+    "THICKNESSES",
+    "Theory",
+    "rms",
+    "theories",
+    "theory",
+]
 
 NIP_LOADS = (350.0, 876.0, 1751.0, 3502.0, 5837.0)
-THICKNESSES = (66e-6, 57e-6)
+THICKNESSES = (66e-6, 57e-6)  # 2h [m], printed, and with which the printed theory follows
 SEARCH_NODES = 65  # of the fit to all points: NIT to 0.1 %, far below the scatter of the data
 FITTED_POINT = (3502.0, 350.0)  # P, T_in [N/m]
 
 _SYMBOLS = {"shear": "G", "radial": "A_rr"}
+MODULI = tuple(_SYMBOLS)  # that are fitted
 # bounds of a modulus fitted alone to the one point, and of both fitted to all [Pa]
-_ALONE = {"shear": (1e6, 1e8), "radial": (5e6, 5e8)}
-_BOTH = {"shear": (1e6, 1e9), "radial": (5e6, 5e9)}
+_BOUNDS_TO_ONE = {"shear": (1e6, 1e8), "radial": (5e6, 5e8)}
+_BOUNDS_TO_ALL = {"shear": (1e6, 1e9), "radial": (5e6, 5e9)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,6 +100,39 @@ def _winder(thickness: float) -> wo.NipProblem:
     return newsprint_nip(**{"web.thickness": thickness})
 
 
+@cache
+def theory(solver: str, thickness: float, fitted: tuple[str, ...] = ()) -> Theory:
+    """Return the theory with the thesis's moduli, or with some of them fitted.
+
+    Parameters
+    ----------
+    solver : {"accurate", "thesis"}
+        Fits of both moduli are always accurate, because the thesis made no such fit.
+    thickness : float
+        2h [m].
+    fitted : tuple of str
+        ``("shear",)`` or ``("radial",)``, fitted to the thesis's point; both, to all points.
+    """
+    if not fitted:
+        return _theory(_winder(thickness), solver)
+    if fitted == MODULI:
+        return _fitted_to_all(thickness)
+    if solver == "accurate":
+        points = measured_tensions()
+        bounds = {fitted[0]: _BOUNDS_TO_ONE[fitted[0]]}
+        return _fitted(bounds, points[_is_fitted(points)], thickness, NODES)
+    return _fitted_by_procedure(fitted[0], thickness)
+
+
+def theories(solver: str) -> tuple[Theory, ...]:
+    """Return the theories that Table 3 compares, in its order."""
+    return (
+        *(theory(solver, thickness) for thickness in THICKNESSES),
+        *(theory(solver, thickness, (name,)) for thickness in THICKNESSES for name in MODULI),
+        *(theory(solver, thickness, MODULI) for thickness in THICKNESSES),
+    )
+
+
 def _theory(
     problem: wo.NipProblem,
     solver: str,
@@ -102,26 +145,22 @@ def _theory(
     return Theory(problem.web.thickness, added, fitted or {}, fit)
 
 
-def _theory_of_fit(fit: wo.FitResult) -> Theory:
-    """Compute the tensions at all nip loads with the moduli that ``wo.fit`` found."""
-    names = (name.rpartition(".")[2] for name in fit.names)
-    fitted = dict(zip(names, fit.estimates.tolist(), strict=True))
-    return _theory(fit.problem, "accurate", fitted, fit)
+@cache
+def _fitted_to_all(thickness: float) -> Theory:
+    """Fit both moduli to all fifteen points."""
+    return _fitted(_BOUNDS_TO_ALL, measured_tensions(), thickness, SEARCH_NODES)
 
 
-def _fit(
-    bounds: dict[str, tuple[float, float]],
-    points: pd.DataFrame,
-    thickness: float,
-    nodes: int,
-) -> wo.FitResult:
-    """Fit moduli of roll and web to measured points by least squares."""
+def _fitted(
+    bounds: Mapping[str, tuple[float, float]], points: pd.DataFrame, thickness: float, nodes: int
+) -> Theory:
+    """Fit moduli of roll and web, within bounds [Pa], to measured points by least squares."""
     data = {
         "nip_load": points["nip_load"],
         "web_tension": points["web_tension"],
         "rig_tension": points["measured"],
     }
-    return wo.fit(
+    fit = wo.fit(
         _winder(thickness),
         data,
         {f"roll.material.{modulus}": ends for modulus, ends in bounds.items()},
@@ -130,50 +169,25 @@ def _fit(
         profiles=False,
         nodes=nodes,
     )
+    values = dict(zip(bounds, fit.estimates.tolist(), strict=True))
+    return _theory(fit.problem, "accurate", values, fit)
 
 
-def _fitted_to_one(modulus: str, thickness: float, solver: str) -> Theory:
-    """Fit one modulus to the thesis's point."""
-    points = measured_tensions()
-    point = points[_is_fitted(points)]
-    if solver == "accurate":
-        return _theory_of_fit(_fit({modulus: _ALONE[modulus]}, point, thickness, NODES))
-    nip, measured = _winder(thickness), point["measured"].item()
+def _fitted_by_procedure(modulus: str, thickness: float) -> Theory:
+    """Fit one modulus to the thesis's point by the procedure of the thesis."""
+    points, nip = measured_tensions(), _winder(thickness)
+    measured = points["measured"][_is_fitted(points)].item()
     paper = wo.material("newsprint")
-    start = log(getattr(paper, modulus))
 
-    def miss(logarithm: float) -> float:
+    def residual(logarithm: float) -> float:
         over = {modulus: [exp(logarithm)]}
-        return swept(nip, over, solver, ["rig_tension"])["rig_tension"].item() - measured
+        return swept(nip, over, "thesis", ["rig_tension"])["rig_tension"].item() - measured
 
-    found = root_scalar(miss, x0=start, x1=start + 0.05, xtol=1e-7)
+    start = log(getattr(paper, modulus))
+    found = root_scalar(residual, x0=start, x1=start + 0.05, xtol=1e-7)
     if not found.converged:
         raise wo.NotConverged(f"{modulus} fitted to one point: {found.flag}")
     value = exp(found.root)
     paper = paper.replace(**{modulus: value})
     refitted = nip.replace(**{"roll.material": paper, "web.material": paper})
-    return _theory(refitted, solver, {modulus: value})
-
-
-@cache
-def _fitted_to_all(thickness: float) -> Theory:
-    """Fit both moduli to all fifteen points; accurately, for the thesis made no such fit."""
-    return _theory_of_fit(_fit(_BOTH, measured_tensions(), thickness, SEARCH_NODES))
-
-
-@cache
-def theories(solver: str) -> tuple[Theory, ...]:
-    """Return the theory for both thicknesses: as printed; one modulus fitted; both fitted.
-
-    In this order: two with the thesis's moduli, G and A_rr alone fitted to the one point at either
-    thickness, both fitted to all points at either thickness, always accurately.
-    """
-    return (
-        *(_theory(_winder(thickness), solver) for thickness in THICKNESSES),
-        *(
-            _fitted_to_one(modulus, thickness, solver)
-            for thickness in THICKNESSES
-            for modulus in _ALONE
-        ),
-        *map(_fitted_to_all, THICKNESSES),
-    )
+    return _theory(refitted, "thesis", {modulus: value})

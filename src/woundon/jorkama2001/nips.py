@@ -6,16 +6,18 @@ Every variable and coordinate of a dataset has its unit in ``attrs["units"]``.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
-import pandas as pd
 import xarray as xr
 
 import woundon as wo
 
+from ..studies.api import study_of
+from ..studies.model import Answer, KindModel
+from ..studies.run import Workers, run_study
 from . import procedure
 from .cases import ONE_PAPER
 from .outputs import OUTPUTS as ADDED
@@ -30,6 +32,7 @@ __all__ = [
     "joined",
     "quiet",
     "solved",
+    "solved_accurately",
     "swept",
 ]
 
@@ -50,20 +53,6 @@ _FIELDS = {
     **{name: f"roll.material.{name}" for name in ("radial", "tangential", "cross", "shear")},
 }
 
-_UNITS = {
-    "N/m": (
-        "nip_load",
-        "winding_force",
-        "web_tension",
-        "nip_induced_tension",
-        "rig_tension",
-        "wound_on_tension_estimate",
-    ),
-    "m": ("roll_radius", "drum_radius", "cover_core_radius", "nip_width", "approach"),
-    "Pa": ("youngs_modulus", "radial", "tangential", "cross", "shear"),
-}
-
-
 OUTPUTS = (
     "nip_induced_tension",
     "nip_width",
@@ -83,20 +72,21 @@ def quiet() -> Iterator[None]:
         yield
 
 
-def solved(problem: wo.Problem, solver: str = "accurate", nodes: int = NODES) -> Any:
-    """Solve a nip accurately, or by the procedure of the thesis with M = 200.
-
-    A nip with wraps is solved accurately only.
-    """
+def solved(problem: wo.NipProblem, solver: str = "accurate", nodes: int = NODES) -> Nip:
+    """Solve a nip accurately, or by the procedure of the thesis with M = 200."""
     if solver == "thesis":
-        assert isinstance(problem, wo.NipProblem)
         return procedure.solve(problem, THESIS_NODES)
+    return solved_accurately(problem, nodes)
+
+
+def solved_accurately(problem: wo.NipProblem, nodes: int = NODES) -> wo.NipResult:
+    """Solve a nip, also one with wraps."""
     with quiet():
         return wo.solve(problem, nodes=nodes)
 
 
 def swept(
-    problem: wo.Problem,
+    problem: wo.NipProblem,
     over: Mapping[str, Any],
     solver: str = "accurate",
     outputs: Sequence[str] = OUTPUTS,
@@ -121,54 +111,31 @@ def swept(
     NotConverged
         If a nip cannot be solved.
     """
-    if solver == "thesis":
-        return _swept_by_procedure(problem, over, outputs)
     fields = {_FIELDS.get(name, name): values for name, values in over.items()}
-    with quiet():
-        data = wo.sweep(
-            problem, fields, outputs, tie=ONE_PAPER, workers=1, options={"nodes": nodes}
-        )
+    model, cases = study_of(problem, fields, outputs, tie=ONE_PAPER, options={"nodes": nodes})
+    if solver == "thesis":
+        model = _SolvedByProcedure(model.problem, model.outputs, tie=model.tie)
+    data = run_study(model, cases, Workers(1)).to_dataset()
     for reason in filter(None, data["failure"].values.flat):
         raise wo.NotConverged(reason)
     names = {field: name for name, field in zip(over, fields, strict=True) if name != field}
     return data.drop_vars(["failure", "warnings"]).drop_attrs(deep=False).rename(names)
 
 
-def _swept_by_procedure(
-    problem: wo.Problem, over: Mapping[str, Any], outputs: Sequence[str]
-) -> xr.Dataset:
-    """Solve a nip for all combinations of values by the procedure of the thesis."""
-    assert isinstance(problem, wo.NipProblem)
-    cases = pd.MultiIndex.from_product(over.values(), names=list(over))
-    table = pd.DataFrame(index=cases, columns=list(outputs), dtype=float)
-    for values in cases:
-        nip = procedure.solve(_of_one_paper(problem, over, values), THESIS_NODES)
-        table.loc[values] = [_output(nip, name) for name in outputs]
-    data = table.to_xarray().reindex(over)  # in the order given, not sorted
-    for name, column in data.variables.items():
-        column.attrs["units"] = _unit(str(name))
-    return data
+class _SolvedByProcedure(KindModel):
+    """A nip with the outputs of a sweep, which the procedure of the thesis solves."""
 
-
-def _of_one_paper(
-    problem: wo.NipProblem, names: Iterable[str], values: Iterable[float]
-) -> wo.NipProblem:
-    """Return a nip with other parameters, and a web of the material of its roll."""
-    changes = {_FIELDS.get(name, name): value for name, value in zip(names, values, strict=True)}
-    changed = problem.replace(**changes)
-    roll: Any = changed.roll  # a body of one material
-    return changed.replace(**{"web.material": roll.material})
+    def run(self, inputs: Mapping[str, Any], start: object) -> Answer:
+        """Solve one case; the procedure takes no neighbouring solution as a start."""
+        nip = procedure.solve(self.variant(inputs), THESIS_NODES)
+        values = tuple(_output(nip, name) for name in self.outputs)
+        return Answer(values, warnings="", state=None)
 
 
 def _output(nip: ProcedureResult, name: str) -> float:
     """Return an output of a nip by its name, also one of those that the reproduction adds."""
     added = {output.__name__: output for output in ADDED}
     return float(added[name](nip) if name in added else getattr(nip, name))
-
-
-def _unit(name: str) -> str:
-    """Return the SI unit of a varied field or of an output."""
-    return next((unit for unit, names in _UNITS.items() if name in names), "1")
 
 
 def dataset(dim: str, columns: Mapping[str, Array | Sequence[float]]) -> xr.Dataset:

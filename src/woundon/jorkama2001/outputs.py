@@ -8,15 +8,20 @@ loads this module.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import woundon as wo
+
+if TYPE_CHECKING:
+    from .procedure import ProcedureResult
+
+    Nip = wo.NipResult | ProcedureResult
 
 __all__ = ["OUTPUTS"]
 
 
 def leading_roll_slip(
-    result: Any,
+    result: Nip,
 ) -> Annotated[float, wo.Quantity("s_r1", "1", "slip length at the roll's leading edge, to A")]:
     """Return s_r1."""
     from .zones import zone_lengths
@@ -25,7 +30,7 @@ def leading_roll_slip(
 
 
 def trailing_roll_slip(
-    result: Any,
+    result: Nip,
 ) -> Annotated[float, wo.Quantity("s_r2", "1", "slip length at the roll's trailing edge, from B")]:
     """Return s_r2."""
     from .zones import zone_lengths
@@ -34,7 +39,7 @@ def trailing_roll_slip(
 
 
 def dual_slip(
-    result: Any,
+    result: Nip,
 ) -> Annotated[float, wo.Quantity("s_d", "1", "length of slip at roll and drum, from C")]:
     """Return s_d."""
     from .zones import zone_lengths
@@ -43,7 +48,7 @@ def dual_slip(
 
 
 def wound_on_tension_estimate(
-    result: Any,
+    result: Nip,
 ) -> Annotated[
     float, wo.Quantity("WOT est.", "N/m", "wound-on tension estimated by eq. (183), no roll wrap")
 ]:
@@ -54,7 +59,7 @@ def wound_on_tension_estimate(
 
 
 def rig_tension(
-    result: Any,
+    result: Nip,
 ) -> Annotated[
     float, wo.Quantity("T_rig", "N/m", "tension at a load cell to which the web is led, eq. (183)")
 ]:
@@ -64,7 +69,7 @@ def rig_tension(
     return _nan_if_undefined(estimate.rig_tension, result)
 
 
-def _nan_if_undefined(estimate: Callable[[Any], float], result: Any) -> float:
+def _nan_if_undefined(estimate: Callable[[Nip], float], result: Nip) -> float:
     try:
         return estimate(result)
     except wo.InvalidProblem:

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Generator, Iterable, Sequence
 from contextlib import closing
-from dataclasses import replace
 from functools import partial
-from importlib import resources
 from itertools import chain
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import woundon as wo
 
@@ -18,19 +16,15 @@ from .catalogue import NAMES, chosen, modules
 from .judgement import Judged, judged
 from .verdicts import Outcome
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-__all__ = ["Published", "known_counts", "publish", "summary"]
+__all__ = ["Published", "publish", "summary"]
 
 
 class Published(NamedTuple):
-    """Files and verdicts of a published figure or table.
+    """A published figure or table.
 
     Attributes
     ----------
     judged : Judged
-        Without data and drawing.
     files : list of Path
     seconds : float
         Spent on the module that made it, and perhaps others with it.
@@ -93,39 +87,24 @@ def _publish_module(
     begun = perf_counter()
     written = [(one, _write(one, folder, dpi)) for one in judged(module, names, solver)]
     seconds = perf_counter() - begun
-    return [Published(_without_data(one), files, seconds) for one, files in written]
-
-
-def _without_data(one: Judged) -> Judged:
-    """Return a judged exhibit without data and drawing, as it is sent between processes.
-
-    Drawings cannot be sent, and data would import xarray in the process that receives them.
-    """
-    exhibit = replace(one.exhibit, data=None, draw=None)  # type: ignore[arg-type]
-    return replace(one, exhibit=exhibit)
+    return [Published(one, files, seconds) for one, files in written]
 
 
 def _write(one: Judged, folder: Path, dpi: int | None) -> list[Path]:
     """Write data, figure and verdicts of one exhibit; return the paths."""
+    from ..report.figures import save_figure  # the parent process draws nothing
+
     exhibit = one.exhibit
     data, verdicts = (folder / f"{exhibit.name}.{ending}" for ending in ("csv", "md"))
     data.write_text(exhibit.csv(), encoding="utf-8")
-    pictures = (
-        [] if exhibit.draw is None else _write_figure(exhibit.draw(), exhibit.name, folder, dpi)
-    )
+    pictures = []
+    if exhibit.panels:
+        figure = exhibit.figure()
+        pictures = [folder / f"{exhibit.name}.{ending}" for ending in ("png", "svg")]
+        for path in pictures:
+            save_figure(figure, path, dpi=dpi)
     verdicts.write_text(one.markdown(pictures[0].name if pictures else ""), encoding="utf-8")
     return [data, *pictures, verdicts]
-
-
-def _write_figure(figure: Figure, name: str, folder: Path, dpi: int | None) -> list[Path]:
-    """Write a figure as PNG and as SVG with the same layout; return the paths."""
-    from .drawing import figure_bytes  # the parent process draws nothing
-
-    paths = [folder / f"{name}.{form}" for form in ("png", "svg")]
-    for path in paths:
-        path.write_bytes(figure_bytes(figure, path.suffix[1:], dpi))
-        figure.set_layout_engine(None)  # the first file has settled the layout
-    return paths
 
 
 def summary(done: Iterable[Published], folder: str = "") -> str:
@@ -139,13 +118,3 @@ def summary(done: Iterable[Published], folder: str = "") -> str:
         exhibit, counts = one.judged.exhibit, " | ".join(map(str, one.judged.counts))
         lines.append(f"| [{exhibit.label}]({folder}{one.name}.md) | {exhibit.title} | {counts} |")
     return "\n".join(lines) + "\n"
-
-
-def known_counts() -> dict[str, tuple[int, ...]]:
-    """Return the known numbers of statements that hold, fail and cannot be tested, by exhibit.
-
-    By the accurate solver.  The exhibit states why a statement fails.
-    """
-    lines = (resources.files(__package__) / "known_counts.csv").read_text("utf-8").splitlines()
-    rows = (line.split(",") for line in lines if not line.startswith("#"))
-    return {name: tuple(map(int, counts)) for name, *counts in rows}

@@ -1,4 +1,4 @@
-"""Thesis Table 3 and Fig. 37: measured wound-on tension of newsprint, its theory, and fits of it.
+"""Thesis Table 3: measured wound-on tension of newsprint, its theory, and fits of it.
 
 The laboratory winder leads the web off the roll a quarter turn downstream of the nip, to a load
 cell, so the theory is eq. (183).  By the winding theorem it is T_in plus a function of the nip
@@ -17,27 +17,23 @@ from math import nan
 
 import pandas as pd
 
-from . import fig37
 from .cases import measured_tensions
 from .exhibits import Exhibit
-from .laboratory import FITTED_POINT, Theory, rms, theories
+from .laboratory import FITTED_POINT, MODULI, THICKNESSES, Theory, rms, theories, theory
 from .nips import dataset
-from .table4 import added_tensions, best_rms
+from .table4 import added_tensions, as_text, best_rms
 from .verdicts import Range, Verdict, accurate, at_least, at_most, verdict
 
 __all__ = ["exhibits", "report"]
 
 
 def exhibits(solver: str) -> list[Exhibit]:
-    """Compute theory and fits; return Table 3, and Fig. 37, which shows them."""
+    """Compute theory and fits; return Table 3."""
     points = measured_tensions()
-    computed = theories(solver)
     columns = {name: points[name] for name in points}
-    columns |= {one.name: one.tension(points) for one in computed}
+    columns |= {one.name: one.tension(points) for one in theories(solver)}
     data = dataset("point", {f"{name} [N/m]": values for name, values in columns.items()})
-    title, text = "Wound-on tension of newsprint, experiment and theory", report(solver)
-    table = Exhibit("table3", title, data, _verdicts(computed), text=text)
-    return [table, *fig37.exhibits(computed[0], computed[2], solver)]
+    return [Exhibit("table3", data, _verdicts(solver), text=report(solver))]
 
 
 def _printed(points: pd.DataFrame) -> pd.DataFrame:
@@ -46,9 +42,11 @@ def _printed(points: pd.DataFrame) -> pd.DataFrame:
     return added.pivot(index="nip_load", columns="web_tension", values="added")
 
 
-def _verdicts(computed: tuple[Theory, ...]) -> list[Verdict]:
+def _verdicts(solver: str) -> list[Verdict]:
     """Test the statements of chapter 5 about the table, with the printed thickness."""
-    printed, thin, by_shear, by_radial, *_, full, _ = computed
+    thickness, thinner = THICKNESSES
+    printed, thin = theory(solver, thickness), theory(solver, thinner)
+    by_shear, by_radial = (theory(solver, thickness, (name,)) for name in MODULI)
     points = measured_tensions()
     said = _printed(points)
     at = points.set_index(["nip_load", "web_tension"])["measured"][FITTED_POINT]
@@ -85,7 +83,7 @@ def _verdicts(computed: tuple[Theory, ...]) -> list[Verdict]:
             f"{_thesis_rms(points):.1f} N/m, and no theory without influence of T_in can have less "
             f"than {best_rms():.1f} N/m",
         ),
-        *accurate(_tuned(full)),
+        *accurate(_tuned(theory(solver, thickness, MODULI))),
     ]
 
 
@@ -123,6 +121,7 @@ def _moduli(full: Theory) -> str:
 def report(solver: str = "accurate") -> str:
     """Return Table 3 as text."""
     points, computed = measured_tensions(), theories(solver)
+    by_shear = theory(solver, THICKNESSES[0], ("shear",))
     rows = {
         "measured, average over T_in": added_tensions().mean(axis=1),
         "theory as printed": _printed(points).mean(axis=1),
@@ -131,26 +130,16 @@ def report(solver: str = "accurate") -> str:
     added = pd.DataFrame(rows).T
     added["RMS"] = [best_rms(), _thesis_rms(points), *(one.rms for one in computed)]
     added["of 14"] = [nan, nan, *(one.rms_predicted for one in computed)]
-    three = points[["measured", "thesis_theory"]].assign(here=computed[2].tension(points))
+    three = points[["measured", "thesis_theory"]].assign(here=by_shear.tension(points))
     points["cell"] = three.round().astype(int).astype(str).agg(" / ".join, axis=1)
     return "\n".join(
         [
             "Wound-on tension less T_in by nip load [N/m], thesis eq. (183); RMS of the distances",
             "from the 15 measured points, and from the 14 other than P = 3502, T_in = 350 N/m",
-            _text(added),
+            as_text(added),
             "",
             "Wound-on tension by nip load and T_in [N/m]: experiment / theory as printed / here, G",
             "fitted to one point",
-            _text(points.pivot(index="nip_load", columns="web_tension", values="cell")),
+            as_text(points.pivot(index="nip_load", columns="web_tension", values="cell")),
         ]
     )
-
-
-def _text(frame: pd.DataFrame) -> str:
-    """Return a table as text, loads as whole numbers, one digit after the decimal point."""
-
-    def whole(name: object) -> object:
-        return f"{name:.0f}" if isinstance(name, float) else name
-
-    named = frame.rename(columns=whole, index=whole).rename_axis(index=None, columns=None)
-    return str(named.to_string(float_format="%.1f", na_rep=""))

@@ -16,7 +16,7 @@ from .laboratory import rms
 from .nips import dataset
 from .verdicts import Verdict, at_least, at_most, verdict
 
-__all__ = ["added_tensions", "best_rms", "exhibits", "report"]
+__all__ = ["added_tensions", "as_text", "best_rms", "exhibits", "report"]
 
 # averages and standard deviations by nip load, rows put right [N/m]
 PRINTED_AVERAGES = (72.0, 142.0, 230.0, 345.0, 459.0)
@@ -45,9 +45,8 @@ def exhibits(solver: str) -> list[Exhibit]:
         "average [N/m]": added.mean(axis=1),
         "deviation [N/m]": added.std(axis=1),
     }
-    title = "The winding theorem on measured tensions of newsprint"
     data = dataset("row", columns)
-    return [Exhibit("table4", title, data, _verdicts(added), text=report(), one_solver=True)]
+    return [Exhibit("table4", data, _verdicts(added), text=report(), one_solver=True)]
 
 
 def _verdicts(added: pd.DataFrame) -> list[Verdict]:
@@ -110,12 +109,23 @@ def _chance(added: pd.DataFrame) -> float:
 
 def report() -> str:
     """Return Table 4 as text."""
-    lines = [
-        "Winding theorem on measured data: wound-on tension less T_in [N/m]",
-        "nip load   T_in 175   263   350   average   deviation",
-    ]
-    for load, row in added_tensions().iterrows():
-        values = " ".join(f"{v:5.0f}" for v in row)
-        lines.append(f"{load:8.0f}      {values}   {row.mean():7.1f}   {row.std():9.1f}")
-    lines.append(f"RMS of the best model without T_in: {best_rms():.1f} N/m")
-    return "\n".join(lines)
+    added = added_tensions()
+    columns = {"average": added.mean(axis=1), "deviation": added.std(axis=1)}
+    return "\n".join(
+        [
+            "Winding theorem on measured data: wound-on tension less T_in [N/m],",
+            "by nip load and T_in [N/m]",
+            as_text(added.assign(**columns)),
+            f"RMS of the best model without T_in: {best_rms():.1f} N/m",
+        ]
+    )
+
+
+def as_text(frame: pd.DataFrame) -> str:
+    """Return a table as text, loads as whole numbers, one digit after the decimal point."""
+
+    def whole(name: object) -> object:
+        return f"{name:.0f}" if isinstance(name, float) else name
+
+    named = frame.rename(columns=whole, index=whole).rename_axis(index=None, columns=None)
+    return str(named.to_string(float_format="%.1f", na_rep=""))

@@ -236,7 +236,7 @@ def _result(problem: RollerProblem, refinement: Refinement, unmet: str) -> Rolle
     errors["slip_share"] = max(errors["slip_share"], float(equations.mesh.cells.max()) / 2)
     warnings = [*roller_warnings(result), *_inconsistent(result, errors)]
     if unmet:
-        warnings.append(f"{RESOLUTION}{unmet}; use rtol={DEFAULT_RTOL:g}")
+        warnings.append(f"{RESOLUTION}{unmet}; use an rtol of {DEFAULT_RTOL:g}")
     return measured(result, errors=errors, residuals=certificate(result), warnings=tuple(warnings))
 
 

@@ -81,7 +81,7 @@ class Air(Description):
     ] = default(3.0)
 
     @model_validator(mode="after")
-    def _falls(self) -> Self:
+    def _check_friction_law(self) -> Self:
         """Reject a friction law that does not decrease with the film."""
         if self.no_friction <= self.full_friction:
             raise InvalidProblem.at(

@@ -143,11 +143,11 @@ def _centrifugal(problem: Any, low: float, high: float) -> Iterator[str]:
     assert speed is not None
     assert tension is not None
     neglected = f"The centrifugal force of the web is neglected: at {speed.text(V)} it takes m V^2"
-    given, of_grade = getattr(problem, "density", None), grade and grade.density
-    density = given or of_grade
+    of_grade = None if grade is None else grade.density
+    density: float | None = getattr(problem, "density", None) or of_grade
     if density is None:
-        force = tension.text(REFERENCE_MASS * V**2, ".3g")
-        yield f"{neglected} = {force} of the tension for each 10 g/m^2 (the density is not known)."
+        each = f"{tension.text(REFERENCE_MASS * V**2, '.3g')} of the tension for each 10 g/m^2"
+        yield f"{neglected} = {each} (the density is not known)."
         return
     force = density * problem.web.thickness * V**2
     text = f"{neglected} = {tension.text(force, '.3g')} of the tension"

@@ -29,7 +29,7 @@ from ..quantities import length
 from . import viscoelastic as viscoelastic  # registers its materials
 from .description import Description
 from .family import Family
-from .fields import Number
+from .fields import Number, listed
 from .materials import AnyMaterial, Material
 from .permitted import is_within
 
@@ -447,7 +447,7 @@ class Layer(Description):
 if TYPE_CHECKING:
     Layers = CoercedField[tuple[Layer, ...], Iterable[Layer | Mapping[str, Any]]]
 else:
-    Layers = tuple[Layer, ...]
+    Layers = Annotated[tuple[Layer, ...], BeforeValidator(listed)]
 
 
 class Layered(LayeredBody):
@@ -482,7 +482,7 @@ class Layered(LayeredBody):
     core: Literal["rigid", "free"] = "rigid"
 
     @model_validator(mode="after")
-    def _layers_fit(self) -> Self:
+    def _check_layers(self) -> Self:
         """Reject layers that are thicker than the radius or too thin for the solver."""
         smallest, largest = self.radius / 2000, self.radius * (1 - SMALLEST_CORE)
         # the largest is exact: with the radius itself nothing is left for the core
@@ -525,8 +525,10 @@ class Layered(LayeredBody):
         """Return an estimate of the load at which an open tube lifts off in mid-contact [N/m].
 
         A line load P changes the curvature of a thin ring of bending stiffness B by
-        P R/(pi B) sum_(n>1) 1/(n^2 - 1) = 3 P R/(4 pi B); B follows from Y_2 = R^3/(9 B).  If the
-        change equals 1/R*, the ring lifts off the other body in the middle of the contact.
+        P R/(pi B) sum_(n>1) 1/(n^2 - 1) = 3 P R/(4 pi B); B follows from Y_2 = R^3/(9 B), the
+        radial compliance of the second harmonic.  If the change equals 1/R*, with R* the
+        ``contact_radius`` [m] of both bodies, the ring lifts off the other body in the middle of
+        the contact.  inf without an open bore.
         """
         if not self._is_open:
             return inf

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from .materials import Orthotropic
 from .stack import Stack
@@ -18,7 +18,7 @@ __all__ = ["different_moduli"]
 TOLERANCE = 0.01
 
 
-def different_moduli(web: Web, field: str, layers: Any) -> Iterator[str]:
+def different_moduli(web: Web, field: str, layers: object) -> Iterator[str]:
     """Yield a sentence if web and roll have different moduli along the web.
 
     Parameters

@@ -84,7 +84,7 @@ class ContactProblem(Problem):
                 yield name, f"{name} is of a viscoelastic material"
 
     @model_validator(mode="after")
-    def _has_speed(self) -> Self:
+    def _check_missing_speed(self) -> Self:
         """Reject a missing speed if the problem depends on it."""
         use = next(self.uses_of_speed(), None)
         if use is not None and self.rolling_speed is None:
@@ -93,7 +93,7 @@ class ContactProblem(Problem):
         return self
 
     @model_validator(mode="after")
-    def _deforms(self) -> Self:
+    def _check_bodies(self) -> Self:
         """Reject two rigid bodies."""
         body_1, body_2 = self.bodies
         if body_1.rigid and body_2.rigid:

@@ -11,13 +11,19 @@ from html import escape
 from inspect import Signature
 from typing import TYPE_CHECKING, Any, NoReturn, Self, dataclass_transform
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    ModelWrapValidatorHandler,
+    ValidationError,
+    model_validator,
+)
 
 from ..errors import InvalidProblem
 from ..quantities import Quantity, walk
 from .help_texts import documentation, signature
 from .inputs import Inputs
-from .messages import validation_error
+from .messages import check_names, validation_error
 from .paths import Faults, change_fields, halve_diameters
 
 __all__ = ["Description"]
@@ -58,6 +64,14 @@ class Description(BaseModel, metaclass=DocumentedMeta):
     """An immutable, validated description; rejects unknown names and values out of range."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _check_names(cls, fields: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
+        """Reject a table with a name that is not text, before the constructor receives it."""
+        if isinstance(fields, Mapping):
+            check_names(fields)
+        return handler(fields)
 
     def __dir__(self) -> list[str]:
         return sorted({*dir(type(self)), *type(self).model_fields})

@@ -10,7 +10,7 @@ from pydantic import model_serializer
 
 from ..errors import InvalidProblem, nearest
 from .description import Description
-from .messages import not_one_of
+from .messages import check_names, not_one_of
 from .paths import counterpart, models_at
 
 __all__ = ["Family", "best_match", "field_from_table", "from_table"]
@@ -73,6 +73,7 @@ def from_table(table: Mapping[str, Any], models: Iterable[type[Any]]) -> Any:
     InvalidProblem
         For an unknown kind, or invalid fields of the class.
     """
+    check_names(table)
     models, fields = tuple(models), dict(table)
     known = {model.member_name(): model for model in models if hasattr(model, "member_name")}
     if not known or "kind" not in fields:

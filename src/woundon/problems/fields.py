@@ -8,18 +8,22 @@ of the argument and whose ``__get__`` gives the type of the attribute.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from itertools import pairwise
 from math import inf
-from numbers import Real
 from typing import TYPE_CHECKING, Annotated, Any, Generic, Self, TypeVar, overload
 
 from pydantic import (
+    BaseModel,
     BeforeValidator,
     ValidationInfo,
     ValidatorFunctionWrapHandler,
     WrapValidator,
 )
 
-from .inputs import FloatWithUnit, NotANumber, read_text
+from ..errors import InvalidProblem
+from .inputs import FloatWithUnit, NotAList, is_array, read_text, real_number
+from .messages import quote
+from .permitted import in_brackets, unit_of
 
 __all__ = [
     "CoercedField",
@@ -30,29 +34,20 @@ __all__ = [
     "NumbersOfField",
     "OptionalNested",
     "OptionalNumber",
+    "check_equal_lengths",
+    "check_rising",
     "default",
+    "listed",
 ]
 
 
 def _number(value: Any, info: ValidationInfo) -> float:
-    """Return a real number of any type (int, NumPy scalar, Fraction, 0-d array) as a float.
-
-    Text is converted to SI.  Booleans are rejected; pydantic would accept them as numbers.
-    """
+    """Return a real number of any type, or a text with a unit, as a float in SI."""
     if type(value) is float:  # the common case first: studies create many variants
         return value
     if isinstance(value, (str, FloatWithUnit)):
         return read_text(value, info.field_name)
-    is_scalar = getattr(value, "shape", None) == () and hasattr(value, "dtype")
-    kind = getattr(value.dtype, "kind", "") if is_scalar else ""
-    if isinstance(value, bool) or not (isinstance(value, Real) or kind in ("i", "u", "f")):
-        raise NotANumber
-    if getattr(value, "mask", False) is not False and bool(value.mask):
-        raise NotANumber
-    try:
-        return float(value)
-    except OverflowError:  # an integer of more than 308 digits
-        return inf if value > 0 else -inf
+    return real_number(value)
 
 
 def _number_of_field(
@@ -64,9 +59,39 @@ def _number_of_field(
     return number if isinstance(number, FloatWithUnit) else checked
 
 
-def _listed(value: Any) -> Any:
-    """Return a one-dimensional array as a list, which pydantic validates."""
-    return value.tolist() if hasattr(value, "dtype") and hasattr(value, "tolist") else value
+def listed(value: Any) -> Any:
+    """Return an array as a list, which pydantic validates; reject a set, which has no order."""
+    if isinstance(value, (set, frozenset)):
+        raise NotAList
+    return value.tolist() if is_array(value) else value
+
+
+def check_equal_lengths(table: BaseModel, first: str, *others: str) -> None:
+    """Reject lists of a description that have not as many values as the first one.
+
+    Raises
+    ------
+    InvalidProblem
+    """
+    count = len(getattr(table, first))
+    for name in others:
+        if len(getattr(table, name)) != count:
+            text = f"{len(getattr(table, name))} values; must be as many as of {first}, {count}"
+            raise InvalidProblem.at(name, text)
+
+
+def check_rising(table: BaseModel, name: str, above: float = -inf) -> None:
+    """Reject a list of a description whose values do not rise, or do not begin above a value.
+
+    Raises
+    ------
+    InvalidProblem
+    """
+    unit = in_brackets(unit_of(type(table).model_fields[name]))
+    for k, (previous, value) in enumerate(pairwise((above, *getattr(table, name)))):
+        if value <= previous:
+            text = f"{quote(value)} is out of range; must be > {quote(previous)}{unit}"
+            raise InvalidProblem.at(f"{name}.{k}", f"{text}, the previous value" if k else text)
 
 
 def default(value: Any) -> Any:
@@ -100,9 +125,9 @@ if TYPE_CHECKING:
 else:
     Number = Annotated[float, BeforeValidator(_number)]
     OptionalNumber = Number | None
-    Numbers = Annotated[tuple[Number, ...], BeforeValidator(_listed)]
+    Numbers = Annotated[tuple[Number, ...], BeforeValidator(listed)]
     Nested = Annotated[T, "or a table of its fields"]
     OptionalNested = T | None
     # Values of a schedule: they have the unit of the field that holds the schedule.
     NumberOfField = Annotated[float, WrapValidator(_number_of_field)]
-    NumbersOfField = Annotated[tuple[NumberOfField, ...], BeforeValidator(_listed)]
+    NumbersOfField = Annotated[tuple[NumberOfField, ...], BeforeValidator(listed)]

@@ -11,7 +11,7 @@ from functools import cache
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import Field
+from pydantic import Field, field_validator
 
 from ..errors import InputWarning, InvalidProblem, did_you_mean, warn
 from ..quantities import (
@@ -28,11 +28,11 @@ from .bodies import Cylinder
 from .description import Description
 from .fields import Nested, Number, Numbers, default
 from .inputs import Inputs, is_basis_weight
-from .library import entry_of, library, read_file
+from .library import entry_of, library, read_file, relative_deviation
 from .limits import Limits
 from .materials import SOFTEST, STIFFEST, Orthotropic
 from .messages import quote
-from .paths import Faults, field_or_none, is_part_of, nest_tables
+from .paths import Faults, field_or_none, field_quantity, is_part_of, nest_tables
 from .radial_laws import Pfeiffer
 from .schedules import Profile
 from .stack import Stack
@@ -144,6 +144,20 @@ class Grade(Description):
     spread: Mapping[str, float] = {}
     sources: Mapping[str, str] = {}
 
+    @field_validator("spread", "sources")
+    @classmethod
+    def _check_names_of_fields(cls, entries: Mapping[str, Any]) -> Mapping[str, Any]:
+        """Reject names that are no fields, as misspelt ones."""
+        for name in entries:
+            field_quantity(cls, name)
+        return entries
+
+    @field_validator("spread")
+    @classmethod
+    def _check_spread(cls, spread: Mapping[str, float]) -> Mapping[str, float]:
+        """Reject what is no relative standard deviation."""
+        return {name: relative_deviation(value, name) for name, value in spread.items()}
+
     @classmethod
     def _fields_of(cls, inputs: Inputs, faults: Faults) -> dict[str, Any]:
         """Return the values by field; those of a problem that names the grade convert none."""
@@ -202,7 +216,7 @@ class Grade(Description):
             radius=radius, core_radius=core_radius, stack=self.stack, pressure=pressure
         )
 
-    def spread_of(self, problem: Any) -> dict[str, float]:
+    def spread_of(self, problem: Description) -> dict[str, float]:
         """Return the relative standard deviations of the fields of a problem, by dotted name."""
         return {
             path: self.spread[name]
@@ -210,7 +224,7 @@ class Grade(Description):
             if name in self.spread and field_or_none(problem, path) is not None
         }
 
-    def tied_fields(self, problem: Any) -> dict[str, str]:
+    def tied_fields(self, problem: Description) -> dict[str, str]:
         """Return the fields with the same value of the grade as another one: follower -> leader."""
         leaders, ties = dict[str, str](), dict[str, str]()
         names = dict(_FIELDS)
@@ -311,10 +325,10 @@ def grades(path: str | Path | None = None) -> Grades:
         If the file cannot be read, or a grade in it has an invalid value.
     """
     known_grades = Grades()
-    tables = [library()["grades"], *([] if path is None else [read_file(Path(path))])]
+    tables = [library()["grades"], *([] if path is None else [read_file(path)])]
     for known in tables:
         for name, table in known.items():
-            known_grades[name] = _make_grade(name, table, known_grades)
+            known_grades[name] = _make_grade(name, table, known_grades, f"grades.{name}")
     return known_grades
 
 
@@ -349,10 +363,10 @@ def grade(name: str | Grade | Mapping[str, Any], path: str | Path | None = None)
     if isinstance(name, Grade):
         return name
     if isinstance(name, Mapping):
-        return _make_grade("own grade", name, grades())
+        return _make_grade("own grade", name, grades(), "grade")
     known = library()["grades"]
     if path is None and isinstance(name, str) and name in known:
-        return _make_grade(name, known[name], Grades())
+        return _make_grade(name, known[name], Grades(), "grade")
     return _named(name, grades(path), "grade")
 
 
@@ -364,8 +378,21 @@ def _named(name: Any, known: Mapping[str, Grade], where: str) -> Grade:
     return known[name]
 
 
-def _make_grade(name: str, table: Mapping[str, Any], known: Mapping[str, Grade]) -> Grade:
-    """Create the grade of a table; missing values are those of the grade named by ``like``."""
+def _make_grade(
+    name: str, table: Mapping[str, Any], known: Mapping[str, Grade], where: str
+) -> Grade:
+    """Create the grade of a table; missing values are those of the grade named by ``like``.
+
+    Parameters
+    ----------
+    name : str
+    table : mapping
+        Values, and ``like``, the name of a grade.
+    known : mapping
+        The grades that ``like`` may name.
+    where : str
+        Name of the table, for the error message.
+    """
     try:
         entry = entry_of({key: value for key, value in table.items() if key != "like"})
         if table.get("like") is None:
@@ -378,7 +405,9 @@ def _make_grade(name: str, table: Mapping[str, Any], known: Mapping[str, Grade])
         changes |= {"spread": spread | entry.spread, "sources": sources | entry.sources}
         return base.replace(**changes)
     except InvalidProblem as fault:
-        raise fault.under(f"grades.{name}") from None
+        raise fault.under(where) from None
+    except RecursionError:
+        raise InvalidProblem.at(where, "is nested too deeply") from None
 
 
 # ---- in a case ----------------------------------------------------------------------------------
@@ -417,7 +446,9 @@ def with_grade(model: type[Any], fields: Mapping[str, Any], faults: Faults) -> d
     return completed
 
 
-def changes_of_grade(grade: Grade, problem: Any, changes: Mapping[str, Any]) -> dict[str, Any]:
+def changes_of_grade(
+    grade: Grade, problem: Description, changes: Mapping[str, Any]
+) -> dict[str, Any]:
     """Return the values by dotted name that replace those of a problem's previous grade.
 
     Parameters
@@ -443,7 +474,7 @@ def changes_of_grade(grade: Grade, problem: Any, changes: Mapping[str, Any]) -> 
     }
 
 
-def states_all(problem: Any, named_grade: Grade) -> bool:
+def states_all(problem: Description, named_grade: Grade) -> bool:
     """Return True if a problem has a value for everything that a grade would supply."""
     return all(
         _has_values(field_or_none(problem, path), supplied)
@@ -497,7 +528,7 @@ def _library() -> tuple[Grade, ...]:
     return tuple(grades().values())
 
 
-def warn_of_contradictions(named_grade: Grade, problem: Any) -> None:
+def warn_of_contradictions(named_grade: Grade, problem: Description) -> None:
     """Warn of values of a problem that differ from those of its grade."""
     texts = []
     for path, name in _FIELDS:
@@ -516,7 +547,17 @@ def warn_of_contradictions(named_grade: Grade, problem: Any) -> None:
 def _fields_of_grade(
     named_grade: Grade, model: type[Any], fields: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """Return the fields of a problem that a grade supplies, as tables."""
+    """Return the fields of a problem that a grade supplies, values or tables by name.
+
+    Parameters
+    ----------
+    named_grade : Grade
+    model : type
+        Class of the problem.
+    fields : mapping
+        Fields of the problem that are given, of which a table ``roll`` decides by its kind what is
+        supplied for it, and a table ``air`` receives the roughness.
+    """
     known: dict[str, Any] = {
         "web": {"thickness": named_grade.thickness, "material": _table(named_grade.material)},
         "web_thickness": named_grade.thickness,
@@ -545,7 +586,10 @@ def _table(part: Description) -> dict[str, Any]:
 
 
 def _merge_tables(explicit: Any, supplied: Any) -> Any:
-    """Return the given values, completed by the supplied ones."""
+    """Return given values completed by supplied ones; tables in tables are completed alike.
+
+    A given value that is no table, or a table of another kind, is returned unchanged.
+    """
     if not isinstance(explicit, Mapping) or not isinstance(supplied, Mapping):
         return explicit
     kinds = {part.get("kind") for part in (explicit, supplied)} - {None}

@@ -17,6 +17,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from contextvars import ContextVar, Token
+from math import inf
+from numbers import Real
 from typing import Any, Literal, Self
 
 from pydantic import BaseModel
@@ -35,11 +37,14 @@ from .units import has_dimension, parse
 __all__ = [
     "FloatWithUnit",
     "Inputs",
+    "NotAList",
     "NotANumber",
+    "is_array",
     "is_basis_weight",
     "other_units",
     "read_number",
     "read_text",
+    "real_number",
 ]
 
 # Values by which other values are converted, and their quantities.
@@ -54,6 +59,10 @@ _OF_SCHEDULES = ("N/m", "N", "Pa", "1")
 
 class NotANumber(ValueError):
     """A validator found something else in place of a number."""
+
+
+class NotAList(ValueError):
+    """A validator found something else in place of a list."""
 
 
 class Inputs:
@@ -166,6 +175,30 @@ class FloatWithUnit(float):
         is_plain = not text.strip(" +-.eE0123456789")
         units = (unit for unit in _OF_SCHEDULES if has_dimension(text, unit))
         return cls(parse(text, next(units, "1" if is_plain else "N/m"), ""), text)
+
+
+def real_number(value: Any) -> float:
+    """Return a real number of any type (int, Fraction, NumPy scalar, 0-d array) as a float.
+
+    Raises
+    ------
+    NotANumber
+        For anything else: texts, masked values and booleans, which pydantic accepts as numbers.
+    """
+    kind = value.dtype.kind if is_array(value) and value.shape == () else ""
+    if isinstance(value, bool) or not (isinstance(value, Real) or kind in ("i", "u", "f")):
+        raise NotANumber
+    if getattr(value, "mask", False) is not False and bool(value.mask):
+        raise NotANumber
+    try:
+        return float(value)
+    except OverflowError:  # an integer of more than 308 digits
+        return inf if value > 0 else -inf
+
+
+def is_array(value: Any) -> bool:
+    """Return True for arrays, scalars and series of NumPy and of libraries that build on it."""
+    return hasattr(value, "dtype") and hasattr(value, "tolist")
 
 
 def read_text(text: str | FloatWithUnit, name: str | None) -> float:

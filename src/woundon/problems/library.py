@@ -1,18 +1,18 @@
-"""The data file of grades and drum covers, and users' files in the same format."""
+"""The data file of grades, drum covers and materials, and users' files of grades."""
 
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import cache
+from os import PathLike
 from pathlib import Path
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple
 
 from ..errors import InvalidProblem, did_you_mean
+from .messages import check_names, quote
 
-__all__ = ["Entry", "entry_of", "library", "read_file"]
-
-T = TypeVar("T")
+__all__ = ["Entry", "entry_of", "library", "read_file", "relative_deviation"]
 
 LARGEST_FILE = 10_000_000  # bytes; far above any list of grades
 FILE = Path(__file__).with_name("grades.toml")
@@ -28,11 +28,11 @@ class Entry(NamedTuple):
 
 @cache
 def library() -> Mapping[str, Mapping[str, Any]]:
-    """Return the tables ``sources``, ``grades`` and ``covers`` of the data file."""
+    """Return the tables ``sources``, ``grades``, ``covers`` and ``materials`` of the data file."""
     return tomllib.loads(FILE.read_text(encoding="utf-8"))
 
 
-def read_file(path: Path) -> dict[str, Any]:
+def read_file(path: str | Path) -> dict[str, Any]:
     """Return the tables of a user's file.
 
     Raises
@@ -40,6 +40,9 @@ def read_file(path: Path) -> dict[str, Any]:
     InvalidProblem
         If it cannot be read, or is not a TOML file with a table ``grades``.
     """
+    if not isinstance(path, (str, PathLike)):
+        raise InvalidProblem.at("path", f"{quote(path)} is out of place; must be a path")
+    path = Path(path)
     try:
         if path.stat().st_size > LARGEST_FILE:
             raise InvalidProblem.at(str(path), f"is larger than {LARGEST_FILE} bytes")
@@ -65,25 +68,22 @@ def entry_of(table: Mapping[str, Any]) -> Entry:
         For an entry without a value, an unknown name in it, or a spread that is not a number >= 0.
     """
     entry = Entry({}, {}, {})
-    for name, item in table.items():
-        if isinstance(item, Mapping) and "value" not in item:
-            try:
-                inner = entry_of(item)
-            except InvalidProblem as fault:
-                raise fault.under(name) from None
-            entry.values.update(_below(name, inner.values))
-            entry.spread.update(_below(name, inner.spread))
-            entry.sources.update(_below(name, inner.sources))
-        elif isinstance(item, Mapping):
+    for name, item in _flat_items(table, ""):
+        if isinstance(item, Mapping):
             _add_entry(entry, name, item)
         else:
             entry.values[name] = item
     return entry
 
 
-def _below(name: str, part: Mapping[str, T]) -> dict[str, T]:
-    """Return the entries of a nested table by dotted name."""
-    return {f"{name}.{key}": value for key, value in part.items()}
+def _flat_items(table: Mapping[str, Any], prefix: str) -> Iterator[tuple[str, Any]]:
+    """Yield dotted name and item of a table and of the tables in it that are no entries."""
+    check_names(table, prefix)
+    for name, item in table.items():
+        if isinstance(item, Mapping) and "value" not in item:
+            yield from _flat_items(item, f"{prefix}{name}.")
+        else:
+            yield f"{prefix}{name}", item
 
 
 def _add_entry(entry: Entry, name: str, item: Mapping[str, Any]) -> None:
@@ -93,13 +93,24 @@ def _add_entry(entry: Entry, name: str, item: Mapping[str, Any]) -> None:
         if key not in known:
             raise InvalidProblem.at(f"{name}.{key}", f"no such field{did_you_mean(key, known)}")
     entry.values[name] = item["value"]
-    spread = item.get("spread", 0.0)
-    if isinstance(spread, bool) or not isinstance(spread, (int, float)) or not 0 <= spread <= 10:
-        text = f"{spread!r} is not a number >= 0 and <= 10, a relative standard deviation"
-        raise InvalidProblem.at(f"{name}.spread", text)
+    spread = relative_deviation(item.get("spread", 0.0), f"{name}.spread")
     if spread:
-        entry.spread[name] = float(spread)
+        entry.spread[name] = spread
     if not isinstance(item.get("source", ""), str):
         raise InvalidProblem.at(f"{name}.source", f"{item['source']!r} is not text")
     if item.get("source"):
         entry.sources[name] = item["source"]
+
+
+def relative_deviation(value: Any, name: str) -> float:
+    """Return a relative standard deviation [1]; ``name`` is quoted in the error.
+
+    Raises
+    ------
+    InvalidProblem
+        If it is not a number, or out of range.
+    """
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 <= value <= 10:
+        text = f"{value!r} is not a number >= 0 and <= 10, a relative standard deviation"
+        raise InvalidProblem.at(name, text)
+    return float(value)

@@ -22,8 +22,8 @@ from pydantic import BeforeValidator, Field, SerializeAsAny, model_validator
 from ..errors import InvalidProblem, did_you_mean
 from ..quantities import Quantity, pure, stress
 from .description import Description
-from .family import Family
-from .fields import Number, default
+from .family import Family, from_table
+from .fields import Number, default, listed
 from .library import entry_of, library
 from .messages import quote
 
@@ -166,7 +166,7 @@ class Orthotropic(Material):
     ]
 
     @model_validator(mode="after")
-    def _positive_energy(self) -> Orthotropic:
+    def _check_energy(self) -> Orthotropic:
         """Reject stiffness with an indefinite strain energy."""
         limit = sqrt(self.radial) * sqrt(self.tangential)
         if self.cross >= limit * (1 - 1e-9):
@@ -261,7 +261,7 @@ class PronyTerm(Description):
         """Return the term of a pair or of a table."""
         if isinstance(value, (tuple, list)) and len(value) == 2:
             return cls(modulus=value[0], time=value[1])
-        return cls(**value) if isinstance(value, Mapping) else value
+        return from_table(value, [cls]) if isinstance(value, Mapping) else value
 
 
 if TYPE_CHECKING:
@@ -270,7 +270,13 @@ if TYPE_CHECKING:
         Iterable[PronyTerm | tuple[float | str, float | str] | Mapping[str, Any]] | None,
     ]
 else:
-    Prony = tuple[Annotated[PronyTerm, BeforeValidator(PronyTerm.coerce)], ...] | None
+    Prony = (
+        Annotated[
+            tuple[Annotated[PronyTerm, BeforeValidator(PronyTerm.coerce)], ...],
+            BeforeValidator(listed),
+        ]
+        | None
+    )
 
 
 class Isotropic(OneModulus):
@@ -313,7 +319,7 @@ class Isotropic(OneModulus):
     ] = default(None)
 
     @model_validator(mode="after")
-    def _has_moduli_in_pascals(self) -> Self:
+    def _check_moduli(self) -> Self:
         """Reject terms without an effect: mostly moduli relative to the instantaneous one."""
         total = sum(term.modulus for term in self.prony or ())
         least = SMALLEST_RELAXATION * self.youngs_modulus
@@ -347,32 +353,16 @@ class NamedMaterial(NamedTuple):
 
 
 def _library() -> dict[str, NamedMaterial]:
-    """Return the named materials."""
-    thesis = "Jorkama 2001"
-    return {
-        "paper": NamedMaterial(
-            Orthotropic(radial=20e6, tangential=3e9, cross=5e6, shear=10e6), f"{thesis}, Table 1"
-        ),
-        "newsprint": NamedMaterial(
-            Orthotropic(radial=27e6, tangential=3.38e9, cross=5e6, shear=10e6),
-            f"{thesis}, Table 2 (A_rr and G fitted there to one measured point)",
-        ),
-        "steel": NamedMaterial(
-            Isotropic(youngs_modulus=206e9, poissons_ratio=0.3), f"{thesis}, ch. 1.2 (Fig. 5)"
-        ),
-        "hard-drum": NamedMaterial(
-            Isotropic(youngs_modulus=211e9, poissons_ratio=0.3), f"{thesis}, ch. 4.6 (Fig. 26)"
-        ),
-        "soft-cover": NamedMaterial(
-            Isotropic(youngs_modulus=10e6, poissons_ratio=0.1), f"{thesis}, ch. 4.6 (Fig. 25)"
-        ),
-        "rubber": NamedMaterial(
-            Isotropic(youngs_modulus=1e6, poissons_ratio=0.499), f"{thesis}, ch. 4.6 (Fig. 26)"
-        ),
-        "cellular-elastomer": NamedMaterial(
-            Isotropic(youngs_modulus=1e6, poissons_ratio=0.1), f"{thesis}, ch. 4.6 (Fig. 26)"
-        ),
-    } | {name: _cover(table) for name, table in library()["covers"].items()}
+    """Return the named materials of the data file: those of the thesis, then covers of drums."""
+    materials = {name: _thesis_material(table) for name, table in library()["materials"].items()}
+    return materials | {name: _cover(table) for name, table in library()["covers"].items()}
+
+
+def _thesis_material(table: Mapping[str, Any]) -> NamedMaterial:
+    """Return a material of the data file with its source."""
+    values = dict(table)
+    source = values.pop("source")
+    return NamedMaterial(from_table(values, (Orthotropic, Isotropic)), source)
 
 
 def _cover(table: Mapping[str, Any]) -> NamedMaterial:

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from math import pi
 from numbers import Real
 from reprlib import Repr
-from typing import Any, get_args
+from typing import Any, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
 from ..errors import InvalidProblem, NoSteadyState, did_you_mean, nearest, one_of
 from ..quantities import members_of, quantity_of
-from .inputs import FloatWithUnit, NotANumber, read_text
+from .inputs import FloatWithUnit, NotAList, NotANumber, read_text
 from .permitted import admissible, admits, unit_of
 
-__all__ = ["no_such_field", "not_one_of", "quote", "validation_error"]
+__all__ = ["check_names", "no_such_field", "not_one_of", "quote", "validation_error"]
 
 
 def validation_error(
@@ -49,7 +49,9 @@ def _translate(report: ValidationError, model: type[BaseModel]) -> InvalidProble
     for item in report.errors():
         # Nested descriptions validate themselves: the location is a field, or an item of its list.
         name, *rest = item["loc"] or ("",)
-        items = [str(part) for part in rest if isinstance(part, int)]
+        field = model.model_fields.get(str(name))
+        is_table = field is not None and get_origin(field.annotation) is Mapping
+        items = [str(part) for part in rest if isinstance(part, int) or is_table]
         path = ".".join([str(name) or "''", *items]) if item["loc"] else ""
         inner = item.get("ctx", {}).get("error")
         if isinstance(inner, InvalidProblem):
@@ -60,20 +62,32 @@ def _translate(report: ValidationError, model: type[BaseModel]) -> InvalidProble
             error = NoSteadyState if isinstance(inner, NoSteadyState) else error
         elif item["type"] == "extra_forbidden":
             faults.append((path, no_such_field(str(name), model)))
-        elif path not in dict(faults) and not _counts_faults(item):
-            faults.append((path, _fault(item, str(name), model.model_fields[str(name)])))
+        elif not item["loc"]:  # a name with characters that UTF-8 does not have
+            faults.append((item["input"], no_such_field(item["input"], model)))
+        elif field is not None and path not in dict(faults) and not _counts_faults(item):
+            faults.append((path, _fault(item, str(name), field)))
     return error(faults)
 
 
 def _counts_faults(item: Any) -> bool:
     """Return True if a list is only too short because pydantic omits its invalid items."""
-    return item["type"] == "too_short" and len(item["input"]) > item["ctx"]["actual_length"]
+    count = len(item["input"]) if isinstance(item["input"], (list, tuple)) else 0
+    return item["type"] == "too_short" and count > item["ctx"]["actual_length"]
+
+
+_OTHER_TYPES = {
+    "string_type": "text",
+    "string_unicode": "text",
+    "dict_type": "a table",
+    "float_type": "a number",
+    "float_parsing": "a number",
+}
 
 
 def _fault(item: Any, name: str, field: FieldInfo) -> str:
     """Return the text for one item of pydantic's report on a field of that name."""
-    value, kind = item["input"], item["type"]
-    if isinstance(item.get("ctx", {}).get("error"), NotANumber):
+    value, kind, error = item["input"], item["type"], item.get("ctx", {}).get("error")
+    if isinstance(error, NotANumber):
         return f"{quote(value)} is not a number; must be {admissible(field)}"
     if kind == "missing":
         return f"missing; must be {admissible(field)}"
@@ -82,9 +96,11 @@ def _fault(item: Any, name: str, field: FieldInfo) -> str:
     if kind in ("too_short", "too_long"):
         (limit,) = (n for name, n in item["ctx"].items() if name in ("min_length", "max_length"))
         bound = "at least" if kind == "too_short" else "at most"
-        return f"{len(value)} values; must be {bound} {limit}"
-    if kind in ("tuple_type", "list_type"):
+        return f"{item['ctx']['actual_length']} values; must be {bound} {limit}"
+    if kind == "tuple_type" or isinstance(error, NotAList):
         return f"{quote(value)} is not a list"
+    if kind in _OTHER_TYPES:
+        return f"{quote(value)} is out of place; must be {_OTHER_TYPES[kind]}"
     if kind == "literal_error":
         return not_one_of(value, get_args(field.annotation))
     if members_of(field.annotation):
@@ -96,6 +112,18 @@ def _fault(item: Any, name: str, field: FieldInfo) -> str:
     return f"{quote(value)} is out of range; must be {admissible(field)}{hint}"
 
 
+def check_names(table: Mapping[Any, Any], prefix: str = "") -> None:
+    """Reject a table with a name that is not text; ``prefix`` precedes it in the error.
+
+    Raises
+    ------
+    InvalidProblem
+    """
+    wrong = [f"{prefix}{quote(name)}" for name in table if not isinstance(name, str)]
+    if wrong:
+        raise InvalidProblem((name, "not the name of a field; must be text") for name in wrong)
+
+
 def not_one_of(value: Any, known: Iterable[str]) -> str:
     """Return the message for a value that is not one of the known words."""
     known = list(known)
@@ -105,7 +133,12 @@ def not_one_of(value: Any, known: Iterable[str]) -> str:
 
 
 def no_such_field(name: str, model: type[BaseModel]) -> str:
-    """Return the message for an unknown field, with the class that has it or the intended name."""
+    """Return the message for an unknown field, with the class that has it or the intended name.
+
+    In this order: another member of the family has the field (a body, a law); another kind of
+    problem has it; the name is the symbol, a word of the meaning or a part of a field's name; a
+    field has a similar name.
+    """
     fields = model.model_fields
     family = getattr(model, "_members", {}).values()
     names = {name, name.replace("diameter", "radius")}

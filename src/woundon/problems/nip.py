@@ -6,9 +6,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import InitVar
 from functools import cached_property
 from itertools import chain
-from math import exp, pi
+from math import pi
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from ..errors import InvalidProblem, NoSteadyState
@@ -38,6 +39,7 @@ __all__ = [
     "RollWrap",
     "Width",
     "WrapFriction",
+    "friction_capacity",
 ]
 
 LEAST_FRICTION = 1e-8  # below, rounding errors decide between stick and slip
@@ -69,6 +71,29 @@ WrapFriction = Annotated[
     Field(ge=1e-6, le=10.0),
 ]
 WRAP_TABLE: Mapping[str, tuple[str, ...]] = {"wrap": ("roll_wrap", "drum_wrap", "wrap_friction")}
+
+
+def friction_capacity(
+    nip_load: float | np.ndarray,
+    web_tension: float | np.ndarray,
+    drum_friction: float,
+    drum_wrap: float,
+) -> tuple[float | np.ndarray, float | np.ndarray]:
+    """Return the smallest and the largest winding force that friction on the drum transmits [N/m].
+
+    It is mu P in the nip, and T_in (exp(+-mu theta) - 1) on the drum wrap (Euler-Eytelwein).
+
+    Parameters
+    ----------
+    nip_load, web_tension : float or array
+        P, and T_in upstream of the drum wrap [N/m].
+    drum_friction : float
+        mu between web and drum [1].
+    drum_wrap : float
+        theta [rad].
+    """
+    nip, wrap = drum_friction * nip_load, drum_friction * drum_wrap
+    return -nip + web_tension * np.expm1(-wrap), nip + web_tension * np.expm1(wrap)
 
 
 class NipProblem(ContactProblem):
@@ -222,18 +247,15 @@ class NipProblem(ContactProblem):
 
     @model_validator(mode="after")
     def _check_steady_state(self) -> Self:
-        """Reject a slack web on a drum wrap, and a winding force that exceeds the friction.
-
-        The friction capacity is that of the nip, mu P, and of the drum wrap (Euler-Eytelwein).
-        """
-        T_in, mu, theta = self.web_tension, self.drum_friction, self.drum_wrap
-        if theta > 0 and T_in == 0:
+        """Reject a slack web on a drum wrap, and a winding force that exceeds the friction."""
+        if self.drum_wrap > 0 and self.web_tension == 0:
             raise InvalidProblem.at(
                 "web_tension",
                 "0 is out of range: a web wrapped on the drum must be taut, > 0 [N/m]",
             )
-        nip = mu * self.nip_load
-        low, high = -nip - T_in * (1 - exp(-mu * theta)), nip + T_in * (exp(mu * theta) - 1)
+        low, high = friction_capacity(
+            self.nip_load, self.web_tension, self.drum_friction, self.drum_wrap
+        )
         if not low < self.winding_force < high:
             raise NoSteadyState.at(
                 "winding_force",

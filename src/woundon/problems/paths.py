@@ -9,14 +9,15 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from typing import Any
 
 from pydantic import BaseModel
 
 from ..errors import InvalidProblem, did_you_mean
 from ..quantities import Place, Quantity, is_list, members_of, quantity_of
-from .inputs import Inputs, read_number
-from .messages import no_such_field
+from .inputs import Inputs, NotANumber, is_array, read_number, real_number
+from .messages import no_such_field, quote
 from .units import parse
 
 __all__ = [
@@ -29,14 +30,34 @@ __all__ = [
     "halve_diameters",
     "is_part_of",
     "models_at",
+    "names_above",
     "nest_tables",
     "number_in_si",
+    "parts_of",
     "set_in_tables",
+    "varied_number",
+    "varied_value",
 ]
 
 Faults = list[tuple[str, str]]
 Described = type[BaseModel] | BaseModel  # a class of descriptions, or one of them
 Holder = tuple[type[Any], Quantity | None]  # a class, and the quantity of the field that holds it
+
+
+def parts_of(path: str) -> list[str]:
+    """Return the parts of a dotted name.
+
+    >>> parts_of("drum.layers.0.thickness")
+    ['drum', 'layers', '0', 'thickness']
+
+    Raises
+    ------
+    InvalidProblem
+        If it is not text.
+    """
+    if not isinstance(path, str):
+        raise InvalidProblem.at(quote(path), "not the name of a field; must be text")
+    return path.split(".")
 
 
 # ---- in a class ---------------------------------------------------------------------------------
@@ -73,10 +94,14 @@ def find_places(thing: Described, path: str, of_field: Quantity | None = None) -
 def _places_of_parts(
     thing: Described, path: str, of_field: Quantity | None = None
 ) -> Iterator[tuple[Place, ...]]:
-    """Yield the places of the first part of a dotted name, of the first two parts, ..."""
+    """Yield the places of the first part of a dotted name, of the first two parts, ...
+
+    A part is looked up in all classes that the field above it admits: a body may be a cylinder or
+    a wound roll.  The number of an item of a list has the places of the list itself.
+    """
     holders: list[Holder] = [(thing if isinstance(thing, type) else type(thing), of_field)]
     places: tuple[Place, ...] = ()
-    parts = path.split(".")
+    parts = parts_of(path)
     for k, name in enumerate(parts):
         is_item = name == "*" or (name.isascii() and name.isdecimal())
         if not (is_item and places and is_list(places[0].field.annotation)):
@@ -86,7 +111,15 @@ def _places_of_parts(
 
 
 def _places_of_name(holders: list[Holder], name: str, path: str) -> Iterator[Place]:
-    """Yield the fields of a name in several classes, or those of the radius of a diameter."""
+    """Yield the places of a name in several classes; of a diameter, those of the radius.
+
+    Parameters
+    ----------
+    holders : list of (class, Quantity or None)
+        Classes, each with the quantity of the field that holds it, for the values of a schedule.
+    name, path : str
+        Last part of a dotted name, and the complete name.
+    """
     owners = [holder for holder in holders if name in holder[0].model_fields]
     for model, of_field in owners:
         field = model.model_fields[name]
@@ -149,7 +182,7 @@ def _check_exists(thing: Described, path: str) -> None:
     """
     models: tuple[type[Any], ...] = (thing if isinstance(thing, type) else type(thing),)
     above = models[0].__name__
-    for name, places in zip(path.split("."), _places_of_parts(thing, path), strict=True):
+    for name, places in zip(parts_of(path), _places_of_parts(thing, path), strict=True):
         if not models:  # the field above holds a value, not a description
             raise InvalidProblem.at(path, _nothing_below(above))
         if not places and len(models) == 1:
@@ -161,7 +194,7 @@ def _check_exists(thing: Described, path: str) -> None:
 
 
 def counterpart(name: str, word: str) -> str:
-    """Return the radius of a diameter's name (``core_diameter``), or the reverse; '' for none.
+    """Return the radius of a diameter's name (``core.diameter``), or the reverse; '' for none.
 
     Parameters
     ----------
@@ -171,7 +204,8 @@ def counterpart(name: str, word: str) -> str:
     """
     opposite = {"diameter": "radius", "radius": "diameter"}[word]
     head, match, tail = name.rpartition(word)
-    return head + opposite if match and not tail and (not head or head.endswith("_")) else ""
+    is_word = not head or head.endswith(("_", "."))
+    return head + opposite if match and not tail and is_word else ""
 
 
 def halve_diameters(
@@ -207,13 +241,23 @@ def halve_diameters(
     return radii
 
 
-def _half(diameter: Any, name: str, faults: Faults) -> Any:
-    """Return the radius of a diameter, or of each diameter in a list [m]; None for a fault."""
-    if isinstance(diameter, (list, tuple)):
-        return [_half(item, f"{name}.{k}", faults) for k, item in enumerate(diameter)]
-    if hasattr(diameter, "dtype"):
-        return diameter / 2
+def _half(diameter: Any, name: str, faults: Faults) -> float | list[float] | None:
+    """Return the radius of a diameter, or of each diameter in a list [m].
+
+    Diameters that are not lengths are added to ``faults``, (field, text).
+    """
+    diameters = diameter.tolist() if is_array(diameter) else diameter
+    if not isinstance(diameters, (list, tuple)):
+        return _half_of_one(diameters, name, faults)
+    radii = [_half_of_one(item, f"{name}.{k}", faults) for k, item in enumerate(diameters)]
+    return [radius for radius in radii if radius is not None]
+
+
+def _half_of_one(diameter: Any, name: str, faults: Faults) -> float | None:
+    """Return the radius of a number [m] or of a text with a unit; None for a fault."""
     try:
+        with suppress(NotANumber):
+            diameter = real_number(diameter)
         return parse(diameter, "m", name) / 2
     except InvalidProblem as fault:
         faults += fault.faults
@@ -227,6 +271,16 @@ def is_part_of(name: str, path: str) -> bool:
     (True, False)
     """
     return f"{name}.".startswith(f"{path}.")
+
+
+def names_above(path: str) -> list[str]:
+    """Return the names of the descriptions and lists that contain a field, the outermost first.
+
+    >>> names_above("drum.layers.0.thickness")
+    ['drum', 'drum.layers', 'drum.layers.0']
+    """
+    parts = parts_of(path)
+    return [".".join(parts[:k]) for k in range(1, len(parts))]
 
 
 # ---- in a description ---------------------------------------------------------------------------
@@ -248,7 +302,7 @@ def get_field(base: BaseModel, path: str) -> Any:
     """
     value: Any = base
     above = type(base).__name__
-    for name in path.split("."):
+    for name in parts_of(path):
         try:
             value, above = _inner(value, name), name
         except KeyError:
@@ -285,10 +339,66 @@ def number_in_si(base: BaseModel, path: str, value: str | float, where: str = ""
     return read_number(value, quantity, where or path, Inputs.of(base))
 
 
+def varied_value(base: BaseModel, path: str, where: str = "") -> float | None:
+    """Return the value in SI of a field that a study varies; None if the field is not set.
+
+    Parameters
+    ----------
+    base : Description
+    path : str
+    where : str
+        Name of the field in an error message; the path by default.
+
+    Raises
+    ------
+    InvalidProblem
+        If there is no such field, or its value is not a number: a material, a schedule, a word.
+    """
+    value = get_field(base, path)
+    if field_quantity(base, path) is None or not isinstance(value, float | None):
+        text = f"{quote(value)} is not a number, so it cannot be varied"
+        raise InvalidProblem.at(where or path, text)
+    return value
+
+
+def varied_number(
+    base: BaseModel, path: str, where: str = "", *, is_relative: bool = False
+) -> float:
+    """Return the value in SI of a field that a study varies around this value.
+
+    Parameters
+    ----------
+    base : Description
+    path : str
+    where : str
+        Name of the field in an error message; the path by default.
+    is_relative : bool
+        Whether the study varies the field by a share of its value, which must then be > 0.
+
+    Raises
+    ------
+    InvalidProblem
+        As of :func:`varied_value`, and for a field that is not set.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> varied_number(wo.RollerProblem.example(), "upper.diameter")
+    0.5
+    """
+    value = varied_value(base, path, where)
+    if value is None:
+        raise InvalidProblem.at(where or path, "is not set, so it cannot be varied")
+    if is_relative and value <= 0:
+        text = f"{quote(value)} is out of range; must be > 0 to have a relative standard deviation"
+        raise InvalidProblem.at(where or path, text)
+    return value
+
+
 def field_or_none(base: BaseModel, path: str) -> Any:
     """Return the value of a field; None if the description, or one in it, has no such field."""
     value: Any = base
-    for name in path.split("."):
+    for name in parts_of(path):
         try:
             value = _inner(value, name)
         except KeyError:
@@ -387,7 +497,16 @@ def change_fields(base: BaseModel, changes: Mapping[str, Any], faults: Faults) -
 
 
 def _changed(value: Any, name: str, changes: Mapping[str, Any]) -> Any:
-    """Return the value of a field with changes below it, by the names below it."""
+    """Return the value of a field, a description or a list, with changes below it.
+
+    Parameters
+    ----------
+    value : object
+    name : str
+        Of the field, for the error message.
+    changes : mapping
+        New values by the dotted names below the field: ``{"0.thickness": 0.01}`` of a list.
+    """
     if isinstance(value, BaseModel):
         return value.replace(**changes)  # type: ignore[attr-defined]  # of a Description
     if not isinstance(value, tuple):
@@ -426,7 +545,7 @@ def set_in_tables(tables: dict[str, Any], path: str, value: Any, model: type[Any
         If a part of the name is not a table or an item of a list, or a field that is unset does
         not exist.
     """
-    *heads, leaf = path.split(".")
+    *heads, leaf = parts_of(path)
     inner: Any = tables
     for head, places in zip(heads, _places_of_parts(model, path), strict=False):
         if value is None and isinstance(inner, dict) and head not in inner:
@@ -454,7 +573,20 @@ def _is_group(path: str, groups: Mapping[str, tuple[str, ...]]) -> bool:
 
 
 def _table_below(table: Any, name: str, models: tuple[type[Any], ...], path: str) -> Any:
-    """Return the table, or the list, of a name in a table or a list of tables."""
+    """Return the table, or the list, of a name in a table or a list of tables.
+
+    One that is missing in a table is added.
+
+    Parameters
+    ----------
+    table : dict or list
+    name : str
+        Name, or number of an item.
+    models : tuple of types
+        Classes of the descriptions that the field admits, which may have names as materials do.
+    path : str
+        Complete dotted name, for the error message.
+    """
     key: Any = _index_of(name, table, path) if isinstance(table, list) else name
     inner = table[key] if isinstance(table, list) else table.setdefault(name, {})
     if isinstance(inner, str):
@@ -490,7 +622,7 @@ def nest_tables(fields: Mapping[str, Any]) -> dict[str, Any]:
     """
     tables: dict[str, Any] = {}
     for path, value in sorted(fields.items()):  # a table comes before the fields in it
-        *heads, leaf = path.split(".")
+        *heads, leaf = parts_of(path)
         inner = tables
         for k, head in enumerate(heads):
             inner = inner.setdefault(head, {})

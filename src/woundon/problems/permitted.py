@@ -18,6 +18,7 @@ __all__ = [
     "admits",
     "bounds",
     "extremes",
+    "in_brackets",
     "is_within",
     "requirement",
     "unit_of",
@@ -94,22 +95,25 @@ def unit_of(field: FieldInfo) -> str:
     return quantity.unit if quantity else ""
 
 
+def in_brackets(unit: str) -> str:
+    """Return " [m]" of an SI unit for a message; empty for a pure number."""
+    return f" [{unit}]" if unit not in ("", "1") else ""
+
+
 def admissible(field: FieldInfo) -> str:
     """Return the permitted values as text: "> 0 and <= 10", "Rigid, HalfPlane or Cylinder"."""
     models = members_of(field.annotation)
     if models:
         names = one_of(model.__name__ for model in models)
         if accepts_number(field.annotation):
-            unit = unit_of(field)
-            names = f"a number{f' [{unit}]' if unit not in ('', '1') else ''} or a {names}"
+            names = f"a number{in_brackets(unit_of(field))} or a {names}"
         by_name = ", or a name that 'woundon materials' lists" if "Isotropic" in names else ""
         return f"{names} (or a table of its fields{by_name})"
     words = [part for part in get_args(field.annotation) if isinstance(part, str)]
     if words:
         return one_of(map(repr, words))
-    unit = unit_of(field)
     limits = " and ".join(f"{sign} {bound:.6g}" for sign, bound in bounds(field))
-    return (limits or "a finite number") + (f" [{unit}]" if unit not in ("", "1") else "")
+    return (limits or "a finite number") + in_brackets(unit_of(field))
 
 
 def accepts_number(annotation: Any) -> bool:

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import cache, cached_property
-from itertools import pairwise
 from math import exp, inf, isfinite, log
 from typing import TYPE_CHECKING, Annotated, Any, Self
 
@@ -18,7 +17,7 @@ from pydantic import BeforeValidator, Field, SerializeAsAny, field_validator, mo
 from ..errors import InvalidProblem
 from ..quantities import pure, strain, stress
 from .family import Family
-from .fields import Number, Numbers
+from .fields import Number, Numbers, check_equal_lengths, check_rising
 from .materials import SOFTEST, STIFFEST
 from .messages import quote
 
@@ -278,7 +277,7 @@ class Polynomial(SolidLaw):
 
     @field_validator("coefficients")
     @classmethod
-    def _positive_at_zero(cls, c: tuple[float, ...]) -> tuple[float, ...]:
+    def _check_modulus_at_zero(cls, c: tuple[float, ...]) -> tuple[float, ...]:
         """Reject a modulus that is not positive at zero pressure."""
         if not SOFTEST <= c[0] <= STIFFEST:
             text = f"{quote(c[0])} is out of range; must be >= {SOFTEST:g} and <= {STIFFEST:g} [Pa]"
@@ -362,7 +361,7 @@ class PowerLaw(SolidLaw):
     m: Annotated[Number, pure("m", "exponent of the pressure", (0.5, 1.0)), Field(ge=0.1, le=5)]
 
     @model_validator(mode="after")
-    def _finite_strain(self) -> Self:
+    def _check_strain(self) -> Self:
         """Reject a law with an infinite strain or too small a modulus."""
         if self.E0 == 0 and self.m >= 1:
             raise InvalidProblem.at(
@@ -447,24 +446,14 @@ class StackTest(SolidLaw):
     ]
 
     @model_validator(mode="after")
-    def _is_increasing(self) -> Self:
+    def _check_test(self) -> Self:
         """Reject a test whose pressures or strains do not increase."""
-        if len(self.pressure) != len(self.strain):
-            text = (
-                f"{len(self.strain)} values; must be as many as of pressure, {len(self.pressure)}"
-            )
-            raise InvalidProblem.at("strain", text)
+        check_equal_lengths(self, "pressure", "strain")
         if self.pressure[0] < 0:
             text = f"{quote(self.pressure[0])} is out of range; must be >= 0 [Pa]"
             raise InvalidProblem.at("pressure.0", text)
-        for name, unit in (("pressure", " [Pa]"), ("strain", "")):
-            values = getattr(self, name)
-            for k, (previous, value) in enumerate(pairwise(values), start=1):
-                if value <= previous:
-                    text = (
-                        f"{quote(value)} is out of range; must be > {quote(previous)}{unit}, the "
-                    )
-                    raise InvalidProblem.at(f"{name}.{k}", f"{text}previous value")
+        check_rising(self, "pressure")
+        check_rising(self, "strain")
         if self.strain[-1] >= 1:
             text = (
                 f"{quote(self.strain[-1])} is out of range; must be < 1, at which the stack has no "

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import InitVar
-from math import inf
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
 import numpy as np
@@ -21,7 +20,15 @@ from .messages import quote
 from .permitted import Conditional, is_within
 from .problem import Problem, only_in
 from .radial_laws import Pfeiffer, RadialLaw
-from .schedules import Curve, Profile, Taper, WindingSchedule, unused_in_tapers, values_of
+from .schedules import (
+    Curve,
+    Profile,
+    Taper,
+    WindingSchedule,
+    uncovered_ends,
+    unused_in_tapers,
+    values_of,
+)
 from .stack import AnyStack, Stack
 from .web import CaliperPressure, WebDensity
 
@@ -99,7 +106,7 @@ class Core(Description):
         inner_diameter: InitVar[float | str] = Field(...)
 
     @model_validator(mode="after")
-    def _one_stiffness(self) -> Self:
+    def _check_stiffness(self) -> Self:
         """Reject a core without stiffness, or with a stiffness and a tube."""
         tube = self.inner_radius is not None or self.material is not None
         if (self.stiffness is not None) == tube:
@@ -238,7 +245,7 @@ class RollProblem(Problem):
     ] = default(0.0)
 
     @model_validator(mode="after")
-    def _windable(self) -> Self:
+    def _check_build_up(self) -> Self:
         """Reject a core that is larger than the roll, and a web too thick or too thin."""
         core, radius = self.core.radius, self.radius
         if core >= radius:
@@ -253,7 +260,7 @@ class RollProblem(Problem):
                 f"{quote(self.web_thickness)} is out of range; must be >= {thinnest:.4g} and <= "
                 f"{thickest:.4g} [m]: {FEWEST_LAYERS} to {MOST_LAYERS:.0e} layers",
             )
-        self._tension_is_positive()
+        self._check_tension()
         highest = self._law_of_web.max_pressure
         if float(self._law_of_web.strain_at(1e7)) > MOST_COMPRESSED:
             highest = min(highest, float(self._law_of_web.pressure_at(MOST_COMPRESSED)))
@@ -266,21 +273,13 @@ class RollProblem(Problem):
             )
         return self
 
-    def _tension_is_positive(self) -> None:
+    def _check_tension(self) -> None:
         """Reject a tension that is not positive from the core to the surface."""
         schedule = self.wound_on_tension
         if isinstance(schedule, Profile):
-            core, R, last = self.core.radius, self.radius, len(schedule.radius) - 1
-            for k, covered, must in (
-                (0, (-inf, core), f"<= core.radius = {core:.6g}"),
-                (last, (R, inf), f">= radius = {R:.6g}"),
-            ):
-                if not is_within(schedule.radius[k], *covered):
-                    raise InvalidProblem.at(
-                        f"wound_on_tension.radius.{k}",
-                        f"{quote(schedule.radius[k])} is out of range; must be {must} [m], "
-                        "because the schedule must cover the whole roll",
-                    )
+            ends = self.core.radius, self.radius
+            if uncovered := list(uncovered_ends("wound_on_tension", schedule, *ends)):
+                raise InvalidProblem(uncovered)
         for name, value in values_of(schedule).items():
             if not 0 < value <= 1e6:
                 text = f"{quote(value)} is out of range; must be > 0 and <= 1e+06 [N/m]"

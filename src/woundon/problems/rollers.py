@@ -94,7 +94,7 @@ class RollerProblem(ContactProblem):
     ] = default(None)
 
     @model_validator(mode="after")
-    def _has_a_state(self) -> Self:
+    def _check_loads(self) -> Self:
         """Reject loads without a steady state, and inputs that contradict each other."""
         if self.creepage is not None and self.tangential_load is not None:
             raise InvalidProblem.at(

@@ -4,19 +4,28 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
-from itertools import pairwise
+from math import inf
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import BeforeValidator, Field, ValidationInfo, model_validator
+from pydantic import BaseModel, BeforeValidator, Field, ValidationInfo, model_validator
 
 from ..errors import InvalidProblem
 from ..quantities import OF_FIELD, length, pure
 from .description import Description
 from .family import from_table
-from .fields import Number, NumberOfField, Numbers, NumbersOfField, default
+from .fields import (
+    Number,
+    NumberOfField,
+    Numbers,
+    NumbersOfField,
+    check_equal_lengths,
+    check_rising,
+    default,
+)
 from .inputs import FloatWithUnit, Inputs
 from .messages import quote
+from .permitted import is_within
 
 if TYPE_CHECKING:
     from .fields import CoercedField
@@ -30,6 +39,7 @@ __all__ = [
     "WindingSchedule",
     "as_schedule",
     "at_radius",
+    "uncovered_ends",
     "unused_in_tapers",
     "values_of",
 ]
@@ -69,16 +79,10 @@ class Profile(Description):
     between: Literal["lines", "smooth"] = "lines"
 
     @model_validator(mode="after")
-    def _is_increasing(self) -> Self:
+    def _check_columns(self) -> Self:
         """Reject a profile whose radii do not increase."""
-        if len(self.radius) != len(self.value):
-            text = f"{len(self.value)} values; must be as many as of radius, {len(self.radius)}"
-            raise InvalidProblem.at("value", text)
-        for k, (previous, radius) in enumerate(pairwise((0.0, *self.radius))):
-            if radius <= previous:
-                bound = "the previous radius" if k else "0"
-                text = f"{quote(radius)} is out of range; must be > {quote(previous)} [m]"
-                raise InvalidProblem.at(f"radius.{k}", f"{text}, {bound}" if k else text)
+        check_equal_lengths(self, "radius", "value")
+        check_rising(self, "radius", above=0.0)
         return self
 
     @cached_property
@@ -154,7 +158,7 @@ class Taper(Description):
     law: Literal["linear", "hyperbolic", "constant_torque"] = "linear"
 
     @model_validator(mode="after")
-    def _one_taper(self) -> Self:
+    def _check_taper(self) -> Self:
         """Reject a taper for the law "constant_torque", which determines it."""
         if self.law == "constant_torque" and self.taper:
             text = f"{quote(self.taper)} is given, but law = 'constant_torque' has no taper"
@@ -276,7 +280,30 @@ def values_of(schedule: float | Profile | Taper) -> dict[str, float]:
     return {"": schedule}
 
 
-def unused_in_tapers(problem: Any, names: Iterable[str]) -> Iterator[str]:
+def uncovered_ends(
+    name: str, schedule: Profile, core: float, radius: float
+) -> Iterator[tuple[str, str]]:
+    """Yield (field, message) for each end of a schedule that does not reach the end of a roll.
+
+    Parameters
+    ----------
+    name : str
+        Field that holds the schedule.
+    schedule : Profile
+    core, radius : float
+        Radii of the core and of the finished roll [m].
+    """
+    last = len(schedule.radius) - 1
+    for k, covered, must in (
+        (0, (-inf, core), f"<= core.radius = {core:.6g}"),
+        (last, (radius, inf), f">= radius = {radius:.6g}"),
+    ):
+        if not is_within(schedule.radius[k], *covered):
+            text = f"{quote(schedule.radius[k])} is out of range; must be {must} [m]"
+            yield f"{name}.radius.{k}", f"{text}: the schedule must cover the whole roll"
+
+
+def unused_in_tapers(problem: BaseModel, names: Iterable[str]) -> Iterator[str]:
     """Yield the dotted names of the tapers of a constant torque, which determines them."""
     for name in names:
         schedule = getattr(problem, name)

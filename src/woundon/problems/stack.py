@@ -100,7 +100,7 @@ class Stack(Solid):
     ] = default(0.0)
 
     @model_validator(mode="after")
-    def _has_energy(self) -> Self:
+    def _check_energy(self) -> Self:
         """Reject a stack with an indefinite strain energy at zero pressure."""
         if self.limit <= 0:
             raise self.beyond_limit(0.0)

@@ -74,14 +74,8 @@ def roll_weight(
     5185
     """
     R = _checked("radius", radius)
-    rc, rho, core = (
-        _checked(name, value).item()
-        for name, value in (
-            ("core_radius", core_radius),
-            ("density", density),
-            ("core_mass", core_mass),
-        )
-    )
+    rc, rho = _checked_number("core_radius", core_radius), _checked_number("density", density)
+    core = _checked_number("core_mass", core_mass)
     if np.any(rc > R):
         smallest = quote(float(np.min(R)))
         text = f"{smallest} is out of range; must be >= core_radius = {rc:.6g} [m]"
@@ -155,7 +149,7 @@ def rider_load_for(
     drum : "rear" or "front"
         The drum with the target; the web usually arrives on the rear drum.
     """
-    if drum not in ("rear", "front"):
+    if not isinstance(drum, str) or drum not in ("rear", "front"):
         raise InvalidProblem.at("drum", f"{quote(drum)} is unknown; must be 'rear' or 'front'")
     share = _shares(radius, drum_radius, gap)[drum == "front"]
     return (_checked("nip_load", nip_load) / share - _checked("weight", weight))[()]
@@ -165,7 +159,7 @@ def _shares(
     radius: ArrayLike, drum_radius: float | tuple[float, float], gap: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the loads on the rear and the front drum due to a unit vertical load."""
-    R, space = _checked("radius", radius), _checked("gap", gap).item()
+    R, space = _checked("radius", radius), _checked_number("gap", gap)
     drums = _checked("drum_radius", drum_radius)
     if drums.size not in (1, 2) or not (drums > 0).all():
         text = f"{quote(drum_radius)} is out of range; must be one or two numbers > 0 [m]"
@@ -194,10 +188,18 @@ def _checked(name: str, value: Any) -> np.ndarray:
     """Return a value as an array; reject numbers < 0 and nan."""
     try:
         numbers = np.asarray(value, dtype=float)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InvalidProblem.at(name, f"{quote(value)} is not a number; must be >= 0") from None
     wrong = numbers[~((numbers >= 0) & np.isfinite(numbers))]
     if wrong.size:
         text = f"{quote(float(wrong.flat[0]))} is out of range; must be >= 0"
         raise InvalidProblem.at(name, text)
     return numbers
+
+
+def _checked_number(name: str, value: Any) -> float:
+    """Return a single number; reject several, numbers < 0 and nan."""
+    numbers = _checked(name, value)
+    if numbers.size != 1:
+        raise InvalidProblem.at(name, f"{quote(value)} is not a number; must be >= 0")
+    return float(numbers.item())

@@ -6,7 +6,6 @@ Both are converted to a Prony series, which :class:`~.materials.Isotropic` accep
 from __future__ import annotations
 
 from functools import cached_property
-from itertools import pairwise
 from math import hypot, log10, pi, sqrt, tan
 from typing import Annotated, Self
 
@@ -15,7 +14,7 @@ from pydantic import Field, model_validator
 
 from ..errors import InvalidProblem
 from ..quantities import Quantity, angle, stress
-from .fields import Number, Numbers
+from .fields import Number, Numbers, check_equal_lengths, check_rising
 from .materials import SOFTEST, STIFFEST, OneModulus, PoissonsRatio
 from .messages import quote
 
@@ -139,22 +138,15 @@ class DynamicTest(OneModulus):
     poissons_ratio: PoissonsRatio
 
     @model_validator(mode="after")
-    def _is_valid_table(self) -> Self:
+    def _check_table(self) -> Self:
         """Reject columns of different lengths and values out of range."""
+        check_equal_lengths(self, "frequency", "storage_modulus", "loss_modulus")
         for name in ("storage_modulus", "loss_modulus"):
-            values = getattr(self, name)
-            if len(values) != len(self.frequency):
-                text = f"{len(values)} values; must be as many as of frequency, "
-                raise InvalidProblem.at(name, f"{text}{len(self.frequency)}")
-            for k, value in enumerate(values):
+            for k, value in enumerate(getattr(self, name)):
                 if not SOFTEST <= value <= STIFFEST:
                     text = f"{quote(value)} is out of range; must be >= 0.001 and <= 1e+14 [Pa]"
                     raise InvalidProblem.at(f"{name}.{k}", text)
-        for k, (previous, value) in enumerate(pairwise((0.0, *self.frequency))):
-            if value <= previous:
-                note = ", the previous value" if k else ""
-                text = f"{quote(value)} is out of range; must be > {quote(previous)} [1/s]{note}"
-                raise InvalidProblem.at(f"frequency.{k}", text)
+        check_rising(self, "frequency", above=0.0)
         losses = zip(self.loss_modulus, self.storage_modulus, strict=True)
         ratio = max(loss / storage for loss, storage in losses)
         if ratio < SMALLEST_LOSS:
@@ -171,7 +163,7 @@ class DynamicTest(OneModulus):
         return self.frequency[0], self.frequency[-1]
 
     @model_validator(mode="after")
-    def _is_causal(self) -> Self:
+    def _check_causality(self) -> Self:
         """Reject moduli that contradict the Kramers-Kronig relations."""
         if self.misfit > LARGEST_MISFIT:
             raise InvalidProblem.at(

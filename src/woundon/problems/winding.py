@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import InitVar
-from math import inf, pi
+from math import pi
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
@@ -30,8 +30,9 @@ from .nip import (
     RollWrap,
     Width,
     WrapFriction,
+    friction_capacity,
 )
-from .permitted import Conditional, is_within
+from .permitted import Conditional
 from .problem import OF_FINISHED_ROLL, Problem, only_in
 from .radial_laws import Pfeiffer
 from .roll import Core, GaugeExcess, RollProblem
@@ -42,6 +43,7 @@ from .schedules import (
     Taper,
     WindingSchedule,
     as_schedule,
+    uncovered_ends,
     unused_in_tapers,
     values_of,
 )
@@ -233,7 +235,7 @@ class WindingProblem(Problem):
     width: Width = default(None)
 
     @model_validator(mode="after")
-    def _windable(self) -> Self:
+    def _check_winding(self) -> Self:
         """Check the roll, the schedules and their combination."""
         try:  # checks core, number of layers and density
             self.wound_roll(1.0)
@@ -309,7 +311,7 @@ class WindingProblem(Problem):
             if not low <= value <= high
         ]
         if isinstance(schedule, Profile):
-            wrong += self._uncovered_ends(name, schedule)
+            wrong += uncovered_ends(name, schedule, *self.ends)
         yield from wrong
         if isinstance(schedule, Taper) and not wrong:
             value = float(self.curve(name).at(np.array(self.radius)))
@@ -318,23 +320,11 @@ class WindingProblem(Problem):
                 text = f"{quote(schedule.taper)} is out of range; leaves {quote(value)}{unit} {at}"
                 yield f"{name}.taper", f"{text}, {must}"
 
-    def _uncovered_ends(self, name: str, table: Profile) -> Iterator[tuple[str, str]]:
-        """Yield (field, message) for each end of a profile that does not cover the roll."""
-        core, R, last = self.core.radius, self.radius, len(table.radius) - 1
-        for k, covered, must in (
-            (0, (-inf, core), f"<= core.radius = {core:.6g}"),
-            (last, (R, inf), f">= radius = {R:.6g}"),
-        ):
-            if not is_within(table.radius[k], *covered):
-                text = f"{quote(table.radius[k])} is out of range; must be {must} [m]: the "
-                yield f"{name}.radius.{k}", f"{text}schedule must cover the whole roll"
-
     def _check_steady_state(self) -> None:
         """Reject a winding force that the friction of nip and drum wrap cannot transmit."""
         r = self.radii(CHECKED_RADII)
         P, T, F = (self.at(name, r) for name in ("nip_load", "web_tension", "winding_force"))
-        nip, wrap = self.drum_friction * P, self.drum_friction * self.drum_wrap
-        low, high = -nip + T * np.expm1(-wrap), nip + T * np.expm1(wrap)
+        low, high = map(np.asarray, friction_capacity(P, T, self.drum_friction, self.drum_wrap))
         slides = ~((low < F) & (high > F))
         if slides.any():
             k = int(np.argmax(slides))

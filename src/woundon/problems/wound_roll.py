@@ -21,7 +21,7 @@ from .bodies import Body, CoreRadius, check_core
 from .graded import graded_layers, wound_kernels
 from .messages import quote
 from .schedules import Schedule, at_radius, values_of
-from .stack import AnyStack
+from .stack import AnyStack, Stack
 
 if TYPE_CHECKING:
     from ..elasticity.kernels import SurfaceKernels
@@ -72,7 +72,7 @@ class WoundRoll(Body):
     hardening: Literal["direct", "frozen"] = "direct"
 
     @model_validator(mode="after")
-    def _admissible(self) -> Self:
+    def _check_pressure(self) -> Self:
         """Reject a core out of range, or a pressure outside the range of the stack law."""
         check_core(self)
         for name, P in values_of(self.pressure).items():
@@ -163,7 +163,7 @@ VALIDITY_WARNINGS = {
 WARNING_MISFIT = 0.01  # relative misfit of a stack test above which a warning is given
 
 
-def _check_shear_slope(stack: Any) -> None:
+def _check_shear_slope(stack: Stack) -> None:
     """Reject a shear modulus with an infinite slope at zero pressure.
 
     Shear causes a radial strain in proportion to this slope.  The shear modulus varies as

@@ -9,13 +9,14 @@ from .. import kinds, quantities
 from ..errors import InvalidProblem, NoSteadyState, NotConverged, unwarned
 from ..nip.result import NipResult
 from ..nip.roller_result import RollerResult
+from ..problems.problem import Problem
 from ..quantities import walk
 from ..results import Result
 from ..roll.result import RollResult
 from ..winding.result import WindingResult
 from .margins_report import verdict_lines
 from .outputs_report import LEAST_FRICTION
-from .report_parts import Line, Section, output_row, quantity_of, row_of
+from .report_parts import Line, Section, output_row, quantity_of, value_row
 
 __all__ = [
     "answer",
@@ -159,7 +160,7 @@ def assumptions_section(result: Result) -> list[Section]:
     return [Section("Assumptions", (), " ".join(texts))] if texts else []
 
 
-def defaults_section(problem: Any) -> list[Section]:
+def defaults_section(problem: Problem) -> list[Section]:
     """Return the section of the fields whose default values are used; none if there are none."""
     texts: list[str] = []
     unused = tuple(f"{name}." for name in problem.unused)
@@ -170,9 +171,6 @@ def defaults_section(problem: Any) -> list[Section]:
         value = place.value
         if value is None or type(value) is not type(default) or value != default:
             continue
-        if isinstance(value, str) or place.quantity is None:
-            texts.append(f"{place.path} = {value}")
-        elif isinstance(value, int | float):
-            row = row_of(place.quantity, value)
-            texts.append(f"{place.path} = {row.value_text} {row.unit}".rstrip())
+        if place.quantity is None or isinstance(value, str | int | float):
+            texts.append(f"{place.path} = {value_row(place.quantity, value).text}")
     return [Section("Defaults used", (), ", ".join(texts))] if texts else []

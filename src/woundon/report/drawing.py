@@ -14,11 +14,19 @@ from typing import Any
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
+from matplotlib.gridspec import SubplotSpec
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
+from matplotlib.ticker import (
+    FuncFormatter,
+    LogLocator,
+    MaxNLocator,
+    NullFormatter,
+    ScalarFormatter,
+)
 
 from ..errors import InvalidProblem
 from ..problems.messages import quote
@@ -71,14 +79,25 @@ SHADES: dict[str, dict[str, Any]] = {
     "drum": {"color": COLOURS["drum"], "alpha": 0.2},
     "alarm": {"color": COLOURS["alarm"], "alpha": 0.12},
 }
+EXTENDED = {"": "neither", "lower": "min", "upper": "max"}  # ends of a scale of colours
 PALETTES = {"sequential": "viridis", "red above": "RdBu_r", "red below": "RdBu"}
 NEUTRAL = COLOURS["web"]
+LEGENDS_OF_FIGURE: dict[str, Any] = {
+    "figure below": "outside lower center",
+    "figure right": "outside right center",
+}
+LEGEND_WIDTH = 1.6  # inches, right of all panels
+BAR_GAP, BAR_WIDTH = 0.1, 0.2  # inches, of the scale of colours at the right of a panel
 LEVELS = 16  # of a coloured map
-WIDE, NARROW = 60, 32  # characters in a line of a label below and next to a panel
+CHARACTERS = 11  # of a label per inch along its axis
+NAME_WIDTH = 32  # characters in a line of a name next to a bar, or in a legend in a panel
+TICK_WIDTH = 0.7  # inches along x for each number
 FAINT = 0.35  # opacity of regions
 MANY_POINTS = 2000  # of a curve; more are drawn as pixels
 AROUND = 181  # spokes of a disc, its first and last the same
 FEW_DECADES = 1e3  # ratio of the ends below which a logarithmic axis has labels at 1, 2 and 5
+ONE_DECADE = 10.0  # ratio below which its labels are evenly spaced numbers
+STEPS = (1, 2, 2.5, 5, 10)  # between the numbers along an axis
 ROUNDING = 1e-9  # relative: smaller negative values are zero
 
 
@@ -153,11 +172,11 @@ def draw_figure(
     with style():
         figure, placed = _empty_figure(panels, registered, same_y)
         letters = iter("abcdefghijklmnopqrstuvwxyz" * (lettered and len(panels) > 1))
-        below: list[Artist] = []
+        of_figure: dict[str, list[Artist]] = {}
         for axes, cases, shares_x in placed:
             handles, panel = draw_panel(axes, cases, colours), cases[0]
-            if panel.legend == "below":
-                below = handles
+            if panel.legend in LEGENDS_OF_FIGURE:  # the same in all panels
+                of_figure[panel.legend] = handles
             elif handles:
                 _add_legend(axes, handles, panel)
             if not panel.strips and (letter := next(letters, "")):
@@ -168,8 +187,9 @@ def draw_figure(
             if shares_x:
                 axes.set_xlabel("")
                 axes.tick_params(labelbottom=False)
-        if below:
-            figure.legend(handles=below, loc="outside lower center", ncols=len(below))
+        for place, handles in of_figure.items():
+            columns = len(handles) if place == "figure below" else 1
+            figure.legend(handles=handles, loc=LEGENDS_OF_FIGURE[place], ncols=columns)
         if len(panels[0]) > 1:
             names = _case_legend(labels, colours)
             figure.legend(handles=names, loc="outside upper center", ncols=min(len(names), 3))
@@ -198,21 +218,36 @@ def _empty_figure(
     heights = [[_height(cases) for cases in column] for column in columns.values()]
     widths = [max(cases[0].width for cases in column) for column in columns.values()]
     # a single panel has labels above and below it too
-    size = (sum(widths), max(map(sum, heights)) + (0.1 if len(panels) > 1 else 0.4))
-    figure = Picture.new(size, registered)
-    grid = figure.add_gridspec(1, len(columns), width_ratios=widths)
+    height = max(map(sum, heights)) + (0.1 if len(panels) > 1 else 0.4)
+    legend = LEGEND_WIDTH if panels[0][0].legend == "figure right" else 0.0
+    figure = Picture.new((sum(widths) + legend, height), registered)
     placed: list[tuple[Axes, Sequence[Panel], bool]] = []
-    for place, (column, tall) in enumerate(zip(columns.values(), heights, strict=True)):
-        rows = grid[0, place].subgridspec(len(column), 1, height_ratios=tall)
+    for column, cells in zip(columns.values(), _cells(figure, heights, widths), strict=True):
         shared = [below[0].x == above[0].x for above, below in pairwise(column)]
         first: Axes | None = None
         for row, cases in enumerate(column):
             above = first if row and shared[row - 1] else None
             y = placed[0][0] if same_y and placed else None
-            axes = figure.add_subplot(rows[row], sharex=above, sharey=y)
+            axes = figure.add_subplot(cells[row], sharex=above, sharey=y)
             first = above or axes
             placed.append((axes, cases, row < len(shared) and shared[row]))
     return figure, placed
+
+
+def _cells(
+    figure: Figure, heights: Sequence[Sequence[float]], widths: Sequence[float]
+) -> list[list[SubplotSpec]]:
+    """Return the places of the panels by columns; panels of one height are equally large."""
+    rows = max(map(len, heights))
+    if len({height for column in heights for height in column}) == 1:
+        grid = figure.add_gridspec(rows, len(widths), width_ratios=widths)
+        return [[grid[row, place] for row in range(rows)] for place in range(len(widths))]
+    grid = figure.add_gridspec(1, len(widths), width_ratios=widths)
+    columns = []
+    for place, column in enumerate(heights):
+        cells = grid[0, place].subgridspec(len(column), 1, height_ratios=column)
+        columns.append([cells[row] for row in range(len(column))])
+    return columns
 
 
 def _height(cases: Sequence[Panel]) -> float:
@@ -291,19 +326,30 @@ def draw_panel(axes: Axes, cases: Sequence[Panel], colours: Colours = (None,)) -
     if panel.strips:
         handles += _draw_strips(axes, cases, colours)
     if panel.note:
-        axes.text(0.5, 0.5, panel.note, ha="center", transform=axes.transAxes)
+        _write_note(axes, panel.note)
     if panel.heading:
-        axes.set_title(panel.heading, fontsize=9, loc="left")
-    _format_axis(axes, "x", [case.x for case in cases], [c.x for p in cases for c in p.curves])
+        axes.set_title(formulas(panel.heading), fontsize=9, loc="left")
+    x = [curve.x for case in cases for curve in case.curves]
+    _format_axis(axes, "x", [case.x for case in cases], x, panel.width)
     left = [curve.y for case in cases for curve in case.curves if not curve.right]
-    _format_axis(axes, "y", [case.y for case in cases], left)
+    _format_axis(axes, "y", [case.y for case in cases], left, panel.height)
     if panel.right:
         right.set_ylabel(axis_label(panel.right))
+        right.yaxis.set_major_formatter(_TickLabels(useOffset=False))
         right.grid(visible=False)
     entries = [handle for handle in handles if handle is not None]
     if len(entries) == 1 and not any(curve.label for curve in panel.curves) and not panel.map:
         return []  # the axis says it
     return entries if alone else _in_grey(entries)
+
+
+def _write_note(axes: Axes, note: str) -> None:
+    """Write a text in place of missing contents, whose axes have no numbers."""
+    axes.text(0.5, 0.5, note, ha="center", transform=axes.transAxes)
+    axes.tick_params(bottom=False, labelbottom=False)
+    if len(axes.get_shared_y_axes().get_siblings(axes)) == 1:
+        axes.tick_params(left=False, labelleft=False)
+    axes.grid(visible=False)
 
 
 def _in_grey(handles: Sequence[Artist]) -> list[Artist]:
@@ -350,17 +396,40 @@ def _add_legend(axes: Axes, handles: list[Artist], panel: Panel) -> None:
 # ---- axes ---------------------------------------------------------------------------------------
 
 
+class _TickLabels(ScalarFormatter):
+    """Labels with their power of ten, "1.5e8"; a common one would stand below the legend."""
+
+    def __call__(self, x: float, pos: int | None = None) -> str:
+        """Return the label of a tick."""
+        power = super().get_offset().removeprefix("1")  # "1e8" of all ticks
+        return super().__call__(x, pos) + power * bool(x)
+
+    def get_offset(self) -> str:
+        """Return the text at the end of the axis: none."""
+        return ""
+
+
 def _shown(axis: Axis | None, values: Array | float) -> Any:
     """Return values along an axis in the unit for display."""
     return axis.quantity.shown(values) if axis is not None and axis.quantity else values
 
 
-def _format_axis(axes: Axes, name: str, cases: Sequence[Axis], values: Sequence[Array]) -> None:
-    """Set label, scale and limits of the x or y axis of one or several results."""
+def _format_axis(
+    axes: Axes, name: str, cases: Sequence[Axis], values: Sequence[Array], length: float
+) -> None:
+    """Set label, scale and limits of the x or y axis of one or several results.
+
+    ``length`` is that of the axis in inches.
+    """
     axis, lines = cases[0], axes.xaxis if name == "x" else axes.yaxis
-    lines.set_label_text(axis_label(axis, WIDE if name == "x" else NARROW))
+    lines.set_label_text(axis_label(axis, int(CHARACTERS * length)))
+    if isinstance(lines.get_major_formatter(), ScalarFormatter):  # numbers, no names of strips
+        lines.set_major_formatter(_TickLabels(useOffset=False))
+    if name == "x":
+        lines.set_major_locator(MaxNLocator(min(9, int(length / TICK_WIDTH)), steps=STEPS))
     if axis.names:
-        lines.set_ticks(range(len(axis.names)), [wrapped_text(each, NARROW) for each in axis.names])
+        names = [wrapped_text(each, NAME_WIDTH) for each in axis.names]
+        lines.set_ticks(range(len(names)), names)
         if name == "x":
             axes.tick_params(axis="x", rotation=20)
     limits = [ends for case in cases if (ends := case.limits or case.cut)]
@@ -379,11 +448,14 @@ def _format_axis(axes: Axes, name: str, cases: Sequence[Axis], values: Sequence[
 
 
 def _set_log_scale(axes: Axes, name: str, values: Array) -> None:
-    """Make an axis logarithmic, with plain numbers at 1, 2 and 5 if it has few decades."""
+    """Make an axis logarithmic, with plain numbers as labels if it has few decades."""
     axes.set(**{f"{name}scale": "log"})
-    if np.max(values) < FEW_DECADES * np.min(values):
-        axis = axes.xaxis if name == "x" else axes.yaxis
-        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axis, ratio = axes.xaxis if name == "x" else axes.yaxis, np.max(values) / np.min(values)
+    if ratio < FEW_DECADES:
+        one_decade = MaxNLocator(5, steps=STEPS)
+        axis.set_major_locator(
+            one_decade if ratio < ONE_DECADE else LogLocator(subs=(1.0, 2.0, 5.0))
+        )
         axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         axis.set_minor_formatter(NullFormatter())
 
@@ -406,31 +478,34 @@ def _draw_curve(axes: Axes, panel: Panel, curve: Curve, colour: str | None) -> A
     colour = colour or COLOURS[curve.colour]
     words = (symbol_text(curve.symbol), formulas(curve.label), "(right axis)" * curve.right)
     label = " ".join(filter(None, words))
-    (line,) = axes.plot(
-        x,
-        y,
-        color=colour,
-        linestyle=LINES[curve.line],
-        linewidth=curve.width,
-        marker=MARKERS[curve.marker],
-        markersize=4,
-        markerfacecolor="white" if curve.marker == "ring" else colour,
-        alpha=curve.opacity,
-        drawstyle="steps-mid" if curve.steps else "default",
-        clip_on=not (curve.line == "none" and curve.x.size == 1),  # a point at the edge is whole
-        zorder=3 if curve.line == "none" else 2,
-        label=wrapped_text(label) if panel.legend == "right" else label or None,
-        rasterized=x.size > MANY_POINTS,
-    )
+    look: dict[str, Any] = {
+        "color": colour,
+        "linestyle": LINES[curve.line],
+        "linewidth": curve.width,
+        "marker": MARKERS[curve.marker],
+        "markersize": 4,
+        "markerfacecolor": "white" if curve.marker == "ring" else colour,
+        "alpha": curve.opacity,
+        "drawstyle": "steps-mid" if curve.steps else "default",
+        "clip_on": not (curve.line == "none" and x.size == 1),  # a point at the edge is whole
+        "zorder": 3 if curve.line == "none" else 2,
+        "label": wrapped_text(label, NAME_WIDTH if panel.legend == "inside" else 44) or None
+        if panel.legend in ("right", "figure right", "inside")
+        else label or None,
+        "rasterized": x.size > MANY_POINTS,
+    }
     errors = {"xerr": (panel.x, curve.x_error), "yerr": (y_axis, curve.y_error)}
     lengths = {
         name: np.abs(_shown(axis, error))
         for name, (axis, error) in errors.items()
         if error is not None
     }
+    entry: Any
     if lengths:
-        axes.errorbar(x, y, fmt="none", ecolor=colour, elinewidth=0.9, **lengths)
-    return line if label and curve.in_legend else None
+        entry = axes.errorbar(x, y, elinewidth=0.9, **lengths, **look)
+    else:
+        (entry,) = axes.plot(x, y, **look)
+    return entry if label and curve.in_legend else None
 
 
 def _draw_mark(axes: Axes, panel: Panel, mark: Mark, colour: str | None) -> Artist | None:
@@ -469,9 +544,9 @@ def _draw_map(axes: Axes, panel: Panel, plane: Map, colour: str | None) -> list[
     if scale and scale.axis.limits and colour is None:
         low, high = _shown(scale.axis, np.array(scale.axis.limits))
         levels = MaxNLocator(LEVELS, symmetric=True).tick_values(low, high)
-        extend = "min" if scale.clipped == "lower" else "neither"
-        filled = axes.contourf(x, y, values, levels, cmap=PALETTES[scale.palette], extend=extend)
-        axes.figure.colorbar(filled, ax=axes, label=axis_label(scale.axis))
+        palette, extend = PALETTES[scale.palette], EXTENDED[scale.clipped]
+        filled = axes.contourf(x, y, values, levels, cmap=palette, extend=extend)
+        _add_colour_bar(axes, panel, scale, filled)
     entries: list[Artist | None] = []
     for contour in plane.contours:
         line: Any = {"color": colour or COLOURS["ink"], "linestyle": LINES[contour.line]}
@@ -527,15 +602,21 @@ def _draw_discs(axes: Axes, panel: Panel, discs: Sequence[Disc], scale: Scale) -
         if len(discs) > 1:
             lowest = -0.05 * _shown(panel.x, discs[-1].radius[-1])
             axes.text(left + r[-1], lowest, f"{r[-1]:.3g}", ha="center", va="top")
-    extend = "max" if scale.clipped == "upper" else "neither"
-    pad = 0.02 if len(discs) == 1 else 0.01
-    axes.figure.colorbar(mesh, ax=axes, label=axis_label(scale.axis), extend=extend, pad=pad)
+    _add_colour_bar(axes, panel, scale, mesh)
     axes.set_aspect("equal")
     axes.margins(0.03)
     axes.grid(visible=False)
     if len(discs) > 1:
         axes.set_axis_off()
         axes.text(0, 1.0, axis_label(panel.x), transform=axes.transAxes, va="top")
+
+
+def _add_colour_bar(axes: Axes, panel: Panel, scale: Scale, coloured: ScalarMappable) -> None:
+    """Add the scale of coloured values at the right of a panel, as tall as the panel."""
+    bounds = (1 + BAR_GAP / panel.width, 0.0, BAR_WIDTH / panel.width, 1.0)
+    bar = axes.inset_axes(bounds, label="<colorbar>")
+    label, extend = axis_label(scale.axis), EXTENDED[scale.clipped]
+    axes.figure.colorbar(coloured, cax=bar, label=label, extend=extend, format=_TickLabels())
 
 
 def _draw_bars(axes: Axes, bars: Bars) -> Any:

@@ -7,17 +7,17 @@ marks have one, of zones and of a limit that is not kept.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from html import escape
 from typing import TYPE_CHECKING
 
 from ..results import zone_runs
-from .report_parts import GREEK, SYMBOL, Line, Part, Row, Section, Verdict, Verdicts, ZoneStrips
+from .report_parts import GREEK, SYMBOL, Line, Part, Section, Table, TableRow, ZoneStrips
 
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["label_html", "parts_html", "symbol_html", "table_html", "unit_html"]
+__all__ = ["frame_html", "label_html", "parts_html", "symbol_html", "table_html", "unit_html"]
 
 LEFT = "text-align:left"
 RIGHT = "text-align:right"
@@ -26,7 +26,7 @@ ALARM = "display:inline-block;background:#B00020;color:#FFFFFF;font-weight:bold;
 _ZONES = {-1: "#E69F00", 0: "#BBBBBB", 1: "#56B4E9"}
 
 
-def table_html(head: str, frame: pd.DataFrame, remarks: Iterable[str]) -> str:
+def frame_html(head: str, frame: pd.DataFrame, remarks: Iterable[str]) -> str:
     """Return the HTML of a section: heading, table of numbers, remarks."""
     table = frame.to_html(float_format="{:.4g}".format, na_rep="")
     return _division([_paragraph(head), table, *map(_paragraph, remarks)])
@@ -43,10 +43,9 @@ def _division(texts: Sequence[str]) -> str:
 
 def _part(part: Part) -> str:
     """Return the HTML of a part of a report."""
-    if isinstance(part, Section):
-        return _section(part)
-    if isinstance(part, Verdicts):
-        return _verdicts(part)
+    if isinstance(part, Section | Table):
+        table = part.as_table() if isinstance(part, Section) else part
+        return table_html(table) + (_paragraph(part.text, QUIET) if part.text else "")
     return _strips(part) if isinstance(part, ZoneStrips) else _line(part)
 
 
@@ -57,24 +56,6 @@ def _paragraph(text: str, style: str = "") -> str:
 def _line(line: Line) -> str:
     loud = {"quiet": QUIET, **dict.fromkeys(("answer", "warning", "bad"), "font-weight:bold")}
     return _paragraph(line.text, loud.get(line.tone, ""))
-
-
-def _section(section: Section) -> str:
-    """Return the HTML of a section: a table, and a text below it."""
-    paragraph = _paragraph(section.text, QUIET) if section.text else ""
-    return _table(section.title, map(_row, section.rows)) + paragraph
-
-
-def _table(title: str, rows: Iterable[str], head: str = "") -> str:
-    """Return a table under a title from the HTML of its rows and of its head."""
-    caption = f'<caption style="{LEFT};font-weight:bold">{escape(title)}</caption>'
-    body = "\n".join(rows)
-    return f"<table>{caption}{head}<tbody>\n{body}\n</tbody></table>"
-
-
-def _cells(cells: Iterable[tuple[str, str]], tag: str = "td") -> str:
-    """Return the cells of a row from the HTML and the style of each."""
-    return "".join(f'<{tag} style="{style}">{text}</{tag}>' for text, style in cells)
 
 
 def symbol_html(symbol: str) -> str:
@@ -127,56 +108,71 @@ def _formula(text: str) -> str:
 
 
 # units as they are printed
-_UNITS = (("um", "µm"), ("**0.5", "<sup>1/2</sup>"), ("*", "·"))
+_UNITS = (
+    (r"\bum\b", "µm"),
+    (r"\*\*0\.5", "<sup>1/2</sup>"),
+    (r"\*", "·"),
+    (r"\^(\d)", r"<sup>\1</sup>"),
+)
 
 
 def unit_html(unit: str) -> str:
-    """Return a unit as it is printed.
+    """Return a unit, or a number with its unit, as it is printed.
 
-    >>> unit_html("um"), unit_html("kg/m^3"), unit_html("Pa/m**0.5")
-    ('µm', 'kg/m<sup>3</sup>', 'Pa/m<sup>1/2</sup>')
+    >>> unit_html("um"), unit_html("kg/m^3"), unit_html("Pa/m**0.5"), unit_html("aluminium")
+    ('µm', 'kg/m<sup>3</sup>', 'Pa/m<sup>1/2</sup>', 'aluminium')
     """
     text = escape(unit)
-    for name, printed in _UNITS:
-        text = text.replace(name, printed)
-    return re.sub(r"\^(\d)", r"<sup>\1</sup>", text)
+    for pattern, printed in _UNITS:
+        text = re.sub(pattern, printed, text)
+    return text
 
 
-def _row(row: Row) -> str:
-    """Return the HTML of a row: meaning, symbol, value, unit and error."""
-    error = f" ± {row.error_text}" if row.error_text else ""
-    unit = f'<span style="white-space:nowrap">{unit_html(row.unit)}{escape(error)}</span>'
-    cells = [
-        (label_html(row.meaning), LEFT),
-        (symbol_html(row.symbol), f"{LEFT};white-space:nowrap"),
-        (row.value_text, RIGHT),
-        (unit + escape(row.note), LEFT),
-    ]
-    return f"<tr>{_cells(cells)}</tr>"
+# ---- tables -------------------------------------------------------------------------------------
 
 
-def _verdicts(part: Verdicts) -> str:
-    """Return the HTML of a table of limits; the remarks on each are below it."""
-    sides = (LEFT, RIGHT, RIGHT, *[LEFT] * 3)
-    head = _cells(zip(("", *part.HEAD), sides, strict=True), "th")
-    return _table(part.title, map(_verdict, part.rows), f"<thead><tr>{head}</tr></thead>")
+def _breakable(name: str) -> str:
+    """Return a dotted name, which may be broken after a dot or an underscore."""
+    return re.sub(r"([._])", r"\1<wbr>", escape(name))
 
 
-def _verdict(row: Verdict) -> str:
-    """Return the HTML of a row of a table of limits, and of the remarks below it."""
-    word = escape(row.word)
-    word = f'<span style="{ALARM}">{word}</span>' if row.tone == "bad" else word
-    left, right = (f"{side};white-space:nowrap;border-bottom:0" for side in (LEFT, RIGHT))
-    cells = [
-        (escape(row.meaning), f"{LEFT};border-bottom:0"),
-        (escape(row.value), right),
-        (escape(row.limit), right),
-        (unit_html(row.unit), left),
-        (escape(row.place), left),
-        (word, left),
-    ]
+# of each kind of column: HTML of a text, and style
+CELLS: Mapping[str, tuple[Callable[[str], str], str]] = {
+    "words": (label_html, LEFT),
+    "phrase": (label_html, f"{LEFT};white-space:nowrap"),
+    "name": (_breakable, LEFT),
+    "symbol": (symbol_html, f"{LEFT};white-space:nowrap"),
+    "number": (unit_html, f"{RIGHT};white-space:pre"),
+    "unit": (unit_html, f"{LEFT};white-space:nowrap"),
+}
+
+
+def table_html(table: Table) -> str:
+    """Return a table under its title; remarks on a row are below it."""
+    caption = f'<caption style="{LEFT};font-weight:bold">{escape(table.title)}</caption>'
+    head = "".join(
+        f'<th style="{RIGHT if kind == "number" else LEFT}">{label_html(word)}</th>'
+        for word, kind in table.columns
+    )
+    head = f"<thead><tr>{head}</tr></thead>" if any(c.head for c in table.columns) else ""
+    kinds = [column.kind for column in table.columns]
+    body = "\n".join(_row(row, kinds) for row in table.rows)
+    return f"<table>{caption if table.title else ''}{head}<tbody>\n{body}\n</tbody></table>"
+
+
+def _row(row: TableRow, kinds: Sequence[str]) -> str:
+    """Return the HTML of a row of a table, and of the remarks below it."""
+    cells = []
+    for text, kind in zip(row.cells, kinds, strict=True):
+        to_html, style = CELLS[kind]
+        cells.append((to_html(text), style + ";border-bottom:0" * bool(row.below)))
+    if row.tone == "bad":
+        text, style = cells[-1]
+        cells[-1] = f'<span style="{ALARM}">{text}</span>', style
+    mark = ' class="differs"' * (row.tone == "differs")
+    line = "".join(f'<td style="{style}">{text}</td>' for text, style in cells)
     below = f'<td colspan="{len(cells)}" style="{LEFT};{QUIET}">{escape(row.below)}</td>'
-    return f"<tr>{_cells(cells)}</tr>\n<tr>{below}</tr>"
+    return f"<tr{mark}>{line}</tr>" + (f"\n<tr>{below}</tr>" if row.below else "")
 
 
 def _strips(part: ZoneStrips) -> str:
@@ -196,5 +192,6 @@ def _strips(part: ZoneStrips) -> str:
         f"</span> {escape(word)}"
         for zone, word in part.words.items()
     )
-    table = _table(part.TITLE, rows)
+    title = f'<caption style="{LEFT};font-weight:bold">{part.TITLE}</caption>'
+    table = "<table>{}<tbody>\n{}\n</tbody></table>".format(title, "\n".join(rows))
     return f'{table}<p style="margin:0.3em 0">{key}</p>'

@@ -11,6 +11,7 @@ import re
 from collections.abc import Iterator, Sequence
 from datetime import datetime
 from html import escape
+from importlib import resources
 from math import isnan
 from typing import Any
 
@@ -20,13 +21,13 @@ from .. import __version__, kinds
 from ..errors import InvalidProblem
 from ..problems.description import Description
 from ..problems.materials import MATERIALS
-from ..quantities import Place, scalar_outputs, walk
+from ..quantities import scalar_outputs, walk
 from ..results import Result
 from .figures import figure_bytes
-from .html import label_html, parts_html, symbol_html, unit_html
+from .html import parts_html, table_html
 from .outputs_report import LEFT_OUT
 from .plots import figure_for_file, panel_columns
-from .report_parts import Line, Row, Section, output_row, row_of
+from .report_parts import Column, Line, Row, Section, Table, TableRow, output_row, value_row
 from .result_report import report_parts
 from .scale_drawing import scale_drawing
 
@@ -36,45 +37,6 @@ __all__ = ["report_file"]
 PRINTED = 0.88
 # of a drawing, what is no part of the picture
 _APART = re.compile(r"<metadata>.*?</metadata>|<!--.*?-->", re.DOTALL)
-_STYLE = """\
-:root { color-scheme: light; }
-body { font: 9.5pt/1.3 "DejaVu Sans", "Segoe UI", Helvetica, Arial, sans-serif; color: #111;
-  background: #fff; max-width: 180mm; margin: 12mm auto; padding: 0 6mm; }
-h1 { font-size: 15pt; margin: 0 0 1mm; }
-h2 { font-size: 11.5pt; margin: 4mm 0 1mm; border-bottom: 0.3mm solid #0072B2; break-after: avoid; }
-h3 { font-size: 11pt; margin: 5mm 0 1mm; break-after: avoid; }
-p.about { margin: 0 0 2mm; color: #444; }
-table { border-collapse: collapse; margin: 1mm 0 2mm; width: 100%; font-size: 7.5pt;
-  line-height: 1.15; }
-caption { text-align: left; font-weight: bold; padding: 1mm 0; break-after: avoid; }
-th, td { text-align: left; padding: 0.3mm 1.5mm 0.3mm 0; border-bottom: 0.2mm solid #ccc;
-  vertical-align: top; }
-td { max-width: none !important; }
-th { border-bottom: 0.4mm solid #555; }
-td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; white-space: pre; }
-sub, sup { line-height: 0; }
-tr, figure, div table { break-inside: avoid; }
-thead, tbody tr:first-child { break-after: avoid; }
-tbody tr:last-child { break-before: avoid; }
-div p { font-size: 8.5pt; }
-div.columns { columns: 2; column-gap: 6mm; }
-div.columns table { break-inside: auto; margin-top: 0; }
-div.figures { display: flex; gap: 4mm; align-items: flex-start; }
-div.figures figure { flex: 1; min-width: 0; }
-div.columns p { font-size: 7.5pt; }
-thead { display: table-header-group; }
-figure { margin: 3mm 0; }
-figure svg { width: 100%; height: auto; max-height: 76mm; }
-i { font-family: "STIX Two Text", "Times New Roman", "DejaVu Serif", serif; font-size: 1.08em; }
-tr.differs td { background: #FFF3D6; }
-p.source { margin: 0; font-size: 7.5pt; color: #444; }
-* { print-color-adjust: exact; -webkit-print-color-adjust: exact; }
-div.remarks { min-height: 12mm; border: 0.3mm solid #999; padding: 2mm 3mm; white-space: pre-wrap;
-  break-inside: avoid; }
-footer { margin-top: 2mm; font-size: 7.5pt; color: #444; }
-@page { size: A4; margin: 12mm; }
-@media print { body { margin: 0; padding: 0; max-width: none; } }
-"""
 
 
 def report_file(
@@ -113,6 +75,7 @@ def report_file(
     title = title or " and ".join(dict.fromkeys(kinds.of(r).about.rstrip(".") for r in results))
     origin = f", from {escape(', '.join(sources))}" if sources else ""
     date = (written or datetime.now()).strftime("%Y-%m-%d %H:%M")
+    style = (resources.files(__package__) / "report_file.css").read_text("utf-8")
     body = "\n".join(
         [
             f"<h1>{escape(title)}</h1>",
@@ -130,7 +93,7 @@ def report_file(
     return (
         f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
         f'<meta name="viewport" content="width=device-width">'
-        f"<title>{escape(title)}</title><style>\n{_STYLE}</style></head>\n"
+        f"<title>{escape(title)}</title><style>\n{style}</style></head>\n"
         f"<body>\n{body}\n</body></html>\n"
     )
 
@@ -167,12 +130,22 @@ def _inputs(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
         if all(path not in places or places[path].value is None for places in fields):
             not_given.append(path)
             continue
-        cells = [_row(places[path]) if path in places else Row("", "", "-") for places in fields]
-        known = next(_row(places[path]) for places in fields if path in places)
-        values = [f"{row.value_text} {row.unit}".strip() for row in cells]
-        mark = ' class="differs"' if len(set(values)) > 1 else ""
-        rows.append((mark, [path, known.meaning, known.symbol], values))
-    table = _table(["field", "meaning", "symbol"], names if len(names) > 1 else ["value"], rows)
+        known = [
+            value_row(places[path].quantity, places[path].value) if path in places else None
+            for places in fields
+        ]
+        values = [row.text if row else "-" for row in known]
+        first = next(row for row in known if row)
+        tone = "differs" if len(set(values)) > 1 else ""
+        rows.append(TableRow((path, first.meaning, first.symbol, *values), tone))
+    columns: tuple[Column, ...] = (
+        Column("field", "name"),
+        Column("meaning"),
+        Column("symbol", "symbol"),
+    )
+    heads = names if len(names) > 1 else ["value"]
+    columns = (*columns, *(Column(head, "number") for head in heads))
+    table = table_html(Table("", columns, tuple(rows)))
     yield f'<div class="columns">{table}</div>' if len(names) == 1 else table
     if not_given:
         yield f'<p class="source">Not given: {escape(", ".join(not_given))}.</p>'
@@ -182,18 +155,6 @@ def _inputs(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
     for path, name in sources:
         source = f"{path}: the named material {name}; {MATERIALS[name].source}"
         yield f'<p class="source">{escape(source)}</p>'
-
-
-def _row(place: Place) -> Row:
-    """Return the row of a field in the table of inputs."""
-    quantity, value = place.quantity, place.value
-    meaning, symbol = (quantity.meaning, quantity.symbol) if quantity else ("", "")
-    if quantity is not None and isinstance(value, tuple):
-        values = ", ".join(f"{quantity.shown(item):.5g}" for item in value)
-        return Row(meaning, symbol, values, quantity.display)
-    if quantity is not None and isinstance(value, int | float):
-        return row_of(quantity, value)
-    return Row(meaning, symbol, "not given" if value is None else str(value))
 
 
 def _named_materials(thing: Any, path: str = "") -> Iterator[tuple[str, str]]:
@@ -215,11 +176,12 @@ def _named_materials(thing: Any, path: str = "") -> Iterator[tuple[str, str]]:
 def _comparison(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
     """Yield a table of the common outputs with the differences from the first case."""
     yield "<h2>Comparison</h2>"
-    yield _table(["", "symbol"], names, list(_outputs(results)))
+    columns = (Column(), Column("symbol", "symbol"), *(Column(name, "number") for name in names))
+    yield table_html(Table("", columns, tuple(_outputs(results))))
     yield f'<p class="source">Below a value: how far it is from that of {escape(names[0])}.</p>'
 
 
-def _outputs(results: Sequence[Result]) -> Iterator[tuple[str, list[str], list[str]]]:
+def _outputs(results: Sequence[Result]) -> Iterator[TableRow]:
     """Yield the rows of the outputs that all results have, with the differences from the first."""
     known = [scalar_outputs(result) for result in results]
     left_out = LEFT_OUT | {f"{name}_error" for name in results[0].errors}
@@ -233,7 +195,7 @@ def _outputs(results: Sequence[Result]) -> Iterator[tuple[str, list[str], list[s
         cells = [_with_error(first)]
         cells += [f"{_with_error(row)}\n{_difference(first, row)}" for row in others]
         unit = f" [{first.unit}]" if first.unit else ""
-        yield "", [f"{first.meaning}{unit}", first.symbol], cells
+        yield TableRow((f"{first.meaning}{unit}", first.symbol, *cells))
 
 
 def _difference(first: Row, row: Row) -> str:
@@ -247,24 +209,6 @@ def _difference(first: Row, row: Row) -> str:
 
 def _with_error(row: Row) -> str:
     return f"{row.value_text} ± {row.error_text}" if row.error_text else row.value_text
-
-
-def _table(
-    heads: Sequence[str], names: Sequence[str], rows: Sequence[tuple[str, list[str], list[str]]]
-) -> str:
-    """Return a table of rows: attributes, cells of words, cells of numbers."""
-    head = "".join(f"<th>{escape(word)}</th>" for word in heads)
-    head += "".join(f'<th class="n">{escape(name)}</th>' for name in names)
-    body = ""
-    for mark, words, numbers in rows:
-        # a dotted name may be broken after a dot or an underscore
-        name, *middle, symbol = words
-        name = re.sub(r"([._])", r"\1<wbr>", escape(name))
-        meanings = map(label_html, middle)
-        cells = "".join(f"<td>{c}</td>" for c in (name, *meanings, symbol_html(symbol)))
-        cells += "".join(f'<td class="n">{unit_html(number)}</td>' for number in numbers)
-        body += f"<tr{mark}>{cells}</tr>\n"
-    return f"<table><thead><tr>{head}</tr></thead><tbody>\n{body}</tbody></table>"
 
 
 # ---- figures and foot -------------------------------------------------------------------------

@@ -7,18 +7,25 @@ from math import isinf
 from ..quantities import Quantity, in_chosen_units
 from ..roll.result import RollResult
 from ..winding.margins import SMALL, Margin, Margins
-from .report_parts import Line, Part, Verdict, Verdicts, quantity_of
+from .report_parts import Column, Line, Part, Table, TableRow, quantity_of
 
 __all__ = ["margins_part", "margins_parts", "verdict_lines"]
 
 RADIUS = quantity_of(RollResult, "radius")
-TITLE = "Margins"
+COLUMNS = (
+    Column(),
+    Column("value", "number"),
+    Column("limit", "number"),
+    Column("", "unit"),
+    Column("worst at", "phrase"),
+    Column("", "phrase"),
+)
 TONES = {True: "good", False: "bad", None: "quiet"}
 
 
-def margins_part(margins: Margins) -> Verdicts:
+def margins_part(margins: Margins) -> Table:
     """Return the table of margins, for a report."""
-    return Verdicts(TITLE, tuple(map(_verdict, margins)))
+    return Table("Margins", COLUMNS, tuple(map(_row, margins)))
 
 
 def margins_parts(margins: Margins) -> list[Part]:
@@ -33,24 +40,20 @@ def verdict_lines(margins: Margins) -> list[Line]:
     return [line for line in lines if line.text]
 
 
-def _verdict(margin: Margin) -> Verdict:
-    """Return the row of a margin: value, limit, location and verdict."""
+def _row(margin: Margin) -> TableRow:
+    """Return the row of a margin: value, limit, location and verdict; remarks below it."""
     quantity, sign = margin.quantity, ">= " if margin.name == "slack" else "<= "
     value, limit = (
         _number(number, prefix, quantity)
         for prefix, number in (("", margin.value), (sign, margin.limit))
     )
     place = "" if margin.radius != margin.radius else f"r = {RADIUS.text(margin.radius)}"
-    return Verdict(
-        f"{margin.title}: {quantity.meaning}",
-        value,
-        limit,
-        quantity.display,
-        place,
-        _verdict_text(margin),
+    title, verdict = f"{margin.title}: {quantity.meaning}", _verdict_text(margin)
+    remarks = filter(None, (_note(margin), f"Not considered: {margin.left_out}"))
+    return TableRow(
+        (title, value, limit, quantity.display, place, verdict),
         TONES[margin.ok],
-        _note(margin),
-        margin.left_out,
+        ". ".join(remarks),
     )
 
 

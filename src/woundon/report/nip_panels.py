@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -113,6 +114,14 @@ def _in_nip(result: NipResult, name: str, label: str, colour: str, line: str = "
     return Curve.of_output(result, name, x, label, colour, line, nodes=result.in_nip)
 
 
+def _panel(
+    result: NipResult, name: str, title: str, y: Axis, curves: Sequence[Curve], **others: Any
+) -> Panel:
+    """Return a panel along the nip; ``others`` are further fields of a :class:`Panel`."""
+    x = along_contact(result, "nip")
+    return Panel(name, title, x, y, curves=tuple(curves), column="nip", **others)
+
+
 def tractions(result: NipResult) -> Panel:
     """Return the panel of the tractions over their bounds."""
     wrapped = result.problem.is_wrapped
@@ -120,34 +129,32 @@ def tractions(result: NipResult) -> Panel:
         "roll_traction": "mu+ p+" if wrapped else "mu+ p",
         "drum_traction": "mu- p-" if wrapped else "mu- p",
     }
-    return Panel(
+    return _panel(
+        result,
         "tractions",
         "Tangential tractions and friction bounds",
-        along_contact(result, "nip"),
         Axis("Tangential traction $q$", quantity_of(result, "roll_traction")),
-        curves=(
+        [
             _in_nip(result, "roll_traction", "on roll", "roll"),
             _in_nip(result, "drum_traction", "on drum", "drum", "dashed"),
-        ),
+        ],
         areas=bounds_of_friction(result, labels),
-        column="nip",
     )
 
 
 def slips(result: NipResult) -> Panel:
     """Return the panel of the slips with the web tension on the right."""
-    return Panel(
+    return _panel(
+        result,
         "slips",
         "Slip and web tension in the nip",
-        along_contact(result, "nip"),
         Axis("Relative slip speed $v$", quantity_of(result, "roll_slip")),
-        right=Axis("Web tension $T$", quantity_of(result, "tension")),
-        curves=(
+        [
             _in_nip(result, "roll_slip", "at roll", "roll"),
             _in_nip(result, "drum_slip", "at drum", "drum", "dashed"),
             replace(_in_nip(result, "tension", "", "web", "dashdot"), right=True),
-        ),
-        column="nip",
+        ],
+        right=Axis("Web tension $T$", quantity_of(result, "tension")),
         height=2.8,
     )
 
@@ -162,36 +169,24 @@ def pressure(result: NipResult) -> Panel:
     else:
         curves = [_in_nip(result, "drum_pressure", "in the nip", "web")]
     y = Axis("Pressure $p$", quantity_of(result, "drum_pressure"), from_zero=True)
-    return Panel(
-        "pressure", "Pressure", along_contact(result, "nip"), y, curves=tuple(curves), column="nip"
-    )
+    return _panel(result, "pressure", "Pressure", y, curves)
 
 
 def tension(result: NipResult) -> Panel:
     """Return the panel of the web tension in the nip."""
-    return Panel(
-        "tension",
-        "Web tension in the nip",
-        along_contact(result, "nip"),
-        Axis("Web tension $T$", quantity_of(result, "tension")),
-        curves=(_in_nip(result, "tension", "", "web"),),
-        column="nip",
-    )
+    y = Axis("Web tension $T$", quantity_of(result, "tension"))
+    curve = _in_nip(result, "tension", "", "web")
+    return _panel(result, "tension", "Web tension in the nip", y, [curve])
 
 
 def air_film(result: NipResult) -> Panel:
     """Return the panel of the entrained air between web and roll."""
     assert result.air is not None
-    thickness = quantity_of(result, "air.thickness")
-    x, h = result.x[result.in_nip], result.air.thickness
-    return Panel(
-        "air_film",
-        "Air film in the nip",
-        along_contact(result, "nip"),
-        Axis("Air film $h$", thickness, from_zero=True),
-        curves=(Curve("air.thickness", x, h, thickness.symbol, "between web and roll"),),
-        column="nip",
-    )
+    h = quantity_of(result, "air.thickness")
+    x, label = result.x[result.in_nip], "between web and roll"
+    curve = Curve("air.thickness", x, result.air.thickness, h.symbol, label)
+    y = Axis("Air film $h$", h, from_zero=True)
+    return _panel(result, "air_film", "Air film in the nip", y, [curve])
 
 
 # ---- the wraps ----------------------------------------------------------------------------------
@@ -356,6 +351,6 @@ def layer_shear(result: NipResult) -> Panel:
         marks=(Mark("y", 0.0, alone=False),),
         note=UNKNOWN if slip is None else "",
         column="layer_shear",
-        width=4.6,
+        width=5.4,
         height=3.6,
     )

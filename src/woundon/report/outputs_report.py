@@ -17,7 +17,7 @@ from .report_parts import (
     Row,
     Section,
     output_row,
-    row_of,
+    value_row,
 )
 
 __all__ = [
@@ -128,13 +128,7 @@ def field_rows(
             yield Row(path, "", type(part).__name__)
             yield from field_rows(part, f"{path}.", quantity)
         if not inner and value is not None:
-            yield _field(name, value, prefix, quantity)
-
-
-def _field(name: str, value: Any, prefix: str, quantity: Quantity | None) -> Row:
-    """Return the row of a field."""
-    if quantity is None or not isinstance(value, (int, float)):
-        return Row(f"{prefix}{name}", "", str(value))
-    row = row_of(quantity, value)
-    # the name that --set takes; the meaning of a nested field would not say whose it is
-    return replace(row, meaning=f"{prefix}{name}") if prefix else row
+            row = value_row(quantity, value)
+            # the name that --set takes; the meaning of a nested field would not say whose it is
+            named = prefix or quantity is None
+            yield replace(row, meaning=f"{prefix}{name}") if named else row

@@ -292,9 +292,9 @@ class Panel:
         Panels of one column are drawn below each other; those with the same x axis share it.
     width, height : float
         Inches; a column has the width of its widest panel.
-    legend : {"above", "stacked", "inside", "right", "below"}
-        Position of the legend: above in one row or below each other; "below" is below the whole
-        figure.
+    legend : {"above", "stacked", "inside", "right", "figure below", "figure right"}
+        Position of the legend: above in one row or below each other, in the panel, or on its right;
+        one legend of all panels of a figure below or right of them.
     """
 
     name: str

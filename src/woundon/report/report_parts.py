@@ -10,27 +10,31 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from math import floor, isfinite, log10, nan
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
 from .. import quantities
 from ..nip.result import NipResult
 from ..nip.roller_result import RollerResult
+from ..problems.description import Description
 from ..problems.paths import field_quantity
+from ..problems.problem import Problem
 from ..problems.schedules import Profile, Taper
 from ..quantities import Quantity, in_chosen_units
 from ..results import ACCEPTED_RESIDUAL, Residuals, Result, Zone, zone_runs
 
 __all__ = [
+    "COLUMNS",
     "GREEK",
     "SYMBOL",
+    "Column",
     "Line",
     "Part",
     "Row",
     "Section",
-    "Verdict",
-    "Verdicts",
+    "Table",
+    "TableRow",
     "ZoneStrips",
     "certificate_line",
     "certificate_of",
@@ -42,7 +46,9 @@ __all__ = [
     "quantity_of_field",
     "roller_zones",
     "row_of",
+    "rows_of_given",
     "schedule_rows",
+    "value_row",
     "warning_lines",
     "zone_line",
     "zone_strips",
@@ -100,6 +106,17 @@ class Row:
         last = 10.0 ** (floor(log10(size)) - DIGITS + 1) if size else 0.0
         return f"<{last:.0g}" if self.error < last else f"{self.error:.2g}"
 
+    @property
+    def text(self) -> str:
+        """The value with its unit."""
+        return f"{self.value_text} {self.unit}".rstrip()
+
+    @property
+    def cells(self) -> tuple[str, str, str, str]:
+        """Meaning, symbol, value, and unit with error and note, as in :data:`COLUMNS`."""
+        error = f"  ± {self.error_text}" if self.error_text else ""
+        return self.meaning, self.symbol, self.value_text, f"{self.unit}{error}{self.note}"
+
 
 @dataclass(frozen=True)
 class Section:
@@ -107,6 +124,53 @@ class Section:
 
     title: str
     rows: tuple[Row, ...]
+    text: str = ""
+
+    def as_table(self) -> Table:
+        """Return the rows as a table without a head."""
+        return Table(self.title, COLUMNS, tuple(TableRow(row.cells) for row in self.rows))
+
+
+class Column(NamedTuple):
+    """A column of a table: its head, and what its cells are.
+
+    ``kind`` is "words", "phrase" (which is not broken), "name" (dotted, of a field), "symbol",
+    "number" (on the right) or "unit".
+    """
+
+    head: str = ""
+    kind: str = "words"
+
+
+COLUMNS = (Column(), Column("", "symbol"), Column("", "number"), Column("", "unit"))
+
+
+@dataclass(frozen=True)
+class TableRow:
+    """A row of a table.
+
+    Attributes
+    ----------
+    cells : tuple of str
+    tone : str
+        That of the last cell, as of a :class:`Line`; "differs" marks the row of a field in which
+        cases differ.
+    below : str
+        Remarks below the row.
+    """
+
+    cells: tuple[str, ...]
+    tone: str = ""
+    below: str = ""
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows of texts in columns under a title, with remarks below."""
+
+    title: str
+    columns: tuple[Column, ...]
+    rows: tuple[TableRow, ...]
     text: str = ""
 
 
@@ -145,47 +209,7 @@ class Line:
     tone: str = ""
 
 
-@dataclass(frozen=True)
-class Verdict:
-    """One row of a table of limits.
-
-    Attributes
-    ----------
-    meaning, value, limit, unit, place, word : str
-        Name, value and limit of the quantity, location of its worst value, verdict.
-    tone : str
-        Tone of the verdict, as of a :class:`Line`.
-    note, left_out : str
-        Remark on this row, and effects that the criterion neglects.
-    """
-
-    meaning: str
-    value: str
-    limit: str
-    unit: str
-    place: str
-    word: str
-    tone: str
-    note: str
-    left_out: str
-
-    @property
-    def below(self) -> str:
-        """Remarks below the row."""
-        return f"{self.note}. " * bool(self.note) + f"Not considered: {self.left_out}"
-
-
-@dataclass(frozen=True)
-class Verdicts:
-    """A table of limits under a title; ``HEAD`` names the columns after the first."""
-
-    HEAD: ClassVar[tuple[str, ...]] = ("value", "limit", "", "worst at", "")
-
-    title: str
-    rows: tuple[Verdict, ...]
-
-
-Part = Section | ZoneStrips | Verdicts | Line
+Part = Section | Table | ZoneStrips | Line
 
 
 # ---- rows from quantities -----------------------------------------------------------------------
@@ -229,7 +253,25 @@ def output_row(result: Result, name: str, value: float | None = None, **texts: s
     return row_of(quantity, quantities.value_of(result, name), error, **texts)
 
 
-def quantity_of_field(problem: Any, name: str) -> Quantity:
+def value_row(quantity: Quantity | None, value: Any) -> Row:
+    """Return the row of the value of a field: a number, several, a word, or None."""
+    text = "not given" if value is None else str(value)
+    if quantity is None:
+        return Row("", "", text)
+    if isinstance(value, int | float):
+        return row_of(quantity, value)
+    if isinstance(value, tuple):
+        text = ", ".join(f"{quantity.shown(item):.{DIGITS}g}" for item in value)
+    unit = quantity.display if isinstance(value, tuple) else ""
+    return Row(quantity.meaning, quantity.symbol, text, unit)
+
+
+def rows_of_given(problem: Description, *names: str) -> list[Row]:
+    """Return the rows of the fields that are given and not zero."""
+    return [field_row(problem, name) for name in names if getattr(problem, name)]
+
+
+def quantity_of_field(problem: Description | type[Description], name: str) -> Quantity:
     """Return the quantity of a field of a problem, or of a class of problems."""
     quantity = field_quantity(problem, name)
     if quantity is None:
@@ -237,13 +279,13 @@ def quantity_of_field(problem: Any, name: str) -> Quantity:
     return quantity
 
 
-def field_row(problem: Any, name: str, *, empty: float = nan, **texts: str) -> Row:
+def field_row(problem: Description, name: str, *, empty: float = nan, **texts: str) -> Row:
     """Return the row of a problem's field; ``empty`` is the value of a field that is None."""
     value = getattr(problem, name)
     return row_of(quantity_of_field(problem, name), empty if value is None else value, nan, **texts)
 
 
-def schedule_rows(problem: Any, name: str, ends: Iterable[float]) -> list[Row]:
+def schedule_rows(problem: Problem, name: str, ends: Iterable[float]) -> list[Row]:
     """Return the row of a number, or those of a schedule at the core and at the surface.
 
     Parameters

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from rich.console import Console
-
 from .. import kinds
 from ..results import Result
 from .answer import answer_lines, assumptions_section, defaults_section
@@ -15,10 +13,9 @@ from .outputs_report import outputs_report
 from .report_parts import Part, certificate_of, warning_lines
 from .roll_report import roll_report
 from .roller_report import roller_report
-from .terminal import print_parts
 from .winding_report import winding_report
 
-__all__ = ["print_report", "report_parts"]
+__all__ = ["report_parts"]
 
 REPORTS: Mapping[str, Callable[[Any], list[Part]]] = {
     "nip": nip_report,
@@ -41,8 +38,3 @@ def report_parts(result: Result) -> list[Part]:
         *warnings,
         certificate_of(result),
     ]
-
-
-def print_report(result: Result, console: Console) -> None:
-    """Print the report of a result."""
-    print_parts(report_parts(result), console)

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 
 from ..problems.roll import RollProblem
@@ -15,10 +19,12 @@ __all__ = [
     "disc_of",
     "hoop_disc",
     "hoop_stress_at",
+    "over_radius",
     "radii_between",
     "radius_axis",
     "roll_panels",
     "scale_of",
+    "with_compression",
 ]
 
 Array = np.ndarray
@@ -109,40 +115,43 @@ def cut_above(lowest: float, values: Array, below: float, above: float) -> Limit
 # ---- over the radius ----------------------------------------------------------------------------
 
 
-def _over_radius(
-    roll: RollResult, curve: Curve, name: str, title: str, label: str, height: float
+def over_radius(
+    radius: Array, name: str, title: str, y: Axis, curves: Sequence[Curve], **others: Any
 ) -> Panel:
-    """Return the panel of one output over the radius, from zero on."""
-    return Panel(
-        name,
-        title,
-        radius_axis(roll.radius),
-        Axis(label, quantity_of(roll, curve.name), from_zero=True),
-        curves=(curve,),
-        column="left",
-        height=height,
-    )
+    """Return a panel over the radius from core to surface.
+
+    Parameters
+    ----------
+    radius : (n,) array
+        The first and the last one are the ends of the axis [m].
+    name, title, y, curves, others
+        As of a :class:`Panel`; on the left by default.
+    """
+    place = {"column": "left", "height": 2.6, **others}
+    return Panel(name, title, radius_axis(radius), y, curves=tuple(curves), **place)
 
 
 def pressure(roll: RollResult) -> Panel:
     """Return the panel of the pressure between the layers."""
-    r = radii_between(roll)
-    symbol = quantity_of(roll, "pressure").symbol
-    curve = Curve("pressure", r, roll.at_radius(r)["pressure"], symbol)
-    return _over_radius(roll, curve, "pressure", "Pressure", "Pressure $P$", 2.8)
+    r, quantity = radii_between(roll), quantity_of(roll, "pressure")
+    curve = Curve("pressure", r, roll.at_radius(r)["pressure"], quantity.symbol)
+    y = Axis("Pressure $P$", quantity, from_zero=True)
+    return over_radius(roll.radius, "pressure", "Pressure", y, [curve], height=2.8)
 
 
 def hardness(roll: RollResult) -> Panel:
     """Return the panel of the modulus through the stack."""
     curve = Curve.of_output(roll, "radial_modulus", roll.radius)
-    return _over_radius(roll, curve, "hardness", "Hardness", "Hardness $E_r$", 2.6)
+    y = Axis("Hardness $E_r$", quantity_of(roll, "radial_modulus"), from_zero=True)
+    return over_radius(roll.radius, "hardness", "Hardness", y, [curve])
 
 
 def displacement(roll: RollResult) -> Panel:
     """Return the panel of the displacement of the layers since they were wound."""
     curve = Curve.of_output(roll, "displacement", roll.radius)
     title = "Displacement of the layers since they were wound"
-    return _over_radius(roll, curve, "displacement", title, "Displacement $u$", 2.6)
+    y = Axis("Displacement $u$", quantity_of(roll, "displacement"), from_zero=True)
+    return over_radius(roll.radius, "displacement", title, y, [curve])
 
 
 def hoop_stress(roll: RollResult) -> Panel:
@@ -164,17 +173,19 @@ def _stress_of_layers(
     r, quantity = radii_between(roll), quantity_of(roll, name)
     values = thickness * hoop_stress_at(roll)
     lowest = thickness * roll.least_hoop_stress
+    y = Axis(label, quantity, cut=cut_above(lowest, values, BELOW, ABOVE))
     shade = Area("compression", r, np.minimum(values, 0), 0 * r, "drum")
-    return Panel(
-        name,
-        title,
-        radius_axis(roll.radius),
-        Axis(label, quantity, cut=cut_above(lowest, values, BELOW, ABOVE)),
-        curves=(Curve(name, r, values, quantity.symbol),),
-        areas=(shade,) if (values < 0).any() else (),
+    curve = Curve(name, r, values, quantity.symbol)
+    return with_compression(over_radius(roll.radius, name, title, y, [curve], height=2.8), shade)
+
+
+def with_compression(panel: Panel, shade: Area) -> Panel:
+    """Return a panel of a hoop stress with zero marked and compression shaded, if there is any."""
+    return replace(
+        panel,
+        areas=(shade,) if (shade.low < 0).any() else (),
         marks=(Mark("x", 0.0, colour="web", alone=False),),
         column="right",
-        height=2.8,
     )
 
 
@@ -200,32 +211,19 @@ def tension(roll: RollResult) -> Panel:
     quantity = quantity_of_field(RollProblem, "wound_on_tension")
     r = np.unique(np.concatenate([roll.stage_radius, problem.tension_curve.kinks]))
     values = problem.tension_curve.at(r) * problem.web_thickness
-    return Panel(
-        "tension",
-        "Tension over the radius",
-        radius_axis(roll.radius),
-        Axis("Wound-on tension", quantity, from_zero=True),
-        curves=(Curve("wound_on_tension", r, values, quantity.symbol),),
-        column="right",
-        height=2.6,
-    )
+    curve = Curve("wound_on_tension", r, values, quantity.symbol)
+    y, title = Axis("Wound-on tension", quantity, from_zero=True), "Tension over the radius"
+    return over_radius(roll.radius, "tension", title, y, [curve], column="right")
 
 
 def density(roll: RollResult) -> Panel:
     """Return the panel of the density of the finished roll and that as wound."""
     quantity, r = quantity_of(roll, "density"), roll.radius
-    return Panel(
-        "density",
-        "Density of the layers",
-        radius_axis(r),
-        Axis("Density", quantity),
-        curves=(
-            Curve("density", r, roll.density, "", "in the roll"),
-            Curve("density_as_wound", r, roll.density_as_wound, "", "as wound", "drum", "dashed"),
-        ),
-        column="left",
-        height=2.6,
-    )
+    curves = [
+        Curve("density", r, roll.density, "", "in the roll"),
+        Curve("density_as_wound", r, roll.density_as_wound, "", "as wound", "drum", "dashed"),
+    ]
+    return over_radius(r, "density", "Density of the layers", Axis("Density", quantity), curves)
 
 
 # ---- cross sections -----------------------------------------------------------------------------

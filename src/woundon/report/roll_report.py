@@ -21,6 +21,7 @@ from .report_parts import (
     output_row,
     quantity_of,
     row_of,
+    rows_of_given,
     schedule_rows,
 )
 
@@ -58,7 +59,7 @@ def roll_report(result: RollResult) -> list[Part]:
     cost = f"{stages} stages, {nodes} nodes, {result.steps} linear systems"
     names = [name for name in NAMES if problem.density is not None or name not in OF_DENSITY]
     tensions = problem.tension_curve.at(r[[0, -1]]) * problem.web_thickness
-    changes = [field_row(problem, name) for name in CHANGES if getattr(problem, name)]
+    changes = rows_of_given(problem, *CHANGES)
     notes = {
         "peak_pressure": _location(r, result.pressure, int(np.argmax(result.pressure))),
         "least_hoop_stress": _location(r, hoop, int(np.argmin(hoop))),
@@ -70,7 +71,7 @@ def roll_report(result: RollResult) -> list[Part]:
             (
                 field_row(problem.core, "radius"),
                 *(field_row(problem, name) for name in ("radius", "web_thickness")),
-                *([field_row(problem, "caliper_pressure")] if problem.caliper_pressure else []),
+                *rows_of_given(problem, "caliper_pressure"),
                 *schedule_rows(problem, "wound_on_tension", tensions),
             ),
         ),

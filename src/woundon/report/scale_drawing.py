@@ -16,14 +16,20 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon
 
+from ..nip.result import NipResult
+from ..nip.roller_result import RollerResult
+from ..problems.bodies import Body
+from ..problems.nip import NipProblem
+from ..problems.rollers import RollerProblem
 from ..quantities import Quantity
-from ..results import zone_runs
+from ..results import Result, zone_runs
 from .figures import Picture, style, text_of, zone_look
 from .report_parts import quantity_of, quantity_of_field, zone_strips
 
 __all__ = ["scale_drawing"]
 
 Array = np.ndarray
+Contact = NipResult | RollerResult
 
 NAMES = {"roll": "wound roll", "drum": "winding drum", "upper": "upper", "lower": "lower"}
 FILL = ("#DCEBF5", "#FBE6D8")  # of the upper and the lower body
@@ -35,9 +41,9 @@ LEAST_WEB = 0.012  # a thinner web is drawn as thick as this, of the same width
 ARC = 60
 
 
-def scale_drawing(result: Any) -> Figure | None:
+def scale_drawing(result: Result) -> Figure | None:
     """Return the drawing of the contact of two bodies; None for other kinds of results."""
-    if len(getattr(result.problem, "pair", ())) != 2 or zone_strips(result) is None:
+    if not isinstance(result, NipResult | RollerResult):
         return None
     with style():
         figure = Picture.new((WIDTH, HEIGHT), registered=False)
@@ -54,7 +60,7 @@ def scale_drawing(result: Any) -> Figure | None:
 # ---- both bodies --------------------------------------------------------------------------------
 
 
-def _draw_bodies(axes: Axes, result: Any) -> None:
+def _draw_bodies(axes: Axes, result: Contact) -> None:
     """Draw both bodies with their layers and cores, and the web on them."""
     problem = result.problem
     upper, lower = problem.bodies
@@ -68,7 +74,7 @@ def _draw_bodies(axes: Axes, result: Any) -> None:
         size = text_of(quantity_of_field(problem, f"{name}.radius"), body.radius)
         text = f"{NAMES[name]}\n$R$ {size}{', rigid' * body.rigid}"
         axes.annotate(text, (1.1 * body.radius, centre[1]), va="center", fontsize=7)
-    if hasattr(problem, "web"):
+    if isinstance(problem, NipProblem):
         axes.plot(*_web_path(upper.radius, lower.radius, problem), color=WEB, linewidth=1.3)
     widest = max(upper.radius, lower.radius)
     axes.set_xlim(-1.5 * widest, 2.6 * widest)
@@ -79,18 +85,18 @@ def _circle(centre: tuple[float, float], radius: float, fill: str, hatch: str = 
     return Circle(centre, radius, facecolor=fill, edgecolor=LINE, linewidth=0.7, hatch=hatch)
 
 
-def _radii(body: Any) -> list[float]:
+def _radii(body: Body) -> list[float]:
     """Return the outer radii of a body's layers, the outermost first."""
     thicknesses = [layer.thickness for layer in getattr(body, "layers", ())]
     return list(body.radius - np.concatenate([[0.0], np.cumsum(thicknesses[:-1])]))
 
 
-def _core_radius(body: Any) -> float:
+def _core_radius(body: Body) -> float:
     """Return the inner radius of the elastic part of a body; 0 if it has none."""
     return 0.0 if body.rigid else max(0.0, float(body.radius - body.thickness))
 
 
-def _web_path(roll: float, drum: float, problem: Any) -> tuple[Array, Array]:
+def _web_path(roll: float, drum: float, problem: NipProblem) -> tuple[Array, Array]:
     """Return the web's path: straight onto the drum, through the nip, around the roll."""
     on_drum = np.linspace(problem.drum_wrap, 0.0, ARC)
     on_roll = np.linspace(0.0, problem.roll_wrap, ARC)
@@ -108,14 +114,14 @@ def _web_path(roll: float, drum: float, problem: Any) -> tuple[Array, Array]:
 # ---- the nip ------------------------------------------------------------------------------------
 
 
-def _draw_nip(axes: Axes, result: Any) -> None:
+def _draw_nip(axes: Axes, result: Contact) -> None:
     """Draw the nip with its zones, its width and a scale bar."""
     problem = result.problem
     upper, lower = problem.bodies
     a = float(result.half_width)
     reach = REACH * a
     height = reach * HEIGHT / (WIDTH - WHOLE)  # half of it
-    web = problem.web.thickness if hasattr(problem, "web") else 0.0
+    web = problem.web.thickness if isinstance(problem, NipProblem) else 0.0
     drawn = max(web, LEAST_WEB * 2 * reach) if web else 0.0
     x = np.linspace(-reach, reach, 201)
     above, below = _surfaces(x, a, problem, drawn)
@@ -138,7 +144,9 @@ def _draw_nip(axes: Axes, result: Any) -> None:
     axes.set_ylim(-height, height)
 
 
-def _surfaces(x: Array, a: float, problem: Any, web: float) -> tuple[Array, Array]:
+def _surfaces(
+    x: Array, a: float, problem: NipProblem | RollerProblem, web: float
+) -> tuple[Array, Array]:
     """Return the heights of both surfaces at the positions x [m]."""
     upper, lower = problem.bodies
     curvatures = [1 / body.radius for body in (upper, lower)]
@@ -150,7 +158,9 @@ def _surfaces(x: Array, a: float, problem: Any, web: float) -> tuple[Array, Arra
     return contact + (1 - share) * gap + web / 2, contact - share * gap - web / 2
 
 
-def _draw_zones(axes: Axes, result: Any, x: Array, above: Array, below: Array, band: float) -> None:
+def _draw_zones(
+    axes: Axes, result: Contact, x: Array, above: Array, below: Array, band: float
+) -> None:
     """Draw the zones of each face as a band along its surface."""
     strips = zone_strips(result)
     assert strips is not None

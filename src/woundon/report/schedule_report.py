@@ -3,21 +3,30 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-from rich.console import Console
 
 from ..problems.roll import RollProblem
 from ..quantities import length, share, stress
 from ..roll.design import TensionDesign
 from ..roll.result import RollResult
 from .drawing import show_panels
-from .panels import Axis, Curve, Panel
-from .report_parts import Line, Section, quantity_of, quantity_of_field, row_of
-from .roll_panels import radii_between, radius_axis
-from .terminal import print_columns, print_parts
+from .panels import Axis, Curve
+from .report_parts import (
+    Column,
+    Line,
+    Part,
+    Section,
+    Table,
+    TableRow,
+    quantity_of,
+    quantity_of_field,
+    row_of,
+)
+from .roll_panels import over_radius, radii_between
 
-__all__ = ["csv_text", "plot_schedule", "print_schedule"]
+__all__ = ["csv_text", "plot_schedule", "schedule_parts"]
 
 ROWS = 13  # of the printed table
 LAYER = length("d_o", "depth of the outer layer in which the target cannot be reached")
@@ -45,15 +54,14 @@ def interior_deviation(design: TensionDesign, roll: RollResult) -> float:
     return float(deviation.max(initial=0.0) / design.target_pressure.max())
 
 
-def print_schedule(design: TensionDesign, roll: RollResult, console: Console) -> None:
-    """Print a tension schedule and the pressure of the roll that is wound with it.
+def schedule_parts(design: TensionDesign, roll: RollResult) -> list[Part]:
+    """Return a tension schedule and the pressure of the roll that is wound with it.
 
     Parameters
     ----------
     design : TensionDesign
     roll : RollResult
         The roll that is wound with the schedule.
-    console : Console
     """
     tensions = {
         "at the core": design.tension.value[0],
@@ -70,65 +78,51 @@ def print_schedule(design: TensionDesign, roll: RollResult, console: Console) ->
         for place, value in tensions.items()
     ]
     pressure = [row_of(quantity, float(value)) for quantity, value in deviations.items()]
-    parts = (
+    return [
         Line(f"{len(design.tension.radius)} radii", "quiet"),
         Section("Tension schedule", tuple(schedule)),
         Section("Pressure", tuple(pressure)),
-        Line("Over the radius"),
-    )
-    print_parts(parts, console)
-    _print_table(design, roll, console)
+        _over_the_radius(design, roll),
+    ]
 
 
-def _print_table(design: TensionDesign, roll: RollResult, console: Console) -> None:
-    """Print tension, target and resulting pressure at evenly spaced radii."""
+def _over_the_radius(design: TensionDesign, roll: RollResult) -> Table:
+    """Return tension, target and resulting pressure at evenly spaced radii."""
     even = np.linspace(design.radius[0], design.radius[-1], ROWS)
     nearest = np.unique([int(np.argmin(np.abs(design.radius - r))) for r in even])
     r, target = design.radius[nearest], design.target_pressure[nearest]
     T, P = design.tension.at(r), roll.at_radius(r)["pressure"]
     radius, stress = (quantity_of(RollResult, name) for name in ("radius", "pressure"))
-    columns = (
+    contents = (
         ("radius", radius, r, 2),
         ("tension", WOT, T, 2),
         ("target", stress, target, 3),
         ("result", stress, P, 3),
     )
-    cells, titles, widths = [], [], []
-    for title, quantity, values, decimals in columns:
+    columns: list[Column] = []
+    cells: list[list[str]] = []
+    for title, quantity, values, decimals in contents:
         shown = np.round(quantity.shown(values), decimals) + 0.0  # without a minus zero
+        columns += [Column(title, "number"), Column("", "unit")]
         cells += [[f"{value:.{decimals}f}" for value in shown], [quantity.display] * r.size]
-        titles += [title, ""]
-        widths += [8, len(quantity.display)]
-    print_columns([titles, *zip(*cells, strict=True)], widths, "><" * 4, console)
+    rows = tuple(map(TableRow, zip(*cells, strict=True)))
+    return Table("Over the radius", tuple(columns), rows)
 
 
 def plot_schedule(design: TensionDesign, roll: RollResult, path: str | Path) -> None:
     """Plot the target pressure, the pressure of the roll wound with the schedule, the tension."""
-    r = radii_between(roll)
-    radius, P = radius_axis(r), quantity_of(roll, "pressure")
-    pressure = roll.at_radius(r)["pressure"]
-    target = Curve("target", design.radius, design.target_pressure, "", "target", "drum", "dashed")
-    panels = (
-        Panel(
-            "pressure",
-            "Pressure",
-            radius,
-            Axis("Pressure $P$", P, from_zero=True),
-            curves=(Curve("pressure", r, pressure, label="result"), target),
-            column="pressure",
-            width=4.2,
-            height=2.8,
-            legend="inside",
-        ),
-        Panel(
-            "tension",
-            "Tension schedule",
-            radius,
-            Axis("Wound-on tension", WOT, from_zero=True),
-            curves=(Curve("tension", r, design.tension.at(r)),),
-            column="tension",
-            width=4.2,
-            height=2.8,
-        ),
-    )
+    r, P = radii_between(roll), quantity_of(roll, "pressure")
+    pressures = [
+        Curve("pressure", r, roll.at_radius(r)["pressure"], label="result"),
+        Curve("target", design.radius, design.target_pressure, "", "target", "drum", "dashed"),
+    ]
+    tension = Curve("tension", r, design.tension.at(r))
+    size: dict[str, Any] = {"width": 4.2, "height": 2.8, "legend": "inside"}
+    panels = [
+        over_radius(r, name, title, y, curves, column=name, **size)
+        for name, title, y, curves in (
+            ("pressure", "Pressure", Axis("Pressure $P$", P, from_zero=True), pressures),
+            ("tension", "Tension", Axis("Wound-on tension", WOT, from_zero=True), [tension]),
+        )
+    ]
     show_panels([[panel] for panel in panels], path=path, lettered=False)

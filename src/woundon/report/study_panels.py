@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -9,14 +10,15 @@ import numpy as np
 from ..quantities import Quantity
 from ..roll.result import RollResult
 from ..studies.window_result import LEVELS, OperatingWindow
+from ..winding.margins import TITLES
 from .panels import SERIES, Axis, Bars, Contour, Curve, Map, Mark, Panel, Regions
 from .report_parts import quantity_of
 
 if TYPE_CHECKING:
-    from ..studies.compare import Comparison
-    from ..studies.experiment import NextExperiment
+    from ..studies.compare_result import Comparison
     from ..studies.find import FindResult
     from ..studies.fit_result import FitResult
+    from ..studies.plan_result import NextExperiment
     from ..studies.profiles import ProfileLikelihood
     from ..studies.sobol import SobolIndices
 
@@ -24,6 +26,7 @@ __all__ = [
     "comparison_panels",
     "find_panels",
     "fit_panels",
+    "in_words",
     "indices_panels",
     "is_logarithmic",
     "named_axis",
@@ -32,11 +35,8 @@ __all__ = [
 ]
 
 Array = np.ndarray
-DECADE = 10.0  # ratio of the ends from which the field of a search has a logarithmic axis
 LINES = ("dotted", "dashed", "solid")  # of the levels of the probability in a window
-WORDS = {"gauge_band": "gauge band"}
 MARKERS = ("circle", "square", "triangle", "diamond", "point")  # of the outputs of a fit
-LONG_NAME = 32  # characters; a longer one is too long for a legend
 
 
 def is_logarithmic(values: Array) -> bool:
@@ -46,25 +46,32 @@ def is_logarithmic(values: Array) -> bool:
     return bool(np.median(values) < 0.5 * (values.min() + values.max()) * 0.7)
 
 
-def named_axis(
-    name: str, quantity: Quantity | None, values: Array | None = None, words: bool = True
-) -> Axis:
-    """Return the axis of a field or output.
+def in_words(name: str, quantity: Quantity | None) -> str:
+    """Return the meaning of a field or output, of a field of a part with that part.
+
+    >>> from woundon.quantities import length
+    >>> in_words("upper.radius", length("R", "outer radius, without web")), in_words("a_b", None)
+    ('outer radius (upper)', 'a b')
+    """
+    part, _, last = name.replace("_", " ").rpartition(".")
+    words = last if quantity is None else quantity.meaning.partition(",")[0]
+    return f"{words} ({part.replace('.', ' ')})" if part else words
+
+
+def named_axis(name: str, quantity: Quantity | None, values: Array | None = None) -> Axis:
+    """Return the axis of a field or output; logarithmic if values along it are spaced by factors.
 
     Parameters
     ----------
     name : str
-        Dotted name, the label of an axis without a quantity.
+        Dotted name.
     quantity : Quantity or None
+        None if it is not a number.
     values : array, optional
-        Along the axis; it is logarithmic if they are spaced by factors.
-    words : bool
-        Whether the label is the meaning of the quantity instead of the name.
+        Along the axis.
     """
-    label = name.replace("_", " ")
-    if quantity is not None and words:
-        label = quantity.meaning.partition(",")[0]
-    return Axis(label, quantity, log=values is not None and is_logarithmic(values))
+    log = values is not None and is_logarithmic(values)
+    return Axis(in_words(name, quantity), quantity, log=log)
 
 
 def _diagonal(*values: Array) -> Curve:
@@ -90,13 +97,12 @@ def find_panels(outcome: FindResult) -> list[Panel]:
         curves.append(Curve("", values[failed], at, "", label, "ink", "none", "cross"))
     reached = np.full(found.size, target)
     curves.append(Curve("", found, reached, "", "solution", "drum", "none", "ring"))
-    log = values[0] > 0 and values[-1] / values[0] >= DECADE
     return [
         Panel(
             "scan",
             "Output over the field",
-            Axis(field.meaning, field, log=bool(log)),
-            Axis(output.meaning, output),
+            named_axis(outcome.name, field, values),
+            named_axis(outcome.output, output),
             curves=tuple(curves),
             marks=(Mark("x", target, "target", colour="drum", line="dashed"),),
             width=5.2,
@@ -124,7 +130,7 @@ def _agreement(fit: FitResult) -> Panel:
                 output,
                 fit.measured[rows],
                 fit.fitted[rows],
-                label=_short_name(fit.quantities.get(output), output),
+                label=in_words(output, fit.quantities.get(output)),
                 colour=SERIES[k % len(SERIES)],
                 line="none",
                 marker=MARKERS[k % len(MARKERS)],
@@ -152,7 +158,7 @@ def _profile(fit: FitResult, profile: ProfileLikelihood) -> Panel:
     return Panel(
         profile.name,
         f"Profile of {profile.name}",
-        named_axis(profile.name, fit.quantities.get(profile.name), profile.values, words=False),
+        named_axis(profile.name, fit.quantities.get(profile.name), profile.values),
         Axis(label, rms),
         curves=(
             Curve(
@@ -165,15 +171,9 @@ def _profile(fit: FitResult, profile: ProfileLikelihood) -> Panel:
         ),
         marks=(Mark("x", profile.rms_limit, "95 % limit", colour="drum", line="dashed"),),
         column=profile.name,
-        width=3.1,
+        width=3.3,
         legend="inside",
     )
-
-
-def _short_name(quantity: Quantity | None, name: str) -> str:
-    """Return the name of a quantity for a legend: its meaning without the explanation, if short."""
-    meaning = "" if quantity is None else quantity.meaning.partition(",")[0]
-    return meaning if 0 < len(meaning) <= LONG_NAME else name.replace("_", " ")
 
 
 def comparison_panels(comparison: Comparison) -> list[Panel]:
@@ -190,16 +190,9 @@ def _measured_and_predicted(comparison: Comparison, output: str) -> Panel:
     rows, quantity = comparison.of(output), comparison.quantities[output]
     predicted, measured = comparison.predicted[rows], comparison.measured[rows]
     model = np.hypot(np.nan_to_num(comparison.error[rows]), comparison.spread[rows])
-    points = Curve(
-        output,
-        predicted,
-        measured,
-        line="none",
-        marker="circle",
-        x_error=2 * model,
-        y_error=2 * np.nan_to_num(comparison.deviation[rows]),
-    )
-    name = quantity.meaning.partition(",")[0]
+    deviation = np.nan_to_num(comparison.deviation[rows])
+    points = _with_error_bars(output, predicted, measured, 2 * deviation, 2 * model)
+    name = in_words(output, quantity)
     return Panel(
         output,
         f"Measured and predicted {name}",
@@ -211,19 +204,24 @@ def _measured_and_predicted(comparison: Comparison, output: str) -> Panel:
     )
 
 
+def _with_error_bars(
+    name: str, x: Array, y: Array, y_error: Array, x_error: Array | None = None
+) -> Curve:
+    """Return points with error bars of two standard uncertainties, where some are known."""
+    known = y_error.any() or (x_error is not None and x_error.any())
+    points = Curve(name, x, y, line="none", marker="circle")
+    if not known:
+        return points
+    label = "two standard uncertainties"
+    return replace(points, label=label, x_error=x_error, y_error=y_error)
+
+
 def _residuals(comparison: Comparison, output: str) -> Panel:
     """Return the panel of the residuals of an output with their uncertainty and mean."""
     rows, quantity = comparison.of(output), comparison.quantities[output]
     x, axis = _abscissa(comparison, rows)
-    points = Curve(
-        output,
-        x,
-        comparison.residual[rows],
-        label="two standard uncertainties",
-        line="none",
-        marker="circle",
-        y_error=2 * np.nan_to_num(comparison.total[rows]),
-    )
+    total = np.nan_to_num(comparison.total[rows])
+    points = _with_error_bars(output, x, comparison.residual[rows], 2 * total)
     bias = comparison.agreement(output).bias
     # along another quantity than the agreement: a column of its own
     return Panel(
@@ -246,7 +244,7 @@ def _abscissa(comparison: Comparison, rows: Array) -> tuple[Array, Axis]:
     name = max(counts, key=lambda key: counts[key], default="")
     if counts.get(name, 0) < 2:
         return np.array(comparison.numbers)[rows], Axis("row")
-    return comparison.inputs[name][rows], Axis(name.replace("_", " "), comparison.quantities[name])
+    return comparison.inputs[name][rows], named_axis(name, comparison.quantities[name])
 
 
 # ---- plans and indices --------------------------------------------------------------------------
@@ -260,7 +258,7 @@ def plan_panels(plan: NextExperiment) -> list[Panel]:
             name,
             100 * plan.standard_errors[:, k],
             steps,
-            label=name,
+            label=in_words(name, plan.quantities.get(name)),
             colour=SERIES[k % len(SERIES)],
             marker="circle",
         )
@@ -268,7 +266,8 @@ def plan_panels(plan: NextExperiment) -> list[Panel]:
     ]
     if plan.output_value:
         errors = 100 * plan.output_errors / abs(plan.output_value)
-        label = f"{plan.output} at the operating point"
+        output = in_words(plan.output, plan.quantities.get(plan.output))
+        label = f"{output} at the operating point"
         curves.append(Curve(plan.output, errors, steps, "", label, "ink", "dashed", "square"))
     names = ["now", *(measurement.name for measurement in plan.measurements)]
     x = Axis("expected relative standard error after the measurement [%]", log=True)
@@ -291,11 +290,13 @@ def indices_panels(indices: SobolIndices) -> list[Panel]:
 
     The input that explains most, with its interactions, stands on top.
     """
-    panels = []
+    panels, known = [], indices.table.quantities
     for k, output in enumerate(indices.outputs):
         order = np.argsort(-indices.total_order[k], kind="stable")
         alone, total = indices.first_order[k, order], indices.total_order[k, order]
-        names = tuple(indices.inputs[j].replace("_", " ") for j in order)
+        inputs = [indices.inputs[j] for j in order]
+        names = tuple(in_words(name, known.get(name)) for name in inputs)
+        words = in_words(output, known.get(output))
         bars = (
             Bars("alone (first order)", alone, -0.2, "roll", indices.first_interval[:, k, order]),
             Bars(
@@ -305,13 +306,13 @@ def indices_panels(indices: SobolIndices) -> list[Panel]:
         panels.append(
             Panel(
                 output,
-                output.replace("_", " "),
-                Axis("share of the variance"),
+                words,
+                Axis("share of the variance, with 95 % intervals"),
                 Axis("", limits=(len(names) - 0.4, -0.6), names=names),
                 bars=bars,
-                heading=output.replace("_", " "),
+                heading=words,
                 height=0.42 * len(names) + 1.0,
-                legend="below",
+                legend="figure below",
             )
         )
     return panels
@@ -335,7 +336,7 @@ def window_panels(window: OperatingWindow) -> list[Panel]:
         heading = f"torque split {window.axes[2][level]:.2g}"
     x, y = window.axes[0], window.axes[1]
     # the last region is that without a solution
-    margins = [f"binding: {WORDS.get(name, name)}" for name in window.margins]
+    margins = [f"binding: {TITLES.get(name, name)}" for name in window.margins]
     regions = Regions(
         x,
         y,

@@ -11,11 +11,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ..studies.compare import Comparison
-from ..studies.experiment import NextExperiment
+from ..studies.compare_result import Comparison
 from ..studies.find import FindResult
 from ..studies.fit_result import FitResult
 from ..studies.outcome import Outcome
+from ..studies.plan_result import NextExperiment
 from ..studies.schedule import OptimisedSchedule
 from ..studies.sobol import SobolIndices
 from ..studies.window_result import OperatingWindow
@@ -79,14 +79,15 @@ def _schedule_panels(
 def _reserves(before: Margins, after: Margins) -> list[Panel]:
     """Return the panel of the reserves of both schedules, as bars next to each other."""
     names = tuple(margin.name for margin in after if margin.checked)
+    titles = tuple(after[name].title for name in names)
     panel = Panel(
         "reserves",
         "Reserves of the margins",
         Axis("Reserve, share of the limit, at most 100 [%]"),
-        Axis("", limits=(len(names) - 0.4, -0.6), names=names),
+        Axis("", limits=(len(names) - 0.4, -0.6), names=titles),
         marks=(Mark("y", 0.0, colour="alarm", alone=False),),
         column="reserves",
-        width=4.2,
+        width=5.2,
     )
     shares = [
         100 * np.clip([margins[name].reserve for name in names], -1, 1)

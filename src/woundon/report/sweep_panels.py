@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from ..studies.cases import as_labels, is_numeric
 from .drawing import show_panels
@@ -25,7 +26,7 @@ SPARSE = 30  # up to so many points of a curve are marked
 COLUMNS = 3  # of the panels of points
 
 
-def plot_sweep(table: Table, output: str, path: str | Path | None = None) -> Any:
+def plot_sweep(table: Table, output: str, path: str | Path | None = None) -> Figure | Axes:
     """Plot one output of a study.
 
     Of a grid: curves over the longest axis, a curve for each value of the next, a panel for each
@@ -41,12 +42,21 @@ def plot_sweep(table: Table, output: str, path: str | Path | None = None) -> Any
         Where to save; without it the figure is pyplot's.
     """
     title = ""
-    if table.cases.axes:
+    if not np.isfinite(table.outputs[output]).any():
+        panels = [_without_solution(table, output)]
+    elif table.cases.axes:
         panels, title = _grid_panels(table, output)
     else:
         panels = _scatter_panels(table, output)
     cases = [[panel] for panel in panels]
     return show_panels(cases, path=path, lettered=False, title=title, same_y=True)
+
+
+def _without_solution(table: Table, output: str) -> Panel:
+    """Return the panel of a study of which no case was solved."""
+    y = named_axis(output, table.quantities.get(output))
+    note = f"none of the {len(table.cases)} cases was solved"
+    return Panel(output, y.label, Axis(""), y, note=note, width=5.0)
 
 
 def _grid_panels(table: Table, output: str) -> tuple[list[Panel], str]:
@@ -61,25 +71,21 @@ def _grid_panels(table: Table, output: str) -> tuple[list[Panel], str]:
     while values.ndim < 3:
         values = values[..., None]
     y = named_axis(output, table.quantities.get(output))
-    places = _evenly_spaced(values.shape[2], MOST_PANELS)
-    panels = []
-    for place in places:
-        curves = _curves(table, output, drawn, values[:, :, place])
-        if place != places[-1]:  # the last panel has the legend of all
-            curves = [replace(curve, in_legend=False) for curve in curves]
-        panels.append(
-            Panel(
-                output,
-                y.label,
-                _axis_of_input(table, drawn[0]),
-                y,
-                curves=tuple(curves),
-                heading=_value_label(table, drawn[2], place) if len(drawn) > 2 else "",
-                column=str(place),
-                width=3.4 + 1.6 * (place == places[-1]),
-                legend="right",
-            )
+    panels = [
+        Panel(
+            output,
+            y.label,
+            _axis_of_input(table, drawn[0]),
+            y,
+            curves=tuple(_curves(table, output, drawn, values[:, :, place])),
+            heading=_value_label(table, drawn[2], place) if len(drawn) > 2 else "",
+            note="" if np.isfinite(values[:, :, place]).any() else "no case was solved",
+            column=str(place),
+            width=3.4 if len(drawn) > 1 else 5.0,
+            legend="figure right" if len(drawn) > 1 else "above",
         )
+        for place in _evenly_spaced(values.shape[2], MOST_PANELS)
+    ]
     held_at = ", ".join(_value_label(table, k, place) for k, place in fixed.items())
     return panels, "; ".join(filter(None, [held_at, _omissions(values.shape)]))
 
@@ -134,7 +140,7 @@ def _scatter_panels(table: Table, output: str) -> list[Panel]:
             Panel(
                 name,
                 name,
-                named_axis(name, table.quantities.get(name), x, words=False),
+                named_axis(name, table.quantities.get(name), x),
                 named_axis(output, table.quantities.get(output)),
                 curves=(points,),
                 column=str(k % COLUMNS),

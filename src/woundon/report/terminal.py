@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from io import StringIO
 from textwrap import wrap
 
 from rich.console import Console
 from rich.text import Text
 
-from .report_parts import Line, Part, Row, Section, Verdicts, ZoneStrips, zone_line
+from .report_parts import COLUMNS, Column, Line, Part, Section, Table, ZoneStrips, zone_line
 
-__all__ = ["WIDTH", "plain_text", "print_columns", "print_parts"]
+__all__ = ["WIDTH", "plain_text", "print_parts"]
 
 WIDTH = 100
 ZONES_WIDTH = 60
@@ -27,8 +27,8 @@ TONES = {
 }
 
 
-def plain_text(write: Callable[[Console], None]) -> str:
-    """Return the text that a function writes on a console, in the width of the reports."""
+def plain_text(parts: Iterable[Part]) -> str:
+    """Return the parts of a report as text, in the width of the reports."""
     paper = StringIO()
     console = Console(
         file=paper,
@@ -37,66 +37,79 @@ def plain_text(write: Callable[[Console], None]) -> str:
         legacy_windows=False,
         force_jupyter=False,  # or the text would be shown in a notebook, and not be returned
     )
-    write(console)
+    print_parts(parts, console)
     return paper.getvalue().strip("\n")
 
 
 def print_parts(parts: Iterable[Part], console: Console) -> None:
     """Print the parts of a report, in ASCII if the terminal has no other characters."""
     parts = list(parts)
-    ascii_only = console.options.ascii_only
-    marks, plus_minus = (ASCII_MARKS, "+-") if ascii_only else (MARKS, "±")
-    # of all sections alike, that their columns stand below each other
-    rows = [row for part in parts if isinstance(part, Section) for row in part.rows]
-    cells = [("", "", "", ""), *(_cells(r, "") for r in rows)]
-    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+    marks = ASCII_MARKS if console.options.ascii_only else MARKS
+    # of all sections alike, so that their columns stand below each other
+    rows = [row.cells for part in parts if isinstance(part, Section) for row in part.rows]
+    widths = _widths([("", "", "", ""), *rows])
     previous: Part | None = None
     for part in parts:
         if previous is not None and not (isinstance(part, Line) and isinstance(previous, Line)):
             console.print()
         if isinstance(part, Section):
             _print(Text(part.title, style="bold"), console)
-            print_columns([_cells(r, plus_minus) for r in part.rows], widths, "<<><", console)
-            for line in wrap(part.text, WIDTH - 1):
-                _print(Text(f" {line}", style="dim"), console)
+            for row in part.rows:
+                _print(_in_columns(row.cells, widths, COLUMNS), console)
+            _print_below(part.text, 1, console)
+        elif isinstance(part, Table):
+            _print_table(part, console)
         elif isinstance(part, ZoneStrips):
             _print_zones(part, marks, console)
-        elif isinstance(part, Verdicts):
-            _print_verdicts(part, console)
         else:
             _print(Text(part.text, style=TONES.get(part.tone, "")), console)
         previous = part
 
 
-def _cells(row: Row, plus_minus: str) -> tuple[str, str, str, str]:
-    error = f"  {plus_minus} {row.error_text}" if row.error_text else ""
-    return row.meaning, row.symbol, row.value_text, f"{row.unit}{error}{row.note}"
+def _widths(table: Sequence[Sequence[str]]) -> list[int]:
+    """Return the largest width of the cells of each column."""
+    return [max(map(len, column)) for column in zip(*table, strict=True)]
 
 
-def print_columns(
-    table: Iterable[Sequence[str]], widths: Sequence[int], justify: str, console: Console
-) -> None:
-    """Print rows of cells in columns.
+def _in_columns(cells: Sequence[str], widths: Sequence[int], columns: Sequence[Column]) -> Text:
+    """Return cells in columns of given widths, numbers on the right, symbols and units dim."""
+    text = Text()
+    for k, (cell, width, column) in enumerate(zip(cells, widths, columns, strict=True)):
+        side = ">" if column.kind == "number" else "<"
+        style = "dim" if column.kind in ("symbol", "unit") else ""
+        text.append("  " if k else " ").append(f"{cell:{side}{width}}", style=style)
+    text.rstrip()
+    return text
 
-    Parameters
-    ----------
-    table : iterable of sequences of str
-    widths : sequence of int
-        At least, of each column.
-    justify : str
-        "<" or ">" for each column; every second one is dim.
-    console : Console
-    """
-    for row in table:
-        text = Text()
-        for k, (cell, width) in enumerate(zip(row, widths, strict=True)):
-            text.append("  " if k else " ")
-            text.append(f"{cell:{justify[k]}{width}}", style="dim" if k % 2 else "")
-        text.rstrip()
+
+def _print_table(table: Table, console: Console) -> None:
+    """Print a table; its title stands above the first column if there is room for it."""
+    heads = [column.head for column in table.columns]
+    widths = _widths([heads, *(row.cells for row in table.rows)])
+    head = _in_columns(heads, widths, table.columns).plain
+    if heads[0] or len(table.title) > widths[0]:
+        _print(Text(table.title, style="bold"), console)
+        _print(Text(head, style="bold"), console)
+    else:
+        _print(Text(table.title + head[len(table.title) :], style="bold"), console)
+    for row in table.rows:
+        text = _in_columns(row.cells, widths, table.columns)
+        if row.tone:
+            text.stylize(TONES[row.tone], len(text) - len(row.cells[-1]))
         _print(text, console)
+        _print_below(row.below, 5, console)
+    _print_below(table.text, 1, console)
+
+
+def _print_below(text: str, indent: int, console: Console) -> None:
+    """Print remarks below a table or a row."""
+    for line in wrap(text, WIDTH - indent):
+        _print(Text(" " * indent + line, style="dim"), console)
 
 
 def _print(text: Text, console: Console) -> None:
+    if console.options.ascii_only:
+        text.plain = text.plain.replace("±", "+-")
     # never folded nor cut: a pipe or a log gets the same text as a wide terminal
     console.print(text, soft_wrap=True)
 
@@ -112,21 +125,3 @@ def _print_zones(part: ZoneStrips, marks: dict[int, str], console: Console) -> N
         _print(text, console)
     legend = "   ".join(f"{marks[zone]} {word}" for zone, word in part.words.items())
     _print(Text(" " * indent + legend, style="dim"), console)
-
-
-def _print_verdicts(part: Verdicts, console: Console) -> None:
-    """Print a table of limits, with the limitations of each criterion below its row."""
-    head = (part.title, *part.HEAD)
-    table = [(row.meaning, row.value, row.limit, row.unit, row.place) for row in part.rows]
-    widths = [max(map(len, column)) for column in zip(head[:5], *table, strict=True)]
-
-    def line(cells: Iterable[str]) -> str:
-        columns = zip("<>><<", cells, widths, strict=True)
-        return "  ".join(f"{cell:{side}{width}}" for side, cell, width in columns)
-
-    _print(Text(line(head[:5]).rstrip(), style="bold"), console)
-    for row, cells in zip(part.rows, table, strict=True):
-        text = Text(f" {line(cells)}  ")
-        _print(text.append(row.word, style=TONES.get(row.tone, "")), console)
-        for text_line in wrap(row.below, WIDTH - 5):
-            _print(Text(f"     {text_line}", style="dim"), console)

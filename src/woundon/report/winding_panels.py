@@ -14,7 +14,15 @@ from ..winding.result import WindingResult
 from . import roll_panels
 from .panels import SERIES, Area, Axis, Curve, Mark, Panel, PanelMaker
 from .report_parts import quantity_of
-from .roll_panels import cut_above, disc_of, hoop_stress_at, radii_between, radius_axis, scale_of
+from .roll_panels import (
+    cut_above,
+    disc_of,
+    hoop_stress_at,
+    over_radius,
+    radii_between,
+    scale_of,
+    with_compression,
+)
 
 __all__ = ["winding_panels"]
 
@@ -74,45 +82,33 @@ class OfRoll:
 def tension(result: WindingResult) -> Panel:
     """Return the panel of web tension, nip-induced and wound-on tension, the nips as dots."""
     r = result.radius
-    return Panel(
-        "tension",
-        "Tension over the radius",
-        radius_axis(r),
-        Axis("Tension", quantity_of(result, "wound_on_tension"), from_zero=True),
-        curves=(
-            Curve.of_output(result, "wound_on_tension", r, "wound on"),
-            Curve.of_output(result, "web_tension", r, "web", "drum", "dashed"),
-            Curve.of_output(result, "nip_induced_tension", r, "by the nip", "green", "dotted"),
-            Curve(
-                "nip_wound_on_tension",
-                result.nip_radius,
-                result.nip_wound_on_tension,
-                label="solved nips",
-                line="none",
-                marker="point",
-                in_legend=False,
-            ),
+    curves = [
+        Curve.of_output(result, "wound_on_tension", r, "wound on"),
+        Curve.of_output(result, "web_tension", r, "web", "drum", "dashed"),
+        Curve.of_output(result, "nip_induced_tension", r, "by the nip", "green", "dotted"),
+        Curve(
+            "nip_wound_on_tension",
+            result.nip_radius,
+            result.nip_wound_on_tension,
+            label="solved nips",
+            line="none",
+            marker="point",
+            in_legend=False,
         ),
-        column="left",
-        height=3.0,
-    )
+    ]
+    y = Axis("Tension", quantity_of(result, "wound_on_tension"), from_zero=True)
+    return over_radius(r, "tension", "Tension over the radius", y, curves, height=3.0)
 
 
 def loads(result: WindingResult) -> Panel:
     """Return the panel of nip load and winding force."""
     r = result.radius
-    return Panel(
-        "loads",
-        "Nip load and winding force",
-        radius_axis(r),
-        Axis("Load", quantity_of(result, "nip_load")),
-        curves=(
-            Curve.of_output(result, "nip_load", r, "nip load"),
-            Curve.of_output(result, "winding_force", r, "winding force", "drum", "dashed"),
-        ),
-        column="left",
-        height=2.6,
-    )
+    curves = [
+        Curve.of_output(result, "nip_load", r, "nip load"),
+        Curve.of_output(result, "winding_force", r, "winding force", "drum", "dashed"),
+    ]
+    y = Axis("Load", quantity_of(result, "nip_load"))
+    return over_radius(r, "loads", "Nip load and winding force", y, curves)
 
 
 # ---- stages of the build-up ---------------------------------------------------------------------
@@ -131,57 +127,45 @@ def _curves_of_stages(result: WindingResult, name: str) -> tuple[Curve, ...]:
     Of several results the finished rolls are compared.
     """
     stages, symbol = _stages(result), quantity_of(result.roll, name).symbol
+    labels = [f"stage {k}" for k in range(1, len(stages))]
+    labels[-1] = "earlier stages"  # one entry of the legend for all of them
     curves = []
-    for k, roll in enumerate(stages, 1):
+    for k, (roll, label) in enumerate(zip(stages, [*labels, "finished roll"], strict=True), 1):
         r, finished = radii_between(roll), k == len(stages)
-        curves.append(
-            Curve(
-                name,
-                r,
-                np.asarray(roll.at_radius(r)[name]),
-                symbol,
-                "finished roll" if finished else f"stage {k}",
-                opacity=k / len(stages),
-                width=1.0 + finished,
-                alone=not finished,
-                in_legend=finished,
-            )
+        values = np.asarray(roll.at_radius(r)[name])
+        curve = Curve(
+            name,
+            r,
+            values,
+            symbol,
+            label,
+            opacity=k / len(stages),
+            width=1.0 + finished,
+            alone=not finished,
+            in_legend=k >= len(labels),
         )
+        curves.append(curve)
     return tuple(curves)
 
 
 def pressure(result: WindingResult) -> Panel:
     """Return the panel of the pressure at stages of the build-up."""
-    return Panel(
-        "pressure",
-        "Pressure",
-        radius_axis(result.radius),
-        Axis("Pressure $P$", quantity_of(result.roll, "pressure"), from_zero=True),
-        curves=_curves_of_stages(result, "pressure"),
-        column="right",
-        height=3.0,
-    )
+    y = Axis("Pressure $P$", quantity_of(result.roll, "pressure"), from_zero=True)
+    place = {"column": "right", "height": 3.0}
+    curves = _curves_of_stages(result, "pressure")
+    return over_radius(result.radius, "pressure", "Pressure", y, curves, **place)
 
 
 def hoop_stress(result: WindingResult) -> Panel:
     """Return the panel of the hoop stress at stages of the build-up, compression shaded."""
     lowest, values = result.roll.least_hoop_stress, hoop_stress_at(result.roll)
-    ends = result.radius[[0, -1]]
+    cut = cut_above(lowest, values, BELOW, ABOVE)
+    y = Axis("Hoop stress $sigma_t$", quantity_of(result.roll, "hoop_stress"), cut=cut)
+    curves = _curves_of_stages(result, "hoop_stress")
+    panel = over_radius(result.radius, "hoop_stress", "Hoop stress", y, curves, height=3.0)
     depth = np.full(2, BELOW * min(lowest, 0.0))
-    return Panel(
-        "hoop_stress",
-        "Hoop stress",
-        radius_axis(result.radius),
-        Axis(
-            "Hoop stress $sigma_t$",
-            quantity_of(result.roll, "hoop_stress"),
-            cut=cut_above(lowest, values, BELOW, ABOVE),
-        ),
-        curves=_curves_of_stages(result, "hoop_stress"),
-        areas=(Area("", ends, depth, 0 * depth, "drum"),) if lowest < 0 else (),
-        marks=(Mark("x", 0.0, colour="web", alone=False),),
-        column="right",
-        height=3.0,
+    return with_compression(
+        panel, Area("compression", result.radius[[0, -1]], depth, 0 * depth, "drum")
     )
 
 
@@ -218,15 +202,14 @@ def reserves(result: WindingResult) -> Panel:
     for margin, colour in zip(margins, SERIES, strict=False):
         if margin.checked:
             curves += _curves_of_margin(margin, colour, low, float(r[1]))
-    return Panel(
+    return over_radius(
+        r,
         "reserves",
         "Reserves of the margins",
-        radius_axis(r),
         Axis("Reserve, share of the limit", limits=(low, MOST)),
-        curves=tuple(curves),
+        curves,
         areas=(Area("", r, np.full(2, low), np.zeros(2), "alarm"),),
         marks=(Mark("x", 0.0, "limit", colour="alarm", written=True, alone=False),),
-        column="left",
         height=3.0,
     )
 
@@ -234,16 +217,17 @@ def reserves(result: WindingResult) -> Panel:
 def _curves_of_margin(margin: Margin, colour: str, low: float, surface: float) -> list[Curve]:
     """Return the reserve of a margin over the radius, at least ``low``, and its smallest value."""
     r, reserve = margin.over_radius, margin.reserve_of(margin.values)
+    words = margin.name.replace("_", " ")
     if r.size == 1:  # of the core alone
         r, reserve = np.array([r[0], r[0] + BAR * (surface - r[0])]), np.repeat(reserve, 2)
     smallest = np.clip(np.array([margin.reserve]), low, MOST)
     return [
-        Curve(margin.name, r, np.clip(reserve, low, 2 * MOST), label=margin.name, colour=colour),
+        Curve(margin.name, r, np.clip(reserve, low, 2 * MOST), label=words, colour=colour),
         Curve(
             margin.name,
             np.array([margin.radius]),
             smallest,
-            label=f"smallest reserve, {margin.name}",
+            label=f"smallest reserve, {words}",
             colour=colour if margin.ok else "alarm",
             line="none",
             marker="circle",

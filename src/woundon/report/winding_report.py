@@ -8,7 +8,16 @@ from ..winding.margins import TITLES
 from ..winding.result import WindingResult
 from .margins_report import margins_part
 from .outputs_report import rows_of
-from .report_parts import Line, Part, Row, Section, field_row, output_row, schedule_rows
+from .report_parts import (
+    Line,
+    Part,
+    Row,
+    Section,
+    field_row,
+    output_row,
+    rows_of_given,
+    schedule_rows,
+)
 from .roll_report import ROLL, thin_layers_note
 from .trade_rule import winding_trade_rule
 
@@ -73,7 +82,7 @@ def winding_report(result: WindingResult) -> list[Part]:
             (
                 field_row(problem.core, "radius"),
                 field_row(problem, "radius"),
-                *([field_row(problem, "caliper_pressure")] if problem.caliper_pressure else []),
+                *rows_of_given(problem, "caliper_pressure"),
                 *_schedules(result),
             ),
         ),

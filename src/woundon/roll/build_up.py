@@ -62,12 +62,18 @@ def wind(
     surface_layer: float,
     report: Callable[[float], None] | None = None,
 ) -> BuildUp:
-    """Wind a roll with adaptive steps.
+    """Wind a roll with adaptive steps in ln r of its surface.
+
+    Kappa is the relative change with ln r, at the surface, of the pressure that a further layer
+    adds.  It is extrapolated from the previous stages to the next one, where it is computed
+    together with the pressure; the difference from the extrapolation controls the step size.
 
     Parameters
     ----------
     equations : StageEquations
+        The boundary-value problem of every stage.
     tension : Tension
+        Wound-on stress over the radius, and its kinks.
     core, radius : float
         Both radii [m].
     tolerance : float
@@ -126,7 +132,12 @@ def wind_with_stages(
     surface_layer: float,
     report: Callable[[float], None] | None = None,
 ) -> BuildUp:
-    """Wind a roll with the stages of a reference build-up; other parameters as of :func:`wind`."""
+    """Wind a roll with the stages of a reference build-up.
+
+    The reference is the same roll with fewer cells, or a roll with a similar tension: differences
+    between both are then free of the errors of the stages, which they share.  Other parameters as
+    of :func:`wind`.
+    """
     layers, all_stages = Layers(equations, tension), range(1, reference.growth.x.size)
     return _wind_selected_stages(
         layers, reference, all_stages, STAGE_TOLERANCE * tolerance, cells, surface_layer, report
@@ -140,6 +151,20 @@ def wind_finite_layers(
 
     The difference is small and smooth.  It is computed at every second stage and at the kinks,
     usually with one Newton step, and interpolated.
+
+    Parameters
+    ----------
+    layers : Layers
+        Of finite thickness.
+    reference : BuildUp
+        The roll wound with thin layers.
+    cells, surface_layer
+        As of :func:`wind`.
+
+    Returns
+    -------
+    (J,) array
+        Kappa at the stages ``reference.growth.x``.
     """
     thin = reference.growth
     kinks = thin.kinks[thin.kinks > 0]  # without the core
@@ -189,7 +214,10 @@ def _wind_selected_stages(
 
 
 def _extrapolation_error(stage: BuildUp | None, guess: float) -> float:
-    """Estimate the relative error of kappa of a stage from its extrapolation; inf without stage."""
+    """Estimate the error of kappa at a stage, relative to kappa + 2; inf without a solution.
+
+    ``guess`` is kappa extrapolated from the previous stages.
+    """
     if stage is None:
         return np.inf
     return float(IMPLICIT_ERROR * abs(stage.growth.kappa[-1] - guess) / (2 + abs(guess)))
@@ -342,7 +370,11 @@ class _Roll:
 
 
 def _stretched_guess(last: BuildUp | None, nodes: Array, T_c: float) -> tuple[Array, Array]:
-    """Return the initial guess: the previous stage, stretched linearly to the new surface."""
+    """Return the initial guess of P and Q = r dP/dr at the nodes ln r, (n + 1,) each [Pa].
+
+    It is the previous stage, stretched linearly to the new surface.  Without one, on the core, the
+    pressure decreases from the surface with the slope of the wound-on stress ``T_c`` there.
+    """
     if last is None:
         return T_c * (nodes[-1] - nodes), np.full_like(nodes, -T_c)
     t = (nodes - nodes[0]) / (nodes[-1] - nodes[0])

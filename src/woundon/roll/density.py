@@ -33,13 +33,19 @@ GAUSS = 4  # points of a cell
 
 
 def _winding_strains(result: Any, r: Array) -> tuple[Array, Array]:
-    """Return (1 + kappa) T/E_t and T/E_t at radii."""
+    """Return (1 + kappa) T/E_t and T/E_t at radii r (k,) [m], two (k,) arrays [1].
+
+    The first is the inward displacement of the surface by a layer wound there, relative to its
+    thickness; the second is the strain of the web as wound.
+    """
     strain = result.problem.tension_curve.at(r) / result.problem.stack.tangential
     return (1 + result.kappa(np.log(r))) * strain, strain
 
 
 def _length_per_volume(result: Any, r: Array) -> Array:
-    """Return the length of web per increase of the roll volume, dL/(2 pi s ds) [1/m].
+    """Return the length of web per increase of the roll volume at radii (k,) [m], (k,) [1/m].
+
+    It is dL/(2 pi s ds) = 1/(h_0 g (1 + T/E_t)), h_0 the thickness of the web without pressure.
 
     It is nan where the surface moves inwards by more than the layer thickness, which is outside the
     range of small strains.

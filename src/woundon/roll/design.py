@@ -304,7 +304,18 @@ class _TargetStages:
 
 
 def _refined_radii(stages: _TargetStages, rtol: float) -> Array:
-    """Return ln r of the tension profile, refined until its interpolation error is accepted."""
+    """Return ln r of the tension profile, refined until its interpolation error is accepted.
+
+    The tension is computed in the middle of cells and compared with a cubic spline through the
+    others.
+
+    Parameters
+    ----------
+    stages : _TargetStages
+        Gives the tension at any surface radius.
+    rtol : float
+        Tolerance of the design, of which INTERPOLATION_SHARE is accepted here.
+    """
     from scipy.interpolate import CubicSpline
 
     knots = stages.target.knots

@@ -124,18 +124,31 @@ class StageEquations:
         return 1 / max(abs(self.core), 1e-300)
 
     def _total(self, x: Array, P: Array) -> Array:
-        """Return P + p at ln r."""
+        """Return P + p at ln r = x, p the pressure under which the layers are wound [Pa]."""
         return P if self.own_pressure is None else P + self.own_pressure(x)
 
     def _slope_of_Q(self, x: Array, P: Array, Q: Array) -> Array:
-        """Return D Q - C = E_t F(P) - P - 2 Q at ln r."""
+        """Return dQ/dx - C = E_t F(P) - P - 2 Q at x = ln r [Pa], C the source.
+
+        Layers wound under a pressure p have F(P + p) - F(p) in place of F(P).
+        """
         F = self.strain(self._total(x, P))
         if self.own_pressure is not None:
             F = F - self.strain(self.own_pressure(x))
         return np.asarray(self.tangential * F - P - 2 * Q)
 
     def residual(self, stage: StageData, P: Array, Q: Array) -> tuple[Array, Array]:
-        """Return the residual of all equations, (2 n + 2,) [Pa], and P in mid-cell, (n,)."""
+        """Return the residual of all equations, (2 n + 2,) [Pa], and P in mid-cell, (n,) [Pa].
+
+        The residuals are those of the core condition, of dP/dx = Q and of the equation of Q in turn
+        for each cell, integrated by the Lobatto rule, and of the surface condition.
+
+        Parameters
+        ----------
+        stage : StageData
+        P, Q : (n + 1,) arrays
+            Pressure, and Q = r dP/dr [Pa].
+        """
         x, source = stage.x, stage.source
         h = x[1:] - x[:-1]
         slope = self._slope_of_Q(x, P, Q)
@@ -294,7 +307,14 @@ class StageEquations:
     ) -> tuple[Array, Array]:
         """Return the linear response of P and Q to a small change of the source [Pa].
 
-        inf if the linearised equations are singular.
+        Two (n + 1,) arrays, infinite if the linearised equations are singular.
+
+        Parameters
+        ----------
+        x, P, Q : (n + 1,) arrays
+            ln r of the nodes, pressure and Q = r dP/dr there [Pa].
+        change : CellSource
+            Change of the source C in every cell [Pa].
         """
         middle = (P[1:] + P[:-1]) / 2 - np.diff(x) / 8 * np.diff(Q)
         band = self._matrix(x, self._moduli(x, P, middle))
@@ -307,7 +327,10 @@ class StageEquations:
 
 
 def _source_residual(x: Array, source: CellSource) -> Array:
-    """Return the contribution of a source to the residual, (2 n + 2,)."""
+    """Return the contribution of a source to the residual of :class:`StageEquations`, (2 n + 2,).
+
+    ``x`` is ln r of the nodes, (n + 1,).
+    """
     h, (left, middle, right) = np.diff(x), source
     out = np.zeros(2 * x.size)
     out[1:-1:2] = h * h / 12 * (right - left)
@@ -316,7 +339,19 @@ def _source_residual(x: Array, source: CellSource) -> Array:
 
 
 def interpolate_pressure(x: Array, P: Array, Q: Array, x_new: Array) -> tuple[Array, Array]:
-    """Interpolate P and Q at any ln r by cubic Hermite polynomials (order four)."""
+    """Interpolate P and Q = dP/d ln r by cubic Hermite polynomials (order four).
+
+    Parameters
+    ----------
+    x, P, Q : (n + 1,) arrays
+        ln r of the nodes, and the values there [Pa].
+    x_new : (k,) array
+        ln r between the first and the last node.
+
+    Returns
+    -------
+    two (k,) arrays
+    """
     k = np.clip(np.searchsorted(x, x_new, side="right") - 1, 0, x.size - 2)
     h = x[k + 1] - x[k]
     t = (x_new - x[k]) / h

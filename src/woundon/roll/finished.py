@@ -36,7 +36,10 @@ SOFTEST_CORE = 1e7
 
 
 def equations_of(problem: RollProblem) -> StageEquations:
-    """Return the equations of the stages of a roll."""
+    """Return the boundary-value problem of the stages of a roll, with its stack and core.
+
+    The core condition is Q = b P - T_c with b = E_t/E_c - 1 + nu, E_c the stiffness of the core.
+    """
     stack, E_c = problem.stack, problem.core.effective_stiffness
     E_t, law = stack.tangential, stack.radial
     core = min(E_t / E_c, SOFTEST_CORE) - 1 + stack.poissons_ratio
@@ -55,7 +58,10 @@ def surface_layer_depth(problem: RollProblem) -> float:
 
 
 def final_changes(problem: RollProblem) -> tuple[float, float]:
-    """Return the changes dC and dT_c after winding [Pa]."""
+    """Return the changes of the source C and of T_c of the core condition after winding [Pa].
+
+    They are those by the temperature change and the shrinkage of the core.
+    """
     E_t, dT = problem.stack.tangential, problem.temperature_change
     alpha_t = problem.tangential_expansion
     source = E_t * (alpha_t - problem.radial_expansion) * dT
@@ -79,8 +85,9 @@ def finished_arrays(
     x : (M,) array
         ln r of the nodes.
     growth : Growth
+        Kappa at the stages of the build-up, from which the source follows.
     solved : StageSolution
-        As wound.
+        Pressure as wound, the initial guess of that after the changes.
 
     Returns
     -------

@@ -21,15 +21,16 @@ FEW_LAYERS = 1000  # in a roll of more layers a node is the beginning of a layer
 
 
 def layers_of(result: Any) -> Layers:
-    """Return layers with the web thickness of a result."""
+    """Return the layers of a result with the thickness of its web, in place of thin layers."""
     problem = result.problem
     return Layers(equations_of(problem), problem.tension_curve, float(problem.web_thickness))
 
 
 def finite_layer_stresses(result: Any) -> tuple[Array, Array]:
-    """Return the changes of pressure and hoop stress by layers of finite thickness [Pa].
+    """Return the changes of pressure and hoop stress by layers of finite thickness, (M,) each [Pa].
 
-    They are nan if kappa with such layers has not been computed.
+    They are relative to the limit of thin layers, at the nodes of the result, and nan if kappa with
+    layers of finite thickness has not been computed.
     """
     x = np.log(result.radius)
     if np.isnan(result.layer_growth).any():

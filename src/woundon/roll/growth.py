@@ -82,7 +82,11 @@ class Growth:
         return _newton_polynomial(self.x[stages] - x, self.kappa[stages])[0]
 
     def lagrange_basis(self, surface: float, x: Array) -> Array:
-        """Return the derivative of kappa(x) by the kappa of a further stage at ``surface``."""
+        """Return the derivative of kappa(x) by the kappa of a further stage, with x any shape [1].
+
+        ``surface`` is ln r of that stage.  Up to the last stage the derivative is zero; beyond, it
+        is the Lagrange polynomial that is 1 at ``surface`` and 0 at the last stages.
+        """
         basis = np.where(x > self.x[-1], 1.0, 0.0)
         for stage in self.x[self._last_stages()]:
             basis *= (x - stage) / (surface - stage)

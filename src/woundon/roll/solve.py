@@ -163,7 +163,17 @@ def solve_thin_layers(
 ) -> ThinLayerRoll:
     """Solve for a roll in the limit of thin layers; see :func:`solve_wound_roll`.
 
-    The stages are refined until their error is below a fraction of rtol, then the nodes.
+    The tolerance of the stages is reduced until their error is below a fraction of rtol, then the
+    nodes are refined until the change of the pressure shows an error below rtol.  A smaller rtol
+    begins with a smaller tolerance and more cells.
+
+    Parameters
+    ----------
+    problem : RollProblem
+    rtol : float
+        Accepted error of the pressure, relative to the largest.
+    report : callable, optional
+        Is called with each stage's radius [m].
     """
     level = max(0, int(log(rtol / COARSE, TOLERANCE_FACTOR)))
     tolerance = FIRST_TOLERANCE * TOLERANCE_FACTOR**level
@@ -215,7 +225,20 @@ def _wind(
     reference: BuildUp | None,
     report: Report | None,
 ) -> tuple[BuildUp, RollResult]:
-    """Wind a roll with adaptive stages, or with those of a known build-up, and finish it."""
+    """Wind a roll and apply the changes after winding.
+
+    Parameters
+    ----------
+    problem : RollProblem
+    tolerance : float
+        Of kappa at the stages, relative to kappa + 2.
+    cells : int
+        Cells of each stage.
+    reference : BuildUp or None
+        A build-up whose stages are used; without one they are chosen adaptively.
+    report : callable, optional
+        Is called with each stage's radius [m].
+    """
     equations, curve = equations_of(problem), problem.tension_curve
     radii = problem.core.radius, problem.radius
     options: Any = {
@@ -237,7 +260,20 @@ def _wind(
 
 
 def _with_finite_layers(result: RollResult, build_up: BuildUp, cells: int) -> RollResult:
-    """Return a result with kappa for layers of the web thickness; their effect adds to errors."""
+    """Return a result with the effect of layers of the web thickness, also in its errors.
+
+    Kappa, the relative change of a layer's pressure with ln r below the surface, is computed with
+    these layers at the stages of the build-up, and from it the change of the pressure.
+
+    Parameters
+    ----------
+    result : RollResult
+        In the limit of thin layers.
+    build_up : BuildUp
+        Its stages.
+    cells : int
+        Cells of each stage.
+    """
     layers, depth = layers_of(result), surface_layer_depth(result.problem)
     try:
         growth = wind_finite_layers(layers, build_up, cells=cells, surface_layer=depth)
@@ -278,7 +314,10 @@ def _error_points(result: RollResult) -> Array:
 
 
 def _largest_errors(result: RollResult, pressure: Array, hoop: Array) -> dict[str, float]:
-    """Return the largest error of each output, from the errors of pressure and hoop stress.
+    """Return the largest error of each output [Pa], by name.
+
+    ``pressure`` and ``hoop`` are the errors of pressure and hoop stress at :func:`_error_points`
+    [Pa].
 
     For an output at one radius it is the largest error within a neighbourhood, because the
     estimate may change sign at that radius.

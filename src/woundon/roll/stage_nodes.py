@@ -139,7 +139,11 @@ def kinks_of(tension: Tension, growth: Growth) -> tuple[Array, Array]:
 
 
 def cell_source(tension: Tension, growth: Growth, nodes: Array) -> CellSource:
-    """Return C = -r T' - T (2 + kappa) in every cell."""
+    """Return the source C = -r T' - T (2 + kappa) in every cell [Pa].
+
+    ``nodes`` are ln r, (n + 1,).  At a kink of the tension that is a node, each of the two cells
+    has the slope T' of its own side.
+    """
 
     def source(x: Array, side: Array) -> Array:
         """Return C; ``side`` is that of a kink."""
@@ -157,7 +161,11 @@ def source_error(tension: Tension, growth: Growth, nodes: Array) -> CellSource:
 
 
 def evaluate_in_cells(nodes: Array, values: Callable[[Array, Array], Array]) -> CellSource:
-    """Return values(x, side) at the left end, in the middle and at the right end of every cell."""
+    """Return values(x, side) at the left end, in the middle and at the right end of every cell.
+
+    ``nodes`` are x = ln r, (n + 1,).  ``side`` is 1 or -1 for values just outside or inside of x,
+    which differ where the function has a kink.
+    """
     x = np.concatenate([nodes[:-1], (nodes[1:] + nodes[:-1]) / 2, nodes[1:]])
     n = nodes.size - 1
     C = values(x, np.repeat([1, 1, -1], n))  # side: inner or outer side of a kink that is a node

@@ -6,7 +6,7 @@ Earlier stages are recomputed with the function kappa of the result (:mod:`.buil
 from __future__ import annotations
 
 from math import inf
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -19,6 +19,9 @@ from .equations import StageData, StageSolution, interpolate_pressure
 from .finished import equations_of, finished_arrays, surface_layer_depth
 from .growth import Growth
 from .stage_nodes import cell_source, kinks_of, nodes_between
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
 
 __all__ = ["Stage", "stage_arrays", "stage_at", "stresses_between"]
 
@@ -47,8 +50,11 @@ class Stage(NamedTuple):
         return interpolate_pressure(np.log(self.radius), self.pressure, self.gradient, np.log(r))[0]
 
 
-def stresses_between(result: Any, radius: Any) -> dict[str, Any]:
-    """Return pressure and hoop stress at radii [m]; see :meth:`RollResult.at_radius`."""
+def stresses_between(result: Any, radius: ArrayLike) -> dict[str, Any]:
+    """Return ``pressure`` and ``hoop_stress`` [Pa] at radii [m], with the shape of ``radius``.
+
+    P and Q = r dP/dr are interpolated between the nodes; the hoop stress is -(P + Q).
+    """
     r = _radii_on_roll(result, radius)
     x = np.log(result.radius)
     P, Q = interpolate_pressure(x, result.pressure, result.pressure_gradient, np.log(r))
@@ -77,10 +83,10 @@ def stage_arrays(result: Any, radius: float) -> dict[str, Any]:
     if not is_within(surface, smallest, inf):
         text = f"{quote(surface)} is out of range; must be >= {smallest:.6g} [m]"
         raise InvalidProblem.at("radius", f"{text}, {FEWEST_LAYERS} layers")
-    stage, nodes, growth, solved = _solve_stage(result, surface, result.radius.size - 1)
-    arrays = finished_arrays(stage, nodes, growth, solved)
-    layer_growth = result.layer_kappa.truncate(growth.x[-1]).kappa
-    return {**arrays, "problem": stage, "layer_growth": layer_growth}
+    stage = _solve_stage(result, surface, result.radius.size - 1)
+    arrays = finished_arrays(stage.problem, stage.x, stage.growth, stage.solved)
+    layer_growth = result.layer_kappa.truncate(stage.growth.x[-1]).kappa
+    return {**arrays, "problem": stage.problem, "layer_growth": layer_growth}
 
 
 def stage_at(result: Any, radius: float) -> Stage:
@@ -98,14 +104,14 @@ def stage_at(result: Any, radius: float) -> Stage:
         return Stage(result.radius, result.pressure, result.pressure_gradient, tension)
     # kinks are additional nodes
     cells = max(result.radius.size - 1 - result.problem.tension_curve.kinks.size, FEWEST_CELLS)
-    _, nodes, _, solved = _solve_stage(result, radius, cells)
-    r = np.exp(nodes)
+    stage = _solve_stage(result, radius, cells)
+    r = np.exp(stage.x)
     r[0], r[-1] = result.problem.core.radius, radius
-    return Stage(r, solved.P, solved.Q, tension)
+    return Stage(r, stage.solved.P, stage.solved.Q, tension)
 
 
-def _radii_on_roll(result: Any, radius: Any) -> Array:
-    """Return radii on the roll [m].
+def _radii_on_roll(result: Any, radius: ArrayLike) -> Array:
+    """Return radii [m] as an array; those outside the roll by a rounding error are set to its ends.
 
     Raises
     ------
@@ -126,10 +132,38 @@ def _radii_on_roll(result: Any, radius: Any) -> Array:
     return np.clip(r, core, surface)
 
 
-def _solve_stage(
-    result: Any, surface: float, cells: int
-) -> tuple[RollProblem, Array, Growth, StageSolution]:
-    """Return problem, nodes, growth and pressure of a stage."""
+class _SolvedStage(NamedTuple):
+    """A stage of the build-up, solved again.
+
+    Attributes
+    ----------
+    problem : RollProblem
+        The roll with the radius of the stage, as wound.
+    x : (n + 1,) array
+        ln r of the nodes.
+    growth : Growth
+        Kappa, the growth of a layer's pressure below the surface, up to this stage.
+    solved : StageSolution
+        P and Q = r dP/dr at the nodes [Pa].
+    """
+
+    problem: RollProblem
+    x: Array
+    growth: Growth
+    solved: StageSolution
+
+
+def _solve_stage(result: Any, surface: float, cells: int) -> _SolvedStage:
+    """Solve a stage of a result again, with the kappa of the result.
+
+    Parameters
+    ----------
+    result : RollResult
+    surface : float
+        Radius of the roll at this stage [m].
+    cells : int
+        Approximate number of cells without those at kinks of the tension.
+    """
     problem, core, x = result.problem, result.problem.core.radius, float(np.log(surface))
     growth = result.kappa.truncate(x)
     stage = problem.replace(
@@ -147,11 +181,15 @@ def _solve_stage(
     solved = equations.solve(StageData(nodes, cell_source(curve, growth, nodes), T_c), *guess)
     if solved is None:
         raise NotConverged(f"the stage at the radius {surface:.6g} m could not be solved")
-    return stage, nodes, growth, solved
+    return _SolvedStage(stage, nodes, growth, solved)
 
 
 def _schedule_until(problem: RollProblem, surface: float) -> float | Profile | Taper:
-    """Return the tension schedule up to a radius; a linear taper is reduced in proportion."""
+    """Return the wound-on tension of a roll that ends at the radius ``surface`` [m].
+
+    A linear taper refers to the radius R of the finished roll.  The same tension up to the radius s
+    has this taper times (s - r_c)/(R - r_c).  Other schedules do not depend on R.
+    """
     schedule, core = problem.wound_on_tension, problem.core.radius
     if not isinstance(schedule, Taper) or schedule.law != "linear":
         return schedule

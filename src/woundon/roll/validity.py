@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..problems.radial_laws import Constant
+from ..problems.roll import RollProblem
 from ..validity import limit_warning
 from .finite_layers import finite_layer_stresses
 
@@ -77,7 +78,7 @@ def _stack_warnings(result: Any) -> Iterator[str]:
         )
 
 
-def yield_warnings(problem: Any, yield_strain: float | None) -> tuple[str, ...]:
+def yield_warnings(problem: RollProblem, yield_strain: float | None) -> tuple[str, ...]:
     """Return a warning if the web yields where it is bent on the core.
 
     Parameters
@@ -96,6 +97,6 @@ def yield_warnings(problem: Any, yield_strain: float | None) -> tuple[str, ...]:
     )
 
 
-def _bending_strain(problem: Any) -> float:
+def _bending_strain(problem: RollProblem) -> float:
     """Return h/(2 r_c), the strain at the faces of a web that is bent on the core [1]."""
     return float(problem.web_thickness / (2 * problem.core.radius))

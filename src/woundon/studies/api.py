@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from ..arguments import check_arguments
 from ..errors import InvalidProblem
+from ..problems.messages import quote
 from ..problems.paths import field_quantity, number_in_si
 from ..problems.problem import Problem
 from .case_table import read_cases
 from .cases import Cases, check_number, make_cases
-from .model import KindModel, model_of
+from .model import KindModel, model_of, solver_options
 from .progress import Progress
 from .run import Workers, run_study
 from .sobol import SobolIndices, saltelli_cases, sobol_indices_of
@@ -19,7 +24,7 @@ from .sobol import SobolIndices, saltelli_cases, sobol_indices_of
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["global_sensitivity", "in_si", "solver_options", "study_of", "sweep"]
+__all__ = ["global_sensitivity", "in_si", "range_in_si", "study_of", "sweep"]
 
 
 def sweep(
@@ -146,54 +151,77 @@ def study_of(
     >>> cases.shape
     (2, 1)
     """
+    check_arguments(design=design)
     if columns is not None or isinstance(over, (str, Path)) or hasattr(over, "iloc"):
         if design not in ("grid", "table"):
             text = f"{design!r} draws samples, which cannot be combined with a table"
             raise InvalidProblem.at("design", text)
         over, design = read_cases(over, problem, columns), "table"
+    check_arguments(over=over)
+    values = in_si(problem, over or {})
     return (
-        _model_of_study(problem, over, outputs, tie, options or {}),
-        make_cases(in_si(problem, over), design, samples, seed),
+        _model_of_study(problem, values, outputs, tie, options or {}),
+        make_cases(values, design, samples, seed),
     )
 
 
 def _model_of_study(
     problem: Problem,
-    over: Any,
+    over: Mapping[str, Any],
     outputs: Sequence[str] | None,
     tie: Mapping[str, str] | None,
     options: Mapping[str, Any],
 ) -> KindModel:
     """Return the model of a study, its inputs checked."""
     model = model_of(problem, outputs, tie, options)
-    model.check_varied(over if isinstance(over, Mapping) else ())
+    model.check_varied(over)
     return model
 
 
-def solver_options(nodes: Any, rtol: Any, options: Mapping[str, Any] | None) -> dict[str, Any]:
-    """Return the options of the solver that are not None.
-
-    >>> solver_options(65, None, {"progress": None})
-    {'nodes': 65, 'progress': None}
-    """
-    explicit = {
-        name: value for name, value in (("nodes", nodes), ("rtol", rtol)) if value is not None
-    }
-    for name in explicit.keys() & (options or {}).keys():
-        raise InvalidProblem.at(name, "is given twice, also among the options")
-    return {**explicit, **(options or {})}
-
-
-def in_si(problem: Problem, over: Any) -> Any:
-    """Return values, ranges or bounds by field, with texts with units converted to SI.
+def in_si(problem: Problem, over: Mapping[str, Any]) -> dict[str, Any]:
+    """Return values or ranges by field, with texts with units converted to SI.
 
     >>> import woundon as wo
     >>> in_si(wo.RollerProblem.example(), {"load": ("50 kN/m", 1e5)})
     {'load': [50000.0, 100000.0]}
     """
-    if not isinstance(over, Mapping):
-        return over
     return {name: _numbers(problem, name, entry) for name, entry in over.items()}
+
+
+def range_in_si(problem: Problem, name: str, ends: Any, where: str = "") -> tuple[float, float]:
+    """Return the ends of a range of a field in SI; they may be texts with units.
+
+    Parameters
+    ----------
+    problem : Problem
+    name : str
+        Dotted name of the field.
+    ends : (low, high)
+    where : str
+        Name of the range in an error message; by default that of the field.
+
+    Raises
+    ------
+    InvalidProblem
+        If they are not two finite numbers low < high.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> range_in_si(wo.RollerProblem.example(), "load", ("50 kN/m", 1e5))
+    (50000.0, 100000.0)
+    """
+    where = where or name
+    pair = list(ends) if isinstance(ends, (list, tuple, np.ndarray)) else []
+    if len(pair) != 2:
+        raise InvalidProblem.at(where, f"{quote(ends)} is not a range; write (low, high)")
+    low, high = (
+        number_in_si(problem, name, end.item() if isinstance(end, np.generic) else end, where)
+        for end in pair
+    )
+    if not -inf < low < high < inf:
+        raise InvalidProblem.at(where, f"{quote(ends)} is not a range: must be low < high")
+    return low, high
 
 
 def _numbers(problem: Problem, name: str, entry: Any) -> Any:
@@ -256,8 +284,10 @@ def global_sensitivity(
     >>> bool(indices.total_order[0, 0] > indices.total_order[0, 1])
     True
     """
-    model = _model_of_study(problem, over, outputs, tie, solver_options(nodes, rtol, options))
-    cases = saltelli_cases(in_si(problem, over), samples, seed)
+    check_arguments(over=over)
+    ranges = in_si(problem, over or {})
+    model = _model_of_study(problem, ranges, outputs, tie, solver_options(nodes, rtol, options))
+    cases = saltelli_cases(ranges, samples, seed)
     table = run_study(
         model, cases, Workers(workers, scheduler), out=out, resume=resume, progress=progress
     )

@@ -13,11 +13,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import inf, isnan
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .. import __version__, kinds
+from ..arguments import check_type
 from ..errors import InvalidProblem, one_of
 from ..io.case_files import SCHEMA, check_like_a_case, load_case, make_problem
 from ..io.cells import MAX_COUNTED, Fault, as_plain_number, decimal_sign, numbers, raise_faults
@@ -25,10 +26,10 @@ from ..io.sheets import Sheet, read_sheet
 from ..io.tables import Column, Names, match_columns
 from ..problems.description import Description
 from ..problems.family import field_from_table
-from ..problems.paths import field_or_none, nest_tables
+from ..problems.paths import field_or_none, is_part_of, nest_tables
 from ..problems.problem import Problem
 from ..quantities import is_on_request, pattern, scalar_outputs
-from .cases import table_of_cases
+from .cases import Solved, table_of_cases
 from .columns import (
     ANNOTATIONS,
     column_names,
@@ -37,7 +38,7 @@ from .columns import (
     input_columns,
     output_columns,
 )
-from .model import KindModel, kind_of, model_of, quantities_of
+from .model import KindModel, kind_of, model_of, quantities_of, solver_options
 from .progress import Progress
 from .run import Workers, run_study
 
@@ -119,7 +120,7 @@ def solve_table(
     if not inputs:
         raise InvalidProblem.at(sheet.where, "has no column that is an input of the model")
     names = _default_outputs(problem) if outputs is None else outputs
-    base = model_of(problem, names, tie, {"nodes": nodes, "rtol": rtol, **(options or {})})
+    base = model_of(problem, names, tie, solver_options(nodes, rtol, options))
     cells, faults = _read_inputs(sheet, inputs, problem, complete=complete, gaps=True)
     raise_faults([fault for fault in faults if not fault.row])  # of headers
     if not complete:
@@ -154,13 +155,12 @@ def _base_problem(
     names of fields only, not their values.
     """
     if case is None:
-        found = _kind_of_columns(sheet, columns) if kind is None else _named(kind)
+        found = _kind_of_columns(sheet, columns) if kind is None else kinds.named(kind)
         return found.example(), True
-    problem = load_case(case) if isinstance(case, (str, Path)) else case
+    check_type("case", case, Problem, str, Path)
     if kind is not None:
         raise InvalidProblem.at("kind", "is given together with a case, which has its own kind")
-    kind_of(problem)  # raises an error if it is no problem
-    return problem, False
+    return (case if isinstance(case, Problem) else load_case(case)), False
 
 
 def read_cases(
@@ -225,7 +225,7 @@ class _RowModel(KindModel):
 
     complete: bool = False
 
-    def variant(self, inputs: Mapping[str, Any]) -> Any:
+    def variant(self, inputs: Mapping[str, Any]) -> Problem:
         """Return the problem of one row; None and nan stand for a field without a value."""
         fields = {name: value for name, value in inputs.items() if not _is_missing(value)}
         if not self.complete:  # fields without a value have that of the base problem
@@ -233,22 +233,6 @@ class _RowModel(KindModel):
         # the fields of the row are the problem: others have their default, or are reported missing
         problem = make_problem({"schema": SCHEMA, **nest_tables(fields)}, self.kind.name)
         return self.with_ties(problem)
-
-
-class _SolvedRows(NamedTuple):
-    """Results of all rows of a table.
-
-    Attributes
-    ----------
-    values : (rows, outputs) array
-        nan for a row without a solution.
-    failure, warnings : list of str
-        One text for each row, '' without failure or warning.
-    """
-
-    values: Array
-    failure: list[str]
-    warnings: list[str]
 
 
 def _solve_rows(
@@ -259,8 +243,8 @@ def _solve_rows(
     workers: int | None,
     chunk: int | None,
     progress: bool | Progress,
-) -> _SolvedRows:
-    """Solve the rows without faults in one study.
+) -> Solved:
+    """Solve the rows without faults in one study; return the results of all rows.
 
     Parameters
     ----------
@@ -283,7 +267,7 @@ def _solve_rows(
         values[rows] = np.column_stack(list(solved.outputs.values()))
         for k, reason, warning in zip(rows, solved.failure, solved.warnings, strict=True):
             failure[k], warnings[k] = _reason_text(reason), warning
-    return _SolvedRows(values, failure, warnings)
+    return Solved(values, failure, warnings)
 
 
 def _is_missing(value: Any) -> bool:
@@ -291,10 +275,6 @@ def _is_missing(value: Any) -> bool:
 
 
 # ---- columns ------------------------------------------------------------------------------------
-
-
-def _named(kind: str) -> kinds.Kind:
-    return kinds.named(str(kind).replace("-", "_"))
 
 
 def _kind_of_columns(sheet: Sheet, columns: Mapping[str, str | None] | None) -> kinds.Kind:
@@ -309,8 +289,8 @@ def _kind_of_columns(sheet: Sheet, columns: Mapping[str, str | None] | None) -> 
             faults.append(fault)
             continue
         fields = kind.problem.model_fields
-        heads = {column.name.partition(".")[0] for column in matched}
-        missing = sum(field.is_required() and name not in heads for name, field in fields.items())
+        required = [name for name, field in fields.items() if field.is_required()]
+        missing = sum(not any(is_part_of(c.name, name) for c in matched) for name in required)
         candidates.append((missing, len(fields), kind))
     if not candidates:
         known = one_of(kind.name for kind in kinds.every())

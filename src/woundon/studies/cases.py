@@ -11,21 +11,24 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from math import ceil, log2, prod
-from numbers import Real
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arguments import whole_number
+from ..arguments import check_seed, whole_number
 from ..errors import InvalidProblem, did_you_mean
+from ..problems.inputs import NotANumber, real_number
+from ..problems.messages import quote
 
 if TYPE_CHECKING:
     import pandas as pd
 
 __all__ = [
     "DESIGNS",
+    "MOST_CASES",
     "Cases",
     "Chunk",
     "Solved",
@@ -61,7 +64,7 @@ class Chunk(NamedTuple):
 
 
 class Solved(NamedTuple):
-    """The results of a chunk of k cases.
+    """The results of k cases.
 
     Attributes
     ----------
@@ -121,23 +124,25 @@ class Cases:
         if size is None:
             size = min(100, max(10, ceil(len(self) / 32)))
         size = whole_number("chunk", size, 1, MOST_CASES)
-        order, points = np.arange(len(self)), None
-        numbers = self.frame.select_dtypes("number")
+        inputs = self.frame.to_dict("records")
+        return [
+            Chunk(number, rows, [inputs[row] for row in rows])
+            for number, rows in enumerate(self._neighbours(size))
+        ]
+
+    def _neighbours(self, size: int) -> list[Array]:
+        """Return the numbers of the cases of each chunk, in the order in which they are solved."""
         if self.axes:
             # objects vary slowest, then nested fields: they change the solution most
             rank = [(is_numeric(v), -name.count(".")) for name, v in self.axes.items()]
-            order = serpentine(self.shape, sorted(range(len(rank)), key=lambda k: rank[k]))
-        elif len(numbers.columns):
-            # a missing value counts as the mean of its column
-            points = numbers.fillna(numbers.mean()).fillna(0.0).to_numpy()
-            order = bisection_order(points)
-        parts = [order[k : k + size] for k in range(0, len(self), size)]
-        if points is not None:
-            parts = [rows[tour(points[rows])] for rows in parts]
-        inputs = self.frame.to_dict("records")
-        return [
-            Chunk(number, rows, [inputs[row] for row in rows]) for number, rows in enumerate(parts)
-        ]
+            path = serpentine(self.shape, sorted(range(len(rank)), key=lambda k: rank[k]))
+            return _divided(path, size)
+        numbers = self.frame.select_dtypes("number")
+        if numbers.columns.empty:
+            return _divided(np.arange(len(self)), size)
+        # a missing value counts as the mean of its column
+        points = numbers.fillna(numbers.mean()).fillna(0.0).to_numpy()
+        return [rows[tour(points[rows])] for rows in _divided(bisection_order(points), size)]
 
     def record(self) -> dict[str, Any]:
         """Return the inputs and a hash of their values, which identify the cases, for JSON."""
@@ -195,6 +200,7 @@ def make_cases(
     >>> cases.frame.iloc[1].tolist()
     [1000.0, 0.3]
     """
+    check_seed(seed)
     if design not in DESIGNS:
         raise InvalidProblem.at("design", f"{design!r} is unknown{did_you_mean(design, DESIGNS)}")
     if not isinstance(over, Mapping) or not over:
@@ -247,20 +253,27 @@ def _as_array(name: str, values: Any) -> Array:
     InvalidProblem
         If it is not a sequence, is empty, or mixes numbers with other values.
     """
-    if isinstance(values, (str, Mapping)) or not hasattr(values, "__len__"):
+    if isinstance(values, (str, bytes, Mapping)) or not hasattr(values, "__len__"):
         raise InvalidProblem.at(name, f"{values!r} is not a list of values")
     check_number(len(values))
     items = list(values)
     if not items:
         raise InvalidProblem.at(name, "an empty list of values")
-    numbers = [isinstance(v, (Real, np.number)) and not isinstance(v, bool) for v in items]
-    if all(numbers):
-        return np.array(items, dtype=float)
-    if any(numbers):
+    numbers = [_number_or_none(item) for item in items]
+    if None not in numbers:
+        return np.array(numbers, dtype=float)
+    if any(number is not None for number in numbers):
         raise InvalidProblem.at(name, "contains numbers and other values; must be all of one type")
     array = np.empty(len(items), dtype=object)
     array[:] = items
     return array
+
+
+def _number_or_none(value: Any) -> float | None:
+    """Return a real number as a float; None for another value."""
+    with suppress(NotANumber):
+        return real_number(value)
+    return None
 
 
 def _frame(columns: Mapping[str, Array]) -> pd.DataFrame:
@@ -293,16 +306,14 @@ def scaled_to_range(name: str, ends: Any, fractions: Array) -> Array:
     """
     parts = list(ends) if isinstance(ends, (list, tuple, np.ndarray)) else []
     is_log = len(parts) == 3 and parts[2] == "log"
-    if not (len(parts) == 2 or is_log) or not all(
-        isinstance(v, (Real, np.number)) and np.isfinite(float(v)) for v in parts[:2]
-    ):
-        raise InvalidProblem.at(
-            name, f"{ends!r} is not a range; write (low, high) or (low, high, 'log')"
-        )
-    low, high = float(parts[0]), float(parts[1])
+    numbers = [number for end in parts[:2] if (number := _number_or_none(end)) is not None]
+    if not (len(parts) == 2 or is_log) or len(numbers) < 2 or not np.isfinite(numbers).all():
+        text = f"{quote(ends)} is not a range; write (low, high) or (low, high, 'log')"
+        raise InvalidProblem.at(name, text)
+    low, high = numbers
     if not low < high or (is_log and low <= 0):
         positive = "0 < " if is_log else ""
-        raise InvalidProblem.at(name, f"{ends!r} is not a range: must be {positive}low < high")
+        raise InvalidProblem.at(name, f"{quote(ends)} is not a range: must be {positive}low < high")
     scaled = low * (high / low) ** fractions if is_log else low + (high - low) * fractions
     return np.asarray(scaled)
 
@@ -311,11 +322,7 @@ def _draw_points(design: str, inputs: int, samples: int | None, seed: int) -> Ar
     """Draw points of the unit cube, (samples, inputs)."""
     from scipy.stats import qmc
 
-    if isinstance(samples, bool) or not isinstance(samples, (int, np.integer)) or samples < 2:
-        raise InvalidProblem.at("samples", f"{samples!r} is not a number of cases, at least 2")
-    check_number(samples)
-    if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)) or seed < 0:
-        raise InvalidProblem.at("seed", f"{seed!r} is not a whole number, at least 0")
+    samples = whole_number("samples", samples, 2, MOST_CASES)
     if design == "latin-hypercube":
         return np.asarray(qmc.LatinHypercube(inputs, rng=seed).random(samples))
     power = int(log2(samples))
@@ -324,6 +331,11 @@ def _draw_points(design: str, inputs: int, samples: int | None, seed: int) -> Ar
         text = f"{samples} is not a power of 2, which Sobol points require: {nearest}"
         raise InvalidProblem.at("samples", text)
     return np.asarray(qmc.Sobol(inputs, rng=seed).random_base2(power))
+
+
+def _divided(cases: Array, size: int) -> list[Array]:
+    """Return the numbers of cases in parts of a size; the last part may be smaller."""
+    return [cases[k : k + size] for k in range(0, len(cases), size)]
 
 
 # ---- orders in which successive cases are neighbours --------------------------------------------

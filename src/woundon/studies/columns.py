@@ -9,7 +9,7 @@ from ..errors import InvalidProblem
 from ..io.cells import Conversion
 from ..io.tables import Names
 from ..problems.inputs import Inputs
-from ..problems.paths import counterpart, field_quantity, get_field
+from ..problems.paths import counterpart, field_quantity, get_field, names_above
 from ..problems.problem import Problem
 from ..quantities import Quantity, scalar_outputs, walk
 from .model import kind_of
@@ -68,17 +68,15 @@ def columns_of(problem: Problem) -> dict[str, Quantity | None]:
     """
     known: dict[str, Quantity | None] = {}
     for place in walk(type(problem)):
-        *heads, leaf = place.path.split(".")
+        above = names_above(place.path)
         # a number of one material may be a description of another
-        for k in range(1, len(heads) + 1):
-            head = ".".join(heads[:k])
-            if head not in known:
-                known[head] = _if_number(problem, head)
+        for name in above:
+            if name not in known:
+                known[name] = _if_number(problem, name)
         known[place.path] = known.get(place.path) or place.quantity
         # "diameter" alone is the position of a measurement on a roll
-        if heads and (diameter := counterpart(leaf, "radius")):
-            path = ".".join((*heads, diameter))
-            known[path] = field_quantity(problem, path)
+        if above and (diameter := counterpart(place.path, "radius")):
+            known[diameter] = field_quantity(problem, diameter)
     return known
 
 

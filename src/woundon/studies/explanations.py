@@ -8,23 +8,35 @@ budget, and neither an offset nor a factor).  Two kinds of causes are stated:
   of the predictions: mean(residual)/mean(D), or the ratio of the slopes of the regression lines.
   A solution with this change corrects it where the residual is largest.  An input that would have
   to change by more than a factor of two, or whose effect saturates, is no cause;
-- effects that the problem does not contain, from a table.
+- effects that the problem does not contain, from ``explanations.toml``.
 
 The data alone do not decide between them, and the cause may be another one.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from math import sqrt
+import re
+import tomllib
+from collections.abc import Collection, Iterator, Sequence
+from functools import cache, cached_property
+from math import isfinite, nan, sqrt
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..quantities import in_chosen_units, length, pure
-from .measurements import TAB, TAB_FORCE
+from ..errors import InvalidProblem, NotConverged
+from ..problems.paths import get_field, parts_of
+from ..problems.problem import Problem
+from ..quantities import length, pure, walk
+from ..results import Result
+from .compare_result import Comparison, Explanation
+from .measurements import PRESSURE, TAB, TAB_FORCE, predict
+from .model import KindModel
+from .predict import Case
+from .slopes import on_mesh_of, slopes, solve_case
 
-__all__ = ["Explanation", "explain"]
+__all__ = ["InputEffects", "SolvedCase", "explain"]
 
 Array = np.ndarray
 
@@ -35,290 +47,259 @@ LEAST_TREND = 0.01  # of the mean prediction, without standard deviations
 OUTLYING = 4.0  # standard uncertainties of a single value
 CONSTANT = 0.1  # relative scatter of a constant ratio
 SMALLEST_CHANGE, LARGEST_CHANGE = -0.5, 1.0  # of an input, relative: a factor of two
-SMALLEST_SHARE = (
-    0.5  # of the change of a prediction by its derivative: below it the effect saturates
-)
+# share of the change of a prediction by its derivative, below which the effect saturates
+SMALLEST_SHARE = 0.5
 RADIUS = length("r", "radius of the measurement")
 
-WIDTH, TENSION, PRESSURE, LENGTH = "width", "tension", "pressure", "length"
-_CLASSES = {
-    "half_width": WIDTH,
-    "nip_width": WIDTH,
-    "pressure": PRESSURE,
-    "core_pressure": PRESSURE,
-    "mid_pressure": PRESSURE,
-    "wound_length": LENGTH,
-}
 
-_AIR = "entrained air, which this problem does not contain"  # only without air
-_SLIPPING = (
-    "the layers of the roll slip on each other, which the model of the roll does not contain"
-)
-_LOAD_CELL = "the load cell has an offset: check its zero"
-_GAIN = "the gain of a load cell is wrong"
+class SolvedCase(NamedTuple):
+    """A solved case, with the values that its result predicts."""
 
-# Effects outside the problem: class of the output, varied input ("" for the mean difference), sign.
-_EFFECTS: dict[tuple[str, str, int], tuple[str, ...]] = {
-    (WIDTH, "", 1): (
-        _SLIPPING,
-        "a film or paper that records the width widens the print by its own thickness",
-    ),
-    (WIDTH, "", -1): (
-        "a pressure-sensitive film does not show the low pressure at the edges of the nip",
-    ),
-    (TENSION, "", 1): (_LOAD_CELL,),
-    (TENSION, "", -1): (
-        _AIR,
-        "bearings or idler rollers take tension between nip and load cell",
-        _LOAD_CELL,
-    ),
-    (PRESSURE, "", 1): (
-        "the tab disturbs the layers: extrapolate to a thinner tab, or calibrate it in a stack",
-    ),
-    (PRESSURE, "", -1): (_AIR, "the web or the stack relaxed between winding and measurement"),
-    (LENGTH, "", 1): ("the diameter was read at a low place of an uneven roll",),
-    (LENGTH, "", -1): (_AIR, "the length counter slips, or counts at a lower tension"),
-    (TENSION, "web_speed", -1): (_AIR, "friction falls with the sliding speed"),
-    (TENSION, "web_speed", 1): (
-        "tension of centrifugal force (mass per area times speed squared) is in the reading",
-    ),
-    (TENSION, "web_tension", -1): (
-        "tension is lost between its measurement and the nip: bearings, wraps, idler rollers",
-        _GAIN,
-    ),
-    (TENSION, "web_tension", 1): (_GAIN,),
-    (WIDTH, "nip_load", 1): (_SLIPPING,),
-    (PRESSURE, "radius", -1): (_AIR,),
-    (LENGTH, "radius", -1): (_AIR,),
-}
+    case: Case
+    result: Result
 
 
-class Explanation(NamedTuple):
-    """A systematic difference and its possible causes.
+class InputEffects:
+    """The effects of inputs that are not measured on all predictions of a comparison.
 
-    Attributes
-    ----------
-    output : str
-    finding : str
-        What the data show, with numbers.
-    causes : tuple of str
-        Possible causes, in no order; empty if the finding needs none.
-
-    The texts have the usual units; :meth:`lines` converts them to the chosen ones.
-    """
-
-    output: str
-    finding: str
-    causes: tuple[str, ...] = ()
-
-    def lines(self) -> list[str]:
-        """Return finding and causes as lines of text."""
-        head = f"{self.output}: {in_chosen_units(self.finding)}"
-        if not self.causes:
-            return [head]
-        return [
-            f"{head}. Possible causes:",
-            *(f"  - {in_chosen_units(cause)}" for cause in self.causes),
-        ]
-
-
-class Inputs(NamedTuple):
-    """Inputs of a problem that may explain differences.
-
-    Attributes
-    ----------
-    derivatives : mapping of str to (m,) array
-        Change of each prediction per relative change of an input, dQ/d ln(input).
-    response : callable
-        (name, relative change, k) -> change of the prediction k, from a solution; nan if the
-        problem with the changed input has none.
-    change_text : callable
-        (name, relative change) -> the change as a text.
-    note : str
-        Why there are none; empty otherwise.
-    """
-
-    derivatives: Mapping[str, Array]
-    response: Callable[[str, float, int], float]
-    change_text: Callable[[str, float], str]
-    note: str = ""
-
-
-def explain(comparison: Any, inputs: Callable[[], Inputs]) -> tuple[Explanation, ...]:
-    """Return the findings on all outputs with their possible causes.
+    Radii are left out, because they are known better than any other input.
 
     Parameters
     ----------
-    comparison : Comparison
-    inputs : callable
-        Returns the inputs; called only for a systematic difference.
+    model : KindModel
+    measured : collection of str
+        Inputs that are columns of the table.
+    size : int
+        Number m of measured values.
+    solved : sequence of SolvedCase
     """
-    return tuple(
-        entry for output in comparison.outputs for entry in _of_output(comparison, output, inputs)
-    )
 
-
-def _of_output(comparison: Any, output: str, inputs: Callable[[], Inputs]) -> Iterator[Explanation]:
-    """Yield the findings on one output."""
-    agreement = comparison.agreement(output)
-    if agreement.size < 2:
-        return
-    rows = comparison.of(output)
-    trends = list(_trends(comparison, output, rows, inputs))
-    yield from trends
-    significant = abs(agreement.bias) > SIGNIFICANT * agreement.bias_uncertainty
-    if significant:
-        yield _bias(comparison, output, rows, inputs)
-    yield from _budget(comparison, output, rows, significant)
-    yield from _outliers(comparison, output, rows)
-    if not significant and not trends and agreement.bias_uncertainty == agreement.bias_uncertainty:
-        yield Explanation(output, "no systematic difference beyond the error budget")
-
-
-def _causes(
-    comparison: Any,
-    output: str,
-    varied: str,
-    needed: float,
-    inputs: Inputs,
-    measure: Callable[[Array], float],
-) -> tuple[str, ...]:
-    """Return the inputs that explain a difference, and the effects outside the problem.
-
-    Parameters
-    ----------
-    varied : str
-        Name of the varied input of a trend; empty for the mean difference.
-    needed : float
-        The mean difference, or the slope of the trend.
-    measure : callable
-        The same measure of an (m,) array: its mean, or its slope.
-    """
-    with np.errstate(divide="ignore", invalid="ignore"):
-        changes = {
-            name: float(np.divide(needed, measure(derivative)))
-            for name, derivative in inputs.derivatives.items()
+    def __init__(
+        self, model: KindModel, measured: Collection[str], size: int, solved: Sequence[SolvedCase]
+    ) -> None:
+        self.model, self.size, self.solved = model, size, solved
+        known = "|".join(re.escape(name) for name in (*measured, *model.tie))
+        left_out = re.compile(rf"(.*radius|({known or '(?!)'})(\..*)?)")
+        self.quantities = {
+            place.path: place.quantity
+            for place in walk(model.problem)
+            if isinstance(place.value, float) and place.value and place.quantity is not None
+            if not left_out.fullmatch(place.path)
         }
-    rows = np.nonzero(comparison.of(output))[0]
-    k = int(rows[np.argmax(np.abs(comparison.residual[rows]))])
-    texts = []
-    for name, change in sorted(changes.items(), key=lambda item: abs(item[1])):
-        if SMALLEST_CHANGE <= change <= LARGEST_CHANGE:
-            share = inputs.response(name, change, k) / (change * inputs.derivatives[name][k])
+
+    @cached_property
+    def derivatives(self) -> dict[str, Array]:
+        """Changes of the predictions per relative change of each input, dQ/d ln(input), (m,)."""
+        names = list(self.quantities)
+        values = np.array([get_field(self.model.problem, name) for name in names])
+        changes = np.full((self.size, len(names)), nan)
+        for case, result in self.solved:
+            columns = slopes(
+                self.model, result, case.observables, names, case.inputs, nan_if_unsolved=True
+            )
+            changes[case.rows] = columns * values
+        return dict(zip(names, changes.T, strict=True))
+
+    def causes(self, rows: Array, weights: Array, residual: Array) -> list[str]:
+        """Return the changes of single inputs that would remove a difference, smallest first.
+
+        Parameters
+        ----------
+        rows : (k,) int array
+            Numbers of the compared values.
+        weights : (k,) array
+            The difference is ``weights @ residual``: a mean value, or the slope of a line.
+        residual : (k,) array
+            Measured minus predicted.
+        """
+        if hasattr(self.model.kind.result, "roll"):  # each derivative costs two windings
+            return [
+                "inputs are not examined for windings; spread= states the effect of one of them"
+            ]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            changes = {
+                name: float(np.divide(weights @ residual, weights @ derivative[rows]))
+                for name, derivative in self.derivatives.items()
+            }
+        largest = int(rows[np.argmax(np.abs(residual))])
+        texts = []
+        for name, change in sorted(changes.items(), key=lambda item: abs(item[1])):
+            if not SMALLEST_CHANGE <= change <= LARGEST_CHANGE:
+                continue
+            linear = change * self.derivatives[name][largest]
+            share = self._response(name, change, largest) / linear
             if share >= SMALLEST_SHARE and SMALLEST_CHANGE <= change / share <= LARGEST_CHANGE:
-                texts.append(inputs.change_text(name, change / share))
-    none = inputs.note or "no input alone: each would have to change by more than a factor of two"
-    has_air = getattr(comparison.problem, "air", None) is not None
-    effects = _EFFECTS.get(
-        (_class_of(output), varied.rpartition(".")[2], 1 if needed > 0 else -1), ()
-    )
-    outside = [effect for effect in effects if effect != _AIR or not has_air]
-    return (*(texts or [none]), *outside)
+                texts.append(self._change_text(name, change / share))
+        none = "no input alone: each would have to change by more than a factor of two"
+        return texts or [none]
+
+    def _response(self, name: str, change: float, k: int) -> float:
+        """Return the change of prediction k by a relative change of an input; nan if unsolved."""
+        case, result = next(each for each in self.solved if k in each.case.rows)
+        observable = case.observables[case.rows.index(k)]
+        inputs = {**case.inputs, name: (1 + change) * get_field(self.model.problem, name)}
+        try:
+            changed = solve_case(on_mesh_of(self.model, result), inputs, result)
+            return predict(changed, observable) - predict(result, observable)
+        except (InvalidProblem, NotConverged):
+            return nan
+
+    def _change_text(self, name: str, change: float) -> str:
+        """Return a relative change of an input as text."""
+        value = get_field(self.model.problem, name)
+        ends = (value, (1 + change) * value)
+        old, new = (self.quantities[name].stored_text(end) for end in ends)
+        return f"{name} {100 * change:+.2g} %: {new} instead of {old}"
+
+
+# ---- effects that the problem does not contain --------------------------------------------------
+
+
+@cache
+def _data_file() -> dict[str, Any]:
+    """Return the classes of outputs and the effects of ``explanations.toml``."""
+    path = Path(__file__).with_name("explanations.toml")
+    return tomllib.loads(path.read_text(encoding="utf-8"))
 
 
 def _class_of(output: str) -> str:
-    """Return the class of an output: width, tension, pressure or length; empty for others."""
-    return (
-        TENSION if output.endswith("tension") or "tension_" in output else _CLASSES.get(output, "")
-    )
+    """Return the class of an output: tension, width, pressure or length; empty for others."""
+    if output.endswith("tension") or "tension_" in output:
+        return "tension"
+    classes = _data_file()["classes"].items()
+    return next((name for name, outputs in classes if output in outputs), "")
 
 
-def _bias(comparison: Any, output: str, rows: Array, inputs: Callable[[], Inputs]) -> Explanation:
+def _effects_outside(problem: Problem, output: str, difference: str) -> list[str]:
+    """Return the effects that cause a difference of an output: "larger", "falls with web_speed"."""
+    texts = []
+    for effect in _data_file()["effects"]:
+        is_contained = getattr(problem, effect.get("unless", "none"), None) is not None
+        if f"{_class_of(output)} {difference}" in effect["explains"] and not is_contained:
+            texts.append(effect["text"])
+    return texts
+
+
+# ---- findings -----------------------------------------------------------------------------------
+
+
+def explain(comparison: Comparison, inputs: InputEffects) -> tuple[Explanation, ...]:
+    """Return the findings on all outputs with their possible causes."""
+    findings: list[Explanation] = []
+    for output in comparison.outputs:
+        agreement = comparison.agreement(output)
+        if agreement.size < 2:
+            continue
+        rows = np.nonzero(comparison.of(output))[0]
+        trends = list(_trends(comparison, output, rows, inputs))
+        findings += trends
+        is_biased = abs(agreement.bias) > SIGNIFICANT * agreement.bias_uncertainty
+        if is_biased:
+            findings.append(_bias(comparison, output, rows, inputs))
+        findings += _budget(comparison, output, rows)
+        if not is_biased:
+            findings += _common_sources(comparison, output, rows)
+        findings += _outliers(comparison, output, rows)
+        if not trends and not is_biased and isfinite(agreement.bias_uncertainty):
+            findings.append(Explanation(output, "no systematic difference beyond the error budget"))
+    return tuple(findings)
+
+
+def _bias(comparison: Comparison, output: str, rows: Array, inputs: InputEffects) -> Explanation:
     """Return the explanation of a mean difference."""
     agreement, residual = comparison.agreement(output), comparison.residual[rows]
-    sign = 1 if agreement.bias > 0 else -1
-    count = int(np.sum(np.sign(residual) == sign))
-    word = "larger" if sign > 0 else "smaller"
+    n = rows.size
+    word = "larger" if agreement.bias > 0 else "smaller"
+    count = int(np.sum(np.sign(residual) == np.sign(agreement.bias)))
     share = f"by {100 * abs(agreement.relative_bias):.2g} % of the mean"
-    share += f", in {count} of {agreement.size} values"
-    causes = _causes(
-        comparison, output, "", agreement.bias, inputs(), lambda y: float(np.mean(y[rows]))
-    )
+    causes = [
+        *inputs.causes(rows, np.full(n, 1 / n), residual),
+        *_effects_outside(comparison.problem, output, word),
+    ]
     ratio = comparison.measured[rows] / comparison.predicted[rows]
-    constant = np.std(ratio) < CONSTANT * abs(np.mean(ratio))
-    if _class_of(output) == PRESSURE and constant and agreement.size >= FEWEST:
+    is_constant = np.std(ratio) < CONSTANT * abs(np.mean(ratio))
+    if _class_of(output) == "pressure" and is_constant and n >= FEWEST:
         text = f"the ratio is nearly constant ({np.mean(ratio):.2g}): the calibration of the tab"
-        causes = (f"{text}, its coefficient of friction or area", *causes)
-    return Explanation(output, f"measured {word} than predicted {share}", causes)
+        causes.insert(0, f"{text}, its coefficient of friction or area")
+    finding = f"measured {word} than predicted {share}, in {count} of {n} values"
+    return Explanation(output, finding, tuple(causes))
 
 
 def _trends(
-    comparison: Any, output: str, rows: Array, inputs: Callable[[], Inputs]
+    comparison: Comparison, output: str, rows: Array, inputs: InputEffects
 ) -> Iterator[Explanation]:
     """Yield the explanations of trends with the varied inputs, and with the radius."""
     from scipy.stats import linregress
 
-    places = {name: values[rows] for name, values in comparison.inputs.items()}
+    varied = {name: values[rows] for name, values in comparison.inputs.items()}
     if np.isfinite(comparison.position[rows]).all():
-        places["radius"] = comparison.position[rows]
-    y, predicted = comparison.residual[rows], comparison.predicted[rows]
+        varied["radius"] = comparison.position[rows]
+    residual, predicted = comparison.residual[rows], comparison.predicted[rows]
     mean = float(np.mean(predicted))
     budget = sqrt(float(np.mean(comparison.total[rows] ** 2)))
     threshold = budget if budget > 0 else LEAST_TREND * abs(mean)
     # neither an offset nor a wrong factor is a trend: it must show in y and in y/predicted
-    measures = [y, y * mean / predicted] if np.all(predicted * mean > 0) else [y]
+    measures = [residual]
+    if np.all(predicted * mean > 0):
+        measures.append(residual * mean / predicted)
     quantities = {**comparison.quantities, "radius": RADIUS}
-    for name, x in places.items():
+    for name, x in varied.items():
         if x.size < FEWEST or np.unique(x).size < 3:
             continue
         lines = [linregress(x, values) for values in measures]
-        changes = [float(line.slope) * float(np.ptp(x)) for line in lines]
+        changes = np.array([line.slope * np.ptp(x) for line in lines])
         sign = 1 if changes[0] > 0 else -1
-        if not all(
-            line.pvalue < P_VALUE and sign * change > threshold
-            for line, change in zip(lines, changes, strict=True)
-        ):
+        is_significant = all(line.pvalue < P_VALUE for line in lines)
+        if not is_significant or min(sign * changes) <= threshold:
             continue
         word = "rises" if sign > 0 else "falls"
-        quantity = quantities.get(name, pure("", name))
-        ends = " to ".join(quantity.stored_text(end) for end in (x.min(), x.max()))
-        text = comparison.quantities[output].stored_text(abs(changes[0]))
-        finding = f"measured - predicted {word} by {text} with {name} from {ends}"
-        slope = float(lines[0].slope)
+        ends = [quantities.get(name, pure("", name)).stored_text(end) for end in (min(x), max(x))]
+        change = comparison.quantities[output].stored_text(abs(changes[0]))
+        slope_weights = (x - x.mean()) / np.sum((x - x.mean()) ** 2)
+        leaf = parts_of(name)[-1]
         yield Explanation(
             output,
-            finding,
-            _causes(
-                comparison,
-                output,
-                name,
-                slope,
-                inputs(),
-                lambda y, x=x: float(linregress(x, y[rows]).slope),  # type: ignore[misc]
+            f"measured - predicted {word} by {change} with {name} from {ends[0]} to {ends[1]}",
+            (
+                *inputs.causes(rows, slope_weights, residual),
+                *_effects_outside(comparison.problem, output, f"{word} with {leaf}"),
             ),
         )
 
 
-def _budget(comparison: Any, output: str, rows: Array, significant: bool) -> Iterator[Explanation]:
-    """Yield findings from the parts of the error budget."""
-    agreement = comparison.agreement(output)
+def _budget(comparison: Comparison, output: str, rows: Array) -> Iterator[Explanation]:
+    """Yield a finding on a part of the error budget that is unknown, or larger than the others."""
     if np.isnan(comparison.deviation[rows]).any():
-        calibrated = TAB in comparison.sources and output == PRESSURE
-        readings = (
-            "that of the calibration is known, but the single readings of the pull tab have no "
-            f"standard deviations (column '{TAB_FORCE} +-')"
-            if calibrated
-            else "no standard deviations of the measurement"
-        )
+        readings = "no standard deviations of the measurement"
+        if TAB in comparison.sources and output == PRESSURE:
+            readings = (
+                "that of the calibration is known, but the single readings of the pull tab have no "
+                f"standard deviations (column '{TAB_FORCE} +-')"
+            )
         yield Explanation(output, f"{readings}: the scatter of the rows stands in for them")
     elif np.nansum(comparison.error[rows] ** 2) > 0.5 * np.sum(comparison.total[rows] ** 2):
         text = (
             "the discretisation error is the largest part of the error budget: use a smaller rtol"
         )
         yield Explanation(output, text)
-    common = comparison.effects[rows].mean(axis=0) if comparison.sources else np.zeros(0)
-    if common.size and not significant:
-        rest2 = max(agreement.bias_uncertainty**2 - float(np.sum(common**2)), 0.0)
-        if abs(agreement.bias) > SIGNIFICANT * sqrt(rest2):
-            largest = comparison.sources[int(np.argmax(np.abs(common)))]
-            text = (
-                "the mean difference lies within the spread of the inputs; the largest "
-                f"contribution is that of {largest}"
-            )
-            yield Explanation(output, text)
 
 
-def _outliers(comparison: Any, output: str, rows: Array) -> Iterator[Explanation]:
+def _common_sources(comparison: Comparison, output: str, rows: Array) -> Iterator[Explanation]:
+    """Yield the finding that only the uncertain inputs cover the mean difference."""
+    if not comparison.sources:
+        return
+    agreement, common = comparison.agreement(output), comparison.effects[rows].mean(axis=0)
+    others = max(agreement.bias_uncertainty**2 - float(np.sum(common**2)), 0.0)
+    if abs(agreement.bias) > SIGNIFICANT * sqrt(others):
+        largest = comparison.sources[int(np.argmax(np.abs(common)))]
+        text = (
+            "the mean difference lies within the spread of the inputs; the largest contribution is "
+            f"that of {largest}"
+        )
+        yield Explanation(output, text)
+
+
+def _outliers(comparison: Comparison, output: str, rows: Array) -> Iterator[Explanation]:
     """Yield single values far outside the error budget while the others are inside."""
     ratio = np.abs(comparison.ratio[rows])
     far = ratio > OUTLYING

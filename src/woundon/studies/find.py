@@ -20,14 +20,13 @@ from ..arguments import whole_number
 from ..errors import InvalidProblem, NoSolution, NotConverged, warn
 from ..problems.inputs import Inputs, read_number
 from ..problems.messages import quote
-from ..problems.paths import find_places, get_field
+from ..problems.paths import find_places, varied_value
 from ..problems.permitted import admissible, admits, extremes
 from ..problems.problem import Problem
-from ..problems.units import parse
 from ..quantities import Quantity, in_chosen_units
-from .api import solver_options
+from .api import range_in_si
 from .measurements import Observable
-from .model import model_of, quantities_of
+from .model import model_of, quantities_of, solver_options
 from .outcome import Outcome
 from .progress import Progress, progress_reporter
 from .root_search import DECADE, Interval, RootSearch, Sample
@@ -134,7 +133,7 @@ class FindResult(Outcome):
         texts = []
         for k, (value, _) in enumerate(self.solutions):
             spread = self.uncertainties[k]
-            known = f" +- {self._text(self.name, spread, '.2g')}" if isfinite(spread) else ""
+            known = f" ± {self._text(self.name, spread, '.2g')}" if isfinite(spread) else ""
             reached = self._text(self.output, self.reached[k])
             text = self._text(self.name, value)
             texts.append(f"{self.name} = {text}{known}: {self.output} = {reached}")
@@ -149,7 +148,7 @@ class FindResult(Outcome):
                 "value, problem and result are those of the first"
             )
         if np.isfinite(self.uncertainties).any():
-            texts.append("+- is the estimated discretisation error of the output over the slope")
+            texts.append("± is the estimated discretisation error of the output over the slope")
         texts.append(f"scanned: {self._range_text()}, {self.output} {self._reachable_text()}")
         texts += self._limit_texts()
         for low, _ in self.jumps:
@@ -276,10 +275,9 @@ def find(
     model = model_of(problem, output, tie, solver_options(nodes, rtol, options))
     model.check_varied([name])
     quantities = quantities_of(model, (name, output))
-    base = get_field(problem, name)
-    if name not in quantities or not isinstance(base, float | None):
-        raise InvalidProblem.at(name, f"{quote(base)} is not a number, so it cannot be found")
-    aim = _target_in_si(value, quantities[output], output, problem)
+    base = varied_value(problem, name)
+    # with the width of the web a total force is one per width
+    aim = read_number(value, quantities[output], output, Inputs.of(problem))
     if not isfinite(aim):
         raise InvalidProblem.at(output, f"the target {quote(aim)} is not a finite number")
     count = whole_number("points", points, 3, 1000)
@@ -321,11 +319,6 @@ def find(
 # ---- input --------------------------------------------------------------------------------------
 
 
-def _target_in_si(value: float | str, quantity: Quantity, output: str, problem: Problem) -> float:
-    """Return the target in SI; with the width of the web a total force is one per width."""
-    return read_number(value, quantity, output, Inputs.of(problem))
-
-
 def _one_target(target: Mapping[str, float | str]) -> tuple[str, float | str]:
     """Return the output and its target."""
     if len(target) != 1:
@@ -343,11 +336,12 @@ def _interval(
     info = find_places(problem, name)[0].field
     lowest, highest = extremes(info)
     if between is not None:
-        low, high = _ends(between, quantity, name)
+        where = f"between: {name}"
+        low, high = range_in_si(problem, name, between, where)
         for end in (low, high):
             if not admits(info, end):
                 text = f"{quote(end)} is out of range; must be {admissible(info)}"
-                raise InvalidProblem.at(f"between: {name}", text)
+                raise InvalidProblem.at(where, text)
         return Interval(low, high, (lowest, highest), may_grow=False)
     low, high = _usual_range(base, (lowest, highest), quantity.typical)
     low, high = max(low, lowest), min(high, highest)
@@ -355,18 +349,6 @@ def _interval(
         text = f"{quote(base)} has no scale to search around; give between=(low, high)"
         raise InvalidProblem.at(name, text)
     return Interval(low, high, (lowest, highest), may_grow=True)
-
-
-def _ends(between: Any, quantity: Quantity, name: str) -> tuple[float, float]:
-    """Return the given range in SI; reject one that is not a pair low < high."""
-    pair = list(between) if isinstance(between, (list, tuple, np.ndarray)) else []
-    if len(pair) != 2:
-        raise InvalidProblem.at("between", f"{quote(between)} is not a range; write (low, high)")
-    numbers = [end.item() if isinstance(end, np.generic) else end for end in pair]
-    low, high = (parse(end, quantity.unit, f"between: {name}") for end in numbers)
-    if not (isfinite(low) and isfinite(high) and low < high):
-        raise InvalidProblem.at("between", f"{quote(between)} is not a range: must be low < high")
-    return low, high
 
 
 def _usual_range(

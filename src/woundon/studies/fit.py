@@ -22,16 +22,16 @@ from typing import Any
 
 import numpy as np
 
+from ..arguments import check_arguments, check_seed, whole_number
 from ..errors import InvalidProblem, NoSteadyState, NotConverged
 from ..problems.messages import not_one_of, quote
-from ..problems.paths import field_quantity, get_field
+from ..problems.paths import varied_value
 from ..problems.problem import Problem
-from ..quantities import Quantity
-from .api import in_si, solver_options
+from .api import range_in_si
 from .fit_result import FitResult
 from .measurements import Observations, read_observations
 from .minimise import ACCURACY, Linearisation, minimise
-from .model import model_of, options_of, quantities_of
+from .model import model_of, options_of, quantities_of, solver_options
 from .predict import Parameter, Predictor
 from .profiles import End, ProfileLikelihood, find_end, profile_of, threshold
 from .progress import Progress, progress_reporter
@@ -118,16 +118,19 @@ def fit(
     >>> round(found.estimate("upper.radius"), 2)  # m
     0.25
     """
+    check_arguments(vary=vary, profiles=profiles)
+    check_seed(seed)
+    if starts is not None:
+        whole_number("starts", starts, 1, 1000)
     data = read_observations(problem, measured, columns, over_radius=False)
     settings = _on_one_mesh(problem, solver_options(nodes, rtol, options))
     model = model_of(problem, tuple(dict.fromkeys(data.names)), tie, settings)
-    bounds = in_si(problem, _bounds(vary))
+    bounds = _bounds(vary)
     parameters = tuple(_parameter(problem, name, ends) for name, ends in bounds.items())
     model.check_varied([*(p.name for p in parameters), *data.inputs])
     for parameter in parameters:
         _check_bounds(problem, parameter)
     _check_rows(problem, data)
-    quantities = quantities_of(model, (*(p.name for p in parameters), *data.names))
     _check_units(data)
     predictor, profiled = Predictor(model, data, parameters), _names_of_profiles(profiles, bounds)
     with progress_reporter(progress, "fitting") as report:
@@ -136,12 +139,12 @@ def fit(
             starts=starts,
             seed=seed,
             profiles=profiled,
-            quantities=quantities,
             workers=Workers(workers, scheduler),
             progress=report,
         )
     estimates = dict(zip(result.names, result.estimates, strict=True))
-    return replace(result, problem=model.variant(estimates))
+    quantities = quantities_of(model, (*result.names, *data.names))
+    return replace(result, problem=model.variant(estimates), quantities=quantities)
 
 
 # ---- input --------------------------------------------------------------------------------------
@@ -156,12 +159,9 @@ def _on_one_mesh(problem: Problem, options: Mapping[str, Any]) -> dict[str, Any]
     return defaults | dict(options)
 
 
-def _bounds(vary: Any) -> dict[str, Any]:
+def _bounds(vary: Mapping[str, Any] | Sequence[str]) -> dict[str, Any]:
     """Return the fields to fit with their bounds; None for default bounds."""
     names = [vary] if isinstance(vary, str) else vary
-    if not isinstance(names, (Mapping, Sequence)) or not all(isinstance(n, str) for n in names):
-        text = f"{quote(vary)} is out of place; must be names of fields, or {{name: (low, high)}}"
-        raise InvalidProblem.at("vary", text)
     bounds = dict(names) if isinstance(names, Mapping) else dict.fromkeys(names)
     if not bounds:
         raise InvalidProblem.at("vary", "nothing to fit: give fields and their bounds")
@@ -183,18 +183,12 @@ def _names_of_profiles(
 
 def _parameter(problem: Problem, name: str, bounds: Any) -> Parameter:
     """Return a parameter of a fit; its default bounds are a tenth and ten times its value."""
-    base = get_field(problem, name)
-    if field_quantity(problem, name) is None or not isinstance(base, float | None):
-        raise InvalidProblem.at(name, f"{quote(base)} is not a number, so it cannot be fitted")
+    base = varied_value(problem, name)
     if bounds is None:
         if base is None or base <= 0:
             raise InvalidProblem.at(name, f"is {quote(base)}: give bounds for it")
         bounds = (base / 10, base * 10)
-    try:
-        low, high = (float(end) for end in bounds)
-    except (TypeError, ValueError):
-        raise InvalidProblem.at(name, f"{bounds!r} are not bounds; write (low, high)") from None
-    return Parameter(name, low, high, base)
+    return Parameter(name, *range_in_si(problem, name, bounds), base)
 
 
 def _check_bounds(problem: Problem, parameter: Parameter) -> None:
@@ -238,11 +232,10 @@ def fit_parameters(
     starts: int | None,
     seed: int,
     profiles: Collection[str],
-    quantities: Mapping[str, Quantity],
     workers: Workers = Workers(1),  # noqa: B008
     progress: Progress = lambda done, expected: None,
 ) -> FitResult:
-    """Fit the predictor's parameters.
+    """Fit the predictor's parameters; the result has no problem and no quantities.
 
     Parameters
     ----------
@@ -253,8 +246,6 @@ def fit_parameters(
     seed : int
     profiles : collection of str
         Parameters whose profile-likelihood intervals are found.
-    quantities : mapping of str to Quantity
-        Of parameters and outputs.
     workers : Workers
         Where the profiles are found; the result does not depend on it.
     progress : callable
@@ -287,7 +278,7 @@ def fit_parameters(
         deeper = minimise(predictor, best[1])
         minima = minima if deeper is None else sorted([deeper, *minima], key=attrgetter("S"))
     tasks.end()
-    return _result(predictor, minima, count, likelihoods, quantities)
+    return _result(predictor, minima, count, likelihoods)
 
 
 def _minima(
@@ -441,7 +432,6 @@ def _result(
     minima: list[Linearisation],
     starts: int,
     profiles: tuple[ProfileLikelihood, ...],
-    quantities: Mapping[str, Quantity],
 ) -> FitResult:
     """Assemble the result: estimates, covariance, identifiability and fitted values."""
     u, r, J = minima[0]
@@ -478,7 +468,6 @@ def _result(
         row_numbers=tuple(predictor.data.rows.tolist()),
         weighted=predictor.weighted,
         profiles=profiles,
-        quantities=quantities,
     )
 
 

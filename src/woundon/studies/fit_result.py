@@ -67,12 +67,12 @@ class FitResult(Outcome):
     Examples
     --------
     >>> import woundon as wo
-    >>> data = {"load [kN/m]": [50, 89, 120], "half_width [um]": [265, 354, 411]}
-    >>> found = wo.fit(
-    ...     wo.RollerProblem.example(), data, {"upper.radius": (0.1, 1.0)}, starts=1, nodes=17
-    ... )
-    >>> round(found.problem.upper.radius, 2), found.not_identified
-    (0.25, ())
+    >>> rows = {"load": [50e3, 120e3], "half_width": [265e-6, 411e-6]}  # SI
+    >>> found = wo.fit(wo.RollerProblem.example(), rows, "lower.radius", starts=1, nodes=17)
+    >>> found.problem.lower.radius == found.estimate("lower.radius")
+    True
+    >>> found.to_dataframe().loc["lower.radius", "unit"]
+    'm'
     """
 
     names: tuple[str, ...]

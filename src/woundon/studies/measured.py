@@ -67,12 +67,10 @@ def read_measured(
 
     Parameters
     ----------
-    data : path, mapping or pandas.DataFrame
-        ``.csv`` or ``.xlsx`` file; or columns by name, in SI unless the name has a unit.
+    data, columns
+        As ``measured`` and ``columns`` of :func:`woundon.fit`.
     inputs, outputs : mapping of str to Quantity
         Quantities that a column may contain; None for an input that is not a number.
-    columns : mapping, optional
-        Header in the data -> name of the quantity, with or without unit; None omits a column.
     replaced : mapping of str to str, optional
         Names of outputs that do not exist, with a hint to existing ones.  A column with such a name
         is an error whose text contains the hint; it is not renamed.

@@ -9,7 +9,7 @@ pull_tab_force at a radius        converted to a pressure by the calibration of 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite, nan
 from typing import Any, NamedTuple, get_args, get_type_hints
@@ -17,8 +17,11 @@ from typing import Any, NamedTuple, get_args, get_type_hints
 import numpy as np
 
 from ..errors import InvalidProblem, one_of
+from ..problems.messages import quote
 from ..problems.problem import Problem
+from ..problems.units import parse
 from ..quantities import Quantity, length, outputs, scalar_outputs, value_of
+from ..results import Result
 from .columns import columns_of, conversion_of, measurable_outputs
 from .measured import read_measured
 from .model import kind_of
@@ -31,6 +34,7 @@ __all__ = [
     "definitions",
     "error_at",
     "predict",
+    "read_deviation",
     "read_observations",
 ]
 
@@ -132,11 +136,11 @@ def read_observations(
     InvalidProblem
         For an invalid table.
     """
-    fields = columns_of(problem)
+    fields, scalars = columns_of(problem), measurable_outputs(problem)
     result = kind_of(problem).result
-    positioned = arrays_over_radius(result, set(fields)) if over_radius else {}
-    known = {**positioned, **measurable_outputs(problem)}
-    if positioned:
+    arrays = arrays_over_radius(result, set(fields)) if over_radius else {}
+    known = {**arrays, **scalars}
+    if arrays:
         places = dict.fromkeys(POSITIONS, length("r", "where it was measured"))
         known |= {**places, TAB_FORCE: FORCE}
     replacements = {name: text for name, text in result.REPLACED.items() if name not in known}
@@ -144,41 +148,35 @@ def read_observations(
     values_of, deviations = dict(table.outputs), dict(table.deviations)
     radius = _radius(values_of, table.where, len(table.numbers))
     common = _convert_tab_forces(values_of, deviations, tab, table.where)
-    entries = []
-    scalars = measurable_outputs(problem)
-    for name, values in values_of.items():
-        nowhere = np.isnan(radius) & np.isfinite(values)
+    for name, of_rows in values_of.items():
+        nowhere = np.isnan(radius) & np.isfinite(of_rows)
         if name not in scalars and nowhere.any():
             row = table.numbers[int(np.argmax(nowhere))]
             column = TAB_FORCE if name == PRESSURE and TAB_FORCE in table.outputs else name
             text = f"row {row}: {column} needs a column {one_of(POSITIONS)}"
             raise InvalidProblem.at(table.where, text)
-        unknown = np.full(values.shape, nan)
-        entries += [
-            (
-                row,
-                name,
-                radius[row] if positioned else nan,
-                values[row],
-                deviations.get(name, unknown)[row],
-                common.get(name, np.zeros(values.shape))[row],
-            )
-            for row in np.nonzero(np.isfinite(values))[0]
-        ]
-    if not entries:
+    names, shape = list(values_of), (len(values_of), len(table.numbers))
+
+    def of_all_outputs(by_name: Mapping[str, Array], missing: float) -> Array:
+        """Return an (outputs, rows) array of values by output, which some outputs may lack."""
+        rows = [by_name.get(name, np.full(shape[1], missing)) for name in names]
+        return np.reshape(rows, shape)
+
+    values = of_all_outputs(values_of, nan)
+    rows, outputs = np.nonzero(np.isfinite(values.T))  # row by row
+    if not rows.size:
         raise InvalidProblem.at(table.where, "has no measured value")
-    entries.sort(key=lambda entry: entry[0])
-    rows, names, position, measured, deviation, shared = zip(*entries, strict=True)
-    quantities = {name: known[name] for name in names}
+    names_of_values = tuple(names[output] for output in outputs.tolist())
+    quantities = {name: known[name] for name in names_of_values}
     quantities |= {name: q for name in table.inputs if (q := fields.get(name)) is not None}
     return Observations(
-        rows=np.array(rows),
-        numbers=tuple(table.numbers[row] for row in rows),
-        names=names,
-        position=np.array(position),
-        measured=np.array(measured),
-        deviation=np.array(deviation),
-        common=np.array(shared),
+        rows=rows,
+        numbers=tuple(table.numbers[row] for row in rows.tolist()),
+        names=names_of_values,
+        position=radius[rows],
+        measured=values[outputs, rows],
+        deviation=of_all_outputs(deviations, nan)[outputs, rows],
+        common=of_all_outputs(common, 0.0)[outputs, rows],
         inputs=table.inputs,
         quantities=quantities,
         where=table.where,
@@ -247,10 +245,42 @@ def arrays_over_radius(result: type[Any], fields: set[str]) -> dict[str, Quantit
     }
 
 
+def read_deviation(
+    value: float | str, number_in_si: Callable[[float | str], float], where: str
+) -> tuple[float, bool]:
+    """Return a standard deviation, and whether it is relative.
+
+    Parameters
+    ----------
+    value : float or str
+        "20 %" is relative; a number is SI, a text has a unit.
+    number_in_si : callable
+        Converts one that is not relative.
+    where : str
+        Name of the value in error messages.
+
+    Raises
+    ------
+    InvalidProblem
+        If it is not a number > 0.
+
+    Examples
+    --------
+    >>> read_deviation("20 %", float, "spread"), read_deviation(1e-3, float, "spread")
+    ((0.2, True), (0.001, False))
+    """
+    is_relative = isinstance(value, str) and value.strip().endswith("%")
+    deviation = float(parse(value, "1", where) if is_relative else number_in_si(value))
+    if not (isfinite(deviation) and deviation > 0):
+        text = f"{quote(value)} is out of range; must be a standard deviation > 0"
+        raise InvalidProblem.at(where, text)
+    return deviation, is_relative
+
+
 # ---- predictions --------------------------------------------------------------------------------
 
 
-def predict(result: Any, observable: Observable) -> float:
+def predict(result: Result, observable: Observable) -> float:
     """Return the prediction of a measured value.
 
     Raises
@@ -261,7 +291,7 @@ def predict(result: Any, observable: Observable) -> float:
     name, radius = observable
     if not isfinite(radius):
         return float(value_of(result, name))
-    roll = getattr(result, "roll", result)
+    roll: Any = getattr(result, "roll", result)
     R = roll.radius[-1] if hasattr(roll, "radius") else np.nan
     if name == PRESSURE and abs(radius / R - 1) <= AT_SURFACE:
         text = "is zero at the surface of the roll, so that a value measured there is left out"
@@ -275,7 +305,7 @@ def predict(result: Any, observable: Observable) -> float:
                 "is not known of a stage of the build-up; leave out the column with its radius",
             )
         return float(value_of(roll.at(radius), name))
-    holder = result if hasattr(type(result), name) or name in vars(result) else roll
+    holder: Any = result if hasattr(type(result), name) or name in vars(result) else roll
     low, high = float(holder.radius[0]), float(holder.radius[-1])
     if not low <= radius <= high:
         text = f"{radius:.6g} is out of range; must be >= {low:.6g} and <= {high:.6g} [m]"
@@ -286,9 +316,9 @@ def predict(result: Any, observable: Observable) -> float:
     return float(np.interp(radius, holder.radius, values))
 
 
-def definitions(result: Any, names: Sequence[str]) -> Iterator[str]:
+def definitions(result: Result, names: Sequence[str]) -> Iterator[str]:
     """Yield the definitions of measured quantities that have two, with their values."""
-    roll = getattr(result, "roll", result)
+    roll: Any = getattr(result, "roll", result)
     if LENGTH in names and hasattr(roll, LENGTH):
         known = scalar_outputs(type(roll))
         texts = (
@@ -299,13 +329,14 @@ def definitions(result: Any, names: Sequence[str]) -> Iterator[str]:
         yield f"{LENGTH}: the {'; the finished roll also has the '.join(texts)}"
 
 
-def error_at(result: Any, observable: Observable) -> float:
+def error_at(result: Result, observable: Observable) -> float:
     """Return the estimated discretisation error of a prediction; nan where it is not known."""
     (name, radius), errors = observable, result.errors
     if name in errors and not isfinite(radius):
         return float(errors[name])
     if name in (PRESSURE, "hoop_stress") and {"core_pressure", "mid_pressure"} <= set(errors):
-        radii = getattr(result, "roll", result).radius
+        roll: Any = getattr(result, "roll", result)
+        radii = roll.radius
         ends = (radii[0], (radii[0] + radii[-1]) / 2)
         return float(np.interp(radius, ends, (errors["core_pressure"], errors["mid_pressure"])))
     return float(errors.get(name, errors.get(f"mean_{name}", nan)))

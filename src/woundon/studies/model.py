@@ -12,17 +12,18 @@ from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cache
 from inspect import signature
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
 from .. import __version__, kinds
-from ..arguments import check_type
+from ..arguments import check_arguments, check_type
 from ..errors import InvalidProblem, NotConverged, did_you_mean, unwarned
 from ..parallel import progress
 from ..problems.paths import field_quantity, get_field, is_part_of
 from ..problems.problem import Problem
 from ..quantities import Quantity, scalar_outputs, value_of
+from ..results import Result
 
 __all__ = [
     "Answer",
@@ -32,8 +33,10 @@ __all__ = [
     "model_of",
     "options_of",
     "quantities_of",
+    "solver_options",
 ]
 
+ProblemT = TypeVar("ProblemT", bound=Problem)
 _ERROR = "errors."  # of an output: "errors.half_width"
 
 
@@ -127,11 +130,6 @@ class KindModel:
         """
         self._check_outputs()
         self._check_options()
-        ties: Mapping[Any, Any] = self.tie
-        for follower, leader in ties.items():
-            if not isinstance(follower, str) or not isinstance(leader, str):
-                text = f"{leader!r} is not the name of a field; write FIELD = 'FIELD'"
-                raise InvalidProblem.at(f"tie.{follower}", text)
         self.variant({})
         return self
 
@@ -144,9 +142,9 @@ class KindModel:
         repeated = [name for name in dict.fromkeys(self.outputs) if self.outputs.count(name) > 1]
         if repeated:
             raise InvalidProblem.at("outputs", f"{repeated[0]!r} is given twice")
-        unknown = [name for name in self.outputs if str(name).removeprefix(_ERROR) not in known]
+        unknown = [name for name in self.outputs if name.removeprefix(_ERROR) not in known]
         if unknown:
-            raise InvalidProblem((str(name), _no_output(self.problem, name)) for name in unknown)
+            raise InvalidProblem((name, _no_output(self.problem, name)) for name in unknown)
 
     def _check_options(self) -> None:
         """Reject unknown options of the solver, and values out of range."""
@@ -177,11 +175,11 @@ class KindModel:
 
     # ---- one case -------------------------------------------------------------------------------
 
-    def variant(self, inputs: Mapping[str, Any]) -> Any:
+    def variant(self, inputs: Mapping[str, Any]) -> Problem:
         """Return the problem of one case."""
         return self.with_ties(self.problem.replace(**inputs))
 
-    def with_ties(self, problem: Problem) -> Problem:
+    def with_ties(self, problem: ProblemT) -> ProblemT:
         """Return a problem whose tied fields have the values of the fields that they follow."""
         if not self.tie:
             return problem
@@ -189,7 +187,7 @@ class KindModel:
             **{follower: get_field(problem, leader) for follower, leader in self.tie.items()}
         )
 
-    def solve(self, problem: Any, start: Any | None) -> Any:
+    def solve(self, problem: Problem, start: Result | None) -> Result:
         """Solve a problem; if a warm start does not converge, solve without it.
 
         In a worker process the solver is cancelled at its next report of progress, if requested.
@@ -255,11 +253,28 @@ def model_of(
     >>> round(model.run({"load": 50e3}, None).values[0] * 1e6)
     265
     """
+    check_arguments(outputs=outputs, tie=tie, options=options)
     if outputs is None:
         outputs = kind_of(problem).result.MAIN
     names = (outputs,) if isinstance(outputs, str) else tuple(outputs)
     settings = {name: value for name, value in options.items() if value is not None}
     return KindModel(problem, names, settings, dict(tie or {})).checked()
+
+
+def solver_options(nodes: Any, rtol: Any, options: Mapping[str, Any] | None) -> dict[str, Any]:
+    """Return the options of the solver that are not None.
+
+    >>> solver_options(65, None, {"progress": None})
+    {'nodes': 65, 'progress': None}
+    """
+    check_arguments(options=options)
+    further = dict(options or {})
+    explicit = {
+        name: value for name, value in (("nodes", nodes), ("rtol", rtol)) if value is not None
+    }
+    for name in explicit.keys() & further.keys():
+        raise InvalidProblem.at(name, "is given twice, also among the options")
+    return explicit | further
 
 
 def kind_of(problem: Any) -> kinds.Kind:
@@ -308,7 +323,7 @@ def _no_output(problem: Problem, name: str) -> str:
     return f"not a scalar output{did_you_mean(name, known)}"
 
 
-def _value(result: Any, name: str) -> Any:
+def _value(result: Result, name: str) -> Any:
     """Return an output or its error estimate; nan if there is none."""
     if name.startswith(_ERROR):
         return result.errors.get(name.removeprefix(_ERROR), np.nan)

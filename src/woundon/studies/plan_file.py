@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
 from ..errors import InvalidProblem
 from ..io.case_files import read_case
 from .planned import Measurement
-from .study_file import SCHEMA, base_case, check_names, flat_names, table_of
+from .study_file import base_case, check_names, check_tables, flat_names, table_of
 
 __all__ = ["load_plan"]
 
@@ -25,11 +26,11 @@ _KNOWN = (
     "solver",
 )
 _PLAN = ("count", "criterion", "output", "draws", "seed")
-_MEASUREMENT = ("quantity", "at", "standard_deviation", "cost", "case", "fields", "label")
+_MEASUREMENT = ("case", *(field.name for field in fields(Measurement) if field.name != "problem"))
 
 
 def load_plan(path: str | Path) -> dict[str, Any]:
-    """Return the keywords of :func:`~woundon.studies.experiment.next_experiment` in a study file.
+    """Return the keywords of :func:`~woundon.studies.plan.next_experiment` in a study file.
 
     Raises
     ------
@@ -38,9 +39,7 @@ def load_plan(path: str | Path) -> dict[str, Any]:
     """
     path = Path(path)
     content = read_case(path)
-    check_names(content, _KNOWN)
-    if content.get("schema") != SCHEMA:
-        raise InvalidProblem.at("schema", f"write 'schema = {SCHEMA}' at the top of the file")
+    check_tables(content, _KNOWN)
     settings = table_of(content, "plan")
     check_names(settings, _PLAN, "plan.")
     return {

@@ -7,34 +7,37 @@ Predictions and derivatives are those of a fit (:mod:`.predict`, :mod:`.slopes`)
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from math import isfinite, nan
+from functools import partial
+from math import nan
 from typing import Any
 
 import numpy as np
 
 from .. import kinds
-from ..arguments import check_type
+from ..arguments import check_arguments
 from ..errors import InvalidProblem, did_you_mean
 from ..problems.messages import quote
-from ..problems.paths import field_quantity, find_places, get_field, number_in_si
+from ..problems.paths import find_places, get_field, number_in_si
 from ..problems.problem import Problem
 from ..problems.units import parse
 from ..quantities import Quantity, length
+from ..results import Result
 from .columns import columns_of, measurable_outputs
 from .measured import MEASURED_AS
-from .measurements import POSITIONS, PRESSURE, Observable, arrays_over_radius
+from .measurements import POSITIONS, PRESSURE, Observable, arrays_over_radius, read_deviation
 from .model import KindModel, kind_of, model_of
 from .predict import Case, cases_of
 from .slopes import slopes, solve_case
 
-__all__ = ["Measurement", "Planned", "plan_measurement"]
+__all__ = ["Measurement", "PlannedMeasurement", "SolvedStates", "plan_measurement"]
 
 Array = np.ndarray
 RADII = {**POSITIONS, "radius": 1.0}  # names of the position in a roll, radius of each
 RADIUS = length("r", "position in a roll")
 PULL_TAB = "pull_tab_pressure"
+SolvedStates = dict[Any, Result]  # by problem and values of its varied fields
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,18 +84,15 @@ class Measurement:
     at: Mapping[str, Any] = field(default_factory=dict)
     standard_deviation: Any = None
     cost: float = 1.0
-    problem: Any = None
+    problem: Problem | None = None
     fields: Mapping[str, str] = field(default_factory=dict)
     label: str = ""
 
     def __post_init__(self) -> None:
         """Check the fields of the measurement."""
-        check_type("at", self.at, Mapping)
-        if not isinstance(self.quantity, str):
-            raise InvalidProblem.at("quantity", f"{quote(self.quantity)} is not a name")
-        if isinstance(self.cost, bool) or not isinstance(self.cost, (int, float)):
-            raise InvalidProblem.at("cost", f"{quote(self.cost)} is not a number")
-        if not 0 < self.cost < np.inf:
+        check_arguments(quantity=self.quantity, at=self.at, fields=self.fields, label=self.label)
+        is_number = isinstance(self.cost, (int, float)) and not isinstance(self.cost, bool)
+        if not is_number or not 0 < self.cost < 1e300:
             raise InvalidProblem.at("cost", f"{quote(self.cost)} is out of range; must be > 0")
         if self.standard_deviation is None:
             raise InvalidProblem.at(f"{self.quantity}: standard_deviation", "missing")
@@ -143,9 +143,10 @@ class Measurement:
         """
         if name in RADII:
             return RADIUS
-        has_problem = self.problem is not None
-        problems = [self.problem] if has_problem else [kind.problem for kind in kinds.every()]
-        places = (place for problem in problems for place in find_places(problem, name))
+        owners: list[Any] = [kind.problem for kind in kinds.every()]
+        if self.problem is not None:
+            owners = [self.problem]
+        places = (place for owner in owners for place in find_places(owner, name))
         return next((place.quantity for place in places if place.quantity is not None), None)
 
 
@@ -166,7 +167,7 @@ def _end_text(
 
 
 @dataclass(frozen=True, eq=False)
-class Planned:
+class PlannedMeasurement:
     """A measurement whose names and units are checked; n values, SI.
 
     Attributes
@@ -196,16 +197,14 @@ class Planned:
         """Name of the output that predicts the values."""
         return self.cases[0].observables[0].output
 
-    def predict(
-        self, theta: Mapping[str, float], solved: dict[Any, Any] | None = None
-    ) -> tuple[Array, Array]:
+    def predict(self, theta: Mapping[str, float], solved: SolvedStates) -> tuple[Array, Array]:
         """Return predictions (n,) and their derivatives by ln(theta), (n, p), SI units.
 
         Parameters
         ----------
-        theta : mapping
-            Unknown -> value.
-        solved : dict, optional
+        theta : mapping of str to float
+            The p unknown fields of the study and their values.
+        solved : dict
             Results that measurements at the same states share; it is extended.
 
         Raises
@@ -213,11 +212,14 @@ class Planned:
         InvalidProblem, NotConverged
             If a state has no solution.
         """
-        solved = {} if solved is None else solved
         fields = {path: theta[name] for name, paths in self.paths.items() for path in paths}
+        # d field / d ln(theta), (fields, p): the value of the unknown that the field follows
+        chain = np.array(
+            [[theta[name] * (path in self.paths[name]) for name in theta] for path in fields]
+        )
         values = np.empty(self.measurement.size)
         derivatives = np.zeros((values.size, len(theta)))
-        start: Any = None
+        start: Result | None = None
         for case in self.cases:
             inputs = {**fields, **case.inputs}
             key = (id(self.model.problem), tuple(sorted(inputs.items())))
@@ -227,15 +229,10 @@ class Planned:
             values[case.rows] = case.predictions(start)
             if fields:
                 columns = slopes(self.model, start, case.observables, list(fields), inputs)
-                by_field = dict(zip(fields, columns.T, strict=True))
-                for j, (name, value) in enumerate(theta.items()):
-                    for path in self.paths[name]:
-                        derivatives[case.rows, j] += value * by_field[path]
+                derivatives[case.rows] = columns @ chain
         return values, derivatives
 
-    def information(
-        self, theta: Mapping[str, float], solved: dict[Any, Any] | None = None
-    ) -> Array:
+    def information(self, theta: Mapping[str, float], solved: SolvedStates) -> Array:
         """Return the Fisher information on ln(theta), (p, p); arguments as of :meth:`predict`."""
         values, derivatives = self.predict(theta, solved)
         sigma = self.deviation * (np.abs(values) if self.is_relative else np.ones(values.shape))
@@ -249,10 +246,10 @@ class Planned:
 def plan_measurement(
     measurement: Measurement,
     problem: Problem,
-    unknown: Mapping[str, float],
+    unknown: Sequence[str],
     tie: Mapping[str, str],
     options: Mapping[str, Any],
-) -> Planned:
+) -> PlannedMeasurement:
     """Check the names, units and states of a measurement.
 
     Parameters
@@ -260,8 +257,8 @@ def plan_measurement(
     measurement : Measurement
     problem : Problem
         Of the study.
-    unknown : mapping
-        Dotted name -> value.
+    unknown : sequence of str
+        Dotted names of the unknown fields of the study.
     tie, options : mapping
         Of the study; they do not apply to a measurement with a problem of its own.
 
@@ -270,9 +267,8 @@ def plan_measurement(
     InvalidProblem
         For invalid names, values or units.
     """
-    check_type("candidates", measurement, Measurement)
     is_separate = measurement.problem is not None
-    base = measurement.problem if is_separate else problem
+    base = problem if measurement.problem is None else measurement.problem
     kind = kind_of(base)
     arrays = arrays_over_radius(kind.result, set(columns_of(base)))
     known = {**arrays, **measurable_outputs(base)}
@@ -286,7 +282,7 @@ def plan_measurement(
     state, position = _state(measurement, base, bool(arrays))
     if output not in measurable_outputs(base) and np.isnan(position).any():
         raise InvalidProblem.at(f"{where}: at", 'missing; write at={"radius": ...}')
-    paths = _followers_of_unknowns(measurement, base, tuple(unknown))
+    paths = _followers_of_unknowns(measurement, base, unknown)
     for name in state:
         for unknown_name, group in paths.items():
             if name in group:
@@ -296,8 +292,11 @@ def plan_measurement(
     model = model_of(base, outputs, {} if is_separate else tie, {} if is_separate else options)
     model.check_varied([*state, *(path for group in paths.values() for path in group)])
     cases = cases_of(state, [Observable(output, radius) for radius in position.tolist()])
-    deviation, is_relative = _deviation(measurement, known[output])
-    return Planned(measurement, model, cases, known[output], deviation, is_relative, paths)
+    quantity = known[output]
+    of_deviation = f"{where}: standard_deviation"
+    in_si = partial(parse, unit=quantity.unit, field=of_deviation)
+    deviation, is_relative = read_deviation(measurement.standard_deviation, in_si, of_deviation)
+    return PlannedMeasurement(measurement, model, cases, quantity, deviation, is_relative, paths)
 
 
 def _state(
@@ -312,14 +311,12 @@ def _state(
         if has_radius and name in RADII:
             position = RADII[name] * np.array([parse(value, "m", where) for value in values])
             continue
-        if field_quantity(base, name) is None:
-            raise InvalidProblem.at(where, "is not a number")
         state[name] = np.array([number_in_si(base, name, value, where) for value in values])
     return state, position
 
 
 def _followers_of_unknowns(
-    measurement: Measurement, base: Problem, unknown: tuple[str, ...]
+    measurement: Measurement, base: Problem, unknown: Sequence[str]
 ) -> dict[str, tuple[str, ...]]:
     """Return the fields of the measurement's problem that follow each unknown.
 
@@ -342,14 +339,3 @@ def _followers_of_unknowns(
         name: tuple(path for path, target in measurement.fields.items() if target == name)
         for name in unknown
     }
-
-
-def _deviation(measurement: Measurement, quantity: Quantity) -> tuple[float, bool]:
-    """Return the standard deviation, and whether it is relative to the predicted value."""
-    entry = measurement.standard_deviation
-    is_relative = isinstance(entry, str) and entry.strip().endswith("%")
-    where = f"{measurement.quantity}: standard_deviation"
-    deviation = float(parse(entry, "1" if is_relative else quantity.unit, where))
-    if not (isfinite(deviation) and deviation > 0):
-        raise InvalidProblem.at(where, f"{quote(entry)} is out of range; must be > 0")
-    return deviation, is_relative

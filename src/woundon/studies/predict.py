@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import InvalidProblem
+from ..results import Result
 from .measurements import Observable, Observations, predict
 from .model import KindModel
 from .slopes import slopes, solve_case
@@ -48,11 +49,6 @@ class Parameter:
     low: float
     high: float
     base: float | None
-
-    def __post_init__(self) -> None:
-        if not self.low < self.high or not np.isfinite([self.low, self.high]).all():
-            text = f"bounds {self.low!r} to {self.high!r} must be finite, and low < high"
-            raise InvalidProblem.at(self.name, text)
 
     @property
     def logarithmic(self) -> bool:
@@ -105,7 +101,7 @@ class Case(NamedTuple):
     rows: list[int]
     observables: list[Observable]
 
-    def predictions(self, result: Any) -> Array:
+    def predictions(self, result: Result) -> Array:
         """Return the predictions of a result of the case, (rows,)."""
         return np.array([predict(result, observable) for observable in self.observables])
 
@@ -138,7 +134,7 @@ class _Place(NamedTuple):
     """The results of all cases at u."""
 
     u: Array
-    results: list[Any]
+    results: list[Result]
 
 
 class Predictor:
@@ -250,22 +246,22 @@ class Predictor:
         """Return the parameters' values by name."""
         return {p.name: p.value(float(v)) for p, v in zip(self.parameters, u, strict=True)}
 
-    def _results(self, u: Array) -> list[Any]:
+    def _results(self, u: Array) -> list[Result]:
         """Return the results of all cases at u, with warm starts from the nearest place."""
         nearest = self._nearest(u)
         if nearest is not None and np.array_equal(nearest.u, u):
             return nearest.results
         fitted = self.inputs(u)
-        results: list[Any] = []
+        results: list[Result] = []
         for k, case in enumerate(self.cases):
             start = nearest.results[k] if nearest else results[-1] if results else None
             results.append(self._solve(self.model, {**case.inputs, **fitted}, start))
         self._places.append(_Place(u.copy(), results))
         return results
 
-    def _solve(self, model: KindModel, inputs: Mapping[str, Any], start: Any) -> Any:
+    def _solve(self, model: KindModel, inputs: Mapping[str, Any], start: Result | None) -> Result:
         """Solve a case and count it."""
-        result = solve_case(model, inputs, start)
+        result: Result = solve_case(model, inputs, start)
         self.solves += 1
         return result
 

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
+
+from ..arguments import check_arguments
 
 __all__ = ["Progress", "progress_reporter"]
 
 Progress = Callable[[int, int], None]  # called with (done, expected)
 
 
-@contextmanager
 def progress_reporter(
     progress: bool | Progress, label: str, *, unit: str = "", done: int = 0
-) -> Iterator[Progress]:
+) -> AbstractContextManager[Progress]:
     """Provide a function that reports the numbers of finished and of all cases.
 
     Parameters
@@ -35,10 +36,9 @@ def progress_reporter(
     ...     report(1, 2)
     1 of 2
     """
+    check_arguments(progress=progress)
     if progress is True:
         from .bars import bar
 
-        with bar(label, unit, done) as report:
-            yield report
-    else:
-        yield progress or (lambda done, expected: None)
+        return bar(label, unit, done)
+    return nullcontext(progress or (lambda done, expected: None))

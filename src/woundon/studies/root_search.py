@@ -369,12 +369,12 @@ class RootSearch:
         """Return the solutions between two samples of different sign."""
         from scipy.optimize import brentq
 
-        low, high, model = a, b, self._on_one_mesh(a, b)
-        if model is not None:
+        low, high, model = a, b, on_mesh_of(self.model, a.result, b.result)
+        if model is not self.model:
             low, high = self.evaluate(a.value, model), self.evaluate(b.value, model)
             if self.f(low) * self.f(high) > 0 and not any(map(self.is_root, (low, high))):
                 # the target lies within the discretisation error of an end
-                low, high, model = self.evaluate(a.value), self.evaluate(b.value), None
+                low, high, model = self.evaluate(a.value), self.evaluate(b.value), self.model
         samples = {low.value: low, high.value: high}
 
         def function(value: float) -> float:
@@ -415,10 +415,3 @@ class RootSearch:
             if low <= first.value and second.value <= high and depth:
                 roots += self._solve_bracket(first, second, depth - 1)
         return roots
-
-    def _on_one_mesh(self, a: Sample, b: Sample) -> KindModel | None:
-        """Return the model on the finer mesh of two results; None if the solver has one mesh."""
-        models = [on_mesh_of(self.model, sample.result) for sample in (a, b)]
-        if any(model is self.model for model in models):
-            return None
-        return max(models, key=lambda model: model.options["nodes"])

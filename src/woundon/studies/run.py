@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from .. import __version__
+from ..arguments import check_arguments, whole_number
 from ..errors import InvalidProblem, NoSteadyState, NotConverged
 from ..parallel import WorkerDied, in_processes, stoppable, usable_cores
 from ..parallel import progress as report_progress
@@ -45,6 +46,7 @@ Item = TypeVar("Item")
 Answer = TypeVar("Answer")
 
 WORTH_PROCESSES = 3.0  # seconds of remaining work; starting the processes takes about one
+MOST_PROCESSES = 10_000
 CONNECTING = 10.0  # seconds until a scheduler is out of reach
 QUEUED = 4  # items sent to a worker of a cluster at a time, so that it never waits
 FINISHING = "finishing the chunks under way; press Ctrl-C again to stop at once"
@@ -101,6 +103,7 @@ def run_study(
     >>> run_study(model, cases, Workers(1)).failed.size
     0
     """
+    check_arguments(out=out, resume=resume, progress=progress)
     if resume and out is None:
         raise InvalidProblem.at("resume", "needs out, the folder of the study to resume")
     for name in set(cases.names) & set(model.outputs):
@@ -201,12 +204,13 @@ class Workers:
     scheduler: str | None = None
 
     def __post_init__(self) -> None:
+        check_arguments(scheduler=self.scheduler)
         count = self.processes
         if self.scheduler is not None and count is not None:
             text = "cannot be combined with a scheduler, which has its own workers"
             raise InvalidProblem.at("workers", text)
-        if count is not None and (not isinstance(count, int) or count is True or count < 1):
-            raise InvalidProblem.at("workers", f"{count!r} is out of range: must be >= 1")
+        if count is not None:
+            whole_number("workers", count, 1, MOST_PROCESSES)
 
     @property
     def count(self) -> int:

@@ -14,19 +14,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import inf, isfinite, isinf, nan
+from math import isfinite, isinf, nan
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from .. import kinds
+from ..arguments import check_arguments, check_type, whole_number
 from ..errors import InvalidProblem, NotConverged, one_of
+from ..problems.limits import Limits
 from ..problems.messages import quote
-from ..problems.paths import field_or_none, field_quantity, get_field
+from ..problems.paths import field_or_none, get_field, varied_number
 from ..problems.problem import Problem
 from ..quantities import Quantity, in_chosen_units, value_of
-from .api import in_si
-from .model import KindModel, model_of, quantities_of
+from ..results import Result
+from .api import range_in_si
+from .model import KindModel, model_of, quantities_of, solver_options
 from .outcome import Outcome
 from .progress import Progress, progress_reporter
 
@@ -44,7 +47,7 @@ TOLERANCE = 1e-4  # of a limit: tolerance of the constraints
 FAILED = -1.0  # reserve of a winding that cannot be solved
 FAILED_OBJECTIVE = 2.0  # of such a winding, in magnitudes of the output of the first one
 BINDING = 0.01  # of a limit: a margin with a smaller reserve is active
-MIN_EVALUATIONS = 5
+MIN_EVALUATIONS, MOST_EVALUATIONS = 5, 100_000
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -93,8 +96,8 @@ class OptimisedSchedule(Outcome):
     names: tuple[str, ...]
     start: Array
     values: Array
-    before: Any
-    after: Any
+    before: Result
+    after: Result
     margins_before: Any
     margins_after: Any
     feasible: bool
@@ -211,12 +214,16 @@ def optimise_schedule(
     >>> best.feasible, best.names
     (True, ('wound_on_tension',))
     """
+    check_arguments(over=over, minimise=minimise, maximise=maximise)
+    whole_number("evaluations", evaluations, MIN_EVALUATIONS, MOST_EVALUATIONS)
+    if limits is not None:
+        check_type("limits", limits, Limits)
     if minimise is not None and maximise is not None:
         raise InvalidProblem.at(
             "maximise", "is given together with minimise; must be one of the two"
         )
     goal, sign = (minimise, 1.0) if maximise is None else (maximise, -1.0)
-    model = model_of(problem, goal, None, options or {})
+    model = model_of(problem, goal, None, solver_options(None, None, options))
     search = _Search(model, _ranges(problem, over), limits, goal, sign, evaluations)
     with progress_reporter(progress, "winding", unit="windings/min") as search.report:
         search.begin()
@@ -226,27 +233,15 @@ def optimise_schedule(
 
 def _ranges(problem: Problem, over: Mapping[str, Any] | None) -> dict[str, tuple[float, float]]:
     """Return the ranges of the varied fields, SI."""
-    ranges = _usual(problem) if over is None else in_si(problem, over)
-    if not ranges:
+    given = _usual(problem) if over is None else over
+    if not given:
         text = "nothing to vary; must be a mapping of fields to (low, high)"
         raise InvalidProblem.at("over", text)
-    return {name: _range(problem, name, ends) for name, ends in ranges.items()}
-
-
-def _range(problem: Problem, name: str, ends: Any) -> tuple[float, float]:
-    """Return the range of a field that is a number, SI."""
-    value = get_field(problem, name)
-    if field_quantity(problem, name) is None or not isinstance(value, float):
-        text = f"{quote(value)} is not a number, so it cannot be varied"
-        raise InvalidProblem.at(name, text)
-    try:
-        low, high = (float(end) for end in ends)
-    except (TypeError, ValueError):
-        text = f"{quote(ends)} is out of place; must be (low, high)"
-        raise InvalidProblem.at(name, text) from None
-    if not -inf < low < high < inf:
-        raise InvalidProblem.at(name, f"({low:g}, {high:g}) is out of range; must be low < high")
-    return low, high
+    ranges = {}
+    for name, ends in given.items():
+        varied_number(problem, name)  # rejects a field that is not a number
+        ranges[name] = range_in_si(problem, name, ends)
+    return ranges
 
 
 def _usual(problem: Problem) -> dict[str, tuple[float, float]]:
@@ -305,9 +300,6 @@ class _Search:
         sign: float,
         evaluations: int,
     ) -> None:
-        if type(evaluations) is not int or evaluations < MIN_EVALUATIONS:
-            text = f"{quote(evaluations)} is out of range; must be >= {MIN_EVALUATIONS}"
-            raise InvalidProblem.at("evaluations", text)
         if model.kind.margins is None:
             known = one_of(kind.problem.__name__ for kind in kinds.every() if kind.margins)
             text = f"{quote(model.problem)} is out of place; must be a {known}"
@@ -360,7 +352,7 @@ class _Search:
         """The windings that were solved."""
         return [case for case in self.evaluations.values() if case.result is not None]
 
-    def _nearest(self, values: tuple[float, ...]) -> Any:
+    def _nearest(self, values: tuple[float, ...]) -> Result | None:
         """Return the result with the nearest values, relative to the ranges, as a warm start."""
         if not self.solved:
             return None
@@ -369,7 +361,7 @@ class _Search:
         )
         return self.solved[int(np.argmin(np.sum(distances**2, axis=1)))].result
 
-    def _evaluation(self, values: tuple[float, ...], result: Any) -> _Evaluation:
+    def _evaluation(self, values: tuple[float, ...], result: Result) -> _Evaluation:
         """Return a solved winding with its reserves and the value of the goal."""
         margins = self.margins(result, self.limits)
         reserves = np.array([margins[name].reserve for name in self.checked])

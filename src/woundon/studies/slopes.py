@@ -21,7 +21,8 @@ import numpy as np
 
 from ..arguments import check_type
 from ..errors import InvalidProblem, NotConverged, unwarned
-from ..problems.paths import field_or_none, get_field, is_part_of
+from ..problems.paths import get_field, is_part_of, varied_number
+from ..problems.problem import Problem
 from ..results import Result
 from ..sensitivity import Sensitivity
 from .measurements import Observable, predict
@@ -38,7 +39,7 @@ Array = np.ndarray
 STEP, ONE_SIDED_STEP = 3e-3, 1e-3
 
 
-def solve_case(model: KindModel, inputs: Mapping[str, Any], start: Any) -> Any:
+def solve_case(model: KindModel, inputs: Mapping[str, Any], start: Result | None) -> Result:
     """Return the result for the base problem with other inputs; warnings are kept in it only."""
     with unwarned():
         return model.solve(model.variant(inputs), start)
@@ -46,7 +47,7 @@ def solve_case(model: KindModel, inputs: Mapping[str, Any], start: Any) -> Any:
 
 def slopes(
     model: KindModel,
-    result: Any,
+    result: Result,
     observables: Sequence[Observable],
     names: Sequence[str],
     inputs: Mapping[str, Any] | None = None,
@@ -55,7 +56,7 @@ def slopes(
     exact: bool = True,
     central: bool = True,
     nan_if_unsolved: bool = False,
-    solve: Callable[[KindModel, Mapping[str, Any], Any], Any] = solve_case,
+    solve: Callable[[KindModel, Mapping[str, Any], Result | None], Result] = solve_case,
 ) -> Array:
     """Return the derivatives of predicted values with respect to fields, (values, fields) [SI].
 
@@ -102,7 +103,7 @@ def slopes(
         return known
     fixed, state = on_mesh_of(model, result), dict(inputs or {})
 
-    def predictions(solved: Any) -> Array:
+    def predictions(solved: Result) -> Array:
         return np.array([predict(solved, observable) for observable in observables])
 
     def predictions_at(name: str, value: float) -> Array:
@@ -125,7 +126,7 @@ def slopes(
 
 
 def _exact_slopes(
-    model: KindModel, result: Any, observables: Sequence[Observable], names: Sequence[str]
+    model: KindModel, result: Result, observables: Sequence[Observable], names: Sequence[str]
 ) -> Array | None:
     """Return exact derivatives, (values, fields); None if one of them has none.
 
@@ -179,21 +180,23 @@ def _difference_quotient(
     return (y1 - y2) / (x1 - x2)
 
 
-def on_mesh_of(model: KindModel, result: Any) -> KindModel:
-    """Return the model with the nodes of a result, if the solver chooses the mesh.
+def on_mesh_of(model: KindModel, *results: Result) -> KindModel:
+    """Return the model with the nodes of the finest of some results, if the solver chooses them.
 
     On one mesh outputs are continuous functions of the fields, and discretisation errors cancel in
-    differences.
+    differences.  The model itself is returned if the number of nodes is an option that is set, or
+    if the solver has no such number.
     """
-    nodes = getattr(result, "nodes", None)
-    is_chosen = isinstance(nodes, int) and options_of(model.problem).get("nodes", ...) is None
+    nodes: list[Any] = [getattr(result, "nodes", None) for result in results]
+    has_nodes = all(isinstance(number, int) for number in nodes)
+    is_chosen = has_nodes and options_of(model.problem).get("nodes", ...) is None
     if not is_chosen or "nodes" in model.options:
         return model
     options = {name: value for name, value in model.options.items() if name != "rtol"}
-    return replace(model, options={**options, "nodes": nodes})
+    return replace(model, options={**options, "nodes": max(nodes)})
 
 
-def derivatives(result: Any, *parameters: str, **options: Any) -> Sensitivity:
+def derivatives(result: Result, *parameters: str, **options: Any) -> Sensitivity:
     """Return derivatives of a result's main outputs with respect to fields of its problem.
 
     Results with a method ``sensitivity`` (nips, rollers) differentiate their equations.  For all
@@ -229,6 +232,8 @@ def derivatives(result: Any, *parameters: str, **options: Any) -> Sensitivity:
     0.5
     """
     check_type("result", result, Result)
+    for name in parameters:
+        check_type("parameters", name, str)
     if not options and hasattr(result, "sensitivity"):
         sensitivity: Sensitivity = result.sensitivity(*parameters)
         return sensitivity
@@ -245,11 +250,9 @@ def derivatives(result: Any, *parameters: str, **options: Any) -> Sensitivity:
     return Sensitivity(outputs, parameters, columns, values, fields)
 
 
-def _continuous_field(problem: Any, name: str) -> float:
+def _continuous_field(problem: Problem, name: str) -> float:
     """Return the value of a field that can be varied by a share of it."""
-    value = field_or_none(problem, name)
-    if not isinstance(value, float):
-        raise InvalidProblem.at(name, "is not a continuous field")
+    value = varied_number(problem, name)
     if value == 0:
         raise InvalidProblem.at(name, "is 0, which has no scale for a difference")
     return value

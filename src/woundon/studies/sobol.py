@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..arguments import check_seed, whole_number
 from ..errors import InvalidProblem
-from .cases import Cases, scaled_to_range, table_of_cases
+from .cases import MOST_CASES, Cases, check_number, scaled_to_range, table_of_cases
 from .outcome import Outcome
 from .run import Table, failures
 
@@ -143,13 +144,13 @@ class SobolIndices(Outcome):
         One of the two 95 % intervals is wider than 0.2, or the first-order index, which cannot
         exceed the total index, does so.
         """
-        widths = np.maximum(*(np.ptp(ends, axis=0) for ends in self._intervals))
-        uncertain: Array = (widths > WIDE) | (self.first_order > self.total_order + ROUNDING)
-        return uncertain
+        is_wide = self._widths.max(axis=0) > WIDE
+        return np.asarray(is_wide | (self.first_order > self.total_order + ROUNDING))
 
     @property
-    def _intervals(self) -> tuple[Array, Array]:
-        return self.first_interval, self.total_interval
+    def _widths(self) -> Array:
+        """Widths of the 95 % intervals, (order, outputs, inputs)."""
+        return np.ptp([self.first_interval, self.total_interval], axis=1)
 
     @property
     def proposed_samples(self) -> int:
@@ -160,8 +161,7 @@ class SobolIndices(Outcome):
         """
         if not self.uncertain.any():
             return self.samples
-        width = max(float(np.nanmax(np.ptp(ends, axis=0))) for ends in self._intervals)
-        required = self.samples * max(2.0, (width / WIDE) ** 2)
+        required = self.samples * max(2.0, (float(np.nanmax(self._widths)) / WIDE) ** 2)
         return int(2 ** ceil(log2(required)))
 
     def remarks(self) -> list[str]:
@@ -170,7 +170,7 @@ class SobolIndices(Outcome):
             return []
         return [
             f"* not determined by {self.samples} samples (interval wider than {WIDE:g}, or first "
-            f"order above total): use samples={self.proposed_samples}"
+            f"order above total): use {self.proposed_samples} samples"
         ]
 
 
@@ -193,15 +193,17 @@ def saltelli_cases(ranges: Mapping[str, Any], samples: int, seed: int) -> Cases:
     """
     from scipy.stats import qmc
 
-    if not isinstance(ranges, Mapping) or not ranges:
+    if not ranges:
         raise InvalidProblem.at("over", "nothing to vary: give fields and their ranges")
     if len(ranges) < 2:
         text = "has one field; must be two or more: the index of a single input is 1"
         raise InvalidProblem.at("over", text)
-    valid = isinstance(samples, (int, np.integer)) and not isinstance(samples, bool)
-    if not valid or samples < 4 or samples != 2 ** int(log2(samples)):
+    check_seed(seed)
+    whole_number("samples", samples, 1, MOST_CASES)
+    if samples < 4 or samples & (samples - 1):
         raise InvalidProblem.at("samples", f"{samples!r} is not a power of 2, at least 4")
     d = len(ranges)
+    check_number(samples * (d + 2))
     unit = qmc.Sobol(2 * d, rng=seed).random_base2(int(log2(samples)))
     A, B = unit[:, :d], unit[:, d:]
     mixed = [np.where(np.arange(d) == k, B, A) for k in range(d)]

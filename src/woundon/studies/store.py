@@ -9,8 +9,9 @@
 its number, its results and the record, so that a damaged, exchanged or foreign chunk is noticed.
 
 Every chunk is one transaction with a rollback journal: after a kill -9 or a loss of power the file
-contains the chunks that were solved.  Several processes may use the same folder; SQLite separates
-their transactions.  A damaged file is rejected and left as it is.
+contains the chunks that were solved; a file of zero bytes is a study that was killed before its
+first transaction.  Several processes may use the same folder; SQLite separates their transactions.
+A damaged file, and one with other tables than a study has, is rejected and left as it is.
 """
 
 from __future__ import annotations
@@ -70,26 +71,26 @@ class Store:
             self.connection.execute(statement)
         self.connection.execute("INSERT INTO study VALUES (?)", (self.record,))
 
-    def is_empty(self) -> bool:
-        """Return True if the file has no tables, because the study was stopped at once."""
-        return self.connection.execute("SELECT 1 FROM sqlite_master").fetchone() is None
-
     def read_record(self) -> dict[str, Any]:
         """Return the record of the study in the file.
 
         Raises
         ------
         sqlite3.DatabaseError
-            If the file is damaged.
+            If the file has not exactly the tables of a study, or the record cannot be read.
         """
-        (state,) = self.connection.execute("PRAGMA quick_check(1)").fetchone()
-        row = self.connection.execute("SELECT record FROM study").fetchone()
+        # nothing is read from a view, which may contain any computation
+        names = self.connection.execute("SELECT type, name FROM sqlite_master").fetchall()
+        if sorted(names) != [("table", "chunk"), ("table", "study")]:
+            raise sqlite3.DatabaseError("its tables are not those of a study")
+        rows = self.connection.execute("SELECT record FROM study").fetchall()
         try:
-            record = json.loads(row[0])
+            [(text,)] = rows
+            record = json.loads(text)
         except (TypeError, ValueError, RecursionError):
             record = None
-        if state != "ok" or not isinstance(record, dict):
-            raise sqlite3.DatabaseError("its record cannot be read" if state == "ok" else state)
+        if not isinstance(record, dict):
+            raise sqlite3.DatabaseError("its record cannot be read")
         return record
 
     def read_chunks(self) -> None:
@@ -98,8 +99,14 @@ class Store:
         Raises
         ------
         sqlite3.DatabaseError
-            If the SHA-256 of a chunk is wrong.
+            If the tables have other columns, a page is damaged, or the SHA-256 of a chunk is wrong.
         """
+        statements = self.connection.execute("SELECT sql FROM sqlite_master").fetchall()
+        if {sql for (sql,) in statements} != set(CREATE):
+            raise sqlite3.DatabaseError("its tables have other columns than those of a study")
+        (state,) = self.connection.execute("PRAGMA quick_check(1)").fetchone()
+        if state != "ok":
+            raise sqlite3.DatabaseError(state)
         for *row, sha256 in self.connection.execute(
             "SELECT number, outputs, failure, warnings, sha256 FROM chunk"
         ):
@@ -148,18 +155,14 @@ def open_store(
     elif not path.is_file():
         raise InvalidProblem.at(str(folder), f"its {FILE} is not a regular file")
     is_writable = all(os.access(p, os.W_OK) for p in (folder, path) if p.exists())
-    address = f"{path.absolute().as_uri()}?mode={'rwc' if is_writable else 'ro'}"
     with (
         _errors_of_sqlite_translated(folder, is_writable),
-        closing(
-            # without implicit transactions: every statement is one, unless BEGIN starts one
-            sqlite3.connect(address, timeout=PATIENCE, isolation_level=None, uri=True)
-        ) as connection,
+        closing(_connect(path, is_writable)) as connection,
     ):
         store = Store(connection, json.dumps(record, sort_keys=True))
         # of two processes that create the file at a time, the second reads what the first wrote
         connection.execute("BEGIN IMMEDIATE" if is_writable else "BEGIN")
-        if is_writable and store.is_empty():
+        if is_writable and not path.stat().st_size:
             store.create()
         else:
             _check_study(folder, store.read_record(), json.loads(store.record), resume)
@@ -170,6 +173,23 @@ def open_store(
             text = f"cannot be written, and {missing} of {chunks} chunks are not in it"
             raise OSError(errno.EROFS, text, str(folder))
         yield store
+
+
+def _connect(path: Path, is_writable: bool) -> sqlite3.Connection:
+    """Return a connection on which every statement is a transaction, unless BEGIN starts one.
+
+    Raises
+    ------
+    sqlite3.DatabaseError
+        If the file has a write-ahead log, which SQLite would write into it; a store has none.
+    """
+    if path.exists():
+        with path.open("rb") as file:
+            header = file.read(20)
+        if header.startswith(b"SQLite format 3\0") and 2 in header[18:]:  # versions of the format
+            raise sqlite3.DatabaseError("it has a write-ahead log, and a study has none")
+    address = f"{path.absolute().as_uri()}?mode={'rwc' if is_writable else 'ro'}"
+    return sqlite3.connect(address, timeout=PATIENCE, isolation_level=None, uri=True)
 
 
 def _check_study(
@@ -200,7 +220,7 @@ def _errors_of_sqlite_translated(folder: Path, is_writable: bool) -> Iterator[No
         code = getattr(fault, "sqlite_errorcode", sqlite3.SQLITE_ERROR) & 0xFF  # the primary code
         if not isinstance(fault, sqlite3.OperationalError) or code == sqlite3.SQLITE_ERROR:
             reason = " ".join(str(fault).split())  # SQLite reports each damaged page on a line
-            text = f"its {FILE} is damaged ({reason}) and is left as it is"
+            text = f"its {FILE} is damaged or not a study ({reason}) and is left as it is"
             raise InvalidProblem.at(
                 str(folder), f"{text}; solve the study in another folder"
             ) from None

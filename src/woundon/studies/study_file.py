@@ -21,6 +21,7 @@ __all__ = [
     "StudyFile",
     "base_case",
     "check_names",
+    "check_tables",
     "flat_names",
     "load_study",
     "study_of_tables",
@@ -89,9 +90,7 @@ def study_of_tables(
     InvalidProblem
         As of :func:`load_study`.
     """
-    check_names(content, _KNOWN)
-    if content.get("schema") != SCHEMA:
-        raise InvalidProblem.at("schema", f"write 'schema = {SCHEMA}' at the top of the file")
+    check_tables(content, _KNOWN)
     problem = base_case(content.get("case"), folder)
     design = _design(table_of(content, "design"))
     is_drawn = ranges or design.get("design", "grid") not in ("grid", "table")
@@ -134,6 +133,13 @@ def base_case(case: Any, folder: Path | None) -> Problem:
     if isinstance(case, Mapping):
         return make_problem({"schema": SCHEMA, **case})
     raise InvalidProblem.at("case", "missing; give the path of a case file, or the case as [case]")
+
+
+def check_tables(content: Mapping[str, Any], known: Sequence[str]) -> None:
+    """Reject a study file with unknown tables, or of another schema."""
+    check_names(content, known)
+    if content.get("schema") != SCHEMA:
+        raise InvalidProblem.at("schema", f"write 'schema = {SCHEMA}' at the top of the file")
 
 
 def check_names(table: Mapping[str, Any], known: Sequence[str], prefix: str = "") -> None:

@@ -9,11 +9,10 @@ from textwrap import fill
 
 from .. import kinds
 from ..errors import InvalidProblem
-from ..io.case_texts import SCHEMA, to_toml
+from ..io.case_texts import SCHEMA, to_toml, toml_value
 from ..problems.paths import field_quantity
 from ..problems.problem import Problem
-from ..problems.units import text_with_unit
-from ..quantities import Quantity, scalar_outputs
+from ..quantities import scalar_outputs
 from .model import options_of
 
 __all__ = ["study_template"]
@@ -56,7 +55,7 @@ def study_template(kind: str) -> str:
     InvalidProblem
         For an unknown kind, or one that has no example.
     """
-    problem_kind = kinds.named(kind.replace("-", "_"))
+    problem_kind = kinds.named(kind)
     problem = problem_kind.example()
     varied = dict(_varied_fields(problem))
     width = max(map(len, varied), default=0)
@@ -89,10 +88,10 @@ def _varied_fields(problem: Problem) -> Iterator[tuple[str, str]]:
         low, high = next(
             pair for pair in ends if pair and _is_admissible(problem, {name: pair, **other})
         )
-        text = f"from = {_text(low, loads[name])}, to = {_text(high, loads[name])}"
+        text = f"from = {toml_value(low, loads[name])}, to = {toml_value(high, loads[name])}"
         yield name, f"{{ {text}, count = 5 }}"
     for name, values in other.items():
-        yield name, f"[{', '.join(_text(value, loads[name]) for value in values)}]"
+        yield name, toml_value(values, loads[name])
 
 
 def _is_admissible(problem: Problem, values: dict[str, tuple[float, float]]) -> bool:
@@ -103,7 +102,3 @@ def _is_admissible(problem: Problem, values: dict[str, tuple[float, float]]) -> 
     except InvalidProblem:
         return False
     return True
-
-
-def _text(value: float, quantity: Quantity) -> str:
-    return json.dumps(text_with_unit(value, quantity.unit, quantity.display))

@@ -23,10 +23,11 @@ from typing import Any
 
 import numpy as np
 
-from ..arguments import whole_number
+from ..arguments import check_arguments, check_seed, whole_number
 from ..errors import InvalidProblem, NotConverged
 from ..problems.grades import Grade
 from ..problems.problem import Problem
+from ..problems.winding import WindingProblem
 from .progress import Progress, progress_reporter
 from .run import Workers
 from .window_cases import (
@@ -52,7 +53,7 @@ from .window_map import (
     terms_of,
     to_reserve,
 )
-from .window_result import OperatingWindow
+from .window_result import MOST_SAMPLES, OperatingWindow
 
 __all__ = ["operating_window"]
 
@@ -153,13 +154,15 @@ def operating_window(
     >>> window.best.probability, window.at("400 N/m", "3 kN/m").binding
     (1.0, 'blocking')
     """
-    if not margin_names(problem):
+    if not isinstance(problem, WindingProblem):
         text = f"{type(problem).__name__} is out of place; must be a WindingProblem"
         raise InvalidProblem.at("problem", text)
+    check_arguments(out=out, resume=resume, progress=progress, preview=preview)
     if resume and out is None:
         raise InvalidProblem.at("resume", "needs out, the folder of the windings")
     spreads, ties = spreads_and_ties(problem, uncertain, tie)
-    whole_number("samples", samples, 100, 100_000)
+    whole_number("samples", samples, 100, MOST_SAMPLES)
+    check_seed(seed)
     model = window_model(problem, ties, options)
     for name in spreads:
         model.check_varied([name])
@@ -315,8 +318,7 @@ class _Study:
         """Return the number of windings with drawn inputs."""
         if self.inputs == 0:
             return 0
-        problem: Any = self.model.problem
-        solves_nips = problem.tension_law == "nip" and not self.model.depths
+        solves_nips = self.model.problem.tension_law == "nip" and not self.model.depths
         terms = terms_of(self.inputs, self.inputs, self.dimension)
         return min(DRAWN_WITH_NIPS if solves_nips else DRAWN, DRAWN_PER_TERM * terms)
 

@@ -15,22 +15,24 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import inf, log
+from math import log
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..arguments import check_arguments
 from ..errors import InvalidProblem
 from ..problems.grades import Grade, grade
 from ..problems.messages import quote
-from ..problems.paths import field_quantity, get_field
+from ..problems.paths import get_field, varied_number
 from ..problems.problem import Problem
 from ..problems.schedules import Profile, Taper
+from ..problems.winding import WindingProblem
 from ..quantities import Quantity, scalar_outputs
-from .api import in_si
+from .api import range_in_si
 from .cases import table_of_cases
-from .model import Answer, KindModel, kind_of, model_of
+from .model import Answer, KindModel, kind_of, model_of, solver_options
 from .progress import Progress
 from .run import Workers, run_study
 from .window_map import SetPoints, fitted, from_reserve
@@ -66,23 +68,20 @@ TOGETHER = 3  # windings that one worker solves in a row, each from the one befo
 
 
 def spreads_and_ties(
-    problem: Problem, uncertain: Any, tie: Mapping[str, str] | None
+    problem: WindingProblem,
+    uncertain: Mapping[str, float] | Grade | str | None,
+    tie: Mapping[str, str] | None,
 ) -> tuple[dict[str, float], dict[str, str]]:
     """Return the relative standard deviations of the inputs, and the fields that follow others."""
-    base_grade: Grade | None = getattr(problem, "named_grade", None)
-    overrides: Mapping[str, Any] = {}
-    if isinstance(uncertain, Mapping):
-        overrides = uncertain
-    elif isinstance(uncertain, (str, Grade)):
-        base_grade = grade(uncertain)
-    elif uncertain is not None:
-        text = f"{quote(uncertain)} is out of place; must be {{field: relative deviation}}"
-        raise InvalidProblem.at("uncertain", text)
+    base_grade = problem.named_grade
+    if isinstance(uncertain, (str, Grade)):
+        base_grade, uncertain = grade(uncertain), None
+    check_arguments(uncertain=uncertain, tie=tie)
     spreads, ties = dict[str, float](), dict(tie or {})
     if base_grade is not None:
         ties = {**base_grade.tied_fields(problem), **ties}
         spreads = {n: s for n, s in base_grade.spread_of(problem).items() if n not in ties}
-    for name, spread in overrides.items():
+    for name, spread in (uncertain or {}).items():
         _check_spread(problem, name, spread)
         spreads[name] = float(spread)
     if not spreads:
@@ -100,22 +99,13 @@ def _check_spread(problem: Problem, name: str, spread: Any) -> None:
     if not is_number or not 0 <= spread <= MOST_SPREAD:
         text = f"{quote(spread)} is out of range; must be >= 0 and <= {MOST_SPREAD:g}"
         raise InvalidProblem.at(f"uncertain.{name}", text)
-    value = get_field(problem, name)
-    if field_quantity(problem, name) is None or not isinstance(value, float) or value <= 0:
-        text = f"{quote(value)} is not a number > 0, so it has no log-normal distribution"
-        raise InvalidProblem.at(f"uncertain.{name}", text)
+    varied_number(problem, name, f"uncertain.{name}", is_relative=True)
 
 
 def range_of(problem: Problem, name: str, ends: Any) -> tuple[float, float]:
     """Return a range in SI units; only the torque split may be 0."""
-    if isinstance(ends, str) or not hasattr(ends, "__len__") or len(ends) != 2:
-        raise InvalidProblem.at(name, f"{quote(ends)} is out of place; must be (low, high)")
-    numbers = in_si(problem, {name: ends})[name]
-    for value in numbers:
-        if isinstance(value, bool) or not isinstance(value, (int, float, np.number)):
-            raise InvalidProblem.at(name, f"{quote(value)} is not a number")
-    low, high = map(float, numbers)
-    if not 0 <= low < high < inf or (low == 0 and name != "torque_split"):
+    low, high = range_in_si(problem, name, ends)
+    if low < 0 or (low == 0 and name != "torque_split"):
         text = f"({low:g}, {high:g}) is out of range; must be 0 < low < high"
         raise InvalidProblem.at(name, text)
     return low, high
@@ -135,15 +125,17 @@ class WindowModel(KindModel):
         if a wound-on tension takes no nip, or nips and roll are also coupled by entrained air.
     """
 
+    problem: WindingProblem
     depths: tuple[float, ...] = ()
 
-    def variant(self, inputs: Mapping[str, Any]) -> Any:
+    def variant(self, inputs: Mapping[str, Any]) -> WindingProblem:
         """Return the problem of one case; with friction shares, one that needs no nip."""
         fields: dict[str, Any] = {}
         for name, value in inputs.items():
             if name != FRICTION_SHARE:
                 fields |= with_value(self.problem, name, value)
-        problem = super().variant(fields)  # rejects a set point without a steady state
+        # rejects a set point without a steady state
+        problem = self.with_ties(self.problem.replace(**fields))
         if FRICTION_SHARE not in inputs:
             return problem
         r, without_friction, friction = self._tensions(problem)
@@ -162,7 +154,7 @@ class WindowModel(KindModel):
         shares = (tension - without_friction) / friction
         return answer._replace(values=(*answer.values, *shares.tolist()))
 
-    def _tensions(self, problem: Any) -> tuple[Array, Array, Array]:
+    def _tensions(self, problem: WindingProblem) -> tuple[Array, Array, Array]:
         """Return radii at the depths [m], T_in + F and mu+ P there [N/m]."""
         core, R = problem.ends
         r = core + np.array(self.depths) * (R - core)
@@ -180,7 +172,7 @@ class WindowModel(KindModel):
 
 
 def window_model(
-    problem: Any, tie: Mapping[str, str], options: Mapping[str, Any] | None
+    problem: WindingProblem, tie: Mapping[str, str], options: Mapping[str, Any] | None
 ) -> WindowModel:
     """Return the model whose outputs are all margins, and the friction shares where they help.
 
@@ -193,19 +185,19 @@ def window_model(
         Options of the solver in place of the reduced accuracy.
     """
     names = [f"margins.{name}" for name in margin_names(problem)]
-    base = model_of(problem, names, tie, {**ACCURACY, **(options or {})})
+    base = model_of(problem, names, tie, {**ACCURACY, **solver_options(None, None, options)})
     depths = _depths(problem)
     shares = tuple(f"{FRICTION_SHARE}[{k}]" for k in range(len(depths)))
-    return WindowModel(base.problem, (*base.outputs, *shares), base.options, base.tie, depths)
+    return WindowModel(problem, (*base.outputs, *shares), base.options, base.tie, depths)
 
 
-def margin_names(problem: Any) -> tuple[str, ...]:
-    """Return the names of the margins among the outputs of a problem's kind."""
+def margin_names(problem: WindingProblem) -> tuple[str, ...]:
+    """Return the names of the margins among the outputs of a winding."""
     names = scalar_outputs(kind_of(problem).result)
     return tuple(name.removeprefix("margins.") for name in names if name.startswith("margins."))
 
 
-def _depths(problem: Any) -> tuple[float, ...]:
+def _depths(problem: WindingProblem) -> tuple[float, ...]:
     """Return the relative depths at which the friction shares of a winding are interpolated."""
     if problem.tension_law != "nip" or problem.air is not None:
         return ()
@@ -216,7 +208,7 @@ def _depths(problem: Any) -> tuple[float, ...]:
     return tuple(np.unique(np.round(d, SAME_DEPTH)).tolist())
 
 
-def with_value(problem: Any, name: str, value: Any) -> dict[str, Any]:
+def with_value(problem: WindingProblem, name: str, value: Any) -> dict[str, Any]:
     """Return the fields that give a field a value, or a schedule this value at the core."""
     schedule = get_field(problem, name)
     if isinstance(schedule, Taper):
@@ -227,7 +219,9 @@ def with_value(problem: Any, name: str, value: Any) -> dict[str, Any]:
     return {name: value}
 
 
-def input_values(problem: Any, spreads: Mapping[str, float], z: Array) -> dict[str, Array]:
+def input_values(
+    problem: WindingProblem, spreads: Mapping[str, float], z: Array
+) -> dict[str, Array]:
     """Return the values of log-normal inputs by name, (cases,) each.
 
     Parameters

@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from ..arguments import check_seed, whole_number
 from ..errors import InvalidProblem
+from ..problems.paths import number_in_si
+from ..problems.winding import WindingProblem
 from ..quantities import Quantity
-from .api import in_si
 from .outcome import Outcome
 from .progress import Progress
 from .run import Workers
@@ -21,9 +23,10 @@ from .window_map import NEGLIGIBLE, MarginMap, SetPoints, grid, standard_normal
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["LEVELS", "OperatingPoint", "OperatingWindow"]
+__all__ = ["LEVELS", "MOST_SAMPLES", "OperatingPoint", "OperatingWindow"]
 
 Array = np.ndarray
+MOST_SAMPLES = 100_000  # draws from the distributions
 LEVELS = (0.5, 0.9, 0.99)  # of the contours
 SIMULATED_TOGETHER = 5  # draws that one worker simulates in a row, each from the one before
 
@@ -123,7 +126,7 @@ class OperatingWindow(Outcome):
     0.8, limited by blocking
     """
 
-    problem: Any
+    problem: WindingProblem
     names: tuple[str, ...]
     ranges: Array
     margins: tuple[str, ...]
@@ -215,8 +218,8 @@ class OperatingWindow(Outcome):
         if len(values) != len(self.names):
             text = f"{len(values)} values are given; must be {', '.join(self.names)}"
             raise InvalidProblem.at("values", text)
-        columns = in_si(self.problem, {n: [v] for n, v in zip(self.names, values, strict=True)})
-        point = np.array([float(columns[name][0]) for name in self.names])
+        given = zip(self.names, values, strict=True)
+        point = np.array([number_in_si(self.problem, name, value) for name, value in given])
         for name, value, (low, high) in zip(self.names, point, self.ranges, strict=True):
             if not low * (1 - 1e-9) <= value <= high * (1 + 1e-9):
                 must = f"must be >= {low:g} and <= {high:g}, the range of the map"
@@ -263,7 +266,7 @@ class OperatingWindow(Outcome):
         rows = [f"{head} {point.probability:.2f} at {self._text(point)}"]
         for name, (mean, deviation) in point.margins.items():
             mark = "  binding" * (name == point.binding)
-            rows.append(f"  {name:<14}{mean:+8.2f} +- {deviation:.2f}{mark}")
+            rows.append(f"  {name:<14}{mean:+8.2f} ± {deviation:.2f}{mark}")
         largest = list(point.contributions.items())[:3]
         shares = [f"{name} {100 * share:.0f} %" for name, share in largest if share > 0.005]
         return [*rows, f"  variance of {point.binding}: {', '.join(shares) or 'none'}"]
@@ -335,8 +338,10 @@ class OperatingWindow(Outcome):
         Raises
         ------
         InvalidProblem
-            As of :meth:`at`.
+            As of :meth:`at`, and for an invalid number of samples or seed.
         """
+        whole_number("samples", samples, 1, MOST_SAMPLES)
+        check_seed(seed)
         x = self.set_points.coordinates(self._in_si(values)[None]).repeat(samples, axis=0)
         z = standard_normal(len(self.uncertain), samples, seed)
         solver = CaseSolver(

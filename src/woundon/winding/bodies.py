@@ -48,14 +48,34 @@ Solve = Callable[[Body, NipResult | None], NipResult]
 PEAK_COEFFICIENT = 0.25  # of p_max in P_e
 DEPTHS = 33  # at which the wound pressure is averaged
 MAX_NIPS = 25  # in the iteration for P_e
-# Initial guess of the exponents of P_e for WOT, a and p_max: Hertz contact, (E_r E_t)^1/2.
-HERTZ = 0.0, -0.25, 0.25
 # Relative differences of P_e below this are too noisy to determine the exponents.
 SMALLEST_STEP = 2e-3
 STEP, TOLERANCE = 1e-3, 1e-9  # relative: difference step and convergence tolerance of P_e
 # Bounds of f' in Newton's method for P_e = f(P_e), and of P_e after a step relative to that before
 MIN_FEEDBACK, MAX_FEEDBACK, MIN_RATIO = -2.0, 0.8, 0.2
 LARGEST_FRACTION = 0.9  # largest P_e, as a fraction of the maximum pressure of the stack law
+
+
+class NipOutputs(NamedTuple):
+    """Outputs of a nip that determine its effective pressure, or exponents of P_e in them [1].
+
+    Attributes
+    ----------
+    tension : float
+        Wound-on tension WOT [N/m].
+    half_width : float
+        a [m].
+    peak : float
+        Peak pressure p_max [Pa].
+    """
+
+    tension: float
+    half_width: float
+    peak: float
+
+
+# Initial guess of the exponents of P_e: Hertz contact, with the modulus (E_r E_t)^1/2.
+HERTZ = NipOutputs(0.0, -0.25, 0.25)
 
 
 class NipSample(NamedTuple):
@@ -70,15 +90,15 @@ class NipSample(NamedTuple):
         P_e that follows from the wound pressure and this nip [Pa].
     feedback : float
         Derivative of the implied pressure by P_e [1].
-    exponents : (float, float, float)
-        Exponents of P_e in wound-on tension, half-width and peak pressure.
+    exponents : NipOutputs
+        Exponents of P_e in wound-on tension, half-width and peak pressure [1].
     """
 
     result: NipResult
     pressure: float = nan
     implied_pressure: float = nan
     feedback: float = 0.0
-    exponents: tuple[float, float, float] = HERTZ
+    exponents: NipOutputs = HERTZ
 
     @property
     def radius(self) -> float:
@@ -91,17 +111,18 @@ class NipSample(NamedTuple):
         return (
             tension_on_roll(self.result)
             if isnan(self.implied_pressure)
-            else self.outputs_at(self.implied_pressure)[0]
+            else self.outputs_at(self.implied_pressure).tension
         )
 
-    def outputs_at(self, pressure: float) -> tuple[float, float, float]:
-        """Extrapolate WOT [N/m], a [m] and p_max [Pa] to another P_e."""
+    def outputs_at(self, pressure: float) -> NipOutputs:
+        """Extrapolate the outputs of the nip to another P_e [Pa], as powers of P_e."""
         ratio = pressure / self.pressure
-        WOT, a, p_max = (
-            value * ratio**exponent
-            for value, exponent in zip(_nip_outputs(self.result), self.exponents, strict=True)
+        outputs, exponents = _nip_outputs(self.result), self.exponents
+        return NipOutputs(
+            outputs.tension * ratio**exponents.tension,
+            outputs.half_width * ratio**exponents.half_width,
+            outputs.peak * ratio**exponents.peak,
         )
-        return WOT, a, p_max
 
 
 def solved_nip(
@@ -127,7 +148,7 @@ def solved_nip(
     solve : callable
         (roll, neighbouring result or None) -> result.
     coupling_rtol : float
-        Relative tolerance of P_e.
+        Relative tolerance of the effective pressure P_e, at which the moduli of the roll are taken.
     """
     guess = previous or neighbour
     start = guess.result if guess else None
@@ -146,7 +167,11 @@ def _effective(
     solve: Solve,
     coupling_rtol: float,
 ) -> NipSample:
-    """Solve the nip on an effective cylinder by a fixed-point iteration for P_e."""
+    """Solve the nip on an effective cylinder by a fixed-point iteration for P_e.
+
+    P_e is the pressure at which the moduli of the cylinder are those of the stack.  It follows from
+    the wound pressure and the nip, which depends on it.  Parameters as of :func:`solved_nip`.
+    """
     guess, radius = previous or neighbour, float(stage.radius[-1])
     if previous:
         P = predicted_nip(problem, stage, previous).implied_pressure
@@ -170,10 +195,20 @@ def _effective(
 
 
 def predicted_nip(problem: WindingProblem, stage: Stage, sample: NipSample) -> NipSample:
-    """Return a nip with its implied P_e on a stage of the roll, without solving it again.
+    """Return a nip with the effective pressure that it implies on a stage of the roll.
 
-    Newton's method for P_e = f(P_e), f from the power laws of WOT, a and p_max; its derivative f'
-    by a difference quotient.
+    The effective pressure P_e, at which the moduli of the roll are taken, is the wound pressure
+    near the surface plus a part of the peak pressure of the nip.  The nip is not solved again: its
+    outputs are extrapolated as powers of P_e, and P_e = f(P_e) is solved by Newton's method with a
+    difference quotient for f'.
+
+    Parameters
+    ----------
+    problem : WindingProblem
+    stage : Stage
+        The roll, with its wound pressure.
+    sample : NipSample
+        The solved nip, and the exponents of P_e in its outputs.
     """
     P, feedback, largest = sample.pressure, 0.0, _largest_pressure(problem)
     for _ in range(MAX_NIPS):
@@ -200,8 +235,10 @@ def _initial_pressure(problem: WindingProblem, stage: Stage, neighbour: NipSampl
         # the same nip of another winding, with another roll and another load: widths and
         # pressures of line contacts vary as the square root of the load
         factor = (load / neighbour.result.problem.nip_load) ** 0.5
-        _, a, p_max = _nip_outputs(neighbour.result)
-        P = effective_pressure(stage, stage.tension, factor * a, factor * p_max)
+        outputs = _nip_outputs(neighbour.result)
+        P = effective_pressure(
+            stage, stage.tension, factor * outputs.half_width, factor * outputs.peak
+        )
     return min(P, _largest_pressure(problem))
 
 
@@ -213,21 +250,23 @@ def tension_on_roll(result: NipResult) -> float:
     return result.roll_wound_on_tension
 
 
-def _nip_outputs(result: NipResult) -> tuple[float, float, float]:
-    """Return WOT [N/m], a [m] and p_max [Pa] of a nip."""
-    return tension_on_roll(result), result.half_width, result.peak_pressure
+def _nip_outputs(result: NipResult) -> NipOutputs:
+    """Return the outputs of a nip that determine its effective pressure."""
+    return NipOutputs(tension_on_roll(result), result.half_width, result.peak_pressure)
 
 
-def _exponents(sample: NipSample, last: NipSample) -> tuple[float, float, float]:
-    """Return the exponents of P_e from two nips; 0 for a tension that changes its sign."""
+def _exponents(sample: NipSample, last: NipSample) -> NipOutputs:
+    """Return the exponents of P_e in the outputs of a nip from its solutions for two P_e.
+
+    The exponent of a tension that changes its sign is 0.
+    """
     ratios = np.divide(_nip_outputs(sample.result), _nip_outputs(last.result))
     logarithms = np.log(np.where(ratios > 0, ratios, 1.0))
-    WOT, a, p_max = (logarithms / np.log(sample.pressure / last.pressure)).tolist()
-    return WOT, a, p_max
+    return NipOutputs(*(logarithms / np.log(sample.pressure / last.pressure)).tolist())
 
 
 def _largest_pressure(problem: WindingProblem) -> float:
-    """Return the largest permitted P_e [Pa]."""
+    """Return the largest permitted P_e [Pa], somewhat below the end of the law of the stack."""
     return float(LARGEST_FRACTION * problem.stack.limit)
 
 
@@ -249,7 +288,10 @@ def effective_pressure(stage: Stage, tension: float, half_width: float, peak: fl
 
 
 def effective_cylinder(problem: WindingProblem, radius: float, pressure: float) -> Cylinder:
-    """Return a linear cylinder with the tangent moduli of the stack at one pressure."""
+    """Return a linear cylinder with the tangent moduli of the stack at one pressure.
+
+    ``radius`` is that of the roll [m], ``pressure`` the effective pressure P_e of the nip [Pa].
+    """
     rr, tt, rt, shear, _ = problem.stack.tangent(pressure, pressure)
     material = Orthotropic(
         radial=float(rr), tangential=float(tt), cross=float(rt), shear=float(shear)
@@ -258,7 +300,7 @@ def effective_cylinder(problem: WindingProblem, radius: float, pressure: float) 
 
 
 def linear_cylinder(problem: WindingProblem, radius: float) -> Cylinder:
-    """Return a cylinder with the moduli of the web."""
+    """Return a cylinder of a radius [m] with the moduli of the web itself, without the stack."""
     material = problem.web.material
     assert isinstance(material, Material)  # validated by the problem
     return Cylinder(radius=radius, core_radius=problem.core.radius, material=material)

@@ -12,6 +12,7 @@ from ..problems.bodies import Body
 from ..problems.schedules import Curve
 from ..problems.winding import WindingProblem
 from ..results import ACCEPTED_RESIDUAL, Residuals, largest, positive
+from ..roll.result import RollResult
 from ..roll.stages import stage_at
 from .bodies import effective_cylinder, effective_pressure, hardening_roll, linear_cylinder
 from .measured import smoothed
@@ -160,7 +161,7 @@ def recomputed_nips(result: Any) -> Mapping[str, tuple[Array, Array]]:
     return values
 
 
-def _roll_body(problem: WindingProblem, radius: float, P_e: float, roll: Any) -> Body:
+def _roll_body(problem: WindingProblem, radius: float, P_e: float, roll: RollResult) -> Body:
     """Return the roll at a radius as a body of the nip."""
     if problem.roll_body == "effective":
         return effective_cylinder(problem, radius, P_e)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from math import nan, pi
-from typing import Any
 
 import numpy as np
 
@@ -16,7 +15,9 @@ Array = np.ndarray
 THIN = 10  # ratio of radius to thickness above which the thin-tube formula is used
 
 
-def torque_carried(r: Array, s: float, tension: float, density: float, acceleration: float) -> Any:
+def torque_carried(
+    r: Array, s: float, tension: float, density: float, acceleration: float
+) -> Array:
     """Return the torque through the layers at radii, per metre of width [N].
 
     The sum of the torque from the core and of the inertia of the layers outside the radius.
@@ -37,7 +38,17 @@ def torque_carried(r: Array, s: float, tension: float, density: float, accelerat
 
 
 def torque_share(r: Array, P: Array, friction: float | Array, torque: Array) -> Array:
-    """Return the torque over what friction carries, 2 pi r^2 mu P, at radii [1]."""
+    """Return the torque over what friction carries, 2 pi r^2 mu P, at radii, (k,) [1].
+
+    Parameters
+    ----------
+    r, P : (k,) arrays
+        Radii [m], pressure between the layers [Pa]; friction carries nothing where it is < 0.
+    friction : float or (k,) array
+        Coefficient of friction mu between the layers [1].
+    torque : (k,) array
+        Through the cylinder of layers at each radius, per metre of width [N].
+    """
     capacity = 2 * pi * np.asarray(r) ** 2 * friction * np.maximum(P, 0)
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(torque > 0, torque / capacity, 0.0)

@@ -54,7 +54,10 @@ NOMINAL = 0.6  # initial guess of the share
 
 
 class TensionCurve:
-    """Piecewise polynomial interpolation of the wound-on tension.
+    """Piecewise polynomial interpolation of the wound-on tension over x = ln(r - r_c).
+
+    The function that is interpolated is the friction share y = (WOT - T_in)/(mu+ P), known at the
+    places, the interpolation points x.
 
     Parameters
     ----------
@@ -167,7 +170,7 @@ class TensionCurve:
         )
 
     def share(self, tension: float, r: float) -> float:
-        """Convert the tension WOT at a radius to y = (WOT - T_in)/(mu+ P)."""
+        """Convert WOT [N/m] at a radius [m] to the friction share y = (WOT - T_in)/(mu+ P) [1]."""
         schedule = self.problem.at
         NIT = tension - float(schedule("web_tension", r))
         return NIT / (self.problem.roll_friction * float(schedule("nip_load", r)))
@@ -215,7 +218,10 @@ class TensionCurve:
     # ---- error estimates ------------------------------------------------------------------------
 
     def errors(self, values: Mapping[float, float]) -> list[float]:
-        """Return the estimated error of each piece, relative to the tension."""
+        """Return the estimated error of each piece, relative to the tension [1].
+
+        ``values`` map each place to its friction share.
+        """
         return [
             max(
                 self._relative_error(place, error, values[place])

@@ -55,7 +55,17 @@ class Piece:
         return self.start + leja(len(self.places) + 1)[-1] * (self.end - self.start)
 
     def at(self, x: Array, values: Mapping[float, float], first: int | None = None) -> Array:
-        """Evaluate the polynomial through the values at all points, or at the ``first`` ones."""
+        """Evaluate the polynomial through the values at the interpolation points.
+
+        Parameters
+        ----------
+        x : array
+            Coordinates in the interval, any shape.
+        values : mapping of float to float
+            Values by the coordinates of the points.
+        first : int, optional
+            Number of points that are used, in their order; by default all.
+        """
         nodes = np.array(self.places[:first])
         y = np.array([values[place] for place in self.places[:first]])
         # barycentric formula, stable at any x

@@ -23,12 +23,13 @@ from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
 
+from ..arguments import check_type
 from ..errors import InvalidProblem, one_of
 from ..nip.air_films import friction_between
 from ..problems.air import Air
 from ..problems.grades import Grade, source_of_limit
 from ..problems.limits import Limits
-from ..problems.roll import Core
+from ..problems.roll import Core, RollProblem
 from ..quantities import Quantity, length, line_load, share, strain, stress
 from ..results import Presented
 from ..roll.gauge_band import gauge_band_over, lane_strain
@@ -158,8 +159,8 @@ class Margin:
             return f"{abs(self.quantity.shown(self.value)):.4g} {self.quantity.display}"
         return f"{100 * abs(self.reserve):.3g} %"
 
-    def reserve_of(self, value: Any) -> Any:
-        """Compute the reserve of other values."""
+    def reserve_of(self, value: float | Array) -> float | Array:
+        """Compute the reserve of other values [1], with their shape."""
         room = value - self.limit if self.name == "slack" else self.limit - value
         return room / self.scale
 
@@ -343,7 +344,17 @@ def _friction_ratio(film: float, P: Array, air: Air) -> Array:
 
 
 class _State(NamedTuple):
-    """Stresses in the roll at a stage of its build-up."""
+    """Stresses in the roll at a stage of its build-up.
+
+    Attributes
+    ----------
+    surface : float
+        Radius of the roll at this stage [m].
+    r : (k,) array
+        Radii from the core to the surface [m].
+    P, hoop : (k,) arrays
+        Pressure between the layers, and hoop stress (> 0 tension) there [Pa].
+    """
 
     surface: float
     r: Array
@@ -352,7 +363,10 @@ class _State(NamedTuple):
 
 
 def _states(roll: RollResult) -> list[_State]:
-    """Return stages of the build-up, the finished roll last."""
+    """Return the stresses at stages with even surface radii, the finished roll last.
+
+    Stages of fewer than 100 layers are left out.
+    """
     core, radius = float(roll.radius[0]), float(roll.radius[-1])
     # smaller rolls would have few layers below the excluded outermost ones
     smallest = core + 2 * TAIL_LAYERS * roll.problem.web_thickness
@@ -364,8 +378,8 @@ def _states(roll: RollResult) -> list[_State]:
 def _state(roll: RollResult) -> _State:
     """Return the stresses at a stage, at its nodes and at PLACES even radii."""
     r = np.unique([*roll.radius, *np.linspace(roll.radius[0], roll.radius[-1], PLACES)])
-    worst = roll.at_radius(r)
-    return _State(float(roll.radius[-1]), r, worst["pressure"], worst["hoop_stress"])
+    stresses = roll.at_radius(r)
+    return _State(float(roll.radius[-1]), r, stresses["pressure"], stresses["hoop_stress"])
 
 
 # ---- the margins --------------------------------------------------------------------------------
@@ -437,6 +451,8 @@ def margins(result: Any, limits: Limits | None = None) -> Margins:
         raise InvalidProblem.at(
             "result", f"{type(result).__name__} is out of place; must be a {names}"
         )
+    if limits is not None:
+        check_type("limits", limits, Limits)
     limits = limits or getattr(result.problem, "limits", None) or Limits()
     if limits.acceleration and roll.problem.density is None:
         text = (
@@ -457,7 +473,7 @@ def margins(result: Any, limits: Limits | None = None) -> Margins:
     return Margins(_with_source(margin, roll.problem, named_grade) for margin in worst)
 
 
-def _with_source(margin: Margin, problem: Any, named_grade: Grade | None) -> Margin:
+def _with_source(margin: Margin, problem: RollProblem, named_grade: Grade | None) -> Margin:
     """Add the source grade of the limit to the note of a margin."""
     field = FIELDS.get(margin.name)
     if field is None or not margin.checked:
@@ -470,7 +486,17 @@ def _with_source(margin: Margin, problem: Any, named_grade: Grade | None) -> Mar
 
 
 class _WorstValue(NamedTuple):
-    """Worst value with its radius and stage, and the worst values over the radius."""
+    """The worst value of a margin in all stages, and the worst values over the radius.
+
+    Attributes
+    ----------
+    value, radius : float
+        In the SI unit of the margin, nan if it is unknown; where it occurs [m].
+    stage : str
+        The stage of the build-up at which it occurs, as text; empty for the finished roll.
+    r, values : (k,) arrays
+        Radii [m], and the worst value at each over all stages.
+    """
 
     value: float
     radius: float
@@ -487,7 +513,23 @@ def _margin(
     note: str = "",
     scale: float = nan,
 ) -> Margin:
-    """Return the margin of a worst value; its scale is the limit, or ``scale`` if that is 0."""
+    """Return the margin of a worst value.
+
+    Parameters
+    ----------
+    name : str
+        "slip", "compression", ...
+    worst : _WorstValue
+        In all stages of the build-up.
+    limit : float, optional
+        Permitted value, in the unit of ``quantity``; None if none is given.
+    quantity : Quantity
+        Of value and limit.
+    note : str
+        Remark on the limit or the value.
+    scale : float
+        Reference value of the reserve if the limit is 0; otherwise it is the limit.
+    """
     bound = nan if limit is None else limit
     note = "; ".join(filter(None, (worst.stage, note or NO_LIMIT * (limit is None))))
     return Margin(
@@ -507,7 +549,12 @@ def _margin(
 def _worst(states: list[_State], values: list[Array]) -> _WorstValue:
     """Return the largest value over all stages, and the largest at each radius.
 
-    ``values`` holds an array for each stage, at its first radii.
+    Parameters
+    ----------
+    states : list of _State
+        The finished roll last.
+    values : list of arrays
+        Values of each stage at its first radii, (k,) with k at most the number of its radii.
     """
     state, values_of_worst = max(zip(states, values, strict=True), key=lambda pair: pair[1].max())
     final, last, largest = states[-1], values[-1], float(values_of_worst.max())
@@ -529,7 +576,18 @@ def _worst(states: list[_State], values: list[Array]) -> _WorstValue:
 def _slip(
     states: list[_State], roll: RollResult, limits: Limits, torque_data: WindingTorque
 ) -> Margin:
-    """Return the margin of the torque over the friction capacity, at all stages."""
+    """Return the margin of the torque over the friction capacity, at all stages.
+
+    Parameters
+    ----------
+    states : list of _State
+        Stresses at the stages of the build-up, the finished roll last.
+    roll : RollResult
+    limits : Limits
+        Its ``layer_friction`` has precedence over the friction of the winding.
+    torque_data : WindingTorque
+        Friction, core torque and the effect of air of the winding.
+    """
     friction = limits.layer_friction or torque_data.friction
     if friction is None:
         unknown = _WorstValue(nan, nan, "", np.zeros(0), np.zeros(0))
@@ -648,7 +706,10 @@ def ridge_height(roll: RollResult) -> float:
 
 
 def _tensions(roll: RollResult, torque_data: WindingTorque) -> list[tuple[Array, Array]]:
-    """Return radii and web tensions: wound-on, and upstream of the nip if it is known."""
+    """Return the web tensions as pairs of radii [m] and values there [N/m], (k,) arrays.
+
+    The first is the wound-on tension, the second that upstream of the nip, if it is known.
+    """
     wound_on = roll.problem.web_thickness * roll.problem.tension_curve.at(roll.radius)
     upstream = (
         [(torque_data.radius, torque_data.web_tension)] if torque_data.web_tension.size else []
@@ -656,7 +717,9 @@ def _tensions(roll: RollResult, torque_data: WindingTorque) -> list[tuple[Array,
     return [(roll.radius, wound_on), *upstream]
 
 
-def _extreme(argextreme: Callable[..., Any], first: tuple[Array, Array], *more: Any) -> _WorstValue:
+def _extreme(
+    argextreme: Callable[..., Any], first: tuple[Array, Array], *more: tuple[Array, Array]
+) -> _WorstValue:
     """Return the maximum or minimum of several functions of the radius.
 
     Parameters

@@ -99,7 +99,13 @@ class Departure:
 
 
 def _slopes(sample: NipSample) -> Array:
-    """Return the derivatives of WOT by the loads, including the change of the roll moduli."""
+    """Return the derivatives of WOT by the LOADS P, F and T_in, (3,) [1].
+
+    They include the change of the roll: on an effective roll a load changes the effective pressure
+    P_e, and with it the moduli.  P_e = wound + 0.25 p_max, where the wound pressure, a mean down to
+    the depth a, is about proportional to the half-width a, and p_max to P/a.  1/(1 - feedback) sums
+    the further changes of P_e by the change of the nip.
+    """
     result, P_e = sample.result, sample.pressure
     sensitivity = result.sensitivity(*LOADS, outputs=("roll_wound_on_tension", "half_width"))
     tension, width = sensitivity.derivatives
@@ -109,7 +115,7 @@ def _slopes(sample: NipSample) -> Array:
     ln_a = width / result.half_width
     ln_P = np.array([1 / result.problem.nip_load if name == "nip_load" else 0.0 for name in LOADS])
     pressure_change = ((P_e - contact_part) - contact_part) * ln_a + contact_part * ln_P
-    by_pressure = sample.exponents[0] * tension_on_roll(result) / P_e
+    by_pressure = sample.exponents.tension * tension_on_roll(result) / P_e
     return np.asarray(tension + by_pressure * pressure_change / (1 - sample.feedback))
 
 

@@ -48,8 +48,13 @@ class Nips:
         The latest solution at each radius.
     solved : int
         Total number of solved nips.
-    coarse : bool
-        True if the nips are solved on a coarse mesh.
+    coarse, rough : bool
+        True if the nips are solved on a coarse mesh, and with a coarse tolerance of the effective
+        pressure: at the beginning of the nip-roll iteration.
+    films : dict of float to float
+        Entrained air film [m] by the radius of the roll [m].
+    frictions : dict of float to (float, float)
+        Coefficients of friction in the nip and on the roll wrap, reduced by this film.
     """
 
     def __init__(
@@ -66,7 +71,6 @@ class Nips:
         self.neighbours = {sample.radius: sample for sample in neighbours}
         self.samples: dict[float, NipSample] = {}
         self.solved, self.coarse, self.rough = solved, False, False
-        # at each radius: entrained air film, and the friction coefficients reduced by it
         self.films: dict[float, float] = {}
         self.frictions: dict[float, tuple[float, float]] = {}
 

@@ -53,7 +53,18 @@ def wind(
 def recomputed(
     problem: WindingProblem, roll: ThinLayerRoll, r: Array, tension: Array, film: float
 ) -> ThinLayerRoll:
-    """Recompute a roll with another tension and the same stages; see :func:`wind`."""
+    """Recompute a roll with another tension, at the same stages of its build-up.
+
+    Parameters
+    ----------
+    problem : WindingProblem
+    roll : ThinLayerRoll
+        Its stages are used.
+    r, tension : (M,) arrays
+        Radii [m], the other wound-on tension there [N/m].
+    film : float
+        Of air between the layers, at ambient pressure [m].
+    """
     return roll.wound_with(_roll_problem(problem, r, tension, film))
 
 

@@ -168,18 +168,37 @@ def check_options(
 
 @dataclass
 class _Iteration:
-    """One nip-roll iteration: the shares of the roll, and those of the nips on this roll."""
+    """One nip-roll iteration: the tension of the roll, and that of the nips on this roll.
 
-    shares: dict[float, float]  # by coordinate
+    Attributes
+    ----------
+    shares, nip_shares : dict of float to float
+        Friction shares y = (WOT - T_in)/(mu+ P) with which the roll is wound, and of the nips on
+        this roll, by their places x = ln(r - r_c).
+    r : (M,) array
+        Radii of the tension of the roll [m].
+    roll : ThinLayerRoll
+    film : float
+        Air film between the layers of the roll [m].
+    change : float
+        Largest relative difference of the tension between nips and roll [1].
+    """
+
+    shares: dict[float, float]
     nip_shares: dict[float, float]
     r: Array
     roll: ThinLayerRoll
-    film: float  # air film of the roll
-    change: float  # largest relative change of the tension
+    film: float
+    change: float
 
 
 class _Winder:
-    """Nip-roll iteration of one winding."""
+    """Nip-roll iteration of one winding.
+
+    The unknowns are the friction shares y = (WOT - T_in)/(mu+ P) at a few places, the interpolation
+    points x = ln(r - r_c): they give the tension of the roll, and the nips on this roll give them.
+    Parameters as of :func:`solve_winding`.
+    """
 
     def __init__(
         self,
@@ -293,17 +312,17 @@ class _Winder:
         )
 
     def _predicted_share(self, place: float, roll: RollResult) -> float:
-        """Return the share of the nip at a place, extrapolated to another roll."""
+        """Return the friction share of the nip at a place, extrapolated to another roll [1]."""
         radius = self.curve.radius(place)
         return self.curve.share(self.nips.predict(radius, roll), radius)
 
     def _nip_share(self, place: float, roll: RollResult | None) -> float:
-        """Solve the nip at a place on a roll; return its share."""
+        """Solve the nip at a place on a roll; return its friction share [1]."""
         radius = self.curve.radius(place)
         return self.curve.share(self.nips.tension(radius, roll), radius)
 
     def _tension(self, place: float, share: float) -> float:
-        """Return the tension of a share at a place [N/m]."""
+        """Return the wound-on tension of a friction share at a place [N/m]."""
         return float(self.curve.wound_on(np.array(share), np.array(self.curve.radius(place))))
 
     def _mismatch(self, place: float, share: float) -> float:
@@ -317,7 +336,7 @@ class _Winder:
         )
 
     def _initial_share(self, place: float) -> float:
-        """Return the share at a place from the neighbouring winding, or a nominal one."""
+        """Return the friction share at a place from the neighbouring winding, or a nominal one."""
         if self.start is None:
             return NOMINAL
         r = self.curve.radius(place)
@@ -403,7 +422,12 @@ class _Winder:
         )
 
     def solve_measured(self, problem: WindingProblem) -> WindingResult:
-        """Solve a problem whose schedules fluctuate around the smooth ones of this winding."""
+        """Solve a problem whose schedules fluctuate around the smooth ones of this winding.
+
+        The tension is that of the smooth winding plus the departure, its linear change by the
+        differences between the schedules.  The roll is computed from this tension, and a few nips
+        under the measured schedules on this roll give the error of the linearisation.
+        """
         self.share_of_iterations = OF_MEASURED
         iteration, curve = self._converge(), self.curve
         departure = Departure(problem, self.problem, curve, self.nips)
@@ -450,9 +474,21 @@ class _Winder:
 def _secant_update(
     iteration: _Iteration, previous: _Iteration | None, slopes: dict[float, float]
 ) -> dict[float, float]:
-    """Return the next shares by a secant step at each place, neglecting their coupling.
+    """Return the next friction shares by a secant step at each place, neglecting their coupling.
 
-    ``slopes`` stores the secant slope of each place; that of a new place is their median.
+    The share y of the roll at a place shall equal the share f(y) of the nip on this roll.
+
+    Parameters
+    ----------
+    iteration, previous : _Iteration
+        The last two; None for ``previous`` in the first step.
+    slopes : dict of float to float
+        Secant slopes df/dy by place, which are updated; that of a new place is their median.
+
+    Returns
+    -------
+    dict of float to float
+        The next y by place.
     """
     last = previous or iteration
     for place, share in iteration.shares.items():
