@@ -59,6 +59,7 @@ __all__ = [
 # width.
 WARM_OPTIONS = {"nodes": 49, "errors": False}
 WARM_UP = 1.0  # seconds after which no further example is solved
+DERIVATIVES = ("outputs", "parameters", "elasticities", "derivatives", "zone_change")
 DESIGNED = ("radius", "target_pressure", "pressure", "outer_layer", "surface_deviation")
 MOST_OUTPUTS = 6  # of kinds without main outputs
 MOST_SESSIONS = 32  # whose last results are kept as initial guesses
@@ -431,11 +432,7 @@ def sensitivities(tables: Mapping[str, Any], options: Mapping[str, Any]) -> byte
     return to_json(
         {
             "method": "exact" if is_exact else "differences",
-            "outputs": largest_first.outputs,
-            "parameters": largest_first.parameters,
-            "elasticities": largest_first.elasticities.tolist(),
-            "derivatives": largest_first.derivatives.tolist(),
-            "zone_change": largest_first.zone_change,
+            **{name: getattr(largest_first, name) for name in DERIVATIVES},
         }
     )
 

@@ -143,11 +143,8 @@ def _add_form(model: type[Description], forms: dict[str, Any]) -> None:
 
 def _field(name: str, field: FieldInfo) -> dict[str, Any]:
     """Return the description of a field of a form: type, unit, limits, default and choices."""
-    annotation, quantity, members = (
-        field.annotation,
-        quantity_of(field),
-        members_of(field.annotation),
-    )
+    annotation, quantity = field.annotation, quantity_of(field)
+    members = members_of(annotation)
     entry: dict[str, Any] = {
         "name": name,
         "symbol": "",
