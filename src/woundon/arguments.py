@@ -7,7 +7,6 @@ is first used; the other functions check an argument of one function.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
-from math import inf
 from os import PathLike
 from typing import Any, NamedTuple
 
@@ -19,7 +18,6 @@ from .problems.messages import quote
 __all__ = [
     "Option",
     "check_arguments",
-    "check_seed",
     "check_type",
     "nodes_or_rtol",
     "tolerance",
@@ -44,14 +42,14 @@ class Option(NamedTuple):
     details: str = ""
 
 
-def check_type(name: str, value: Any, *types: type[Any]) -> None:
+def check_type(name: str, value: object, *types: type[Any]) -> None:
     """Raise an error unless a value has one of the types."""
     if not isinstance(value, types):
         must = one_of(kind.__name__ for kind in types)
         raise InvalidProblem.at(name, f"{quote(value)} is out of place; must be a {must}")
 
 
-def nodes_or_rtol(nodes: Any, rtol: Any) -> None:
+def nodes_or_rtol(nodes: object, rtol: object) -> None:
     """Raise an error if both are given: one fixes the grid, the other chooses it."""
     if nodes is not None and rtol is not None:
         text = f"{quote(nodes)} is given together with rtol, which chooses the nodes; omit one"
@@ -69,11 +67,6 @@ def tolerance(name: str, value: Any, low: float, high: float) -> float:
     types = (int, float, np.floating)
     _check_range(name, value, types, low, high, f">= {low:g} and <= {high:g}")
     return float(value)
-
-
-def check_seed(seed: Any) -> None:
-    """Raise an error unless a value is a seed of a random generator, an integer from 0."""
-    _check_range("seed", seed, (int, np.integer), 0, inf, "a whole number >= 0")
 
 
 def _check_range(
@@ -110,6 +103,11 @@ def _is_name(value: Any) -> bool:
     return isinstance(value, str)
 
 
+def _is_seed(value: Any) -> bool:
+    """Return True for a seed of a random generator."""
+    return isinstance(value, (int, np.integer)) and not isinstance(value, bool) and int(value) >= 0
+
+
 def _are_names(value: Any) -> bool:
     """Return True for one name, or a collection of names."""
     names = value.tolist() if isinstance(value, np.ndarray) else value
@@ -118,7 +116,7 @@ def _are_names(value: Any) -> bool:
     return all(isinstance(name, str) for name in names)
 
 
-def _maps_names(value: Any, *types: type[Any]) -> bool:
+def _maps_names(value: object, *types: type[Any]) -> bool:
     """Return True for a mapping of names to values, of some types if they are given."""
     return isinstance(value, Mapping) and all(
         isinstance(name, str) and isinstance(entry, types or object)
@@ -152,6 +150,7 @@ _KINDS = {
     "over": _Kind("a mapping of fields to values or ranges", _maps_names),
     "outputs": _Kind("names of outputs", _are_names),
     "preview": _Kind("a function of the coarse window", callable),
+    "panels": _Kind("names of panels", _are_names),
     "profiles": _Kind(
         "True, False or names of fitted fields",
         lambda value: isinstance(value, bool) or _are_names(value),
@@ -165,15 +164,16 @@ _KINDS = {
     "quantity": _Kind("the name of an output", _is_name, optional=False),
     "resume": _Kind("True or False", lambda value: isinstance(value, bool), optional=False),
     "scheduler": _Kind("the address of a Dask scheduler, 'tcp://...'", _is_name),
+    "seed": _Kind("a whole number >= 0", _is_seed, optional=False),
     "spread": _Kind(_NUMBER_OF_EACH, _maps_names),
     "tie": _FIELD_OF_EACH,
     "uncertain": _Kind("a mapping of fields to relative standard deviations", _maps_names),
+    "unknown": _Kind("a mapping of fields to relative standard deviations", _maps_names, False),
     "vary": _Kind(
         "names of fields, or {name: (low, high)}",
         lambda value: _are_names(value) or _maps_names(value),
         optional=False,
     ),
-    "unknown": _Kind("a mapping of fields to relative standard deviations", _maps_names, False),
 }
 
 

@@ -373,7 +373,10 @@ def solve(problem: Any, **options: Any) -> Any:
     InputWarning
         If an input has no effect or contradicts another one.
     """
-    kind = of(problem)
+    kind, progress = of(problem), options.get("progress")
+    if progress is not None and not callable(progress):
+        text = f"{quote(progress)} is out of place; must be a function of the fraction that is done"
+        raise InvalidProblem.at("progress", text)
     if not isinstance(problem, type):  # the solver rejects a class
         warn(getattr(problem, "input_warnings", ()), InputWarning)
     return kind.solver(problem, **options)

@@ -338,7 +338,7 @@ class Place(NamedTuple):
         return self.path.rpartition(".")[2]
 
 
-def walk(thing: Any, prefix: str = "", of_field: Quantity | None = None) -> Iterator[Place]:
+def walk(thing: object, prefix: str = "", of_field: Quantity | None = None) -> Iterator[Place]:
     """Yield every leaf of a description, or every output of a result, in the order of definition.
 
     Parameters
@@ -398,7 +398,7 @@ def quantity_of(field: Any, of_field: Quantity | None = None) -> Quantity | None
     return next((part for part in field.metadata if isinstance(part, Quantity)), None)
 
 
-def members_of(annotation: Any) -> tuple[type, ...]:
+def members_of(annotation: object) -> tuple[type, ...]:
     """Return the descriptions that an annotation admits, with all members of a family."""
     if isinstance(annotation, type) and hasattr(annotation, "model_fields"):
         members: Mapping[str, type] | None = getattr(annotation, "members", lambda: None)()
@@ -407,7 +407,7 @@ def members_of(annotation: Any) -> tuple[type, ...]:
     return tuple(dict.fromkeys(models))
 
 
-def is_list(annotation: Any) -> bool:
+def is_list(annotation: object) -> bool:
     """Return True if an annotation admits a list or tuple of values or descriptions."""
     if get_origin(annotation) in (tuple, list):
         return True
@@ -417,18 +417,18 @@ def is_list(annotation: Any) -> bool:
 # ---- outputs ------------------------------------------------------------------------------------
 
 
-def output(thing: Any, name: str) -> Place | None:
+def output(thing: object, name: str) -> Place | None:
     """Return one output of a result's class or instance, without its value."""
     return next((p for p in outputs(thing) if p.path == name), None)
 
 
-def outputs(thing: Any) -> tuple[Place, ...]:
+def outputs(thing: object) -> tuple[Place, ...]:
     """Return the outputs of a result's class or instance, without values."""
     cls = thing if isinstance(thing, type) else type(thing)
     return tuple(_walk_outputs(thing, cls, "", values=False))
 
 
-def scalar_outputs(thing: Any) -> dict[str, Quantity]:
+def scalar_outputs(thing: object) -> dict[str, Quantity]:
     """Return the quantities of the outputs that are single numbers, by name."""
     return {
         place.path: place.quantity

@@ -240,9 +240,8 @@ def dual_slip(problem: NipProblem, dual_slip_ratio: ArrayLike) -> Array:
     s_d = np.asarray(dual_slip_ratio, dtype=float)
     s = np.abs(s_d)
     if np.any(s > 1) or np.any(np.isnan(s)):
-        raise InvalidProblem(
-            [("dual_slip_ratio", f"{dual_slip_ratio!r} is out of range: must be in [-1, 1] [1]")]
-        )
+        text = f"{dual_slip_ratio!r} is out of range: must be in [-1, 1] [1]"
+        raise InvalidProblem.at("dual_slip_ratio", text)
     # arccos(1-2s) = 2 arcsin(sqrt s) keeps the small-s limit accurate
     load_share = (2 * np.arcsin(np.sqrt(s)) - 2 * (1 - 2 * s) * np.sqrt(s * (1 - s))) / pi
     return np.copysign(mu * P * load_share, s_d)
@@ -328,7 +327,7 @@ def carter(problem: RollerProblem) -> PartialSlip:
     """
     check_type("problem", problem, RollerProblem)
     if problem.motion != "rolling":
-        raise InvalidProblem([("motion", "Carter's theory is of rolling; use cattaneo")])
+        raise InvalidProblem.at("motion", "Carter's theory is of rolling; use cattaneo")
     (B, C, _, R), contact = _similar(problem), hertz(problem)
     mu, P, a = problem.friction, problem.load, contact.half_width
     full = B / C * mu * a / R  # creepage at which the last stick is lost
@@ -365,7 +364,7 @@ def cattaneo(problem: RollerProblem) -> PartialSlip:
     """
     check_type("problem", problem, RollerProblem)
     if problem.motion != "static":
-        raise InvalidProblem([("motion", "Cattaneo's theory is of static contact; use carter")])
+        raise InvalidProblem.at("motion", "Cattaneo's theory is of static contact; use carter")
     _similar(problem)
     contact, mu, Q = hertz(problem), problem.friction, problem.tangential_load or 0.0
     a = contact.half_width
@@ -378,11 +377,10 @@ def _similar(problem: RollerProblem) -> _Pair:
     pair = _pair(problem)
     if abs(pair.D) > 1e-9 * pair.C:
         mismatch = f"(A1 - A2)/(C1 + C2) = {pair.D / pair.C:.3g}, must be 0"
-        raise InvalidProblem([("lower", f"not elastically similar to upper: {mismatch}")])
+        raise InvalidProblem.at("lower", f"not elastically similar to upper: {mismatch}")
     if not problem.friction:
-        raise InvalidProblem.at(
-            "friction", "0 is out of range; must be > 0: nothing sticks, use hertz"
-        )
+        text = "0 is out of range; must be > 0: nothing sticks, use hertz"
+        raise InvalidProblem.at("friction", text)
     return pair
 
 

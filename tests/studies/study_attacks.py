@@ -544,7 +544,8 @@ def main() -> int:
     place = Path(mkdtemp(prefix="attacks-"))
     whole, ends, faults = Undisturbed(place), Counter[tuple[str, str]](), list[str]()
     # a shell lets jobs in its background ignore Ctrl-C; here it prints the trials so far
-    signal.signal(signal.SIGINT, signal.default_int_handler)
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.default_int_handler)
     with suppress(KeyboardInterrupt):
         for seed in range(given.seed, given.seed + given.cases):
             folder = place / str(seed)

@@ -265,8 +265,12 @@ def test_units_are_of_names_of_the_case(tmp_path, capsys: Capture):
     study = tmp_path / "study.toml"
     over = 'schema = 1\ncase = "roll.toml"\n[over]\nradius = [0.1, 0.15]\n'
     study.write_text(over, encoding="utf-8")
-    of_roll = ["solve", str(case)], ["report", str(case)], ["sweep", str(study), "--out", "none"]
-    for command in of_roll:
+    for command in (
+        ["solve", str(case)],
+        ["report", str(case)],
+        ["sweep", str(study), "--out", "none"],
+        ["table", "cases.csv", "--kind", "roll", "-o", str(tmp_path / "solved.csv")],
+    ):
         assert cli.main([*command, "--unit", "nip_load=kN/m"]) == 2  # a field of nips
         message = capsys.readouterr().err
         assert message.startswith("error: nip_load: no field or output; known: caliper_pressure, ")

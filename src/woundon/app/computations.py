@@ -18,7 +18,7 @@ import numpy as np
 
 from .. import kinds
 from ..errors import InvalidProblem, did_you_mean, unwarned
-from ..io.case_files import SCHEMA, check_like_a_case, make_problem
+from ..io.case_files import check_like_a_case, make_problem
 from ..problems.bodies import Body
 from ..problems.messages import quote
 from ..problems.paths import find_places, varied_number
@@ -76,7 +76,7 @@ def problem_of(tables: Mapping[str, Any]) -> Problem:
         Also for tables that name files, which are on the client's machine.
     """
     check_like_a_case(tables)
-    return make_problem({"schema": SCHEMA, **tables})
+    return make_problem(tables)
 
 
 def warm_up() -> None:

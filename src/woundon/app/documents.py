@@ -28,7 +28,7 @@ def read_case(text: str) -> bytes:
     """Return the tables of the text of a case file, complete and in SI, as JSON."""
     tables = tables_of_text(text.encode("utf-8", "replace"), "the file")
     _reject_files(tables)
-    problem = make_problem(tables)
+    problem = make_problem(tables, needs_schema=True)
     return to_json({"kind": kinds.of(problem).name, "problem": tables_of(problem)})
 
 

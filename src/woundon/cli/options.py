@@ -239,7 +239,7 @@ def _use_units(context: click.Context, option: click.Parameter, choices: tuple[s
         context.with_resource(units_of(choices))
 
 
-def check_unit_names(*problems: Problem) -> None:
+def check_unit_names(*problems: Problem | type[Problem]) -> None:
     """Reject a unit that --unit chooses for a name which none of the problems has."""
     choices = click.get_current_context().meta.get(UNITS_OF_COMMAND)
     if choices:

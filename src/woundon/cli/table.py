@@ -55,12 +55,15 @@ def table(
     **arguments: Any,
 ) -> int:
     """Solve the cases of a spreadsheet, one in each row."""
+    from .. import kinds
     from ..studies.case_table import solve_table
     from ..studies.export import write_table
 
     if settings and case is None:
         raise InvalidProblem.at("--set", "changes a field of --case, which is not given")
     problem = options.load_case(case, settings) if case else None
+    if arguments["kind"]:
+        options.check_unit_names(kinds.named(arguments["kind"]).problem)
     start = time.perf_counter()
     with unwarned():
         solved = solve_table(cases, problem, outputs or None, progress=True, **arguments)

@@ -89,7 +89,16 @@ class InfluenceSurface:
     # ---- values and derivatives ----------------------------------------------------------------
 
     def deform(self, p: Array, q: Array) -> Deformation:
-        """Return the deformation; matrix-free unless the influence matrices exist already."""
+        """Return slopes and strains at the points of the face, (n+1,) each.
+
+        The influence matrices are not formed for this, unless they exist already or are needed: for
+        a viscoelastic surface, and for smooth parts that polynomials do not resolve.
+
+        Parameters
+        ----------
+        p, q : (n,) arrays
+            Nodal pressures and tractions [Pa].
+        """
         if "_matrices" in vars(self) or self.kernels.lag is not None or self._is_unresolved:
             values = self._matrices @ np.array([p, q])[:, :, None]
             slope, strain = values[..., 0].sum(axis=1)

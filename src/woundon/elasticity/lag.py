@@ -235,7 +235,12 @@ def _scaled_exponential_integral(u: Array) -> Array:
 
 
 def periodic_series(eps: Array) -> Array:
-    """Return the power series of P(theta) for each eps = l/R, (eps, K) complex."""
+    """Return the power series of P(theta) for each eps = l/R, (eps, K) complex.
+
+    P is the regular part of the sum of e^{in theta}/(1 + in eps) over n >= 1.  Its coefficients
+    follow from those of the sum of e^{in theta}, p_k, by P_k + eps (k + 1) P_(k+1) = p_k, upwards
+    and downwards from a coefficient from where the recurrence is stable.
+    """
     p = polylogarithm(0).power
     out = np.empty((eps.size, p.size), dtype=complex)
     for P, e in zip(out, eps.tolist(), strict=True):

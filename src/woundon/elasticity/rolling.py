@@ -60,6 +60,7 @@ def half_plane_kernels(
     stiffness : tuple of float
         Relaxed plane-strain stiffness A_rr, A_tt, A_rt, G, D [Pa].
     relaxation : tuple of (g_k, c_k)
+        Relaxing moduli E_k/E_inf [1], and speed times relaxation time V tau_k [m].
     max_distance : float
         Largest distance |t| at which they are evaluated [m].
 
@@ -101,7 +102,7 @@ def layered_kernels(
     radius, layers, open_bore
         As of :func:`.cylinder.layered_kernels`; relaxed stiffness.
     relaxations : tuple of tuples of (g_k, c_k)
-        Of each layer, empty if elastic.
+        Of each layer, E_k/E_inf [1] and V tau_k [m]; empty if elastic.
     """
     R = float(radius)
 

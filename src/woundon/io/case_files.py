@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from copy import deepcopy
 from pathlib import Path
 from typing import Any
@@ -85,7 +85,7 @@ def load_case(path: str | Path, settings: Iterable[str] = ()) -> Problem:
     >>> wo.load_case(path, ["load=100 kN/m"]).load
     100000.0
     """
-    return make_problem(apply_settings(read_case(path), settings))
+    return make_problem(apply_settings(read_case(path), settings), needs_schema=True)
 
 
 def read_case(path: str | Path) -> dict[str, Any]:
@@ -245,7 +245,9 @@ def _plain(text: str) -> str | float | None:
 # ---- from tables to a problem -------------------------------------------------------------------
 
 
-def make_problem(tables: Mapping[str, Any], kind: str | None = None) -> Problem:
+def make_problem(
+    tables: Mapping[str, Any], kind: str | None = None, *, needs_schema: bool = False
+) -> Problem:
     """Return the validated problem that a case's tables describe.
 
     Parameters
@@ -254,6 +256,8 @@ def make_problem(tables: Mapping[str, Any], kind: str | None = None) -> Problem:
         As in a case file: numbers in SI, or texts with units.
     kind : str, optional
         The kind of problem; by default the one that has these fields.
+    needs_schema : bool
+        Whether the tables must state the version of the format, as those of a file must.
 
     Raises
     ------
@@ -263,8 +267,14 @@ def make_problem(tables: Mapping[str, Any], kind: str | None = None) -> Problem:
     check_type("case", tables, Mapping)
     check_names(tables)
     model = (kinds.named(kind) if kind else _kind_of(tables)).problem
-    faults = list(_schema_faults(tables))
-    fields = {name: value for name, value in tables.items() if name != "schema"}
+    faults: Faults = []
+    fields = dict(tables)
+    schema = fields.pop("schema", None if needs_schema else SCHEMA)
+    if schema is None:
+        faults.append(("schema", f"missing; write 'schema = {SCHEMA}' at the top of the file"))
+    elif isinstance(schema, bool) or schema != SCHEMA:
+        text = f"{schema!r} is unknown; this version reads schema = {SCHEMA}"
+        faults.append(("schema", text))
     fields = _flatten_groups(fields, model, faults)
     try:
         problem = model(**fields)
@@ -280,15 +290,6 @@ def make_problem(tables: Mapping[str, Any], kind: str | None = None) -> Problem:
 
 def _kind_of(names: Iterable[str]) -> kinds.Kind:
     return kinds.for_fields(name for name in names if name != "schema")
-
-
-def _schema_faults(case: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    """Return the errors of a case whose tables have another form than required."""
-    schema = case.get("schema")
-    if schema is None:
-        yield "schema", f"missing; write 'schema = {SCHEMA}' at the top of the file"
-    elif isinstance(schema, bool) or schema != SCHEMA:
-        yield "schema", f"{schema!r} is unknown; this version reads schema = {SCHEMA}"
 
 
 def _flatten_groups(fields: dict[str, Any], model: type[Any], faults: Faults) -> dict[str, Any]:

@@ -84,14 +84,14 @@ def units_by_name(settings: Iterable[str]) -> dict[str, str]:
     return mapping_of(chosen)
 
 
-def check_names(settings: Iterable[str], problems: Iterable[Problem]) -> None:
+def check_names(settings: Iterable[str], problems: Iterable[Problem | type[Problem]]) -> None:
     """Reject units of names that are no field or output of the kinds of some problems.
 
     Parameters
     ----------
     settings : iterable of str
         As of :func:`units_of`.
-    problems : iterable of Problem
+    problems : iterable of Problem, or of classes of problems
 
     Raises
     ------

@@ -10,7 +10,6 @@ from pathlib import Path
 from shutil import copymode
 from threading import get_ident
 
-from ..arguments import check_type
 from ..errors import InvalidProblem
 
 __all__ = ["check_writable", "read_whole", "replaced_file", "write_whole"]
@@ -32,6 +31,9 @@ def read_whole(path: str | Path, max_bytes: int) -> bytes:
     Traceback (most recent call last):
     woundon.errors.InvalidProblem: missing.toml: cannot be read: No such file or directory
     """
+    # importing it loads NumPy, which the help of commands does not need
+    from ..arguments import check_type
+
     check_type("path", path, str, os.PathLike)  # open() would take a number for an open file
     try:
         # open() would wait for a pipe that nobody writes to

@@ -125,9 +125,12 @@ def swept(
 class _SolvedByProcedure(KindModel):
     """A nip with the outputs of a sweep, which the procedure of the thesis solves."""
 
+    problem: wo.NipProblem
+
     def run(self, inputs: Mapping[str, Any], start: object) -> Answer:
         """Solve one case; the procedure takes no neighbouring solution as a start."""
-        nip = procedure.solve(self.variant(inputs), THESIS_NODES)
+        problem = self.with_ties(self.problem.replace(**inputs))
+        nip = procedure.solve(problem, THESIS_NODES)
         values = tuple(_output(nip, name) for name in self.outputs)
         return Answer(values, warnings="", state=None)
 

@@ -84,7 +84,7 @@ def from_table(table: Mapping[str, Any], models: Iterable[type[Any]]) -> Any:
     return known[kind](**fields)
 
 
-def field_from_table(problem: Description, path: str, table: Any) -> Any:
+def field_from_table(problem: Description, path: str, table: object) -> Any:
     """Return the body, material or other description of a table, for a field of a dotted name.
 
     Raises

@@ -285,7 +285,7 @@ def _of_basis_weight(text: str, unit: str, where: str, inputs: Inputs) -> float:
     return parse(text, "kg/m^2", where) / known
 
 
-def is_basis_weight(value: Any) -> bool:
+def is_basis_weight(value: object) -> bool:
     """Return True for a text such as "45 gsm"."""
     return isinstance(value, str) and has_dimension(value, "kg/m^2")
 

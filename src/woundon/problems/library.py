@@ -102,7 +102,7 @@ def _add_entry(entry: Entry, name: str, item: Mapping[str, Any]) -> None:
         entry.sources[name] = item["source"]
 
 
-def relative_deviation(value: Any, name: str) -> float:
+def relative_deviation(value: object, name: str) -> float:
     """Return a relative standard deviation [1]; ``name`` is quoted in the error.
 
     Raises

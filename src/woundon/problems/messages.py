@@ -124,7 +124,7 @@ def check_names(table: Mapping[Any, Any], prefix: str = "") -> None:
         raise InvalidProblem((name, "not the name of a field; must be text") for name in wrong)
 
 
-def not_one_of(value: Any, known: Iterable[str]) -> str:
+def not_one_of(value: object, known: Iterable[str]) -> str:
     """Return the message for a value that is not one of the known words."""
     known = list(known)
     text = f"{quote(value)} is unknown; must be {one_of(map(repr, known))}"
@@ -190,7 +190,7 @@ _repr = Repr()
 _repr.maxstring = _repr.maxother = 40
 
 
-def quote(value: Any) -> str:
+def quote(value: object) -> str:
     """Return a value as text for a message: short, numbers without their type."""
     if isinstance(value, bool) or not isinstance(value, Real):
         return _repr.repr(value)

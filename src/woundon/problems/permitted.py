@@ -116,6 +116,6 @@ def admissible(field: FieldInfo) -> str:
     return (limits or "a finite number") + in_brackets(unit_of(field))
 
 
-def accepts_number(annotation: Any) -> bool:
+def accepts_number(annotation: object) -> bool:
     """Return True if an annotation admits a number."""
     return annotation is float or any(map(accepts_number, get_args(annotation)[:2]))

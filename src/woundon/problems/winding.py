@@ -51,6 +51,8 @@ from .stack import AnyStack, Stack
 from .web import CaliperPressure, Web, WebDensity
 
 if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
     from .fields import CoercedField
     from .grades import Grade
 
@@ -350,7 +352,7 @@ class WindingProblem(Problem):
         """Return the schedule of a field over the radius."""
         return Curve(getattr(self, name), *self.ends)
 
-    def at(self, name: str, r: Any) -> Array:
+    def at(self, name: str, r: ArrayLike) -> Array:
         """Return the values of a schedule at radii [m]; F may be given by the torque split."""
         r = np.asarray(r, dtype=float)
         if name == "winding_force" and self.torque_split is not None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import InitVar
 from functools import lru_cache
 from math import isfinite
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -110,7 +110,7 @@ class WoundRoll(Body):
     @property
     def compliance(self) -> float:
         """C of the half-plane that the surface resembles near a line load [1/Pa]."""
-        P0 = float(self.wound_pressure(self.radius))
+        P0 = float(self.wound_pressure(np.array(self.radius)))
         return coefficients(*self.stack.tangent(P0, P0)[:4]).C
 
     @property
@@ -118,8 +118,8 @@ class WoundRoll(Body):
         """The influence functions, linearised at the pressure wound into the roll."""
         return wound_kernels(self.radius, self.core_radius, self.stack, self.pressure)
 
-    def wound_pressure(self, r: Any) -> Any:
-        """Return P0 at radii [Pa]."""
+    def wound_pressure(self, r: Array) -> Array:
+        """Return the pressure P0 wound into the roll at radii [m], with their shape [Pa]."""
         return at_radius(self.pressure, r)
 
     def uniform_strain(self, pressure: float) -> float:

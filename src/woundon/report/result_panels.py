@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from .. import kinds, quantities
+from ..arguments import check_arguments
 from ..errors import InvalidProblem, nearest, one_of
 from ..problems.messages import quote
 from ..quantities import Quantity
@@ -70,6 +71,7 @@ def chosen(names: str | Sequence[str], known: Sequence[str]) -> list[str]:
     InvalidProblem
         For an unknown panel, or none.
     """
+    check_arguments(panels=names)
     names = [names] if isinstance(names, str) else list(names)
     if not names:
         raise InvalidProblem.at("panels", f"none is chosen; must be {one_of(known)}")

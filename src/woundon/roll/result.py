@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from math import pi
 from types import MappingProxyType
-from typing import Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 
@@ -19,6 +19,9 @@ from .finite_layers import finite_layer_effects, finite_layer_stresses
 from .growth import Growth
 from .stages import stage_arrays, stresses_between
 from .validity import roll_warnings
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
 
 __all__ = ["RollResult"]
 
@@ -235,7 +238,7 @@ class RollResult(Result):
         """Wound mass divided by the volume of the roll [kg/m^3]; nan as ``mass``."""
         return self.wound_mass / float(volume(self))
 
-    def at_radius(self, radius: Any) -> dict[str, Any]:
+    def at_radius(self, radius: ArrayLike) -> dict[str, Any]:
         """Return pressure and hoop stress at any radii.
 
         Parameters

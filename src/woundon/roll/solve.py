@@ -207,7 +207,7 @@ def solve_thin_layers(
     )
 
 
-def check_options(*, rtol: Any = DEFAULT_RTOL) -> None:
+def check_options(*, rtol: object = DEFAULT_RTOL) -> None:
     """Check the options of :func:`solve_wound_roll`.
 
     Raises

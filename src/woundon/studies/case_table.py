@@ -20,7 +20,7 @@ import numpy as np
 from .. import __version__, kinds
 from ..arguments import check_type
 from ..errors import InvalidProblem, one_of
-from ..io.case_files import SCHEMA, check_like_a_case, load_case, make_problem
+from ..io.case_files import check_like_a_case, load_case, make_problem
 from ..io.cells import MAX_COUNTED, Fault, as_plain_number, decimal_sign, numbers, raise_faults
 from ..io.sheets import Sheet, read_sheet
 from ..io.tables import Column, Names, match_columns
@@ -231,7 +231,7 @@ class _RowModel(KindModel):
         if not self.complete:  # fields without a value have that of the base problem
             return super().variant(fields)
         # the fields of the row are the problem: others have their default, or are reported missing
-        problem = make_problem({"schema": SCHEMA, **nest_tables(fields)}, self.kind.name)
+        problem = make_problem(nest_tables(fields), self.kind.name)
         return self.with_ties(problem)
 
 

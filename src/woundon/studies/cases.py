@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arguments import check_seed, whole_number
+from ..arguments import check_arguments, whole_number
 from ..errors import InvalidProblem, did_you_mean
 from ..problems.inputs import NotANumber, real_number
 from ..problems.messages import quote
@@ -200,7 +200,7 @@ def make_cases(
     >>> cases.frame.iloc[1].tolist()
     [1000.0, 0.3]
     """
-    check_seed(seed)
+    check_arguments(seed=seed)
     if design not in DESIGNS:
         raise InvalidProblem.at("design", f"{design!r} is unknown{did_you_mean(design, DESIGNS)}")
     if not isinstance(over, Mapping) or not over:

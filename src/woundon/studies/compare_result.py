@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ..errors import InvalidProblem
+from ..problems.messages import not_one_of
 from ..problems.problem import Problem
 from ..quantities import Quantity, in_chosen_units
 from .outcome import Outcome
@@ -184,9 +185,8 @@ class Comparison(Outcome):
         InvalidProblem
             If it is none of the measured outputs.
         """
-        if output not in self.names:
-            known = ", ".join(self.outputs)
-            raise InvalidProblem.at(output, f"not a measured output; known: {known}")
+        if not isinstance(output, str) or output not in self.names:
+            raise InvalidProblem.at("output", not_one_of(output, self.outputs))
         return np.array([name == output for name in self.names]) & np.isfinite(self.predicted)
 
     def agreement(self, output: str) -> Agreement:

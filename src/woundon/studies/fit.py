@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from ..arguments import check_arguments, check_seed, whole_number
+from ..arguments import check_arguments, whole_number
 from ..errors import InvalidProblem, NoSteadyState, NotConverged
 from ..problems.messages import not_one_of, quote
 from ..problems.paths import varied_value
@@ -118,8 +118,7 @@ def fit(
     >>> round(found.estimate("upper.radius"), 2)  # m
     0.25
     """
-    check_arguments(vary=vary, profiles=profiles)
-    check_seed(seed)
+    check_arguments(vary=vary, profiles=profiles, seed=seed)
     if starts is not None:
         whole_number("starts", starts, 1, 1000)
     data = read_observations(problem, measured, columns, over_radius=False)

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..errors import InvalidProblem
+from ..problems.messages import not_one_of
 from ..quantities import Quantity
 from .outcome import Outcome
 from .profiles import ProfileLikelihood
@@ -111,7 +113,15 @@ class FitResult(Outcome):
         return tuple(n for n, value, error in errors if value and not error < abs(value))
 
     def estimate(self, name: str) -> float:
-        """Return the estimate of one parameter."""
+        """Return the estimate of one parameter.
+
+        Raises
+        ------
+        InvalidProblem
+            If it is none of the fitted parameters.
+        """
+        if not isinstance(name, str) or name not in self.names:
+            raise InvalidProblem.at("name", not_one_of(name, self.names))
         return float(self.estimates[self.names.index(name)])
 
     # ---- texts ----------------------------------------------------------------------------------

@@ -9,7 +9,7 @@ pull_tab_force at a radius        converted to a pressure by the calibration of 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite, nan
 from typing import Any, NamedTuple, get_args, get_type_hints
@@ -138,7 +138,7 @@ def read_observations(
     """
     fields, scalars = columns_of(problem), measurable_outputs(problem)
     result = kind_of(problem).result
-    arrays = arrays_over_radius(result, set(fields)) if over_radius else {}
+    arrays = arrays_over_radius(result, fields) if over_radius else {}
     known = {**arrays, **scalars}
     if arrays:
         places = dict.fromkeys(POSITIONS, length("r", "where it was measured"))
@@ -219,30 +219,31 @@ def _radius(values_of: dict[str, Array], where: str, count: int) -> Array:
     return POSITIONS[columns[0]] * values_of.pop(columns[0]) if columns else np.full(count, nan)
 
 
-def arrays_over_radius(result: type[Any], fields: set[str]) -> dict[str, Quantity]:
-    """Return the arrays of the result of a kind that are functions of the radius."""
-    places = {place.path: place for place in outputs(result) if place.quantity is not None}
-    if "radius" not in places:
+def arrays_over_radius(result: type[Result], fields: Collection[str]) -> dict[str, Quantity]:
+    """Return the arrays of a kind of result that are functions of the radius, by name.
+
+    Those of a winding include the arrays of the roll that it has wound.
+
+    Parameters
+    ----------
+    result : type
+        Class of the results.
+    fields : collection of str
+        Fields of the problem: an array of the same name, such as the wound-on tension, is an input.
+    """
+    arrays = {
+        place.path: place.quantity
+        for place in outputs(result)
+        if place.quantity is not None and np.ndarray in get_args(place.field)
+    }
+    if "radius" not in arrays:
         return {}
-    scalars = scalar_outputs(result)
-    arrays: dict[str, Quantity] = {}
+    of_roll: dict[str, Quantity] = {}
     roll = getattr(result, "roll", None)
     if isinstance(roll, property) and roll.fget is not None:
-        arrays = arrays_over_radius(get_type_hints(roll.fget)["return"], fields)
-    along = getattr(result, "ALONG", {})
-    arrays |= {
-        name: place.quantity
-        for name, place in places.items()
-        if name not in scalars
-        and name not in along
-        and place.quantity is not None
-        and np.ndarray in get_args(place.field)
-    }
-    return {
-        name: quantity
-        for name, quantity in arrays.items()
-        if name not in fields and name != "radius"
-    }
+        of_roll = arrays_over_radius(get_type_hints(roll.fget)["return"], fields)
+    others = {"radius", *fields, *scalar_outputs(result), *result.ALONG}
+    return of_roll | {name: quantity for name, quantity in arrays.items() if name not in others}
 
 
 def read_deviation(
@@ -319,14 +320,15 @@ def predict(result: Result, observable: Observable) -> float:
 def definitions(result: Result, names: Sequence[str]) -> Iterator[str]:
     """Yield the definitions of measured quantities that have two, with their values."""
     roll: Any = getattr(result, "roll", result)
-    if LENGTH in names and hasattr(roll, LENGTH):
-        known = scalar_outputs(type(roll))
-        texts = (
-            f"{known[name].meaning} ({name}), "
-            + known[name].stored_text(value_of(roll, name), ".5g")
-            for name in (LENGTH, "length")
-        )
-        yield f"{LENGTH}: the {'; the finished roll also has the '.join(texts)}"
+    if LENGTH not in names or not hasattr(roll, LENGTH):
+        return
+    known = scalar_outputs(type(roll))
+
+    def text(name: str) -> str:
+        value = known[name].stored_text(value_of(roll, name), ".5g")
+        return f"{known[name].meaning} ({name}), {value}"
+
+    yield f"{LENGTH}: the {text(LENGTH)}; the finished roll also has the {text('length')}"
 
 
 def error_at(result: Result, observable: Observable) -> float:

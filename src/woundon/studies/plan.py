@@ -29,7 +29,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arguments import check_arguments, check_seed, check_type, whole_number
+from ..arguments import check_arguments, check_type, whole_number
 from ..errors import InvalidProblem, NotConverged
 from ..problems.messages import not_one_of
 from ..problems.paths import field_quantity, varied_number
@@ -131,9 +131,9 @@ def next_experiment(
         criterion=criterion,
         output=output,
         operating_point=operating_point,
+        seed=seed,
         tie=tie,
     )
-    check_seed(seed)
     whole_number("draws", draws, 0, 1000)
     if criterion not in CRITERIA:
         raise InvalidProblem.at("criterion", not_one_of(criterion, CRITERIA))

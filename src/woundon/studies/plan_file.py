@@ -14,17 +14,8 @@ from .study_file import base_case, check_names, check_tables, flat_names, table_
 
 __all__ = ["load_plan"]
 
-_KNOWN = (
-    "schema",
-    "case",
-    "unknown",
-    "tie",
-    "completed",
-    "candidate",
-    "plan",
-    "operating_point",
-    "solver",
-)
+_BY_FIELD = ("unknown", "tie", "operating_point")  # tables of values by names of fields
+_KNOWN = ("schema", "case", "candidate", "completed", "plan", "solver", *_BY_FIELD)
 _PLAN = ("count", "criterion", "output", "draws", "seed")
 _MEASUREMENT = ("case", *(field.name for field in fields(Measurement) if field.name != "problem"))
 
@@ -44,12 +35,10 @@ def load_plan(path: str | Path) -> dict[str, Any]:
     check_names(settings, _PLAN, "plan.")
     return {
         "problem": base_case(content.get("case"), path.parent),
-        "unknown": flat_names(table_of(content, "unknown")),
         "candidates": _measurements(content, "candidate", path.parent),
         "completed": _measurements(content, "completed", path.parent),
-        "operating_point": flat_names(table_of(content, "operating_point")),
-        "tie": flat_names(table_of(content, "tie")),
         "options": table_of(content, "solver"),
+        **{name: flat_names(table_of(content, name)) for name in _BY_FIELD},
         **settings,
     }
 

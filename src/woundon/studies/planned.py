@@ -270,7 +270,7 @@ def plan_measurement(
     is_separate = measurement.problem is not None
     base = problem if measurement.problem is None else measurement.problem
     kind = kind_of(base)
-    arrays = arrays_over_radius(kind.result, set(columns_of(base)))
+    arrays = arrays_over_radius(kind.result, columns_of(base))
     known = {**arrays, **measurable_outputs(base)}
     aliases = {PULL_TAB: PRESSURE} | {a: b for a, b in MEASURED_AS.items() if b in known}
     output = aliases.get(measurement.quantity, measurement.quantity)

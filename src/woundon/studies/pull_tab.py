@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from math import isfinite
 from typing import Any
 
+from ..arguments import whole_number
 from ..errors import InvalidProblem
 from ..problems.messages import quote
 from ..problems.units import parse
@@ -59,7 +60,7 @@ class PullTab:
         units = {"slope": "Pa/N", "offset": "Pa", "friction": "1", "area": "m^2", "deviation": "1"}
         for name, unit in units.items():
             value = getattr(self, name)
-            if value is not None:
+            if value is not None or name in ("offset", "deviation"):
                 object.__setattr__(self, name, parse(value, unit, f"tab.{name}"))
         calibration = [
             name for name in ("slope", "friction", "area") if getattr(self, name) is not None
@@ -75,11 +76,12 @@ class PullTab:
                 raise InvalidProblem.at(
                     f"tab.{name}", f"{quote(value)} is out of range; must be > 0"
                 )
+        if not isfinite(self.offset):
+            raise InvalidProblem.at("tab.offset", f"{quote(self.offset)} is not a finite number")
         if not 0 <= self.deviation < 1:
             text = f"{quote(self.deviation)} is out of range; must be >= 0 and < 1"
             raise InvalidProblem.at("tab.deviation", text)
-        if self.faces not in (1, 2):
-            raise InvalidProblem.at("tab.faces", f"{quote(self.faces)} is out of range: 1 or 2")
+        whole_number("tab.faces", self.faces, 1, 2)
 
     @property
     def pressure_per_force(self) -> float:

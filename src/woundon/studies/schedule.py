@@ -164,7 +164,7 @@ def optimise_schedule(
     problem: Problem,
     over: Mapping[str, tuple[Any, Any]] | None = None,
     *,
-    limits: Any = None,
+    limits: Limits | None = None,
     minimise: str | None = None,
     maximise: str | None = None,
     evaluations: int = 60,
@@ -224,9 +224,12 @@ def optimise_schedule(
         )
     goal, sign = (minimise, 1.0) if maximise is None else (maximise, -1.0)
     model = model_of(problem, goal, None, solver_options(None, None, options))
-    search = _Search(model, _ranges(problem, over), limits, goal, sign, evaluations)
-    with progress_reporter(progress, "winding", unit="windings/min") as search.report:
-        search.begin()
+    if model.kind.margins is None:
+        known = one_of(kind.problem.__name__ for kind in kinds.every() if kind.margins)
+        raise InvalidProblem.at("problem", f"{quote(problem)} is out of place; must be a {known}")
+    ranges = _ranges(problem, over)
+    with progress_reporter(progress, "winding", unit="windings/min") as report:
+        search = _Search(model, ranges, limits, goal, sign, evaluations, report)
         ended = search.run()
     return search.result(ended)
 
@@ -277,6 +280,8 @@ class _Evaluation(NamedTuple):
 class _Search:
     """The windings that were computed, and objective and constraints for SciPy.
 
+    The winding of the model's problem is solved first; it selects the margins that are kept.
+
     Parameters
     ----------
     model : KindModel
@@ -289,46 +294,51 @@ class _Search:
         -1 if the output is maximised.
     evaluations : int
         Maximum number of windings.
+    report : callable
+        Is called with the number of windings and the maximum.
+
+    Raises
+    ------
+    InvalidProblem
+        If no margin has a limit.
+    NotConverged
+        If the first winding cannot be solved.
     """
 
     def __init__(
         self,
         model: KindModel,
         ranges: Mapping[str, tuple[float, float]],
-        limits: Any,
+        limits: Limits | None,
         goal: str | None,
         sign: float,
         evaluations: int,
+        report: Progress,
     ) -> None:
-        if model.kind.margins is None:
-            known = one_of(kind.problem.__name__ for kind in kinds.every() if kind.margins)
-            text = f"{quote(model.problem)} is out of place; must be a {known}"
-            raise InvalidProblem.at("problem", text)
-        self.margins = model.kind.margins
         self.model, self.limits, self.goal, self.sign = model, limits, goal, sign
         self.names = tuple(ranges)
         self.low, self.high = np.array(list(ranges.values())).T
-        self.max_evaluations, self.failure = evaluations, ""
+        self.max_evaluations, self.failure, self.report = evaluations, "", report
         self.evaluations: dict[tuple[float, ...], _Evaluation] = {}
-        self.report: Progress = lambda done, expected: None
-
-    # ---- windings --------------------------------------------------------------------------------
-
-    def begin(self) -> None:
-        """Solve the winding at the start of the search, and select its margins."""
-        problem = self.model.problem
-        self.initial = np.array([get_field(problem, name) for name in self.names])
+        self.initial = np.array([get_field(model.problem, name) for name in self.names])
         self.first = np.clip(self.initial, self.low, self.high)
-        self.before = self.model.solve(problem, None)
-        self.margins_before = self.margins(self.before, self.limits)
+        self.before = model.solve(model.problem, None)
+        self.margins_before = self._margins(self.before)
         self.checked = [margin.name for margin in self.margins_before if margin.checked]
         if not self.checked:
             text = "none is given; must be one at least, or there is nothing to keep"
             raise InvalidProblem.at("limits", text)
-        self.scale = abs(value_of(self.before, self.goal)) or 1.0 if self.goal else 1.0
+        self.scale = abs(value_of(self.before, goal)) or 1.0 if goal else 1.0
         if np.array_equal(self.initial, self.first):
             values = tuple(self.first.tolist())
             self.evaluations[values] = self._evaluation(values, self.before)
+
+    # ---- windings --------------------------------------------------------------------------------
+
+    def _margins(self, result: Result) -> Any:
+        """Return the margins of a winding, by the function of its kind of problem."""
+        margins: Any = self.model.kind.margins
+        return margins(result, self.limits)
 
     def at(self, u: Array) -> _Evaluation:
         """Return the winding at relative coordinates u, computed if necessary."""
@@ -363,7 +373,7 @@ class _Search:
 
     def _evaluation(self, values: tuple[float, ...], result: Result) -> _Evaluation:
         """Return a solved winding with its reserves and the value of the goal."""
-        margins = self.margins(result, self.limits)
+        margins = self._margins(result)
         reserves = np.array([margins[name].reserve for name in self.checked])
         goal = float(value_of(result, self.goal)) if self.goal else float(reserves.min())
         return _Evaluation(values, reserves, goal, result, margins)

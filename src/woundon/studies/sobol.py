@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..arguments import check_seed, whole_number
+from ..arguments import check_arguments, whole_number
 from ..errors import InvalidProblem
 from .cases import MOST_CASES, Cases, check_number, scaled_to_range, table_of_cases
 from .outcome import Outcome
@@ -198,7 +198,7 @@ def saltelli_cases(ranges: Mapping[str, Any], samples: int, seed: int) -> Cases:
     if len(ranges) < 2:
         text = "has one field; must be two or more: the index of a single input is 1"
         raise InvalidProblem.at("over", text)
-    check_seed(seed)
+    check_arguments(seed=seed)
     whole_number("samples", samples, 1, MOST_CASES)
     if samples < 4 or samples & (samples - 1):
         raise InvalidProblem.at("samples", f"{samples!r} is not a power of 2, at least 4")

@@ -131,7 +131,7 @@ def base_case(case: Any, folder: Path | None) -> Problem:
     if isinstance(case, str) and folder is not None:
         return load_case(folder / case)
     if isinstance(case, Mapping):
-        return make_problem({"schema": SCHEMA, **case})
+        return make_problem(case)
     raise InvalidProblem.at("case", "missing; give the path of a case file, or the case as [case]")
 
 

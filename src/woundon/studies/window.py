@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from ..arguments import check_arguments, check_seed, whole_number
+from ..arguments import check_arguments, whole_number
 from ..errors import InvalidProblem, NotConverged
 from ..problems.grades import Grade
 from ..problems.problem import Problem
@@ -157,12 +157,11 @@ def operating_window(
     if not isinstance(problem, WindingProblem):
         text = f"{type(problem).__name__} is out of place; must be a WindingProblem"
         raise InvalidProblem.at("problem", text)
-    check_arguments(out=out, resume=resume, progress=progress, preview=preview)
+    check_arguments(out=out, resume=resume, progress=progress, preview=preview, seed=seed)
     if resume and out is None:
         raise InvalidProblem.at("resume", "needs out, the folder of the windings")
     spreads, ties = spreads_and_ties(problem, uncertain, tie)
     whole_number("samples", samples, 100, MOST_SAMPLES)
-    check_seed(seed)
     model = window_model(problem, ties, options)
     for name in spreads:
         model.check_varied([name])

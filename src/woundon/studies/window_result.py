@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..arguments import check_seed, whole_number
+from ..arguments import check_arguments, whole_number
 from ..errors import InvalidProblem
 from ..problems.paths import number_in_si
 from ..problems.winding import WindingProblem
@@ -341,7 +341,7 @@ class OperatingWindow(Outcome):
             As of :meth:`at`, and for an invalid number of samples or seed.
         """
         whole_number("samples", samples, 1, MOST_SAMPLES)
-        check_seed(seed)
+        check_arguments(seed=seed)
         x = self.set_points.coordinates(self._in_si(values)[None]).repeat(samples, axis=0)
         z = standard_normal(len(self.uncertain), samples, seed)
         solver = CaseSolver(

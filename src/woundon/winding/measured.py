@@ -82,9 +82,16 @@ class Departure:
         self.slopes = [{place: s[k] for place, s in slopes.items()} for k in range(len(LOADS))]
 
     def parts(self, r: Array) -> Array:
-        """Return the changes at radii, one row for each load [N/m].
+        """Return the changes of the wound-on tension at radii, (3, k) [N/m], a row for each load.
 
-        The nip load is linearised by its root, because the contact width varies as this root.
+        A change is the derivative of the tension by the load, known at the nips and interpolated
+        over the radius, times the measured minus the smoothed schedule.  The nip load is linearised
+        by its root, because the contact width varies as this root.
+
+        Parameters
+        ----------
+        r : (k,) array
+            Radii [m].
         """
         changes = []
         for name, slope in zip(LOADS, self.slopes, strict=True):

@@ -21,7 +21,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 
@@ -151,7 +151,11 @@ def solve_winding(
 
 
 def check_options(
-    *, rtol: Any = RTOL, nodes: Any = NODES, coupling_rtol: Any = None, start: Any = None
+    *,
+    rtol: object = RTOL,
+    nodes: object = NODES,
+    coupling_rtol: object = None,
+    start: object = None,
 ) -> None:
     """Check the options of :func:`solve_winding`.
 
