@@ -113,7 +113,11 @@ def _changed(study: Path, *statements: str) -> None:
     """Change rows by another program, where an earlier fault lets it."""
     if not _file(study).is_file() or _file(study).is_symlink():
         return
-    with suppress(sqlite3.Error), closing(sqlite3.connect(_file(study))) as connection, connection:
+    with (
+        suppress(sqlite3.Error, UnicodeDecodeError),
+        closing(sqlite3.connect(_file(study))) as connection,
+        connection,
+    ):
         for statement in statements:
             connection.execute(statement)
 
@@ -242,7 +246,10 @@ def journal(study: Path, other: Path, dice: random.Random) -> None:
         return
     source = dice.choice([study, other])
     content, found = bytes(_content(source)), b""
-    with suppress(sqlite3.Error), closing(sqlite3.connect(_file(source))) as connection:
+    with (
+        suppress(sqlite3.Error, UnicodeDecodeError),
+        closing(sqlite3.connect(_file(source))) as connection,
+    ):
         connection.execute("PRAGMA cache_size=1")
         connection.execute("BEGIN")
         connection.execute("UPDATE chunk SET outputs = zeroblob(9000)")
