@@ -191,6 +191,14 @@ def test_a_fit_has_the_numbers_of_python_for_a_text_and_a_workbook(client, cases
         assert not radius["is_at_bound"]
         fitted = [row["fitted"] for row in found["rows"]]
         assert fitted == pytest.approx(same.fitted.tolist(), rel=1e-9)
+        assert found["remarks"] == same.remarks()
+
+
+def test_the_remarks_on_a_fit_begin_with_what_is_not_determined(client, cases):
+    *_, found = fit_events(client, cases["rollers"], WIDTHS, {"upper.radius": [0.3, 1]})
+    assert found["parameters"][0]["is_at_bound"]
+    assert found["remarks"][0].startswith("upper.radius")
+    assert "at its bound" in found["remarks"][0]
 
 
 @pytest.mark.parametrize(
@@ -248,6 +256,7 @@ def test_an_operating_window_is_that_of_python(client, cases):
     np.testing.assert_allclose(window["probability"], same.probability.ravel(), atol=1e-6)
     assert window["best"]["binding"] == same.best.binding
     np.testing.assert_array_equal(window["dominant"], same.dominant.ravel())
+    assert window["remarks"] == same.remarks()
     assert window["inputs"] == list(SPREADS)
 
 

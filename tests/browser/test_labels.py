@@ -54,6 +54,11 @@ DRAWN = """() => [...document.querySelectorAll('svg.scaled')].map(svg => {
 })"""
 
 
+# numbers that are longer than their box
+CUT_OFF = """() => [...document.querySelectorAll('input.box')]
+    .filter(box => box.scrollWidth > box.clientWidth).map(box => `${box.id} ${box.value}`)"""
+
+
 def overlap(a, b, slack=1.0):
     """Tell whether two boxes overlap by more than a slack [px]."""
     return (
@@ -103,6 +108,8 @@ def test_labels_of_axes_do_not_overlap(recorded):
     for system in ("mill", "SI"):
         page.click(f".segmented >> text={system}")
         panels = written(recorded)
+        page.evaluate("() => document.querySelectorAll('.group').forEach(one => one.open = true)")
+        assert page.evaluate(CUT_OFF) == []
         assert set(panels) >= {"tractions", "slips", "pressure", "wrap_tension", "layer_slip"}
 
 
@@ -249,6 +256,9 @@ def test_the_whole_hoop_stress_is_shown_and_its_compression_enlarged(recorded):
     page = recorded.page
     page.click("#tab-winding")
     page.wait_for_selector("[data-panel=hoop_stress] canvas")
+    page.wait_for_selector(".sections")  # with the report come the other outputs
+    page.click(".more summary")
+    page.wait_for_selector(".more canvas")
     panels = written(recorded)
     result = wo.solve(wo.RollProblem.example())
     stress = result.at_radius(np.linspace(result.radius[0], result.radius[-1], 241))["hoop_stress"]

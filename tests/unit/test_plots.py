@@ -410,7 +410,7 @@ def test_a_scale_of_colours_is_as_tall_as_its_panel(results):
 @pytest.mark.parametrize("ends", [(3.1, 4.5), (1.2, 9.0), (6.0, 70.0), (2.0, 1500.0)])
 def test_logarithmic_axes_have_at_least_three_labels(ends: tuple[float, float]):
     x = np.geomspace(*ends, 5)
-    panel = Panel("a", "a", Axis("x", log=True, limits=ends), Axis("y"), curves=(Curve("a", x, x),))
+    panel = Panel("a", Axis("x", log=True, limits=ends), Axis("y"), curves=(Curve("a", x, x),))
     (axes,) = draw_figure([[panel]]).axes
     figure = axes.figure
     figure.draw_without_rendering()
@@ -421,7 +421,7 @@ def test_logarithmic_axes_have_at_least_three_labels(ends: tuple[float, float]):
 
 def test_no_power_of_ten_stands_apart_from_the_labels():
     x = np.linspace(2.05e10, 2.3e10, 5)
-    panel = Panel("a", "a", Axis("x"), Axis("y"), curves=(Curve("a", x, 1e-7 * x),), width=3.1)
+    panel = Panel("a", Axis("x"), Axis("y"), curves=(Curve("a", x, 1e-7 * x),), width=3.1)
     (axes,) = draw_figure([[panel]]).axes
     axes.figure.draw_without_rendering()
     assert (axes.xaxis.get_offset_text().get_text(), axes.yaxis.get_offset_text().get_text()) == (

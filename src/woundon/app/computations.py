@@ -19,6 +19,7 @@ import numpy as np
 from .. import kinds
 from ..errors import InvalidProblem, did_you_mean, unwarned
 from ..io.case_files import check_like_a_case, make_problem
+from ..problems.bodies import Body
 from ..problems.messages import quote
 from ..problems.paths import find_places, varied_number
 from ..problems.permitted import admissible, extremes
@@ -37,7 +38,7 @@ from ..studies.measurements import Observable, predict
 from ..studies.model import KindModel, model_of, quantities_of
 from ..studies.run import solve_chunk
 from ..studies.slopes import slopes
-from ..winding.margins import FIELDS
+from ..winding.margins import FIELDS, Margin
 from .input_forms import quantity_schema, tables_of
 from .json_texts import records, to_json
 from .plot_data import panel_data, slow_panel_data
@@ -58,6 +59,7 @@ __all__ = [
 # width.
 WARM_OPTIONS = {"nodes": 49, "errors": False}
 WARM_UP = 1.0  # seconds after which no further example is solved
+DERIVATIVES = ("outputs", "parameters", "elasticities", "derivatives", "zone_change")
 DESIGNED = ("radius", "target_pressure", "pressure", "outer_layer", "surface_deviation")
 MOST_OUTPUTS = 6  # of kinds without main outputs
 MOST_SESSIONS = 32  # whose last results are kept as initial guesses
@@ -65,7 +67,7 @@ MOST_SESSIONS = 32  # whose last results are kept as initial guesses
 _LAST: OrderedDict[str, tuple[Any, Any]] = OrderedDict()
 
 
-def problem_of(tables: Any) -> Problem:
+def problem_of(tables: Mapping[str, Any]) -> Problem:
     """Return the problem of a case's tables from JSON.
 
     Raises
@@ -73,9 +75,6 @@ def problem_of(tables: Any) -> Problem:
     InvalidProblem
         Also for tables that name files, which are on the client's machine.
     """
-    if not isinstance(tables, Mapping):
-        text = f"{quote(tables)} is not a table; must be the tables of a case file"
-        raise InvalidProblem(text)
     check_like_a_case(tables)
     return make_problem(tables)
 
@@ -97,7 +96,7 @@ def warm_up() -> None:
 
 
 def solve(
-    tables: Any,
+    tables: Mapping[str, Any],
     options: Mapping[str, Any],
     session: str = "",
     warm: bool = False,
@@ -219,7 +218,7 @@ LIMIT_FIELDS = {name: f"limits.{field}" for name, field in FIELDS.items()} | {
 }
 
 
-def _margin(margin: Any) -> dict[str, Any]:
+def _margin(margin: Margin) -> dict[str, Any]:
     """Return a margin of a winding for JSON."""
     names = ("name", "title", "hint", "value", "limit", "radius", "ok", "note")
     values = {name: getattr(margin, name) for name in names}
@@ -255,7 +254,7 @@ def _arrays(result: Result) -> dict[str, Any]:
     }
 
 
-def _geometry(result: Any) -> dict[str, Any]:
+def _geometry(result: Result) -> dict[str, Any]:
     """Return the geometry for a drawing to scale [m, rad]."""
     problem = result.problem
     web = getattr(problem, "web", None)
@@ -269,7 +268,7 @@ def _geometry(result: Any) -> dict[str, Any]:
     }
 
 
-def _body(name: str, body: Any) -> dict[str, Any]:
+def _body(name: str, body: Body) -> dict[str, Any]:
     """Return radius, layers and core of a body for the drawing of the nip."""
     deep = not body.rigid and isinf(body.thickness)
     layers = getattr(body, "layers", None)
@@ -285,7 +284,7 @@ def _body(name: str, body: Any) -> dict[str, Any]:
     }
 
 
-def with_grade(tables: Any, name: str) -> bytes:
+def with_grade(tables: Mapping[str, Any], name: str) -> bytes:
     """Return the tables of a case with all values that a grade supplies, as JSON."""
     problem = problem_of(tables)
     with unwarned():
@@ -296,7 +295,7 @@ def with_grade(tables: Any, name: str) -> bytes:
 # ---- inverse problems -------------------------------------------------------------------------
 
 
-def design(tables: Any, pressure: Any, rtol: float) -> bytes:
+def design(tables: Mapping[str, Any], pressure: Any, rtol: float) -> bytes:
     """Return the tension over the radius that gives a wound roll a target pressure, as JSON."""
     problem: Any = problem_of(tables)  # design_tension rejects other kinds
     solution = design_tension(problem, pressure, rtol=rtol)
@@ -309,7 +308,11 @@ def design(tables: Any, pressure: Any, rtol: float) -> bytes:
 
 
 def find(
-    tables: Any, field: str, output: str, target: float | str, between: Sequence[float | str] | None
+    tables: Mapping[str, Any],
+    field: str,
+    output: str,
+    target: float | str,
+    between: Sequence[float | str] | None,
 ) -> bytes:
     """Return the values of a field for which an output reaches a target, as JSON.
 
@@ -343,7 +346,7 @@ def find(
 # ---- around a state ---------------------------------------------------------------------------
 
 
-def curve(tables: Any, query: Mapping[str, Any], options: Mapping[str, Any]) -> bytes:
+def curve(tables: Mapping[str, Any], query: Mapping[str, Any], options: Mapping[str, Any]) -> bytes:
     """Return outputs against one field around a case, as JSON.
 
     ``query`` is as :class:`.request_models.CurveQuery`.  Each solve starts from the previous one.
@@ -416,7 +419,7 @@ def _ends(
     return max(low, least), min(high, most)
 
 
-def sensitivities(tables: Any, options: Mapping[str, Any]) -> bytes:
+def sensitivities(tables: Mapping[str, Any], options: Mapping[str, Any]) -> bytes:
     """Return the derivatives of the outputs by field, the largest elasticity first, as JSON.
 
     Exact if results of the kind have ``sensitivity``, else by central differences on one grid.
@@ -429,16 +432,12 @@ def sensitivities(tables: Any, options: Mapping[str, Any]) -> bytes:
     return to_json(
         {
             "method": "exact" if is_exact else "differences",
-            "outputs": largest_first.outputs,
-            "parameters": largest_first.parameters,
-            "elasticities": largest_first.elasticities.tolist(),
-            "derivatives": largest_first.derivatives.tolist(),
-            "zone_change": largest_first.zone_change,
+            **{name: getattr(largest_first, name) for name in DERIVATIVES},
         }
     )
 
 
-def _differences(result: Any, options: Mapping[str, Any]) -> Sensitivity:
+def _differences(result: Result, options: Mapping[str, Any]) -> Sensitivity:
     """Return the derivatives with respect to all fields with a unit that are not 0."""
     problem = result.problem
     outputs = _usual_outputs(problem)

@@ -43,17 +43,17 @@ def _reject_files(part: Any, path: str = "") -> None:
             _reject_files(value, f"{path}{name}.")
 
 
-def case_file(tables: Any) -> bytes:
+def case_file(tables: Mapping[str, Any]) -> bytes:
     """Return the case file of a case, with comments."""
     return to_toml(problem_of(tables), comments=True).encode()
 
 
-def python_text(tables: Any) -> bytes:
+def python_text(tables: Mapping[str, Any]) -> bytes:
     """Return the Python script that computes a case."""
     return to_python(problem_of(tables)).encode()
 
 
-def result_file(tables: Any, ending: str, options: Mapping[str, Any]) -> bytes:
+def result_file(tables: Mapping[str, Any], ending: str, options: Mapping[str, Any]) -> bytes:
     """Return the solved case as a result file, SI units."""
     return writer_for(f"result.{ending}")(solved(problem_of(tables), options))
 

@@ -24,6 +24,7 @@ from ..problems.grades import grades
 from ..problems.materials import MATERIALS, Material
 from ..problems.units import MILL, compatible_units, definitions
 from ..quantities import OF_FIELD, Quantity, is_list, members_of, outputs, quantity_of
+from ..results import Result
 from .limits import LIMITS
 
 __all__ = ["catalogue", "limits_of", "quantity_schema", "tables_of"]
@@ -60,7 +61,7 @@ def catalogue() -> dict[str, Any]:
     }
 
 
-def tables_of(description: Any) -> dict[str, Any]:
+def tables_of(description: Description) -> dict[str, Any]:
     """Return the tables of a description as in a case file, in SI and without groups."""
     tables: dict[str, Any] = description.model_dump(mode="json", exclude_none=True)
     return tables
@@ -98,7 +99,7 @@ def _kind(kind: kinds.Kind) -> dict[str, Any]:
     }
 
 
-def _outputs(result: type[Any]) -> Iterator[dict[str, Any]]:
+def _outputs(result: type[Result]) -> Iterator[dict[str, Any]]:
     """Yield name, quantity and type of each output of a class of results."""
     for place in outputs(result):
         if place.quantity is not None:
@@ -126,7 +127,7 @@ def quantity_schema(quantity: Quantity) -> dict[str, Any]:
 # ---- forms ------------------------------------------------------------------------------------
 
 
-def _add_form(model: type[Any], forms: dict[str, Any]) -> None:
+def _add_form(model: type[Description], forms: dict[str, Any]) -> None:
     """Add the form of a description, and the forms of its members."""
     name = model.__name__
     if name in forms:
@@ -142,11 +143,8 @@ def _add_form(model: type[Any], forms: dict[str, Any]) -> None:
 
 def _field(name: str, field: FieldInfo) -> dict[str, Any]:
     """Return the description of a field of a form: type, unit, limits, default and choices."""
-    annotation, quantity, members = (
-        field.annotation,
-        quantity_of(field),
-        members_of(field.annotation),
-    )
+    annotation, quantity = field.annotation, quantity_of(field)
+    members = members_of(annotation)
     entry: dict[str, Any] = {
         "name": name,
         "symbol": "",

@@ -312,8 +312,13 @@ def _sheet_of(request: Mapping[str, Any]) -> Sheet:
 
 
 def _fitted(result: FitResult) -> dict[str, Any]:
-    """Return a fit for its event, SI units."""
+    """Return a fit for its event, SI units.
+
+    The remarks begin with the parameters that the data do not determine.
+    """
     intervals = {profile.name: (profile.low, profile.high) for profile in result.profiles}
+    lines = zip(result.names, result.answer()[1:], strict=True)
+    undetermined = {*result.not_identified, *result.at_bound}
     return {
         "parameters": records(
             name=result.names,
@@ -325,7 +330,7 @@ def _fitted(result: FitResult) -> dict[str, Any]:
         ),
         "rms": result.rms,
         "is_weighted": result.weighted,
-        "remarks": result.remarks(),
+        "remarks": [*(line for name, line in lines if name in undetermined), *result.remarks()],
         "rows": records(
             row=result.row_numbers,
             output=result.row_outputs,
@@ -401,6 +406,7 @@ def _map(found: OperatingWindow) -> dict[str, Any]:
         **{name: getattr(found, name) for name in ("names", "axes", "margins", "errors")},
         **{name: getattr(found, name).ravel() for name in ("probability", "binding", "dominant")},
         "inputs": list(found.uncertain),
+        "remarks": found.remarks(),
         "best": found.best._asdict(),
         "windings": found.windings,
         "failed": len(found.failures),

@@ -125,7 +125,7 @@ def _panels(nips: Sequence[Nip]) -> list[Panel]:
             heading=f"$mu+ = {nip.problem.roll_friction}$, $mu- = {nip.problem.drum_friction}$",
             column=str(k),
             width=4.5,
-            legend="below",
+            legend="figure below",
         )
         for k, nip in enumerate(nips)
     ]

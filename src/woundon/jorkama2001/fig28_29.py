@@ -135,7 +135,6 @@ def _panels(data: xr.Dataset, shown: str) -> list[Panel]:
             panels.append(
                 Panel(
                     f"{row}{column + 1}",
-                    "",
                     axis("tangential"),
                     axis(shown),
                     curves=curves(part, "tangential", shown, "radial"),
@@ -143,7 +142,7 @@ def _panels(data: xr.Dataset, shown: str) -> list[Panel]:
                     column=str(column),
                     width=3.2,
                     height=2.8,
-                    legend="below",
+                    legend="figure below",
                 )
             )
     return panels

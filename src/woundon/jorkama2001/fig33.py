@@ -190,7 +190,6 @@ def _panel(data: xr.Dataset) -> Panel:
             curves.append(Curve(output, NODES, values, "", label, COLOURS[k], line, right=right))
     return Panel(
         "convergence",
-        "",
         Axis("Number of nodes $M$"),
         Axis("Computing time / dense solve of 398 x 398"),
         right=axis("nip_induced_tension"),

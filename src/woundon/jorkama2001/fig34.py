@@ -88,7 +88,6 @@ def _panel(data: xr.Dataset) -> Panel:
     angle = data["angle"].values
     return Panel(
         "rates",
-        "",
         replace(axis("angle"), label="Angle downstream of the start of slip $theta$"),
         axis("roll_rate"),
         curves=tuple(

@@ -165,10 +165,9 @@ def _panels(nips: list[_Nip]) -> list[Panel]:
     claimed = Mark("y", np.radians(CLAIMED))
     logarithmic = replace(axis("angle"), log=True)
     return [
-        Panel("strains", "", axis("angle"), axis("roll_strain"), curves=tuple(strains), width=4.5),
+        Panel("strains", axis("angle"), axis("roll_strain"), curves=tuple(strains), width=4.5),
         Panel(
             "rates",
-            "",
             logarithmic,
             axis("roll_rate"),
             curves=tuple(rates),

@@ -119,7 +119,6 @@ def _panels(points: pd.DataFrame) -> list[Panel]:
         panels.append(
             Panel(
                 "tension",
-                "",
                 axis("nip_load"),
                 y,
                 curves=curves,

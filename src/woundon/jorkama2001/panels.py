@@ -135,7 +135,6 @@ def curve_panels(
     made = [
         Panel(
             y,
-            heading,
             axis(x),
             axis(y),
             curves=curves(part, x, y, along, names),

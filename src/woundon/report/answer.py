@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from math import floor, isnan, log10
 from typing import Any
 
@@ -12,7 +13,6 @@ from ..nip.roller_result import RollerResult
 from ..problems.problem import Problem
 from ..quantities import walk
 from ..results import Result
-from ..roll.result import RollResult
 from ..winding.result import WindingResult
 from .margins_report import verdict_lines
 from .outputs_report import LEAST_FRICTION
@@ -38,9 +38,10 @@ def answer_lines(result: Result, full: bool = True) -> list[Line]:
         lines = [Line(_tensions(result), "answer")]
         return [*lines, *map(Line, _air(result))] if full and result.air is not None else lines
     if isinstance(result, WindingResult):
-        return [*verdict_lines(result.margins), Line(_values(result, WINDING))]
-    names = main_outputs(result)
-    return [Line(_values(result, names), "answer")] if names else []
+        names = [name for name in result.MAIN if name != "least_hoop_stress"]  # it is a margin
+        return [*verdict_lines(result.margins), Line(_values(result, names))]
+    main = main_outputs(result)
+    return [Line(_values(result, main), "answer")] if main else []
 
 
 def main_outputs(result: Result) -> dict[str, str]:
@@ -50,18 +51,12 @@ def main_outputs(result: Result) -> dict[str, str]:
     """
     if isinstance(result, NipResult | WindingResult):
         return {}
-    if isinstance(result, RollResult):
-        names = ROLL
-    elif isinstance(result, RollerResult):
-        names = _of_rollers(result)
-    else:
-        known = quantities.scalar_outputs(result)
-        names = {
-            name: known[name].meaning for name in kinds.of(result).result.MAIN if name in known
-        }
-    return {
-        name: words for name, words in names.items() if not isnan(quantities.value_of(result, name))
-    }
+    names = _of_rollers(result) if isinstance(result, RollerResult) else result.MAIN
+    known = quantities.scalar_outputs(result)
+    return _words(
+        result,
+        [name for name in names if name in known and not isnan(quantities.value_of(result, name))],
+    )
 
 
 # ---- a nip --------------------------------------------------------------------------------------
@@ -121,34 +116,38 @@ def _reduction(friction: float, dry: float) -> str:
 
 # ---- other kinds --------------------------------------------------------------------------------
 
-ROLL = {
-    "core_pressure": "Pressure on the core",
-    "mid_pressure": "halfway to the surface",
+# shorter than the meaning of the quantity
+WORDS = {
+    "tangential_load": "tangential load",
+    "mean_wound_on_tension": "mean wound-on tension",
+    "mid_pressure": "halfway to the surface",  # next to the pressure on the core
     "least_hoop_stress": "minimum hoop stress",
 }
-WINDING = {
-    "mean_wound_on_tension": "Mean wound-on tension",
-    "core_pressure": "pressure on the core",
-    "mid_pressure": "halfway to the surface",
-}
 
 
-def _of_rollers(result: RollerResult) -> dict[str, str]:
-    """Return the main outputs of rollers with their names."""
+def _of_rollers(result: RollerResult) -> tuple[str, ...]:
+    """Return the names of the main outputs of rollers: the one that is not prescribed first."""
     problem = result.problem
-    head = {"tangential_load": "Tangential load"}
-    if problem.motion == "rolling" and problem.creepage is None:
-        head = {"creepage": "Creepage"}
-    return {**head, "nip_width": "width of the contact", "peak_pressure": "largest pressure"}
+    free = problem.motion == "rolling" and problem.creepage is None
+    return ("creepage" if free else "tangential_load", "nip_width", "peak_pressure")
 
 
-def _values(result: Result, names: dict[str, str]) -> str:
-    """Return outputs with their names and units, separated by commas."""
-    text = ", ".join(
+def _words(result: Result, names: Iterable[str]) -> dict[str, str]:
+    """Return outputs in words without explanations, the first one with a capital, by name."""
+    words = {
+        name: WORDS.get(name, quantity_of(result, name).meaning.partition(",")[0]) for name in names
+    }
+    for first in list(words)[:1]:
+        words[first] = words[first][:1].upper() + words[first][1:]
+    return words
+
+
+def _values(result: Result, names: Iterable[str]) -> str:
+    """Return outputs with their words and units, separated by commas."""
+    return ", ".join(
         f"{words} {quantity_of(result, name).text(quantities.value_of(result, name))}"
-        for name, words in names.items()
+        for name, words in _words(result, names).items()
     )
-    return text[:1].upper() + text[1:]
 
 
 # ---- assumptions and defaults -------------------------------------------------------------------

@@ -9,11 +9,7 @@ from ..errors import InvalidProblem
 from ..nip.result import NipResult
 from ..nip.roller_result import RollerResult
 from .outputs_report import is_half_plane
-from .report_parts import (
-    Row,
-    Section,
-    output_row,
-)
+from .report_parts import Row, Section, output_row
 
 __all__ = ["nip_closed_forms", "roller_closed_forms"]
 

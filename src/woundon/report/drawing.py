@@ -20,13 +20,7 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import SubplotSpec
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.ticker import (
-    FuncFormatter,
-    LogLocator,
-    MaxNLocator,
-    NullFormatter,
-    ScalarFormatter,
-)
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter, ScalarFormatter
 
 from ..errors import InvalidProblem
 from ..problems.messages import quote
@@ -43,20 +37,7 @@ from .figures import (
     wrapped_text,
     zone_look,
 )
-from .panels import (
-    SERIES,
-    Area,
-    Axis,
-    Bars,
-    Curve,
-    Disc,
-    Map,
-    Mark,
-    Panel,
-    Regions,
-    Scale,
-    widest,
-)
+from .panels import SERIES, Area, Axis, Bars, Curve, Disc, Map, Mark, Panel, Regions, Scale, widest
 
 __all__ = ["check_axes", "draw_figure", "draw_panel", "show_panels"]
 
@@ -91,7 +72,7 @@ BAR_GAP, BAR_WIDTH = 0.1, 0.2  # inches, of the scale of colours at the right of
 LEVELS = 16  # of a coloured map
 CHARACTERS = 11  # of a label per inch along its axis
 NAME_WIDTH = 32  # characters in a line of a name next to a bar, or in a legend in a panel
-TICK_WIDTH = 0.7  # inches along x for each number
+TICK_WIDTH = 0.6  # inches along x for each number
 FAINT = 0.35  # opacity of regions
 MANY_POINTS = 2000  # of a curve; more are drawn as pixels
 AROUND = 181  # spokes of a disc, its first and last the same

@@ -34,6 +34,7 @@ __all__ = [
     "check_format",
     "figure_bytes",
     "formulas",
+    "named_value",
     "save_figure",
     "style",
     "symbol_text",
@@ -198,6 +199,15 @@ def unit_of(quantity: Quantity) -> str:
 def text_of(quantity: Quantity, value: float, form: str = ".4g") -> str:
     """Return an SI value with its unit for display as figures write it."""
     return f"{quantity.shown(float(value)):{form}} {unit_of(quantity)}".rstrip()
+
+
+def named_value(path: str, quantity: Quantity | None, value: object) -> str:
+    """Return the value of a field with its name, such as "nip load = 2000 N/m", for a legend."""
+    name = path.rpartition(".")[2].replace("_", " ")
+    if isinstance(value, bool) or not isinstance(value, int | float | np.number):
+        return f"{name} = {value}"
+    text = f"{value:.5g}" if quantity is None else text_of(quantity, float(value), ".5g")
+    return f"{name} = {text}"
 
 
 def axis_label(axis: Axis, width: int = 60) -> str:

@@ -26,8 +26,19 @@ from ..results import Result
 from .figures import figure_bytes
 from .html import parts_html, table_html
 from .outputs_report import LEFT_OUT
-from .plots import figure_for_file, panel_columns
-from .report_parts import Column, Line, Row, Section, Table, TableRow, output_row, value_row
+from .plots import figures_of_columns
+from .report_parts import (
+    Column,
+    Line,
+    Part,
+    Row,
+    Section,
+    Table,
+    TableRow,
+    ZoneStrips,
+    output_row,
+    value_row,
+)
 from .result_report import report_parts
 from .scale_drawing import scale_drawing
 
@@ -76,14 +87,15 @@ def report_file(
     origin = f", from {escape(', '.join(sources))}" if sources else ""
     date = (written or datetime.now()).strftime("%Y-%m-%d %H:%M")
     style = (resources.files(__package__) / "report_file.css").read_text("utf-8")
+    parts = [report_parts(result) for result in results]
     body = "\n".join(
         [
             f"<h1>{escape(title)}</h1>",
             f'<p class="about">woundon {__version__}, {escape(date)}{origin}</p>',
-            *_answers(results, names),
-            *_figure(results, names if len(results) > 1 else None),
+            *_answers(parts, names),
+            *_figure(results, names),
             *(_comparison(results, names) if len(results) > 1 else ()),
-            *_results(results, names),
+            *_results(parts, names),
             *_inputs(results, names),
             _footer(results),
             "<h2>Remarks</h2>",
@@ -98,23 +110,21 @@ def report_file(
     )
 
 
-def _answers(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
-    """Yield the answer, the warnings and the certificate of each case."""
-    for result, name in zip(results, names, strict=True):
-        if len(results) > 1:
+def _answers(reports: Sequence[Sequence[Part]], names: Sequence[str]) -> Iterator[str]:
+    """Yield the answer, the warnings and the certificate of each case from its report."""
+    for parts, name in zip(reports, names, strict=True):
+        if len(reports) > 1:
             yield f"<h2>{escape(name)}</h2>"
-        lines = [part for part in report_parts(result) if isinstance(part, Line)]
-        yield parts_html([line for line in lines if line.tone != "quiet"])
+        yield parts_html([p for p in parts if isinstance(p, Line) and p.tone != "quiet"])
 
 
-def _results(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
+def _results(reports: Sequence[Sequence[Part]], names: Sequence[str]) -> Iterator[str]:
     """Yield the sections of the report of each case, tables of values in two columns."""
-    for result, name in zip(results, names, strict=True):
-        yield f"<h2>{escape(name)}: results</h2>" if len(results) > 1 else "<h2>Results</h2>"
-        parts = [part for part in report_parts(result) if not isinstance(part, Line)]
-        narrow = [part for part in parts if isinstance(part, Section)]
-        yield f'<div class="columns">{parts_html(narrow)}</div>'
-        yield parts_html([part for part in parts if not isinstance(part, Section)])
+    for parts, name in zip(reports, names, strict=True):
+        yield f"<h2>{escape(name)}: results</h2>" if len(reports) > 1 else "<h2>Results</h2>"
+        sections = parts_html([part for part in parts if isinstance(part, Section)])
+        yield f'<div class="columns">{sections}</div>'
+        yield parts_html([p for p in parts if isinstance(p, Table | ZoneStrips)])
 
 
 # ---- inputs -----------------------------------------------------------------------------------
@@ -214,10 +224,10 @@ def _with_error(row: Row) -> str:
 # ---- figures and foot -------------------------------------------------------------------------
 
 
-def _figure(results: Sequence[Result], names: Sequence[str] | None) -> Iterator[str]:
+def _figure(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
     """Yield the figure of the cases as inline SVG; nothing for kinds without common panels."""
     try:
-        columns = panel_columns(results)
+        figures = figures_of_columns(results, names)
     except InvalidProblem as fault:
         yield f"<p>{escape(str(fault))}</p>"
         return
@@ -225,11 +235,10 @@ def _figure(results: Sequence[Result], names: Sequence[str] | None) -> Iterator[
     if drawing is not None:
         yield _inline(drawing, "drawing to scale", 0)
     yield '<div class="figures">'
-    for number, panels in enumerate(columns, 1):
-        figure = figure_for_file(results, labels=names, panels=panels, lettered=False)
+    for number, (panels, figure) in enumerate(figures, 1):
         width, height = figure.get_size_inches()
         figure.set_size_inches(PRINTED * width, PRINTED * height)
-        yield _inline(figure, ", ".join(panels), number)
+        yield _inline(figure, panels, number)
     yield "</div>"
 
 

@@ -93,9 +93,9 @@ def zones_panel(result: NipResult | RollerResult, contact: str, height: float) -
     strips = [Strip(face, tuple(zone_runs(known.x, each))) for face, each in known.faces.items()]
     return Panel(
         "zones",
-        "Zones",
         along_contact(result, contact),
         Axis(""),
+        title="Zones",
         strips=tuple(strips),
         words=(known.slower, "stick", known.faster),
         column=contact,
@@ -117,9 +117,9 @@ def _in_nip(result: NipResult, name: str, label: str, colour: str, line: str = "
 def _panel(
     result: NipResult, name: str, title: str, y: Axis, curves: Sequence[Curve], **others: Any
 ) -> Panel:
-    """Return a panel along the nip; ``others`` are further fields of a :class:`Panel`."""
+    """Return a panel along the nip; ``others`` are further fields of the panel."""
     x = along_contact(result, "nip")
-    return Panel(name, title, x, y, curves=tuple(curves), column="nip", **others)
+    return Panel(name, x, y, title, curves=tuple(curves), column="nip", **others)
 
 
 def tractions(result: NipResult) -> Panel:
@@ -227,9 +227,9 @@ def wrap_tension(result: NipResult) -> Panel:
             marks.append(Mark("y", result.slip_angle, "end of slip", colour="roll"))
     return Panel(
         "wrap_tension",
-        "Web tension on the wraps",
         _angle_axis(result),
         Axis("Web tension $T$", T),
+        title="Web tension on the wraps",
         curves=tuple(curves),
         marks=tuple(marks),
         column="wraps",
@@ -254,9 +254,9 @@ def wrap_pressure(result: NipResult) -> Panel:
         ]
     return Panel(
         "wrap_pressure",
-        "Pressure on the wraps",
         _angle_axis(result),
         Axis("Pressure $p$", quantity_of(result, "drum_pressure")),
+        title="Pressure on the wraps",
         curves=tuple(curves),
         column="wraps",
         width=6.1,
@@ -293,11 +293,10 @@ def layer_slip(result: NipResult) -> Panel:
     slip, stress = _layer_slip_of(result), quantity_of(result, "drum_pressure")
     panel = Panel(
         "layer_slip",
-        "Shear between the layers beyond friction",
         Axis("Position along the nip $x$", quantity_of(result, "x")),
         _depth_axis(result, slip),
+        title="Shear between the layers beyond friction",
         note=UNKNOWN if slip is None else "",
-        column="layer_slip",
         width=6.6,
         height=3.6,
     )
@@ -344,13 +343,12 @@ def layer_shear(result: NipResult) -> Panel:
         )
     return Panel(
         "layer_shear",
-        "Shear and friction between the layers",
         Axis("Stress", stress),
         _depth_axis(result, slip),
+        title="Shear and friction between the layers",
         curves=curves,
         marks=(Mark("y", 0.0, alone=False),),
         note=UNKNOWN if slip is None else "",
-        column="layer_shear",
         width=5.4,
         height=3.6,
     )

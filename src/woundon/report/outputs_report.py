@@ -12,13 +12,7 @@ from ..problems.bodies import Body
 from ..problems.description import Description
 from ..quantities import Quantity
 from ..results import Result
-from .report_parts import (
-    Part,
-    Row,
-    Section,
-    output_row,
-    value_row,
-)
+from .report_parts import Part, Row, Section, output_row, value_row
 
 __all__ = [
     "LEAST_FRICTION",

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -43,6 +43,7 @@ __all__ = [
 
 Array = np.ndarray
 Limits = tuple[float, float]
+Legend = Literal["above", "stacked", "inside", "right", "figure below", "figure right"]
 
 # Names of the colours of several curves in one panel, in their order.
 SERIES = ("roll", "drum", "green", "purple", "sky", "amber", "ink")
@@ -278,10 +279,10 @@ class Panel:
     Attributes
     ----------
     name : str
-    title : str
-        Heading on the page.
     x, y, right : Axis
         ``right`` is a second vertical axis.
+    title : str
+        Heading on the page.
     curves, areas, marks, strips, map, regions, discs, scale, bars
         Contents.
     words : (str, str, str)
@@ -289,7 +290,8 @@ class Panel:
     heading, note : str
         Text above the panel; text in place of missing contents.
     column : str
-        Panels of one column are drawn below each other; those with the same x axis share it.
+        Panels of one column are drawn below each other; those with the same x axis share it.  By
+        default a panel has a column of its own, named after it.
     width, height : float
         Inches; a column has the width of its widest panel.
     legend : {"above", "stacked", "inside", "right", "figure below", "figure right"}
@@ -298,9 +300,9 @@ class Panel:
     """
 
     name: str
-    title: str
     x: Axis
     y: Axis
+    title: str = ""
     right: Axis | None = None
     curves: tuple[Curve, ...] = ()
     areas: tuple[Area, ...] = ()
@@ -317,7 +319,11 @@ class Panel:
     column: str = ""
     width: float = 6.3
     height: float = 3.2
-    legend: str = "above"
+    legend: Legend = "above"
+
+    def __post_init__(self) -> None:
+        """Name a column of its own after the panel."""
+        object.__setattr__(self, "column", self.column or self.name)
 
 
 @dataclass(frozen=True)

@@ -15,11 +15,11 @@ from ..errors import InvalidProblem, one_of
 from ..problems.messages import quote
 from ..results import Result
 from .drawing import check_axes, draw_figure, show_panels
-from .figures import text_of
+from .figures import named_value
 from .panels import Panel
 from .result_panels import chosen, named_panels
 
-__all__ = ["figure_for_file", "panel_columns", "plot"]
+__all__ = ["figure_for_file", "figures_of_columns", "plot"]
 
 
 @overload
@@ -99,19 +99,29 @@ def figure_for_file(
     *,
     labels: Sequence[str] | None = None,
     panels: str | Sequence[str] | None = None,
-    lettered: bool = True,
 ) -> Figure:
     """Return the figure of :func:`plot` for a file: not registered with a window or notebook."""
     all_results, labels = _labelled(results, labels)
-    return draw_figure(_panels(all_results, panels), labels, lettered=lettered)
+    return draw_figure(_panels(all_results, panels), labels)
 
 
-def panel_columns(results: Sequence[Result]) -> list[list[str]]:
-    """Return the names of the panels of a plot of results, by columns."""
-    columns: dict[str, list[str]] = {}
-    for first, *_ in _panels(results, None):
-        columns.setdefault(first.column, []).append(first.name)
-    return list(columns.values())
+def figures_of_columns(
+    results: Sequence[Result], labels: Sequence[str]
+) -> list[tuple[str, Figure]]:
+    """Return each column of the figure of :func:`plot` as a figure, with the names of its panels.
+
+    Raises
+    ------
+    InvalidProblem
+        For results without common panels.
+    """
+    columns: dict[str, list[list[Panel]]] = {}
+    for cases in _panels(results, None):
+        columns.setdefault(cases[0].column, []).append(cases)
+    return [
+        (", ".join(cases[0].name for cases in column), draw_figure(column, labels, lettered=False))
+        for column in columns.values()
+    ]
 
 
 def _labelled(results: Any, labels: Sequence[str] | None) -> tuple[list[Result], Sequence[str]]:
@@ -175,7 +185,11 @@ def _labels(results: Sequence[Any]) -> list[str]:
         ", ".join(
             [
                 *([word] if len(set(words)) > 1 else []),
-                *(_value_text(t[path]) for path in differ[:2] if path in t),
+                *(
+                    named_value(path, t[path].quantity, t[path].value)
+                    for path in differ[:2]
+                    if path in t
+                ),
             ]
         )
         for word, t in zip(words, fields, strict=True)
@@ -183,11 +197,3 @@ def _labels(results: Sequence[Any]) -> list[str]:
     if len(differ) > 2 or len(set(texts)) < len(texts) or not all(texts):
         return [f"{word} {k}" for k, word in enumerate(words, 1)]
     return texts
-
-
-def _value_text(place: quantities.Place) -> str:
-    """Return "nip load = 2000 N/m"."""
-    name, quantity = place.name.replace("_", " "), place.quantity
-    if quantity is None or not isinstance(place.value, int | float):
-        return f"{name} = {place.value}"
-    return f"{name} = {text_of(quantity, place.value, '.5g')}"

@@ -100,9 +100,9 @@ class Arrays:
         alone = len(self.names) == 1
         return Panel(
             ", ".join(self.names),
-            _capitalised(first.meaning) if alone else ", ".join(self.names),
             Axis(_capitalised(x.meaning), x),
             Axis(first.meaning if alone else "", first),
+            title=_capitalised(first.meaning) if alone else ", ".join(self.names),
             curves=tuple(self._curve(result, k, name) for k, name in enumerate(self.names)),
             column="outputs",
             width=6.3 if alone else 9.0,

@@ -125,10 +125,10 @@ def over_radius(
     radius : (n,) array
         The first and the last one are the ends of the axis [m].
     name, title, y, curves, others
-        As of a :class:`Panel`; on the left by default.
+        As of a :class:`~woundon.report.panels.Panel`; on the left by default.
     """
     place = {"column": "left", "height": 2.6, **others}
-    return Panel(name, title, radius_axis(radius), y, curves=tuple(curves), **place)
+    return Panel(name, radius_axis(radius), y, title, curves=tuple(curves), **place)
 
 
 def pressure(roll: RollResult) -> Panel:
@@ -197,11 +197,10 @@ def compression(roll: RollResult) -> Panel:
     curve = Curve("hoop_stress", r, hoop_stress_at(roll)[part], stress.symbol, colour="drum")
     return Panel(
         "compression",
-        "Hoop stress where it is compressive",
         radius_axis(r),
         Axis("Hoop stress $sigma_t$", stress),
+        title="Hoop stress where it is compressive",
         curves=(curve,),
-        column="compression",
     )
 
 
@@ -245,12 +244,11 @@ def _disc_panel(roll: RollResult, name: str, title: str, output: str, label: str
     radius = quantity_of(roll, "radius")
     return Panel(
         name,
-        title,
         Axis("$x$", radius),
         Axis("$y$", radius),
+        title=title,
         discs=(disc_of(roll, output, -float(roll.radius[-1])),),
         scale=scale_of(roll, output, label),
-        column=name,
         width=5.4,
         height=4.4,
     )

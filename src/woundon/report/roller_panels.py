@@ -42,9 +42,9 @@ def tractions(result: RollerResult) -> Panel:
     x = result.x
     return Panel(
         "tractions",
-        "Tangential tractions and friction bounds",
         along_contact(result, "contact"),
         Axis("Pressure $p$, traction $q$", quantity_of(result, "pressure")),
+        title="Tangential tractions and friction bounds",
         curves=(
             Curve("pressure", x, result.pressure, "p", "", "web", "dashdot"),
             Curve("traction", x, result.traction, "q", "on upper roller"),
@@ -98,9 +98,9 @@ def slip(result: RollerResult) -> Panel:
     quantity = quantity_of(result, "creepage" if rolling else "shift")
     return Panel(
         "slip",
-        "Slip",
         along_contact(result, "contact"),
         Axis("Relative slip speed $v$" if rolling else "Slip $v$", quantity),
+        title="Slip",
         curves=(Curve("slip", result.slip_x, result.slip, "v", "lower surface faster"),),
         column="contact",
         height=2.8,

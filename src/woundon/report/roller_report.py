@@ -7,14 +7,7 @@ from math import isnan
 from ..nip.roller_result import RollerResult
 from .closed_forms import roller_closed_forms
 from .outputs_report import approach_note, rows_of
-from .report_parts import (
-    Line,
-    Part,
-    Row,
-    Section,
-    field_row,
-    roller_zones,
-)
+from .report_parts import Line, Part, Row, Section, field_row, roller_zones
 
 __all__ = ["roller_report"]
 

@@ -100,7 +100,6 @@ def find_panels(outcome: FindResult) -> list[Panel]:
     return [
         Panel(
             "scan",
-            "Output over the field",
             named_axis(outcome.name, field, values),
             named_axis(outcome.output, output),
             curves=tuple(curves),
@@ -139,11 +138,9 @@ def _agreement(fit: FitResult) -> Panel:
     first = fit.quantities.get(outputs[0])
     return Panel(
         "agreement",
-        "Fitted and measured values",
         Axis("measured", first),
         Axis("fitted", first),
         curves=(*curves, _diagonal(fit.measured, fit.fitted)),
-        column="agreement",
         width=3.3,
         legend="inside",
     )
@@ -157,7 +154,6 @@ def _profile(fit: FitResult, profile: ProfileLikelihood) -> Panel:
         label += " [standard deviations]"
     return Panel(
         profile.name,
-        f"Profile of {profile.name}",
         named_axis(profile.name, fit.quantities.get(profile.name), profile.values),
         Axis(label, rms),
         curves=(
@@ -170,7 +166,6 @@ def _profile(fit: FitResult, profile: ProfileLikelihood) -> Panel:
             ),
         ),
         marks=(Mark("x", profile.rms_limit, "95 % limit", colour="drum", line="dashed"),),
-        column=profile.name,
         width=3.3,
         legend="inside",
     )
@@ -195,11 +190,9 @@ def _measured_and_predicted(comparison: Comparison, output: str) -> Panel:
     name = in_words(output, quantity)
     return Panel(
         output,
-        f"Measured and predicted {name}",
         Axis(f"predicted {name}", quantity),
         Axis(f"measured {name}", quantity),
         curves=(points, _diagonal(predicted, measured)),
-        column=output,
         width=3.6,
     )
 
@@ -226,12 +219,10 @@ def _residuals(comparison: Comparison, output: str) -> Panel:
     # along another quantity than the agreement: a column of its own
     return Panel(
         f"{output}_residuals",
-        f"Residuals of {output}",
         axis,
         Axis("measured - predicted", quantity),
         curves=(points,),
         marks=(Mark("x", 0.0), Mark("x", bias, "mean", colour="drum", line="dashed")),
-        column=f"{output}_residuals",
         width=3.8,
     )
 
@@ -274,7 +265,6 @@ def plan_panels(plan: NextExperiment) -> list[Panel]:
     return [
         Panel(
             "plan",
-            "Expected standard errors after each measurement",
             x,
             Axis("", limits=(steps[-1] + 0.4, -0.4), names=tuple(names)),
             curves=tuple(curves),
@@ -306,12 +296,12 @@ def indices_panels(indices: SobolIndices) -> list[Panel]:
         panels.append(
             Panel(
                 output,
-                words,
                 Axis("share of the variance, with 95 % intervals"),
                 Axis("", limits=(len(names) - 0.4, -0.6), names=names),
                 bars=bars,
                 heading=words,
                 height=0.42 * len(names) + 1.0,
+                column="indices",
                 legend="figure below",
             )
         )
@@ -359,7 +349,6 @@ def window_panels(window: OperatingWindow) -> list[Panel]:
     return [
         Panel(
             "window",
-            "Operating window",
             Axis(f"{tension.meaning}, at the core", tension, limits=(x[0], x[-1])),
             Axis(f"{load.meaning}, at the core", load, limits=(y[0], y[-1])),
             curves=(point,),

@@ -82,11 +82,9 @@ def _reserves(before: Margins, after: Margins) -> list[Panel]:
     titles = tuple(after[name].title for name in names)
     panel = Panel(
         "reserves",
-        "Reserves of the margins",
         Axis("Reserve, share of the limit, at most 100 [%]"),
         Axis("", limits=(len(names) - 0.4, -0.6), names=titles),
         marks=(Mark("y", 0.0, colour="alarm", alone=False),),
-        column="reserves",
         width=5.2,
     )
     shares = [

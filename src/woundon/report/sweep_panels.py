@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from ..studies.cases import as_labels, is_numeric
 from .drawing import show_panels
-from .figures import text_of
+from .figures import named_value
 from .panels import LINES, SERIES, Axis, Curve, Panel
 from .study_panels import named_axis
 
@@ -56,7 +56,7 @@ def _without_solution(table: Table, output: str) -> Panel:
     """Return the panel of a study of which no case was solved."""
     y = named_axis(output, table.quantities.get(output))
     note = f"none of the {len(table.cases)} cases was solved"
-    return Panel(output, y.label, Axis(""), y, note=note, width=5.0)
+    return Panel(output, Axis(""), y, note=note, width=5.0)
 
 
 def _grid_panels(table: Table, output: str) -> tuple[list[Panel], str]:
@@ -74,7 +74,6 @@ def _grid_panels(table: Table, output: str) -> tuple[list[Panel], str]:
     panels = [
         Panel(
             output,
-            y.label,
             _axis_of_input(table, drawn[0]),
             y,
             curves=tuple(_curves(table, output, drawn, values[:, :, place])),
@@ -139,7 +138,6 @@ def _scatter_panels(table: Table, output: str) -> list[Panel]:
         panels.append(
             Panel(
                 name,
-                name,
                 named_axis(name, table.quantities.get(name), x),
                 named_axis(output, table.quantities.get(output)),
                 curves=(points,),
@@ -158,10 +156,6 @@ def _evenly_spaced(count: int, limit: int) -> list[int]:
 
 def _value_label(table: Table, axis: int, place: int) -> str:
     """Return a label such as "shear = 10 MPa" for an index on an axis."""
-    field = table.cases.names[axis]
-    values = table.cases.axes[field]
-    value, quantity = as_labels(values)[place], table.quantities.get(field)
-    name = field.rpartition(".")[2].replace("_", " ")
-    if not is_numeric(values):
-        return f"{name} = {value}"
-    return f"{name} = {value:.4g}" if quantity is None else f"{name} = {text_of(quantity, value)}"
+    name = table.cases.names[axis]
+    value = as_labels(table.cases.axes[name])[place]
+    return named_value(name, table.quantities.get(name), value)

@@ -178,12 +178,11 @@ def film(result: WindingResult) -> Panel:
     highest = max(stages, key=lambda roll: roll.peak_pressure)
     return Panel(
         "film",
-        "Pressure in the growing roll",
         Axis("radius", quantity_of(result.roll, "radius")),
         Axis(""),
+        title="Pressure in the growing roll",
         discs=tuple(discs),
         scale=scale_of(highest, "pressure", "Pressure $P$"),
-        column="film",
         width=11.0,
         height=2.6,
     )

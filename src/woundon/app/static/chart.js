@@ -8,7 +8,7 @@ const DASHES = { solid: [], dashed: [7, 4], dashdot: [8, 3, 2, 3], dotted: [2, 3
 const DOTS = { dash: [], paths: () => null, points: { show: true, size: 8 } }; // points without a line
 const LEFT = 58;
 const RIGHT = 54;
-const MARGIN = 24; // [px] above and below a label along y
+const MARGIN = 40; // [px] of the height without room for a label along y: it is centred on the curves
 const LABEL_FONT = "600 11px system-ui, sans-serif";
 
 // ---- colours of the style sheet, read once a theme ----

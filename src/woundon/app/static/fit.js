@@ -87,10 +87,6 @@ function Found({ store, found: { parameters, rows, remarks, rms, is_weighted: we
   const text = (quantity, value, count = 4) => (value == null ? T.fit.open : digits(units.shown(quantity, value), count));
   const take = () => store.take(state.kind, parameters.reduce((tables, { name, estimate }) => changed(tables, name, Number(estimate.toPrecision(5))), state.case));
   const first = store.output(outputs[0]);
-  const warnings = [
-    ...parameters.filter((one) => !one.is_identified).map(({ name }) => T.fit.notIdentified(name)),
-    ...parameters.filter((one) => one.is_at_bound).map(({ name }) => T.fit.atBound(name)), ...remarks,
-  ];
   return html`<section class="tab-card" id="fit-found">
     ${parameters.map(({ name, estimate, standard_error: error, interval }) => {
     const field = store.fieldAt(name);
@@ -98,7 +94,7 @@ function Found({ store, found: { parameters, rows, remarks, rms, is_weighted: we
       ${interval && html`<span class="quiet"> ${T.fit.interval(text(field, interval[0]), text(field, interval[1]))}</span>`}</p>`;
   })}
     <p>${T.fit.rms(weighted ? `${digits(rms, 2)} ${T.fit.deviations}` : `${text(first, rms, 2)} ${units.text(first)}`, rows.length)} <button type="button" id="fit-take" onClick=${take}>${T.fit.take}</button></p>
-    ${warnings.length > 0 && html`<ul class="remarks">${warnings.map((line) => html`<li key=${line}>${units.sentence(line)}</li>`)}</ul>`}
+    <ul class="remarks">${remarks.map((line) => html`<li key=${line}>${units.sentence(line)}</li>`)}</ul>
   </section>
   <div class="panels">${outputs.map((name) => html`<${Agreement} key=${name} store=${store} output=${store.output(name)} rows=${rows.filter((row) => row.output === name)} />`)}</div>`;
 }

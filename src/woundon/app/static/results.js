@@ -281,12 +281,13 @@ export function Sections({ store }) {
 /** A row of the report in the chosen units. */
 function SectionValue({ store, row }) {
   const entry = Object.entries(store.catalogue.units).find(([, known]) => known.some((unit) => unit.name === row.unit));
-  if (typeof row.value !== "number" || !entry || !row.unit) return html`<td class="value">${row.value_text} ${row.error_text && `± ${row.error_text}`}</td><td class="unit-cell">${row.unit}</td>`;
+  const valueText = row.value_text.replace(/^-/, "−");
+  if (typeof row.value !== "number" || !entry || !row.unit) return html`<td class="value">${valueText} ${row.error_text && `± ${row.error_text}`}</td><td class="unit-cell">${row.unit}</td>`;
   const quantity = { unit: entry[0], shown_unit: row.unit };
   const { factor } = entry[1].find((unit) => unit.name === row.unit);
   const ratio = factor / store.units.of(quantity).factor;
   const error = row.error_text && (row.error_text.startsWith("<") ? `<${digits(Number(row.error_text.slice(1)) * ratio, 1)}` : digits(Number(row.error_text) * ratio, 2));
-  return html`<td class="value">${ratio === 1 ? row.value_text : digits(row.value * ratio)} ${error && `± ${error}`}</td><td class="unit-cell">${store.units.text(quantity)}</td>`;
+  return html`<td class="value">${ratio === 1 ? valueText : digits(row.value * ratio)} ${error && `± ${error}`}</td><td class="unit-cell">${store.units.text(quantity)}</td>`;
 }
 
 // ---- pinned states ----

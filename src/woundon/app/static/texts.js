@@ -108,8 +108,6 @@ export const T = {
     measured: "measured", fitted: "fitted", row: "row", rows: "rows of the table", equal: "fitted = measured", difference: "difference", take: "Use these values",
     interval: (low, high) => `95 % interval ${low} to ${high}`, open: "open", deviations: "standard deviations",
     rms: (size, n) => `RMS difference between fitted and measured values ${size}, ${n} values.`,
-    notIdentified: (name) => `${name} is not identified by the data: its standard error is above 100 %. Measure at other loads, or fit it alone.`,
-    atBound: (name) => `${name} is at its bound: widen the bounds, or the data do not determine it.`,
   },
   window: {
     title: "Operating window", about: "The probability that the roll keeps all its limits, over the set points at the core. Schedules become constant values when a point is used.",
@@ -118,8 +116,7 @@ export const T = {
     onlyWindings: "An operating window needs a winding: choose the kind Winding.",
     atCore: (label) => `${label}, at the core`, progress: (done, of) => (of ? `${done} of about ${of} windings` : ""),
     best: (probability, point) => `Highest probability ${probability} at ${point}`, binding: (name) => `binding margin: ${name}`, none: "no steady state",
-    contributes: (name, share) => `its variance is mainly that of ${name} (${share} %)`, errors: (text) => `Estimated errors of the probability, at most: ${text}.`,
-    windings: (n, failed) => `${n} windings, ${failed} failed.`, preview: "Preview: the computation continues.",
+    contributes: (name, share) => `its variance is mainly that of ${name} (${share} %)`,
   },
   winding: {
     schedule: "Schedule", drag: "Drag the points, or move them with the arrow keys",

@@ -67,7 +67,7 @@ function WindowMap({ store, map }) {
   const take = () => store.take("winding", { ...store.state.case, ...Object.fromEntries(map.names.map((name) => [name, Number(values[name].toPrecision(4))])) });
   return html`<section class="tab-card"><p class="answer">${T.window.best(digits(probability, 2), best)} <button type="button" onClick=${take}>${T.window.take}</button></p>
     <p>${T.window.binding(titleOf(least)).replace(/^b/, "B")}${input ? `; ${T.window.contributes(input, digits(100 * share, 2))}` : ""}</p>
-    <p class="quiet">${T.window.errors(Object.entries(map.errors).filter(([, value]) => value != null).map(([name, value]) => `${name} ${digits(value, 2)}`).join(", "))} ${T.window.windings(map.windings, map.failed)}${map.is_coarse ? ` ${T.window.preview}` : ""}</p>
+    <ul class="remarks">${map.remarks.map((line) => html`<li key=${line}>${units.sentence(line)}</li>`)}</ul>
     ${map.names.length > 2 && html`<label class="stacked">${store.fieldAt(SPLIT).label}<select id="window-level" value=${level} onChange=${(event) => choose(Number(event.target.value))}>
       ${levels.map((value, k) => html`<option value=${k} selected=${k === level}>${digits(value, 3)}</option>`)}</select></label>`}</section>
     <${ValueMap} ...${{ store, x: axis(0), y: axis(1), values: probabilities, quantity: PROBABILITY, note: binding, range: [0, 1] }} />`;
