@@ -485,10 +485,11 @@ def stopped(seed: int, folder: Path, whole: Undisturbed) -> str:
     dice, out = random.Random(seed), folder / "out"
     command, pressed = Command(folder, out, dice.choice([1, 2])), 0
     whole.moment(dice)
-    for patience in (dice.uniform(0, 1), 10):
+    for patience in (dice.choice([0.0, dice.uniform(0, 1)]), 10):
         if not command.ended(0):
             command.interrupt()
-            pressed += not command.ended(patience) or pressed == 0
+            pressed += 1
+            command.ended(patience)
     if not command.ended(0):
         raise Wrong(f"two Ctrl-C do not stop it:\n{command.stacks()}")
     if not _empty(command.process.pid):
