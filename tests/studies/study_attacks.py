@@ -113,7 +113,11 @@ def _changed(study: Path, *statements: str) -> None:
     """Change rows by another program, where an earlier fault lets it."""
     if not _file(study).is_file() or _file(study).is_symlink():
         return
-    with suppress(sqlite3.Error), closing(sqlite3.connect(_file(study))) as connection, connection:
+    with (
+        suppress(sqlite3.Error, UnicodeDecodeError),
+        closing(sqlite3.connect(_file(study))) as connection,
+        connection,
+    ):
         for statement in statements:
             connection.execute(statement)
 
@@ -242,7 +246,10 @@ def journal(study: Path, other: Path, dice: random.Random) -> None:
         return
     source = dice.choice([study, other])
     content, found = bytes(_content(source)), b""
-    with suppress(sqlite3.Error), closing(sqlite3.connect(_file(source))) as connection:
+    with (
+        suppress(sqlite3.Error, UnicodeDecodeError),
+        closing(sqlite3.connect(_file(source))) as connection,
+    ):
         connection.execute("PRAGMA cache_size=1")
         connection.execute("BEGIN")
         connection.execute("UPDATE chunk SET outputs = zeroblob(9000)")
@@ -478,10 +485,11 @@ def stopped(seed: int, folder: Path, whole: Undisturbed) -> str:
     dice, out = random.Random(seed), folder / "out"
     command, pressed = Command(folder, out, dice.choice([1, 2])), 0
     whole.moment(dice)
-    for patience in (dice.uniform(0, 1), 10):
+    for patience in (dice.choice([0.0, dice.uniform(0, 1)]), 10):
         if not command.ended(0):
             command.interrupt()
-            pressed += not command.ended(patience) or pressed == 0
+            pressed += 1
+            command.ended(patience)
     if not command.ended(0):
         raise Wrong(f"two Ctrl-C do not stop it:\n{command.stacks()}")
     if not _empty(command.process.pid):

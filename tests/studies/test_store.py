@@ -205,6 +205,17 @@ def check_rejected_and_unchanged(out: Path) -> None:
     assert [file.name for file in out.iterdir()] == ["study.sqlite"]
 
 
+@pytest.mark.parametrize("text", [b"CREATE TABLE study", b"tablestudystudy"])
+def test_a_store_with_a_damaged_name_is_rejected_and_left_as_it_is(tmp_path: Path, text: bytes):
+    """SQLite quotes the name, which is not UTF-8 any more, in the text of its error."""
+    run(tmp_path)
+    path = tmp_path / "study.sqlite"
+    content = path.read_bytes()
+    assert text in content
+    path.write_bytes(content.replace(text, text.replace(b"stu", b"\xcb\xcb\xcb")))
+    check_rejected_and_unchanged(tmp_path)
+
+
 def test_a_store_with_a_damaged_page_is_rejected_and_left_as_it_is(tmp_path: Path):
     run(tmp_path)
     path = tmp_path / "study.sqlite"

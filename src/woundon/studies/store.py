@@ -165,8 +165,11 @@ def open_store(
         if is_writable and not path.stat().st_size:
             store.create()
         else:
-            _check_study(folder, store.read_record(), json.loads(store.record), resume)
-            store.read_chunks()
+            try:
+                _check_study(folder, store.read_record(), json.loads(store.record), resume)
+                store.read_chunks()
+            except UnicodeDecodeError:  # Python reads the text of an error, which quotes the file
+                raise sqlite3.DatabaseError("a name in it is not UTF-8") from None
         connection.execute("COMMIT")
         missing = chunks - len(store.kept)
         if missing and not is_writable:
