@@ -251,7 +251,8 @@ def interior_stress(result: Any, depths: Array) -> tuple[Section, ...] | None:
 def wound_in_pressure(result: Any, depths: Array) -> Array:
     """Return P0 at depths z [m] below the surface of the roll, (m,) [Pa].
 
-    The depth is that without air: each layer adds T h/R, whatever its distance from the next one.
+    P0 is the sum T z/R over the layers above, at most the plateau pressure of the stack.  The depth
+    is that without air: each layer adds T h/R, whatever its distance from the next one.
     """
     problem, z = result.problem, np.asarray(depths, dtype=float)
     roll, T = problem.roll, max(float(result.tension[-1]), 0.0) / problem.web.thickness
@@ -261,6 +262,8 @@ def wound_in_pressure(result: Any, depths: Array) -> Array:
     stack = roll.stack if isinstance(roll, WoundRoll) else problem.web.material
     if not isinstance(stack, Stack):
         return P0
+    # other laws are measured with the air between the layers; the tension of a stack with a film
+    # is per thickness of web and film
     if result.air is not None and isinstance(stack.radial, SolidLaw):
         h = problem.web.thickness
         stack = stack_with_film(stack, result.air.film, h, problem.air)

@@ -230,7 +230,8 @@ class RollerEquations(ContactEquations):
         The blocks are those of the table in the docstring of the module: first the influence of
         both bodies on gap slope and slip, then the columns of Delta/R* and xi, and the rows of
         drive and load; the column by ln a last.  Edge nodes carry no load, so that only the
-        ``inner`` nodes have columns.
+        ``inner`` nodes have columns; ``[:-2]`` leaves out the two points at the trailing edge, so
+        that each cell has one row.
         """
         layout, geometry, inner = self.layout, state.geometry, slice(1, -1)
         gap_slope = np.zeros((self.size - 1, layout.size))

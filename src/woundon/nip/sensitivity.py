@@ -321,7 +321,9 @@ def _step_scale(problem: Any, name: str, value: float) -> float:
         return float(problem.friction * problem.load)
     if name == "air.permeance":  # the film that escapes is of the order of the roughness
         return float(problem.air.roughness * problem.web_speed / max(problem.web_tension, 1.0))
-    return 1 / problem.web.compliance.c22 if name.endswith("cross") else 1.0
+    if name.endswith("cross"):  # A_rt of 0 is compared with the radial modulus of the web
+        return float(1 / problem.web.compliance.c22)
+    return 1.0
 
 
 def near_zone_change(mesh: MeshSolution) -> str:
