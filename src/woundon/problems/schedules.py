@@ -102,7 +102,8 @@ class Profile(Description):
     def at(self, r: Array) -> Any:
         """Return the values at radii [m]."""
         if self.between == "lines":
-            return np.interp(r, *self._nodes_and_slopes[:2])
+            radii, values, _ = self._nodes_and_slopes
+            return np.interp(r, radii, values)
         return self._smooth[0](np.clip(r, self.radius[0], self.radius[-1]))
 
     def slope(self, r: Array, side: int | Array = 1) -> Array:
@@ -169,6 +170,9 @@ class Taper(Description):
 def as_schedule(value: Any, name: str | None, *classes: type[Profile | Taper]) -> Any:
     """Return the schedule that a field holds for a table, or for a schedule with units.
 
+    Values with units were read without the field, which alone determines the unit; they are read
+    again from their texts.
+
     Parameters
     ----------
     value : object
@@ -221,7 +225,14 @@ else:
 
 
 class Curve:
-    """A schedule between two radii: values, slopes and kinks (``kinks``, ``bends``).
+    """A schedule between two radii: values, slopes and kinks.
+
+    Attributes
+    ----------
+    kinks : (k,) array
+        Radii between core and surface at which the slope jumps [m].
+    bends : (k,) array
+        Sharpness of the kinks, r |d slope|/|value| [1].
 
     Parameters
     ----------
@@ -250,7 +261,7 @@ class Curve:
         return self.scale * self._value_and_slope(r, side)[1]
 
     def _value_and_slope(self, r: Array, side: int | Array) -> tuple[Array, Array]:
-        """Return values and derivatives of a schedule at radii."""
+        """Return values and derivatives at radii [m], without the scale; ``side`` as of slope."""
         schedule, core = self.schedule, self.core
         if isinstance(schedule, Profile):
             return schedule.at(r), schedule.slope(r, side)
@@ -294,6 +305,7 @@ def uncovered_ends(
         Radii of the core and of the finished roll [m].
     """
     last = len(schedule.radius) - 1
+    # index of a radius, the interval that it must be in, and its text
     for k, covered, must in (
         (0, (-inf, core), f"<= core.radius = {core:.6g}"),
         (last, (radius, inf), f">= radius = {radius:.6g}"),
