@@ -290,7 +290,7 @@ class KernelBody(Body, abstract=True):
     def _sections(
         self, x: np.ndarray, p: np.ndarray, q: np.ndarray, depths: np.ndarray
     ) -> tuple[Section, ...] | None:
-        """Return the stresses in an elastic body."""
+        """Return the stresses in an elastic body; parameters as of :meth:`interior_stress`."""
         return None
 
 

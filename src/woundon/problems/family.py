@@ -62,6 +62,7 @@ class Family(Description):
 
     @model_serializer(mode="wrap")
     def _with_kind(self, handler: Any) -> dict[str, Any]:
+        """Return the table of the fields with the name of the class."""
         return {"kind": self.member_name(), **handler(self)}
 
 

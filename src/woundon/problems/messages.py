@@ -181,7 +181,7 @@ _OTHER_UNITS = {"m": {"mm": 1e-3, "um": 1e-6}, "1": {"%": 1e-2}, "rad": {"deg": 
 
 def _other_unit_hint(value: Any, field: FieldInfo) -> str:
     """Return a hint if the number is in range in another unit (66 for 66 um)."""
-    if value < 1:
+    if value < 1:  # 66 looks like um, 66e-6 does not
         return ""
     fits = [
         f"{value:g} {unit} is {value * factor:g}"

@@ -400,7 +400,7 @@ class PowerLaw(SolidLaw):
         from scipy.special import hyp2f1
 
         m = self.m
-        if self.E0 == 0:
+        if self.E0 == 0:  # then m < 1; the modulus is constant up to start
             start, upper = self._start, np.maximum(P, self._start)
             integral = ((upper / 1e5) ** (1 - m) - (start / 1e5) ** (1 - m)) / (1 - m)
             constant = np.minimum(P, start) / self._modulus(np.zeros(()))
