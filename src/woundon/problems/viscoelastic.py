@@ -34,7 +34,7 @@ SMALLEST_LOSS = 1e-4
 
 
 def _frequency(meaning: str) -> Quantity:
-    return Quantity("f", "1/s", meaning, display="Hz", typical=(0.1, 1e4))
+    return Quantity("f", "1/s", meaning, shown_unit="Hz", typical=(0.1, 1e4))
 
 
 class LossAngle(OneModulus):
