@@ -1,6 +1,7 @@
 """Computations of the page, from the tables of a case: functions that run in workers.
 
-They take parsed JSON and return JSON.  Errors are those of :mod:`woundon.errors`;
+The tables of a case are its fields as in a case file; a solved case is a state.  The functions take
+parsed JSON and return JSON.  Errors are those of :mod:`woundon.errors`;
 :mod:`.request_errors` translates them into HTTP.
 """
 
@@ -106,7 +107,8 @@ def solve(
     """Return the solved state of a case, as JSON; see :func:`state_of`.
 
     ``warm`` starts from the last result of the session, on few nodes and without error estimates
-    where the solver permits: for a figure that follows a slider.
+    where the solver permits: for a figure that follows a slider.  A case that the session has
+    solved last is not solved again, for instance for its ``report``.
     """
     began = time.perf_counter()
     problem = problem_of(tables)
@@ -144,7 +146,7 @@ def solved(
     options = checked_options(kind, options)
     if warm and "errors" in signature(kind.solver).parameters:
         options = WARM_OPTIONS | options
-    model = KindModel(problem, (), options)
+    model = KindModel(problem, outputs=(), options=options)
     with unwarned():
         return model.solve(problem, start)
 
@@ -237,7 +239,11 @@ def _section(section: Section) -> dict[str, Any]:
 
 
 def _arrays(result: Result) -> dict[str, Any]:
-    """Return all arrays of a result, with the nodes of the nip, zones and friction bounds."""
+    """Return all arrays of a result, with the nodes of the nip, zones and friction bounds.
+
+    ``nip`` are the indices of its first and last node; nodes on wraps are outside.  The runs of a
+    face are those of :func:`.zone_runs`: (zone, from, to) [m].
+    """
     arrays = {p.path: p.value for p in walk(result) if isinstance(p.value, np.ndarray)}
     strips = zone_strips(result)
     if strips is None:
@@ -270,10 +276,10 @@ def _geometry(result: Result) -> dict[str, Any]:
 
 def _body(name: str, body: Body) -> dict[str, Any]:
     """Return radius, layers and core of a body for the drawing of the nip."""
-    deep = not body.rigid and isinf(body.thickness)
+    deep = not body.rigid and isinf(body.thickness)  # a half-plane
     layers = getattr(body, "layers", None)
     if layers is None and not (body.rigid or deep):
-        layers = [body]
+        layers = [body]  # a single layer, with the thickness of the body
     return {
         "name": name,
         "radius": body.radius,
@@ -296,7 +302,11 @@ def with_grade(tables: Mapping[str, Any], name: str) -> bytes:
 
 
 def design(tables: Mapping[str, Any], pressure: Any, rtol: float) -> bytes:
-    """Return the tension over the radius that gives a wound roll a target pressure, as JSON."""
+    """Return the tension over the radius that gives a wound roll a target pressure, as JSON.
+
+    ``pressure`` and ``rtol``, the tolerance of the pressure, are as those of
+    :class:`.request_models.DesignRequest`.
+    """
     problem: Any = problem_of(tables)  # design_tension rejects other kinds
     solution = design_tension(problem, pressure, rtol=rtol)
     return to_json(
@@ -331,7 +341,7 @@ def find(
             "output": output,
             "target": outcome.target,
             "solutions": records(
-                value=[value for value, _ in outcome.solutions],
+                value=[value for value, _ in outcome.solutions],  # pairs of value and result
                 reached=outcome.reached,
                 uncertainty=outcome.uncertainties,
                 slope=outcome.slopes,
@@ -355,10 +365,12 @@ def curve(tables: Mapping[str, Any], query: Mapping[str, Any], options: Mapping[
     problem, field, points = problem_of(tables), query["field"], query["points"]
     base = varied_number(problem, field)
     names = tuple(filter(None, query["outputs"].split(","))) or _usual_outputs(problem)
-    model = model_of(problem, names, {}, checked_options(kinds.of(problem), options))
+    options = checked_options(kinds.of(problem), options)
+    model = model_of(problem, names, tie={}, options=options)
     ends = _ends(problem, field, base, query["low"], query["high"])
     values = np.linspace(*ends, points).tolist()
-    chunk = Chunk(0, np.arange(points), [{field: value} for value in values])
+    inputs = [{field: value} for value in values]
+    chunk = Chunk(number=0, cases=np.arange(points), inputs=inputs)
     solved_cases = solve_chunk(model, chunk)
     return to_json(
         {
@@ -377,7 +389,10 @@ def curve(tables: Mapping[str, Any], query: Mapping[str, Any], options: Mapping[
 
 
 def _usual_outputs(problem: Problem) -> tuple[str, ...]:
-    """Return the main outputs of a problem's kind, and of a nip's its tensions; at least some."""
+    """Return the main outputs of a problem's kind, and of a nip its tensions.
+
+    The first :data:`MOST_OUTPUTS` outputs of a kind without main ones.
+    """
     known = measurable_outputs(problem)
     tensions = ("nip_induced_tension", "outlet_tension")
     main = kinds.of(problem).result.MAIN
@@ -404,8 +419,8 @@ def _ends(
         If ``low`` is not less than ``high``, or both are out of the permitted range.
     """
     place = find_places(problem, field)[0]
-    typical = (place.quantity.typical if place.quantity else None) or (-1.0, 1.0)
-    half = abs(base) / 2 or (typical[1] - typical[0]) / 2
+    smallest, largest = (place.quantity.typical if place.quantity else None) or (-1.0, 1.0)
+    half = abs(base) / 2 or (largest - smallest) / 2
     low = base - half if low is None else low
     high = base + half if high is None else high
     if not low < high:
@@ -427,8 +442,8 @@ def sensitivities(tables: Mapping[str, Any], options: Mapping[str, Any]) -> byte
     problem = problem_of(tables)
     result = solved(problem, options)
     is_exact = hasattr(result, "sensitivity")
-    found: Sensitivity = result.sensitivity() if is_exact else _differences(result, options)
-    largest_first = found.sorted()
+    derivatives: Sensitivity = result.sensitivity() if is_exact else _differences(result, options)
+    largest_first = derivatives.sorted()
     return to_json(
         {
             "method": "exact" if is_exact else "differences",
@@ -438,19 +453,26 @@ def sensitivities(tables: Mapping[str, Any], options: Mapping[str, Any]) -> byte
 
 
 def _differences(result: Result, options: Mapping[str, Any]) -> Sensitivity:
-    """Return the derivatives with respect to all fields with a unit that are not 0."""
+    """Return the derivatives with respect to all numbers that are not 0, by central differences.
+
+    Fields for which no derivative was obtained are left out.
+    """
     problem = result.problem
     outputs = _usual_outputs(problem)
-    model = model_of(problem, outputs, {}, checked_options(kinds.of(problem), options))
+    options = checked_options(kinds.of(problem), options)
+    model = model_of(problem, outputs, tie={}, options=options)
     fields = {
         place.path: place.value
         for place in walk(problem)
         if isinstance(place.value, float) and place.quantity is not None and place.value
     }
     observables = [Observable(output) for output in outputs]
-    columns = slopes(model, result, observables, list(fields), nan_if_unsolved=True)
-    values = np.array([predict(result, observable) for observable in observables])
-    is_solved = np.isfinite(columns).any(axis=0)
-    names = tuple(name for name, known in zip(fields, is_solved, strict=True) if known)
-    places = np.array(list(fields.values()))[is_solved]
-    return Sensitivity(outputs, names, columns[:, is_solved], values, places)
+    derivatives = slopes(model, result, observables, list(fields), nan_if_unsolved=True)
+    is_solved = np.isfinite(derivatives).any(axis=0)  # by field; derivatives: (outputs, fields)
+    return Sensitivity(
+        outputs=outputs,
+        parameters=tuple(np.array(list(fields))[is_solved].tolist()),
+        derivatives=derivatives[:, is_solved],
+        values=np.array([predict(result, observable) for observable in observables]),
+        fields=np.array(list(fields.values()))[is_solved],
+    )

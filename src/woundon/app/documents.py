@@ -1,5 +1,6 @@
 """Case files, scripts, result files, figures and reports: functions that run in workers.
 
+The tables of a case are its fields as in a case file; they arrive as JSON.
 Case files are read from the text that is sent; no path is ever opened.
 """
 
@@ -33,7 +34,15 @@ def read_case(text: str) -> bytes:
 
 
 def _reject_files(part: Any, path: str = "") -> None:
-    """Reject tables whose columns are in another file, which is on the client's machine."""
+    """Reject tables whose columns are in another file, which is on the client's machine.
+
+    Parameters
+    ----------
+    part : mapping or list
+        Tables, or a list in them.
+    path : str
+        Dotted name of the part with a dot at its end; empty for all tables.
+    """
     inner = part.items() if isinstance(part, Mapping) else enumerate(part)
     for name, value in inner:
         if name == "csv":
@@ -54,12 +63,32 @@ def python_text(tables: Mapping[str, Any]) -> bytes:
 
 
 def result_file(tables: Mapping[str, Any], ending: str, options: Mapping[str, Any]) -> bytes:
-    """Return the solved case as a result file, SI units."""
-    return writer_for(f"result.{ending}")(solved(problem_of(tables), options))
+    """Return the solved case as a result file, SI units.
+
+    Parameters
+    ----------
+    tables : mapping
+    ending : str
+        Of the name of the file, which determines its format: csv, json or nc.
+    options : mapping
+        Of the solver.
+    """
+    write = writer_for(f"result.{ending}")
+    return write(solved(problem_of(tables), options))
 
 
 def figure(request: Mapping[str, Any], ending: str, panels: Sequence[str]) -> bytes:
-    """Return a figure of solved cases; ``request`` as :class:`.request_models.Cases`."""
+    """Return a figure of solved cases.
+
+    Parameters
+    ----------
+    request : mapping
+        As :class:`.request_models.Cases`.
+    ending : str
+        Format of the figure: svg, png or pdf.
+    panels : sequence of str
+        Names of the panels; empty for the usual ones.
+    """
     from ..report.figures import figure_bytes
     from ..report.plots import figure_for_file
 
@@ -82,7 +111,7 @@ def report(request: Mapping[str, Any]) -> bytes:
 
 
 def exhibit(name: str) -> bytes:
-    """Compute a figure of a plug-in and return it as SVG."""
+    """Compute the figure of a plug-in with that name and return it as SVG."""
     owners = {figure["name"]: group for group in plugins.figures() for figure in group.list()}
     if name not in owners:
         raise InvalidProblem.at("name", f"{quote(name)} is unknown{did_you_mean(name, owners)}")
@@ -94,9 +123,10 @@ def _solved_cases(cases: Sequence[Mapping[str, Any]]) -> tuple[list[Any], list[s
     results = []
     for k, entry in enumerate(cases):
         try:
-            results.append(solved(problem_of(entry["case"]), {}))
+            results.append(solved(problem_of(entry["case"]), options={}))
         except InvalidProblem as fault:
             raise fault.under(f"cases.{k}.case") from None
+    # a request has at most LIMITS["compare"] = 4 cases
     return results, [entry["label"] or "ABCD"[k] for k, entry in enumerate(cases)]
 
 

@@ -1,5 +1,7 @@
 """The forms of all kinds of problem, their outputs, materials, grades and units, for the page.
 
+A description is a validated object: a problem, or a body, a material, a schedule in it.  A family
+is an open set of classes of descriptions, its members.  The form of a class lists its fields.
 No field or output is named here: the forms follow from the registered kinds, so that a kind of a
 plug-in appears on the page too.
 """
@@ -39,21 +41,21 @@ OF_HOLDER = "holder"
 def catalogue() -> dict[str, Any]:
     """Return kinds, forms, materials, units and limits, for JSON."""
     forms: dict[str, Any] = {}
-    descriptions = []
+    kind_entries = []
     for kind in kinds.every():
         _add_form(kind.problem, forms)
-        descriptions.append(_kind(kind))
+        kind_entries.append(_kind(kind))
     return {
         "version": __version__,
         "schema": SCHEMA,
-        "kinds": descriptions,
+        "kinds": kind_entries,
         "forms": forms,
         "materials": [
             {"name": name, "source": known.source, "material": tables_of(known.material)}
             for name, known in MATERIALS.items()
         ],
         "grades": [{"name": name, "title": grade.title} for name, grade in grades().items()],
-        "units": _units(forms, descriptions),
+        "units": _units(forms, kind_entries),
         "unit_definitions": definitions(),
         "systems": {"SI": {}, "mill": MILL},
         "exhibits": [figure for group in plugins.figures() for figure in group.list()],
@@ -103,6 +105,7 @@ def _outputs(result: type[Result]) -> Iterator[dict[str, Any]]:
     """Yield name, quantity and type of each output of a class of results."""
     for place in outputs(result):
         if place.quantity is not None:
+            # of Annotated[kind, quantity, ...], the annotation of an output
             kind, *marks = get_args(place.field)
             yield {
                 "name": place.path,
@@ -128,11 +131,11 @@ def quantity_schema(quantity: Quantity) -> dict[str, Any]:
 
 
 def _add_form(model: type[Description], forms: dict[str, Any]) -> None:
-    """Add the form of a description, and the forms of its members."""
+    """Add the form of a class of descriptions, and those of all classes that its fields admit."""
     name = model.__name__
     if name in forms:
         return
-    # the initial entries of lists, such as the table of a radial law
+    # the initial entries of lists, such as the table of a radial law: the field's only example
     start = {n: list(f.examples[0]) for n, f in model.model_fields.items() if f.examples}
     forms[name] = {"title": _title(name), "fields": [], "start": start}
     for field_name, field in model.model_fields.items():
@@ -142,7 +145,7 @@ def _add_form(model: type[Description], forms: dict[str, Any]) -> None:
 
 
 def _field(name: str, field: FieldInfo) -> dict[str, Any]:
-    """Return the description of a field of a form: type, unit, limits, default and choices."""
+    """Return a field of a form, for JSON: type, unit, limits, default and choices."""
     annotation, quantity = field.annotation, quantity_of(field)
     members = members_of(annotation)
     entry: dict[str, Any] = {
@@ -169,6 +172,7 @@ def _field(name: str, field: FieldInfo) -> dict[str, Any]:
         families = [m for m in members if issubclass(m, Family)]
         entry["members"] = [
             {
+                # identifies a member in a case; a single one needs no name
                 "kind": m.member_name() if m in families and len(families) > 1 else None,
                 "form": m.__name__,
             }
@@ -186,9 +190,9 @@ def _field(name: str, field: FieldInfo) -> dict[str, Any]:
 def _type(annotation: Any) -> str:
     """Return the type of a form field, from its annotation.
 
-    ``member`` is a description and ``members`` a list of them; ``numbers`` is a list of numbers,
-    and ``pairs`` one of pairs of numbers; ``choice`` is a field with a
-    list of words; all others are ``number`` or ``text``.
+    ``member`` is a form in the form, that of a body, a material or another description, and
+    ``members`` a list of them; ``numbers`` is a list of numbers, and ``pairs`` one of pairs of
+    numbers; ``choice`` is a field with a list of words; all others are ``number`` or ``text``.
     """
     if members_of(annotation):
         return "members" if is_list(annotation) else "member"
@@ -217,7 +221,7 @@ def limits_of(field: FieldInfo) -> dict[str, float]:
 
 
 def _constraints(field: FieldInfo, **names: str) -> dict[str, float]:
-    """Return constraints of a field from its metadata, by their names in the form."""
+    """Return constraints of a field from its metadata: name there = name in the form."""
     return {
         form_name: getattr(part, name)
         for name, form_name in names.items()
@@ -229,15 +233,23 @@ def _constraints(field: FieldInfo, **names: str) -> dict[str, float]:
 # ---- words and units --------------------------------------------------------------------------
 
 
-def _units(forms: Mapping[str, Any], descriptions: list[Any]) -> dict[str, Any]:
-    """Return the units in which each SI unit can be displayed, the smallest first."""
-    places = [f for form in forms.values() for f in form["fields"]]
-    places += [output for kind in descriptions for output in kind["outputs"]]
-    names_of: dict[str, list[str]] = {}
-    for place in places:
-        if place["unit"] not in ("", OF_HOLDER):
+def _units(forms: Mapping[str, Any], kind_entries: list[Any]) -> dict[str, Any]:
+    """Return the units in which each SI unit can be displayed, the smallest first.
+
+    Parameters
+    ----------
+    forms : mapping
+        By name, as of :func:`_add_form`.
+    kind_entries : list
+        As of :func:`_kind`.
+    """
+    entries = [field for form in forms.values() for field in form["fields"]]
+    entries += [output for kind in kind_entries for output in kind["outputs"]]
+    names_of: dict[str, list[str]] = {}  # shown units by SI unit
+    for entry in entries:
+        if entry["unit"] not in ("", OF_HOLDER):
             # compatible_units knows the pure number, which is shown without a unit, as "1"
-            names_of.setdefault(place["unit"], []).append(place["shown_unit"] or "1")
+            names_of.setdefault(entry["unit"], []).append(entry["shown_unit"] or "1")
     return {
         unit: [
             {"name": name, "factor": size} for name, size in compatible_units(unit, *names).items()

@@ -111,7 +111,7 @@ class SameOrigin:
         origins = headers.getlist("origin")
         if any(origin.lower() not in (f"http://{host}", f"https://{host}") for origin in origins):
             return f"Origin {origins[0][:80]!r} is that of another site"
-        site = headers.get("sec-fetch-site", "none")
+        site = headers.get("sec-fetch-site", "none")  # browsers send it, other clients do not
         follows_link = scope["path"] == "/" and headers.get("sec-fetch-mode") == "navigate"
         if site not in ("none", "same-origin") and not follows_link:
             return "the request comes from another site"

@@ -33,7 +33,7 @@ FORMULA = re.compile(r"\s*\$[^$]*\$")
 
 
 def panel_data(result: Result) -> list[dict[str, Any]]:
-    """Return the panels of a result, except those that take longer than a warm solution."""
+    """Return the panels of a result, except the slow ones: longer than a warm-started solution."""
     makers = panels_of(result).values()
     return _data_of([maker.make(result) for maker in makers if not maker.slow])
 
@@ -53,13 +53,13 @@ def _data_of(panels: Sequence[Panel]) -> list[dict[str, Any]]:
     On the page panels share their x axis if it has the same label, except a panel that is alone in
     its column of the figure, which may show another range of x.
     """
-    found = []
+    entries = []
     for panel in panels:
-        data = _plain(panel)
+        entry = _plain(panel)
         is_alone = panel.column == panel.name
-        column = panel.name if is_alone else data["x"]["label"]
-        found.append({**data, "group": panel.column, "column": column})
-    return found
+        column = panel.name if is_alone else entry["x"]["label"]
+        entries.append({**entry, "group": panel.column, "column": column})
+    return entries
 
 
 def _plain(part: Any) -> Any:
@@ -81,6 +81,7 @@ def _plain(part: Any) -> Any:
 def _numbers(values: Array) -> list[Any]:
     """Return an array as rounded numbers, rows as lists; None where not finite."""
     finite = np.isfinite(values)
+    # numbers below 1e-290 are rounded to 0: their scale would overflow
     size = np.where(finite & (np.abs(values) > 1e-290), np.abs(values), 1.0)
     scale = 10.0 ** (DIGITS - 1 - np.floor(np.log10(size)))
     rounded = (np.round(values * scale) / scale).astype(object)

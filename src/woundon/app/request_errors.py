@@ -99,7 +99,10 @@ def request_error_of(fault: Exception) -> RequestError:
 
 
 def _error_at(path: str, message: str) -> dict[str, Any]:
-    """Return an error of a field with the field's permitted range and unit."""
+    """Return an error of a field with the field's permitted range and unit.
+
+    They are those of the first kind of problem that has a field of that name.
+    """
     error: dict[str, Any] = {"field": path, "message": printable_line(message)}
     if not FIELD_PATH.fullmatch(path):
         return error

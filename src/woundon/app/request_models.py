@@ -89,7 +89,7 @@ class SolverQuery(BaseModel):
     @property
     def options(self) -> dict[str, Any]:
         """The options of the solver, as texts."""
-        others = self.model_extra or {}
+        others = self.model_extra or {}  # the token gives access, and is no option
         return {name: text for name, text in others.items() if name != "token"}
 
 

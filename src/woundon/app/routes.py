@@ -163,12 +163,13 @@ class APIRequest(Request):
         key = (session, call.__name__) if session else None
         answer = asyncio.create_task(pool.run(call, *args, key=key, session=session, rank=rank))
         try:
+            # wait returns the tasks that are finished, and those that are not
             while not (await asyncio.wait({answer}, timeout=POLL_SECONDS))[0]:
                 if await self.is_disconnected():
                     raise RequestError(408, "disconnected", "the client has disconnected")
             return answer.result()
         finally:
-            answer.cancel()
+            answer.cancel()  # without effect on an answer
 
     async def answered(
         self,
@@ -256,7 +257,9 @@ async def _rejected(request: Request, fault: Any) -> Response:
         fault = RequestError(fault.status_code, "rejected", str(fault.detail))
     elif isinstance(fault, RequestValidationError):
         fault = InvalidProblem(
-            (".".join(map(str, error["loc"][1:])), error["msg"]) for error in fault.errors()
+            # loc: "body" or "query", then the path of the field
+            (".".join(map(str, error["loc"][1:])), error["msg"])
+            for error in fault.errors()
         )
     return request_error_of(fault).response()
 

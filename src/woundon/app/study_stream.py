@@ -52,6 +52,7 @@ MOST_PROCESSES = 4  # that solve the windings of an operating window
 
 
 def _line(event: str, **content: Any) -> bytes:
+    """Return an event, its name and its content, as a line of JSON."""
     return to_json({"event": event} | content) + b"\n"
 
 
@@ -77,7 +78,7 @@ async def event_lines(
         Time limit.
     """
     end = time.monotonic() + seconds
-    upcoming = asyncio.ensure_future(anext(study, b""))
+    upcoming = asyncio.ensure_future(anext(study, b""))  # b"" at the end of the study
     try:
         while True:
             await asyncio.wait({upcoming}, timeout=POLL_SECONDS)
@@ -103,7 +104,10 @@ async def event_lines(
 
 
 class Sweep(NamedTuple):
-    """A study that can be solved: its first event, its model and its chunks of cases."""
+    """A study that can be solved: its first event, its model and its chunks of cases.
+
+    The model is the base problem with the requested outputs and the options of the solver.
+    """
 
     first: bytes
     model: KindModel
@@ -120,7 +124,7 @@ def start_sweep(tables: Mapping[str, Any]) -> Sweep:
         If there are more cases than a study of the page may have.
     """
     check_like_a_case(tables)
-    study = study_of_tables({"schema": SCHEMA, **tables}, None)
+    study = study_of_tables({"schema": SCHEMA, **tables}, folder=None)  # they name no files
     if not isinstance(study.over, Mapping) or not study.over:
         raise InvalidProblem.at("over", "nothing is varied; give fields and their values")
     _check_size(study.over, study.design)
@@ -144,18 +148,36 @@ def start_sweep(tables: Mapping[str, Any]) -> Sweep:
 
 
 def _check_size(over: Mapping[str, Any], design: Mapping[str, Any]) -> None:
-    """Reject a study of too many cases before they are made."""
+    """Reject a study of too many cases before they are made.
+
+    Parameters
+    ----------
+    over : mapping
+        Values by the dotted names of the varied fields.
+    design : mapping
+        Keyword arguments of :func:`woundon.sweep`: ``design``, ``samples``, ``seed``.
+    """
     samples, counts = design.get("samples"), [len(values) for values in over.values()]
     if isinstance(samples, int):
         cases = samples
-    else:
+    else:  # all combinations, or the values of all fields in parallel
         cases = prod(counts) if design["design"] == "grid" else max(counts)
     if cases > LIMITS["sweep_cases"]:
-        raise _too_many(cases, "cases", "sweep_cases", "sweep", "solves")
+        raise _too_many(cases, "cases", limit="sweep_cases", command="sweep", verb="solves")
 
 
 def _too_many(count: int, things: str, limit: str, command: str, verb: str) -> RequestError:
-    """Return the error for a study that only the command line takes."""
+    """Return the error for a study that only the command line takes.
+
+    Parameters
+    ----------
+    count, things
+        What there is too much of: 3000, "cases".
+    limit : str
+        Name in :data:`.LIMITS`.
+    command, verb : str
+        The command of woundon for any number, and what it does with them: "sweep", "solves".
+    """
     text = (
         f"{count} {things} are too many for the page, which {verb} {LIMITS[limit]} at most; "
         f"'woundon {command}' {verb} any number"
@@ -164,10 +186,14 @@ def _too_many(count: int, things: str, limit: str, command: str, verb: str) -> R
 
 
 def solve_cases(model: KindModel, chunk: Chunk) -> dict[str, Any]:
-    """Return the solved cases of a chunk, for its event."""
+    """Return the solved cases of a chunk, for its event.
+
+    ``numbers`` are those of the cases in the study; the other lists have an item for each of them.
+    """
     solved = solve_chunk(model, chunk)
     return {
         "numbers": chunk.cases,
+        # solved.values has the shape (cases, outputs)
         "values": dict(zip(model.outputs, solved.values.T, strict=True)),
         "failures": solved.failure,
         "warnings": solved.warnings,
@@ -251,11 +277,13 @@ async def _written(start: Callable[[Journal], Awaitable[Any]]) -> Lines:
         study = asyncio.ensure_future(start(journal))
         try:
             with journal.path.open("rb") as file:
-                rest, is_done = b"", False
+                incomplete, is_done = b"", False
                 while not is_done:
-                    is_done = bool((await asyncio.wait({study}, timeout=POLL_SECONDS))[0])
+                    # waited for before reading: what the study has written last is read too
+                    ended, _ = await asyncio.wait({study}, timeout=POLL_SECONDS)
+                    is_done = bool(ended)
                     # the last line may be incomplete
-                    lines, newline, rest = (rest + file.read()).rpartition(b"\n")
+                    lines, newline, incomplete = (incomplete + file.read()).rpartition(b"\n")
                     if newline:
                         yield lines + newline
             study.result()  # raises the error that has ended the study
@@ -307,7 +335,8 @@ def _sheet_of(request: Mapping[str, Any]) -> Sheet:
             raise InvalidProblem.at("table", "is not an .xlsx file in base64") from None
     sheet = sheet_of_content(content, "table", excel=request["is_workbook"])
     if len(sheet.numbers) > LIMITS["fit_rows"]:
-        raise _too_many(len(sheet.numbers), "rows", "fit_rows", "fit", "fits")
+        count = len(sheet.numbers)
+        raise _too_many(count, "rows", limit="fit_rows", command="fit", verb="fits")
     return sheet
 
 
@@ -317,7 +346,8 @@ def _fitted(result: FitResult) -> dict[str, Any]:
     The remarks begin with the parameters that the data do not determine.
     """
     intervals = {profile.name: (profile.low, profile.high) for profile in result.profiles}
-    lines = zip(result.names, result.answer()[1:], strict=True)
+    _, *estimates = result.answer()  # a headline, and a line for each parameter
+    lines = zip(result.names, estimates, strict=True)
     undetermined = {*result.not_identified, *result.at_bound}
     return {
         "parameters": records(
@@ -357,7 +387,7 @@ def window(request: Mapping[str, Any]) -> Lines:
 def map_window(request: Mapping[str, Any], journal: Journal) -> None:
     """Map an operating window; windings are solved in processes, for which this thread waits."""
     with unwarned():
-        found = operating_window(
+        result = operating_window(
             problem_of(request["case"]),
             request["web_tension"],
             request["nip_load"],
@@ -368,7 +398,7 @@ def map_window(request: Mapping[str, Any], journal: Journal) -> None:
             progress=journal.progress,
             preview=lambda coarse: journal.write("window", **_map(coarse)),
         )
-    journal.write("window", **_map(found))
+    journal.write("window", **_map(result))
     journal.write("done")
 
 
@@ -381,7 +411,7 @@ def _in_thread(work: Callable[..., None], *args: Any) -> Awaitable[None]:
         Raises the :class:`RequestError` of the exception that ended the work.
     """
     ended: Future[None] = Future()
-    ended.set_running_or_notify_cancel()
+    ended.set_running_or_notify_cancel()  # cannot be cancelled from now on, only awaited or not
 
     def run() -> None:
         try:
@@ -389,26 +419,27 @@ def _in_thread(work: Callable[..., None], *args: Any) -> Awaitable[None]:
             ended.set_result(None)
         except Exception as fault:
             ended.set_exception(request_error_of(fault))
-        except Cancelled:
+        except Cancelled:  # not an Exception; nobody waits for the result
             ended.set_result(None)
 
     threading.Thread(target=run, daemon=True).start()
     return asyncio.wrap_future(ended)
 
 
-def _map(found: OperatingWindow) -> dict[str, Any]:
+def _map(result: OperatingWindow) -> dict[str, Any]:
     """Return a window for its event, SI units; the map by rows of equal web tension.
 
-    With a torque split its levels are innermost.  ``binding`` and ``dominant`` are numbers of
-    margins and inputs, -1 if there is none.
+    With a torque split its levels are innermost.  ``binding`` is the index of the margin that
+    limits a point, ``dominant`` that of the input that contributes most to the variance of this
+    margin; -1 if there is none.
     """
     return {
-        **{name: getattr(found, name) for name in ("names", "axes", "margins", "errors")},
-        **{name: getattr(found, name).ravel() for name in ("probability", "binding", "dominant")},
-        "inputs": list(found.uncertain),
-        "remarks": found.remarks(),
-        "best": found.best._asdict(),
-        "windings": found.windings,
-        "failed": len(found.failures),
-        "is_coarse": found.is_coarse,
+        **{name: getattr(result, name) for name in ("names", "axes", "margins", "errors")},
+        **{name: getattr(result, name).ravel() for name in ("probability", "binding", "dominant")},
+        "inputs": list(result.uncertain),
+        "remarks": result.remarks(),
+        "best": result.best._asdict(),
+        "windings": result.windings,
+        "failed": len(result.failures),
+        "is_coarse": result.is_coarse,
     }

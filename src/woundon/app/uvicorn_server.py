@@ -40,9 +40,9 @@ class _TimeoutProtocol(H11Protocol):
     def data_received(self, data: bytes) -> None:
         """Process received data; start the timeout if the head of a request is incomplete."""
         super().data_received(data)
-        if self.conn.their_state is not h11.IDLE:
+        if self.conn.their_state is not h11.IDLE:  # the head is complete
             self._cancel_timeout()
-        elif self.conn.trailing_data[0]:
+        elif self.conn.trailing_data[0]:  # bytes of an incomplete head
             self._start_timeout()
 
     def connection_lost(self, exc: Exception | None) -> None:
@@ -107,7 +107,7 @@ def interrupts_counted() -> Iterator[list[int]]:
 
 
 class _Server(uvicorn.Server):
-    """A server that also stops if Ctrl-C was pressed before its start."""
+    """A server that also stops if Ctrl-C was pressed before its start: if ``pressed`` has items."""
 
     pressed: list[int]
 
@@ -125,7 +125,17 @@ class _Server(uvicorn.Server):
 def serve(
     listener: socket.socket, names: Iterable[str] = (), token: str = "", *, pressed: list[int]
 ) -> None:
-    """Serve until Ctrl-C; stop at once if it was ``pressed`` before."""
+    """Serve until Ctrl-C; stop at once if it was ``pressed`` before.
+
+    Parameters
+    ----------
+    listener : socket
+        Of :func:`listening`.
+    names, token
+        As of :func:`~.middleware.middleware`.
+    pressed : list of int
+        Of :func:`interrupts_counted`.
+    """
     config = uvicorn.Config(
         application(names, token),
         http=_TimeoutProtocol,

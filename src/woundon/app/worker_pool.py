@@ -54,15 +54,15 @@ def _prepare(nice: int, warm_up: Callable[[], Any]) -> None:
 
 
 def _ready() -> None:
-    """Return when the worker is prepared."""
+    """Do nothing: the answer to this first request shows that the worker is prepared."""
 
 
 def _work(call: Callable[..., Any], args: tuple[Any, ...]) -> tuple[Any, int]:
-    """Return the answer to a request, or its error, and the resident memory of this process."""
+    """Return the answer to a request, or its error, and this process's resident memory [bytes]."""
     try:
         answer = call(*args)
     except Cancelled:
-        answer = RequestError(500, "failed", "cancelled")
+        answer = RequestError(500, "failed", "cancelled")  # nobody waits for it
     except Exception as fault:
         answer = request_error_of(fault)
     return answer, psutil.Process().memory_info().rss
@@ -93,7 +93,10 @@ class _Slot:
     is_stopping: bool = False
 
     async def exchange(self, call: Callable[..., Any], *args: Any) -> tuple[Any, int]:
-        """Send work to the worker; return the answer or error, and the memory of the worker."""
+        """Send work to the worker; return the answer or error, and the memory of the worker.
+
+        The memory is in bytes, and 0 if the worker died.
+        """
         try:
             # a new process takes some 0.1 s to start
             future = await asyncio.to_thread(self.worker.submit, _work, call, args)
@@ -176,7 +179,7 @@ class Pool:
             If the request is invalid, superseded, too slow, or its worker died.
         """
         loop = asyncio.get_running_loop()
-        if older := self._newest.get(key):
+        if older := self._newest.get(key):  # none of the key None
             superseded = RequestError(409, "superseded", SUPERSEDED)
             if older in self._waiting:
                 self._end(older, superseded)

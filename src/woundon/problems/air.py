@@ -104,6 +104,8 @@ class Air(Description):
 def with_film(roll: RollProblem, film: float, air: Air) -> RollProblem:
     """Return a roll with an air film between its layers; see :class:`.AirBetween`.
 
+    A layer is thicker by the film, and its density smaller, so that its mass is the same.
+
     Parameters
     ----------
     roll : RollProblem
@@ -129,7 +131,10 @@ def with_film(roll: RollProblem, film: float, air: Air) -> RollProblem:
 
 
 def stack_with_film(stack: Stack, film: float, web_thickness: float, air: Air) -> Stack:
-    """Return a stack without air with a film between its layers; parameters as of with_film."""
+    """Return a stack without air with a film between its layers; parameters as of with_film.
+
+    The film carries no tension: E_t is smaller by the share of the web in the thickness.
+    """
     if not isinstance(stack.radial, SolidLaw):
         raise InvalidProblem.at("stack.radial", "already contains air; must be a law without air")
     law = AirBetween(

@@ -13,10 +13,8 @@ PLANE = "Steady state, small strains, plane strain."
 FRICTION = "Coulomb friction with constant coefficients."
 UNIFORM = "The web has a uniform thickness and tension across its width."
 UNIFORM_THICKNESS = "The web has a uniform thickness across its width."
-THICKNESS = {
-    True: "The web thickness is that without pressure, as caliper_pressure is not given.",
-    False: "The web thickness is that under the caliper pressure.",
-}
+UNLOADED_THICKNESS = "The web thickness is that without pressure, as caliper_pressure is not given."
+CALIPER_THICKNESS = "The web thickness is that under the caliper pressure."
 LANE = "The thickest lane does not change the stresses in the rest of the roll."
 BONDED = "The layers of the roll are bonded: they do not slip on each other."
 AIR = (
@@ -42,7 +40,7 @@ def of_nip(problem: Any) -> tuple[str, ...]:
         BONDED,
         WRAPPED if problem.roll_wrap else NO_WRAP,
         *([AIR] if problem.air is not None else []),
-        *_centrifugal(problem, problem.web_tension, problem.web_tension),
+        *_centrifugal(problem, low=problem.web_tension, high=problem.web_tension),
     )
 
 
@@ -77,7 +75,7 @@ def of_roll(problem: Any) -> tuple[str, ...]:
     return (
         axisymmetric,
         UNIFORM_THICKNESS if problem.gauge_excess == 0 else LANE,
-        THICKNESS[problem.caliper_pressure is None],
+        UNLOADED_THICKNESS if problem.caliper_pressure is None else CALIPER_THICKNESS,
         "The radial stiffness depends on the pressure alone, loading and unloading alike.",
         "The layers neither slip nor creep.",
         *([change] if changes else []),
@@ -98,7 +96,8 @@ LAWS = {
 
 def of_winding(problem: Any) -> tuple[str, ...]:
     """Return the assumptions of a winding."""
-    law, tensions = problem.tension_law, problem.at("web_tension", problem.radii(2))
+    law = problem.tension_law
+    tensions = problem.at("web_tension", problem.radii(2))  # at core, surface and all kinks
     if law == "nip":
         drum = "The drum is rigid." if problem.drum.rigid else ""
         assumptions = (
@@ -114,10 +113,10 @@ def of_winding(problem: Any) -> tuple[str, ...]:
     return (
         *assumptions,
         "The roll is axisymmetric, its layers elastic, and without creep.",
-        THICKNESS[problem.caliper_pressure is None],
+        UNLOADED_THICKNESS if problem.caliper_pressure is None else CALIPER_THICKNESS,
         UNIFORM if problem.gauge_excess == 0 else LANE,
         *([AIR] if problem.air is not None else []),
-        *_centrifugal(problem, float(tensions.min()), float(tensions.max())),
+        *_centrifugal(problem, low=float(tensions.min()), high=float(tensions.max())),
     )
 
 

@@ -140,6 +140,8 @@ class Body(Family):
     ) -> tuple[Section, ...] | None:
         """Return the stresses at depths below the surface; None if the body does not provide them.
 
+        A section of the result has the stresses at one depth.
+
         Parameters
         ----------
         x, p, q : (k,) arrays
@@ -247,7 +249,8 @@ class KernelBody(Body, abstract=True):
     ) -> InfluenceSurface:
         """Return the response of the surface, computed from the influence functions."""
         kernels = self.kernels(speed) if self.viscoelastic and speed else self.kernels()
-        return InfluenceSurface(kernels, self.radius, self.curvature > 0, face, half_width)
+        is_curved = self.curvature > 0
+        return InfluenceSurface(kernels, self.radius, is_curved, face, half_width)
 
     def uniform_strain(self, pressure: float) -> float:
         """Return the surface strain under a uniform pressure on the whole circumference.
@@ -276,7 +279,7 @@ class KernelBody(Body, abstract=True):
     @property
     def compliance(self) -> float:
         """C of the half-plane that the surface resembles near a line load [1/Pa]."""
-        return pi * self.kernels().slope_p.inverse
+        return pi * self.kernels().slope_p.inverse  # near a line load P the slope is C P/(pi x)
 
     def interior_stress(
         self, x: np.ndarray, p: np.ndarray, q: np.ndarray, depths: np.ndarray, half_width: float
@@ -287,7 +290,7 @@ class KernelBody(Body, abstract=True):
     def _sections(
         self, x: np.ndarray, p: np.ndarray, q: np.ndarray, depths: np.ndarray
     ) -> tuple[Section, ...] | None:
-        """Return the stresses in an elastic body."""
+        """Return the stresses in an elastic body; parameters as of :meth:`interior_stress`."""
         return None
 
 
@@ -298,7 +301,7 @@ class LayeredBody(KernelBody, abstract=True):
 
     @property
     def _stack(self) -> Stacked:
-        """Each layer, outermost first: ln of the ratio of its radii, followed by its stiffness."""
+        """Each layer, outermost first: ln(outer/inner radius), A_rr, A_tt, A_rt, G [Pa], D."""
         raise NotImplementedError
 
     def kernels(self, speed: float | None = None) -> SurfaceKernels:
@@ -532,6 +535,7 @@ class Layered(LayeredBody):
         """
         if not self._is_open:
             return inf
+        # radial displacement [0] due to pressure [0] of the only harmonic [0]
         Y_2 = float(stacked_compliance(np.array([2.0]), self._stack, open_bore=True)[0, 0, 0])
         return 4 * pi * self.radius**2 / (27 * Y_2 * contact_radius)
 

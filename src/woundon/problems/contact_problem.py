@@ -88,7 +88,8 @@ class ContactProblem(Problem):
         """Reject a missing speed if the problem depends on it."""
         use = next(self.uses_of_speed(), None)
         if use is not None and self.rolling_speed is None:
-            text = f"missing; must be > 0 [m/s], as {use[1]}"
+            _, reason = use
+            text = f"missing; must be > 0 [m/s], as {reason}"
             raise InvalidProblem.at(self.speed_field, text)
         return self
 

@@ -87,6 +87,8 @@ class Description(BaseModel, metaclass=DocumentedMeta):
     def __init__(self, /, **fields: Any) -> None:
         faults: Faults = []
         report = None
+        # the validators of the fields read the inputs; the current ones are those of a description
+        # that will contain this one
         with Inputs(type(self), fields, Inputs.current()) as inputs:
             values = self._fields_of(inputs, faults)
             try:
@@ -138,6 +140,7 @@ class Description(BaseModel, metaclass=DocumentedMeta):
         except InvalidProblem as error:
             if not faults:
                 raise
+            # errors of other fields may only follow from the changes that do not exist
             faults = [*(fault for fault in error.faults if fault[0] in changes), *faults]
         if faults:
             raise InvalidProblem(faults)

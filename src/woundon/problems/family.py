@@ -1,4 +1,4 @@
-"""Open sets of descriptions: materials, bodies, radial laws."""
+"""Open sets of descriptions, the validated objects of a problem: materials, bodies, radial laws."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Family(Description):
     _members: ClassVar[dict[str, type[Family]]]
 
     def __init_subclass__(cls, abstract: bool = False, **kwargs: Any) -> None:
-        super().__init_subclass__(**kwargs)
+        super().__init_subclass__(**kwargs)  # without abstract, which pydantic does not know
 
     @classmethod
     def __pydantic_init_subclass__(cls, abstract: bool = False, **kwargs: Any) -> None:
@@ -62,6 +62,7 @@ class Family(Description):
 
     @model_serializer(mode="wrap")
     def _with_kind(self, handler: Any) -> dict[str, Any]:
+        """Return the table of the fields with the name of the class."""
         return {"kind": self.member_name(), **handler(self)}
 
 
@@ -112,7 +113,9 @@ def best_match(names: Iterable[str], models: Iterable[type[Any]]) -> type[Any]:
         """Return the penalty of a class and its number of fields."""
         known = set(model.model_fields) | set(getattr(model, "tables", ()))
         unknown = [name for name in present if name not in known]
+        # names that were meant; nearest is "" for a name that resembles none
         intended = {nearest(name, known) for name in unknown} - {"", *present}
+        # with a grade, the fields that it supplies are not missing
         available = intended.union(present, getattr(model, "graded", ()) if has_grade else ())
         missing = sum(f.is_required() and n not in available for n, f in model.model_fields.items())
         return 2 * len(unknown) - len(intended) + missing, len(known)

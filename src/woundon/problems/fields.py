@@ -1,5 +1,6 @@
 """Types of the fields of a description: numbers, lists of numbers, nested descriptions.
 
+A description is a validated object: a problem, a body, a material, a schedule over the radius.
 A field accepts more than it holds: a number may be entered as text with a unit ("36 um"), a nested
 description as a table.  Type checkers see a :class:`CoercedField`, whose ``__set__`` gives the type
 of the argument and whose ``__get__`` gives the type of the attribute.
@@ -53,7 +54,10 @@ def _number(value: Any, info: ValidationInfo) -> float:
 def _number_of_field(
     value: Any, handler: ValidatorFunctionWrapHandler, info: ValidationInfo
 ) -> float:
-    """Return a value of a schedule: a float, or with its unit until a field holds the schedule."""
+    """Return a value of a schedule: a float, or with its text until a field holds the schedule.
+
+    The field determines the unit of the values, and reads the text again.
+    """
     number = _number(value, info)
     checked: float = handler(float(number))
     return number if isinstance(number, FloatWithUnit) else checked
@@ -126,7 +130,7 @@ else:
     Number = Annotated[float, BeforeValidator(_number)]
     OptionalNumber = Number | None
     Numbers = Annotated[tuple[Number, ...], BeforeValidator(listed)]
-    Nested = Annotated[T, "or a table of its fields"]
+    Nested = Annotated[T, "or a table of its fields"]  # pydantic ignores the text
     OptionalNested = T | None
     # Values of a schedule: they have the unit of the field that holds the schedule.
     NumberOfField = Annotated[float, WrapValidator(_number_of_field)]

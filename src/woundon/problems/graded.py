@@ -33,6 +33,8 @@ def graded_layers(
 ) -> Layers:
     """Return homogeneous layers that approximate a roll at its wound-in pressure.
 
+    Each is ln(outer/inner radius) and A_rr, A_tt, A_rt, G, D [Pa]; the outermost first.
+
     A cell of the depth is replaced by two layers, the commutator-free Magnus method of fourth order
     (Blanes and Moan 2006, two exponentials): the coefficients of the equations, which are 1/A_rr,
     1/G, A_rt/A_rr and D, are averages of their values at the two Gauss points, with the weights
@@ -51,6 +53,7 @@ def graded_layers(
     R, depth = radius, log(radius / core_radius)
     if not isinstance(pressure, Profile):
         return ((depth, *map(float, stack.tangent(pressure, pressure)[:4])),)
+    # relative depths ln(R/r)/ln(R/R0)
     ends = _cell_boundaries([log(R / r) / depth for r in pressure.radius if core_radius < r < R])
     ends = np.append((ends[:-1, None] + np.diff(ends)[:, None] * np.arange(parts) / parts), 1.0)
     cells = np.diff(ends)
@@ -58,7 +61,7 @@ def graded_layers(
     P = at_radius(pressure, R * np.exp(-depth * gauss))
     A_rr, A_tt, A_rt, G = np.broadcast_arrays(*stack.tangent(P, P)[:4])
     w_near, w_far = 0.5 + 1 / sqrt(3), 0.5 - 1 / sqrt(3)
-    average = np.array([[w_near, w_far], [w_far, w_near]])
+    average = np.array([[w_near, w_far], [w_far, w_near]])  # two Gauss points to two layers
     coefficients = (1 / A_rr, 1 / G, A_rt / A_rr, A_tt - A_rt**2 / A_rr)
     c_rr, c_G, a, D = ((values @ average).ravel() for values in coefficients)
     layers = np.repeat(depth * cells / 2, 2), 1 / c_rr, D + a * a / c_rr, a / c_rr, 1 / c_G, D

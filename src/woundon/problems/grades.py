@@ -160,7 +160,11 @@ class Grade(Description):
 
     @classmethod
     def _fields_of(cls, inputs: Inputs, faults: Faults) -> dict[str, Any]:
-        """Return the values by field; those of a problem that names the grade convert none."""
+        """Return the values by field.
+
+        A grade may be created within a problem, whose width and thickness must not convert its
+        values: they are no longer the outer ones.
+        """
         inputs.outer = None
         return super()._fields_of(inputs, faults)
 
@@ -257,12 +261,12 @@ class Grade(Description):
 
 
 def _text(value: Any, quantity: Quantity) -> str:
-    """Return a value as text with its unit."""
+    """Return a value [SI] as text with its unit; of a pair "LOW to HIGH"."""
     if isinstance(value, tuple):
         return " to ".join(_text(item, quantity) for item in value)
     # a basis weight that was converted has rounding errors
     text = text_with_unit(float(f"{value:.6g}"), quantity.unit, quantity.display)
-    return text if isinstance(text, str) else f"{text:.6g}"
+    return text if isinstance(text, str) else f"{text:.6g}"  # a pure number has no text
 
 
 # Fields of problems that a grade supplies, and the value of the grade that they hold.
@@ -363,11 +367,12 @@ def grade(name: str | Grade | Mapping[str, Any], path: str | Path | None = None)
     if isinstance(name, Grade):
         return name
     if isinstance(name, Mapping):
-        return _make_grade("own grade", name, grades(), "grade")
-    known = library()["grades"]
-    if path is None and isinstance(name, str) and name in known:
-        return _make_grade(name, known[name], Grades(), "grade")
-    return _named(name, grades(path), "grade")
+        return _make_grade("own grade", table=name, known=grades(), where="grade")
+    tables = library()["grades"]
+    if path is None and isinstance(name, str) and name in tables:
+        # only this one, which is like no other grade of the package
+        return _make_grade(name, tables[name], known=Grades(), where="grade")
+    return _named(name, grades(path), where="grade")
 
 
 def _named(name: Any, known: Mapping[str, Grade], where: str) -> Grade:
@@ -398,7 +403,7 @@ def _make_grade(
         if table.get("like") is None:
             fields = {"name": name, "title": name, **nest_tables(entry.values)}
             return Grade(**fields | {"spread": entry.spread, "sources": entry.sources})
-        base = _named(table["like"], known, "like")
+        base = _named(table["like"], known, where="like")
         spread = {key: value for key, value in base.spread.items() if key not in entry.values}
         sources = {key: value for key, value in base.sources.items() if key not in entry.values}
         changes = {"name": name, "title": name, **entry.values}
@@ -433,7 +438,8 @@ def with_grade(model: type[Any], fields: Mapping[str, Any], faults: Faults) -> d
         named_grade = grade(completed.pop("grade"))
     except InvalidProblem as fault:
         faults += fault.faults
-        faults += [(name, "") for name in model.graded]  # They are neither missing nor incomplete.
+        # an empty text: no further error that they are missing or incomplete
+        faults += [(name, "") for name in model.graded]
         return {name: value for name, value in completed.items() if name not in model.graded}
     if not model.graded:
         faults.append(("grade", f"a {model.__name__} has no web; must be left out"))
@@ -458,6 +464,7 @@ def changes_of_grade(
     changes : mapping
         Other changes by dotted name, which have precedence.
     """
+    # the tables that decide what the grade supplies in them
     parts = {
         name: _table(part)
         for name in ("roll", "air")

@@ -1,4 +1,7 @@
-"""Signature and docstring of a description for ``help``, with units and ranges of the fields."""
+"""Signature and docstring of a class of descriptions for ``help``, with units and ranges.
+
+Descriptions are the problems, bodies and materials (:mod:`.description`).
+"""
 
 from __future__ import annotations
 
@@ -14,7 +17,7 @@ from .permitted import admissible
 
 __all__ = ["documentation", "signature"]
 
-WIDTH = 92
+WIDTH = 92  # characters of a line
 
 
 def signature(model: Any) -> Signature:
@@ -35,6 +38,7 @@ def signature(model: Any) -> Signature:
 
 def documentation(model: Any) -> str:
     """Return a description's docstring with a table of its fields before its sections."""
+    # vars: the metaclass makes model.__doc__ by this function
     docstring, fields = cleandoc(vars(model)["__doc__"] or ""), model.model_fields
     if not fields:
         return docstring
@@ -54,7 +58,7 @@ def documentation(model: Any) -> str:
 
 
 def _describe(field: FieldInfo) -> str:
-    """Return "P, nip load: >= 1e-12 and <= 1e+07 [N/m], usually 500 to 10000"."""
+    """Return a field in words: "P, nip load: >= 1e-12 and <= 1e+07 [N/m], usually 500 to 10000"."""
     quantity = quantity_of(field)
     if quantity is None:
         label = f"{field.description}: " if field.description else ""

@@ -1,5 +1,8 @@
 """Conversion of the forms in which users enter values: units, totals, stresses, basis weights.
 
+A description is a validated object with fields: a problem, a body, a material.  A schedule is a
+field of values over the radius of a roll, which have the unit of the field that holds it.
+
 A field holds a force per metre of width, a thickness, a pressure in SI.  Users also enter
 
 - text with a unit of the field's dimension: "20 pli";
@@ -130,6 +133,7 @@ class Inputs:
         """Return a value of the web that is among the fields; None if there is none."""
         value = self.fields.get(name)
         if name == "thickness":
+            # the fields are those of a nip or a winding, of a roll, or of a web
             web = self.fields.get("web", self.fields.get("web_thickness", value))
             if isinstance(web, Mapping):  # it may contain the density of the web
                 return Inputs(self.model, web, self)._own(name)
@@ -160,7 +164,7 @@ class FloatWithUnit(float):
         number.text = text
         return number
 
-    def __getnewargs__(self) -> tuple[float, str]:  # type: ignore[override]
+    def __getnewargs__(self) -> tuple[float, str]:  # type: ignore[override]  # for copies
         return float(self), self.text
 
     @classmethod
@@ -174,6 +178,7 @@ class FloatWithUnit(float):
         """
         is_plain = not text.strip(" +-.eE0123456789")
         units = (unit for unit in _OF_SCHEDULES if has_dimension(text, unit))
+        # if none fits, parse reads a pure number, or rejects the text with an example in N/m
         return cls(parse(text, next(units, "1" if is_plain else "N/m"), ""), text)
 
 

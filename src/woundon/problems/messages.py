@@ -1,4 +1,7 @@
-"""Texts of validation errors: field, value and permitted range."""
+"""Texts of validation errors of descriptions: field, value and permitted range.
+
+A description is an object that pydantic validates: a problem, a body, a material.
+"""
 
 from __future__ import annotations
 
@@ -64,6 +67,7 @@ def _translate(report: ValidationError, model: type[BaseModel]) -> InvalidProble
             faults.append((path, no_such_field(str(name), model)))
         elif not item["loc"]:  # a name with characters that UTF-8 does not have
             faults.append((item["input"], no_such_field(item["input"], model)))
+        # only the first error of a field
         elif field is not None and path not in dict(faults) and not _counts_faults(item):
             faults.append((path, _fault(item, str(name), field)))
     return error(faults)
@@ -94,6 +98,7 @@ def _fault(item: Any, name: str, field: FieldInfo) -> str:
     if kind == "finite_number":
         return f"{quote(value)} is not a finite number; must be {admissible(field)}"
     if kind in ("too_short", "too_long"):
+        # the context has one of the two names
         (limit,) = (n for name, n in item["ctx"].items() if name in ("min_length", "max_length"))
         bound = "at least" if kind == "too_short" else "at most"
         return f"{item['ctx']['actual_length']} values; must be {bound} {limit}"
@@ -140,7 +145,7 @@ def no_such_field(name: str, model: type[BaseModel]) -> str:
     field has a similar name.
     """
     fields = model.model_fields
-    family = getattr(model, "_members", {}).values()
+    family = getattr(model, "_members", {}).values()  # empty if the class is of no family
     names = {name, name.replace("diameter", "radius")}
     owners = [m.__name__ for m in family if names & m.model_fields.keys()]
     if name == "kind" and family:
@@ -176,7 +181,7 @@ _OTHER_UNITS = {"m": {"mm": 1e-3, "um": 1e-6}, "1": {"%": 1e-2}, "rad": {"deg": 
 
 def _other_unit_hint(value: Any, field: FieldInfo) -> str:
     """Return a hint if the number is in range in another unit (66 for 66 um)."""
-    if value < 1:
+    if value < 1:  # 66 looks like um, 66e-6 does not
         return ""
     fits = [
         f"{value:g} {unit} is {value * factor:g}"

@@ -214,7 +214,10 @@ class NipProblem(ContactProblem):
     @model_validator(mode="before")
     @classmethod
     def _check_friction(cls, fields: Any) -> Any:
-        """Reject a face without friction: its web speed is not determined."""
+        """Reject a face without friction: its web speed is not determined.
+
+        This runs before the range of the field is checked, whose message would not say why.
+        """
         for name in ("roll_friction", "drum_friction"):
             if (
                 isinstance(fields, dict)
@@ -269,7 +272,7 @@ class NipProblem(ContactProblem):
     def _check_speed(self) -> Self:
         """Reject a speed of zero with viscoelastic bodies."""
         if self.web_speed == 0 and self.viscoelastic:
-            uses = next(text for field, text in super().uses_of_speed())
+            uses = next(text for _, text in super().uses_of_speed())  # of the bodies, not of air
             raise InvalidProblem.at("web_speed", f"0 is out of range; must be > 0 [m/s], as {uses}")
         return self
 
@@ -331,13 +334,14 @@ class NipProblem(ContactProblem):
             changes["roll_friction"] = roll_friction
         if wrap_friction is not None and wrap_friction != self.friction_on_wrap:
             changes["wrap_friction"] = wrap_friction
-        elif "roll_friction" in changes:
+        elif "roll_friction" in changes:  # which the friction on the wrap would follow
             changes["wrap_friction"] = self.friction_on_wrap
         return self.replace(**changes)
 
     @property
     def unused(self) -> tuple[str, ...]:
         """See :attr:`.Problem.unused`."""
+        # a frozen roll has G at the pressure wound in, on which the exponent has no effect
         frozen = (
             f"{name}.stack.shear_exponent"
             for name in self.pair

@@ -3,6 +3,9 @@
 A name is looked up in a class (:func:`find_places`), in a description (:func:`get_field`,
 :func:`change_fields`) or in the tables of a case (:func:`set_in_tables`, :func:`nest_tables`).
 Items of a list are named by their number, and a diameter may be named in place of a radius.
+
+A description is a validated object: a problem, a body, a material (:mod:`.description`).  A place
+is the field that a name denotes in one class of descriptions (:class:`~woundon.quantities.Place`).
 """
 
 from __future__ import annotations
@@ -39,7 +42,7 @@ __all__ = [
     "varied_value",
 ]
 
-Faults = list[tuple[str, str]]
+Faults = list[tuple[str, str]]  # dotted name of a field, and the text of the error
 Described = type[BaseModel] | BaseModel  # a class of descriptions, or one of them
 Holder = tuple[type[Any], Quantity | None]  # a class, and the quantity of the field that holds it
 
@@ -107,6 +110,7 @@ def _places_of_parts(
         if not (is_item and places and is_list(places[0].field.annotation)):
             places = tuple(_places_of_name(holders, name, ".".join(parts[: k + 1])))
             holders = [(m, p.quantity) for p in places for m in members_of(p.field.annotation)]
+        # of an item, places and holders remain those of its list
         yield places
 
 
@@ -125,7 +129,7 @@ def _places_of_name(holders: list[Holder], name: str, path: str) -> Iterator[Pla
         field = model.model_fields[name]
         quantity = quantity_of(field, of_field)
         yield Place(path, quantity and quantity.named(path), field, model)
-    radius = counterpart(name, "diameter")
+    radius = counterpart(name, "diameter")  # "", which no class has, for any other name
     for model, _ in holders:
         if not owners and radius in model.model_fields:
             field = model.model_fields[radius]
@@ -136,10 +140,10 @@ def _diameter(radius: Quantity | None) -> Quantity | None:
     """Return the quantity of the diameter that may be given instead of a radius."""
     if radius is None:
         return None
-    symbol = radius.symbol.replace("R", "D", 1).replace("r", "d", 1)
-    ends = radius.typical and (2 * radius.typical[0], 2 * radius.typical[1])
+    symbol = radius.symbol.replace("R", "D", 1).replace("r", "d", 1)  # R0: D0, r_c: d_c
+    typical = radius.typical and (2 * radius.typical[0], 2 * radius.typical[1])
     meaning = radius.meaning.replace("radius", "diameter").replace("radii", "diameters")
-    return dataclasses.replace(radius, symbol=symbol, meaning=meaning, typical=ends)
+    return dataclasses.replace(radius, symbol=symbol, meaning=meaning, typical=typical)
 
 
 def models_at(thing: Described, path: str) -> tuple[type[Any], ...]:
@@ -222,7 +226,7 @@ def halve_diameters(
     faults : list
         Receives (field, text) for a diameter that is not a length, or next to its radius.
     """
-    if model.model_fields.keys() >= values.keys():
+    if model.model_fields.keys() >= values.keys():  # no diameter among them
         return dict(values)
     radii = dict(values)
     for name in values:
@@ -237,7 +241,7 @@ def halve_diameters(
         radii[radius] = _half(diameter, name, faults)
         if len(faults) > count:
             del radii[radius]
-            faults.append((radius, ""))  # it is not missing
+            faults.append((radius, ""))  # an empty text: no further error that it is missing
     return radii
 
 
@@ -256,7 +260,7 @@ def _half(diameter: Any, name: str, faults: Faults) -> float | list[float] | Non
 def _half_of_one(diameter: Any, name: str, faults: Faults) -> float | None:
     """Return the radius of a number [m] or of a text with a unit; None for a fault."""
     try:
-        with suppress(NotANumber):
+        with suppress(NotANumber):  # a text; parse rejects anything else
             diameter = real_number(diameter)
         return parse(diameter, "m", name) / 2
     except InvalidProblem as fault:
@@ -422,7 +426,7 @@ def _inner(value: Any, name: str) -> Any:
     radius = counterpart(name, "diameter")
     if radius not in fields:
         raise KeyError(name)
-    held = getattr(value, radius)
+    held = getattr(value, radius)  # a radius, several, or None
     if isinstance(held, tuple):
         return tuple(2 * r for r in held)
     return None if held is None else 2 * held
@@ -459,7 +463,7 @@ def _index_of(name: str, items: list[Any], path: str) -> int:
 
 
 def change_fields(base: BaseModel, changes: Mapping[str, Any], faults: Faults) -> dict[str, Any]:
-    """Return the fields of a description with changes by dotted name.
+    """Return the fields of a description with changes by dotted name, for its constructor.
 
     Parameters
     ----------
@@ -485,10 +489,10 @@ def change_fields(base: BaseModel, changes: Mapping[str, Any], faults: Faults) -
             faults.append((path, "the name of a field is missing after the dot"))
         else:
             fields[head] = value
-    # the thickness of the web converts tensions
+    # the web first: its new thickness converts tensions that are given as stresses
     for head in sorted(nested, key=lambda head: head != "web"):
         with Inputs(type(base), fields, Inputs.current()) as inputs:
-            inputs.field = head
+            inputs.field = head  # the descriptions below read the quantity of this field
             try:
                 fields[head] = _changed(fields[head], head, nested[head])
             except InvalidProblem as fault:
@@ -547,6 +551,7 @@ def set_in_tables(tables: dict[str, Any], path: str, value: Any, model: type[Any
     """
     *heads, leaf = parts_of(path)
     inner: Any = tables
+    # not strict: the places of the leaf are left over
     for head, places in zip(heads, _places_of_parts(model, path), strict=False):
         if value is None and isinstance(inner, dict) and head not in inner:
             inner = {}  # the table is not given, so there is nothing to unset
@@ -556,13 +561,13 @@ def set_in_tables(tables: dict[str, Any], path: str, value: Any, model: type[Any
         inner[_index_of(leaf, inner, path)] = value
         return
     if leaf not in inner:
-        for word in ("diameter", "radius"):  # one of the two is given
+        for word in ("diameter", "radius"):  # a diameter replaces a given radius, and the reverse
             inner.pop(counterpart(leaf, word), None)
     if value is not None:
         inner[leaf] = value
     elif leaf in inner:
         del inner[leaf]
-    elif not _is_group(path, {"schema": (), **model.tables}):
+    elif not _is_group(path, {"schema": (), **model.tables}):  # which are no fields of the class
         _check_exists(model, path)
 
 

@@ -109,7 +109,7 @@ def admissible(field: FieldInfo) -> str:
             names = f"a number{in_brackets(unit_of(field))} or a {names}"
         by_name = ", or a name that 'woundon materials' lists" if "Isotropic" in names else ""
         return f"{names} (or a table of its fields{by_name})"
-    words = [part for part in get_args(field.annotation) if isinstance(part, str)]
+    words = [part for part in get_args(field.annotation) if isinstance(part, str)]  # of a Literal
     if words:
         return one_of(map(repr, words))
     limits = " and ".join(f"{sign} {bound:.6g}" for sign, bound in bounds(field))
@@ -118,4 +118,4 @@ def admissible(field: FieldInfo) -> str:
 
 def accepts_number(annotation: object) -> bool:
     """Return True if an annotation admits a number."""
-    return annotation is float or any(map(accepts_number, get_args(annotation)[:2]))
+    return annotation is float or any(map(accepts_number, get_args(annotation)))

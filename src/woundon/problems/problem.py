@@ -24,7 +24,7 @@ OF_FINISHED_ROLL = (
 
 
 def only_in(kind: str, *names: str) -> dict[str, str]:
-    """Return counterparts of fields that only another kind of problem has."""
+    """Return entries of :attr:`Problem.counterparts`: fields that only another kind has."""
     return dict.fromkeys(names, f"only a {kind} has it")
 
 
@@ -65,6 +65,7 @@ class Problem(Description):
         return self.__dict__.get("_grade")
 
     def _set_grade(self, named_grade: Grade) -> None:
+        """Keep the grade; in ``__dict__``, because fields of a description cannot be set."""
         self.__dict__["_grade"] = named_grade
         warn_of_contradictions(named_grade, self)
 

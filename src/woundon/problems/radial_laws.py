@@ -114,6 +114,7 @@ class RadialLaw(Family):
         if self._in_range(P):
             return self._strain(P)[()]
         E, slope, P_min = self._tangent_at_zero
+        # P < 0: integral of dP/E_r along the tangent down to P_min, then with FLOOR E_r(0)
         low, inner = np.clip(P, P_min, 0.0), np.clip(P, 0.0, self.max_pressure)
         below_zero = low / E if slope == 0 else np.log1p(slope * low / E) / slope
         below_zero = below_zero + (np.minimum(P, low) - low) / (E * FLOOR)
@@ -129,11 +130,13 @@ class RadialLaw(Family):
         E, slope, _ = self._tangent_at_zero
         low = np.zeros_like(target)
         high = np.full_like(target, self.max_pressure)
+        # initial guess: the pressure at which the tangent has doubled the modulus, at most 1e5 Pa
         P = np.minimum(low + min(E / slope if slope > 0 else 1e5, 1e5), high)
         for _ in range(200):
             residual = target - self.strain_at(P)
             low, high = np.where(residual > 0, P, low), np.where(residual < 0, P, high)
             # The step assumes a modulus that is linear in P, which is exact for Pfeiffer's law.
+            # An infinite slope is limited, as its product with a residual of 0 would be nan.
             x = np.clip(np.minimum(self.modulus_slope(P), 1e99) * residual, -50.0, 50.0)
             factor = np.where(x == 0, 1.0, np.expm1(x) / np.where(x, x, 1.0))
             trial = P + self.modulus(P) * residual * factor
@@ -146,7 +149,10 @@ class RadialLaw(Family):
         return self._extrapolate(target, P)[()]
 
     def _extrapolate(self, strain: Array, P: Array) -> Array:
-        """Return P, with closed forms at strains outside the range of the law."""
+        """Return P, with closed forms at strains outside the range of the law.
+
+        They are the inverse of the extrapolation of :meth:`strain_at`.
+        """
         E, slope, P_min = self._tangent_at_zero
         end = self.strain_at(P_min) if isfinite(P_min) else -inf
         below_zero = (
@@ -164,6 +170,7 @@ class RadialLaw(Family):
         from scipy.optimize import brentq
 
         top = self.max_pressure if isfinite(self.max_pressure) else 1e12
+        # a grid brackets the smallest solution: the modulus need not rise everywhere
         grid = np.concatenate([[0.0], np.geomspace(min(1e-3, top / 2), top, 2000)])
         stiff = np.nonzero(self.modulus(grid) >= modulus)[0]
         if not stiff.size:
@@ -241,6 +248,7 @@ class Pfeiffer(SolidLaw):
     def pressure_at(self, strain: float | Array) -> Any:
         """Return the pressure at a compressive strain [Pa], in closed form."""
         target = np.asarray(strain, dtype=float)
+        # Clipped: strains below 0 are extrapolated, and exp(710) overflows.
         P = self.K1 * np.expm1(np.clip(self.K2 * target, 0.0, 600.0))
         return self._extrapolate(target, P)[()]
 
@@ -298,9 +306,11 @@ class Polynomial(SolidLaw):
 
     def _smallest_root(self, modulus: float) -> float:
         """Return the smallest P > 0 at which E_r is ``modulus``; inf if there is none."""
+        # coefficients of P/scale, all of the order of c_0
         c = np.array(self.coefficients) * self._scale ** np.arange(len(self.coefficients))
         c[0] -= modulus
         roots = polynomial.polyroots(np.trim_zeros(c, "b")) if np.any(c[1:]) else np.zeros(0)
+        # an imaginary part up to 1e-9 of a root is a rounding error
         real = roots.real[(np.abs(roots.imag) <= 1e-9 * np.abs(roots)) & (roots.real > 0)]
         return float(real.min()) * self._scale if real.size else inf
 
@@ -390,7 +400,7 @@ class PowerLaw(SolidLaw):
         from scipy.special import hyp2f1
 
         m = self.m
-        if self.E0 == 0:
+        if self.E0 == 0:  # then m < 1; the modulus is constant up to start
             start, upper = self._start, np.maximum(P, self._start)
             integral = ((upper / 1e5) ** (1 - m) - (start / 1e5) ** (1 - m)) / (1 - m)
             constant = np.minimum(P, start) / self._modulus(np.zeros(()))
@@ -498,19 +508,22 @@ class StackTest(SolidLaw):
         return K1, BSpline(knots, cumulative @ increments, 3)
 
     def _derivative(self, P: Array, order: int) -> Array:
-        """Return a derivative of the strain by ln(1 + P/K1); order 0 is the strain.
+        """Return a derivative of the strain by ln(1 + P/K1), of order 0, 1 or 2; 0 is the strain.
 
         Below the smallest measured pressure the spline is extrapolated linearly.
         """
-        K1, spline = self._fit
+        K1, spline = self._fit  # t: its knots, the first at the smallest measured pressure
         x, first = np.log1p(P / K1), spline.t[0]
         value = spline(np.maximum(x, first), order)
         if order > 1:
             return np.where(x < first, 0.0, value)
-        return value + np.minimum(x - first, 0.0) * spline(first, 1) * (order == 0)
+        if order == 1:
+            return value
+        return value + np.minimum(x - first, 0.0) * spline(first, 1)
 
     def _modulus(self, P: Array) -> Array:
-        return (self._fit[0] + P) / self._derivative(P, 1)
+        K1, _ = self._fit
+        return (K1 + P) / self._derivative(P, 1)
 
     def _slope(self, P: Array) -> Array:
         first = self._derivative(P, 1)
@@ -528,14 +541,14 @@ class StackTest(SolidLaw):
 
 
 def _integral(f: Callable[[Array], Array], end: Array) -> Array:
-    """Return the integrals of a smooth function f from 0 to each of ``end``."""
+    """Return the integrals of a smooth function f from 0 to each of ``end``, in its shape."""
     t, weights = _composite_gauss_rule()
     return end * (f(end[..., None] * t) @ weights)
 
 
 @cache
 def _composite_gauss_rule() -> tuple[Array, Array]:
-    """Return points and weights of the composite Gauss rule with 6 panels on [0, 1]."""
+    """Return the points and weights of 6 panels of 24 Gauss points each on [0, 1]."""
     x, w = np.polynomial.legendre.leggauss(24)
     return ((np.arange(6)[:, None] + (x + 1) / 2) / 6).ravel(), np.tile(w / 12, 6)
 

@@ -139,8 +139,8 @@ class Core(Description):
         assert isinstance(self.material, Isotropic)
         assert self.inner_radius is not None
         E, nu = self.material.youngs_modulus, self.material.poissons_ratio
-        share = (self.inner_radius / self.radius) ** 2
-        return E / ((1 + nu) * ((1 + share) / (1 - share) - nu * 2 / (1 - share)))
+        s = (self.inner_radius / self.radius) ** 2
+        return E / ((1 + nu) * ((1 + s) / (1 - s) - nu * 2 / (1 - s)))
 
 
 class RollProblem(Problem):
@@ -262,6 +262,7 @@ class RollProblem(Problem):
             )
         self._check_tension()
         highest = self._law_of_web.max_pressure
+        # 1e7 Pa is the largest caliper pressure that its field admits
         if float(self._law_of_web.strain_at(1e7)) > MOST_COMPRESSED:
             highest = min(highest, float(self._law_of_web.pressure_at(MOST_COMPRESSED)))
         if (self.caliper_pressure or 0.0) > highest:

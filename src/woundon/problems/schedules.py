@@ -93,7 +93,7 @@ class Profile(Description):
 
     @cached_property
     def _smooth(self) -> tuple[Any, Any]:
-        """The cubic spline and its derivative."""
+        """The cubic spline and its derivative, functions of the radius."""
         from scipy.interpolate import CubicSpline
 
         curve = CubicSpline(self.radius, self.value)
@@ -102,15 +102,17 @@ class Profile(Description):
     def at(self, r: Array) -> Any:
         """Return the values at radii [m]."""
         if self.between == "lines":
-            return np.interp(r, *self._nodes_and_slopes[:2])
-        return self._smooth[0](np.clip(r, self.radius[0], self.radius[-1]))
+            radii, values, _ = self._nodes_and_slopes
+            return np.interp(r, radii, values)
+        spline, _ = self._smooth
+        return spline(np.clip(r, self.radius[0], self.radius[-1]))
 
     def slope(self, r: Array, side: int | Array = 1) -> Array:
         """Return the derivatives [1/m]; at a kink the left (-1) or right (1) derivative."""
         x, _, slopes = self._nodes_and_slopes
         if self.between == "smooth":
-            slope = self._smooth[1](np.clip(r, x[0], x[-1]))
-            return np.where((r < x[0]) | (r > x[-1]), 0.0, slope)
+            _, derivative = self._smooth
+            return np.where((r < x[0]) | (r > x[-1]), 0.0, derivative(np.clip(r, x[0], x[-1])))
         # A radius that should be at a kink may differ from it by rounding: the shift by more than
         # that selects the interval on the requested side.
         shifted = r * (1 + side * 1e-12)
@@ -169,6 +171,9 @@ class Taper(Description):
 def as_schedule(value: Any, name: str | None, *classes: type[Profile | Taper]) -> Any:
     """Return the schedule that a field holds for a table, or for a schedule with units.
 
+    Values with units were read without the field, which alone determines the unit; they are read
+    again from their texts.
+
     Parameters
     ----------
     value : object
@@ -221,7 +226,14 @@ else:
 
 
 class Curve:
-    """A schedule between two radii: values, slopes and kinks (``kinks``, ``bends``).
+    """A schedule between two radii: values, slopes and kinks.
+
+    Attributes
+    ----------
+    kinks : (k,) array
+        Radii between core and surface at which the slope jumps [m].
+    bends : (k,) array
+        Sharpness of the kinks, r |d slope|/|value| [1].
 
     Parameters
     ----------
@@ -243,14 +255,16 @@ class Curve:
 
     def at(self, r: Array) -> Array:
         """Return the values at radii [m]."""
-        return self.scale * self._value_and_slope(r, 1)[0]
+        values, _ = self._values_and_slopes(r, side=1)
+        return self.scale * values
 
     def slope(self, r: Array, side: int | Array = 1) -> Array:
         """Return the derivatives [1/m]; at a kink the left (-1) or right (1) derivative."""
-        return self.scale * self._value_and_slope(r, side)[1]
+        _, slopes = self._values_and_slopes(r, side)
+        return self.scale * slopes
 
-    def _value_and_slope(self, r: Array, side: int | Array) -> tuple[Array, Array]:
-        """Return values and derivatives of a schedule at radii."""
+    def _values_and_slopes(self, r: Array, side: int | Array) -> tuple[Array, Array]:
+        """Return values and derivatives at radii [m], without the scale; ``side`` as of slope."""
         schedule, core = self.schedule, self.core
         if isinstance(schedule, Profile):
             return schedule.at(r), schedule.slope(r, side)
@@ -294,6 +308,7 @@ def uncovered_ends(
         Radii of the core and of the finished roll [m].
     """
     last = len(schedule.radius) - 1
+    # index of a radius, the interval that it must be in, and its text
     for k, covered, must in (
         (0, (-inf, core), f"<= core.radius = {core:.6g}"),
         (last, (radius, inf), f">= radius = {radius:.6g}"),

@@ -154,7 +154,7 @@ class Stack(Solid):
     @cached_property
     def stiffness(self) -> Stiffness:
         """The plane-strain stiffness A_rr, A_tt, A_rt, G without pressure [Pa]."""
-        return self.tangent(0.0)._replace(along=self.tangential)
+        return self.tangent(0.0)._replace(along=self.tangential)  # D is E_t, without rounding
 
     def compression_energy(self, P: float | Array) -> Any:
         """Return int_0^P P' dP'/E_r(P') [Pa], the work of uniaxial compression per volume.
@@ -199,12 +199,14 @@ class Stack(Solid):
         196689
         """
         T = np.asarray(stress, dtype=float)
-        work = np.maximum(T**2 / (2 * self.tangential), 1e-300)
+        work = np.maximum(T**2 / (2 * self.tangential), 1e-300)  # > 0 for its logarithm
         # Newton's method in logarithms: d ln W/d ln P is nearly constant, 2 for a constant modulus
         # and 1 for one proportional to P.
+        # Initial guess: a constant modulus, that at 1 Pa, as the one at 0 may be 0.
         P = np.sqrt(2 * work * self.radial.modulus(np.zeros(T.shape) + 1.0))
         for _ in range(PLATEAU_STEPS):
             W = self.compression_energy(P)
+            # d ln W/d ln P = P^2/(E_r W)
             step = (np.log(work) - np.log(W)) * W * self.radial.modulus(P) / P**2
             P = np.minimum(
                 P * np.exp(np.clip(step, -LARGEST_STEP, LARGEST_STEP)), 2 * LAST_PRESSURE

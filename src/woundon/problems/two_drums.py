@@ -125,7 +125,7 @@ def drum_loads(
     """
     rear, front = _shares(radius, drum_radius, gap)
     down = _checked("weight", weight) + _checked("rider_load", rider_load)
-    return DrumLoads((down * rear)[()], (down * front)[()])
+    return DrumLoads((down * rear)[()], (down * front)[()])  # [()]: scalars of scalar arguments
 
 
 def rider_load_for(
@@ -151,14 +151,15 @@ def rider_load_for(
     """
     if not isinstance(drum, str) or drum not in ("rear", "front"):
         raise InvalidProblem.at("drum", f"{quote(drum)} is unknown; must be 'rear' or 'front'")
-    share = _shares(radius, drum_radius, gap)[drum == "front"]
+    rear, front = _shares(radius, drum_radius, gap)
+    share = rear if drum == "rear" else front
     return (_checked("nip_load", nip_load) / share - _checked("weight", weight))[()]
 
 
 def _shares(
     radius: ArrayLike, drum_radius: float | tuple[float, float], gap: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the loads on the rear and the front drum due to a unit vertical load."""
+    """Return the loads on the rear and the front drum due to a unit vertical load [1]."""
     R, space = _checked("radius", radius), _checked_number("gap", gap)
     drums = _checked("drum_radius", drum_radius)
     if drums.size not in (1, 2) or not (drums > 0).all():
@@ -167,12 +168,13 @@ def _shares(
     if np.any(space >= 2 * R):
         text = f"{quote(float(np.min(R)))} is out of range; must be > gap/2 = {space / 2:.6g} [m]"
         raise InvalidProblem.at("radius", f"{text}, or the roll falls between the drums")
-    first, second = np.broadcast_to(drums.ravel(), 2)
+    first, second = np.broadcast_to(drums.ravel(), 2)  # radii of the rear and the front drum
     distance = first + second + space
     # horizontal distances of the roll's centre from those of the drums
     to_rear = (distance**2 + (R + first) ** 2 - (R + second) ** 2) / (2 * distance)
     to_front = distance - to_rear
     if np.any((to_rear <= 0) | (to_front <= 0)):
+        # the radius of a roll whose centre is above that of the smaller drum
         small, large = sorted((first, second))
         largest = (distance**2 + small**2 - large**2) / (2 * (large - small))
         text = f"{quote(float(np.max(R)))} is out of range; must be < {largest:.6g} [m]"

@@ -186,7 +186,7 @@ _NAME = (
     r"(?:[A-Za-z\N{MICRO SIGN}\N{GREEK SMALL LETTER MU}%\N{DEGREE SIGN}]+"
     r'|["\N{DOUBLE PRIME}])'
 )
-# 1,000 or 1 000 or 1'000 or 1_000; and 3,5
+# 1,000 or 1 000 or 1'000 or 1_000; and 3,5; the last group is the text after the number
 _THOUSANDS = re.compile(r"\s*([+-]?\d{1,3}(?:[,' _\N{NO-BREAK SPACE}]\d{3})+(?:\.\d+)?)(?!\d)(.*)")
 _DECIMAL_COMMA = re.compile(r"\s*([+-]?\d+),(\d+)(?![,.\d])(.*)")
 _POWER = r"(?:(?:\*\*|\^)?-?\d|[\N{SUPERSCRIPT TWO}\N{SUPERSCRIPT THREE}])"
@@ -195,15 +195,18 @@ _DIVISOR = rf"/\s*(?=[\d.]*[1-9])\d+(?:\.\d+)?\s*{_FACTOR}"  # N/15 mm, lb/3000 
 _UNIT = re.compile(
     rf"1/(?:[Ks]|deg[CF])|{_FACTOR}(?:(?:\s*[*/\N{{MIDDLE DOT}}]\s*|\s+){_FACTOR}|\s*{_DIVISOR})*"
 )
-# pounds per ream of so many sheets, by default 500: lb/ream 24x36, lb (25x38/500)
 _BASIS_WEIGHT = re.compile(r"/\s*\d|yd")  # not a stress: lb/3000 ft^2, oz/yd^2
+# pounds per ream of so many sheets, by default 500: lb/ream 24x36, lb (25x38/500)
 _REAM = re.compile(
     r"(lbs?)\s*(?:/|per)?\s*(?:ream)?\s*\(?"
     r"(\d{1,3}(?:\.\d)?)\s*[xX\N{MULTIPLICATION SIGN}]\s*(\d{1,3}(?:\.\d)?)"
     r"(?:\s*in)?(?:\s*[/-]\s*(\d{3}))?\)?"
 )
+# number, unit or ""
 _QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*(.*?)\s*")
+# sign, divisor, unit, power: of "N/15 mm" ("", "", "N", ""), ("/", "15", "mm", "")
 _TERMS = re.compile(rf"([*/\N{{MIDDLE DOT}}]?)\s*(\d+(?:\.\d+)?)?\s*({_NAME})({_POWER}?)")
+# superscripts become digits; * and ^ are deleted
 _RAISED = str.maketrans("\N{SUPERSCRIPT TWO}\N{SUPERSCRIPT THREE}", "23", "*^")
 _MAX_LENGTH = 60
 
@@ -221,10 +224,10 @@ def _definitions() -> dict[str, _Unit]:
     known: dict[str, _Unit] = {}
     for line in _DEFINITIONS.strip().splitlines():
         name, _, text = line.partition(" = ")
-        number, *units = text.split(" ", 1)
-        if not text:
+        number, *units = text.split(" ", 1)  # units: none or one text
+        if not text:  # a base unit
             known[name] = _Unit(Fraction(1), {name: 1})
-        elif number[0].isdecimal():
+        elif number[0].isdecimal():  # a number and a product of units, or a number alone
             factor, powers = _product("".join(units), known)
             known[name] = _Unit(Fraction(number) * factor, powers)
         else:
@@ -359,13 +362,15 @@ def parse(value: str | float, unit: str, field: str = "value") -> float:
 def text_with_unit(value: float, unit: str, shown_unit: str = "") -> str | float:
     """Return a number in SI as readable text with a unit; the number itself if there is none.
 
+    There is none for a pure number without ``shown_unit``, and for inf and nan.
+
     Parameters
     ----------
     value : float
     unit : str
         SI unit; a pure number stays a number unless ``shown_unit`` is given.
     shown_unit : str
-        Preferred unit.
+        Preferred of units whose texts are equally easy to read.
 
     Returns
     -------
@@ -378,7 +383,7 @@ def text_with_unit(value: float, unit: str, shown_unit: str = "") -> str | float
     texts = [text for name in names if (text := _in_unit(value, name, unit))]
     if not texts:
         return value
-    return min(texts, key=_reading_penalty) if value else texts[0]
+    return min(texts, key=_reading_penalty) if value else texts[0]  # 0 in the preferred unit
 
 
 def _in_unit(value: float, name: str, unit: str) -> str:
@@ -397,12 +402,16 @@ def _in_unit(value: float, name: str, unit: str) -> str:
 
 
 def _short(number: Decimal) -> str:
+    """Return a number without trailing zeros; with an exponent below 1e-5 and from 1e7."""
     number = number.normalize()
     return f"{number:f}" if -5 <= number.adjusted() <= 6 else f"{number:e}"
 
 
 def _reading_penalty(text: str) -> tuple[int, int]:
-    """Return a penalty for numbers that are hard to read: long, below 1, or above 10^4."""
+    """Return a penalty for numbers that are hard to read: long, below 1, or above 10^4.
+
+    Of equal ones the number with fewer digits before the point is preferred.
+    """
     number = text.split()[0].lstrip("-")
     digits = len(number.partition(".")[0])
     is_hard = number.startswith("0") or digits > 4
@@ -440,7 +449,7 @@ def _conversion_factor(text: str, unit: str) -> Fraction | None:
     """Return the conversion factor; "lb" may be a force, so that lb/in is lbf/in."""
     text = _with_area(text)
     forces = _FORCES | (_LINE_FORCES if unit == "N/m" else {})
-    if unit == "Pa" and _BASIS_WEIGHT.search(text):
+    if unit == "Pa" and _BASIS_WEIGHT.search(text):  # lb remains a mass
         forces = {}
     as_mass = _in_unit_of(text, unit, {})
     return _in_unit_of(text, unit, forces) if as_mass is None else as_mass
@@ -478,7 +487,7 @@ def _fault(field: str, value: Any, reason: str, unit: str, hint: str = "") -> In
 
 
 def _typing_hint(value: str) -> str:
-    """Return a hint for unsupported separators and dashes."""
+    """Return a hint for unsupported separators and dashes; empty without them."""
     rule = "; write a decimal point, and no thousands separator"
     if match := _THOUSANDS.match(value):
         digits = re.sub(r"[^\d.+-]", "", match[1])

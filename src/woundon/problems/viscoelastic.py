@@ -34,7 +34,7 @@ SMALLEST_LOSS = 1e-4
 
 
 def _frequency(meaning: str) -> Quantity:
-    return Quantity("f", "1/s", meaning, "Hz", (0.1, 1e4))
+    return Quantity("f", "1/s", meaning, shown_unit="Hz", typical=(0.1, 1e4))
 
 
 class LossAngle(OneModulus):
@@ -176,7 +176,7 @@ class DynamicTest(OneModulus):
 
     @cached_property
     def _fit(self) -> tuple[tuple[float, ...], tuple[float, ...], float]:
-        """E_inf and E_k [Pa], tau_k [s], and the rms of the relative residuals."""
+        """(E_inf, E_1, E_2, ...) [Pa], tau_k [s], and the rms of the relative residuals."""
         from scipy.optimize import nnls
 
         omega = 2 * pi * np.array(self.frequency)
@@ -186,7 +186,7 @@ class DynamicTest(OneModulus):
         terms = np.hstack([np.ones((omega.size, 1)), i_omega_tau / (1 + i_omega_tau)])
         storage, loss = np.array(self.storage_modulus), np.array(self.loss_modulus)
         rows = np.vstack([terms.real / storage[:, None], terms.imag / loss[:, None]])
-        scale = storage.max()
+        scale = storage.max()  # the unknown moduli are of the order of 1
         E, residual = nnls(rows * scale, np.ones(2 * omega.size))
         moduli, times = (E * scale).tolist(), tau.tolist()
         return tuple(moduli), tuple(times), float(residual / sqrt(2 * omega.size))
@@ -194,12 +194,14 @@ class DynamicTest(OneModulus):
     @property
     def misfit(self) -> float:
         """Root mean square of the relative residuals of storage and loss moduli [1]."""
-        return self._fit[2]
+        _, _, rms = self._fit
+        return rms
 
     @property
     def long_term_modulus(self) -> float:
         """E_inf [Pa], at least 1e-6 of the smallest storage modulus, as for a solid."""
-        return max(self._fit[0][0], 1e-6 * min(self.storage_modulus))
+        (E_inf, *_), _, _ = self._fit
+        return max(E_inf, 1e-6 * min(self.storage_modulus))
 
     @cached_property
     def prony_series(self) -> tuple[tuple[float, float], ...]:

@@ -87,6 +87,7 @@ class Web(Description):
             try:
                 if not is_basis_weight(fields.get("thickness")):
                     raise InvalidProblem.at("density", _ONLY_FOR_BASIS_WEIGHT)
+                # only to reject it; the validator of the thickness reads it by Inputs.known
                 read_number(density, cls.input_only["density"], "density", inputs)
             except InvalidProblem as fault:
                 faults += fault.faults
@@ -101,11 +102,14 @@ class Web(Description):
     @cached_property
     def compliance(self) -> Compliance:
         """The plane-strain compliances [1/Pa]; c22, through the thickness, without pressure."""
-        rr, tt, rt, _, zz = self.material.stiffness
-        return compliance(rr, tt, rt, zz)
+        A_rr, A_tt, A_rt, _, D = self.material.stiffness
+        return compliance(A_rr, A_tt, A_rt, D)
 
     def thinned(self, p: Array) -> tuple[Array, Array]:
-        """Return the thickness reduction [m] by pressures [Pa], and its derivative [m/Pa]."""
+        """Return the thickness reduction [m] by pressures [Pa], and its derivative [m/Pa].
+
+        Both have the shape of ``p``.
+        """
         if not isinstance(self.material, Stack):
             by_p = np.full(p.shape, self.thickness * self.compliance.c22)
             return by_p * p, by_p
@@ -113,7 +117,7 @@ class Web(Description):
         return self.thickness * radial.strain_at(p), self.thickness / radial.modulus(p)
 
     def radial_modulus(self, pressure: float) -> float:
-        """Return A_rr, or the secant modulus P/F(P) of a stack [Pa]."""
+        """Return A_rr, or of a stack the secant modulus P/F(P) at a pressure > 0 [Pa]."""
         if isinstance(self.material, Stack):
             return pressure / float(self.material.radial.strain_at(pressure))
         return self.material.stiffness.rr

@@ -239,11 +239,12 @@ class WindingProblem(Problem):
     @model_validator(mode="after")
     def _check_winding(self) -> Self:
         """Check the roll, the schedules and their combination."""
-        try:  # checks core, number of layers and density
-            self.wound_roll(1.0)
+        try:  # checks core, number of layers and density; with any tension
+            self.wound_roll(wound_on_tension=1.0)
         except InvalidProblem as fault:
-            places = {"web_thickness": "web.thickness"}
-            raise InvalidProblem([(places.get(f, f), t) for f, t in fault.faults]) from None
+            own_names = {"web_thickness": "web.thickness"}  # by the name of the field of a roll
+            faults = [(own_names.get(field, field), text) for field, text in fault.faults]
+            raise InvalidProblem(faults) from None
         faults = [fault for name in SCHEDULES for fault in self._faults_of(name)]
         faults += self._contradictions()
         if faults:
@@ -300,7 +301,10 @@ class WindingProblem(Problem):
         return tuple(texts)
 
     def _faults_of(self, name: str) -> Iterator[tuple[str, str]]:
-        """Yield (field, message) for numbers out of range and for profiles that are too short."""
+        """Yield (field, message) for a schedule out of range, or a profile that is too short.
+
+        The numbers of the schedule are checked, and the value that a taper leaves at the surface.
+        """
         schedule = getattr(self, name)
         if schedule is None or isinstance(schedule, str):
             return
@@ -367,6 +371,7 @@ class WindingProblem(Problem):
             schedule = getattr(self, name)
             if isinstance(schedule, Profile):
                 curve = self.curve(name)
+                # a value of zero at a kink: infinitely sharp, or no kink if the slope does not jump
                 with np.errstate(divide="ignore", invalid="ignore"):
                     sharp = np.nan_to_num(curve.bends, nan=0.0, posinf=1e9)
                 for r, bend in zip(curve.kinks.tolist(), sharp.tolist(), strict=True):
@@ -385,7 +390,7 @@ class WindingProblem(Problem):
             name: getattr(self, name) for name in NipProblem.model_fields if name in NIP_FIELDS
         }
         fields |= {name: float(self.at(name, radius)) for name in LOADS}
-        if self.drum.viscoelastic or self.air is not None:
+        if self.drum.viscoelastic or self.air is not None:  # else a warning that it has no effect
             fields |= {"web_speed": self.web_speed, "air": self.air}
         return NipProblem(**fields, roll=roll)
 

@@ -76,13 +76,14 @@ class WoundRoll(Body):
         """Reject a core out of range, or a pressure outside the range of the stack law."""
         check_core(self)
         for name, P in values_of(self.pressure).items():
+            # within the law, but its strain energy would be indefinite
             if self.stack.limit <= P < self.stack.radial.max_pressure:
                 raise self.stack.beyond_limit(P).under("stack")
             if not 0 <= P < self.stack.limit:
                 end = self.stack.radial.max_pressure
-                range_ = ">= 0" + f" and < {end:.6g}, where the stack law ends" * isfinite(end)
+                below = f" and < {end:.6g}, where the stack law ends" if isfinite(end) else ""
                 raise InvalidProblem.at(
-                    f"pressure{name}", f"{quote(P)} is out of range; must be {range_} [Pa]"
+                    f"pressure{name}", f"{quote(P)} is out of range; must be >= 0{below} [Pa]"
                 )
         if self.hardening == "direct":
             _check_shear_slope(self.stack)
@@ -111,7 +112,7 @@ class WoundRoll(Body):
     def compliance(self) -> float:
         """C of the half-plane that the surface resembles near a line load [1/Pa]."""
         P0 = float(self.wound_pressure(np.array(self.radius)))
-        return coefficients(*self.stack.tangent(P0, P0)[:4]).C
+        return coefficients(*self.stack.tangent(P0, P0)[:4]).C  # A_rr, A_tt, A_rt, G
 
     @property
     def _kernels(self) -> SurfaceKernels:
@@ -123,7 +124,7 @@ class WoundRoll(Body):
         return at_radius(self.pressure, r)
 
     def uniform_strain(self, pressure: float) -> float:
-        """Return the surface strain under a uniform pressure, which hardens the roll."""
+        """Return the surface strain under a uniform pressure [Pa], which hardens the roll."""
         if self.hardening == "frozen":
             return pressure * self._kernels.uniform_strain
         from ..elasticity.ring_equilibrium import uniform_strain
@@ -131,21 +132,28 @@ class WoundRoll(Body):
         return uniform_strain(ring_of(self), pressure)
 
     def surface(self, face: Face, half_width: float, speed: float | None = None) -> SurfaceResponse:
-        """Return the response of the surface on a face scaled by the half width."""
+        """Return the response of the surface; parameters as of :meth:`.Body.surface`."""
         if self.hardening == "frozen":
-            return InfluenceSurface(self._kernels, self.radius, True, face, half_width)
+            return InfluenceSurface(
+                self._kernels, self.radius, curved=True, face=face, half_width=half_width
+            )
         # Imported here: SciPy's sparse solvers take 0.25 s to load.
         from ..elasticity.hardening_surface import HardeningSurface
 
         ring = ring_of(self)
         kernels = cylinder.surface_kernels(self.radius, self.core_radius, *ring.stiffness)
-        linear = InfluenceSurface(kernels, self.radius, True, face, half_width)
+        linear = InfluenceSurface(
+            kernels, self.radius, curved=True, face=face, half_width=half_width
+        )
         return HardeningSurface(ring, linear, face, half_width, self.stack.limit)
 
     def interior_stress(
         self, x: Array, p: Array, q: Array, depths: Array, half_width: float
     ) -> tuple[Section, ...]:
-        """Return the stresses due to the tractions, without those wound in."""
+        """Return the stresses due to the tractions, without those wound in.
+
+        Parameters as of :meth:`.Body.interior_stress`.
+        """
         if self.hardening == "frozen":
             layers = graded_layers(self.radius, self.core_radius, self.stack, self.pressure)
             return cylinder_sections(x, p, q, depths, self.radius, layers)
@@ -181,7 +189,7 @@ def _check_shear_slope(stack: Stack) -> None:
 
 @lru_cache(maxsize=4)
 def ring_of(roll: WoundRoll) -> RingPair:
-    """Return the finite-element rings of a roll; they keep the last state as initial guess."""
+    """Return the finite-element rings of a roll; they keep the last solution as initial guess."""
     from ..elasticity.ring_equilibrium import RingPair
 
     stack = roll.stack
