@@ -250,6 +250,7 @@ def periodic_series(eps: Array) -> Array:
             start = 0
             P[0] = (1j / e) * (psi(1 - 1j / e) + log(e) + 0.5j * pi)
         else:
+            # an estimate suffices: its error decays in both directions
             start = min(p.size - 1, int(2 * pi / e))
             P[start] = p[start]
         for k in range(start - 1, -1, -1):
