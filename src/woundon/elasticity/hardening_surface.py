@@ -160,7 +160,7 @@ class HardeningSurface:
         return latest
 
     def _tangent(self, p: Array, q: Array) -> tuple[Array, Array]:
-        """Return the derivatives of v and u of the k surface nodes by p and by q, (2, k, n) [m/Pa]."""
+        """Return the derivatives of v and u of k surface nodes by p and by q, (2, k, n) [m/Pa]."""
         compliance = self.ring.tangent(self._solve(p, q).state)
         by_radial_force, by_tangential_force = compliance[:, :, 0], compliance[:, :, 1]
         # negative pressures are replaced by zero and have no effect

@@ -205,7 +205,7 @@ class LayerSystems:
     def penetration_depth(self, n: Array) -> Array:
         """Return the depth at which the n-th harmonic has decayed to exp(-20), or the layer's."""
         total, product = self.roots(n)
-        # lower bound of the smaller root: total/2 if complex, product/total < product/larger if real
+        # at most the smaller root: total/2 if complex, product/total < product/larger if real
         rate = np.minimum(total / 2, product / np.maximum(total, 1e-300))
         rate[:, n < 2] = 0.0  # rotation and translation do not decay
         return np.minimum(self.depth, 20 / np.maximum(rate, 1e-300))
