@@ -387,7 +387,7 @@ def _truncated_spectrum(Y: Array, tail: Array, decay: float) -> Spectrum:
     # A wave of N periods around the circumference takes polynomials of a degree above N a/R on
     # [-a, a].  With kappa = 6/N, as in _spectrum, their degree is 10 a/(kappa R) = 1.7 N a/R; with
     # a lower degree the response would jump with the half width.
-    return Spectrum(Y, last_terms, 1, max(6 / N, decay), float(error) / N)
+    return Spectrum(Y, tail=last_terms, J=1, decay=max(6 / N, decay), error=float(error) / N)
 
 
 def _powers(a: Array, terms: int) -> Array:

@@ -61,6 +61,8 @@ def polylogarithm(j: int) -> Polylogarithm:
         return Polylogarithm(1j, 0.0, power)
     lead = 1j ** (j - 1) / factorial(j - 1)
     harmonic = sum(1 / m for m in range(1, j))
+    # the power k = j - 1 has the finite part of 1 + ... + 1/(j-1) - ln(-i theta), in which
+    # ln(-i theta) = ln(theta) - i pi/2
     return Polylogarithm(0.0, -lead, np.insert(power, j - 1, lead * (harmonic + 0.5j * pi)))
 
 
@@ -354,6 +356,7 @@ class HarmonicSums:
         """Return the coefficients of the quintics between the first angles 2 pi k/size."""
         step = 2 * pi / self._size
         values = self._remainders(angles) + self._regular_parts(angles)
+        # derivatives by the position in a step
         values *= np.array([1.0, step, step * step])[:, None, None]
         return np.ascontiguousarray(np.moveaxis(quintics(values), -1, 0))
 

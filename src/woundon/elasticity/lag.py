@@ -116,7 +116,7 @@ class Lag:
         tabulated = _tabulated_psi(lengths, self.max_distance, self._steps)
         value, slope, second = (_sum_lengths(amplitudes, psi) for psi in tabulated)
         step = _table_distances(self.max_distance, self._steps) / STEPS_PER_E
-        # derivatives by ln|t|, in units of a step: d/dln t = t d/dt
+        # derivatives by ln|t|, in units of a step: d/dln t = t d/dt; the halves: t < 0, t > 0
         values = np.array([value, slope * step, second * step**2 + slope * step / STEPS_PER_E])
         table = quintics(values.reshape(3, len(amplitudes), 2, -1))
         return np.moveaxis(table, -1, 0).reshape(6, len(amplitudes), -1), coefficients

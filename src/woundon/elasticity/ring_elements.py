@@ -226,7 +226,7 @@ class Factors:
     def compliance(self) -> Array:
         """Displacements of the surface by the forces on it, (2, k, 2, k)."""
         shape = self._surface.shape
-        first = self._lu.shape[0] - self._surface.size
+        first = self._lu.shape[0] - self._surface.size  # the unknowns of the surface are the last
         L, U = (fraction[first:, first:].toarray() for fraction in (self._lu.L, self._lu.U))
         k = (self._surface - first).ravel()
         return np.linalg.inv(L @ U)[np.ix_(k, k)].reshape(shape + shape)

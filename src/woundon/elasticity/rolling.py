@@ -74,6 +74,7 @@ def half_plane_kernels(
     j_0, j, length = creep(relaxation)
     # amplitudes g of Re(g Phi) for the lag of 1/(pi t), and of -Dirac(t)
     pole, pulse = j / pi + 0j, -1j * j / pi
+    # slope and strain by p and q, the derivatives of v and u by p and q in the same order
     gradient_amplitudes = np.array([C * pole, A * pulse, A * pulse, -B * pole])
     gradients = Lag(length, gradient_amplitudes, max_distance)
     displacements = Lag(length, -length * gradient_amplitudes, max_distance)

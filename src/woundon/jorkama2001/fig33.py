@@ -189,8 +189,10 @@ def _panel(data: xr.Dataset) -> Panel:
             ("nip_induced_tension", f"NIT, {name}", "dashed"),
         ):
             values, right = one[output].values, output != "time"
-            look = {"label": label, "colour": COLOURS[k], "line": line}
-            curves.append(Curve(output, NODES, values, **look, right=right))
+            curve = Curve(
+                output, NODES, values, label=label, colour=COLOURS[k], line=line, right=right
+            )
+            curves.append(curve)
     return Panel(
         "convergence",
         Axis("Number of nodes $M$"),

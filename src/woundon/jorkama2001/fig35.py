@@ -140,8 +140,8 @@ def _of_the_wrap(nips: list[_Nip]) -> list[Verdict]:
             "but sticks again within about 0.5 degrees: solved slip angle",
             max(angles),
             at_most(2 * CLAIMED, "deg"),
-            note=f"{angles_text}; the hoop pressure is too low to hold the web sooner, and while it "
-            "slips on, less of its strain is taken from the nip",
+            note=f"{angles_text}; the hoop pressure is too low to hold the web sooner, and while "
+            "it slips on, less of its strain is taken from the nip",
         ),
     ]
     return [

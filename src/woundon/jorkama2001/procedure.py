@@ -301,9 +301,10 @@ class _Nip:
 
         Those of the cells that end at the nodes 2 ... M-1 are the slips of these nodes.  The last
         cell belongs to no unknown.  K and the rows of (136) are scaled as (122) does, with A_t of
-        the web: q/A_t and T_out/(h A_t).
+        the web: q/A_t and T_out/(h A_t).  ``edge`` holds the coefficients of eps_1(x_M) by p and q.
         """
         n, dx, (D, c12, _) = self.n, self.dx, _web_constants(self.problem.web)
+        # rows: cells; the node that ends a cell, and the one that begins it
         own, before = np.eye(n + 1, n), np.eye(n + 1, n, -1)
         # D+- of (121): all tractions upstream of the cell, at its two nodes 5/6 and 1/6 of them
         D_web = D * dx * np.tri(n + 1, n, -1)

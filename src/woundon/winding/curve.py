@@ -81,6 +81,7 @@ class TensionCurve:
         core, R = problem.ends
         factor = AIR_FACTOR if problem.air is not None and problem.web_speed else 1 + 1e-9
         self.min_depth = FEWEST_LAYERS * problem.web.thickness * factor
+        # of the piece on the core: at least ten layers, and less than a quarter of the build-up
         core_depth = min(
             max(self.min_depth, NEAR_CORE * core), max(self.min_depth, 0.25 * (R - core))
         )

@@ -386,6 +386,7 @@ class _Winder:
     def _note_progress(self, change: float) -> None:
         """Update the progress after an iteration from the relative change of the tension."""
         tolerance = STOP_FRACTION * self.coupling_rtol
+        # 0 for a change of 1, 1 at the tolerance
         reached = np.log(max(change, tolerance)) / np.log(tolerance)
         gain = max(reached - self.reached, LEAST_GAIN)
         self.reached = max(self.reached, reached)
