@@ -110,13 +110,14 @@ def _of_the_nip_alone(nips: list[_Nip]) -> list[Verdict]:
 
 
 def _crossing(downstream: xr.Dataset) -> float:
-    """Return the angle beyond which the slipping web's strain grows faster [deg]."""
+    """Return the angle beyond which the slipping web's strain grows faster [deg]; 0 if always."""
     faster = np.flatnonzero(downstream["roll_rate"] > downstream["web_rate"])
     return float(np.degrees(downstream["angle"][faster[-1]])) if faster.size else 0.0
 
 
 def _tension_to_cross(nip: _Nip) -> float:
     """Return the tension at which the rates cross at the angle claimed [N/m]; T_in is not given."""
+    # the rate of the web is proportional to its tension
     at = int(np.argmin(np.abs(nip.downstream["angle"].values - np.radians(CLAIMED))))
     share = nip.downstream["roll_rate"][at] / nip.downstream["web_rate"][at]
     return float(share) * float(nip.alone.tension[-1])

@@ -124,5 +124,5 @@ def _hoop_stress_at_faces(result: Any, change: Array, hoop_change: Array) -> tup
         T - mean - E_t * (strain(P) - strain(T * h / r * (1 - part))) - source_change
         for P, part in zip(faces, (0, 0.5, 1), strict=True)
     )
-    share = h / (r + h / 2)
+    share = h / (r + h / 2)  # the thickness of a layer in ln r
     return mean - share * (inner + 2 * middle) / 6, mean + share * (2 * middle + outer) / 6

@@ -122,7 +122,8 @@ def _final_changes(problem: RollProblem, g: float, b: float, r: Array) -> tuple[
 def plateau_pressure(stack: Stack, tension: float) -> float:
     """Return the pressure far from core and surface of a roll wound at constant tension.
 
-    The first integral of the equations below a surface, many thin layers deep, for Pfeiffer's law::
+    The first integral of the equations below a surface, many thin layers deep: the energy of the
+    compression equals that of the tension.  For Pfeiffer's law, E_r = K2 (K1 + P)::
 
         T^2 K2/(2 E_t) = P - K1 ln(1 + P/K1)
 
