@@ -119,19 +119,19 @@ COARSE = Fineness(8, 8, 6)
 def test_hats_carry_the_load_and_its_moment() -> None:
     mesh = RingMesh(0.1, 0.0445, COARSE, A)
     x = np.linspace(-0.7 * A, 1.7 * A, 12)
-    hats = mesh.hats(x)
+    hats = mesh.hat_forces(x)
     size = np.diff(x)[0]
     assert hats.sum(axis=0)[1:-1] == pytest.approx(size, rel=1e-12)
     assert (mesh.nodes @ hats)[1:-1] == pytest.approx(size * x[1:-1], abs=1e-15)
     # once round the roll is where it began
-    assert mesh.hats(x + 2 * pi * 0.1) == pytest.approx(hats, abs=1e-15)
+    assert mesh.hat_forces(x + 2 * pi * 0.1) == pytest.approx(hats, abs=1e-15)
 
 
 def test_the_compliance_is_symmetric() -> None:
     pair = RingPair(0.1, 0.0445, LAWS["shear hardens"], lambda r: np.full(np.shape(r), 90e3))
     mesh = pair.mesh(COARSE, A)
     x = np.linspace(-A, A, 33)
-    p, hats = 1e6 * (1 - (x / A) ** 2), mesh.hats(x)
+    p, hats = 1e6 * (1 - (x / A) ** 2), mesh.hat_forces(x)
     state = pair.equilibrium(mesh, np.stack([-hats @ p, hats @ (0.1 * p * np.sin(2 * x / A))]))
     Y = mesh.stiffness(state.stress_state.tangent).compliance
     flat = Y.reshape(2 * mesh.nodes.size, -1)

@@ -170,7 +170,7 @@ def test_rounding_does_not_prevent_the_equilibrium_of_a_large_roll_under_a_light
     mesh = ring.mesh(Fineness(33, 16, 16), 0.1e-3)
     face = nip_mesh(65, Wrap(), Wrap()).roll_face
     p = 1e5 * np.sqrt(1 - face.nodes**2)
-    forces = np.stack([-(mesh.hats(face.nodes * 0.1e-3) @ p), np.zeros(mesh.nodes.size)])
+    forces = np.stack([-(mesh.hat_forces(face.nodes * 0.1e-3) @ p), np.zeros(mesh.nodes.size)])
     state = ring.equilibrium(mesh, forces)
     unbalanced = -mesh.forces(state.stress_state.stress)
     unbalanced[mesh.topology.surface] += forces
@@ -196,7 +196,7 @@ def test_a_ring_under_even_pressure_is_compressed_evenly() -> None:
     errors = []
     for rows in (12, 24):
         mesh = pair.mesh(Fineness(8, 8, rows), A)
-        inward = mesh.hats(np.linspace(-pi * R, pi * R, 400)).sum(axis=1)
+        inward = mesh.hat_forces(np.linspace(-pi * R, pi * R, 400)).sum(axis=1)
         forces = np.stack([-p * inward, 0 * inward])
         state = pair.equilibrium(mesh, forces)
         for stiffness, moved in (

@@ -198,7 +198,7 @@ def test_finite_elements_of_a_linear_cylinder():
     )  # fmt: skip
     ring = RingPair(0.1, 0.0445, law, np.zeros_like)
     mesh = ring.mesh(Fineness(32, 16, 24), a)
-    hats = mesh.hats(x)
+    hats = mesh.hat_forces(x)
     u = ring.linear_displacements(mesh, np.stack([-hats @ p, hats @ q]))
     rr, tt, rt, shear = ring.stiffness
     moduli = np.array([[rr, rt, 0], [rt, tt, 0], [0, 0, shear]])

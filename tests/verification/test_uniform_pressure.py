@@ -62,7 +62,7 @@ def test_a_hardening_ring_agrees_with_its_finite_elements() -> None:
     body, p = roll(P0=20e3), 15e3
     ring = ring_of(body)
     mesh = ring.mesh(Fineness(8, 8, 24), 2e-3)
-    inward = mesh.hats(np.linspace(-pi * body.radius, pi * body.radius, 400)).sum(axis=1)
+    inward = mesh.hat_forces(np.linspace(-pi * body.radius, pi * body.radius, 400)).sum(axis=1)
     state = ring.equilibrium(mesh, np.stack([-p * inward, 0 * inward]))
     by_elements = state.u[mesh.topology.surface][0].mean() / body.radius
     # the elements of the same ring are accurate to 3e-5 (tests of the rings)

@@ -79,6 +79,8 @@ def sequences(
         R and R0 [m], 0 < R0 < R.
     A_rr, A_tt, A_rt, G : float
         Plane-strain stiffness [Pa].
+    D : float, optional
+        As of :func:`.strip.stiffness_along`, if it is known more accurately.
 
     Notes
     -----
@@ -91,7 +93,7 @@ def sequences(
 
 
 def depth(radius: float, core_radius: float) -> float:
-    """Return ln(R/R0), without cancellation for thin layers."""
+    """Return ln(R/R0), the depth of a layer in ln r, without cancellation for thin layers."""
     if 2 * core_radius > radius:
         return -log1p(-(radius - core_radius) / radius)
     return log(radius / core_radius)
@@ -180,13 +182,16 @@ def layered_kernels(radius: float, layers: Layers, open_bore: bool = False) -> S
     R = float(radius)
     Y, tail, J, decay, error = _elastic_spectrum(layers, open_bore)
     n = np.arange(1.0, Y.shape[-1])
-    mean, Y = Y[..., 0] / 2, Y[..., 1:]
+    mean, Y = Y[..., 0] / 2, Y[..., 1:]  # the constant of a Fourier series is half of n = 0
     # coefficients of 1/n^j of the displacements Y_n, the slopes n Y_n and the strains (1, n) Y_n
     displacement, slope = tail[: J + 1], tail[1 : J + 2]
     strain, strain_terms = displacement[:, 0] + slope[:, 1], Y[0] + n * Y[1]
 
     def harmonics(odd: bool, scale: float, a: Array, c: Array, mean: float = 0.0) -> HarmonicSum:
-        """Return the sum of scale c_n trig(n theta), c_n = a_0 + a_1/n + ... + remainder."""
+        """Return scale * [mean + sum of c_n trig(n theta)], c_n = a_0 + a_1/n + ... + remainder.
+
+        trig is sin if ``odd``, else cos; a (J+1,), c (N,).
+        """
         return HarmonicSum(odd, R, scale, mean, a, c - _powers(a, n.size))
 
     normal = HarmonicSums(
@@ -274,7 +279,7 @@ def _spectrum(layers: Layers, open_bore: bool, factors: Factors | None = None) -
         n -> factors of the moduli of viscoelastic layers, (L, n) complex.  The spectrum is then
         relative to the creep compliance of the outermost layer.
     """
-    depth = float(layers[0][0] or 0.0)
+    depth = float(layers[0][0] or 0.0)  # never None; `or` serves the type checker
     stiffness: Stiffness = layers[0][1:]  # type: ignore[assignment]
     tail = asymptotic_compliance(HIGHEST_POWER + 2, *stiffness)
     J = _highest_power(tail)
@@ -291,7 +296,8 @@ def _spectrum(layers: Layers, open_bore: bool, factors: Factors | None = None) -
         # the remainder exp(-2 kappa n) is negligible from n = 20/kappa on
         if 20 / decay > N and remainder[-1] > MAX_REMAINDER:
             return _truncated_spectrum(Y, tail, decay)
-        # similar layers below have a weaker effect: kappa from the n with a remainder of 1e-5
+        # similar layers below have a weaker effect: kappa from the n with a remainder of
+        # 1e-5 = exp(-2 kappa n), about exp(-12)
         decay = max(decay, 6.0 / (1 + np.max(np.nonzero(remainder > 1e-5)[0], initial=0)))
         N = max(32, 1 + int(np.max(np.nonzero(remainder > ROUNDING)[0], initial=0)))
         Y = Y[..., : min(N, n.size - 1) + 1]
@@ -328,13 +334,14 @@ def _interpolated_compliance(
     known_values = np.zeros((2, 2, 0))  # values at the points of the previous polynomial
     while size < N // 4:
         angle = np.pi * np.arange(size + 1) / size
+        # every second point is one of the previous polynomial, where the values are known
         new_points = slice(1, None, 2) if known_values.size else slice(None)
         n_sampled = np.exp(low + (high - low) * (1 + np.cos(angle[new_points])) / 2)
         values = np.empty((2, 2, size + 1), dtype=Y.dtype)
         values[..., ::2] = known_values if known_values.size else 0.0
         values[..., new_points] = n_sampled * _compliance(n_sampled, layers, open_bore, factors)
         c = dct(values, type=1, axis=-1) / size
-        c[..., [0, -1]] /= 2
+        c[..., [0, -1]] /= 2  # the first and the last coefficient count half
         if np.abs(c[..., -size // 4 :]).max() < 1e-15 * np.abs(values).max():
             x = (np.log(n[FIRST_SAMPLED:]) - low) / (high - low) * 2 - 1
             for block in np.array_split(np.arange(x.size), max(1, x.size // 4096)):
@@ -342,6 +349,7 @@ def _interpolated_compliance(
                 Y[..., k] = c @ np.polynomial.chebyshev.chebvander(x[block], size).T / n[k]
             return Y
         known_values, size = values, 2 * size
+    # polynomials do not converge with fewer points than harmonics: all are computed
     Y[..., FIRST_SAMPLED:] = _compliance(n[FIRST_SAMPLED:], layers, open_bore, factors)
     return Y
 
@@ -378,7 +386,7 @@ def _truncated_spectrum(Y: Array, tail: Array, decay: float) -> Spectrum:
     # A wave of N periods around the circumference takes polynomials of a degree above N a/R on
     # [-a, a].  With kappa = 6/N, as in _spectrum, their degree is 10 a/(kappa R) = 1.7 N a/R; with
     # a lower degree the response would jump with the half width.
-    return Spectrum(Y, last_terms, 1, max(6 / N, decay), float(error) / N)
+    return Spectrum(Y, tail=last_terms, J=1, decay=max(6 / N, decay), error=float(error) / N)
 
 
 def _powers(a: Array, terms: int) -> Array:
@@ -448,6 +456,7 @@ def _harmonic_count(depth: float, tail: Array, J: int, stiffness: Stiffness) -> 
     """
     core = 20 / _decay_over_depth(depth, stiffness)
     size = np.abs(tail).max(axis=(1, 2))
+    # the sum of the next power S_(J+2)/m^(J+1) over m > n is S_(J+2)/(J n^J)
     power = (size[J + 2] / (J * TOLERANCE * size[1])) ** (1 / J)
     return int(min(max(core, power, 32), MAX_TERMS))
 

@@ -61,6 +61,8 @@ def polylogarithm(j: int) -> Polylogarithm:
         return Polylogarithm(1j, 0.0, power)
     lead = 1j ** (j - 1) / factorial(j - 1)
     harmonic = sum(1 / m for m in range(1, j))
+    # the power k = j - 1 has the finite part of 1 + ... + 1/(j-1) - ln(-i theta), in which
+    # ln(-i theta) = ln(theta) - i pi/2
     return Polylogarithm(0.0, -lead, np.insert(power, j - 1, lead * (harmonic + 0.5j * pi)))
 
 
@@ -100,6 +102,7 @@ def _short_table_harmonics(size: int, terms: int) -> Array:
     Its rows are 2 cos(n theta), n = 1 ... terms, then -2 sin(n theta), to be multiplied by the real
     and the imaginary parts of the coefficients of e^{i n theta}: (2 terms, SHORT_TABLE + 1).
     """
+    # n k modulo size: angles below 2 pi are not affected by rounding
     angles = 2 * pi / size * (np.outer(np.arange(1, terms + 1), np.arange(SHORT_TABLE + 1)) % size)
     return np.concatenate([2 * np.cos(angles), -2 * np.sin(angles)])
 
@@ -206,7 +209,7 @@ class HarmonicSum:
         lowest = int(self.odd)
         regular = np.zeros(POWERS)
         remainder_at_zero = scale * float(remainder @ n if self.odd else remainder.sum())
-        # value (even) or slope (odd) at 0 of the tail's sum, from its power series, and of the rest
+        # value (even) or slope (odd) at 0 of the tail's sum, from its series, and of the remainder
         regular[lowest] = -float(total.series[lowest]) - remainder_at_zero
         return replace(total, regular=regular)
 
@@ -259,9 +262,9 @@ class HarmonicSums:
     sums: tuple[HarmonicSum, ...]
     parent: tuple[HarmonicSums, slice] | None = None
 
-    def select(self, which: slice) -> HarmonicSums:
+    def select(self, positions: slice) -> HarmonicSums:
         """Return some of the sums, which share the table of all."""
-        return HarmonicSums(self.sums[which], (self, which))
+        return HarmonicSums(self.sums[positions], (self, positions))
 
     def kernels(self) -> tuple[Kernel, ...]:
         """Return the sums as influence functions that share one table of smooth parts."""
@@ -353,6 +356,7 @@ class HarmonicSums:
         """Return the coefficients of the quintics between the first angles 2 pi k/size."""
         step = 2 * pi / self._size
         values = self._remainders(angles) + self._regular_parts(angles)
+        # derivatives by the position in a step
         values *= np.array([1.0, step, step * step])[:, None, None]
         return np.ascontiguousarray(np.moveaxis(quintics(values), -1, 0))
 
@@ -360,7 +364,7 @@ class HarmonicSums:
         """Sum r_n trig(n theta) and its first two derivatives, (3, sums, angles)."""
         spectrum = np.array([sum_.spectrum for sum_ in self.sums])
         n = 1j * np.arange(1, spectrum.shape[-1] + 1)
-        if angles == SHORT_TABLE + 1:  # direct summation
+        if angles == SHORT_TABLE + 1:  # the short table: direct summation
             derivatives = np.array([spectrum, spectrum * n, spectrum * (n * n)])
             parts = np.concatenate([derivatives.real, derivatives.imag], axis=-1)
             return np.asarray(parts @ _short_table_harmonics(self._size, n.size))

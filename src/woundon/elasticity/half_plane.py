@@ -58,7 +58,10 @@ def coefficients(
 def surface_kernels(
     A_rr: float, A_tt: float, A_rt: float, G: float, D: float | None = None
 ) -> SurfaceKernels:
-    """Return the influence functions of the half-plane (thesis eq. 32), with t in metres."""
+    """Return the influence functions of the half-plane (thesis eq. 32), with t in metres.
+
+    Parameters as of :func:`coefficients`.
+    """
     A, B, C = coefficients(A_rr, A_tt, A_rt, G, D)
     return SurfaceKernels(
         normal_p=Kernel(log=C / pi),

@@ -177,7 +177,7 @@ class HardeningLaw:
         F0 = self.radial.strain_at(P0)
         P = self._pressure_at_strain(F0 + target) if guess is None else guess
         if guess is None and c == 0 and self.shear_exponent == 0:
-            return P
+            return P  # exact: f(P) = F(P) - F(P0)
         for _ in range(MAX_ITERATIONS):
             slope, _, G_slope = self._derivatives(P, gamma, P0)
             f = self._strain(P) - F0 - c * (P - P0) - G_slope * gamma**2 / 2
@@ -210,7 +210,7 @@ class HardeningLaw:
         difference = radial.modulus_slope(in_range + step) - radial.modulus_slope(in_range - step)
         E_second = difference / (2 * step)
         G_second = G * beta * E_second / E + G * rate * (rate - E_slope / E)
-        G_second = np.where(in_range == P, G_second, 0.0)
+        G_second = np.where(in_range == P, G_second, 0.0)  # zero on the tangent
         f_slope = np.maximum(f_slope - G_second * gamma**2 / 2, 0.1 * f_slope)
         return f_slope, G * np.maximum(1 + rate * (P - in_range), 0.05), G * rate
 

@@ -62,6 +62,11 @@ class HardeningSurface:
         a [m].
     limit : float
         Pressure at which the law of the stack ends [Pa].
+
+    Notes
+    -----
+    The arguments p and q of the methods are pressures and tractions along +x at the n nodes of the
+    face, (n,) each [Pa].
     """
 
     rigid = False
@@ -148,20 +153,25 @@ class HardeningSurface:
         """Return the ring under p and q; negative pressures of an iterate are replaced by zero."""
         latest = self._latest
         if latest is None or not (np.array_equal(p, latest.p) and np.array_equal(q, latest.q)):
-            forces = np.stack([-self._hats @ np.maximum(p, 0.0), self._hats @ q])
+            forces = np.stack([-self._hat_forces @ np.maximum(p, 0.0), self._hat_forces @ q])
             state = self.ring.equilibrium(self._mesh, forces)
             latest = RingSolution(p.copy(), q.copy(), state, self.ring.difference(state, forces))
             self._latest = latest
         return latest
 
     def _tangent(self, p: Array, q: Array) -> tuple[Array, Array]:
-        """Return v and u of the surface nodes by p and by q, (2, k, n) [m/Pa]."""
+        """Return the derivatives of v and u of k surface nodes by p and by q, (2, k, n) [m/Pa]."""
         compliance = self.ring.tangent(self._solve(p, q).state)
-        hats = self._hats
-        return -compliance[:, :, 0] @ (hats * (p >= 0)), compliance[:, :, 1] @ hats
+        by_radial_force, by_tangential_force = compliance[:, :, 0], compliance[:, :, 1]
+        # negative pressures are replaced by zero and have no effect
+        by_p = -by_radial_force @ (self._hat_forces * (p >= 0))
+        return by_p, by_tangential_force @ self._hat_forces
 
     def _gradients(self, w: Array) -> tuple[Array, Array]:
-        """Return slope and strain at the points of the face from v and u of the surface nodes."""
+        """Return slope and strain at the points of the face from v and u of the surface nodes.
+
+        ``w`` is (2, k) or, for derivatives by the n nodal tractions, (2, k, n).
+        """
         value, slope = self._splines
         return slope @ w[0], slope @ w[1] + value @ w[0] / self.ring.radius
 
@@ -171,9 +181,9 @@ class HardeningSurface:
         return self.ring.mesh(ring_fineness(self.face.size - 1), self.a)
 
     @cached_property
-    def _hats(self) -> Array:
-        """Nodal forces of unit nodal pressures, (k, n) [m]."""
-        return self._mesh.hats(self.a * self.face.nodes)
+    def _hat_forces(self) -> Array:
+        """Forces at the surface nodes of the ring by unit nodal tractions, (k, n) [m]."""
+        return self._mesh.hat_forces(self.a * self.face.nodes)
 
     @cached_property
     def _splines(self) -> tuple[Array, Array]:
@@ -183,7 +193,9 @@ class HardeningSurface:
     @cached_property
     def _end_values(self) -> Array:
         """Values at the trailing edge of the nip of unit nodal displacements, (k,)."""
-        return self._mesh.splines(self.a * self.face.points[-2:-1])[0][0]
+        trailing_edge = self.a * self.face.points[-2:-1]
+        values, _ = self._mesh.splines(trailing_edge)
+        return values[0]
 
 
 def ring_fineness(cells: int) -> Fineness:
@@ -194,7 +206,7 @@ def ring_fineness(cells: int) -> Fineness:
     """
     columns = MANY_CELLS / 2 * (cells / MANY_CELLS) ** 0.6
     inside = max(MIN_COLUMNS, cells // 2 if cells <= MANY_CELLS else round(columns))
-    return Fineness(inside, 8 + inside // 4, 4 + 3 * inside // 8)
+    return Fineness(inside=inside, outside=8 + inside // 4, rows=4 + 3 * inside // 8)
 
 
 def hardening_sections(
@@ -215,24 +227,32 @@ def hardening_sections(
         z > 0 [m], above the core.
     half_width : float
         a of the nip [m].
+
+    Returns
+    -------
+    tuple of Section
+        One for each depth, at the equidistant positions of :func:`.cylinder_sections`.
     """
-    cells = int(np.sum(np.abs(x) <= half_width * (1 + 1e-9))) - 1
+    cells = int(np.sum(np.abs(x) <= half_width * (1 + 1e-9))) - 1  # of the nip, without wraps
     mesh = ring.mesh(ring_fineness(cells), half_width)
-    hats = mesh.hats(x)
-    forces = np.stack([-hats @ np.maximum(p, 0.0), hats @ q])
+    hat_forces = mesh.hat_forces(x)
+    forces = np.stack([-hat_forces @ np.maximum(p, 0.0), hat_forces @ q])
     stress = ring.stress_difference(ring.equilibrium(mesh, forces), forces)
     grid_x, grid_r = mesh.quadrature_grid
     grid_r = np.append(grid_r, ring.radius)
+    # sigma_r and tau, components 0 and 2, on the grid (r, x), with a row of zeros at the surface
     normal, shear = (
         np.vstack([mesh.on_quadrature_grid(stress[..., k]), np.zeros(grid_x.size)]) for k in (0, 2)
     )
 
     def interpolate(values: Array, z: float, x: Array) -> Array:
-        """Interpolate values on the quadrature grid at the depth z and the positions x."""
+        """Interpolate values on the quadrature grid at the depth z and the positions x [m]."""
+        # rows k - 1 and k enclose the radius; below the first row the values are extrapolated
         k = int(np.clip(np.searchsorted(grid_r, ring.radius - z), 1, grid_r.size - 1))
         t = (ring.radius - z - grid_r[k - 1]) / np.diff(grid_r)[k - 1]
         return np.interp(x, grid_x, values[k - 1] * (1 - t) + values[k] * t, period=mesh.period)
 
+    # one layer, of the depth ln(R/R0)
     layers = ((depth(ring.radius, ring.core_radius), *ring.stiffness),)
     return tuple(
         Section(

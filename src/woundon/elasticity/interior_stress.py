@@ -124,6 +124,7 @@ def traction_harmonics(x: Array, f: Array, length: float, count: int) -> Array:
     low_digits = np.exp(np.arange(block) * t[:, None])
     high_digits = np.exp(block * np.arange(-(-(count + 1) // block))[:, None] * t)
     sums = ((high_digits * slope_jumps) @ low_digits).ravel()[: count + 1]
+    # f jumps from zero up to f[0] at the first node, and from f[-1] down to zero at the last
     end_jumps = ((high_digits[:, [0, -1]] * f[[0, -1]] * [1, -1]) @ low_digits[[0, -1]]).ravel()[
         : count + 1
     ]
@@ -150,6 +151,11 @@ def half_plane_sections(
         R [m]: the stresses are returned for -pi R <= x < pi R.
     stiffness : (A_rr, A_tt, A_rt, G) or (A_rr, A_tt, A_rt, G, D)
         Plane-strain stiffness [Pa]; D as of :func:`.strip.stiffness_along`.
+
+    Returns
+    -------
+    tuple of Section
+        One for each depth.
     """
     roots, loads = _HalfPlaneRoots.of(stiffness), _SurfaceLoads(x, p, q, 2 * pi * radius)
     Q, sections = float(np.trapezoid(q, x)), []
@@ -186,11 +192,16 @@ def cylinder_sections(
         As of :func:`.layers.stacked_compliance`.
     open_bore : bool
         True for an open bore, False for a rigid core.
+
+    Returns
+    -------
+    tuple of Section
+        One for each depth.
     """
     roots, loads = _HalfPlaneRoots.of(layers[0][1:]), _SurfaceLoads(x, p, q, 2 * pi * radius)
     sections = []
     for z in depths.tolist():
-        y = -log1p(-z / radius)
+        y = -log1p(-z / radius)  # ln(R/r)
         n = np.arange(loads.harmonics_needed(roots.slowest_decay * radius * y) + 1)
         # B of the half-plane at all harmonics, plus its difference to B of the cylinder, which is
         # computed at the sampled harmonics only
@@ -294,14 +305,25 @@ class _HalfPlaneRoots:
 
 
 class _SurfaceLoads:
-    """The Fourier coefficients of the tractions on a period."""
+    """The Fourier coefficients of the tractions on a period.
+
+    Parameters
+    ----------
+    x, p, q : (k,) arrays
+        Nodes [m], and piecewise linear tractions [Pa].
+    period : float
+        Circumference [m].
+    """
 
     def __init__(self, x: Array, p: Array, q: Array, period: float) -> None:
         self.x, self.tractions, self.period = x, (p, q), period
         self._harmonics = np.zeros((2, 0), dtype=complex)
 
     def harmonics_needed(self, damping: float) -> int:
-        """Return the number of harmonics, from their decay exp(-2 pi n damping/period)."""
+        """Return the number of harmonics, from their decay exp(-2 pi n damping/period).
+
+        ``damping`` is the depth times the rate of decay [m].
+        """
         needed = ceil(DAMPING * self.period / (2 * pi * damping))
         return min(max(needed, MIN_HARMONICS), MAX_HARMONICS)
 
@@ -315,6 +337,7 @@ class _SurfaceLoads:
         p, q = self._harmonics[:, : count + 1]
         size = max(POINTS_PER_WAVE << ceil(log(count, 2)), MIN_POINTS)
         x = self.period * (np.arange(size) / size - 0.5)
+        # the transforms begin at x = 0: np.roll moves them to x = -period/2
         normal, shear = (
             np.roll(np.fft.irfft(harmonics, size) * (size / self.period), size // 2)
             for harmonics in (-B[0, 0] * p + 1j * B[0, 1] * q, 1j * B[1, 0] * p + B[1, 1] * q)

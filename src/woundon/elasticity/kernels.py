@@ -52,7 +52,7 @@ class Kernel:
     lag: Any = None  # a Lag
 
     def singular(self, t: Array) -> Array:
-        """Return the singular parts and the lag at t (k,), t != 0."""
+        """Return the singular parts and the lag at t (k,), t != 0: no Dirac pulse."""
         return np.asarray(singular((self,), t)[0])
 
 
@@ -133,12 +133,13 @@ def singular(kernels: Sequence[Kernel], t: Array) -> Array:
     values: Array = factors @ np.array([1 / t, np.log(np.abs(t)), np.sign(t)])
     for value, kernel in zip(values, kernels, strict=True):
         if kernel.lag is not None:
-            value += kernel.lag.evaluate(t, 2)[0]
+            # the kernel is the second derivative of the lag's second integral
+            value += kernel.lag.evaluate(t, order=2)[0]
     return values
 
 
 def smooth_parts(kernels: Sequence[Kernel]) -> Callable[[Array], Array] | None:
-    """Return the smooth parts of kernels as one function; None if no kernel has one."""
+    """Return the smooth parts as a function t -> (kernels, *t.shape); None if no kernel has one."""
     parts = [kernel.smooth for kernel in kernels]
     if not any(parts):
         return None

@@ -116,7 +116,7 @@ class Lag:
         tabulated = _tabulated_psi(lengths, self.max_distance, self._steps)
         value, slope, second = (_sum_lengths(amplitudes, psi) for psi in tabulated)
         step = _table_distances(self.max_distance, self._steps) / STEPS_PER_E
-        # derivatives by ln|t|, in units of a step: d/dln t = t d/dt
+        # derivatives by ln|t|, in units of a step: d/dln t = t d/dt; the halves: t < 0, t > 0
         values = np.array([value, slope * step, second * step**2 + slope * step / STEPS_PER_E])
         table = quintics(values.reshape(3, len(amplitudes), 2, -1))
         return np.moveaxis(table, -1, 0).reshape(6, len(amplitudes), -1), coefficients
@@ -250,6 +250,7 @@ def periodic_series(eps: Array) -> Array:
             start = 0
             P[0] = (1j / e) * (psi(1 - 1j / e) + log(e) + 0.5j * pi)
         else:
+            # an estimate suffices: its error decays in both directions
             start = min(p.size - 1, int(2 * pi / e))
             P[start] = p[start]
         for k in range(start - 1, -1, -1):

@@ -61,8 +61,10 @@ Array = np.ndarray
 # ln(outer/inner radius), A_rr, A_tt, A_rt, G, and optionally D if it is known more accurately
 Layer = tuple[float | None, ...]
 Layers = tuple[Layer, ...]  # outermost first
-SectionMatrices = tuple[Array, Array, Array]  # E, Q, H
-Factors = Callable[[Array], Array]
+# E, Q, H: 2 x 2 matrices on the first two axes, then layers (if there are several) and harmonics n.
+# The transpose of such a matrix is swapaxes(0, 1).
+SectionMatrices = tuple[Array, Array, Array]
+Factors = Callable[[Array], Array]  # harmonics (n,) -> factors of the layers' moduli, (L, n)
 
 
 @np.errstate(under="ignore")  # short waves vanish across a layer
@@ -101,7 +103,7 @@ def _blocks(n: Array, layers: Layers) -> list[Array]:
 
 @np.errstate(under="ignore")  # short waves vanish across a layer
 def traction_transfer(n: Array, upper: Layers, lower: Layers, open_bore: bool = False) -> Array:
-    """Return B, t = B t1, from the outer surface to a boundary between layers, (2, 2, n).
+    """Return B, t = B t1, from t1 on the outer surface to t on a boundary of layers, (2, 2, n).
 
     Parameters
     ----------
@@ -141,6 +143,7 @@ def _compliance_on_core(stack: SectionMatrices, n: Array, open_bore: bool) -> Ar
     A = _identity_plus(E)
     (a, b), (c, d) = H
     is_rigid_motion, is_one = n < 2, n == 1
+    # X is `projected` for n < 2 and `inverse` for n >= 2; where it is not used, the divisor is 1
     f = np.array([np.where(is_one, np.sqrt(0.5), 1.0), np.where(is_one, np.sqrt(0.5), 0.0)])
     fHf = f[0] * (a * f[0] + b * f[1]) + f[1] * (c * f[0] + d * f[1])
     inverse = np.array([[d, -b], [-c, a]]) / np.where(is_rigid_motion, 1.0, a * d - b * c)
@@ -202,6 +205,7 @@ class LayerSystems:
     def penetration_depth(self, n: Array) -> Array:
         """Return the depth at which the n-th harmonic has decayed to exp(-20), or the layer's."""
         total, product = self.roots(n)
+        # at most the smaller root: total/2 if complex, product/total < product/larger if real
         rate = np.minimum(total / 2, product / np.maximum(total, 1e-300))
         rate[:, n < 2] = 0.0  # rotation and translation do not decay
         return np.minimum(self.depth, 20 / np.maximum(rate, 1e-300))
@@ -237,6 +241,7 @@ class LayerSystems:
         for _ in range(doublings):
             layer = star_product(layer, layer)
         E, Q, H = layer
+        # from stresses in m * stress_scale to Pa
         return E, Q / (m * self.stress_scale), H * (m * self.stress_scale)
 
     def system_matrix(self, n: Array, h: Array) -> Array:
@@ -301,6 +306,7 @@ def star_product(lower: SectionMatrices, upper: SectionMatrices) -> SectionMatri
     A_a = _identity_plus(E_a)
     A_b = A_a if upper is lower else _identity_plus(E_b)
     S = _inverse_of_identity_plus(_product(Q_a, H_b))
+    # swapaxes(0, 1) is the transpose of the matrices; the harmonics are on the last axis
     AQ, HSA = _product(A_b, Q_a), _product(H_b, _product(S, A_a))
     E = E_a + E_b + _product(E_b, E_a) - _product(AQ, HSA)
     # S Q_a = Q_a S', because Q and H are symmetric

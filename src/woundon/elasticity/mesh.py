@@ -91,6 +91,7 @@ class Mesh:
     @cached_property
     def integral_to_nodes(self) -> Array:
         """Integral of a nodal function from the first node to each node, (N+1, N+1)."""
+        # in the row of a node the complete hats of all nodes upstream of it
         out = np.tril(np.broadcast_to(self.weights, (self.nodes.size,) * 2), -1)
         k = np.arange(1, self.nodes.size)
         out[k, k] = self.cells / 2  # the upstream half of the hat of the node
@@ -185,6 +186,7 @@ class Face:
         k, out = np.arange(self.cells.size), np.zeros((self.points.size, self.nodes.size))
         fraction = (self.points[:-2] - self.nodes[:-1]) / self.cells
         out[k, k], out[k, k + 1] = 1 - fraction, fraction
+        # the last two points are at the nodes of the trailing edge and of the end
         out[-2, self.last] = out[-1, -1] = 1.0
         return out
 
@@ -193,16 +195,19 @@ class Face:
         """Derivative of a nodal function at the points, per unit of a, (n+1, n)."""
         k, out = np.arange(self.cells.size), np.zeros((self.points.size, self.nodes.size))
         out[k, k], out[k, k + 1] = -1 / self.cells, 1 / self.cells
+        # the last two points: the cell downstream of the trailing edge (if any), and the last cell
         out[-2] = out[min(self.last, self.cells.size - 1)]
         out[-1] = out[-3]
         return out
 
     def displacement_at_nodes(self, slope: Array, end: Array | float, a: float) -> Array:
-        """Return v at the nodes from slopes at the points (n+1, ...) and v at the trailing edge.
+        """Return v at the nodes (n, ...) from slopes at the points and v at the trailing edge.
 
+        ``slope`` is dv/dx [1], (n+1, ...), ``end`` the v at the edge [m], ``a`` the half width [m].
         Slopes are summed from the trailing edge, because they are infinite at the far end of a
         wrap, where the hoop pressure ends abruptly.
         """
+        # the last two points, at the edge and at the end, belong to no cell of their own
         steps = a * self.cells.reshape(-1, *(1,) * (slope.ndim - 1)) * slope[:-2]
         upstream, downstream = steps[: self.last][::-1], steps[self.last :]
         v_upstream = -np.cumsum(upstream, axis=0)[::-1]
@@ -217,14 +222,14 @@ class Face:
         equilibrium of every piece of web exactly.  The curvature at the trailing edge is that of
         its downstream side: the web follows the drum upstream of the edge, and the roll downstream.
         """
-        y, inner = self.points[:-2], slope[:-2]
+        y, inner = self.points[:-2], slope[:-2]  # in the cells, without the edge and the end
         out = np.zeros((self.nodes.size, *slope.shape[1:]))
         distance = (a * np.diff(y)).reshape(-1, *(1,) * (slope.ndim - 1))
         out[1:-1] = -np.diff(inner, axis=0) / distance
         if self.extends_downstream:
             # extrapolate linearly from the mean between the edge and the first point downstream
             e, half = self.last, (y[self.last] - self.nodes[self.last]) / 2
-            mean = (inner[e] - slope[-2]) / (-2 * a * half)
+            mean = (inner[e] - slope[-2]) / (-2 * a * half)  # slope[-2] is that at the edge
             fraction = half / self.cells[e]
             out[e] = (mean - fraction * out[e + 1]) / (1 - fraction)
             # the end of the pressure bends the surface next to it without limit
@@ -276,6 +281,7 @@ def nip_mesh(size: int, drum_wrap: Wrap, roll_wrap: Wrap, like: Mesh | None = No
     cells = (0, 0) if like is None else (like.first, like.nodes.size - 1 - like.last)
     upstream = _wrap_points(drum_wrap, step, cells[0])
     downstream = _wrap_points(roll_wrap, step, cells[1])
+    # the first distance, 0, is the edge of the nip, which x contains
     nodes_and_points = np.concatenate([-1 - upstream[:0:-1], x, 1 + downstream[1:]])
     first = upstream.size // 2
     return Mesh(nodes_and_points[0::2], nodes_and_points[1::2], first, first + size - 1)
@@ -291,9 +297,10 @@ def cosine_nodes(size: int) -> Array:
 
 
 def _wrap_points(wrap: Wrap, step: float, cells: int) -> Array:
-    """Return the distances of nodes and points from the nip along a wrap.
+    """Return the distances of nodes (even entries) and points (odd entries) from the nip.
 
-    ``cells`` is their number; 0 for that of the grading.
+    They ascend from 0 at the edge of the nip to the end of the wrap.  ``step`` is that of the
+    grading, ``cells`` the number of cells; 0 for that of the grading.
     """
     if not wrap.length:
         return np.zeros(1)
@@ -312,6 +319,7 @@ def _wrap_points(wrap: Wrap, step: float, cells: int) -> Array:
         )
     )
     n_near = graded_near_nip.cells if not cells else cells - n_far
+    # [-2::-1]: in reverse, without the node in the middle of the wrap, which both halves contain
     return np.concatenate(
         [graded_near_nip.points(n_near), wrap.length - graded_far_end.points(n_far)[-2::-1]]
     )
@@ -322,6 +330,15 @@ class _Grading:
 
     The growth is quadratic next to the end, as on a cosine mesh, then geometric, and stops where
     cells reach the largest permitted length: there d continues linearly in t.
+
+    Parameters
+    ----------
+    length : float
+        Of the graded part of the wrap [a].
+    step : float
+        Of t from node to node.
+    largest : float
+        Largest length of a cell [a].
     """
 
     def __init__(self, length: float, step: float, largest: float) -> None:

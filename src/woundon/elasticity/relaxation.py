@@ -53,10 +53,11 @@ def modulus_ratio(relaxation: Relaxation, k: Array) -> Array:
 def creep(relaxation: Relaxation) -> Creep:
     """Return the creep compliance of a Prony series.
 
-    The retardation lengths are the roots of the secular equation.  With the derivative of E(ik) at
-    each of them, the residue of 1/E(ik) there gives j_m.
+    The retardation lengths l_m are the roots of the secular equation.  The residue of 1/E(ik) at
+    ik = -1/l_m gives j_m = 1/(d(E/E_inf)/d ln l) at l = l_m.
     """
-    series: dict[float, float] = {}  # terms with the same relaxation time are added
+    # terms with the same relaxation time are added, those that do not relax are left out
+    series: dict[float, float] = {}
     for g_k, c_k in relaxation:
         if g_k > 0 and c_k > 0:
             series[c_k] = series.get(c_k, 0.0) + g_k
@@ -69,12 +70,12 @@ def creep(relaxation: Relaxation) -> Creep:
     # and above the largest, where it is positive at l = c (1 + sum g).
     low, high = c.copy(), np.append(c[1:], c[-1] * (1 + g.sum()))
     rows = np.arange(c.size)
-    with np.errstate(divide="ignore"):
+    with np.errstate(divide="ignore"):  # E is infinite at l = c, the ends of the intervals
         for _ in range(SUBDIVISIONS):
             trial = low[:, None] * (high / low)[:, None] ** PARTS
-            trial[:, -1] = high
+            trial[:, -1] = high  # without rounding
             is_below = 1 - (1 / (trial[:, 1:-1, None] - c)) @ (g * c) < 0
-            k = is_below.sum(axis=1)
+            k = is_below.sum(axis=1)  # the part of each interval in which E changes its sign
             low, high = trial[rows, k], trial[rows, k + 1]
         length = np.sqrt(low * high)
         derivative = (g * c * length[:, None] / (length[:, None] - c) ** 2).sum(axis=1)

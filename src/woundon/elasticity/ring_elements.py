@@ -63,13 +63,14 @@ class Topology:
     Attributes
     ----------
     value, by_x, by_r : (9, 9) arrays
-        Shape functions on the unit square at nine points, (function, point), and derivatives.
+        Shape functions on the unit square at nine points, (function, point), and derivatives along
+        x and r.
     points : (2, 9) array
         The quadrature points on the unit square; ``weights`` (9,) belong to them.
     nodes : (e, 9) int array
         Nodes of each element, numbered along x, circle after circle from the core.
     column, row : (e,) int arrays
-        Where the elements are.
+        Column and row of each element, from x = -pi R and from the core.
     numbers : (2 rows + 1, 2 columns, 2) int array
         Unknowns v and u of all nodes, the surface's last; those of the core are -1.
     """
@@ -123,14 +124,17 @@ class Topology:
 
     def vector(self, elements: Array) -> Array:
         """Assemble element vectors (e, 18)."""
+        # the unknowns of the core, numbered -1, are added to the first entry, which is left out
         return np.bincount(self.unknowns.ravel() + 1, elements.ravel(), self.size + 1)[1:]
 
     def element_unknowns(self, u: Array) -> Array:
         """Return the unknowns of each element, zero at the core, (e, 18)."""
+        # the core is numbered -1, which is the appended zero
         return np.asarray(np.append(u, 0.0)[self.unknowns])
 
     def nodal_field(self, u: Array) -> Array:
-        """Return v and u of the nodes, (2 rows + 1, 2 columns, 2)."""
+        """Return v and u of the nodes, zero at the core, (2 rows + 1, 2 columns, 2)."""
+        # the core is numbered -1, which is the appended zero
         return np.asarray(np.append(u, 0.0)[self.numbers])
 
 
@@ -222,7 +226,7 @@ class Factors:
     def compliance(self) -> Array:
         """Displacements of the surface by the forces on it, (2, k, 2, k)."""
         shape = self._surface.shape
-        first = self._lu.shape[0] - self._surface.size
+        first = self._lu.shape[0] - self._surface.size  # the unknowns of the surface are the last
         L, U = (fraction[first:, first:].toarray() for fraction in (self._lu.L, self._lu.U))
         k = (self._surface - first).ravel()
         return np.linalg.inv(L @ U)[np.ix_(k, k)].reshape(shape + shape)
@@ -238,13 +242,20 @@ class RingMesh:
     fineness : Fineness
     a : float
         Half width of the contact [m].
+
+    Attributes
+    ----------
+    x : (columns + 1,) array
+        Boundaries of the columns, from -pi R to pi R, the contact in the middle [m].
+    r : (rows + 1,) array
+        Boundaries of the rows, from the core to the surface [m].
     """
 
     def __init__(self, radius: float, core_radius: float, fineness: Fineness, a: float) -> None:
         self.radius, self.half_width, self.fineness = radius, a, fineness
         self.topology = ring_topology(fineness.columns, fineness.rows)
         t = np.arange(fineness.inside + 1) / fineness.inside
-        inside = a * (2 * t**2 / (t**2 + (1 - t) ** 2) - 1)
+        inside = a * (2 * t**2 / (t**2 + (1 - t) ** 2) - 1)  # quadratic growth from both edges
         first = inside[1] - inside[0]
         side = a + _graded(fineness.outside, first, pi * radius - a)[1:]
         self.x = np.concatenate([-side[::-1], inside, side])
@@ -282,8 +293,10 @@ class RingMesh:
         x = (x - self.x[0]) % self.period + self.x[0]
         return self._spline(x), self._spline(x, 1)
 
-    def hats(self, nodes: Array) -> Array:
+    def hat_forces(self, nodes: Array) -> Array:
         """Return the nodal forces of tractions that are hat functions on the nodes of the contact.
+
+        They do the same work on the displacements of the elements as the tractions.
 
         The products of hat functions (linear) and shape functions (quadratic) are integrated by
         Gauss's rule between the nodes of both.
@@ -297,7 +310,7 @@ class RingMesh:
         -------
         (k, n) array
             Forces at the k nodes of the surface, two for each column of elements, by the n nodal
-            tractions.
+            tractions [m].
         """
         columns = self.x.size - 1
         # the ring is closed: three turns contain every x of the contact
@@ -326,6 +339,7 @@ class RingMesh:
     def quadrature_grid(self) -> tuple[Array, Array]:
         """The quadrature points, ascending x (3 columns,) and r (3 rows,) [m]."""
         topology = self.topology
+        # three different coordinates each, equal except for rounding
         a, b = (np.unique(np.round(coordinate, 12)) for coordinate in topology.points)
         x = (self.x[:-1, None] + np.diff(self.x)[:, None] * a).ravel()
         return x, (self.r[:-1, None] + np.diff(self.r)[:, None] * b).ravel()
@@ -333,6 +347,7 @@ class RingMesh:
     def on_quadrature_grid(self, values: Array) -> Array:
         """Return values (e, 9) at the points of :attr:`quadrature_grid`, (3 rows, 3 columns)."""
         topology = self.topology
+        # column and row of the nine points in their element, from 0 to 2
         i, j = (
             np.unique(np.round(coordinate, 12), return_inverse=True)[1]
             for coordinate in topology.points

@@ -113,6 +113,11 @@ class RingPair:
     law : HardeningLaw
     wound_pressure : callable
         P0(r) [Pa], vectorised.
+
+    Attributes
+    ----------
+    factorisations : int
+        Number of stiffness matrices factorised so far.
     """
 
     def __init__(
@@ -124,8 +129,8 @@ class RingPair:
     ) -> None:
         self.radius, self.core_radius = radius, core_radius
         self.law, self.wound_pressure = law, wound_pressure
-        self._latest: RingState | None = None
-        self._reference: tuple[RingMesh, Factors] | None = None
+        self._latest: RingState | None = None  # of the hardening ring, the next initial guess
+        self._reference: tuple[RingMesh, Factors] | None = None  # of the linear ring
         self.factorisations = 0
 
     @property
@@ -134,7 +139,7 @@ class RingPair:
         return self.law.stiffness(float(self.wound_pressure(np.array(self.radius))))
 
     def mesh(self, fineness: Fineness, a: float) -> RingMesh:
-        """Return the elements for a half width."""
+        """Return the elements for a half width a [m]."""
         return RingMesh(self.radius, self.core_radius, fineness, a)
 
     # ---- hardening ring ------------------------------------------------------------------------
@@ -178,10 +183,14 @@ class RingPair:
         Parameters
         ----------
         mesh : RingMesh
-        f, u : arrays
-            Forces, and the initial guess of the displacements.
+        f, u : (size,) arrays
+            Forces on all unknowns [N/m], and the initial guess of the displacements [m].
         neighbour : RingState, optional
             A neighbouring state, whose pressures and factorisation are used.
+
+        Raises
+        ------
+        NoEquilibrium
         """
         P0 = self.wound_pressure(mesh.quadrature_radii)
         pressure, factors, accurate = None, None, False
@@ -215,9 +224,11 @@ class RingPair:
     ) -> tuple[Array, StressState]:
         """Take a damped step: ln E_r changes by at most 1, and the energy does not increase.
 
+        Returns displacements u and stress state after the step; arguments as of :meth:`_newton`.
         The step is halved until the derivative of the energy along it, (F(u) - f).step at its end,
         is at most half of the descent at its start.
         """
+        # dP = -E_r de_r changes ln E_r by -(dE_r/dP) de_r
         E_slope = self.law.radial.modulus_slope(stress_state.pressure)
         change = float(np.max(np.abs(E_slope * mesh.strain(step)[..., 0])))
         damping = min(1.0, LARGEST_CHANGE / change) if change > 0 else 1.0
@@ -247,7 +258,8 @@ class RingPair:
         size, surface = mesh.topology.size, mesh.topology.surface
         f = np.zeros(size)
         f[surface] = forces
-        factorised, factors = self._linear_factors(mesh, np.inf)
+        # factors for another half width serve as preconditioner
+        factorised, factors = self._linear_factors(mesh, distance=np.inf)
         u = factors.solve(f)
         if factorised is mesh:
             return u
@@ -258,8 +270,8 @@ class RingPair:
         u, info = cg(
             K, f, u, rtol=0.0, atol=LINEAR_TOLERANCE * load_norm, maxiter=CONJUGATE_GRADIENTS, M=M
         )
-        if info:
-            _, factors = self._linear_factors(mesh, 0.0)
+        if info:  # not converged: factorise the ring for this half width
+            _, factors = self._linear_factors(mesh, distance=0.0)
             u = factors.solve(f)
         return u
 

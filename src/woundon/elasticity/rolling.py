@@ -74,6 +74,7 @@ def half_plane_kernels(
     j_0, j, length = creep(relaxation)
     # amplitudes g of Re(g Phi) for the lag of 1/(pi t), and of -Dirac(t)
     pole, pulse = j / pi + 0j, -1j * j / pi
+    # slope and strain by p and q, the derivatives of v and u by p and q in the same order
     gradient_amplitudes = np.array([C * pole, A * pulse, A * pulse, -B * pole])
     gradients = Lag(length, gradient_amplitudes, max_distance)
     displacements = Lag(length, -length * gradient_amplitudes, max_distance)
@@ -143,14 +144,14 @@ def layered_kernels(
     (normal_p, coupling), _, _ = sums.kernels(normal)
     (tangent_q,), _, _ = sums.kernels(tangential)  # a table of its own, because it is rarely needed
     return SurfaceKernels(
-        normal_p,
-        coupling,
-        coupling,
-        tangent_q,
-        slope_p,
-        slope_q,
-        strain_p,
-        strain_q,
+        normal_p=normal_p,
+        normal_q=coupling,
+        tangent_p=coupling,
+        tangent_q=tangent_q,
+        slope_p=slope_p,
+        slope_q=slope_q,
+        strain_p=strain_p,
+        strain_q=strain_q,
         uniform_strain=-2 * float(mean[0, 0]),
         length=R * min(1.0, 2 * decay),
         truncation_error=error,
@@ -181,6 +182,19 @@ class ViscoelasticSums:
     compliance : Creep
     terms : int
         Number of harmonics.
+
+    Attributes
+    ----------
+    eps : (M,) array
+        l_m/R of the terms of J_n.
+    has_lag, is_expanded : (M,) bool arrays
+        The terms with a lag, and those that are expanded.
+    lag_series : (lags, POWERS) complex array
+        Power series of theta in addition to the lags; see :func:`.lag.periodic_series`.
+    n : (N,) array
+        Harmonics from 1; more than ``terms`` if that serves the expanded terms.
+    J, J_expanded : (N,) complex arrays
+        J_n, and the sum of its expanded terms.
     """
 
     def __init__(self, radius: float, compliance: Creep, terms: int) -> None:
@@ -238,17 +252,21 @@ class ViscoelasticSums:
         phase: complex = -1j if odd else 1.0
         c, terms = phase * powers, phase * remainder
         amplitude = scale * phase * amplitude * j[self.has_lag]
-        regular = (amplitude @ self.lag_series).real  # powers of theta that the lag leaves
+        regular = (amplitude @ self.lag_series).real  # powers of theta in addition to the lag
         is_even = np.arange(POWERS) % 2 == 0
         even_powers, odd_powers = np.where(is_even, regular, 0.0), np.where(is_even, 0.0, regular)
         return SplitSum(
             HarmonicSum(False, self.radius, scale, mean, c.real, terms.real, even_powers),
             HarmonicSum(True, self.radius, -scale, 0.0, c.imag, terms.imag, odd_powers),
+            # the sum of e^{in theta}/(1 + in eps) contains i Phi(theta; l/R) = i R Phi(t; l)
             1j * self.radius * amplitude,
         )
 
     def kernels(self, split_sums: list[SplitSum]) -> tuple[list[Kernel], EvenPlusOdd, Lag | None]:
-        """Return influence functions, one function for all their smooth parts, and their lags."""
+        """Return influence functions, one function for all their smooth parts, and their lags.
+
+        The kernels are in the order of the sums; the lag is None if no term of J_n has one.
+        """
         lag, kernels = None, []
         sums = HarmonicSums(tuple(p.even for p in split_sums) + tuple(p.odd for p in split_sums))
         smooth = EvenPlusOdd(sums)
@@ -257,7 +275,7 @@ class ViscoelasticSums:
             lag = Lag(
                 length,
                 np.array([split_sum.lag_amplitudes for split_sum in split_sums]),
-                (pi + 1) * R,
+                (pi + 1) * R,  # largest distance: more than half the circumference
             )
         for k, split_sum in enumerate(split_sums):
             odd = split_sum.odd.kernel()
@@ -293,6 +311,7 @@ class EvenPlusOdd:
 
     def select(self, kernel: int) -> EvenPlusOdd:
         """Return the smooth part of one of the influence functions, from the same table."""
+        # its even sum, and its odd sum half the list further on
         return EvenPlusOdd(self.sums.select(slice(kernel, None, len(self.sums.sums) // 2)))
 
     def __call__(self, t: Array) -> Array:

@@ -87,5 +87,6 @@ def _total(done: Iterable[Published]) -> str:
 
 
 def _files(done: Iterable[Published]) -> str:
+    """Return the names of the files, or their number if they are many."""
     paths = [path.name for one in done for path in one.files]
     return ", ".join(paths) if len(paths) <= 8 else f"{len(paths)} files"

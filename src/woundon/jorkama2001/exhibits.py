@@ -55,6 +55,7 @@ def listed() -> Mapping[str, Entry]:
 
 
 def _label(name: str) -> str:
+    """Return the label of a name, ``Fig. 16`` of ``fig16``."""
     if name.startswith("fig"):
         return f"Fig. {name.removeprefix('fig')}"
     return f"Table {name.removeprefix('table')}"
@@ -69,7 +70,7 @@ class Exhibit:
     name : str
         A name in the list: ``fig16``, ``table3``.
     data : xarray.Dataset
-        What has a unit in its ``attrs`` is a column of the CSV file.
+        Variables and coordinates with a unit in their ``attrs`` are columns of the CSV file.
     verdicts : sequence of Verdict
     panels : sequence of Panel
         Of a figure.

@@ -110,7 +110,7 @@ def _tension(r: Nip) -> list[Verdict]:
 def _dual_from(r: Nip) -> int:
     """Return the last node of the drum's stick zone except the neighbour of C."""
     C = r.half_width * (1 - 2 * zone_lengths(r).dual)
-    return int(np.flatnonzero(r.x < C)[-2])
+    return int(np.flatnonzero(r.x < C)[-2])  # the last is the neighbour of C
 
 
 def gain_in_dual_slip(r: Nip) -> float:

@@ -35,6 +35,7 @@ def exhibits(solver: str) -> list[Exhibit]:
 
 
 def _swept(nip_loads: Sequence[float] | np.ndarray, solver: str) -> xr.Dataset:
+    """Solve the nip; dimensions: the five winding forces from -500 to 100 N/m, nip load."""
     return swept(paper_nip(), {"winding_force": WINDING_FORCES, "nip_load": nip_loads}, solver)
 
 
@@ -51,7 +52,7 @@ def _range(values: xr.DataArray) -> xr.DataArray:
 def _tension(data: xr.Dataset, light: Nip) -> list[Verdict]:
     """Test the statements about the nip-induced tension."""
     friction = light.nip_induced_tension / (light.problem.roll_friction * LIGHT_LOAD)
-    backward = -zone_lengths(light).leading_roll
+    backward = -zone_lengths(light).leading_roll  # s_r1 is negative: the web is slower
     NIT, width, approach = data["nip_induced_tension"], data["nip_width"], data["approach"]
     spread = _spread(NIT)
     free = NIT.sel(winding_force=slice(0, None))  # centre winding and F = 100 N/m
@@ -102,7 +103,7 @@ def _tension(data: xr.Dataset, light: Nip) -> list[Verdict]:
 
 
 def _slip(data: xr.Dataset) -> list[Verdict]:
-    """Test the statements about the slip zones on the roll."""
+    """Test the statements about the slip zones on the roll; dimensions: winding force, nip load."""
     leading, trailing = data["leading_roll_slip"], data["trailing_roll_slip"]
     spread, over_loads = _spread(trailing), _range(trailing)
     return [
@@ -152,7 +153,11 @@ def _slip(data: xr.Dataset) -> list[Verdict]:
 
 
 def _dual_slip(data: xr.Dataset, heavy: xr.Dataset) -> list[Verdict]:
-    """Test the statements about the dual slip zone."""
+    """Test the statements about the dual slip zone.
+
+    ``heavy`` is the nip at HEAVY_LOAD.  Dimensions: winding force, of which [:3] are < 0 and [3:]
+    are >= 0, and nip load, ascending.
+    """
     dual, spread = data["dual_slip"], _spread(data["dual_slip"])
     agree = (np.sign(dual) == np.sign(data["nip_induced_tension"])).mean()
     last, limit = dual[:, -1], heavy["dual_slip"].mean()

@@ -64,9 +64,12 @@ def _wrapped() -> xr.Dataset:
 
 
 def _statements(NIT: xr.DataArray, when: str) -> list[Verdict]:
-    """Test the statements about the nip-induced tension over the friction."""
+    """Test the statements about the nip-induced tension over the friction.
+
+    ``when`` is the condition with which the first statement begins.
+    """
     curves = NIT.dropna("roll_friction")
-    low, high = (_maxima(curves.sel(nip_load=P)) for P in NIP_LOADS)
+    low, high = (_maxima(curves.sel(nip_load=P)) for P in NIP_LOADS)  # mu+ by winding force
     said = [
         "highest such F.  Over all mu+ the maxima lie at mu+ by F [N/m] "
         + ", ".join(f"{F:.0f}: {mu:.3f}" for F, mu in maxima.items())

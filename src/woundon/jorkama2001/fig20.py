@@ -47,7 +47,7 @@ def exhibits(solver: str) -> list[Exhibit]:
 
 
 def _pattern(r: Nip | wo.NipResult, when: str = "mu+ > mu-") -> list[Verdict]:
-    """Test the statements about the stick and slip zones."""
+    """Test the statements about the stick and slip zones, under the condition ``when``."""
     own = r.in_nip
     x, T = r.x[own], r.tension[own]
     roll, drum = runs(x, r.roll_zone[own]), runs(x, r.drum_zone[own])
@@ -77,11 +77,11 @@ def _pattern(r: Nip | wo.NipResult, when: str = "mu+ > mu-") -> list[Verdict]:
     ]
 
 
-def _end_of_stick(found: list[Run]) -> float:
-    """Return the downstream end of the longest stick zone [m]."""
-    k = longest_stick(found)
+def _end_of_stick(zones: list[Run]) -> float:
+    """Return the downstream end of the longest stick zone of a face [m]."""
+    k = longest_stick(zones)
     assert k is not None
-    return found[k].right
+    return zones[k].right
 
 
 def _numbers(below: Nip, above: Nip) -> list[Verdict]:

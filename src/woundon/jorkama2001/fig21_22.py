@@ -43,7 +43,7 @@ def exhibits(solver: str) -> list[Exhibit]:
 
 
 def _swept(body: str, solver: str) -> xr.Dataset:
-    """Return dimensions (radius of the other body, winding force, radius)."""
+    """Solve the nip; dimensions: radius of the other body, winding force, radius of the body."""
     over = {
         f"{_OTHER[body]}_radius": OTHERS,
         "winding_force": WINDING_FORCES,
@@ -53,7 +53,10 @@ def _swept(body: str, solver: str) -> xr.Dataset:
 
 
 def _trends(data: xr.Dataset, body: str) -> list[Verdict]:
-    """Test the statements about the trends over the radius."""
+    """Test the statements about the trends over the radius of a body, "roll" or "drum".
+
+    Dimensions as of :func:`_swept`; [:, 3:] are the winding forces >= 0.
+    """
     radius, other = f"{body}_radius", _OTHER[body]
     NIT = data["nip_induced_tension"]
     largest, half = NIT.sel({radius: 1.0}), NIT.sel({radius: 0.5})

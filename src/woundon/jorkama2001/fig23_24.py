@@ -21,6 +21,7 @@ RATIOS = (0.1, 0.2, 0.3, 0.4, 0.499)
 def exhibits(solver: str) -> list[Exhibit]:
     """Solve a cover of 2 cm over E, nu and both loads; return Figs. 23 and 24."""
     over = {"nip_load": NIP_LOADS, "poissons_ratio": RATIOS, "youngs_modulus": MODULI}
+    # the dimensions are in this order: load, nu, E
     data = swept(covered_nip(MODULI[0], RATIOS[0]), over, solver)
     NIT, width = data["nip_induced_tension"], data["nip_width"]
     axes = ("youngs_modulus", "poissons_ratio")
@@ -41,13 +42,16 @@ def _variation(values: xr.DataArray, lowest: float) -> float:
 
 
 def _tension(NIT: xr.DataArray) -> list[Verdict]:
-    """Test the statements about the nip-induced tension over the modulus of the cover."""
+    """Test the statements about the nip-induced tension over the modulus of the cover.
+
+    Dimensions: nip load, nu, E.
+    """
     soft = NIT.sel(youngs_modulus=slice(None, 1.01e10))
     E = soft["youngs_modulus"]
     fits = xr.corr(soft, E.copy(data=np.log(E.values)), "youngs_modulus") ** 2
     by_ratio = NIT.sel(youngs_modulus=slice(None, 0.99e10))
     steps = by_ratio.diff("poissons_ratio")
-    few, many = steps[:, 0].mean(), steps[:, -1].mean()
+    first, last = steps[:, 0].mean(), steps[:, -1].mean()  # from nu = 0.1 to 0.2, 0.4 to 0.499
     return [
         verdict(
             "from 1 MPa to 10 GPa NIT grows about with the logarithm of E: R^2 of the worst curve",
@@ -70,14 +74,14 @@ def _tension(NIT: xr.DataArray) -> list[Verdict]:
         ),
         verdict(
             "little at low nu, much as the cover becomes incompressible",
-            many / few,
+            last / first,
             at_least(4.0),
-            note=f"average step from 0.4 to 0.499 over that from 0.1 to 0.2: {many:.1f} and "
-            f"{few:.1f} N/m",
+            note=f"average step from 0.4 to 0.499 over that from 0.1 to 0.2: {last:.1f} and "
+            f"{first:.1f} N/m",
         ),
         verdict(
             "the picture is the same at both loads",
-            xr.corr(NIT[0], NIT[1]),
+            xr.corr(*NIT),  # both loads
             at_least(0.95),
             note="correlation of the panels",
         ),
@@ -85,9 +89,10 @@ def _tension(NIT: xr.DataArray) -> list[Verdict]:
 
 
 def _width(width: xr.DataArray, NIT: xr.DataArray) -> list[Verdict]:
-    """Test the statements about the nip width."""
+    """Test the statements about the nip width.  Dimensions: nip load, nu, E."""
 
     def influence(values: xr.DataArray) -> float:
+        """Return the largest range over nu relative to the mean."""
         along = "poissons_ratio"
         return float(((values.max(along) - values.min(along)) / values.mean(along)).max())
 

@@ -43,6 +43,7 @@ def _tractions(hard: Nip, soft: Nip) -> list[Verdict]:
     """Test the statements about the tractions with a soft and with a hard drum."""
 
     def smaller(name: str) -> float:
+        """Return by how much the peak of a traction is smaller with the soft drum [%]."""
         peaks = [float(np.max(np.abs(getattr(r, name)))) for r in (soft, hard)]
         return 100 * (1 - peaks[0] / peaks[1])
 
@@ -100,6 +101,7 @@ def _pattern(r: Nip) -> list[Verdict]:
 
 def _edges(r: Nip, heavier: Nip) -> list[Verdict]:
     """Test the statements about the slip at the edges of the nip."""
+    # at the leading and at the trailing edge; the procedure of the thesis repeats the first value
     base, more = (100 * np.abs(nip.drum_slip[[1, -1]]) for nip in (r, heavier))
     return [
         verdict(

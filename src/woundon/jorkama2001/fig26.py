@@ -78,4 +78,5 @@ def _verdicts(data: xr.Dataset, without: xr.DataArray) -> list[Verdict]:
 
 
 def _modulus(E: float) -> str:
+    """Return a modulus [Pa] as text."""
     return f"{E / 1e9:g} GPa" if E >= 1e9 else f"{E / 1e6:g} MPa"

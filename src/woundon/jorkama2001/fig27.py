@@ -23,6 +23,7 @@ def exhibits(solver: str) -> list[Exhibit]:
     ratios = [COVERS[name][1] for name in SOFT]
     over = {"poissons_ratio": ratios, "cover_core_radius": DRUM_RADIUS - THICKNESSES}
     data = swept(covered_nip(*COVERS["rubber"], nip_load=5000.0), over, solver)
+    # the dimension of the core radii gets the thicknesses in their place
     data = data.rename(cover_core_radius="cover_thickness")
     data["cover_thickness"] = ("cover_thickness", THICKNESSES, {"units": "m"})
     names = [f"{name}, $nu2$ = {nu:g}" for name, nu in zip(SOFT, ratios, strict=True)]

@@ -37,23 +37,30 @@ def exhibits(solver: str) -> list[Exhibit]:
     ]
 
 
-def _where(found: np.ndarray) -> str:
-    """Describe the moduli at which the flagged steps of A_rr lie."""
+def _where(flagged: np.ndarray) -> str:
+    """Describe the moduli at which the flagged steps of A_rr lie.
+
+    ``flagged`` are booleans by G, A_rt, step of A_rr and A_tt, (3, 3, 2, 13).
+    """
     places = [
         f"G {SHEAR[i] / 1e6:g}, A_rt {CROSS[j] / 1e6:g}, A_rr {RADIAL[k] / 1e6:g} to "
-        f"{RADIAL[k + 1] / 1e6:g} MPa at A_tt {TANGENTIAL[found[i, j, k]].min() / 1e9:g} to "
-        f"{TANGENTIAL[found[i, j, k]].max() / 1e9:g} GPa"
-        for i, j, k in np.argwhere(found.any(axis=3))
+        f"{RADIAL[k + 1] / 1e6:g} MPa at A_tt {TANGENTIAL[flagged[i, j, k]].min() / 1e9:g} to "
+        f"{TANGENTIAL[flagged[i, j, k]].max() / 1e9:g} GPa"
+        for i, j, k in np.argwhere(flagged.any(axis=3))
     ]
     return "; ".join(places) or "nowhere"
 
 
 def _tension(NIT: xr.DataArray) -> list[Verdict]:
-    """Test the statements about the nip-induced tension over the moduli of the roll."""
+    """Test the statements about the nip-induced tension over the moduli of the roll.
+
+    Dimensions: G, A_rt, A_rr, A_tt.
+    """
     steps = NIT.diff("radial").values
     rising = steps > 0
     exception = np.zeros_like(rising)
-    exception[-1, -1][:, TANGENTIAL <= 0.61e9] = True
+    exception[-1, -1][:, TANGENTIAL <= 0.61e9] = True  # G = 100 MPa, A_rt = 40 MPa
+    # change from A_rt = 0.1 to 1 MPa, without these coordinates, which differ
     small = 100 * np.abs(NIT[:, 1].drop_vars("cross") / NIT[:, 0].drop_vars("cross") - 1)
     return [
         grows("NIT grows with A_tt", NIT, "tangential", unit="N/m"),
@@ -101,6 +108,7 @@ def _dual_slip(dual: xr.DataArray, solver: str) -> list[Verdict]:
     scatter = {"accurate": 0.001, "thesis": 0.005}[solver]
 
     def steps_up(statement: str, along: str, note: str = "") -> Verdict:
+        """Test if the ratio grows along a modulus, except for the scatter."""
         steps = dual.diff(along)
         said = f"steps from {steps.min():.3f} to {steps.max():.3f}{note}"
         share = 100 * (steps > -scatter).mean()

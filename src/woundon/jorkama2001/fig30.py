@@ -26,6 +26,7 @@ def exhibits(solver: str) -> list[Exhibit]:
 
 
 def _problem(cross: float) -> wo.NipProblem:
+    """Return the nip of web and roll with A_rt = ``cross`` [Pa]."""
     paper = wo.Orthotropic(radial=20e6, tangential=7e9, cross=cross, shear=100e6)
     return paper_nip(nip_load=5000.0, **{"web.material": paper, "roll.material": paper})
 

@@ -37,6 +37,7 @@ PROBLEM = paper_nip(nip_load=2000.0, winding_force=0.0)
 def exhibits(solver: str) -> list[Exhibit]:
     """Solve on ever finer grids; return Fig. 33."""
     times = _times()
+    # 0: the thesis's procedure, 1: the accurate solver
     thesis, graded = (_converging(name, times[name]) for name in ("thesis", "accurate"))
     data = joined("accurate [1]", {0: thesis, 1: graded})
     with quiet():
@@ -73,8 +74,9 @@ def _errors(data: xr.Dataset, limit: wo.NipResult) -> list[Verdict]:
     exact = limit.nip_induced_tension
     missing = 1 - thesis / exact
     order = -np.polyfit(np.log(NODES), np.log(missing), 1)[0]
+    # of the thesis's procedure from 100 nodes on, where the matrices dominate
     growth = np.polyfit(np.log(NODES[3:]), np.log(data["time"][0, 3:]), 1)[0]
-    best = 100 * np.abs(1 - graded / exact)[1:].max()
+    best = 100 * np.abs(1 - graded / exact)[1:].max()  # without 25 nodes
     return [
         grows(
             "NIT seems to converge as M grows: smallest step towards the limit",
@@ -132,7 +134,7 @@ def _half_plane_error(problem: wo.NipProblem, body: str) -> float:
 
 def _half_planes() -> list[Verdict]:
     """Test the statements about half-planes in place of cylinders."""
-    thin = {"roll.radius": 0.05 + 0.05}  # 5 cm of paper on the core
+    thin = {"roll.radius": 0.05 + 0.05}  # core radius and 5 cm of paper
     roll = [_half_plane_error(paper_nip(nip_load=P, **thin), "roll") for P in ROLL_LOADS]
     thick, growth = {}, []
     for name in ("rubber", "cellular elastomer"):
@@ -187,7 +189,10 @@ def _panel(data: xr.Dataset) -> Panel:
             ("nip_induced_tension", f"NIT, {name}", "dashed"),
         ):
             values, right = one[output].values, output != "time"
-            curves.append(Curve(output, NODES, values, "", label, COLOURS[k], line, right=right))
+            curve = Curve(
+                output, NODES, values, label=label, colour=COLOURS[k], line=line, right=right
+            )
+            curves.append(curve)
     return Panel(
         "convergence",
         Axis("Number of nodes $M$"),

@@ -47,6 +47,7 @@ def _rates() -> xr.Dataset:
     assert isinstance(problem.roll, wo.Cylinder)
     theta = np.linspace(0.0, pi, CELLS + 1)
     middle = (theta[1:] + theta[:-1]) / 2
+    # eq. (181): the web slips everywhere, its tension grows as exp(mu theta)
     pressure = TENSION / problem.roll.radius * np.exp(FRICTION * theta)
     R = problem.roll.radius
     strain = surface_strain(problem.roll, R * theta, pressure, FRICTION * pressure, R * middle)
@@ -92,7 +93,12 @@ def _panel(data: xr.Dataset) -> Panel:
         axis("roll_rate"),
         curves=tuple(
             Curve(
-                f"{body}_rate", angle, np.abs(data[f"{body}_rate"].values), "", body, colour, line
+                f"{body}_rate",
+                angle,
+                np.abs(data[f"{body}_rate"].values),
+                label=body,
+                colour=colour,
+                line=line,
             )
             for body, colour, line in (("roll", "roll", "solid"), ("web", "drum", "dashed"))
         ),

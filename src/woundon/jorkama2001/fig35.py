@@ -33,7 +33,11 @@ FARTHEST = 3.0  # [deg]
 
 
 class _Nip(NamedTuple):
-    """A nip of the figure: alone, wrapped, and the strain of its roll over the angle."""
+    """A nip of the figure, without wrap and with the web wrapped on half the roll.
+
+    ``data`` are roll strain, and its rate and that of a slipping web downstream of the nip (nan in
+    the nip), over the angle from the trailing edge.
+    """
 
     alone: Nip
     wrapped: wo.NipResult
@@ -61,7 +65,7 @@ def _nip(mu: float, solver: str) -> _Nip:
     R, a = problem.roll.radius, alone.half_width
     downstream = np.radians(np.geomspace(2e-3, FARTHEST, 120))  # from the trailing edge
     strain = _roll_strain(alone, a + R * downstream)
-    inside_x = alone.slip_x[1:]
+    inside_x = alone.slip_x[1:]  # without the first, which may be repeated
     inside = _roll_strain(alone, inside_x)
     tension = problem.web_tension + alone.nip_induced_tension
     nan = np.full(inside.size, np.nan)
@@ -106,13 +110,14 @@ def _of_the_nip_alone(nips: list[_Nip]) -> list[Verdict]:
 
 
 def _crossing(downstream: xr.Dataset) -> float:
-    """Return the angle beyond which the slipping web's strain grows faster [deg]."""
+    """Return the angle beyond which the slipping web's strain grows faster [deg]; 0 if always."""
     faster = np.flatnonzero(downstream["roll_rate"] > downstream["web_rate"])
     return float(np.degrees(downstream["angle"][faster[-1]])) if faster.size else 0.0
 
 
 def _tension_to_cross(nip: _Nip) -> float:
     """Return the tension at which the rates cross at the angle claimed [N/m]; T_in is not given."""
+    # the rate of the web is proportional to its tension
     at = int(np.argmin(np.abs(nip.downstream["angle"].values - np.radians(CLAIMED))))
     share = nip.downstream["roll_rate"][at] / nip.downstream["web_rate"][at]
     return float(share) * float(nip.alone.tension[-1])
@@ -122,7 +127,7 @@ def _of_the_wrap(nips: list[_Nip]) -> list[Verdict]:
     """Test the statements about the wrapped nip."""
     angles = [float(np.degrees(n.wrapped.slip_angle)) for n in nips]
     errors = [100 * abs(n.alone.tension[-1] / n.wrapped.wound_on_tension - 1) for n in nips]
-    which, far = (
+    errors_text, angles_text = (
         " and ".join(f"{text} for mu+ = {mu:g}" for text, mu in zip(texts, FRICTIONS, strict=True))
         for texts in ([f"{e:.1f} %" for e in errors], [f"{angle:.2f}" for angle in angles])
     )
@@ -136,8 +141,8 @@ def _of_the_wrap(nips: list[_Nip]) -> list[Verdict]:
             "but sticks again within about 0.5 degrees: solved slip angle",
             max(angles),
             at_most(2 * CLAIMED, "deg"),
-            note=f"{far}; the hoop pressure is too low to hold the web sooner, and while it slips "
-            "on, less of its strain is taken from the nip",
+            note=f"{angles_text}; the hoop pressure is too low to hold the web sooner, and while "
+            "it slips on, less of its strain is taken from the nip",
         ),
     ]
     return [
@@ -146,7 +151,7 @@ def _of_the_wrap(nips: list[_Nip]) -> list[Verdict]:
             "holding the web at the trailing edge errs by at most 4.5 % of the wound-on tension",
             max(errors),
             at_most(4.5, "%"),
-            note=f"against the solved wrap, {which}",
+            note=f"against the solved wrap, {errors_text}",
         ),
     ]
 

@@ -63,11 +63,12 @@ def _along(r: wo.RollerResult) -> xr.Dataset:
 
 
 def _slips(r: wo.RollerResult) -> list[bool]:
-    """Return the slip state of each zone."""
+    """Return for each zone, from the leading edge, whether it slips."""
     return [run.zone != 0 for run in runs(r.x, r.zone)]
 
 
 def _stick(r: wo.RollerResult) -> Run:
+    """Return the first stick zone."""
     return next(run for run in runs(r.x, r.zone) if run.zone == 0)
 
 
@@ -116,7 +117,7 @@ def _difference(rolling: wo.RollerResult, static: wo.RollerResult) -> list[Verdi
     """Test the statements about rolling and static contact."""
     x, peak = rolling.x, rolling.traction.max()
     apart = np.abs(rolling.traction - np.interp(x, static.x, static.traction))
-    alike = x[-1] - x[np.flatnonzero(apart >= 0.01 * peak)[-1]]
+    alike = x[-1] - x[np.flatnonzero(apart >= 0.01 * peak)[-1]]  # length up to the trailing edge
     exact = [
         np.max(np.abs(r.traction - theory.traction(r.x))) / r.traction.max()
         for r, theory in (

@@ -143,6 +143,7 @@ def _series(body: wo.Cylinder) -> _Series:
     powers = np.empty((3, POWERS))
     powers[:, 0] = R * np.array([C, -A, B])  # a wave much shorter than R feels a half-plane
     at = N // 2 ** np.arange(POWERS - 1)
+    # what remains of the sequences without y_1, by which three equations give y_2 ... y_4
     left = at * (at * sequences[:, at - 1] - powers[:, :1])  # y_2 + y_3/n + y_4/n^2
     powers[:, 1:] = np.linalg.solve(1.0 / at[:, None] ** np.arange(POWERS - 1), left.T).T
     rest = sequences - powers @ (1 / n ** np.arange(1, POWERS + 1)[:, None])
@@ -245,6 +246,7 @@ def edge_strain(body: wo.Body, M: int, a: float) -> tuple[Array, Array]:
     mean = delta / (2 * pi) * series.gamma_0
     p = _hat_sum(dict(enumerate(by_p)), rest_p, delta, M).real - mean
     q = _hat_sum(dict(enumerate(by_q)), rest_q, delta, M).imag
+    # node m = 2 ... M-1 is M - m cells from x_M: distances M-2 ... 1
     return p[-2:0:-1] / body.radius, q[-2:0:-1] / body.radius
 
 
@@ -307,6 +309,7 @@ def _convolved(theta: Array, f: Array, at: Array, powers: Array, rest: Array) ->
     n = np.arange(1.0, rest.size + 1)
 
     def antiderivative(order: int) -> dict[int, float]:
+        """Return weights of polylogarithms of a higher order: each integration adds 1."""
         return {s + order: y for s, y in enumerate(powers)}
 
     closed = _integral(
@@ -347,6 +350,7 @@ def _integral(
 
 
 def _xlogx(t: Array) -> Array:
+    """Return t (ln|t| - 1), the antiderivative of ln|t|, 0 at t = 0."""
     return np.asarray(t * (np.log(np.abs(t), where=t != 0, out=np.zeros(t.shape)) - 1))
 
 

@@ -92,6 +92,7 @@ class Judged:
         return "\n".join([*lines, *said]) + "\n"
 
     def _how(self) -> str:
+        """Return a sentence with the solver, if it makes a difference, and the counts."""
         if self.exhibit.one_solver:
             return f"{self.tally}."
         name = SOLVERS[self.solver]

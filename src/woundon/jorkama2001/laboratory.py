@@ -82,6 +82,7 @@ class Theory:
         return self._rms(points[~_is_fitted(points)])
 
     def _rms(self, points: pd.DataFrame) -> float:
+        """Return the RMS of theory less measurement at points [N/m]."""
         return rms(self.tension(points) - points["measured"].to_numpy())
 
 
@@ -91,6 +92,7 @@ def rms(values: np.ndarray) -> float:
 
 
 def _is_fitted(points: pd.DataFrame) -> pd.Series:
+    """Return True for the point that the thesis fitted."""
     P, T_in = FITTED_POINT
     return (points["nip_load"] == P) & (points["web_tension"] == T_in)
 
@@ -139,7 +141,10 @@ def _theory(
     fitted: Mapping[str, float] | None = None,
     fit: wo.FitResult | None = None,
 ) -> Theory:
-    """Compute the tensions at all nip loads with the moduli of a problem."""
+    """Compute the tensions at all nip loads with the moduli of a problem.
+
+    ``fitted`` are the fitted moduli among them [Pa], ``fit`` the fit that gave them.
+    """
     tension = swept(problem, {"nip_load": NIP_LOADS}, solver, ["rig_tension"])["rig_tension"]
     added = tension.to_series() - problem.web_tension
     return Theory(problem.web.thickness, added, fitted or {}, fit)
@@ -154,7 +159,10 @@ def _fitted_to_all(thickness: float) -> Theory:
 def _fitted(
     bounds: Mapping[str, tuple[float, float]], points: pd.DataFrame, thickness: float, nodes: int
 ) -> Theory:
-    """Fit moduli of roll and web, within bounds [Pa], to measured points by least squares."""
+    """Fit moduli of roll and web, within bounds [Pa], to measured points by least squares.
+
+    ``thickness`` is that of the web [m]; the nips of the fit have ``nodes`` nodes.
+    """
     data = {
         "nip_load": points["nip_load"],
         "web_tension": points["web_tension"],
@@ -180,14 +188,15 @@ def _fitted_by_procedure(modulus: str, thickness: float) -> Theory:
     paper = wo.material("newsprint")
 
     def residual(logarithm: float) -> float:
+        """Return theory less measurement for ln of the modulus [N/m]."""
         over = {modulus: [exp(logarithm)]}
         return swept(nip, over, "thesis", ["rig_tension"])["rig_tension"].item() - measured
 
     start = log(getattr(paper, modulus))
-    found = root_scalar(residual, x0=start, x1=start + 0.05, xtol=1e-7)
-    if not found.converged:
-        raise wo.NotConverged(f"{modulus} fitted to one point: {found.flag}")
-    value = exp(found.root)
+    solution = root_scalar(residual, x0=start, x1=start + 0.05, xtol=1e-7)  # secant method
+    if not solution.converged:
+        raise wo.NotConverged(f"{modulus} fitted to one point: {solution.flag}")
+    value = exp(solution.root)
     paper = paper.replace(**{modulus: value})
     refitted = nip.replace(**{"roll.material": paper, "web.material": paper})
     return _theory(refitted, "thesis", {modulus: value})

@@ -98,7 +98,7 @@ def swept(
     ----------
     problem : NipProblem
     over : mapping
-        Parameter -> values; a dimension each.  Moduli are those of roll and web.
+        Parameter -> values; a dimension each, in this order.  Moduli are those of roll and web.
     solver : {"accurate", "thesis"}
         Accurate, or by the procedure of the thesis; a wrapped nip is solved by the first only.
     outputs : sequence of str
@@ -111,6 +111,7 @@ def swept(
     NotConverged
         If a nip cannot be solved.
     """
+    # parameters by the names of the fields; the dataset gets their own names again
     fields = {_FIELDS.get(name, name): values for name, values in over.items()}
     model, cases = study_of(problem, fields, outputs, tie=ONE_PAPER, options={"nodes": nodes})
     if solver == "thesis":
@@ -145,7 +146,7 @@ def dataset(dim: str, columns: Mapping[str, Array | Sequence[float]]) -> xr.Data
     """Return columns of one length, by names with units (``"x [m]"``), as a dataset."""
     data: dict[str, Any] = {}
     for head, values in columns.items():
-        name, _, unit = head[:-1].rpartition(" [")
+        name, _, unit = head[:-1].rpartition(" [")  # without the closing bracket
         data[name] = (dim, np.asarray(values), {"units": unit})
     return xr.Dataset(data, {dim: np.arange(len(values))})
 
@@ -153,9 +154,9 @@ def dataset(dim: str, columns: Mapping[str, Array | Sequence[float]]) -> xr.Data
 def joined(head: str, parts: Mapping[float, xr.Dataset]) -> xr.Dataset:
     """Join datasets along a new dimension, by its name with unit, ``"roll_friction [1]"``.
 
-    What is shorter than others is filled with nan.
+    ``parts`` are the datasets by the value of this dimension; shorter ones are filled with nan.
     """
-    name, _, unit = head[:-1].rpartition(" [")
+    name, _, unit = head[:-1].rpartition(" [")  # without the closing bracket
     values = xr.DataArray(list(parts), dims=name, name=name, attrs={"units": unit})
     return xr.concat(list(parts.values()), values, join="outer")
 

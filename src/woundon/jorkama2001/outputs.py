@@ -70,6 +70,7 @@ def rig_tension(
 
 
 def _nan_if_undefined(estimate: Callable[[Nip], float], result: Nip) -> float:
+    """Return an estimate, nan for a body or an angle for which (183) is not defined."""
     try:
         return estimate(result)
     except wo.InvalidProblem:

@@ -128,7 +128,7 @@ def curve_panels(
     legend : float
         Width of the legend [inches].
     """
-    parts = [(y, data, "") for y in shown]
+    parts = [(y, data, "") for y in shown]  # variable, its data, heading
     if panels:
         values = data[panels].values.tolist()
         parts = [(shown[0], data.sel({panels: v}), named(panels, v)) for v in values]

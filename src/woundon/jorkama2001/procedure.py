@@ -191,6 +191,7 @@ def solve(
         # the next half width is close: its zones are, too, and Step 2 would start far from them
         zones, systems = state.zones, systems + nip.systems
         carried = nip.dx * float(state.p.sum())  # (134)
+        # of ln P; a negative load has no logarithm and counts as much too low
         missed = log(carried / P) if carried > 0 else -2.0
         if abs(missed) <= load_tolerance:
             return _result(nip, state, systems)
@@ -237,7 +238,8 @@ def _hertz_half_width(problem: wo.NipProblem) -> float:
     compliance = 0.0  # 1/E*
     for body in problem.bodies:
         if isinstance(body, wo.HalfPlane | wo.Cylinder):
-            compliance += half_plane_constants(body.material.stiffness)[2] / 2  # 1/E_i = C_i/2
+            _, _, C = half_plane_constants(body.material.stiffness)
+            compliance += C / 2  # 1/E_i = C_i/2
     return 2 * sqrt(problem.nip_load * compliance / (pi * curvature))
 
 
@@ -255,13 +257,13 @@ class _State(NamedTuple):
     """Unknowns of a nip: zones are 0 in stick, the sign of the slip else; roll first, then drum."""
 
     zones: Array  # (2n,)
-    p: Array  # (n,)
-    q: Array  # (2n,)
-    T_out: float
-    xi: float
-    v: Array  # (2n,) slips of the nodes in slip
-    delta: float
-    shift: float  # Delta
+    p: Array  # (n,) [Pa]
+    q: Array  # (2n,) [Pa]
+    T_out: float  # [N/m]
+    xi: float  # xi-, creepage of web and drum
+    v: Array  # (2n,) slips of the nodes in slip, 0 in stick
+    delta: float  # [m]
+    shift: float  # Delta [m]
 
 
 class _Nip:
@@ -299,9 +301,10 @@ class _Nip:
 
         Those of the cells that end at the nodes 2 ... M-1 are the slips of these nodes.  The last
         cell belongs to no unknown.  K and the rows of (136) are scaled as (122) does, with A_t of
-        the web: q/A_t and T_out/(h A_t).
+        the web: q/A_t and T_out/(h A_t).  ``edge`` holds the coefficients of eps_1(x_M) by p and q.
         """
         n, dx, (D, c12, _) = self.n, self.dx, _web_constants(self.problem.web)
+        # rows: cells; the node that ends a cell, and the one that begins it
         own, before = np.eye(n + 1, n), np.eye(n + 1, n, -1)
         # D+- of (121): all tractions upstream of the cell, at its two nodes 5/6 and 1/6 of them
         D_web = D * dx * np.tri(n + 1, n, -1)
@@ -407,8 +410,8 @@ def _keep_drum_in_stick(nip: _Nip, zones: Array, state: _State) -> Array:
     before, v = state.zones[drum], np.abs(state.v[drum])
     wanted = np.sign(zones[drum][before == 0].sum())
     against = (before != 0) & (zones[drum] * wanted <= 0)
-    which = against if against.any() else before != 0
-    kept = np.argmin(np.where(which, v, np.inf)) if which.any() else 0
+    candidates = against if against.any() else before != 0
+    kept = np.argmin(np.where(candidates, v, np.inf)) if candidates.any() else 0
     zones = zones.copy()
     zones[nip.n + kept] = 0
     return zones
@@ -417,7 +420,7 @@ def _keep_drum_in_stick(nip: _Nip, zones: Array, state: _State) -> Array:
 def _result(nip: _Nip, state: _State, systems: int) -> ProcedureResult:
     """Assemble the result of the procedure from its last state."""
     problem, n = nip.problem, nip.n
-    edges = [(0, 0), (1, 1)]
+    edges = [(0, 0), (1, 1)]  # np.pad: a value at either edge of the nip for both faces
     p, (roll_q, drum_q) = np.pad(state.p, 1), np.pad(state.q.reshape(2, n), edges)
     total = roll_q + drum_q
     z = np.append(state.q / nip.A_t, [state.T_out / (nip.h * nip.A_t), state.xi])
@@ -437,7 +440,7 @@ def _result(nip: _Nip, state: _State, systems: int) -> ProcedureResult:
         drum_pressure=p,
         roll_traction=roll_q,
         drum_traction=drum_q,
-        slip_x=np.append(middle[:1], middle),
+        slip_x=np.append(middle[:1], middle),  # the first is repeated: one for each node
         roll_slip=slips[0],
         drum_slip=slips[1],
         roll_zone=zones[0],

@@ -46,11 +46,12 @@ def _verdicts(solver: str) -> list[Verdict]:
     """Test the statements of chapter 5 about the table, with the printed thickness."""
     thickness, thinner = THICKNESSES
     printed, thin = theory(solver, thickness), theory(solver, thinner)
-    by_shear, by_radial = (theory(solver, thickness, (name,)) for name in MODULI)
+    by_shear, by_radial = (theory(solver, thickness, fitted=(name,)) for name in MODULI)
     points = measured_tensions()
     said = _printed(points)
-    at = points.set_index(["nip_load", "web_tension"])["measured"][FITTED_POINT]
-    distance = [one.added[FITTED_POINT[0]] + FITTED_POINT[1] - at for one in (printed, thin)]
+    measured = points.set_index(["nip_load", "web_tension"])["measured"][FITTED_POINT]
+    P, T_in = FITTED_POINT
+    distance = [one.added[P] + T_in - measured for one in (printed, thin)]
     off = 100 * (printed.added / said.mean(axis=1) - 1)
     return [
         verdict(
@@ -110,10 +111,12 @@ def _tuned(full: Theory) -> list[Verdict]:
 
 
 def _thesis_rms(points: pd.DataFrame) -> float:
+    """Return the RMS of printed theory less measurement [N/m]."""
     return rms((points["thesis_theory"] - points["measured"]).to_numpy())
 
 
 def _moduli(full: Theory) -> str:
+    """Return the fitted moduli as text."""
     G, A_rr = (full.fitted[name] / 1e6 for name in ("shear", "radial"))
     return f"G = {G:.0f} and A_rr = {A_rr:.0f} MPa"
 
@@ -121,13 +124,14 @@ def _moduli(full: Theory) -> str:
 def report(solver: str = "accurate") -> str:
     """Return Table 3 as text."""
     points, computed = measured_tensions(), theories(solver)
-    by_shear = theory(solver, THICKNESSES[0], ("shear",))
+    by_shear = theory(solver, THICKNESSES[0], fitted=("shear",))
     rows = {
         "measured, average over T_in": added_tensions().mean(axis=1),
         "theory as printed": _printed(points).mean(axis=1),
         **{one.name: one.added for one in computed},
     }
     added = pd.DataFrame(rows).T
+    # in the order of the rows: the best model without T_in, the printed theory, those computed
     added["RMS"] = [best_rms(), _thesis_rms(points), *(one.rms for one in computed)]
     added["of 14"] = [nan, nan, *(one.rms_predicted for one in computed)]
     three = points[["measured", "thesis_theory"]].assign(here=by_shear.tension(points))

@@ -94,16 +94,19 @@ def _verdicts(added: pd.DataFrame) -> list[Verdict]:
 
 
 def _chance(added: pd.DataFrame) -> float:
-    """Return the p-value of T_in in a two-way analysis of variance."""
+    """Return the p-value of T_in in a two-way analysis of variance without interaction.
+
+    ``added`` are the tensions of nip loads (rows) by T_in (columns).
+    """
     from scipy.special import fdtrc
 
     values = added.to_numpy()
     loads, tensions = values.shape
     by_tension, whole = values.mean(axis=0), values.mean()
-    left = values - values.mean(axis=1, keepdims=True) - by_tension + whole
+    residuals = values - values.mean(axis=1, keepdims=True) - by_tension + whole
     between = loads * np.sum((by_tension - whole) ** 2) / (tensions - 1)
     freedom = (loads - 1) * (tensions - 1)
-    F = between / (np.sum(left**2) / freedom)
+    F = between / (np.sum(residuals**2) / freedom)
     return float(fdtrc(tensions - 1, freedom, F))
 
 
@@ -125,6 +128,7 @@ def as_text(frame: pd.DataFrame) -> str:
     """Return a table as text, loads as whole numbers, one digit after the decimal point."""
 
     def whole(name: object) -> object:
+        """Return a load as text, other names as they are."""
         return f"{name:.0f}" if isinstance(name, float) else name
 
     named = frame.rename(columns=whole, index=whole).rename_axis(index=None, columns=None)

@@ -86,7 +86,7 @@ class Verdict:
     statement : str
         What the text says, in other words.
     value : float or None
-        What was computed, in the unit of the range; None if the statement cannot be tested.
+        The computed number, in the unit of the range; None if the statement cannot be tested.
     asked : Range
         The range in which the statement holds.
     note : str

@@ -34,7 +34,8 @@ POWER_A, POWER_B, POWER_C = 1.5, 0.5, 1.0
 class Run(NamedTuple):
     """Neighbouring nodes in one zone: the first, and one past the last; from where to where.
 
-    Borders lie half-way between nodes; ``left`` and ``right`` are in the unit of x.
+    ``zone`` is 0 in stick, 1 or -1 for a web faster or slower.  The boundaries ``left`` and
+    ``right`` lie half-way between nodes, in the unit of x.
     """
 
     zone: int
@@ -67,16 +68,16 @@ def runs(x: Array, zones: Array) -> list[Run]:
     ]
 
 
-def longest_stick(found: list[Run]) -> int | None:
+def longest_stick(zones: list[Run]) -> int | None:
     """Return the index of the longest stick zone by its nodes, None if all nodes slip."""
-    sticks = [k for k, run in enumerate(found) if run.zone == 0]
-    return max(sticks, key=lambda k: found[k].end - found[k].first, default=None)
+    sticks = [k for k, run in enumerate(zones) if run.zone == 0]
+    return max(sticks, key=lambda k: zones[k].end - zones[k].first, default=None)
 
 
 def zone_lengths(result: wo.NipResult | ProcedureResult) -> ZoneLengths:
     """Measure the slip zones of a nip between the thesis's points A, B and C."""
     roll, dual = runs(result.x, result.roll_zone), _dual(result)
-    if all(run.zone != 0 for run in roll):
+    if all(run.zone != 0 for run in roll):  # it counts as the trailing zone
         return ZoneLengths(0.0, float(roll[-1].zone), dual)
     leading = roll[0].zone
     first = next(k for k, run in enumerate(roll) if run.zone == 0)
@@ -120,12 +121,13 @@ def _share(
     """
     x = result.x
     boundary = float(x[node] + x[node - 1]) / 2
-    near = node if ahead == 1 else node - 1
+    near = node if ahead == 1 else node - 1  # the first two slip nodes
     far = near + ahead
     if not isinstance(result, ProcedureResult) and 0 < far < x.size - 1:
         v = np.abs(slip[[near, far]]) ** (1 / power)
         at = result.slip_x[[near, far]]
         stick = float(result.slip_x[near - ahead])
+        # v^(1/power) is linear; its root is limited to the cell between the stick and the slip node
         if v[1] > v[0]:
             root = float(at[0] - v[0] * (at[1] - at[0]) / (v[1] - v[0]))
             boundary = min(max(root, min(stick, at[0])), max(stick, at[0]))

@@ -93,9 +93,11 @@ def wind(
     roll = _Roll(Layers(equations, tension), core, cells, surface_layer, report)
     accepted_error = STAGE_TOLERANCE * tolerance
     first_step = 0.1 * min(surface_layer, equations.core_layer)
+    # x is ln r of the surface; it equals last_kink only after a step that ended at a kink
     x, end, step, last_kink = roll.start, log(radius), first_step, -np.inf
     while x < end:
         kinks, changes = kinks_of(tension, roll.growth)
+        # the next kink that counts, or the end
         kink = float(np.append(kinks[(kinks > x) & (changes > WEAK_KINK * tolerance)], end)[0])
         length = min(step, kink - x)
         surface = kink if kink - x - length < STEP_STRETCH * length else x + length
@@ -224,7 +226,7 @@ def _extrapolation_error(stage: BuildUp | None, guess: float) -> float:
 
 
 def _step_factor(ratio: float) -> float:
-    """Return the factor of the step size from the ratio of tolerance and error."""
+    """Return the factor of the step size from tolerance/error, with a safety factor of 0.8."""
     return float(0.8 * ratio ** (1 / (ORDER + 0.5)))
 
 
@@ -302,6 +304,15 @@ class _Roll:
         Depth of the layer below the surface, in ln r.
     report : callable, optional
         Is called with each stage's radius [m].
+
+    Attributes
+    ----------
+    start, T_c : float
+        ln of the core radius, and the wound-on stress there [Pa].
+    growth : Growth
+        Kappa at the previous stages.
+    last : BuildUp or None
+        The previous stage.
     """
 
     def __init__(

@@ -28,6 +28,8 @@ def certificate(result: Any) -> Residuals:
         The radii of core and surface; infinite unless the stages are valid.
     hoop_stress, displacement, layer_strain, radial_modulus
         The values that follow from P and r P' by the law of the stack.
+    positive_pressure
+        Largest negative pressure, relative to the largest pressure.
     """
     problem, stack = result.problem, result.problem.stack
     curve, E_t, nu = problem.tension_curve, stack.tangential, stack.poissons_ratio
@@ -39,7 +41,7 @@ def certificate(result: Any) -> Residuals:
     residual, _ = equations_of(problem).residual(StageData(x, source, unit + core_change), P, Q)
     hoop = -(P + Q)
     strain = (hoop + nu * P) / E_t + problem.tangential_expansion * problem.temperature_change
-    expected = np.append(source.left, source.right[-1])
+    expected = np.append(source.left, source.right[-1])  # at the nodes, as reported
     return Residuals(
         equilibrium=largest(np.abs(residual[1:-1])) / unit,
         core_condition=abs(float(residual[0])) / unit,

@@ -7,10 +7,9 @@ A layer wound at s with the stress T loads the roll below by T h/s.  The surface
 
 where h_0 is the thickness without pressure of a web that has the thickness h under the pressure
 p_c.  The length of this web, stretched by T/E_t, is dL = 2 pi s ds/(h_0 g (1 + T/E_t)), and its
-mass is dm = rho h dL.  Divided by the
-increase of the roll volume, it is the density that a density analyser measures during winding, from
-the diameter and the length of web on the roll.  Divided by the final volume of these layers, at
-r + u, it is the density of the finished roll.  In the finished roll
+mass is dm = rho h dL.  Divided by the increase of the roll volume, it is the density that a density
+analyser measures during winding, from the diameter and the length of web on the roll.  Divided by
+the final volume of these layers, at r + u, it is the density of the finished roll, in which
 
     du/dr = (1 + kappa) T/E_t + eps_r,    eps_r = -F(P) - nu sigma_t/E_t + alpha_r dT
 
@@ -56,7 +55,7 @@ def _length_per_volume(result: Any, r: Array) -> Array:
 
 
 def density_during_winding(result: Any, r: Array) -> Array:
-    """Return the mass of web per increase of the roll volume [kg/m^3].
+    """Return the mass of web per increase of the roll volume at radii (k,) [m], (k,) [kg/m^3].
 
     It is nan without the density of the web, and outside the range of small strains.
     """
@@ -65,7 +64,7 @@ def density_during_winding(result: Any, r: Array) -> Array:
 
 
 def finished_density(result: Any) -> Array:
-    """Return the density of the finished roll at the nodes [kg/m^3]."""
+    """Return the density of the finished roll at the nodes, (M,) [kg/m^3]; nan if unknown."""
     problem, r = result.problem, result.radius
     stack, hoop = problem.stack, result.hoop_stress
     radial_strain = (
@@ -81,6 +80,7 @@ def finished_density(result: Any) -> Array:
 def wound_length(result: Any) -> float:
     """Return the length of web without stress of all layers [m]."""
     points, weights = np.polynomial.legendre.leggauss(GAUSS)
+    # Gauss points between neighbouring nodes and stages: kappa is smooth between two stages
     ends = np.union1d(result.radius, result.stage_radius)
     half = np.diff(ends)[:, None] / 2
     r = ends[:-1, None] + half * (1 + points)

@@ -182,10 +182,11 @@ def _as_profile(problem: RollProblem, pressure: float | Profile) -> Profile:
         r = pressure.radius[k]
         if not is_within(r, edge, edge):
             raise InvalidProblem.at(
-                f"pressure.radius.{k % len(pressure.radius)}",
+                f"pressure.radius.{k % len(pressure.radius)}",  # counted from 0, not -1
                 f"{quote(r)} is out of range; must be {name} = {edge:.6g} [m]",
             )
     for k, P in enumerate(pressure.value):
+        # zero is permitted at the last value, the surface
         if not 0 <= P < limit or (P == 0 and k + 1 < len(pressure.value)):
             upper_bound = f" and < {limit:.6g}" if np.isfinite(limit) else ""
             raise InvalidProblem.at(
@@ -226,15 +227,18 @@ class _TargetPressure:
             )
 
     def pressure(self, x: Array) -> Array:
-        """Return P [Pa]."""
+        """Return P at x = ln r [Pa]."""
         return np.asarray(self._curve(x))
 
     def slope(self, x: Array) -> Array:
-        """Return r P' [Pa]."""
+        """Return r P' at x = ln r [Pa]."""
         return np.asarray(self._slope(x))
 
     def source(self, x: Array, _: Array) -> Array:
-        """Return C = D^2 P + 2 D P + P - E_t F(P) [Pa]."""
+        """Return C = D^2 P + 2 D P + P - E_t F(P) at x = ln r, D = d/dx [Pa].
+
+        The side of a kink, the second argument, has no effect: a pressure has no kinks.
+        """
         P, E_t = self.pressure(x), self.problem.stack.tangential
         return np.asarray(self._curvature(x) + 2 * self.slope(x) + P - E_t * self.strain(P))
 
@@ -259,7 +263,8 @@ class _TargetStages:
         self.solved: dict[float, tuple[Array, StageSolution]] = {}
         law, E_t = target.problem.stack.radial, target.problem.stack.tangential
         E = float(law.modulus(0.0))
-        # as in finished.surface_layer_depth; T^2/(2 E_t) = W(P) <= F(P) P bounds the tension
+        # as in finished.surface_layer_depth; for a pressure P the tension T is bounded by
+        # T^2/(2 E_t) = W(P) <= F(P) P, W the energy of compression
         P = float(np.max(target.pressure(target.knots)))
         T = np.sqrt(2 * E_t * float(law.strain_at(P)) * P)
         self.surface_layer = min(law.pressure_at_modulus(2 * E) / T, (E / E_t) ** 0.5, 0.3)
@@ -281,6 +286,7 @@ class _TargetStages:
         """Return the solved stage with the surface at ln r = x."""
         if x not in self.solved:
             knots = self.target.knots
+            # inner values of the target are nodes too, unless they are as dense as nodes
             kinks = knots[1:-1] if knots.size < CELLS else None
             nodes = nodes_between(knots[0], x, CELLS, self.surface_layer, kinks)
             guess = self._guess(x, nodes)
@@ -321,10 +327,10 @@ def _refined_radii(stages: _TargetStages, rtol: float) -> Array:
     knots = stages.target.knots
     start, end = float(knots[0]), float(knots[-1])
     x = np.union1d(nodes_between(start, end, FIRST_RADII, stages.surface_layer), knots)
-    x = x[np.append(np.diff(x) > 1e-9, True)]
+    x = x[np.append(np.diff(x) > 1e-9, True)]  # a node close to a knot is left out
     x[0] = start
     T = np.array([stages.tension(s) for s in x.tolist()])
-    to_check = np.ones(x.size - 1, dtype=bool)
+    to_check = np.ones(x.size - 1, dtype=bool)  # cells between neighbouring radii
     while to_check.any() and x.size < MAX_RADII:
         curve, middle = CubicSpline(np.exp(x), T), (x[:-1][to_check] + x[1:][to_check]) / 2
         T_middle = np.array([stages.tension(s) for s in middle.tolist()])

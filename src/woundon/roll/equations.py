@@ -239,10 +239,10 @@ class StageEquations:
             solutions = self._solve_linearised(stage, P, Q)
             if solutions is None:
                 return None
-            step, layer = solutions[0].T
+            step, layer = solutions[0].T  # each with P and Q alternating
             P, Q = P - step[::2], Q - step[1::2]
             if np.max(np.abs(step[::2])) <= NEWTON_TOLERANCE * np.max(np.abs(P)):
-                return StageSolution(P, Q, float(layer[-1]))
+                return StageSolution(P, Q, float(layer[-1]))  # the last D p: kappa, for p = 1
         return None
 
     def solve_with_growth(

@@ -70,7 +70,7 @@ def final_changes(problem: RollProblem) -> tuple[float, float]:
 
 
 def add_constant(source: CellSource, constant: float) -> CellSource:
-    """Return a source with a constant added."""
+    """Return a source with a constant [Pa] added in every cell."""
     return CellSource(*(part + constant for part in source))
 
 

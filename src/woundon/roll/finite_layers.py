@@ -62,6 +62,7 @@ def finite_layer_effects(result: Any) -> dict[str, float]:
     middle = r[0] + build_up * (0.5 + NEIGHBOURHOOD * np.array([-1.0, 1.0]))
     near_middle = (middle[0] <= r) & (r <= middle[1])
     size = np.abs(change) * _higher_order_factor(change, result.pressure)
+    # the smooth curve, and the inner and the outer faces
     hoop = result.hoop_stress + hoop_change, *_hoop_stress_at_faces(result, change, hoop_change)
     least = result.least_hoop_stress
     return {
@@ -114,13 +115,14 @@ def _hoop_stress_at_faces(result: Any, change: Array, hoop_change: Array) -> tup
     core, surface = result.radius[[0, -1]].tolist()
     count = round((surface - core) / h)
     r = core + h * np.arange(count) if count <= FEW_LAYERS else result.radius
-    r = r[r <= (surface - h) * (1 + 1e-12)]
+    r = r[r <= (surface - h) * (1 + 1e-12)]  # layers that end below the surface, or at it
     T = layers.tension.at(r)
+    # pressure at the inner face, in the middle and at the outer face of the layers
     faces = [interpolate_pressure(x, P, Q, np.log(r + part * h))[0] for part in (0, 0.5, 1)]
     mean = (r * faces[0] - (r + h) * faces[2]) / h
     inner, middle, outer = (
         T - mean - E_t * (strain(P) - strain(T * h / r * (1 - part))) - source_change
         for P, part in zip(faces, (0, 0.5, 1), strict=True)
     )
-    share = h / (r + h / 2)
+    share = h / (r + h / 2)  # the thickness of a layer in ln r
     return mean - share * (inner + 2 * middle) / 6, mean + share * (2 * middle + outer) / 6

@@ -95,6 +95,7 @@ def band_of(stack: Stack, thickness: float, tension: ArrayLike, excess: float) -
     else:
         P_b, T_b = _pressure_and_tension(stack, T, P, excess)
         stack.check_pressure(P_b)
+    # in the order of the fields: tension, pressure, lead, mean pressure, strain
     values = (thickness * T_b, P_b, (T_b - T) / E_t, P, T_b / E_t)
     return GaugeBand(*(value if np.ndim(value) else float(value) for value in values))
 
@@ -102,11 +103,14 @@ def band_of(stack: Stack, thickness: float, tension: ArrayLike, excess: float) -
 def _pressure_and_tension(stack: Stack, T: Array, P: Array, excess: float) -> tuple[Array, Array]:
     """Return P_b and T_b of a lane [Pa]; both are zero if the lane is slack.
 
+    ``T`` and ``P`` are the wound-on stress and the pressure of the mean roll [Pa], ``excess`` is d.
+
     Newton's method in ln P_b for g = F(P_b) + ln(1 + lead) - F(P) - ln(1 + d), which increases:
     d F = P_b/E_r d ln P_b, and d T_b = (E_t/E_r) (P_b/T_b) P_b d ln P_b.
     """
     E_t, law = stack.tangential, stack.radial
     target = law.strain_at(P) + np.log1p(excess)
+    # slack at any pressure: g > 0 also for P_b = T_b = 0; the minimum keeps the logarithm finite
     slack = np.log1p(-np.minimum(T / E_t, 1 - 1e-15)) >= target
     P_b = np.array(P, dtype=float)
     for _ in range(NEWTON_STEPS):

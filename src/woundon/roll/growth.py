@@ -53,10 +53,11 @@ class Growth:
     def truncate(self, x: float) -> Growth:
         """Return the same function up to x, with a last stage there."""
         n = int(np.searchsorted(self.x, x - 1e-12))
-        truncated = Growth.__new__(Growth)
+        truncated = Growth.__new__(Growth)  # all attributes follow
         truncated.x, truncated.kappa = self.x[:n], self.kappa[:n]
         truncated.point_counts = self.point_counts[:n]
         truncated._coefficients = self._coefficients[:, : n - 1]
+        # the new last stage, n, lies on the polynomial that ends at stage n of this function
         truncated.first = n + 1 - int(self.point_counts[n])
         return truncated.with_stage(x, float(self(np.array([x]))[0]))
 
@@ -79,6 +80,7 @@ class Growth:
     def extrapolate(self, x: float) -> float:
         """Extrapolate kappa to x by the polynomial through the last stages."""
         stages = self._last_stages()
+        # with the origin at x the constant coefficient is the value there
         return _newton_polynomial(self.x[stages] - x, self.kappa[stages])[0]
 
     def lagrange_basis(self, surface: float, x: Array) -> Array:
@@ -94,6 +96,7 @@ class Growth:
 
     def with_stage(self, x: float, kappa: float) -> Growth:
         """Return a copy with one more stage."""
+        # all attributes of the new object follow
         extended, start = Growth.__new__(Growth), self._last_stages().start
         extended.x, extended.kappa = np.append(self.x, x), np.append(self.kappa, kappa)
         extended.first = self.first

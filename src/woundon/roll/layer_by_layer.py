@@ -56,9 +56,10 @@ def wind_layers(
         # the core condition by a node inside the core: p_1 - p_-1 = 2 h b p_0/r_c
         diagonal[0] -= 2 * h * core / r[0] * below[0]
         upper[0] += below[0]
-        lower[-1], diagonal[-1] = 0.0, 1.0
+        lower[-1], diagonal[-1] = 0.0, 1.0  # the last equation: p = T h/s below the new layer
         right = np.zeros(layer + 1)
         right[-1] = load
+        # tridiagonal system; the four numbers permit to overwrite the four arrays
         *_, p, info = lapack.dgtsv(lower, diagonal, upper, right, 1, 1, 1, 1)
         if info != 0:
             raise ArithmeticError("an increment has no solution")

@@ -117,7 +117,7 @@ def solve_wound_roll(
         passes += radius < last
         last = radius
         if progress is not None:
-            begin, end = PASSES[min(passes, len(PASSES) - 2) :][:2]
+            begin, end = PASSES[min(passes, len(PASSES) - 2) :][:2]  # further passes share the last
             share = min(max((radius - core) / (R - core), 0.0), 1.0)
             progress(begin + share * (end - begin))
 
@@ -154,7 +154,9 @@ class ThinLayerRoll(NamedTuple):
 
         The discretisation errors cancel in the difference; the error estimates are copied.
         """
-        build_up, result = _wind(problem, NEIGHBOUR_TOLERANCE, self.cells, self.build_up, None)
+        build_up, result = _wind(
+            problem, NEIGHBOUR_TOLERANCE, self.cells, reference=self.build_up, report=None
+        )
         return ThinLayerRoll(result.replace(errors=self.result.errors), build_up, self.cells)
 
 
@@ -175,6 +177,7 @@ def solve_thin_layers(
     report : callable, optional
         Is called with each stage's radius [m].
     """
+    # number of reductions by TOLERANCE_FACTOR from COARSE to rtol
     level = max(0, int(log(rtol / COARSE, TOLERANCE_FACTOR)))
     tolerance = FIRST_TOLERANCE * TOLERANCE_FACTOR**level
     cells = round(FIRST_CELLS * CELL_FACTOR**level)
@@ -191,7 +194,7 @@ def solve_thin_layers(
         excess = stage_errors["peak_pressure"] / peak / (STAGE_ERROR_SHARE * rtol)
         if excess > 1 and tolerance > smallest_tolerance:
             tolerance *= max(TOLERANCE_FACTOR**2, TOLERANCE_FACTOR**0.5 / excess)
-            build_up = coarse = None
+            build_up = coarse = None  # begin again, with other stages
             continue
         if coarse is not None:
             node_errors = _node_errors(coarse, result)
@@ -238,6 +241,11 @@ def _wind(
         A build-up whose stages are used; without one they are chosen adaptively.
     report : callable, optional
         Is called with each stage's radius [m].
+
+    Returns
+    -------
+    BuildUp, RollResult
+        The last stage, and the result without residuals and errors.
     """
     equations, curve = equations_of(problem), problem.tension_curve
     radii = problem.core.radius, problem.radius
@@ -355,7 +363,8 @@ def _check_stack_law(result: RollResult, build_up: BuildUp) -> RollResult:
 def _check_layers_in_contact(result: RollResult, slack: float) -> None:
     """Raise NotConverged for a roll whose layers are separated by the changes after winding.
 
-    Without changes the pressure is a sum of positive increments.
+    A pressure down to -slack times the largest is accepted.  Without changes it is a sum of
+    positive increments.
     """
     if not any(final_changes(result.problem)):
         return

@@ -1,6 +1,8 @@
 """A wound roll at radii between its nodes, and at earlier stages of its build-up.
 
-Earlier stages are recomputed with the function kappa of the result (:mod:`.build_up`).
+A stage is the roll while it is wound, with a smaller surface radius.  Its pressure is recomputed
+with kappa, the growth of a further layer's pressure below the surface, which the result contains
+as a function of the surface radius (:mod:`.build_up`).
 """
 
 from __future__ import annotations
@@ -68,7 +70,12 @@ def stage_arrays(result: Any, radius: float) -> dict[str, Any]:
     ----------
     result : RollResult
     radius : float
-        [m].
+        Of the roll's surface at this stage [m].
+
+    Returns
+    -------
+    dict
+        Fields of :class:`~woundon.RollResult` by name.
 
     Raises
     ------
@@ -76,7 +83,7 @@ def stage_arrays(result: Any, radius: float) -> dict[str, Any]:
         For a radius outside the roll, or of fewer than ten layers.
     """
     r = _radii_on_roll(result, radius)
-    if r.ndim:
+    if r.ndim:  # several radii
         raise InvalidProblem.at("radius", f"{r.size} values; must be one radius [m]")
     surface, problem = float(r), result.problem
     smallest = problem.core.radius + FEWEST_LAYERS * problem.web_thickness
@@ -90,28 +97,30 @@ def stage_arrays(result: Any, radius: float) -> dict[str, Any]:
 
 
 def stage_at(result: Any, radius: float) -> Stage:
-    """Return the pressure at a stage of the build-up, without a certificate.
+    """Return the pressure at a stage of the build-up, without residuals and error estimates.
 
     Parameters
     ----------
     result : RollResult
     radius : float
-        [m], of ten layers or more.
+        Of the roll's surface at this stage, ten layers or more above the core [m].
     """
     T = float(result.problem.tension_curve.at(np.array([radius]))[0])
     tension = T * float(result.problem.web_thickness)
     if radius == result.problem.radius:
         return Stage(result.radius, result.pressure, result.pressure_gradient, tension)
-    # kinks are additional nodes
+    # kinks of the tension are additional nodes
     cells = max(result.radius.size - 1 - result.problem.tension_curve.kinks.size, FEWEST_CELLS)
     stage = _solve_stage(result, radius, cells)
     r = np.exp(stage.x)
-    r[0], r[-1] = result.problem.core.radius, radius
+    r[0], r[-1] = result.problem.core.radius, radius  # without rounding
     return Stage(r, stage.solved.P, stage.solved.Q, tension)
 
 
 def _radii_on_roll(result: Any, radius: ArrayLike) -> Array:
     """Return radii [m] as an array; those outside the roll by a rounding error are set to its ends.
+
+    A single number gives an array without dimensions.
 
     Raises
     ------
@@ -177,6 +186,7 @@ def _solve_stage(result: Any, surface: float, cells: int) -> _SolvedStage:
     kinks, depth = kinks_of(curve, growth), surface_layer_depth(problem)
     nodes = nodes_between(float(np.log(core)), x, cells, depth, *kinks, equations.core_layer)
     T_c = float(curve.at(np.array([core]))[0])
+    # of P and r P': zero at the surface, with the slope of the tension at the core
     guess = T_c * (x - nodes), np.full_like(nodes, -T_c)
     solved = equations.solve(StageData(nodes, cell_source(curve, growth, nodes), T_c), *guess)
     if solved is None:

@@ -80,6 +80,7 @@ def constant_moduli(problem: RollProblem, radius: ArrayLike) -> RollStresses:
     points, weights = np.polynomial.legendre.leggauss(GAUSS)
     integral = np.empty(r.size)
     for k, x in enumerate(np.log(r / core)):
+        # cells from x to the surface, with Gauss points each
         ends = np.concatenate([[x], grid[grid > x]])
         half = np.diff(ends)[:, None] / 2
         y = ends[:-1, None] + half * (1 + points)
@@ -94,8 +95,9 @@ def constant_moduli(problem: RollProblem, radius: ArrayLike) -> RollStresses:
 
 
 def _final_changes(problem: RollProblem, g: float, b: float, r: Array) -> tuple[Array, Array]:
-    """Return the pressure P added by the changes after winding, and r P'.
+    """Return the pressure P added by the changes after winding, and r P', at radii r (k,) [Pa].
 
+    With g^2 = E_t/E_r and b of the core condition,
     r^2 P'' + 3 r P' + (1 - g^2) P = dC,  r P' - b P = -dT_c at the core,  P = 0 at the surface.
     """
     source, core_tension = final_changes(problem)
@@ -109,7 +111,7 @@ def _final_changes(problem: RollProblem, g: float, b: float, r: Array) -> tuple[
 
     (P_core, P_surface), (Q_core, _) = particular(np.array([core, R]))
     growing, decaying = g - 1, -g - 1  # exponents of the homogeneous solutions
-    # (r/R)^grows and (r/core)^decays are at most 1
+    # (r/R)^growing and (r/core)^decaying are at most 1; rows: core condition, surface
     matrix = [[(growing - b) * (core / R) ** growing, decaying - b], [1.0, (R / core) ** decaying]]
     c = np.linalg.solve(matrix, [-core_tension - Q_core + b * P_core, -P_surface])
     growing_part, decaying_part = c[0] * (r / R) ** growing, c[1] * (r / core) ** decaying
@@ -120,7 +122,8 @@ def _final_changes(problem: RollProblem, g: float, b: float, r: Array) -> tuple[
 def plateau_pressure(stack: Stack, tension: float) -> float:
     """Return the pressure far from core and surface of a roll wound at constant tension.
 
-    The first integral of the equations below a surface, many thin layers deep, for Pfeiffer's law::
+    The first integral of the equations below a surface, many thin layers deep: the energy of the
+    compression equals that of the tension.  For Pfeiffer's law, E_r = K2 (K1 + P)::
 
         T^2 K2/(2 E_t) = P - K1 ln(1 + P/K1)
 

@@ -1,4 +1,8 @@
-"""Validity checks of a wound roll: strains of the web, and the range of the stack law."""
+"""Validity checks of a wound roll: strains of the web, and the range of the stack law.
+
+In the texts of the warnings {} stands for the ratio that exceeds its limit, {0} and {1} for the
+further arguments (:func:`woundon.validity.limit_warning`).
+"""
 
 from __future__ import annotations
 

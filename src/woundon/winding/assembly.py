@@ -74,6 +74,7 @@ def assemble_result(
         nip_peak_pressure=np.array([nip.peak_pressure for nip in results]),
         nip_effective_pressure=np.array([sample.pressure for sample in samples]),
         nip_air_film=np.array([nips.films[sample.radius] for sample in samples]),
+        # the friction that the air film leaves
         nip_friction=np.array([nip.without_air.roll_friction for nip in results]),
         air_film=film,
         nip_error=np.array([nip.errors.get("roll_wound_on_tension", np.nan) for nip in results]),

@@ -146,7 +146,7 @@ def solved_nip(
     previous, neighbour : NipSample, optional
         Solutions of the same nip on a similar roll, and of a nearby nip, as initial guesses.
     solve : callable
-        (roll, neighbouring result or None) -> result.
+        (roll, neighbouring result for a warm start, or None) -> result of the nip.
     coupling_rtol : float
         Relative tolerance of the effective pressure P_e, at which the moduli of the roll are taken.
     """
@@ -260,6 +260,7 @@ def _exponents(sample: NipSample, last: NipSample) -> NipOutputs:
 
     The exponent of a tension that changes its sign is 0.
     """
+    # x = c P_e^k for two P_e: k = ln(x/x_last)/ln(P_e/P_e_last)
     ratios = np.divide(_nip_outputs(sample.result), _nip_outputs(last.result))
     logarithms = np.log(np.where(ratios > 0, ratios, 1.0))
     return NipOutputs(*(logarithms / np.log(sample.pressure / last.pressure)).tolist())
@@ -292,7 +293,8 @@ def effective_cylinder(problem: WindingProblem, radius: float, pressure: float) 
 
     ``radius`` is that of the roll [m], ``pressure`` the effective pressure P_e of the nip [Pa].
     """
-    rr, tt, rt, shear, _ = problem.stack.tangent(pressure, pressure)
+    # taken as wound under this pressure, so that the shear modulus is ``shear`` of the stack
+    rr, tt, rt, shear, _ = problem.stack.tangent(pressure, P0=pressure)
     material = Orthotropic(
         radial=float(rr), tangential=float(tt), cross=float(rt), shear=float(shear)
     )
@@ -308,6 +310,7 @@ def linear_cylinder(problem: WindingProblem, radius: float) -> Cylinder:
 
 def hardening_roll(problem: WindingProblem, stage: Stage | RollResult) -> WoundRoll:
     """Return the wound roll of a stage as a nonlinear body that hardens under the nip."""
+    # the computed pressure may be below zero by rounding, at the surface where it is zero
     pressure = Profile(radius=stage.radius, value=np.maximum(stage.pressure, 0.0))
     return WoundRoll(
         radius=float(stage.radius[-1]),

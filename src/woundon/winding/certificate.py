@@ -116,6 +116,7 @@ def _positivity_residual(result: Any) -> float:
     quantities = [result.nip_half_width, result.nip_peak_pressure, result.nip_friction]
     if result.problem.roll_body == "effective":
         quantities.append(result.nip_effective_pressure)
+    # other roll bodies have no effective pressure
     elif not np.isnan(result.nip_effective_pressure).all():
         return np.inf
     return largest([positive(*quantities), 0.0 if (result.nip_residual >= 0).all() else np.inf])
@@ -129,7 +130,7 @@ def _air_film_residual(result: Any) -> float:
 
 
 def recomputed_nips(result: Any) -> Mapping[str, tuple[Array, Array]]:
-    """Solve the nips of a result again; return their outputs by field, with tolerances.
+    """Solve the nips of a result again; return (outputs, tolerances) by the name of the field.
 
     A nip follows from the problem, its radius and the body of the roll: the effective pressure, or
     the stage of the roll.  With a direct roll and fluctuating schedules the stages belong to the
@@ -139,8 +140,8 @@ def recomputed_nips(result: Any) -> Mapping[str, tuple[Array, Array]]:
     problem, roll = smooth or result.problem, result.roll
     if not result.nip_radius.size or (smooth and problem.roll_body == "direct"):
         return {}
-    nips, solved = Nips(problem, result.nodes, result.coupling_rtol, lambda _: None), None
-    rows, pressures = [], []
+    nips = Nips(problem, result.nodes, result.coupling_rtol, report=lambda _: None)
+    solved, rows, pressures = None, [], []  # solved: the previous nip, a warm start
     for radius, P_e in zip(result.nip_radius.tolist(), result.nip_effective_pressure, strict=True):
         body = _roll_body(problem.replace(stack=roll.problem.stack), radius, P_e, roll)
         with unwarned():
@@ -162,7 +163,7 @@ def recomputed_nips(result: Any) -> Mapping[str, tuple[Array, Array]]:
 
 
 def _roll_body(problem: WindingProblem, radius: float, P_e: float, roll: RollResult) -> Body:
-    """Return the roll at a radius as a body of the nip."""
+    """Return the roll at a radius [m] as a body of the nip; P_e is its effective pressure [Pa]."""
     if problem.roll_body == "effective":
         return effective_cylinder(problem, radius, P_e)
     if problem.roll_body == "direct":

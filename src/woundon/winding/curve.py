@@ -81,6 +81,7 @@ class TensionCurve:
         core, R = problem.ends
         factor = AIR_FACTOR if problem.air is not None and problem.web_speed else 1 + 1e-9
         self.min_depth = FEWEST_LAYERS * problem.web.thickness * factor
+        # of the piece on the core: at least ten layers, and less than a quarter of the build-up
         core_depth = min(
             max(self.min_depth, NEAR_CORE * core), max(self.min_depth, 0.25 * (R - core))
         )
@@ -105,7 +106,7 @@ class TensionCurve:
         return list(dict.fromkeys(place for piece in self.pieces for place in piece.places))
 
     def radius(self, place: float) -> float:
-        """Return the radius of a place [m]; at the surface exactly."""
+        """Return the radius of a place [m]; at the surface without rounding."""
         core, R = self.problem.ends
         return R if place == self.pieces[-1].end else core + float(np.exp(place))
 
@@ -159,7 +160,7 @@ class TensionCurve:
         )
         r_first = np.array(self.radius(first_place))
         WOT_first = float(self.wound_on(np.array(values[first_place]), r_first))
-        limit = min(WOT_first, MIN_TENSION * WOT_first)
+        limit = min(WOT_first, MIN_TENSION * WOT_first)  # the former if it is negative
         return np.where(r < r_first, np.maximum(WOT, limit), WOT)
 
     def wound_on(self, shares: Array, r: Array) -> Array:
@@ -188,7 +189,8 @@ class TensionCurve:
         places = [self.radius(place) for place in self.places]
         needed = polyline_radii(self.problem, r, nominal, self.rtol, [*places, first_radius])
         x = np.linspace(np.log(first_radius - core), np.log(R - core), self.interval_count + 1)
-        is_near = np.abs(x[:, None] - np.log(needed[1:] - core)).min(axis=1) < (x[1] - x[0]) / 2
+        outside_core = needed[1:]  # the first radius is the core, where x is infinite
+        is_near = np.abs(x[:, None] - np.log(outside_core - core)).min(axis=1) < (x[1] - x[0]) / 2
         return np.union1d(needed, core + np.exp(x[~is_near]))
 
     def refine_radii(self, values: Mapping[float, float]) -> bool:
@@ -300,12 +302,16 @@ def polyline_radii(
     curves = [tension, *(problem.at(name, r) for name in LOADS)]
     selected = [_polyline_points(r, y, LINEAR_SHARE * rtol * np.max(np.abs(y))) for y in curves]
     chosen, R = r[np.any(selected, axis=0)], problem.radius
+    # -R is far from all radii; without it there would be no minimum if nothing is included
     is_new = np.abs(chosen[:, None] - np.array([*included, -R])).min(axis=1) > 1e-9 * R
     return np.union1d(chosen[is_new], list(included))
 
 
 def _polyline_points(r: Array, values: Array, tolerance: float) -> Array:
-    """Select the points of a polyline with a maximum deviation (Douglas-Peucker algorithm)."""
+    """Return True for the points of a polyline that deviates by at most ``tolerance``.
+
+    Douglas-Peucker algorithm; all arrays (k,).
+    """
     selected = np.zeros(r.size, dtype=bool)
     selected[[0, -1]] = True
     intervals = [(0, r.size - 1)]

@@ -43,6 +43,11 @@ class Piece:
         The interval.
     count : int
         Initial number of points.
+
+    Attributes
+    ----------
+    places : list of float
+        Coordinates of the interpolation points, in the order of the Leja points.
     """
 
     def __init__(self, start: float, end: float, count: int = MIN_POINTS) -> None:
@@ -68,7 +73,7 @@ class Piece:
         """
         nodes = np.array(self.places[:first])
         y = np.array([values[place] for place in self.places[:first]])
-        # barycentric formula, stable at any x
+        # barycentric formula, stable at any x; the scale prevents very small or large products
         scale = 4 / (self.end - self.start)
         distances = scale * (nodes[:, None] - nodes) + np.eye(nodes.size)
         weights = 1 / distances.prod(axis=1)
@@ -79,10 +84,10 @@ class Piece:
         return np.where(is_node.any(axis=-1), is_node @ y, polynomial)
 
     def error_estimates(self, values: Mapping[float, float]) -> list[tuple[float, float]]:
-        """Return the last points, each with the error of the polynomial without it."""
+        """Return the last points: coordinate, and error there of the polynomial without it."""
         differences = []
         for k in range(max(UNTESTED, len(self.places) - TESTS), len(self.places)):
             place = self.places[k]
-            error = float(self.at(np.array(place), values, k)) - values[place]
+            error = float(self.at(np.array(place), values, first=k)) - values[place]
             differences.append((place, abs(error)))
         return differences

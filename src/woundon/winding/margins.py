@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
-from math import isclose, isinf, nan
+from math import isclose, isinf, isnan, nan
 from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -130,7 +130,7 @@ class Margin:
     @property
     def checked(self) -> bool:
         """True if value and limit are known."""
-        return self.value == self.value and self.limit == self.limit
+        return not (isnan(self.value) or isnan(self.limit))
 
     @property
     def reserve(self) -> float:
@@ -153,7 +153,7 @@ class Margin:
 
         In words where layers without friction have no finite distance.
         """
-        if isinf(self.value):
+        if isinf(self.value):  # of the slip margin only
             return NO_FRICTION
         if self.limit == 0:
             return f"{abs(self.quantity.shown(self.value)):.4g} {self.quantity.display}"
@@ -334,7 +334,8 @@ class WindingTorque:
             )
         r, unknown = result.radius, np.zeros(0)
         tension = result.problem.web_thickness * result.problem.tension_curve.at(r)
-        return cls(None, r, tension, unknown, "taken as centre-wound without a nip")
+        assumed = "taken as centre-wound without a nip"
+        return cls(friction=None, radius=r, core=tension, web_tension=unknown, assumed=assumed)
 
 
 def _friction_ratio(film: float, P: Array, air: Air) -> Array:
@@ -505,6 +506,9 @@ class _WorstValue(NamedTuple):
     values: Array
 
 
+UNKNOWN = _WorstValue(value=nan, radius=nan, stage="", r=np.zeros(0), values=np.zeros(0))
+
+
 def _margin(
     name: str,
     worst: _WorstValue,
@@ -531,18 +535,18 @@ def _margin(
         Reference value of the reserve if the limit is 0; otherwise it is the limit.
     """
     bound = nan if limit is None else limit
-    note = "; ".join(filter(None, (worst.stage, note or NO_LIMIT * (limit is None))))
+    remark = note or (NO_LIMIT if limit is None else "")
     return Margin(
-        name,
-        worst.value,
-        bound,
-        worst.radius,
-        bound or scale,
-        quantity,
-        LEFT_OUT[name],
-        note,
-        worst.r,
-        worst.values,
+        name=name,
+        value=worst.value,
+        limit=bound,
+        radius=worst.radius,
+        scale=bound or scale,
+        quantity=quantity,
+        left_out=LEFT_OUT[name],
+        note="; ".join(filter(None, (worst.stage, remark))),
+        over_radius=worst.r,
+        values=worst.values,
     )
 
 
@@ -564,6 +568,7 @@ def _worst(states: list[_State], values: list[Array]) -> _WorstValue:
         state, values_of_worst = final, last
     k = int(np.argmax(values_of_worst))
     stage = "" if state is final else f"when the roll was {1e3 * state.surface:.4g} mm"
+    # at radii of the finished roll; -inf beyond the surface of a stage, where it has no layers
     over_radius = [
         np.interp(final.r[: last.size], state.r[: v.size], v, right=-np.inf)
         for state, v in zip(states, values, strict=True)
@@ -590,10 +595,10 @@ def _slip(
     """
     friction = limits.layer_friction or torque_data.friction
     if friction is None:
-        unknown = _WorstValue(nan, nan, "", np.zeros(0), np.zeros(0))
-        return _margin("slip", unknown, nan, SHARE, "the friction between layers is not given")
-    # Each stage is evaluated below the surface of the preceding one, because the outermost layers
-    # are held by their own tension.
+        note = "the friction between layers is not given"
+        return _margin("slip", UNKNOWN, nan, SHARE, note=note)
+    # Each stage is evaluated below the surface of the preceding one (the first at the core, the
+    # finished roll without its tail), because the outermost layers are held by their own tension.
     tail, core = TAIL_LAYERS * float(roll.problem.web_thickness), float(roll.radius[0])
     R = states[-1].surface
     evaluated_up_to = [
@@ -602,6 +607,7 @@ def _slip(
         R - min(tail, (R - core) / 2),
     ]
     shares = []
+    # if the finished roll is the only state, its end is the last of two
     for (s, r, P, _), end in zip(states, evaluated_up_to[-len(states) :], strict=True):
         tension = float(np.interp(s, torque_data.radius, torque_data.core))
         torque = torque_carried(r, s, tension, roll.problem.density or 0, limits.acceleration)
@@ -611,8 +617,9 @@ def _slip(
             ]
         )
     worst = _worst(states, shares)
-    note = "; ".join(filter(None, (torque_data.assumed, NO_FRICTION * isinf(worst.value))))
-    margin = _margin("slip", worst, limits.torque_share, SHARE, note)
+    slides = NO_FRICTION if isinf(worst.value) else ""
+    note = "; ".join(filter(None, (torque_data.assumed, slides)))
+    margin = _margin("slip", worst, limits.torque_share, SHARE, note=note)
     if torque_data.has_air:
         return replace(margin, left_out=margin.left_out.removeprefix(AIR_LEFT_OUT))
     return margin
@@ -622,15 +629,15 @@ def _compression(states: list[_State], roll: RollResult, limits: Limits) -> Marg
     """Return the margin of the hoop compression, with a note on buckling, at all stages."""
     worst = _worst(states, [-state.hoop for state in states])
     wound_on = float(np.max(roll.problem.tension_curve.at(roll.radius)))
-    missing = NO_LIMIT * (limits.compression is None)
+    missing = NO_LIMIT if limits.compression is None else ""
     note = "; ".join(filter(None, (missing, _buckling_note(states[-1], roll))))
-    return _margin("compression", worst, limits.compression, COMPRESSION, note, scale=wound_on)
+    return _margin("compression", worst, limits.compression, COMPRESSION, note=note, scale=wound_on)
 
 
 def _buckling_note(final: _State, roll: RollResult) -> str:
     """Return a note with the buckling stress of frictionless layers, if any is compressed."""
     pressed, stack = final.hoop < 0, roll.problem.stack
-    if pressed.sum() < 2:
+    if pressed.sum() < 2:  # a single radius has no depth
         return ""
     r, E_r = final.r[pressed], stack.radial.modulus(np.maximum(final.P[pressed], 0))
     depth = float(r[-1] - r[0])
@@ -650,11 +657,11 @@ def _core(states: list[_State], core: Core, limits: Limits) -> Margin:
     """Return the margin of the core pressure, by default against elastic collapse."""
     worst = _worst(states, [state.P[:1] for state in states])
     limit, note, collapse = limits.core_pressure, "", collapse_pressure(core)
-    if limit is None and collapse == collapse:
+    if limit is None and not isnan(collapse):
         limit, note = collapse, "its limit is the elastic collapse of a thin tube"
     elif limit is None:
         note = NO_LIMIT + ", and the core is not a thin tube"
-    return _margin("core", worst, limit, CORE, note)
+    return _margin("core", worst, limit, CORE, note=note)
 
 
 def _strength(
@@ -679,17 +686,18 @@ def _gauge_band(roll: RollResult, limits: Limits) -> Margin:
     try:
         strains = lane_strain(roll.problem, roll.radius)
     except InvalidProblem as fault:  # the law of the stack ends
-        unknown = _WorstValue(nan, nan, "", np.zeros(0), np.zeros(0))
-        return _margin("gauge_band", unknown, nan, BAND, str(fault))
+        return _margin("gauge_band", UNKNOWN, nan, BAND, note=str(fault))
     k = int(np.argmax(strains))
-    worst = _WorstValue(float(strains[k]), float(roll.radius[k]), "", roll.radius, strains)
+    worst = _WorstValue(
+        float(strains[k]), float(roll.radius[k]), stage="", r=roll.radius, values=strains
+    )
     if excess:
         ridge = RIDGE.stored_text(ridge_height(roll), ".3g")
         note = f"the lane is {100 * excess:.3g} % thicker, with a ridge of {ridge}"
-    known = NO_LIMIT * (limits.yield_strain is None)
+    missing = NO_LIMIT if limits.yield_strain is None else ""
     bent = yield_warnings(roll.problem, limits.yield_strain)
-    note = "; ".join(filter(None, (note, known, *bent)))
-    return _margin("gauge_band", worst, limits.yield_strain, BAND, note)
+    note = "; ".join(filter(None, (note, missing, *bent)))
+    return _margin("gauge_band", worst, limits.yield_strain, BAND, note=note)
 
 
 def ridge_height(roll: RollResult) -> float:
@@ -733,7 +741,7 @@ def _extreme(
     values = np.array([first[1], *(np.interp(r, *other) for other in more)])
     row, k = np.unravel_index(argextreme(values), values.shape)
     over_radius = values[argextreme(values, axis=0), np.arange(r.size)]
-    return _WorstValue(float(values[row, k]), float(r[k]), "", r, over_radius)
+    return _WorstValue(float(values[row, k]), float(r[k]), stage="", r=r, values=over_radius)
 
 
 class WithMargins:

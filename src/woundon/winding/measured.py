@@ -40,7 +40,10 @@ CHECKS = 4  # nips under measured loads, one in each part of the radii
 
 
 def smoothed(problem: WindingProblem, rtol: float) -> WindingProblem | None:
-    """Replace fluctuating schedules of a winding by smooth ones; return None if there are none."""
+    """Replace fluctuating schedules of a winding by smooth ones; return None if there are none.
+
+    A table fluctuates if a polynomial differs from it by more than ``rtol`` of its largest value.
+    """
     has_many_kinks = len(sharp_kinks(problem)) >= MAX_PIECES
     r = np.linspace(*problem.ends, FIT_RADII)
     changes = {}
@@ -79,6 +82,7 @@ class Departure:
     ) -> None:
         self.problem, self.smooth, self.curve = problem, smooth, curve
         slopes = {place: _slopes(nips.samples[curve.radius(place)]) for place in curve.places}
+        # derivatives of the tension by place, a mapping for each of the loads
         self.slopes = [{place: s[k] for place, s in slopes.items()} for k in range(len(LOADS))]
 
     def parts(self, r: Array) -> Array:
@@ -119,9 +123,11 @@ def _slopes(sample: NipSample) -> Array:
     if isnan(P_e):
         return np.asarray(tension)
     contact_part = PEAK_COEFFICIENT * result.peak_pressure
+    # derivatives of ln a and ln P by the loads, and of P_e at a fixed roll
     ln_a = width / result.half_width
     ln_P = np.array([1 / result.problem.nip_load if name == "nip_load" else 0.0 for name in LOADS])
-    pressure_change = ((P_e - contact_part) - contact_part) * ln_a + contact_part * ln_P
+    wound_part = P_e - contact_part
+    pressure_change = (wound_part - contact_part) * ln_a + contact_part * ln_P
     by_pressure = sample.exponents.tension * tension_on_roll(result) / P_e
     return np.asarray(tension + by_pressure * pressure_change / (1 - sample.feedback))
 

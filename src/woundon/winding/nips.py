@@ -179,6 +179,7 @@ class Nips:
             self.films[radius] = 0.0
             return solve_nip(nip, nodes=nodes, start=start, errors=self._has_estimates)
         nearest = min(self.films, key=lambda other: abs(other - radius), default=None)
+        # the friction of the nearest nip is the initial guess
         result = solve_with_film(
             nip,
             frictions=None if nearest is None else self.frictions[nearest],
@@ -193,16 +194,17 @@ class Nips:
 
 
 def warnings_of(nips: Iterable[tuple[float, tuple[str, ...]]]) -> tuple[str, ...]:
-    """Merge the warnings of all nips: each kind once, with its radii."""
+    """Merge the warnings of all nips, (radius [m], texts): each kind once, with its radii."""
     first: dict[str, str] = {}
     radii: dict[str, list[float]] = {}
     for radius, texts in nips:
         for text in texts:
-            kind = re.sub(r"[\d.e+-]+", "", text)
+            kind = re.sub(r"[\d.e+-]+", "", text)  # the text without its numbers
             first.setdefault(kind, text)
             radii.setdefault(kind, []).append(radius)
     merged = []
     for kind, text in first.items():
+        # the mark of a resolution warning stays at the beginning of the text
         mark = RESOLUTION if text.startswith(RESOLUTION) else ""
         merged.append(f"{mark}{_radii_text(radii[kind])}: {text.removeprefix(RESOLUTION)}")
     return tuple(merged)
@@ -223,6 +225,6 @@ def _radius_in_errors(radius: float) -> Iterator[None]:
     try:
         yield
     except InvalidProblem as fault:
-        raise type(fault)([(f, prefix + text) for f, text in fault.faults]) from None
+        raise type(fault)([(field, prefix + text) for field, text in fault.faults]) from None
     except NotConverged as stop:
         raise NotConverged(prefix + str(stop), stop.best) from None

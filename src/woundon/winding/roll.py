@@ -100,6 +100,7 @@ def _schedule(r: Array, tension: Array) -> float | Profile:
         last = nodes[-1]
         t = (r[k] - r[last]) / (r[k + 1] - r[last])
         line = tension[last] + t * (tension[k + 1] - tension[last])
+        # rounding of r next to another point bends the line, hence min(t, 1 - t)
         if abs(line - tension[k]) > STRAIGHT * tension[k] / min(t, 1 - t):
             nodes.append(k)
     nodes.append(r.size - 1)

@@ -246,9 +246,10 @@ class _Winder:
         self.nips.coarse = change > ROUGH_CHANGE and not self.nips.neighbours
         for number in range(MAX_ITERATIONS):
             if solves_nips and self.nips.coarse and change <= ROUGH_CHANGE:
+                # tensions on another mesh do not continue the secant steps
                 self.nips.coarse, previous = False, None
             rough = change > ROUGH_CHANGE
-            iteration = self._iterate(shares, rough, None if solves_nips else previous)
+            iteration = self._iterate(shares, rough, previous=None if solves_nips else previous)
             if solves_nips:
                 is_close = (
                     iteration.change <= REFINEMENT_CHANGE[self.problem.roll_body]
@@ -273,7 +274,10 @@ class _Winder:
         )
 
     def _initial_shares(self) -> tuple[dict[float, float], float]:
-        """Return the initial guess of the shares and the relative error of its tension."""
+        """Return the initial shares by place, and the relative error of their tension.
+
+        The error is 0 if the shares are those of solved nips, otherwise unknown and taken as 1.
+        """
         shares = {place: self._initial_share(place) for place in self.curve.places}
         if self.problem.roll_body != "linear" or self.problem.air is not None:
             return shares, 1.0
@@ -291,14 +295,15 @@ class _Winder:
         """Compute the roll from the shares, and solve the nips on this roll.
 
         With ``previous``, the tensions of the nips are extrapolated to the new roll instead.  The
-        roll is then computed in the same stages, because a change of the stages could
-        exceed the tolerance of the iteration.
+        roll is then computed in the same stages, because a change of the stages could exceed the
+        tolerance of the iteration.  ``rough`` permits a lower accuracy of roll and nips.
         """
         film, r = self.nips.mean_film(), self.curve.knots()
         self.nips.rough = rough
         tension = self.curve.tension(shares, r)
         if previous is None:
-            roll = wind(self.problem, r, tension, max(self.rtol, COARSE_RTOL * rough), film)
+            rtol = max(self.rtol, COARSE_RTOL) if rough else self.rtol
+            roll = wind(self.problem, r, tension, rtol, film)
             nip_shares = {place: self._nip_share(place, roll.result) for place in shares}
         else:
             roll = recomputed(self.problem, previous.roll, r, tension, film)
@@ -381,6 +386,7 @@ class _Winder:
     def _note_progress(self, change: float) -> None:
         """Update the progress after an iteration from the relative change of the tension."""
         tolerance = STOP_FRACTION * self.coupling_rtol
+        # 0 for a change of 1, 1 at the tolerance
         reached = np.log(max(change, tolerance)) / np.log(tolerance)
         gain = max(reached - self.reached, LEAST_GAIN)
         self.reached = max(self.reached, reached)
@@ -501,7 +507,7 @@ def _secant_update(
         step = share - last.shares.get(place, share)
         if abs(step) > MIN_SECANT_STEP:
             slope = (iteration.nip_shares[place] - last.nip_shares[place]) / step
-            slopes[place] = float(np.clip(slope, -0.5, 0.3))
+            slopes[place] = float(np.clip(slope, -0.5, 0.3))  # limits the effect of noise
     median = float(np.median([*slopes.values()])) if slopes else 0.0
     shares = {}
     for place, share in iteration.shares.items():
@@ -519,7 +525,7 @@ def _solve_prescribed(
         tension = problem.curve("tension_law").at(r)
     elif law == "fixed":
         tension = schedule("web_tension", r) + schedule("nip_induced_tension", r)
-    else:
+    else:  # "friction": the web slips on the whole roll, WOT = T_in + F + mu+ P
         tension = schedule("web_tension", r) + schedule("winding_force", r)
         tension = tension + problem.roll_friction * schedule("nip_load", r)
     radii = polyline_radii(problem, r, tension, rtol)
@@ -531,8 +537,8 @@ def _solve_prescribed(
         radii,
         reported,
         wind(problem, radii, reported, rtol),
-        Nips(problem, nodes, coupling_rtol, lambda _: None),
-        interpolation=(error * (error > ROUNDING), 0.0),
+        Nips(problem, nodes, coupling_rtol, report=lambda _: None),
+        interpolation=(error if error > ROUNDING else 0.0, 0.0),
         rtol=rtol,
         coupling_rtol=coupling_rtol,
         film=0.0,
