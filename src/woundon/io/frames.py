@@ -88,7 +88,7 @@ def _columns(values: Mapping[str, Any]) -> dict[str, np.ndarray]:
 
 
 def _in_table(name: str, quantity: Quantity | None, value: Any) -> tuple[str, Any]:
-    """Return the header of a column with its unit, and the values in this unit."""
+    """Return the header of a column with its unit, and an SI value or array in this unit."""
     if quantity is None:
         return name, value
     unit, converted = quantity.in_table(value)
