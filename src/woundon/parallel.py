@@ -441,8 +441,9 @@ def in_processes(
 def stoppable(finishing: str) -> Iterator[Callable[[], bool]]:
     """Provide a function that returns whether Ctrl-C was pressed, which prints ``finishing``.
 
-    After Ctrl-C, KeyboardInterrupt is raised on leaving, and at once if it is pressed again.  Without ``finishing``, outside the main thread, or
-    where another handler listens to Ctrl-C, nothing is changed.
+    After Ctrl-C, KeyboardInterrupt is raised on leaving, or when it is pressed again.  Without
+    ``finishing``, outside the main thread, or where another handler listens to Ctrl-C, nothing is
+    changed.
     """
     pressed: list[int] = []
 

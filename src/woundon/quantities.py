@@ -10,8 +10,9 @@ return annotation of a property or method of a result:
     def nip_width(self) -> Annotated[float, length("2a", "nip width")]: ...
 
 A description is a pydantic class of inputs, or an instance of one: a problem, or a body, a material
-or a law in it.  The function :func:`walk` yields all quantities of one.  Case files, ``--set``, studies, reports, plot labels,
-result files and the tables of the documentation use it.
+or a law in it.  The function :func:`walk` yields all quantities of one, or of a result.  Case
+files, ``--set``, studies, reports, plot labels, result files and the tables of the documentation
+use it.
 """
 
 from __future__ import annotations

@@ -167,7 +167,7 @@ def sobol(
 
     loaded = load_study(study, ranges=True)
     folder = _export_folder(out, export_to)
-    over: Any = loaded.over  # ranges; with ranges=True a table of cases is rejected
+    over: Any = loaded.over  # ranges by field; the table of another file is rejected
     design = {k: v for k, v in loaded.design.items() if k in ("samples", "seed")}
     if samples is not None:
         design["samples"] = samples
