@@ -267,7 +267,8 @@ class Disc:
 class Bars:
     """Horizontal bars at the named positions 0, 1, ... of the y axis, moved down by ``shift``.
 
-    ``values`` is (n,), a bar for each position.  ``interval`` is (2, n), the ends of the error bars.
+    ``values`` is (n,), a bar for each position.  ``interval`` is (2, n), the ends of the error
+    bars.
     """
 
     label: str

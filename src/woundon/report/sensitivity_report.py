@@ -24,17 +24,17 @@ def sensitivity_parts(sensitivity: Sensitivity) -> list[Part]:
     known: dict[str, quantities.Quantity] = {}
     for kind in kinds.every():  # the same name means the same in all of them
         known = {**quantities.scalar_outputs(kind.result), **known}
-    # the width's elasticities are the half width's
+    # the elasticities of the half width are those of the nip width; indices of the others
     outputs = [k for k, name in enumerate(ordered.outputs) if name != "half_width"]
     symbols = [Column(known[ordered.outputs[k]].symbol, "number") for k in outputs]
     elasticities = np.round(ordered.elasticities[outputs], 4) + 0.0  # without a minus zero
     rows, undefined = [], []
     for name, field, values in zip(ordered.parameters, ordered.fields, elasticities.T, strict=True):
-        quantity = quantity_of_field(NipProblem, name)
+        quantity = quantity_of_field(NipProblem, name)  # only nips have sensitivities
         if field:
             numbers = (f"{value:+.4f}" for value in values)
             rows.append(TableRow((name, quantity.text(field, ".5g"), *numbers)))
-        else:  # an elasticity is not defined
+        else:  # an elasticity is not defined; in its place the derivative of the first output
             main = known[ordered.outputs[0]].named(ordered.outputs[0])
             slope = ordered.derivative(ordered.outputs[0], name) / float(quantity.shown(1.0))
             change, unit = main.text(slope, "+.4g"), quantity.display or "unit"

@@ -305,9 +305,19 @@ def indices_panels(indices: SobolIndices) -> list[Panel]:
         names = tuple(in_words(name, known.get(name)) for name in inputs)
         words = in_words(output, known.get(output))
         bars = (
-            Bars("alone (first order)", alone, -0.2, "roll", indices.first_interval[:, k, order]),
             Bars(
-                "with interactions (total)", total, 0.2, "sky", indices.total_interval[:, k, order]
+                "alone (first order)",
+                alone,
+                shift=-0.2,
+                colour="roll",
+                interval=indices.first_interval[:, k, order],
+            ),
+            Bars(
+                "with interactions (total)",
+                total,
+                shift=0.2,
+                colour="sky",
+                interval=indices.total_interval[:, k, order],
             ),
         )
         panels.append(
