@@ -285,8 +285,9 @@ def in_chosen_units(text: str) -> str:
     system = _CHOSEN.get().system
     if not system:
         return text
-    # the longest first: a pattern takes the first alternative that fits
+    # a unit of the system; the longest first, because a pattern takes the first one that fits
     names = "|".join(re.escape(name) for name in sorted(system, key=len, reverse=True))
+    # several numbers share a unit, as do the value and the bounds in the text of an error
     several = rf"{_NUMBER}(?:(?:, | to | and ){_NUMBER})*"
     permitted = rf"{_NUMBER} is out of range; must be [^;\[\]]*"
     sharing = rf"(?<![\w.])({several}|{permitted}) (\[?)({names})(\]?)(?![\w/^*])"

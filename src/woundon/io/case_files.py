@@ -160,7 +160,7 @@ def check_like_a_case(case: Mapping[str, Any], where: str = "") -> None:
 
 def _excess(case: Mapping[str, Any]) -> str:
     """Return the limit that the tables exceed; '' if they exceed none."""
-    level: list[Any] = [case]  # tables and lists of one depth
+    level: list[Any] = [case]  # tables and lists of one depth; no recursion, which may be too deep
     names = 0
     for _ in range(MAX_DEPTH):
         values: list[Any] = []

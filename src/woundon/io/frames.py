@@ -83,7 +83,7 @@ def to_csv(result: Result) -> bytes:
 def _columns(values: Mapping[str, Any]) -> dict[str, np.ndarray]:
     """Return the arrays of a result that have the shape (n,), n being the length of the first."""
     arrays = {name: value for name, value in values.items() if isinstance(value, np.ndarray)}
-    shape = next((array.shape[:1] for array in arrays.values()), None)
+    shape = next((array.shape[:1] for array in arrays.values()), None)  # (n,)
     return {name: array for name, array in arrays.items() if array.shape == shape}
 
 

@@ -174,7 +174,7 @@ def _sheet(where: str, rows: Rows) -> Sheet:
     """Return the table of rows of cells: title rows are skipped, then header, units and values."""
     filled = _filled_rows(rows, where)
     if any(len(row.texts) > 1 for row in filled):
-        while len(filled[0].texts) == 1:  # a title
+        while len(filled[0].texts) == 1:  # a title; a table of one column has none
             del filled[0]
     if len(filled) < 2:
         raise InvalidProblem.at(where, "has no header with rows below it")

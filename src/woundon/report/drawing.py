@@ -290,7 +290,7 @@ def draw_panel(axes: Axes, cases: Sequence[Panel], colours: Colours = (None,)) -
     list of Artist
         Entries for a legend; of several results the line styles in grey, if there are several.
     """
-    panel, alone = cases[0], len(cases) == 1
+    panel, alone = cases[0], len(cases) == 1  # the first one states what all have in common
     handles: list[Artist | None] = []
     if alone:
         handles += [_draw_area(axes, panel, area) for area in panel.areas]
@@ -302,7 +302,7 @@ def draw_panel(axes: Axes, cases: Sequence[Panel], colours: Colours = (None,)) -
         drawn += [_draw_mark(axes, case, mark, colour if mark.value else None) for mark in marks]
         if case.map:
             drawn += _draw_map(axes, case, case.map, colour)
-        if case is panel:
+        if case is panel:  # the entries of the other results are the same in other colours
             handles = drawn + handles
     if panel.regions:
         handles = _draw_regions(axes, panel, panel.regions) + handles

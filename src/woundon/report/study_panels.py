@@ -259,7 +259,7 @@ def _abscissa(comparison: Comparison, rows: Array) -> tuple[Array, Axis]:
 
 def plan_panels(plan: NextExperiment) -> list[Panel]:
     """Return the panel of the relative standard errors expected after each measurement."""
-    steps = np.arange(len(plan.measurements) + 1.0)
+    steps = np.arange(len(plan.measurements) + 1.0)  # 0 is the state before the first measurement
     curves = [
         Curve(
             name,
@@ -299,6 +299,7 @@ def indices_panels(indices: SobolIndices) -> list[Panel]:
     """
     panels, known = [], indices.table.quantities
     for k, output in enumerate(indices.outputs):
+        # arrays of indices are (outputs, inputs), those of intervals (2, outputs, inputs)
         order = np.argsort(-indices.total_order[k], kind="stable")
         alone, total = indices.first_order[k, order], indices.total_order[k, order]
         inputs = [indices.inputs[j] for j in order]
@@ -345,6 +346,7 @@ def window_panels(window: OperatingWindow) -> list[Panel]:
     """
     tension, load = (window.quantities[name] for name in window.names[:2])
     best, heading = window.best, ""
+    # of (tension, load[, split]), turned to ([split, ]load, tension): maps have y before x
     probability, binding = window.probability.T, window.binding.T
     if len(window.names) == 3:
         split = best.values["torque_split"]
