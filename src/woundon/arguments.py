@@ -72,7 +72,11 @@ def tolerance(name: str, value: Any, low: float, high: float) -> float:
 def _check_range(
     name: str, value: Any, types: tuple[type[Any], ...], low: float, high: float, must: str
 ) -> None:
-    """Raise an error unless a value has one of the types and is from ``low`` to ``high``."""
+    """Raise an error unless a value has one of the types and is from ``low`` to ``high``.
+
+    ``must`` is the permitted range as text.  True and False, which are integers of Python, and nan
+    are rejected.
+    """
     if isinstance(value, bool) or not isinstance(value, types) or not low <= value <= high:
         raise InvalidProblem.at(name, f"{quote(value)} is out of range: must be {must}")
 
@@ -117,7 +121,7 @@ def _are_names(value: Any) -> bool:
 
 
 def _maps_names(value: object, *types: type[Any]) -> bool:
-    """Return True for a mapping of names to values, of some types if they are given."""
+    """Return True for a mapping of names to values; values of ``types`` only, if any are given."""
     return isinstance(value, Mapping) and all(
         isinstance(name, str) and isinstance(entry, types or object)
         for name, entry in value.items()
@@ -168,7 +172,9 @@ _KINDS = {
     "spread": _Kind(_NUMBER_OF_EACH, _maps_names),
     "tie": _FIELD_OF_EACH,
     "uncertain": _Kind("a mapping of fields to relative standard deviations", _maps_names),
-    "unknown": _Kind("a mapping of fields to relative standard deviations", _maps_names, False),
+    "unknown": _Kind(
+        "a mapping of fields to relative standard deviations", _maps_names, optional=False
+    ),
     "vary": _Kind(
         "names of fields, or {name: (low, high)}",
         lambda value: _are_names(value) or _maps_names(value),

@@ -61,9 +61,9 @@ class InvalidProblem(ValueError):
             for field, text in self.faults[:MOST_LINES]
         ]
         beyond = len(self.faults) - len(lines)
-        super().__init__("\n".join([*lines, *[f"and {beyond} more"] * (beyond > 0)]))
+        super().__init__("\n".join([*lines, f"and {beyond} more"] if beyond else lines))
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> Any:  # a pickle of an exception would have its message only
         return type(self), (self.faults,)
 
     @classmethod
@@ -72,7 +72,7 @@ class InvalidProblem(ValueError):
         return cls([(field, text)])
 
     def under(self, prefix: str) -> Self:
-        """Return the same faults with ``prefix`` before every field."""
+        """Return the same faults with ``prefix`` before every field; in place of an empty one."""
         return type(self)(
             (".".join(part for part in (prefix, f) if part), t) for f, t in self.faults
         )
@@ -252,7 +252,10 @@ def unwarned() -> Iterator[None]:
 
 
 def nearest(word: Any, known: Iterable[str]) -> str:
-    """Return the known name most similar to a misspelt ``word``; empty if none is similar."""
+    """Return the known name most similar to a misspelt ``word``, ignoring case.
+
+    It is empty if none is similar, or if ``word`` is not a text.
+    """
     if not isinstance(word, str):
         return ""
     by_lower = {name.lower(): name for name in sorted(known)}
@@ -268,6 +271,6 @@ def did_you_mean(word: Any, known: Iterable[str]) -> str:
 
 
 def one_of(words: Iterable[str], last: str = "or") -> str:
-    """Return 'a, b or c'."""
+    """Return 'a, b or c', with the word ``last`` before the last one; a single word as it is."""
     *heads, tail = words
     return f"{', '.join(heads)} {last} {tail}" if heads else tail

@@ -135,11 +135,11 @@ class Kind(Generic[ProblemT, ResultT]):
 
 def _option_of(hint: Any) -> SolverOption | None:
     """Return the option that a type hint describes; None for a hint of another type."""
-    description = Option("")
+    description = Option("")  # its fields are the last two of a SolverOption: help, details
     if get_origin(hint) is Annotated:
         hint, *metadata = get_args(hint)
         description = next((part for part in metadata if isinstance(part, Option)), description)
-    for part in (hint, *get_args(hint)):  # of a union with None too
+    for part in (hint, *get_args(hint)):  # the members of a union, such as int | None, too
         if part in (int, float, str):
             return SolverOption(part, (), *description)
         if get_origin(part) is Literal:
@@ -235,7 +235,7 @@ def register(
 def every() -> tuple[Kind[Any, Any], ...]:
     """Return all kinds, those of woundon first, with the outputs that plug-ins add."""
     for kind, name, output in plugins.take_outputs():
-        if isinstance(output, on_request):
+        if isinstance(output, on_request):  # Python names it in the body of a class only
             output.__set_name__(_KINDS[kind].result, name)
         setattr(_KINDS[kind].result, name, output)
     return tuple(_KINDS.values())
@@ -280,7 +280,7 @@ def of(thing: Any) -> Kind[Any, Any]:
 
 
 def for_fields(names: Iterable[str]) -> Kind[Any, Any]:
-    """Return the kind whose problem has the fields, or a file's tables, of these names.
+    """Return the kind whose problem matches names of fields, or of a file's tables, best.
 
     >>> for_fields(["upper", "lower", "load"]).name
     'rollers'

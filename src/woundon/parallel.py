@@ -106,7 +106,7 @@ def one_thread(solve: Function) -> Function:
 
 
 class _Limit:
-    """The limit of this process: the first to enter sets it, the last to leave removes it."""
+    """One BLAS thread in this process: the first to enter sets it, the last to leave removes it."""
 
     def __init__(self) -> None:
         self._lock, self._inside = threading.Lock(), 0
@@ -159,7 +159,17 @@ def progress(fraction: float) -> None:
 
 
 def _prepare(flag: str, parent: Any, prepare: Callable[[], Any] | None) -> None:
-    """Prepare a worker: ignore the signals that its parent handles, and end with the parent."""
+    """Prepare a worker: ignore the signals that its parent handles, and end with the parent.
+
+    Parameters
+    ----------
+    flag : str
+        Path of the file whose existence cancels the work.
+    parent : multiprocessing.Connection
+        End of a pipe whose other end only the parent has.
+    prepare : callable or None
+        Of the :class:`Worker`.
+    """
     global _flag
     _flag = flag
     for number in INTERRUPTS:
@@ -255,7 +265,7 @@ class Worker:
         The future raises ``BrokenExecutor`` if the process dies, another ``RuntimeError`` if it is
         killed.
         """
-        self._flag.unlink(missing_ok=True)
+        self._flag.unlink(missing_ok=True)  # of a cancellation of the item before
         with _interrupts_deferred():
             future = self._last = self._submit(work, *args)
         return future
@@ -388,7 +398,8 @@ def in_processes(
     if _flag:
         yield from ((item, work(item)) for item in items)
         return
-    todo, suspects = deque(range(len(items))), set[int]()
+    todo = deque(range(len(items)))
+    suspects = set[int]()  # items during which a process has died once
     crew = [Worker() for _ in range(min(workers, len(items)))]
     idle = list(crew)
     busy: dict[Future[Answer], tuple[int, Worker]] = {}
@@ -428,16 +439,17 @@ def in_processes(
 
 @contextmanager
 def stoppable(finishing: str) -> Iterator[Callable[[], bool]]:
-    """Provide whether Ctrl-C was pressed, which prints ``finishing``; the second one interrupts.
+    """Provide a function that returns whether Ctrl-C was pressed, which prints ``finishing``.
 
-    On leaving, KeyboardInterrupt is raised.  Without ``finishing``, outside the main thread, or
-    where another handler listens to Ctrl-C, nothing is changed.
+    After Ctrl-C, KeyboardInterrupt is raised on leaving, or when it is pressed again.  Without
+    ``finishing``, outside the main thread, or where another handler listens to Ctrl-C, nothing is
+    changed.
     """
     pressed: list[int] = []
 
     def note(number: int, frame: types.FrameType | None) -> None:
         """Count Ctrl-C; the next one, or another signal, raises KeyboardInterrupt."""
-        if number != signal.SIGINT:  # its sender does not wait for a chunk
+        if number != signal.SIGINT:  # its sender does not wait for the work in progress
             signal.default_int_handler(number, frame)
         pressed.append(number)
         signal.signal(signal.SIGINT, signal.default_int_handler)

@@ -9,8 +9,10 @@ return annotation of a property or method of a result:
     @property
     def nip_width(self) -> Annotated[float, length("2a", "nip width")]: ...
 
-The function :func:`walk` yields all of them.  Case files, ``--set``, studies, reports, plot labels,
-result files and the tables of the documentation use it.
+A description is a pydantic class of inputs, or an instance of one: a problem, or a body, a material
+or a law in it.  The function :func:`walk` yields all quantities of one, or of a result.  Case
+files, ``--set``, studies, reports, plot labels, result files and the tables of the documentation
+use it.
 """
 
 from __future__ import annotations
@@ -123,6 +125,8 @@ class Quantity:
     def _chosen(self) -> tuple[str, float] | None:
         """Return the unit that the user has chosen, by name or in a system, and its size."""
         chosen = _CHOSEN.get()
+        # "drum.layers.0.thickness" may be chosen itself, or all layers; the SI unit is part of the
+        # key because a name may have another quantity in another kind of problem
         for path in (self.path, pattern(self.path)) if chosen.names and self.path else ():
             if (path, self.unit) in chosen.names:
                 return chosen.names[path, self.unit]
@@ -152,7 +156,7 @@ class Quantity:
         :func:`in_chosen_units` converts such texts when they are displayed.
         """
         unit, size = self._usual()
-        return f"{float(value) / size:{form}} {unit.removeprefix('1')}".rstrip()
+        return f"{float(value) / size:{form}} {'' if unit == '1' else unit}".rstrip()
 
     def in_table(self, value: Any) -> tuple[str, Any]:
         """Return unit and value for a table: SI, or the chosen unit."""
@@ -281,16 +285,20 @@ def in_chosen_units(text: str) -> str:
     system = _CHOSEN.get().system
     if not system:
         return text
+    # a unit of the system; the longest first, because a pattern takes the first one that fits
     names = "|".join(re.escape(name) for name in sorted(system, key=len, reverse=True))
+    # several numbers share a unit, as do the value and the bounds in the text of an error
     several = rf"{_NUMBER}(?:(?:, | to | and ){_NUMBER})*"
     permitted = rf"{_NUMBER} is out of range; must be [^;\[\]]*"
     sharing = rf"(?<![\w.])({several}|{permitted}) (\[?)({names})(\]?)(?![\w/^*])"
 
     def converted(match: re.Match[str]) -> str:
+        """Return the match, (numbers) (bracket)(unit)(bracket), in the chosen unit."""
         unit, size = system[match[3]]
         scale = DISPLAYED.get(match[3], ("", 1.0))[1] / size
 
         def number(digits: re.Match[str]) -> str:
+            """Return a number with as many significant digits as it had."""
             mantissa = re.sub(r"e.*|\D", "", digits[0]).lstrip("0")
             count = max(_SENTENCE_DIGITS, len(mantissa))
             return f"{float(digits[0]) * scale:.{count}g}"
@@ -365,7 +373,7 @@ def walk(thing: object, prefix: str = "", of_field: Quantity | None = None) -> I
 
 
 def _walk_value(place: Place) -> Iterator[Place]:
-    """Yield a value of a description, or the values of the descriptions it contains."""
+    """Yield the value of a field, or the values in the description or descriptions that it is."""
     path, value = place.path, place.value
     if hasattr(type(value), "model_fields"):
         yield from walk(value, f"{path}.", place.quantity)
@@ -381,7 +389,7 @@ def _walk_annotation(place: Place) -> Iterator[Place]:
     """Yield a field if it may be a value, then the fields of the descriptions it may contain."""
     annotation = place.field.annotation
     inner = members_of(annotation)
-    if not inner or float in get_args(annotation):
+    if not inner or float in get_args(annotation):  # float | Profile is a number or a description
         yield place._replace(quantity=place.quantity and place.quantity.named(place.path))
     part = f"{place.path}.*." if is_list(annotation) else f"{place.path}."
     for model in inner:
@@ -399,8 +407,9 @@ def quantity_of(field: Any, of_field: Quantity | None = None) -> Quantity | None
 
 
 def members_of(annotation: object) -> tuple[type, ...]:
-    """Return the descriptions that an annotation admits, with all members of a family."""
+    """Return the classes of descriptions that an annotation admits, all members of a family."""
     if isinstance(annotation, type) and hasattr(annotation, "model_fields"):
+        # the base class of a family, such as the bodies, has a method "members"; others have none
         members: Mapping[str, type] | None = getattr(annotation, "members", lambda: None)()
         return (annotation,) if members is None else tuple(members.values())
     models = (model for part in get_args(annotation) for model in members_of(part))
@@ -430,7 +439,7 @@ def outputs(thing: object) -> tuple[Place, ...]:
 
 def scalar_outputs(thing: object) -> dict[str, Quantity]:
     """Return the quantities of the outputs that are single numbers, by name."""
-    return {
+    return {  # the annotation is Annotated[float, Quantity]
         place.path: place.quantity
         for place in outputs(thing)
         if place.quantity is not None and get_args(place.field)[0] in (float, int)
@@ -472,6 +481,7 @@ def _walk_outputs(thing: Any, cls: type, prefix: str, values: bool = True) -> It
     relabelled = {} if thing is cls else getattr(thing, "relabelled", {})
     for name, (quantity, hint) in _annotated(cls, _version(cls)).items():
         part = name.partition(".")[0]
+        # "" stands for a part that is no field but a property, which computes it
         missing = part != name and thing is not cls and vars(thing).get(part, "") is None
         if missing or (thing is not cls and is_on_request(cls, part)):
             continue
@@ -506,6 +516,7 @@ def _annotated(cls: type, version: object) -> Mapping[str, tuple[Quantity, Any]]
     """
     hints: dict[str, Any] = {}
     for name, hint in _hints(cls):
+        # classes whose fields are outputs of the result that holds them, such as the air film
         parts = [h for h in (hint, *get_args(hint)) if getattr(h, "part_of_result", False)]
         if parts:
             inner = _annotated(parts[0], version)
@@ -520,7 +531,10 @@ def _annotated(cls: type, version: object) -> Mapping[str, tuple[Quantity, Any]]
 
 
 def _hints(cls: type) -> Iterator[tuple[str, Any]]:
-    """Yield name and annotation of the fields of a dataclass, its properties and methods."""
+    """Yield name and annotation of the fields of a dataclass, its properties and methods.
+
+    Those of base classes come first, so that a dictionary takes the annotation of the subclass.
+    """
     if dataclasses.is_dataclass(cls):
         hints = get_type_hints(cls, include_extras=True)
         yield from ((field.name, hints[field.name]) for field in dataclasses.fields(cls))
@@ -531,7 +545,10 @@ def _hints(cls: type) -> Iterator[tuple[str, Any]]:
 
 
 def _returned(attribute: Any) -> Any:
-    """Return the annotation of a property, or of a method that needs no argument."""
+    """Return the annotation of the value of a property, or of a method without required arguments.
+
+    It is None for another attribute.
+    """
     if isinstance(attribute, cached_property):
         attribute = property(attribute.func)
     function: Callable[..., Any] | None = (
@@ -545,7 +562,7 @@ def _returned(attribute: Any) -> Any:
             hint = eval(hint, function.__globals__)  # as typing.get_type_hints does, return only
         except NameError:  # a name that type checkers alone import: no quantity
             return None
-    parameters = list(signature(function).parameters.values())[1:]
+    parameters = list(signature(function).parameters.values())[1:]  # without self
     required = [p for p in parameters if p.default is p.empty and p.kind in _POSITIONAL]
     return None if required else hint
 

@@ -62,13 +62,13 @@ class Zone(IntEnum):
     @property
     def word(self) -> str:
         """Speed of the web, or lower surface, relative to the body: slower, stick, faster."""
-        return ("slower", "stick", "faster")[self + 1]
+        return ("slower", "stick", "faster")[self + 1]  # of -1, 0, 1
 
 
 def zone_runs(x: np.ndarray, zones: np.ndarray) -> list[tuple[int, float, float]]:
     """Return runs (zone, from, to) [m] of neighbouring nodes in the same zone.
 
-    Boundaries lie halfway between nodes.
+    ``x`` are the nodes, ``zones`` their zones, both (n,).  Boundaries lie halfway between nodes.
     """
     changes = np.nonzero(np.diff(zones))[0]
     ends = [float(x[0]), *((x[changes] + x[changes + 1]) / 2).tolist(), float(x[-1])]
@@ -85,7 +85,7 @@ def largest(values: Any) -> float:
 
 
 def positive(*values: np.ndarray) -> float:
-    """Return 0 if all values are positive, else inf; nan counts as a violation."""
+    """Return the violation of positivity: 0 if all values are positive, else inf, also for nan."""
     return 0.0 if all((each > 0).all() for each in values) else float("inf")
 
 
@@ -121,6 +121,7 @@ class Residuals:
     def worst(self) -> str:
         """The condition with the largest violation; one with nan precedes all others."""
         values = self._values
+        # a nan differs from itself, and True is larger than False
         return max(values, key=lambda name: (values[name] != values[name], values[name]))
 
     def replace(self, **values: float) -> Residuals:
@@ -150,6 +151,7 @@ class Residuals:
 
 
 def _residuals(values: dict[str, float]) -> Residuals:
+    """Return residuals from a pickle, which calls this without keywords."""
     return Residuals(**values)
 
 
@@ -174,7 +176,7 @@ class Presented:
         return html_of(self)
 
     def _figure(self, *options: Any) -> Any:
-        """Draw the figure of this object; options as of its method ``plot``."""
+        """Draw the figure of this object; options are the arguments of its method ``plot``."""
         from .report.presentation import figure_of
 
         return figure_of(self, *options)
@@ -270,7 +272,7 @@ class Result(Presented, ReadOnly):
 
     @property
     def relabelled(self) -> Mapping[str, Quantity]:
-        """Outputs that are another quantity in this result than in others of its class."""
+        """Quantities, by output, that differ in this result from those of its class."""
         return {}
 
     def checked(self, accepted: float = ACCEPTED_RESIDUAL) -> Self:
@@ -292,7 +294,7 @@ class Result(Presented, ReadOnly):
             if any(name.startswith("positive_pressure") for name in violated):
                 reasons += "; the surfaces separate within the contact, which the model excludes"
             outside = [text for text in self.warnings if not text.startswith(RESOLUTION)]
-            shown = f"{accepted:g}".replace("e-0", "e-")
+            shown = f"{accepted:g}".replace("e-0", "e-")  # 1e-8, not 1e-08
             text = f"contact conditions are not satisfied to {shown}: {reasons}"
             raise NotConverged("; ".join((text, *outside)), self)
         return self
@@ -307,7 +309,10 @@ class Result(Presented, ReadOnly):
         raise NotImplementedError(f"a {type(self).__name__} does not evaluate its residuals")
 
     def recomputed(self) -> Mapping[str, tuple[float, float]]:
-        """Return the scalars that no condition determines: values from the arrays, tolerances."""
+        """Return (value computed from the arrays, its tolerance) of scalars, by name [SI].
+
+        They are those in the fields of the result that no contact condition determines.
+        """
         return {}
 
     @property
@@ -468,7 +473,7 @@ def measured(
 
 
 def _same(one: Any, two: Any) -> bool:
-    """Return True if two fields are equal; nan equals nan."""
+    """Return True if two values of a field are equal; nan equals nan, also in arrays and parts."""
     if type(one) is type(two) and getattr(one, "part_of_result", False):
         return all(_same(getattr(one, f.name), getattr(two, f.name)) for f in fields(one))
     if isinstance(one, np.ndarray) and isinstance(two, np.ndarray):

@@ -86,7 +86,10 @@ def _compliance(body: Body, name: str) -> half_plane.Coefficients:
 
 
 def _pair(problem: NipProblem | RollerProblem) -> _Pair:
-    """Return the combined coefficients of both bodies and R*."""
+    """Return the combined coefficients of both bodies and the relative radius R.
+
+    Body 1 is the roll or the upper roller.
+    """
     check_type("problem", problem, NipProblem, RollerProblem)
     names = ("roll", "drum") if isinstance(problem, NipProblem) else ("upper", "lower")
     one, two = (getattr(problem, name) for name in names)

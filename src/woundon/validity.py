@@ -104,7 +104,10 @@ def pair_warnings(result: Any, tractions: Mapping[str, Array]) -> Iterator[str]:
 def _frequency_warnings(
     name: str, body: Body, speed: float | None, half_width: float
 ) -> Iterator[str]:
-    """Yield warnings about materials that were not measured at the frequencies of the nip."""
+    """Yield warnings about materials that were not measured at the frequencies of the nip.
+
+    ``speed`` is the speed of rolling [m/s], None in static contact.
+    """
     if speed is None:
         return
     frequency = abs(speed) / (2 * half_width)  # the lowest one of the pressure of a nip
@@ -124,20 +127,24 @@ def _indentation(result: Any, body: Body, traction: Array) -> float:
         return float(result.approach)  # an upper bound
     p, q = getattr(result, result.CONTACT_PRESSURE)[result.in_nip], traction
     speed = result.problem.rolling_speed
-    mesh = nip_mesh(p.size, Wrap(), Wrap())
+    mesh = nip_mesh(p.size, Wrap(), Wrap())  # without wraps, so that both faces are alike
     a, face = result.half_width, mesh.roll_face
     surface = body.surface(face, a, speed)
     slope, _ = surface.deform(p, q)
     v = face.displacement_at_nodes(slope, surface.end_displacement(p, q), a)
-    return -float(np.interp(0.0, mesh.nodes, v))
+    return -float(np.interp(0.0, mesh.nodes, v))  # v is outward
 
 
 def far_outside(problem: ContactProblem, load: float) -> Iterator[str]:
-    """Yield a text for each body whose mean pressure exceeds its stiffness."""
+    """Yield a text for each body whose stiffness is less than the mean pressure of a load [N/m].
+
+    The pressure is that of the estimated width of the contact, which is not solved.
+    """
     p = load / (2 * half_width_guess(load, *problem.bodies))
     for name, body in zip(problem.pair, problem.bodies, strict=True):
         if body.surface_material is not None:
-            modulus = min(body.surface_material.stiffness[:2])
+            stiffness = body.surface_material.stiffness
+            modulus = min(stiffness.rr, stiffness.tt)
             if p > modulus:
                 yield (
                     f"this is far outside the model: a mean pressure of about {p:.2g} Pa is more "
@@ -185,6 +192,7 @@ def zone_warnings(x: Array, faces: Mapping[str, Array], slips: str = "the web") 
     slips : str
         Name of the surface that is faster or slower.
     """
+    # of the last node within the nip; the pressure is zero at its end
     trailing = {int(zones[-2]) for zones in faces.values()}
     dual = len(faces) > 1 and len(trailing) == 1 and trailing != {Zone.STICK}
     for face, zones in faces.items():
@@ -203,12 +211,12 @@ def zone_warnings(x: Array, faces: Mapping[str, Array], slips: str = "the web") 
             cell = 1e3 * float(np.diff(x[with_neighbours]).max())
             yield (
                 f"{RESOLUTION}{nodes} in {where}, the ends of which are known to {cell:.2g} mm; "
-                f"use {2 * x.size - 1} nodes"
+                f"use {2 * x.size - 1} nodes"  # half the spacing
             )
 
 
 def _runs_between_ends(zones: Array) -> Iterator[tuple[int, int]]:
-    """Yield the first and last node of each run of one zone, without both ends of the nip."""
+    """Yield first and last index of each run of nodes in one zone, without the ends of the nip."""
     inner = zones[1:-1]
     changes = (inner[1:] != inner[:-1]).nonzero()[0] + 1  # indices in inner, one less than in zones
     for first, end in pairwise([1, *(changes + 1).tolist(), zones.size - 1]):

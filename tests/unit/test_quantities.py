@@ -18,6 +18,13 @@ each_kind = pytest.mark.parametrize("kind", OWN, ids=lambda kind: kind.name)
 # ---- a quantity ---------------------------------------------------------------------------------
 
 
+def test_a_stored_text_has_the_complete_unit() -> None:
+    """Only the unit of a pure number is left out, not the 1 of "1/K"."""
+    expansion = quantities.Quantity("alpha", "1/K", "thermal expansion")
+    assert expansion.stored_text(1e-5) == "1e-05 1/K"
+    assert quantities.pure("mu", "friction").stored_text(0.3) == "0.3"
+
+
 def test_every_shown_unit_is_its_unit_and_every_range_an_admissible_one() -> None:
     """Units are parsed by what reads case files: no factor here is another than there."""
     from woundon.problems.units import parse

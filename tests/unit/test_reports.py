@@ -224,6 +224,16 @@ def test_a_broken_law_is_never_hidden(laws, said, tone):
     assert (line.text, line.tone) == (f"Certificate: {said}", tone)
 
 
+def test_the_sensitivities_of_rollers_are_printed_too():
+    """Their fields are not those of a nip."""
+    rollers = coarse_solution(wo.RollerProblem.example(), NODES)
+    names = ("load", "upper.radius")
+    table = lines(str(rollers.sensitivity(*names, outputs=["peak_pressure"])))
+    # p0 varies as sqrt(P/R), and 1/R = 1/R1 + 1/R2 with equal radii
+    assert "load 89000 N/m +0.5000" in table
+    assert "upper.radius 250 mm -0.2500" in table
+
+
 # ---- on a terminal -------------------------------------------------------------------------------
 
 

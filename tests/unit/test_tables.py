@@ -147,6 +147,39 @@ def test_merged_cells_titles_and_blank_rows_of_excel(tmp_path: Path):
     assert list(data.numbers) == [5, 6, 8]
 
 
+def test_long_merged_blocks_of_a_wide_table_are_repeated(tmp_path: Path):
+    """All columns but the first are one block each: not more cells than the table has."""
+    rows, columns = 250, 100
+    body = [[1.0, *range(1, columns)], *([k] for k in range(2, rows + 1))]
+    blocks = [f"{name}2:{name}{rows + 1}" for name in columns_of_excel(columns)[1:]]
+    path = book(tmp_path, [[f"c{k}" for k in range(columns)], *body], *blocks)
+    read_columns = sheets.read_sheet(path, "rig").columns
+    assert read_columns["c1"] == [1] * rows
+    assert read_columns["c99"] == [99] * rows
+
+
+def columns_of_excel(count: int) -> list[str]:
+    utils = pytest.importorskip("openpyxl.utils")
+    return [utils.get_column_letter(k) for k in range(1, count + 1)]
+
+
+def test_overlapping_merged_blocks_are_rejected_by_their_place():
+    cells = np.full((1000, 1000), "", dtype=object)
+    with pytest.raises(InvalidProblem, match="row 1, column 1: merged cells overlap"):
+        sheets._repeat_merged(cells, [(1, 1, 1000, 1000)] * 3, "rig.xlsx")
+
+
+def test_merged_titles_next_to_each_other_are_taken_for_the_header(tmp_path: Path):
+    """Each is a cell next to the other one, so that neither is alone in its row."""
+    rows = [
+        ["Rig", None, "May", None],
+        ["nip load [N/m]", "WOT [N/m]", "a", "b"],
+        [1000, 650, 1, 2],
+    ]
+    (fault,) = faults(book(tmp_path, rows, "A1:B1", "C1:D1"))
+    assert fault == "row 1: two columns have the same header 'Rig'"
+
+
 def percentages(folder: Path, header: str, cells: list[tuple[object, str]]) -> Path:
     """Write an Excel file with a column of (value, number format)."""
     path = book(folder, [[header, "WOT [N/m]"], *([value, 650] for value, _ in cells)])

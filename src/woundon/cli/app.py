@@ -61,6 +61,7 @@ def app(port: int, no_browser: bool, host: str, names: tuple[str, ...], token: s
     try:
         from ..app.uvicorn_server import LOOPBACK, interrupts_counted, listening, serve
     except ImportError as fault:
+        # the packages of the extra "app"; any other failure of an import is an error of the code
         if fault.name not in ("fastapi", "h11", "psutil", "starlette", "uvicorn"):
             raise
         raise InvalidProblem.at("woundon app", MISSING) from None
@@ -75,14 +76,14 @@ def app(port: int, no_browser: bool, host: str, names: tuple[str, ...], token: s
                 "private network put a reverse proxy with TLS in front."
             )
         sys.stdout.flush()
-        if not no_browser:
+        if not no_browser:  # a moment later, when the server answers
             threading.Timer(0.3, webbrowser.open, [address]).start()
         serve(socket, (host, *names), token, pressed=pressed)
     click.echo("stopped; open pages keep their cases until the server is started again", err=True)
 
 
 def _address(host: str, names: tuple[str, ...], port: int, token: str) -> str:
-    """Return the address of the page."""
+    """Return the address of the page, at the first public name if there are any."""
     name = next(iter(names), host)
     name = f"[{name}]" if ":" in name else name  # IPv6
     return f"http://{name}:{port}/{f'?token={token}' if token else ''}"

@@ -137,7 +137,7 @@ def _no_such_option(fault: click.NoSuchOption) -> str:
 
 
 def _print_errors(lines: Sequence[str], code: int) -> int:
-    """Print lines to the error channel, which may be closed; return the exit code."""
+    """Print lines to the error channel, which may be closed; return ``code``, the exit code."""
     with suppress(OSError):
         for line in lines:
             click.secho(f"error: {printable_line(line)}", fg="red", err=True)
@@ -217,8 +217,10 @@ def _check_given_once(context: click.Context, arguments: Sequence[str]) -> None:
         for option in context.command.get_params(context):
             if isinstance(option, click.Option) and not option.is_flag:
                 texts = values.get(option.name, ())
+                # a repeatable option must have different texts, another one may have one text only:
+                # all have the same name
                 names = texts if option.multiple else [""] * len(texts)
-                mapping_of(zip(names, texts, strict=True), option.opts[-1])
+                mapping_of(zip(names, texts, strict=True), option.opts[-1])  # the long form
 
 
 @click.group(

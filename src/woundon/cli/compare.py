@@ -25,7 +25,7 @@ TAB_OPTIONS = {  # fields of a PullTab, which states their permitted values
 
 def _tab_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """Add the options --tab-slope, ... with the calibration of a pull tab."""
-    for name, text in reversed(TAB_OPTIONS.items()):
+    for name, text in reversed(TAB_OPTIONS.items()):  # the last one added is the first in the help
         option = click.option(f"--tab-{name}", type=options.as_number, metavar="VALUE", help=text)
         command = option(command)
     return command

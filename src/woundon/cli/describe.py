@@ -59,8 +59,8 @@ def _width() -> int:
 
 def _lines(rows: list[Row]) -> Iterator[str]:
     """Yield the lines of a table; the meaning is wrapped in the last column."""
-    widths = [max(len(row[k]) for row in rows) for k in range(3)]
-    indent = sum(width + 2 for width in widths) + 1
+    widths = [max(len(row[k]) for row in rows) for k in range(3)]  # of name, symbol, unit
+    indent = sum(width + 2 for width in widths) + 1  # two spaces between columns, one before all
     for row in rows:
         cells = (f"{cell:<{width}}" for cell, width in zip(row[:3], widths, strict=True))
         first, *others = wrap(row[3], max(_width() - indent, LEAST_MEANING)) or [""]
@@ -70,7 +70,10 @@ def _lines(rows: list[Row]) -> Iterator[str]:
 
 
 def _field_tables(problem: type[Problem]) -> Iterator[tuple[str, list[Row]]]:
-    """Yield the fields of a problem, then those of its members, every member once."""
+    """Yield title and rows of tables: the fields of a problem, then those of its members.
+
+    Members are the bodies, materials and laws that a field may hold; each is listed once.
+    """
     graded = getattr(problem, "graded", ())
     yield (
         "Fields of a case; required unless they have a default or are optional",
@@ -79,20 +82,19 @@ def _field_tables(problem: type[Problem]) -> Iterator[tuple[str, list[Row]]]:
     for names, members in _members(problem):
         kind: Row = ("kind", "", "", one_of(map(_member_name, members)))
         rows = [kind] if len(members) > 1 else []
-        owners: dict[
-            Row, list[type[BaseModel]]
-        ] = {}  # a name may have another meaning in another member
+        # members that have a row: a name may have another meaning in another member
+        owners: dict[Row, list[type[BaseModel]]] = {}
         for member in members:
             for name, field in member.model_fields.items():
                 owners.setdefault(_field_row(name, field), []).append(member)
-        for row, some in owners.items():
+        for (field_name, symbol, unit, meaning), some in owners.items():
             note = "" if some == members else f"[{', '.join(map(_member_name, some))}] "
-            rows.append((row[0], row[1], row[2], note + row[3]))
+            rows.append((field_name, symbol, unit, note + meaning))
         yield f"Fields of {one_of(names, 'and')}", rows
 
 
 def _members(problem: type[Problem]) -> list[tuple[list[str], list[type[BaseModel]]]]:
-    """Return the descriptions inside a problem with the names of the fields that hold them.
+    """Return (names of fields, classes of the descriptions that they may hold) inside a problem.
 
     Descriptions that one field may hold, such as the bodies, form a family and are listed together.
     """
@@ -104,6 +106,7 @@ def _members(problem: type[Problem]) -> list[tuple[list[str], list[type[BaseMode
     for model in waiting:  # grows in the loop
         for name, field in model.model_fields.items():
             for member in members_of(field.annotation):
+                # the base class of the family; a description without one is listed alone
                 base = next((b for b in member.__mro__ if Family in b.__bases__), member)
                 names, members = families.setdefault(base, ([], []))
                 if name not in names:
@@ -115,11 +118,15 @@ def _members(problem: type[Problem]) -> list[tuple[list[str], list[type[BaseMode
 
 
 def _member_name(member: type) -> str:
+    """Return the name of a member of a family in files, else the name of the class."""
     return str(member.member_name()) if hasattr(member, "member_name") else member.__name__
 
 
 def _field_row(name: str, field: FieldInfo, is_graded: bool = False) -> Row:
-    """Return name, symbol, unit and meaning of a field, and whether it is required."""
+    """Return name, symbol, unit and meaning of a field, with its ranges and default.
+
+    ``is_graded``: a grade may supply the value.
+    """
     from ..io.case_texts import field_comment, field_ranges
     from ..problems.permitted import requirement
     from ..quantities import members_of, quantity_of
@@ -131,12 +138,13 @@ def _field_row(name: str, field: FieldInfo, is_graded: bool = False) -> Row:
         text = field_comment(field) or ("see below" if members_of(field.annotation) else "")
         return name, "", "", "; ".join(filter(None, (text, note)))
     ranges = field_ranges(field, quantity, with_unit=False)
+    # no comma before the permitted range in parentheses, or without ranges
     meaning = f"{quantity.meaning}, {ranges}".replace(", (", " (").removesuffix(", ")
     return name, quantity.symbol, quantity.display or "-", "; ".join(filter(None, (meaning, note)))
 
 
 def _output_tables(result: type[Result]) -> Iterator[tuple[str, list[Row]]]:
-    """Yield the scalar outputs of a result, the main ones first, then the arrays."""
+    """Yield title and rows of tables: scalar outputs, the main ones first, then arrays."""
     from ..quantities import outputs, scalar_outputs
 
     rows = {p.path: _output_row(p.path, p.quantity) for p in outputs(result) if p.quantity}

@@ -73,7 +73,7 @@ def find(
     from ..studies.find import find as find_values
 
     (name, between), (output, value) = vary, target
-    if output in signature(find_values).parameters:
+    if output in signature(find_values).parameters:  # the target is passed as output=value
         raise InvalidProblem.at("target", f"{output!r} is an option, not an output")
     arguments |= {"between": between, "progress": not as_json, output: value}
     with unwarned():

@@ -102,12 +102,18 @@ class Pair(click.ParamType):
 
 
 class Numbers(click.ParamType):
-    """Numbers with colons between them, such as LOW:HIGH, each with or without a unit."""
+    """Numbers with colons between them, such as LOW:HIGH, each with or without a unit.
+
+    Parameters
+    ----------
+    form : str
+        Names of the numbers, each optional one in brackets: "TENSION:LOAD[:SPLIT]".
+    """
 
     def __init__(self, form: str) -> None:
         self.name = form
         longest = form.count(":") + 1
-        self.counts = range(longest - form.count("["), longest + 1)
+        self.counts = range(longest - form.count("["), longest + 1)  # permitted numbers of parts
 
     def convert(self, value: Any, param: Any, ctx: Any) -> list[str | float]:
         """Split the text at its colons."""
@@ -137,7 +143,7 @@ class KindName(click.Choice[str]):
     """The name of a kind of problem; plug-ins may add kinds until the command is called."""
 
     def __init__(self) -> None:
-        super().__init__(())
+        super().__init__(())  # the choices are computed when they are read
 
     @property
     def choices(self) -> tuple[str, ...]:
@@ -190,6 +196,7 @@ class OutputFile(click.Path):
 
 
 def _check_figure(path: Path) -> None:
+    """Reject a file that is not of a format of figures."""
     # importing Matplotlib takes half a second
     from ..report.figures import check_format
 
@@ -197,6 +204,7 @@ def _check_figure(path: Path) -> None:
 
 
 def _check_table(path: Path) -> None:
+    """Reject a file that is not of a format of tables."""
     # the tables of cases import NumPy
     from ..studies.export import TABLES, check_export
 
@@ -226,7 +234,7 @@ def as_mapping(
     context: click.Context, option: click.Parameter, pairs: Iterable[tuple[str, Any]]
 ) -> dict[str, Any]:
     """Return the pairs of a repeated option as a mapping; the callback of such an option."""
-    return mapping_of(pairs, option.opts[-1])
+    return mapping_of(pairs, option.opts[-1])  # names the option by its long form
 
 
 def _use_units(context: click.Context, option: click.Parameter, choices: tuple[str, ...]) -> None:
@@ -340,7 +348,7 @@ def present(
     if as_json:
         click.echo(result.to_json())
     else:
-        # as in reports
+        # a terminal may not have the character, as in reports
         plus_minus = "+-" if console().options.ascii_only else "±"
         for line in result.lines() if lines is None else lines:
             click.echo(line.replace("±", plus_minus))

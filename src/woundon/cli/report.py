@@ -42,7 +42,8 @@ def report(
 
     problems = [_load(path, settings) for path in cases]
     options.check_unit_names(*problems)
-    out = out or HTML.convert(cases[0].with_suffix(".html"), None, None)
+    # checked like a path that is given, which the type has converted already
+    out = out or HTML.convert(cases[0].with_suffix(".html"), param=None, ctx=None)
     with unwarned():
         results = [kinds.solve(problem) for problem in problems]
         page = report_file(
@@ -63,5 +64,6 @@ def _load(path: Path, settings: tuple[str, ...]) -> Problem:
     try:
         return load_case(path, settings)
     except InvalidProblem as fault:
+        # errors of reading the file have its path as their field, those of fields have not
         names_file = any(field == str(path) for field, _ in fault.faults)
         raise fault if names_file else fault.under(str(path)) from None

@@ -79,7 +79,7 @@ def schedule(
         text = "is not a case of the kind roll; 'woundon new roll' writes one"
         raise InvalidProblem.at(str(case), text)
     solution = design_tension(problem, _target_pressure(target, smooth), rtol=rtol)
-    roll = solve_wound_roll(solution.problem, rtol=max(rtol, 1e-8))
+    roll = solve_wound_roll(solution.problem, rtol=max(rtol, 1e-8))  # the least of that solver
     print_parts(schedule_parts(solution, roll), options.console())
     files: options.Files = {
         out: lambda path: write_whole(path, csv_text(solution).encode()),
@@ -100,12 +100,14 @@ def _target_pressure(text: str, smooth: bool) -> float | str | Profile:
             raise InvalidProblem.at("--smooth", "is given with one value; must be with a table")
         return options.as_number(text)
     pressure = stress("P", "pressure between the layers")
+    # "value" is the name of the column in files of schedules
     known = {"radius": length("r", "radius"), "pressure": pressure, "value": pressure}
     columns = read_columns(Path(text), known)
     if set(columns) not in ({"radius", "pressure"}, {"radius", "value"}):
         reason = f"has the columns {', '.join(columns)}; must be radius and pressure"
         raise InvalidProblem.at(text, reason)
-    radius, (target,) = columns.pop("radius"), columns.values()
+    radius = columns.pop("radius")
+    (target,) = columns.values()  # of the pressure, by either name
     try:
         return Profile(radius=radius, value=target, between="smooth" if smooth else "lines")
     except InvalidProblem as fault:

@@ -29,11 +29,12 @@ class SolveCommand(click.Command):
 
     def get_params(self, ctx: click.Context) -> list[click.Parameter]:
         """Return arguments and options."""
-        *others, help_option = super().get_params(ctx)
+        *others, help_option = super().get_params(ctx)  # click adds --help at the end
         return [*others, *_solver_options(), *_wrap_options(), help_option]
 
 
 def _check_result_file(path: Path) -> None:
+    """Reject a file that is not of a format of results."""
     # the files of results import NumPy and pydantic
     from ..io.result_files import writer_for
 
@@ -72,6 +73,7 @@ def solve(
     from ..io.result_files import to_json
 
     given = {name: value for name, value in arguments.items() if value is not None}
+    # wrap angles are fields of the case, so they are set like by --set; the others are the solver's
     wraps = [f"{name}={given.pop(name)}" for name in _wrap_fields() if name in given]
     problem = options.load_case(case, [*settings, *wraps])
     _check_options(kinds.of(problem), given, sensitivity)
@@ -89,6 +91,7 @@ def solve(
 
 
 def _option_name(name: str) -> str:
+    """Return the option of the command for the name of an argument or field."""
     return f"--{name.replace('_', '-')}"
 
 
@@ -130,7 +133,10 @@ def _wrap_options() -> Iterator[click.Option]:
 
 
 def _check_options(kind: Kind[Any, Any], given: Iterable[str], sensitivity: bool) -> None:
-    """Reject names of options that the solver of the kind does not have."""
+    """Reject names of options that the solver of the kind does not have.
+
+    ``sensitivity``: derivatives are requested, which the results of some kinds do not have.
+    """
     from ..kinds import every
 
     known = kind.solver_options()

@@ -112,7 +112,13 @@ def sweep(
 
 
 def _export_folder(out: Path, export_to: Path | None) -> Path:
-    """Return the folder of the exported files; reject one that cannot be written."""
+    """Return the folder of the exported files: ``export_to``, by default that of the results.
+
+    Raises
+    ------
+    InvalidProblem
+        If it is the folder of the results, and cannot be written.
+    """
     if export_to is not None:
         export_to.mkdir(parents=True, exist_ok=True)
     elif out.is_dir() and not os.access(out, os.W_OK):
@@ -161,7 +167,7 @@ def sobol(
 
     loaded = load_study(study, ranges=True)
     folder = _export_folder(out, export_to)
-    over: Any = loaded.over  # the table of another file is rejected
+    over: Any = loaded.over  # ranges by field; the table of another file is rejected
     design = {k: v for k, v in loaded.design.items() if k in ("samples", "seed")}
     if samples is not None:
         design["samples"] = samples

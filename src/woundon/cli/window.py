@@ -93,6 +93,7 @@ def window(
     """Map the operating window: the probability of a roll without defects."""
     from ..studies.window import operating_window
 
+    # the third axis is optional
     axes = [name for name in ("web_tension", "nip_load", "torque_split") if arguments[name]]
     for point in points:
         if len(point) != len(axes):

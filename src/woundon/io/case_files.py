@@ -123,7 +123,7 @@ def tables_of_text(content: bytes, where: str) -> dict[str, Any]:
         # Windows editors put a byte order mark before the text
         text = content.decode("utf-8-sig")
         if _LONG_KEY.search(text):  # tomllib takes time proportional to its square
-            raise RecursionError
+            raise RecursionError  # reported below, as when tomllib itself raises it
         case = tomllib.loads(text)
     except UnicodeDecodeError as fault:
         why = f"is not UTF-8 text, from byte {fault.start}; save it as UTF-8"
@@ -160,7 +160,7 @@ def check_like_a_case(case: Mapping[str, Any], where: str = "") -> None:
 
 def _excess(case: Mapping[str, Any]) -> str:
     """Return the limit that the tables exceed; '' if they exceed none."""
-    level: list[Any] = [case]  # tables and lists of one depth
+    level: list[Any] = [case]  # tables and lists of one depth; no recursion, which may be too deep
     names = 0
     for _ in range(MAX_DEPTH):
         values: list[Any] = []
@@ -179,7 +179,10 @@ def _excess(case: Mapping[str, Any]) -> str:
 
 
 def _line_at_fault(text: str, fault: str) -> str:
-    """Return the line of a TOML error, with a hint if it has a unit without quotes."""
+    """Return the line of a TOML error, with a hint if it has a unit without quotes.
+
+    ``fault`` is the text of the error, which has the number of the line, or none for the last one.
+    """
     match = re.search(r"line (\d+)", fault)
     lines = text.rstrip().split("\n")
     line = lines[min(int(match[1]), len(lines)) - 1 if match else -1].split("#")[0].strip()
@@ -216,7 +219,7 @@ def apply_settings(case: Mapping[str, Any], settings: Iterable[str]) -> dict[str
         if len(parts) > MAX_DEPTH:
             text = f"a name of {len(parts)} parts; must have at most {MAX_DEPTH}"
             raise InvalidProblem.at(path.strip(), text)
-        model = _kind_of([*changed, parts[0]]).problem
+        model = _kind_of([*changed, parts[0]]).problem  # the new name may determine the kind
         if len(parts) == 1:
             # a field of a group is changed in the table of the group, if the case has it
             groups = (group for group, names in model.tables.items() if parts[0] in names)
@@ -281,6 +284,7 @@ def make_problem(
     except InvalidProblem as report:
         reported = {field for field, _ in faults}
         faults += [_with_hint(f, t, model) for f, t in report.faults if f not in reported]
+        # a NoSteadyState remains one unless the tables have other errors too
         whole = len(faults) == len(report.faults)
         raise (type(report) if whole else InvalidProblem)(faults) from None
     if faults:
@@ -289,11 +293,12 @@ def make_problem(
 
 
 def _kind_of(names: Iterable[str]) -> kinds.Kind:
+    """Return the kind of problem that has fields, or tables, of these names."""
     return kinds.for_fields(name for name in names if name != "schema")
 
 
 def _flatten_groups(fields: dict[str, Any], model: type[Any], faults: Faults) -> dict[str, Any]:
-    """Return the fields of all groups at the top level."""
+    """Return the fields, those of groups at the top level; errors are added to ``faults``."""
     flat = dict(fields)
     for group, names in model.tables.items():
         if group not in flat or group in model.model_fields:
@@ -315,7 +320,7 @@ def _flatten_groups(fields: dict[str, Any], model: type[Any], faults: Faults) ->
 
 
 def _with_hint(field: str, text: str, model: type[Any]) -> tuple[str, str]:
-    """Return an error with a hint if a top-level field was written below a [section]."""
+    """Return an error, field and text, with a hint if a top-level field is below a [section]."""
     *heads, leaf = parts_of(field)
     if heads and leaf in model.model_fields and text.startswith("no such field"):
         section = ".".join(head for head in heads if not head.isdecimal())

@@ -137,18 +137,18 @@ def grade_template(kind: str, grade_name: str, file: str | None = None) -> str:
     if kind not in _GRADE_WINDERS:
         must = one_of(_GRADE_WINDERS)
         raise InvalidProblem.at("kind", f"{kind!r} has no short case; must be {must}")
-    data, quoted = grade(grade_name, file), json.dumps(grade_name)
+    values, quoted = grade(grade_name, file), json.dumps(grade_name)
     return _GRADE_CASE.format(
         about=kinds.named(kind).about,
-        title=data.title,
+        title=values.title,
         grade=grade_name,
         kind=kind,
         schema=SCHEMA,
         grade_and_file=f"{quoted}\ngrades        = {json.dumps(file)}" if file else quoted,
-        wound_on=text_with_unit(data.tension, "N/m"),
-        web_tension=text_with_unit(data.tension / 2, "N/m"),  # the nip adds about as much
+        wound_on=text_with_unit(values.tension, "N/m"),
+        web_tension=text_with_unit(values.tension / 2, "N/m"),  # the nip adds about as much
         winder=_GRADE_WINDERS[kind],
-        thickness=text_with_unit(data.thickness, "m", "um"),
+        thickness=text_with_unit(values.thickness, "m", "um"),
     )
 
 
@@ -184,6 +184,7 @@ def save_case(problem: Problem, path: Path) -> None:
 def _header(problem: Problem) -> list[str]:
     """Return the comment at the top of a case file, which explains its use."""
     quantities = {n: quantity_of(info) for n, info in type(problem).model_fields.items()}
+    # of --set in the header: fields at the upper end of their typical range
     settings = (
         f"{name}={toml_value(quantity.typical[1], quantity)}"
         for name, quantity in quantities.items()
@@ -276,6 +277,7 @@ class _Writer:
         yield Section(header, rows, (holder and holder.description) or "")
         for name in inner:
             value, path = getattr(thing, name), f"{prefix}{name}"
+            # TOML writes each item of a list as [[name]]
             items, form = (value, "[[{}]]") if isinstance(value, tuple) else ((value,), "[{}]")
             quantity_inside = quantity_of(fields[name], quantity)
             for item in items:
@@ -288,7 +290,11 @@ class _Writer:
         return self.comments or getattr(thing, name) is not None
 
     def is_nested(self, value: Any) -> bool:
-        """Return True if a value is written as sections; a named material is not at first."""
+        """Return True if a value is written as sections.
+
+        With comments, a named material is written as its name the first time that this is called
+        for it, which ``self.named`` records, and as a section after that.
+        """
         if isinstance(value, tuple):
             return any(isinstance(item, Description) for item in value)
         name = material_name(value) if self.comments else None
@@ -391,7 +397,8 @@ def _with_comment(text: str, comment: str, column: int) -> list[str]:
     """Return the lines of a text with a wrapped comment that starts at a column."""
     if not comment:
         return [text]
-    parts = textwrap.wrap(comment, max(_WIDTH - column - 4, 30), break_long_words=False)
+    width = max(_WIDTH - column - len("  # "), 30)  # at least some words
+    parts = textwrap.wrap(comment, width, break_long_words=False)
     first, *others = (part.replace(_UNBREAKABLE, " ") for part in parts)
     return [f"{text.ljust(column)}  # {first}", *(f"{'':{column}}  # {part}" for part in others)]
 
@@ -419,13 +426,17 @@ def toml_value(value: Any, quantity: Quantity | None = None) -> str:
 
 
 def field_comment(field: FieldInfo) -> str:
-    """Return symbol, meaning, typical and allowed range of a field, in the unit for display."""
+    """Return symbol, meaning, typical and allowed range of a field, in the unit for display.
+
+    For a field without a quantity: the words that it may be, else its description.
+    """
     quantity = quantity_of(field)
     if quantity is None:
         words = [part for part in get_args(field.annotation) if isinstance(part, str)]
         return one_of(map(json.dumps, words)) if words else field.description or ""
     text, ranges = f"{quantity.symbol}: {quantity.meaning}", field_ranges(field, quantity)
     if ranges:
+        # "meaning, typical range (permitted range)", which is only broken before the parenthesis
         comma = "" if ranges.startswith("(") else ","
         text += f"{comma} {ranges.replace(' ', _UNBREAKABLE).replace(f'{_UNBREAKABLE}(', ' (')}"
     note = requirement(field)
@@ -453,13 +464,14 @@ def field_ranges(field: FieldInfo, quantity: Quantity, with_unit: bool = True) -
 
 def _limits(field: FieldInfo, quantity: Quantity) -> str:
     """Return the permitted range: "0 to 10", "> 0", "0 to < 0.5"."""
-    ends = dict(bounds(field))
+    ends = dict(bounds(field))  # ">=", ">", "<=" or "<" -> end, the lower one first
     ends_shown = {sign: _number(quantity.shown(end)) for sign, end in ends.items()}
     if len(ends_shown) == 2:
-        marks = {">": "> ", "<": "< "}
+        marks = {">": "> ", "<": "< "}  # of ends that are not permitted themselves
         return " to ".join(f"{marks.get(sign, '')}{end}" for sign, end in ends_shown.items())
     return "".join(f"{sign} {end}" for sign, end in ends_shown.items())
 
 
 def _number(value: float) -> str:
+    """Return an end of a range as text."""
     return f"{value:.6g}"

@@ -43,9 +43,11 @@ Array = np.ndarray
 MAX_REPORTED = 10  # errors of a table
 MAX_COUNTED = 1000  # errors of a table
 MAX_NUMBER = 60  # characters, with the unit
-_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?")
+_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?")  # with a decimal point
+# numbers of text files that a spreadsheet holds exactly: whole ones, and decimal ones
 _WHOLE = re.compile(r"[+-]?(?:0|[1-9]\d{0,14})")
 _DECIMAL = re.compile(r"[+-]?(?=\.?\d)(?:0|[1-9]\d{0,14})?(?:\.\d*)?(?:[eE][+-]?\d{1,2})?")
+# numbers with commas, and those whose commas may separate thousands, with or without a unit
 _COMMA = re.compile(r"[+-]?\d*,[\d,]+(?:[eE][+-]?\d{1,3})?\D*")
 _THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(?:,\d{3})+\D*")
 
@@ -83,7 +85,7 @@ def numbers(
     conversion: Conversion = Conversion(),  # noqa: B008
     most_faults: float = MAX_COUNTED,
 ) -> list[Array]:
-    """Return columns in SI; invalid cells are nan, and are added to ``faults``.
+    """Return columns in SI, a (rows,) array each; invalid cells are nan and added to ``faults``.
 
     Parameters
     ----------
@@ -101,6 +103,7 @@ def numbers(
     sign, count = decimal_sign(sheet), len(sheet.numbers)
     values = np.full((len(columns), count), np.nan)
     converters = [column for column in columns if _converter(column)]
+    # 1.0 stands for the values of the rows: whether a conversion is possible depends on names only
     possible = _with_columns(conversion.inputs, {_converter(column): 1.0 for column in converters})
     readers: dict[int, _Reader] = {}  # of the columns without an error in the header
     for k, column in enumerate(columns):
@@ -156,24 +159,40 @@ class _Reader(NamedTuple):
         try:
             if _NUMBER.fullmatch(text) and self.scale is not None:
                 return float(Fraction(text) * self.scale)
+            # without a name: errors name the row and the column
             return read_number(_with_unit(text, self.unit), self.quantity, "", inputs)
         except OverflowError:
             raise InvalidProblem(f"{quote(cell)} is not a finite number") from None
 
 
 def _converter(column: Column) -> str:
-    """Return the value of the web that a column contains; '' if it converts no other columns."""
+    """Return the value of the web, by which other columns are converted, that a column contains.
+
+    It is "width", "thickness" or "density"; '' for another column.
+    """
     name = column.name.removeprefix("web.").removeprefix("web_")
     return name if name in ("width", "thickness", "density") and not column.deviation else ""
 
 
 def _with_columns(inputs: Inputs, fields: Mapping[str, Any]) -> Inputs:
-    """Return the values of the case with those of columns."""
+    """Return the values of the case, those of the names in ``fields`` replaced."""
     return Inputs(inputs.model, fields, inputs)
 
 
 def _inputs_of_row(inputs: Inputs, columns: Sequence[Column], row: int, sign: str) -> Inputs:
-    """Return the values of the case with those of some columns in a row."""
+    """Return the values of the case with those of some columns in a row.
+
+    Parameters
+    ----------
+    inputs : Inputs
+        Values of the case.
+    columns : sequence of Column
+        Those that contain a value of the web; see :func:`_converter`.
+    row : int
+        From 0.
+    sign : str
+        Decimal sign of texts.
+    """
     fields: dict[str, str | float] = {}
     for column in columns:
         with suppress(InvalidProblem):  # it is reported when the cell itself is read
@@ -209,10 +228,12 @@ def texts(
 
 
 def _column_fault(sheet: Sheet, column: Column, fault: InvalidProblem) -> Fault:
+    """Return the error of a column, at its header."""
     return Fault(sheet.where, f"column {column.header!r}: {fault}")
 
 
 def _cell_fault(sheet: Sheet, column: Column, row: int, fault: InvalidProblem) -> Fault:
+    """Return the error of a cell with its row number in the spreadsheet; ``row`` is from 0."""
     number = sheet.numbers[row]
     return Fault(sheet.where, f"row {number}, column {column.header!r}: {fault}", number)
 
@@ -255,6 +276,7 @@ def _scale(column: Column, quantity: Quantity, inputs: Inputs, in_si: bool) -> F
             _check_unit(column, quantity)
         return Fraction(1)
     one = f"1 {column.unit}"
+    # no name of a field is passed: the error names the column
     if not any(has_dimension(one, unit) for unit in other_units(quantity)):
         return factor(column.unit, quantity.unit, "")
     read_number(one, quantity, "", inputs)  # is rejected if its conversion is not known
@@ -291,6 +313,7 @@ def _plain_text(cell: Any, sign: str) -> str:
         limit = "must have a number format without a comma after the last digit"
         reason = f"{cell:g} is displayed in thousands by its number format; {limit}"
         raise InvalidProblem(reason)
+    # no float is as large, and Python limits the digits of the text of a whole number
     overflows = isinstance(cell, int) and cell.bit_length() > 1024
     text = "inf" if overflows else str(cell).strip()
     if len(text) > MAX_NUMBER:
@@ -310,7 +333,7 @@ def _with_unit(text: str, unit: str) -> str:
 
 
 def _with_point(text: str, sign: str) -> str:
-    """Return a number with a decimal point; reject thousands separators."""
+    """Return a text with a decimal point in place of ``sign``; reject thousands separators."""
     if sign == "," and _COMMA.fullmatch(text) and text.count(",") == 1:
         return text.replace(",", ".")
     if "," in text:
@@ -364,7 +387,9 @@ def raise_faults(faults: Sequence[Fault]) -> None:
     """Raise InvalidProblem with the first errors of a table, if there are any."""
     if not faults:
         return
-    at_least = "at least " if len(faults) >= MAX_COUNTED else ""
-    remaining = [(faults[0].where, f"{at_least}{len(faults) - MAX_REPORTED} more errors")]
-    reported = [fault[:2] for fault in faults[:MAX_REPORTED]]
-    raise InvalidProblem(reported + remaining * (len(faults) > MAX_REPORTED))
+    reported = [(fault.where, fault.text) for fault in faults[:MAX_REPORTED]]
+    if len(faults) > MAX_REPORTED:
+        at_least = "at least " if len(faults) >= MAX_COUNTED else ""  # reading stopped there
+        text = f"{at_least}{len(faults) - MAX_REPORTED} more errors"
+        reported.append((faults[0].where, text))
+    raise InvalidProblem(reported)

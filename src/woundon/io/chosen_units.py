@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 __all__ = ["ResultInUnits", "check_names", "in_units", "units", "units_of"]
 
 Names = dict[tuple[str, str], tuple[str, float]]  # as of woundon.quantities.Choice
-System = dict[str, tuple[str, float]]
+System = dict[str, tuple[str, float]]  # unit for display -> unit in its place, its size in SI
 SYSTEMS = ("SI", "mill")
 SYSTEM = "system of units"  # its name among those of fields and outputs
 # Quantities per width, and the unit of their totals.
@@ -104,7 +104,7 @@ def check_names(settings: Iterable[str], problems: Iterable[Problem | type[Probl
 
 
 def _places(described: Iterable[kinds.Kind[Any, Any]]) -> list[Place]:
-    """Return the fields and outputs of kinds of problem."""
+    """Return the fields and outputs of kinds of problem, with their names and quantities."""
     return [place for kind in described for place in (*walk(kind.problem), *outputs(kind.result))]
 
 
@@ -141,7 +141,7 @@ def _by_name(
         sizes = {si_unit: _size(unit, si_unit, width) for si_unit in si_units}
         names |= {(name, si_unit): (unit, size) for si_unit, size in sizes.items() if size}
         if not any(sizes.values()):
-            try:
+            try:  # the conversion fails again, with its error message
                 factor(unit, si_units[-1], name)
             except InvalidProblem as fault:
                 faults += fault.faults
@@ -190,6 +190,7 @@ class ResultInUnits:
             return self._quantities[name].in_table(value)
 
     def _number(self, name: str, value: Any) -> Any:
+        """Return an SI value, or an array of them, of an output in its unit."""
         return self._in_table(name, value)[1]
 
     @property
@@ -229,7 +230,14 @@ class ResultInUnits:
 
 
 def in_units(result: Result, chosen: Iterable[str], by_name: Mapping[str, str]) -> ResultInUnits:
-    """Return a result in units; parameters as of :meth:`woundon.Result.in_units`."""
+    """Return a result in units.
+
+    Parameters
+    ----------
+    result : Result
+    chosen, by_name
+        As of :meth:`woundon.Result.in_units`: units, and units by the name of an output.
+    """
     width = getattr(result.problem, "width", None)
     places = [*walk(kinds.of(result).problem), *outputs(result)]
     displayed = _displayed(places)
@@ -239,10 +247,10 @@ def in_units(result: Result, chosen: Iterable[str], by_name: Mapping[str, str]) 
             system |= _system(unit)
             continue
         sizes = {name: _size(unit, si_unit, width) for name, si_unit in displayed.items()}
-        found = {name: (unit, size) for name, size in sizes.items() if size}
-        if not found:
+        replaced = {name: (unit, size) for name, size in sizes.items() if size}
+        if not replaced:
             raise _no_such_unit(unit, width)
-        system |= found
+        system |= replaced
     return ResultInUnits(result, Choice(_by_name(by_name, places, width), system))
 
 
@@ -288,7 +296,11 @@ def _size(unit: str, si_unit: str, width: float | None) -> float | None:
 
 
 def _no_such_unit(unit: str, width: float | None) -> InvalidProblem:
-    """Return the error for a unit that no output has."""
+    """Return the error for a unit that no output has.
+
+    It may be the unit of a total that cannot be converted without the width of the web, no unit at
+    all, or a unit of another dimension.
+    """
     for per_width, total in _TOTALS.items():
         try:
             factor(unit, total, "units")
@@ -297,6 +309,8 @@ def _no_such_unit(unit: str, width: float | None) -> InvalidProblem:
         if width is None:
             text = f"{unit!r} is the unit of a total; give the problem a width, or write a unit "
             return InvalidProblem.at("units", f"{text}of {per_width}")
+    # A conversion to any SI unit fails here: because of the dimension, or because the text is no
+    # unit, of which the error says more than the text below.
     try:
         factor(unit, "N/m", "units")
     except InvalidProblem as fault:

@@ -33,6 +33,7 @@ def with_columns(part: Any, folder: Path, problem: Callable[[], type], path: str
     Parameters
     ----------
     part : mapping, list or value
+        The tables of a case, or a part of them.
     folder : path
         Folder of files with a relative path.
     problem : callable
@@ -51,6 +52,7 @@ def with_columns(part: Any, folder: Path, problem: Callable[[], type], path: str
     if not isinstance(part, Mapping):
         return part
     table = {
+        # the tables themselves have no name: theirs begin without a dot
         name: with_columns(value, folder, problem, f"{path}.{name}".lstrip("."))
         for name, value in part.items()
         if name != "csv"
@@ -88,6 +90,7 @@ def _lists(problem: type, path: str, kind: Any) -> dict[str, Quantity]:
                 continue
             fields: Mapping[str, Any] = getattr(member, "model_fields", {})
             lists = [name for name, field in fields.items() if is_list(field.annotation)]
+            # a column of diameters may stand for one of radii; None for other names
             diameters = [counterpart(name, "radius") for name in lists]
             for name in filter(None, (*lists, *diameters)):
                 for field in find_places(member, name, place.quantity):

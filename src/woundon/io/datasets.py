@@ -58,8 +58,10 @@ def to_dataset(result: Result) -> xarray.Dataset:
         elif isinstance(value, list) and not dims:  # a tuple
             attributes[name] = json.dumps(value)
         else:
-            data = np.asarray(value_of(result, name)) if dims else nan if value is None else value
-            variables[name] = (dims, data, _labels(known.get(name)))
+            # arrays of the result itself keep their type; a number that is None in JSON is nan
+            number = nan if value is None else value
+            values = np.asarray(value_of(result, name)) if dims else number
+            variables[name] = (dims, values, _labels(known.get(name)))
     for name, error in result.errors.items():
         variables.setdefault(f"{name}_error", ((), error, _error_labels(known.get(name))))
     residuals = list(record["residuals"].values())
@@ -78,7 +80,7 @@ def _labels(quantity: Quantity | None) -> dict[str, str]:
 
 
 def _error_labels(quantity: Quantity | None) -> dict[str, str]:
-    """Return the attributes of the error estimate of an output."""
+    """Return unit, meaning and symbol of the error estimate of an output as attributes."""
     if quantity is None:
         return {}
     meaning = f"estimated discretisation error: {quantity.meaning}"
@@ -88,8 +90,8 @@ def _error_labels(quantity: Quantity | None) -> dict[str, str]:
 def to_netcdf(result: Result) -> bytes:
     """Return a result as the bytes of a netCDF file with its SHA-256."""
     # the classic format can be read everywhere, needs SciPy only and is reproducible
-    data = to_dataset(result).assign_attrs({seals.NAME: seals.BLANK})
-    return seals.sealed_bytes(bytes(data.to_netcdf(engine="scipy")))
+    dataset = to_dataset(result).assign_attrs({seals.NAME: seals.BLANK})
+    return seals.sealed_bytes(bytes(dataset.to_netcdf(engine="scipy")))
 
 
 def record_of_netcdf(content: bytes) -> Record:
@@ -103,9 +105,9 @@ def record_of_netcdf(content: bytes) -> Record:
     import xarray
 
     # without decoding, a unit of time would become a date
-    with xarray.open_dataset(io.BytesIO(content), engine="scipy", decode_times=False) as data:
-        variables = dict(data.variables)
-        attributes = {str(name): plain(value) for name, value in data.attrs.items()}
+    with xarray.open_dataset(io.BytesIO(content), engine="scipy", decode_times=False) as dataset:
+        variables = dict(dataset.variables)
+        attributes = {str(name): plain(value) for name, value in dataset.attrs.items()}
     attributes.pop(seals.NAME, None)
     values = {str(name): plain(variable.values) for name, variable in variables.items()}
     record: Record = {name: attributes.pop(name) for name in AS_THEY_ARE}

@@ -55,6 +55,7 @@ def read_whole(path: str | Path, max_bytes: int) -> bytes:
 
 
 def _open_nonblocking(path: str, flags: int) -> int:
+    """Open a file without waiting for the other end of a pipe; return its descriptor."""
     return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
 
 
@@ -75,7 +76,7 @@ def replaced_file(path: str | Path) -> Iterator[Path]:
     try:
         with _path_in_errors(path):
             yield temporary
-            with contextlib.suppress(FileNotFoundError):
+            with contextlib.suppress(FileNotFoundError):  # there is no file to replace
                 copymode(place, temporary)
             _sync(temporary, os.O_RDWR)
             os.replace(temporary, place)
@@ -96,7 +97,7 @@ def _path_in_errors(path: str | Path) -> Iterator[None]:
 
 
 def _sync(path: Path, flags: int) -> None:
-    """Write the buffers of a file or folder to the disk."""
+    """Write the buffers of a file or folder, opened with ``flags``, to the disk."""
     descriptor = os.open(path, flags)
     try:
         os.fsync(descriptor)

@@ -83,12 +83,12 @@ def to_csv(result: Result) -> bytes:
 def _columns(values: Mapping[str, Any]) -> dict[str, np.ndarray]:
     """Return the arrays of a result that have the shape (n,), n being the length of the first."""
     arrays = {name: value for name, value in values.items() if isinstance(value, np.ndarray)}
-    shape = next((array.shape[:1] for array in arrays.values()), None)
+    shape = next((array.shape[:1] for array in arrays.values()), None)  # (n,)
     return {name: array for name, array in arrays.items() if array.shape == shape}
 
 
 def _in_table(name: str, quantity: Quantity | None, value: Any) -> tuple[str, Any]:
-    """Return the header of a column with its unit, and the values in this unit."""
+    """Return the header of a column with its unit, and an SI value or array in this unit."""
     if quantity is None:
         return name, value
     unit, converted = quantity.in_table(value)

@@ -32,7 +32,10 @@ def to_python(problem: Problem) -> str:
 
 
 def _expression(value: Any, depth: int) -> str:
-    """Return the expression of a value, on one line if it is short."""
+    """Return the expression of a value, on one line if it is short.
+
+    ``depth`` is the number of expressions that contain it, by which its further lines are indented.
+    """
     if not isinstance(value, (Description, tuple)):
         return repr(value)
     name = material_name(value)
@@ -56,7 +59,7 @@ def _expression(value: Any, depth: int) -> str:
 
 
 def _class(value: Description) -> str:
-    """Return the name of a class as a script writes it."""
+    """Return the name of a class as a script writes it; that of a plug-in is without a module."""
     cls = type(value)
     is_of_woundon = cls.__module__.partition(".")[0] == __name__.partition(".")[0]
     return f"wo.{cls.__name__}" if is_of_woundon else cls.__name__

@@ -92,22 +92,22 @@ def saved_fields(cls: type[Any]) -> dict[str, SavedField]:
     """Return the saved fields of a class of results; those of its parts have dotted names."""
     hints, parts = get_type_hints(cls, include_extras=True), _parts(cls)
     may_be_nan: frozenset[str] | None = getattr(cls, "MAY_BE_NAN", frozenset())  # None: all
-    found: dict[str, SavedField] = {}
+    saved: dict[str, SavedField] = {}
     for item in fields(cls):
         name = item.name
         if name in _SEPARATE or not item.metadata.get("saved", True):
             continue
         if name in parts:
-            found |= {f"{name}.{inner}": f for inner, f in saved_fields(parts[name]).items()}
+            saved |= {f"{name}.{inner}": f for inner, f in saved_fields(parts[name]).items()}
             continue
         is_required = item.default is MISSING and item.default_factory is MISSING
         admits_nan = may_be_nan is None or name in may_be_nan
-        found[name] = SavedField(hints[name], is_required, admits_nan)
-    return found
+        saved[name] = SavedField(hints[name], is_required, admits_nan)
+    return saved
 
 
 def _parts(cls: type[Any]) -> dict[str, type[Any]]:
-    """Return the classes of the fields that have outputs of their own, by name."""
+    """Return the classes of the fields that are parts: they have outputs of their own, by name."""
     return {
         name: part
         for name, hint in get_type_hints(cls).items()
@@ -134,7 +134,11 @@ def saved_values(result: Result) -> dict[str, Any]:
 
 
 def _dimensions(values: Mapping[str, Any]) -> dict[str, list[str]]:
-    """Return the names of the dimensions of each array: the first array of each length."""
+    """Return the names of the dimensions of each array.
+
+    A dimension has the name of the first one-dimensional array of its length; if there is none,
+    that of the array itself with the number of the axis.
+    """
     arrays = {name: value for name, value in values.items() if isinstance(value, np.ndarray)}
     dimension_of: dict[int, str] = {}
     for name, array in arrays.items():
@@ -156,10 +160,13 @@ def from_record(record: Record) -> Result:
         problem = kind.problem(**record["problem"])
         values = _restore_fields(kind.result, record["fields"], record["dimensions"])
         residuals = {
-            str(name): number(value, f"residuals.{name}", False)
+            str(name): number(value, f"residuals.{name}", admits_nan=False)
             for name, value in record["residuals"].items()
         }
-        errors = {name: number(v, f"errors.{name}", True) for name, v in record["errors"].items()}
+        errors = {
+            name: number(value, f"errors.{name}", admits_nan=True)
+            for name, value in record["errors"].items()
+        }
         notes = tuple(str(text) for text in record["warnings"])
         result = kind.result(
             problem=problem,
@@ -170,7 +177,7 @@ def from_record(record: Record) -> Result:
         )
         _check_nodes(result)
         with np.errstate(all="ignore"):
-            for name in scalar_outputs(result):
+            for name in scalar_outputs(result):  # raises if damaged fields do not give the output
                 value_of(result, name)
     except InvalidProblem:
         raise
@@ -216,7 +223,10 @@ def _restore_fields(
 
 
 def _check_shape(value: Array, dimensions: Any, sizes: dict[str, int], name: str) -> None:
-    """Reject an array whose shape contradicts the named dimensions."""
+    """Reject an array whose shape contradicts the named dimensions.
+
+    ``sizes`` has the sizes of the dimensions of the arrays before; those of this one are added.
+    """
     if len(dimensions) != value.ndim:
         raise InvalidProblem.at(name, f"has {value.ndim} dimensions; must be {len(dimensions)}")
     for dimension, size in zip(dimensions, value.shape, strict=True):
@@ -249,6 +259,7 @@ def _items(value: Any, hint: Any) -> Any:
     if not isinstance(value, list):
         return nan if value is None and hint is float else value
     inner = get_args(hint) or (Any,)
+    # tuple[float, str] has a hint for each item, tuple[float, ...] one for all
     hints = inner if len(inner) == len(value) and ... not in inner else inner[:1] * len(value)
     return tuple(map(_items, value, hints))
 
@@ -267,7 +278,7 @@ def number(value: Any, name: str, admits_nan: bool) -> float:
 
 
 def _array(values: Any, name: str, admits_nan: bool) -> Array:
-    """Return a list as an array, null as nan."""
+    """Return a list, or a list of lists, of numbers as an array, null as nan; reject others."""
     parts = np.asarray(values)
     numeric = parts.dtype.kind in "iuf" or all(
         part is None or type(part) in (int, float) for part in parts.ravel().tolist()

@@ -112,7 +112,7 @@ def writer_for(path: str | PathLike[str]) -> Callable[[Result], bytes]:
 def _read(content: bytes) -> Record:
     """Return the record in the content of a file after checking its SHA-256."""
     try:
-        if content[:3] == b"CDF":
+        if content[:3] == b"CDF":  # the classic format of netCDF
             sealed = seals.check_bytes(content)
             record = record_of_netcdf(content)
         else:
@@ -137,7 +137,7 @@ def _read(content: bytes) -> Record:
 def _record_of_json(content: bytes) -> Record:
     """Return the record in a JSON file."""
 
-    def refuse(word: str) -> None:
+    def refuse(word: str) -> None:  # called for NaN and Infinity, which Python writes into JSON
         raise ValueError(f"{word} is not JSON")
 
     record = json.loads(content, parse_constant=refuse)
@@ -175,8 +175,9 @@ def _verify(record: Record, result: Result) -> None:
 def _check_scalars(record: Record, result: Result) -> None:
     """Compare the outputs in the file with those computed from the arrays."""
     saved = record.get("outputs", {})
+    # by name: number in the file, number computed from the arrays, absolute tolerance
     expected = {
-        name: (number(saved[name], name, True), value_of(result, name), 0.0)
+        name: (number(saved[name], name, admits_nan=True), value_of(result, name), 0.0)
         for name in scalar_outputs(result)
         if name in saved
     }

@@ -1,9 +1,9 @@
 """Read tables: CSV of any locale, Excel files, columns in memory.
 
 A sheet has a header and rows, which keep the row numbers of the spreadsheet.  Titles above the
-header, blank rows, columns without a header and lines that start with # are ignored; the value of a
-merged cell is repeated in all cells of the block.  :mod:`.tables` interprets the headers,
-:mod:`.cells` the cells.
+header, blank rows, columns without a header and lines that start with # are ignored; a title is the
+only filled cell of its row.  The value of a merged cell is repeated in all cells of the block.
+:mod:`.tables` interprets the headers, :mod:`.cells` the cells.
 
 openpyxl skips the rest of merged blocks, reads formulas without a value as empty cells and creates
 all cells up to a distant one.  The XML is checked for this before.  :mod:`.spreadsheets` writes
@@ -174,7 +174,7 @@ def _sheet(where: str, rows: Rows) -> Sheet:
     """Return the table of rows of cells: title rows are skipped, then header, units and values."""
     filled = _filled_rows(rows, where)
     if any(len(row.texts) > 1 for row in filled):
-        while len(filled[0].texts) == 1:  # a title
+        while len(filled[0].texts) == 1:  # a title; a table of one column has none
             del filled[0]
     if len(filled) < 2:
         raise InvalidProblem.at(where, "has no header with rows below it")
@@ -182,6 +182,7 @@ def _sheet(where: str, rows: Rows) -> Sheet:
     names = _headers(header, where)
     for row in body:
         if len(row.cells) < len(names) or _nonempty_cells(row.cells[len(names) :]):
+            # cells without a header may only be empty
             text = f"row {row.number} has {len(row.cells)} cells, the header {len(names)}"
             raise InvalidProblem.at(where, text)
     units: dict[str, str] = {}
@@ -237,6 +238,7 @@ def _nonempty_cells(cells: Iterable[Any]) -> list[str]:
 
 
 def _are_units(cells: Sequence[Any]) -> bool:
+    """Return True if all cells that are not empty are units, in brackets or not, or "-"."""
     units = [text.strip("[]() ") for text in _nonempty_cells(cells) if text != "-"]
     return bool(units) and all(map(is_unit, units))
 
@@ -248,7 +250,7 @@ def _decode(content: bytes, where: str) -> str:
     """Return the text of a file in UTF-8, UTF-16 (Excel's Unicode text) or Windows-1252."""
     has_mark = content[:2] in (b"\xff\xfe", b"\xfe\xff")
     # Windows-1252 matters for µ and ± in headers only
-    for code in ["utf-16"] if has_mark else ["utf-8-sig", "cp1252"]:
+    for code in ["utf-16"] if has_mark else ["utf-8-sig", "cp1252"]:  # "-sig": drops the mark
         try:
             return content.decode(code)
         except UnicodeDecodeError:
@@ -265,7 +267,7 @@ def _text_rows(text: str, where: str) -> tuple[Rows, str]:
     text = re.sub("^#.*", "", text, flags=re.MULTILINE).rstrip("\n")
     declaration = re.match("sep=(.) *$", text, flags=re.MULTILINE)  # a line that Excel understands
     if declaration:
-        text = text[declaration.end() :]
+        text = text[declaration.end() :]  # its line remains, blank
     separator = declaration[1] if declaration else _separator(text)
     lines = csv.reader(io.StringIO(text), delimiter=separator, skipinitialspace=True, strict=True)
     rows: Rows = []
@@ -285,7 +287,7 @@ def _text_rows(text: str, where: str) -> tuple[Rows, str]:
 
 
 def _csv_reason(fault: str) -> str:
-    """Return the reason for which the csv module rejects a row."""
+    """Return the reason for which the csv module rejects a row, from the message of its error."""
     if fault.startswith("field larger"):
         limit = csv.field_size_limit()
         return f"a quote has no end, or a cell has more than {limit} characters"
@@ -361,7 +363,9 @@ def _checked_layout(part: bytes, where: str) -> list[tuple[int, int, int, int]]:
     from openpyxl.utils.cell import coordinate_to_tuple, range_boundaries
 
     blocks = []
-    row = column = last = widest = spanned = 0
+    row = column = 0  # of the cell that is read
+    last = widest = 0  # last row and column with contents
+    spanned = 0  # cells of all rows above, each up to its last one
     for event, element in iterparse(io.BytesIO(part), ("start", "end")):
         kind = event, element.tag.rpartition("}")[2]
         if kind == ("start", "row"):
@@ -371,6 +375,7 @@ def _checked_layout(part: bytes, where: str) -> list[tuple[int, int, int, int]]:
             column = coordinate_to_tuple(place)[1] if place else column + 1
             contents = {child.tag.rpartition("}")[2]: child.text for child in element}
             text = ""
+            # a formula "f" without a value "v"; of type "str", its value is an empty text
             if "f" in contents and not contents.get("v") and element.get("t") != "str":
                 text = "the formula has no value; open and save the file in a spreadsheet"
             if contents:
@@ -397,21 +402,40 @@ def _checked_layout(part: bytes, where: str) -> list[tuple[int, int, int, int]]:
 
 
 def _repeat_merged(cells: Any, blocks: Iterable[tuple[int, int, int, int]], where: str) -> None:
-    """Repeat the value of each merged block in all its cells, except in titles."""
+    """Repeat the value of each merged block in the rows that have other contents.
+
+    A block alone in its rows is a title and is not repeated.
+
+    Parameters
+    ----------
+    cells : (rows, columns) array of object
+        "" in empty cells; it is changed.
+    blocks : iterable of (int, int, int, int)
+        First column and row, last column and row, from 1.
+    where : str
+        Names the file in error messages.
+    """
+    filled = np.count_nonzero(cells != "", axis=1)  # number of cells of each row
     repeated = 0
     for first, top, last, bottom in blocks:
-        rows = cells[top - 1 : bottom]
-        repeated += rows.size
-        if bottom > len(cells) + MAX_BLANK_ROWS or repeated > MAX_CELLS:
+        rows, columns = slice(top - 1, bottom), slice(first - 1, last)
+        block = cells[rows, columns]
+        repeated += block.size
+        text = ""
+        if bottom > len(cells) + MAX_BLANK_ROWS:
             text = f"merged cells reach down to row {bottom}, far below the table"
+        elif repeated > max(MAX_CELLS, cells.size):  # more than the table has
+            text = "merged cells overlap"
+        if text:
             raise InvalidProblem.at(where, f"row {top}, column {first}: {text}")
-        if not rows[:, first - 1 : last].size:  # outside the table
+        if not block.size:  # outside the table
             continue
-        value = rows[0, first - 1]
-        rows[:, first - 1 : last] = ""  # Excel shows the first cell only
-        in_table = (rows != "").any(axis=1)  # otherwise the block is a title
-        rows[0, first - 1] = value
-        rows[in_table, first - 1 : last] = value
+        others = filled[rows] - np.count_nonzero(block != "", axis=1)  # next to the block
+        value = block[0, 0]
+        block[:] = ""  # Excel shows the first cell only
+        block[0, 0] = value
+        block[others > 0] = value
+        filled[rows] = others + np.count_nonzero(block != "", axis=1)
 
 
 def need_openpyxl() -> None:

@@ -87,7 +87,7 @@ def _write_excel_cell(cell: Any, value: Any) -> None:
     """Write a number, a date or a text, which is never a formula; nan and None are left out."""
     from openpyxl.cell.cell import ILLEGAL_CHARACTERS_RE
 
-    if value is None or value != value:
+    if value is None or value != value:  # nan
         return
     if isinstance(value, Percentage):
         cell.number_format = "0.0###%"
@@ -102,8 +102,8 @@ def _write_excel_cell(cell: Any, value: Any) -> None:
 def write_csv(path: Path, frame: pd.DataFrame, gap: str = "") -> None:
     """Write a table as CSV with commas; ``gap`` stands for nan."""
     cells = frame.rename(columns=as_csv_cell)
-    texts = [dtype.kind not in "fiub" for dtype in cells.dtypes]
-    cells.loc[:, texts] = cells.loc[:, texts].map(as_csv_cell)
+    has_texts = [dtype.kind not in "fiub" for dtype in cells.dtypes]  # mask of the columns
+    cells.loc[:, has_texts] = cells.loc[:, has_texts].map(as_csv_cell)
     cells.to_csv(path, index=False, na_rep=gap, lineterminator="\n")
 
 

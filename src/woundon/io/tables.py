@@ -75,12 +75,13 @@ class Names:
 
         Symbols are recognised too, if they are spelled exactly.
         """
+        # they replace the stars of a name; without any, it is the first item
         numbers = iter(part for part in _BETWEEN.split(text) if part.isdigit())
         names = self._by_key.get(_normalise(text)) or self._by_symbol.get(text.strip(), [])
         return [re.sub(r"\*", lambda _: next(numbers, "0"), name) for name in names]
 
     def quantity(self, name: str) -> Quantity | None:
-        """Return the quantity of a name."""
+        """Return the quantity of a name, whose items may be numbered; None if it is no number."""
         return self.known[pattern(name)]
 
     def suggestions(self, text: str) -> list[str]:
@@ -100,17 +101,18 @@ class Names:
             return all(any(part.startswith(word) for part in parts) for word in words)
 
         known = {name: q for name, q in self.known.items() if not name.startswith("errors.")}
-        found = [name for name in known if has_words(name)]
-        found = [name for name in found if name.rpartition(".")[0] not in found]
-        found += [
+        similar = [name for name in known if has_words(name)]
+        # "drum" suffices, without "drum.radius"
+        similar = [name for name in similar if name.rpartition(".")[0] not in similar]
+        similar += [
             f"{name} [gsm]"
             for name, q in known.items()
             if q is not None and q.other_form == "basis weight" and has_words(q.other_form)
         ]
-        if words and found:
-            return sorted(found, key=lambda name: (name.count("."), len(name)))[:MAX_SUGGESTED]
-        similar = nearest("_".join(_BETWEEN.split(text)), self.known)
-        return [similar] if similar else []
+        if words and similar:
+            return sorted(similar, key=lambda name: (name.count("."), len(name)))[:MAX_SUGGESTED]
+        most_similar = nearest("_".join(_BETWEEN.split(text)), self.known)
+        return [most_similar] if most_similar else []
 
 
 def _normalise(text: str) -> str:
@@ -186,12 +188,13 @@ def match_columns(
         if target is None:
             continue
         try:
-            found = _interpret_header(target, names)
+            interpreted = _interpret_header(target, names)
         except InvalidProblem as fault:
             faults.append((sheet.where, f"column {header!r}: {fault}"))
             continue
-        if found is not None:
-            name, explicit, deviation = found
+        if interpreted is not None:
+            name, explicit, deviation = interpreted
+            # a unit that the user assigns precedes that of the header, then that of the row below
             unit = explicit or unit or sheet.units.get(header, "")
             unit = "" if unit in NO_UNIT else unit
             matched.append(Column(header, name, unit, deviation, cells))
@@ -200,6 +203,7 @@ def match_columns(
             unknown.append(header)
     if unknown:
         faults.append((sheet.where, help_text or _help(unknown[0])))
+    # entries that were used have been removed
     faults += [(sheet.where, f"has no column {header!r}") for header, _ in renaming.values()]
     faults += _duplicate_columns(matched, sheet.where)
     if faults:
@@ -262,7 +266,7 @@ def _interpret_header(text: str, names: Names) -> tuple[str, str, bool] | None:
         If it is the name of several quantities.
     """
     for deviation, header in ((False, text), (True, _DEVIATION.sub(" ", text).strip())):
-        if deviation and header == text:
+        if deviation and header == text:  # the text has no "+-"
             break
         for name, unit in _splits(header):
             matches = [] if _DEVIATION.search(unit) else names.find(name)
@@ -301,9 +305,9 @@ def _splits(header: str) -> Iterator[tuple[str, str]]:
 
 def _duplicate_columns(columns: list[Column], where: str) -> Faults:
     """Return the error for two columns with the same meaning."""
-    kinds = [(column.name, column.deviation) for column in columns]
+    meanings = [(column.name, column.deviation) for column in columns]
     return [
-        (where, f"two columns are {name}{' +-' * deviation}")
-        for name, deviation in dict.fromkeys(kinds)
-        if kinds.count((name, deviation)) > 1
+        (where, f"two columns are {name}{' +-' if deviation else ''}")
+        for name, deviation in dict.fromkeys(meanings)
+        if meanings.count((name, deviation)) > 1
     ]

@@ -45,7 +45,7 @@ def answer_lines(result: Result, full: bool = True) -> list[Line]:
 
 
 def main_outputs(result: Result) -> dict[str, str]:
-    """Return the words for the outputs of the answer, by name.
+    """Return outputs in words, such as "nip width", by name: those that the answer states.
 
     Empty for a nip, whose answer is a sum, and for a winding, whose answer is a verdict.
     """
@@ -84,6 +84,7 @@ def _air(result: NipResult) -> list[str]:
     """Return sentences on the reduction of friction and nip-induced tension by entrained air."""
     air, problem = result.air, result.problem
     assert air is not None
+    # where, friction coefficient with air and without it
     places = [("in the nip", air.roll_friction, problem.roll_friction)]
     if problem.roll_wrap:
         places.append(("on the roll wrap", air.wrap_friction, problem.friction_on_wrap))
@@ -110,7 +111,10 @@ def _air(result: NipResult) -> list[str]:
 
 
 def _reduction(friction: float, dry: float) -> str:
-    """Return the reduction of a friction coefficient by air, as text."""
+    """Return the reduction of a friction coefficient by air, as text.
+
+    One that is practically zero is given as such, not as a reduction by 100.0 %.
+    """
     return f"by {1 - friction / dry:.1%}" if friction >= LEAST_FRICTION else "to 0"
 
 
@@ -137,7 +141,7 @@ def _words(result: Result, names: Iterable[str]) -> dict[str, str]:
     words = {
         name: WORDS.get(name, quantity_of(result, name).meaning.partition(",")[0]) for name in names
     }
-    for first in list(words)[:1]:
+    for first in list(words)[:1]:  # there may be none
         words[first] = words[first][:1].upper() + words[first][1:]
     return words
 
@@ -162,12 +166,14 @@ def assumptions_section(result: Result) -> list[Section]:
 def defaults_section(problem: Problem) -> list[Section]:
     """Return the section of the fields whose default values are used; none if there are none."""
     texts: list[str] = []
+    # with a dot after the name, "web" does not exclude "web_tension"
     unused = tuple(f"{name}." for name in problem.unused)
     for place in walk(problem):
         if f"{place.path}.".startswith(unused):
             continue
         default = getattr(place.field, "default", None)
         value = place.value
+        # of the same type: True equals 1
         if value is None or type(value) is not type(default) or value != default:
             continue
         if place.quantity is None or isinstance(value, str | int | float):

@@ -26,7 +26,10 @@ def nip_closed_forms(result: NipResult) -> Iterator[Section]:
 
 
 def _tension_formulas(result: NipResult) -> Iterator[tuple[str, float]]:
-    """Yield the closed forms of the nip-induced tension that apply, except the trade rule."""
+    """Yield (words, value [N/m]) of the closed forms of the nip-induced tension that apply.
+
+    The trade rule has a section of its own.
+    """
     problem = result.problem
     if problem.drum_wrap or problem.air:
         return  # their winding force is that of the nip alone
@@ -39,7 +42,10 @@ def _tension_formulas(result: NipResult) -> Iterator[tuple[str, float]]:
 
 
 def _hertz(result: NipResult | RollerResult, label: str) -> list[Row]:
-    """Return width and peak pressure by Hertz's theory; empty if it does not apply."""
+    """Return rows of width and peak pressure by Hertz's theory, named by ``label``.
+
+    Empty if it does not apply.
+    """
     if result.problem.viscoelastic:
         label += ", all relaxed"
     try:
@@ -67,7 +73,7 @@ def _partial_slip(result: RollerResult) -> Iterator[Row]:
     name, theory = ("Carter", theories.carter) if rolling else ("Cattaneo", theories.cattaneo)
     try:
         solution = theory(result.problem)
-    except InvalidProblem:
+    except InvalidProblem:  # it does not apply to these rollers
         return
     label = f"{name} (similar half-planes)"
     if rolling and result.problem.creepage is None:
@@ -86,7 +92,7 @@ def _free_rolling(result: RollerResult) -> Iterator[Row]:
     try:
         stick = theories.bentall_johnson_stick(problem)
         slip = theories.bentall_johnson_frictionless(problem)
-    except InvalidProblem:
+    except InvalidProblem:  # a body of no linear elastic material
         return
     if stick.oscillation:  # similar ones roll freely without creepage
         for value, neglected in ((slip, "friction"), (stick.creepage, "slip")):

@@ -152,7 +152,8 @@ def draw_figure(
     colours = _colours(len(panels[0]))
     with style():
         figure, placed = _empty_figure(panels, registered, same_y)
-        letters = iter("abcdefghijklmnopqrstuvwxyz" * (lettered and len(panels) > 1))
+        is_lettered = lettered and len(panels) > 1
+        letters = iter("abcdefghijklmnopqrstuvwxyz" if is_lettered else "")
         of_figure: dict[str, list[Artist]] = {}
         for axes, cases, shares_x in placed:
             handles, panel = draw_panel(axes, cases, colours), cases[0]
@@ -189,9 +190,9 @@ def _colours(cases: int) -> list[str | None]:
 def _empty_figure(
     panels: Sequence[Sequence[Panel]], registered: bool, same_y: bool
 ) -> tuple[Picture, list[tuple[Axes, Sequence[Panel], bool]]]:
-    """Return an empty figure, and axes for each panel.
+    """Return an empty figure, and (axes, panel of each result, flag) for each panel.
 
-    The last value is True for axes that share the x axis of those below them.
+    The flag is True for axes that share the x axis of those below them, which alone has numbers.
     """
     columns: dict[str, list[Sequence[Panel]]] = {}
     for cases in panels:
@@ -218,7 +219,10 @@ def _empty_figure(
 def _cells(
     figure: Figure, heights: Sequence[Sequence[float]], widths: Sequence[float]
 ) -> list[list[SubplotSpec]]:
-    """Return the places of the panels by columns; panels of one height are equally large."""
+    """Return the places of the panels by columns; panels of one height are equally large.
+
+    ``heights`` are those of the panels of each column, ``widths`` those of the columns [inches].
+    """
     rows = max(map(len, heights))
     if len({height for column in heights for height in column}) == 1:
         grid = figure.add_gridspec(rows, len(widths), width_ratios=widths)
@@ -244,6 +248,7 @@ def _draw_into(axes: Axes, cases: Sequence[Panel], labels: Sequence[str]) -> Non
         handles += _case_legend(labels, colours)
     if handles:
         axes.legend(handles=handles)
+        # the axes of a right scale lie over these
         for twin in axes.get_shared_x_axes().get_siblings(axes):
             if twin is not axes and twin.bbox.bounds == axes.bbox.bounds:
                 axes.set_zorder(twin.get_zorder() + 1)  # the legend covers its curves
@@ -251,7 +256,7 @@ def _draw_into(axes: Axes, cases: Sequence[Panel], labels: Sequence[str]) -> Non
 
 
 def check_axes(ax: Axes | None, choice: str | Sequence[str] | None) -> None:
-    """Reject what is no axes, and several panels for one.
+    """Reject an ``ax`` that is no Axes, and a choice of several panels for it.
 
     Raises
     ------
@@ -285,7 +290,7 @@ def draw_panel(axes: Axes, cases: Sequence[Panel], colours: Colours = (None,)) -
     list of Artist
         Entries for a legend; of several results the line styles in grey, if there are several.
     """
-    panel, alone = cases[0], len(cases) == 1
+    panel, alone = cases[0], len(cases) == 1  # the first one states what all have in common
     handles: list[Artist | None] = []
     if alone:
         handles += [_draw_area(axes, panel, area) for area in panel.areas]
@@ -297,7 +302,7 @@ def draw_panel(axes: Axes, cases: Sequence[Panel], colours: Colours = (None,)) -
         drawn += [_draw_mark(axes, case, mark, colour if mark.value else None) for mark in marks]
         if case.map:
             drawn += _draw_map(axes, case, case.map, colour)
-        if case is panel:
+        if case is panel:  # the entries of the other results are the same in other colours
             handles = drawn + handles
     if panel.regions:
         handles = _draw_regions(axes, panel, panel.regions) + handles
@@ -320,7 +325,7 @@ def draw_panel(axes: Axes, cases: Sequence[Panel], colours: Colours = (None,)) -
         right.grid(visible=False)
     entries = [handle for handle in handles if handle is not None]
     if len(entries) == 1 and not any(curve.label for curve in panel.curves) and not panel.map:
-        return []  # the axis says it
+        return []  # the label of the axis names the only curve
     return entries if alone else _in_grey(entries)
 
 
@@ -337,7 +342,7 @@ def _in_grey(handles: Sequence[Artist]) -> list[Artist]:
     """Return the legend of several results: the line styles in grey, if there are several."""
     lines = [handle for handle in handles if isinstance(handle, Line2D)]
     if len(lines) < 2 and len(handles) < 2:
-        return []  # the axis says it
+        return []  # the label of the axis names the only curve
     plain: list[Artist] = [
         Line2D([], [], color=NEUTRAL, linestyle=line.get_linestyle(), label=line.get_label())
         for line in lines
@@ -368,6 +373,7 @@ def _add_legend(axes: Axes, handles: list[Artist], panel: Panel) -> None:
             handles=handles,
             loc="lower left",
             bbox_to_anchor=(0.0, 1.0),
+            # in one line, or in two: half of them, rounded up
             ncols=len(handles) if len(handles) < 7 else -(-len(handles) // 2),
             borderaxespad=0.2,
             **(many if len(handles) > 4 else few),
@@ -383,7 +389,7 @@ class _TickLabels(ScalarFormatter):
     def __call__(self, x: float, pos: int | None = None) -> str:
         """Return the label of a tick."""
         power = super().get_offset().removeprefix("1")  # "1e8" of all ticks
-        return super().__call__(x, pos) + power * bool(x)
+        return super().__call__(x, pos) + (power if x else "")
 
     def get_offset(self) -> str:
         """Return the text at the end of the axis: none."""
@@ -398,9 +404,18 @@ def _shown(axis: Axis | None, values: Array | float) -> Any:
 def _format_axis(
     axes: Axes, name: str, cases: Sequence[Axis], values: Sequence[Array], length: float
 ) -> None:
-    """Set label, scale and limits of the x or y axis of one or several results.
+    """Set label, scale and limits of an axis of a panel of one or several results.
 
-    ``length`` is that of the axis in inches.
+    Parameters
+    ----------
+    axes : Axes
+    name : {"x", "y"}
+    cases : sequence of Axis
+        The axis of each result.
+    values : sequence of arrays
+        Of all curves along the axis [SI].
+    length : float
+        Of the axis [inches].
     """
     axis, lines = cases[0], axes.xaxis if name == "x" else axes.yaxis
     lines.set_label_text(axis_label(axis, int(CHARACTERS * length)))
@@ -429,7 +444,10 @@ def _format_axis(
 
 
 def _set_log_scale(axes: Axes, name: str, values: Array) -> None:
-    """Make an axis logarithmic, with plain numbers as labels if it has few decades."""
+    """Make an axis logarithmic, with plain numbers as labels if it has few decades.
+
+    ``values`` are the ends of the axis, or the values along it, in the unit for display.
+    """
     axes.set(**{f"{name}scale": "log"})
     axis, ratio = axes.xaxis if name == "x" else axes.yaxis, np.max(values) / np.min(values)
     if ratio < FEW_DECADES:
@@ -445,8 +463,9 @@ def _set_log_scale(axes: Axes, name: str, values: Array) -> None:
 
 
 def _draw_area(axes: Axes, panel: Panel, area: Area) -> Artist | None:
-    """Shade an area; return its legend entry."""
+    """Shade an area; return its legend entry, None without a label."""
     x, low, high = _shown(panel.x, area.x), _shown(panel.y, area.low), _shown(panel.y, area.high)
+    # "mu p" becomes "$\\mu p$", and "$\\pm \\mu p$"
     label = f"$\\pm {formulas(f'${area.label}$')[1:]}" if area.symmetrical else formulas(area.label)
     shade = axes.fill_between(x, low, high, linewidth=0, label=label, **SHADES[area.shade])
     return shade if area.label else None
@@ -457,7 +476,8 @@ def _draw_curve(axes: Axes, panel: Panel, curve: Curve, colour: str | None) -> A
     y_axis = panel.right if curve.right else panel.y
     x, y = _shown(panel.x, curve.x), _shown(y_axis, curve.y)
     colour = colour or COLOURS[curve.colour]
-    words = (symbol_text(curve.symbol), formulas(curve.label), "(right axis)" * curve.right)
+    axis_words = "(right axis)" if curve.right else ""
+    words = (symbol_text(curve.symbol), formulas(curve.label), axis_words)
     label = " ".join(filter(None, words))
     look: dict[str, Any] = {
         "color": colour,
@@ -490,7 +510,10 @@ def _draw_curve(axes: Axes, panel: Panel, curve: Curve, colour: str | None) -> A
 
 
 def _draw_mark(axes: Axes, panel: Panel, mark: Mark, colour: str | None) -> Artist | None:
-    """Plot a straight line across the panel; return its legend entry."""
+    """Plot a straight line across the panel; return its legend entry, None if it has none.
+
+    ``colour`` is that of the result among several; None for the colour of the mark.
+    """
     axis = panel.y if mark.along == "x" else panel.x
     label = formulas(mark.label)
     if mark.symbol and axis.quantity:
@@ -507,9 +530,9 @@ def _draw_mark(axes: Axes, panel: Panel, mark: Mark, colour: str | None) -> Arti
         axes.annotate(
             label,
             (0.99, _shown(axis, mark.value)),
-            (0, 2),
-            ("axes fraction", "data"),
-            "offset points",
+            xytext=(0, 2),
+            xycoords=("axes fraction", "data"),
+            textcoords="offset points",
             color=COLOURS[mark.colour],
             ha="right",
             va="bottom",
@@ -518,7 +541,10 @@ def _draw_mark(axes: Axes, panel: Panel, mark: Mark, colour: str | None) -> Arti
 
 
 def _draw_map(axes: Axes, panel: Panel, plane: Map, colour: str | None) -> list[Artist | None]:
-    """Plot contours, over the coloured values of a single result; return the legend entries."""
+    """Plot contours, over the coloured values of a single result; return the legend entries.
+
+    ``colour`` is that of the result among several, whose values would cover each other.
+    """
     scale = panel.scale
     x, y = _shown(panel.x, plane.x), _shown(panel.y, plane.y)
     values = _shown(scale.axis if scale else None, plane.values)
@@ -566,7 +592,7 @@ def _draw_discs(axes: Axes, panel: Panel, discs: Sequence[Disc], scale: Scale) -
     assert scale.axis.limits is not None
     low, high = _shown(scale.axis, np.array(scale.axis.limits))
     angle = np.linspace(0, 2 * np.pi, AROUND)
-    for disc in discs:
+    for disc in discs:  # values are (k,) over the radius, and repeated around the disc
         r, left = _shown(panel.x, disc.radius), _shown(panel.x, disc.left)
         x, y = left + r[-1] + np.outer(r, np.cos(angle)), np.outer(r, np.sin(angle))
         mesh = axes.pcolormesh(
@@ -617,7 +643,10 @@ def _draw_bars(axes: Axes, bars: Bars) -> Any:
 
 
 def _draw_strips(axes: Axes, cases: Sequence[Panel], colours: Colours) -> list[Artist | None]:
-    """Plot zones as bars along x, the first face on top; return the entries of the legend."""
+    """Plot zones as bars along x, the first face on top; return the entries of the legend.
+
+    ``colours`` are those of the names of the faces of each result; None for a single one.
+    """
     strips = [
         (strip, colour)
         for case, colour in zip(cases, colours, strict=True)

@@ -103,7 +103,7 @@ class _Settled(ConstrainedLayoutEngine):
         """Lay out the panels."""
         super().execute(fig)
         for axes in fig.axes:
-            if axes.get_in_layout():
+            if axes.get_in_layout():  # setting a position takes them out of it
                 axes.set_position(np.round(axes.get_position(original=True).bounds, 6))
                 axes.set_in_layout(True)
 
@@ -129,7 +129,7 @@ class Picture(Figure):
         if "inline" in mpl.get_backend():
             import_module("matplotlib_inline.backend_inline")  # now IPython knows figures
             import_module("matplotlib.pyplot").close(self)
-        raise NotImplementedError  # so IPython shows it as it shows any figure
+        raise NotImplementedError  # IPython then shows it as it shows any figure
 
 
 def zone_look(zone: int) -> dict[str, Any]:
@@ -154,14 +154,8 @@ def check_format(path: str | Path) -> str:
     """
     ending = Path(path).suffix
     if ending not in _METADATA:
-        raise InvalidProblem(
-            [
-                (
-                    str(path),
-                    f"the ending {ending!r} is not a known format; must be {', '.join(_METADATA)}",
-                )
-            ]
-        )
+        text = f"the ending {ending!r} is not a known format; must be {', '.join(_METADATA)}"
+        raise InvalidProblem.at(str(path), text)
     return ending
 
 
@@ -184,6 +178,7 @@ def figure_bytes(figure: Figure, ending: str, *, dpi: int | None = None) -> byte
     """Return a figure in the format of an ending that :func:`check_format` admits."""
     buffer = BytesIO()
     with style():
+        # the format is the ending without its dot
         figure.savefig(buffer, format=ending[1:], metadata=_METADATA[ending], dpi=dpi)
     return buffer.getvalue()
 

@@ -38,6 +38,7 @@ def parts_html(parts: Iterable[Part]) -> str:
 
 
 def _division(texts: Sequence[str]) -> str:
+    """Return pieces of HTML in one element."""
     return "<div>\n{}\n</div>".format("\n".join(texts))
 
 
@@ -50,12 +51,14 @@ def _part(part: Part) -> str:
 
 
 def _paragraph(text: str, style: str = "") -> str:
+    """Return the HTML of a text, which is escaped; ``style`` is more CSS."""
     return f'<p style="margin:0.3em 0;{style}">{label_html(text)}</p>'
 
 
 def _line(line: Line) -> str:
-    loud = {"quiet": QUIET, **dict.fromkeys(("answer", "warning", "bad"), "font-weight:bold")}
-    return _paragraph(line.text, loud.get(line.tone, ""))
+    """Return the HTML of a line in the style of its tone."""
+    styles = {"quiet": QUIET, **dict.fromkeys(("answer", "warning", "bad"), "font-weight:bold")}
+    return _paragraph(line.text, styles.get(line.tone, ""))
 
 
 def symbol_html(symbol: str) -> str:
@@ -77,6 +80,7 @@ def _symbol(word: str) -> str:
     letter = f"<i>{letter}</i>" if base in GREEK or len(base) == 1 else letter
     index = f"&{index};" if index in GREEK else index
     subscript = number + (index or "")
+    # nothing for an empty one
     subscript, superscript = subscript and f"<sub>{subscript}</sub>", sign and f"<sup>{sign}</sup>"
     return f"{factor}{letter}{subscript}{superscript}"
 
@@ -102,6 +106,8 @@ def label_html(text: str) -> str:
 
 
 def _formula(text: str) -> str:
+    """Return the HTML of a formula, which is not broken between its words."""
+    # a minus before a symbol is no part of the symbol; a "-" alone is an operator
     signed = [("-" if word[0] == "-" and len(word) > 1 else "", word) for word in text.split(" ")]
     words = " ".join(sign + symbol_html(word.removeprefix(sign)) for sign, word in signed)
     return f'<span style="white-space:nowrap">{words}</span>' if " " in text else words
@@ -161,15 +167,19 @@ def table_html(table: Table) -> str:
 
 
 def _row(row: TableRow, kinds: Sequence[str]) -> str:
-    """Return the HTML of a row of a table, and of the remarks below it."""
+    """Return the HTML of a row of a table, and of the remarks below it.
+
+    ``kinds`` are those of the columns; see :class:`~.report_parts.Column`.
+    """
     cells = []
     for text, kind in zip(row.cells, kinds, strict=True):
         to_html, style = CELLS[kind]
-        cells.append((to_html(text), style + ";border-bottom:0" * bool(row.below)))
+        # the remarks belong to the row
+        cells.append((to_html(text), f"{style};border-bottom:0" if row.below else style))
     if row.tone == "bad":
         text, style = cells[-1]
         cells[-1] = f'<span style="{ALARM}">{text}</span>', style
-    mark = ' class="differs"' * (row.tone == "differs")
+    mark = ' class="differs"' if row.tone == "differs" else ""
     line = "".join(f'<td style="{style}">{text}</td>' for text, style in cells)
     below = f'<td colspan="{len(cells)}" style="{LEFT};{QUIET}">{escape(row.below)}</td>'
     return f"<tr{mark}>{line}</tr>" + (f"\n<tr>{below}</tr>" if row.below else "")

@@ -59,7 +59,7 @@ def report_file(
     sources: Sequence[str] = (),
     written: datetime | None = None,
 ) -> str:
-    """Return a report of solved cases as an HTML page.
+    """Return a report of solved cases, the states, as an HTML page.
 
     Parameters
     ----------
@@ -140,12 +140,12 @@ def _inputs(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
         if all(path not in places or places[path].value is None for places in fields):
             not_given.append(path)
             continue
-        known = [
+        cases = [
             value_row(places[path].quantity, places[path].value) if path in places else None
             for places in fields
         ]
-        values = [row.text if row else "-" for row in known]
-        first = next(row for row in known if row)
+        values = [row.text if row else "-" for row in cases]
+        first = next(row for row in cases if row)
         tone = "differs" if len(set(values)) > 1 else ""
         rows.append(TableRow((path, first.meaning, first.symbol, *values), tone))
     columns: tuple[Column, ...] = (
@@ -168,7 +168,7 @@ def _inputs(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
 
 
 def _named_materials(thing: Any, path: str = "") -> Iterator[tuple[str, str]]:
-    """Yield path and name of each named material."""
+    """Yield path and name of each named material in a problem or a part of it at ``path``."""
     for name, known in MATERIALS.items():
         if thing == known.material:
             yield path, name
@@ -209,7 +209,10 @@ def _outputs(results: Sequence[Result]) -> Iterator[TableRow]:
 
 
 def _difference(first: Row, row: Row) -> str:
-    """Return the difference of a value from the first one, absolute and relative."""
+    """Return the difference of a value from the first one, absolute and relative.
+
+    A relative one that would be rounded to 0.0 % is given as an upper bound.
+    """
     change, whole = float(row.value) - float(first.value), abs(float(first.value))
     if not whole:
         return f"{change:+.3g}"
@@ -218,6 +221,7 @@ def _difference(first: Row, row: Row) -> str:
 
 
 def _with_error(row: Row) -> str:
+    """Return the value of a row with its error estimate, if there is one."""
     return f"{row.value_text} ± {row.error_text}" if row.error_text else row.value_text
 
 
@@ -235,15 +239,18 @@ def _figure(results: Sequence[Result], names: Sequence[str]) -> Iterator[str]:
     if drawing is not None:
         yield _inline(drawing, "drawing to scale", 0)
     yield '<div class="figures">'
-    for number, (panels, figure) in enumerate(figures, 1):
+    for number, (names_of_panels, figure) in enumerate(figures, 1):
         width, height = figure.get_size_inches()
         figure.set_size_inches(PRINTED * width, PRINTED * height)
-        yield _inline(figure, panels, number)
+        yield _inline(figure, names_of_panels, number)
     yield "</div>"
 
 
 def _inline(figure: Figure, label: str, number: int) -> str:
-    """Return a figure as SVG; two figures of one page may not name their parts alike."""
+    """Return a figure as SVG with a label for screen readers.
+
+    Names of its parts begin with its number: they may not occur twice in a page.
+    """
     image = figure_bytes(figure, ".svg").decode()
     svg = _APART.sub("", image[image.index("<svg") :])
     svg = re.sub(r'(id="|url\(#|href="#)', rf"\g<1>f{number}-", svg)
@@ -251,10 +258,10 @@ def _inline(figure: Figure, label: str, number: int) -> str:
 
 
 def _footer(results: Sequence[Result]) -> str:
-    """Return the footer: version, time and licence."""
-    laws = ", ".join(f"{result.residual:.1e}" for result in results)
+    """Return the footer: version, the largest residual of each case, and what errors include."""
+    residuals = ", ".join(f"{result.residual:.1e}" for result in results)
     return (
         f"<footer>Computed by woundon {escape(__version__)}; largest residual of the "
-        f"conditions: {laws}. Errors (±) are the estimated errors of discretisation; those of "
+        f"conditions: {residuals}. Errors (±) are the estimated errors of discretisation; those of "
         "the model and of the inputs come on top.</footer>"
     )

@@ -20,7 +20,7 @@ COLUMNS = (
     Column("worst at", "phrase"),
     Column("", "phrase"),
 )
-TONES = {True: "good", False: "bad", None: "quiet"}
+TONES = {True: "good", False: "bad", None: "quiet"}  # satisfied, violated, not checked
 
 
 def margins_part(margins: Margins) -> Table:
@@ -47,6 +47,7 @@ def _row(margin: Margin) -> TableRow:
         _number(number, prefix, quantity)
         for prefix, number in (("", margin.value), (sign, margin.limit))
     )
+    # nan: not at a radius
     place = "" if margin.radius != margin.radius else f"r = {RADIUS.text(margin.radius)}"
     title, verdict = f"{margin.title}: {quantity.meaning}", _verdict_text(margin)
     remarks = filter(None, (_note(margin), f"Not considered: {margin.left_out}"))
@@ -59,7 +60,7 @@ def _row(margin: Margin) -> TableRow:
 
 def _number(value: float, sign: str, quantity: Quantity) -> str:
     """Return value or limit as text, with a sign before it; a torque without capacity in words."""
-    if value != value:
+    if value != value:  # nan: not known
         return "-"
     return "no capacity" if isinf(value) else f"{sign}{quantity.shown(value):.4g}"
 
@@ -68,7 +69,8 @@ def _note(margin: Margin) -> str:
     """Return the note of a margin, with advice if its reserve is small or negative."""
     small = margin.checked and margin.reserve < SMALL
     stored = in_chosen_units(margin.note)
-    return "; ".join(filter(None, (stored, f"to increase the margin: {margin.hint}" * small)))
+    advice = f"to increase the margin: {margin.hint}" if small else ""
+    return "; ".join(filter(None, (stored, advice)))
 
 
 def _verdict_text(margin: Margin) -> str:

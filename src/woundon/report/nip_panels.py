@@ -20,7 +20,7 @@ __all__ = ["along_contact", "bounds_of_friction", "nip_panels", "zones_panel"]
 
 Array = np.ndarray
 
-DEPTHS, PLACES = 40, 301  # of the map of the shear between layers
+DEPTHS, PLACES = 40, 301  # of the map of the shear between layers: numbers of z and of x
 LEAST_EXCESS = 1.0  # [Pa], end of the colour scale where no layer slips
 UNKNOWN = "no interior stresses of this roll"
 
@@ -109,7 +109,7 @@ def zones(result: NipResult) -> Panel:
 
 
 def _in_nip(result: NipResult, name: str, label: str, colour: str, line: str = "solid") -> Curve:
-    """Return the curve of an output between the edges of the nip."""
+    """Return the curve of an output between the edges of the nip; texts as of :class:`.Curve`."""
     x = result.slip_x if name.endswith("_slip") else result.x
     return Curve.of_output(result, name, x, label, colour, line, nodes=result.in_nip)
 
@@ -135,8 +135,8 @@ def tractions(result: NipResult) -> Panel:
         "Tangential tractions and friction bounds",
         Axis("Tangential traction $q$", quantity_of(result, "roll_traction")),
         [
-            _in_nip(result, "roll_traction", "on roll", "roll"),
-            _in_nip(result, "drum_traction", "on drum", "drum", "dashed"),
+            _in_nip(result, "roll_traction", label="on roll", colour="roll"),
+            _in_nip(result, "drum_traction", label="on drum", colour="drum", line="dashed"),
         ],
         areas=bounds_of_friction(result, labels),
     )
@@ -150,9 +150,9 @@ def slips(result: NipResult) -> Panel:
         "Slip and web tension in the nip",
         Axis("Relative slip speed $v$", quantity_of(result, "roll_slip")),
         [
-            _in_nip(result, "roll_slip", "at roll", "roll"),
-            _in_nip(result, "drum_slip", "at drum", "drum", "dashed"),
-            replace(_in_nip(result, "tension", "", "web", "dashdot"), right=True),
+            _in_nip(result, "roll_slip", label="at roll", colour="roll"),
+            _in_nip(result, "drum_slip", label="at drum", colour="drum", line="dashed"),
+            replace(_in_nip(result, "tension", label="", colour="web", line="dashdot"), right=True),
         ],
         right=Axis("Web tension $T$", quantity_of(result, "tension")),
         height=2.8,
@@ -163,11 +163,11 @@ def pressure(result: NipResult) -> Panel:
     """Return the panel of the pressure in the nip; with a wrap, on roll and drum."""
     if result.problem.is_wrapped:
         curves = [
-            _in_nip(result, "roll_pressure", "on roll", "roll"),
-            _in_nip(result, "drum_pressure", "on drum", "drum", "dashed"),
+            _in_nip(result, "roll_pressure", label="on roll", colour="roll"),
+            _in_nip(result, "drum_pressure", label="on drum", colour="drum", line="dashed"),
         ]
-    else:
-        curves = [_in_nip(result, "drum_pressure", "in the nip", "web")]
+    else:  # both faces have the same pressure
+        curves = [_in_nip(result, "drum_pressure", label="in the nip", colour="web")]
     y = Axis("Pressure $p$", quantity_of(result, "drum_pressure"), from_zero=True)
     return _panel(result, "pressure", "Pressure", y, curves)
 
@@ -175,7 +175,7 @@ def pressure(result: NipResult) -> Panel:
 def tension(result: NipResult) -> Panel:
     """Return the panel of the web tension in the nip."""
     y = Axis("Web tension $T$", quantity_of(result, "tension"))
-    curve = _in_nip(result, "tension", "", "web")
+    curve = _in_nip(result, "tension", label="", colour="web")
     return _panel(result, "tension", "Web tension in the nip", y, [curve])
 
 
@@ -183,8 +183,8 @@ def air_film(result: NipResult) -> Panel:
     """Return the panel of the entrained air between web and roll."""
     assert result.air is not None
     h = quantity_of(result, "air.thickness")
-    x, label = result.x[result.in_nip], "between web and roll"
-    curve = Curve("air.thickness", x, result.air.thickness, h.symbol, label)
+    x, film = result.x[result.in_nip], result.air.thickness
+    curve = Curve("air.thickness", x, film, symbol=h.symbol, label="between web and roll")
     y = Axis("Air film $h$", h, from_zero=True)
     return _panel(result, "air_film", "Air film in the nip", y, [curve])
 
@@ -193,7 +193,7 @@ def air_film(result: NipResult) -> Panel:
 
 
 def _wraps(result: NipResult) -> list[tuple[str, Array, slice]]:
-    """Return the faces on which the web is wrapped: angles from the nip [rad], nodes."""
+    """Return (name, angles from the nip [rad], slice of the nodes) of the wrapped faces."""
     problem, nip, a, x = result.problem, result.in_nip, result.half_width, result.x
     faces = []
     if problem.roll_wrap:
@@ -216,15 +216,23 @@ def wrap_tension(result: NipResult) -> Panel:
     T = quantity_of(result, "tension")
     lines = {"roll": "dashdot", "drum": "dotted"}
     curves = [
-        Curve("tension", angle, result.tension[k], T.symbol, f"on {face}", "web", lines[face])
-        for face, angle, k in _wraps(result)
+        Curve(
+            "tension",
+            angle,
+            result.tension[nodes],
+            symbol=T.symbol,
+            label=f"on {face}",
+            colour="web",
+            line=lines[face],
+        )
+        for face, angle, nodes in _wraps(result)
     ]
     marks = []
     if result.problem.roll_wrap:
         WOT = quantity_of(result, "wound_on_tension").symbol
-        marks.append(Mark("x", result.wound_on_tension, "wound-on tension", WOT))
+        marks.append(Mark("x", result.wound_on_tension, label="wound-on tension", symbol=WOT))
         if result.slip_angle:
-            marks.append(Mark("y", result.slip_angle, "end of slip", colour="roll"))
+            marks.append(Mark("y", result.slip_angle, label="end of slip", colour="roll"))
     return Panel(
         "wrap_tension",
         _angle_axis(result),
@@ -239,7 +247,7 @@ def wrap_tension(result: NipResult) -> Panel:
 
 def wrap_pressure(result: NipResult) -> Panel:
     """Return the panel of the pressure on roll and drum, and that required by the traction."""
-    problem, curves = result.without_air, []
+    problem, curves = result.without_air, []  # friction as the air film leaves it
     for face, angle, nodes in _wraps(result):
         if face == "roll":
             sign, friction, lines = "+", problem.friction_on_wrap, ("solid", "dotted")
@@ -249,8 +257,10 @@ def wrap_pressure(result: NipResult) -> Panel:
         required = np.abs(getattr(result, f"{face}_traction")[nodes]) / friction
         label = f"$|q{sign}|/mu{sign}$"
         curves += [
-            Curve(f"{face}_pressure", angle, present, f"p{sign}", "", face, lines[0]),
-            Curve(f"{face}_traction", angle, required, "", label, face, lines[1]),
+            Curve(
+                f"{face}_pressure", angle, present, symbol=f"p{sign}", colour=face, line=lines[0]
+            ),
+            Curve(f"{face}_traction", angle, required, label=label, colour=face, line=lines[1]),
         ]
     return Panel(
         "wrap_pressure",
@@ -274,7 +284,7 @@ def _layer_slip_of(result: NipResult) -> LayerSlip | None:
 
 
 def _depth_axis(result: NipResult, slip: LayerSlip | None) -> Axis:
-    """Return the axis of the depth, which points down."""
+    """Return the axis of the depth, which points down: its limits descend."""
     depth = quantity_of(result, "half_width")
     if slip is None:
         return Axis("Depth $z$", depth)
@@ -283,7 +293,11 @@ def _depth_axis(result: NipResult, slip: LayerSlip | None) -> Axis:
 
 
 def _deepest(slip: LayerSlip) -> float:
-    """Return the largest depth of the panels [m]."""
+    """Return the largest depth of the panels [m].
+
+    It is 1.5 times the depth of slip, but at least 8 times that of the first interface, and not
+    below the last one.
+    """
     deepest, preferred = float(slip.interface_depth[-1]), 1.5 * slip.depth
     return min(deepest, max(preferred, 8 * float(slip.interface_depth[0])))
 
@@ -310,7 +324,7 @@ def layer_slip(result: NipResult) -> Panel:
         panel,
         x=Axis(panel.x.label, panel.x.quantity, limits=(-reach, reach)),
         map=Map(x, z, excess, (Contour(0.0, "boundary of slip"),)),
-        scale=Scale(scale, "red above", clipped="lower"),
+        scale=Scale(scale, "red above", clipped="lower"),  # values may be below -top
         marks=tuple(Mark("y", edge, line="dotted", alone=False) for edge in (-a, a)),
     )
 
@@ -319,7 +333,7 @@ def _excess_below(result: NipResult, slip: LayerSlip) -> tuple[Array, Array, Arr
     """Return x (n,), z (m,) and the excess of the shear (m, n), around the slipping layers."""
     z = np.geomspace(slip.interface_depth[0], _deepest(slip), DEPTHS)
     reach = max(0.6 * slip.width, 2 * result.half_width)
-    # the stresses vary most in the nip
+    # the spacing is 10 times closer in the middle than at the ends: stresses vary most in the nip
     x = reach * np.sinh(np.linspace(-3, 3, PLACES)) / np.sinh(3)
     sections = interior_stress(result, z) or ()
     P0 = wound_in_pressure(result, z)
@@ -337,9 +351,18 @@ def layer_shear(result: NipResult) -> Panel:
     if slip is not None:
         z = slip.interface_depth
         curves = (
-            Curve("layer_slip", slip.largest_shear, z, "", "$max|tau|$", "roll", "solid"),
-            Curve("layer_slip", slip.friction_limit, z, "", "$mu(P_0 + max p)$", "drum", "dashed"),
-            Curve("layer_slip", slip.excess, z, "", "largest excess", "web", "dashdot"),
+            Curve("layer_slip", slip.largest_shear, z, label="$max|tau|$", colour="roll"),
+            Curve(
+                "layer_slip",
+                slip.friction_limit,
+                z,
+                label="$mu(P_0 + max p)$",
+                colour="drum",
+                line="dashed",
+            ),
+            Curve(
+                "layer_slip", slip.excess, z, label="largest excess", colour="web", line="dashdot"
+            ),
         )
     return Panel(
         "layer_shear",

@@ -95,10 +95,10 @@ def _wraps(problem: NipProblem) -> Iterator[Row]:
 
 def _tension_rows(result: NipResult) -> tuple[Row, ...]:
     """Return the rows of tensions, nip width, pressure and other main outputs."""
-    level = approach_note(result.problem.roll, result.problem.drum)
+    undetermined = approach_note(result.problem.roll, result.problem.drum)
     if not result.problem.is_wrapped:
         names = ["nip_induced_tension", "outlet_tension"]
-        return rows_of(result, names + NIP, LEFT_OUT | OF_WRAPS, approach=level)
+        return rows_of(result, names + NIP, LEFT_OUT | OF_WRAPS, approach=undetermined)
     on_drum = ["inlet_tension", "drum_wrap_traction"] if result.problem.drum_wrap else []
     names = [
         "wound_on_tension",
@@ -108,12 +108,12 @@ def _tension_rows(result: NipResult) -> tuple[Row, ...]:
         "roll_wrap_traction",
         "slip_angle",
     ]
-    way = f", web {result.slip_zone.word}" if result.slip_zone else ""
-    return rows_of(result, names + NIP, approach=level, slip_angle=way)
+    direction = f", web {result.slip_zone.word}" if result.slip_zone else ""
+    return rows_of(result, names + NIP, approach=undetermined, slip_angle=direction)
 
 
 def _hardening(problem: NipProblem) -> Iterator[Line]:
-    """Yield a remark whether roll and web harden under the nip pressure, of nips with a stack."""
+    """Yield a remark whether roll and web harden under the nip pressure, in nips with a stack."""
     if isinstance(problem.roll, WoundRoll) or isinstance(problem.web.material, Stack):
         texts = (
             f"the {name} {'does not harden' if part.linear else 'hardens'}"
@@ -144,12 +144,13 @@ def _layer_slip(result: NipResult) -> Iterator[Part]:
         slip = result.layer_slip
     if slip is None:
         return
+    # depth and width of the slipping layers, if there are any
     names = ("ratio", "layers", "depth", "width") if slip.layers else ("ratio",)
     rows = [
         row_of(quantity_of(type(result), f"layer_slip.{name}"), getattr(slip, name))
         for name in names
     ]
-    if isinf(slip.ratio):
+    if isinf(slip.ratio):  # of shear to a friction of zero
         rows[0] = replace(rows[0], value="no friction")
     elif result.air is not None:
         rows.append(row_of(LAYER_FRICTION, slip.friction[slip.critical]))

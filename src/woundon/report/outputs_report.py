@@ -50,7 +50,15 @@ def rows_of(
 ) -> tuple[Row, ...]:
     """Return the rows of the named outputs and of outputs of plug-ins.
 
-    Outputs in ``leave`` are omitted; ``notes`` are texts after the unit by name.
+    Parameters
+    ----------
+    result : Result
+    names : list of str
+        Outputs in their order; all other scalar outputs follow.
+    leave : iterable of str
+        Other outputs that are omitted.
+    notes : str
+        By the name of an output: text after its unit.
     """
     shown_elsewhere = {f"{name}_error" for name in result.errors} | _no_friction(result)
     others = [
@@ -76,6 +84,7 @@ def _no_friction(result: Result) -> set[str]:
 
 
 def _is_nan(value: Any) -> bool:
+    """Return True for a float that is nan; other values may be whole numbers."""
     return isinstance(value, float) and isnan(value)
 
 
@@ -118,7 +127,7 @@ def field_rows(
         items = enumerate(value) if isinstance(value, tuple) else ()
         inner = [(f"{prefix}{name}.{k}", v) for k, v in items if isinstance(v, Description)]
         inner += [(f"{prefix}{name}", value)] if isinstance(value, Description) else []
-        for path, part in inner:
+        for path, part in inner:  # a row with the name of its class, then its fields
             yield Row(path, "", type(part).__name__)
             yield from field_rows(part, f"{path}.", quantity)
         if not inner and value is not None:

@@ -164,6 +164,7 @@ class Area:
 
     ``shade`` is "shade0", "shade1" (friction bounds, the wider one first), "drum" or "alarm".
     The label of a symmetrical area, which reaches from -high to high, is the symbol of high.
+    ``x``, ``low`` and ``high`` are (n,) arrays.
     """
 
     label: str
@@ -179,7 +180,8 @@ class Mark:
     """A straight line parallel to the axis ``along``, at ``value`` of the other axis.
 
     The legend names it by its symbol and value, or else by its label; without both, the line is
-    not named.  ``written`` places the label next to the line.
+    not named.  ``along`` is "x" or "y", ``written`` places the label next to the line, and
+    ``alone`` omits the line where the panel compares several results.
     """
 
     along: str
@@ -194,7 +196,7 @@ class Mark:
 
 @dataclass(frozen=True)
 class Strip:
-    """The zones of one face along a contact: runs (zone, from, to)."""
+    """The zones of one face along a contact: runs (zone, from, to), the ends in metres."""
 
     face: str
     runs: tuple[tuple[int, float, float], ...]
@@ -237,7 +239,10 @@ class Map:
 
 @dataclass(frozen=True, eq=False)
 class Regions:
-    """Regions of a plane: the (m, n) indices of their names; -1 where there is none."""
+    """Regions of a plane: the (m, n) indices of their names; -1 where there is none.
+
+    ``x`` is (n,), ``y`` (m,); each region has a name and a colour.
+    """
 
     x: Array
     y: Array
@@ -260,9 +265,10 @@ class Disc:
 
 @dataclass(frozen=True, eq=False)
 class Bars:
-    """Horizontal bars at the named positions of the y axis, moved down by ``shift``.
+    """Horizontal bars at the named positions 0, 1, ... of the y axis, moved down by ``shift``.
 
-    ``interval`` is (2, n), the ends of the error bars.
+    ``values`` is (n,), a bar for each position.  ``interval`` is (2, n), the ends of the error
+    bars.
     """
 
     label: str
@@ -349,7 +355,7 @@ PanelMakers = Mapping[str, PanelMaker]
 
 
 def widest(limits: list[Limits]) -> Limits:
-    """Return the limits that contain all of some limits of one direction."""
+    """Return the limits that contain all of some limits, which all ascend or all descend."""
     first, last = zip(*limits, strict=True)
     if limits[0][0] > limits[0][1]:
         return max(first), min(last)

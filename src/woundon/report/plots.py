@@ -125,7 +125,7 @@ def figures_of_columns(
 
 
 def _labelled(results: Any, labels: Sequence[str] | None) -> tuple[list[Result], Sequence[str]]:
-    """Return the results as a list, and their labels."""
+    """Return the results as a list, and their labels; by default those that distinguish them."""
     all_results: list[Any] = list(results) if isinstance(results, list | tuple) else [results]
     for result in all_results:
         check_type("results", result, Result)
@@ -147,6 +147,7 @@ def _panels(results: Sequence[Result], choice: str | Sequence[str] | None) -> li
     """
     makers = [named_panels(result) for result in results]
     first, *others = makers
+    # panels of one name that the same function makes
     common = [
         name
         for name, maker in first.items()
@@ -174,11 +175,12 @@ def _panels(results: Sequence[Result], choice: str | Sequence[str] | None) -> li
 
 def _labels(results: Sequence[Any]) -> list[str]:
     """Return labels that distinguish several results: kinds and one or two fields, or numbers."""
+    # the fields of each problem by path, and the paths of those in which the problems differ
     fields = [{place.path: place for place in quantities.walk(r.problem)} for r in results]
     differ = [
         path
         for path in fields[0]
-        if len({str(t[path].value) if path in t else None for t in fields}) > 1
+        if len({str(each[path].value) if path in each else None for each in fields}) > 1
     ]
     words = [kinds.of(r).name.replace("_", " ") for r in results]
     texts = [
@@ -186,14 +188,15 @@ def _labels(results: Sequence[Any]) -> list[str]:
             [
                 *([word] if len(set(words)) > 1 else []),
                 *(
-                    named_value(path, t[path].quantity, t[path].value)
+                    named_value(path, each[path].quantity, each[path].value)
                     for path in differ[:2]
-                    if path in t
+                    if path in each
                 ),
             ]
         )
-        for word, t in zip(words, fields, strict=True)
+        for word, each in zip(words, fields, strict=True)
     ]
+    # two fields do not tell all differences, or labels are equal or empty
     if len(differ) > 2 or len(set(texts)) < len(texts) or not all(texts):
         return [f"{word} {k}" for k, word in enumerate(words, 1)]
     return texts

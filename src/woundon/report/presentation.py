@@ -55,7 +55,7 @@ def _parts(thing: Presented) -> list[Part]:
 
 
 def figure_of(thing: Presented, *options: Any) -> Figure | Axes:
-    """Return the figure of a result or of a study."""
+    """Return the figure of a result or of a study; ``options`` are those of its ``plot``."""
     # drawing takes half a second to import, and text does not need it
     if isinstance(thing, Result):
         from .plots import plot

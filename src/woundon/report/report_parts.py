@@ -92,6 +92,7 @@ class Row:
             return self.value
         value = float(self.value)
         if isfinite(self.error) and abs(value) < self.error:
+            # to two digits of the error; + 0.0 turns -0.0 into 0.0
             value = round(value, 1 - floor(log10(self.error))) + 0.0
         return f"{value:.{DIGITS}g}"
 
@@ -103,6 +104,7 @@ class Row:
             return ""
         if size == self.error == 0:  # e.g. the length of a zone that does not exist
             return ""
+        # one unit of the last digit that the value is shown with
         last = 10.0 ** (floor(log10(size)) - DIGITS + 1) if size else 0.0
         return f"<{last:.0g}" if self.error < last else f"{self.error:.2g}"
 
@@ -227,7 +229,10 @@ def quantity_of(result: Result | type[Result], name: str) -> Quantity:
 
 
 def row_of(quantity: Quantity, value: Any, error: float = nan, **texts: str) -> Row:
-    """Return the row of a value and its error [SI]; ``more`` overrides texts of the quantity."""
+    """Return the row of a value and its error [SI].
+
+    ``texts`` are fields of the row, such as ``meaning``, in place of those of the quantity.
+    """
     converted, error = quantity.shown(value), abs(quantity.shown(error))
     row = Row(quantity.meaning, quantity.symbol, converted, quantity.display, error)
     return replace(row, **texts)  # type: ignore[arg-type]
@@ -243,7 +248,7 @@ def output_row(result: Result, name: str, value: float | None = None, **texts: s
         Of the output.
     value : float, optional
         Value in place of that of the result, e.g. of a closed form, in SI units; without error.
-    more : str
+    texts : str
         ``meaning``, ``symbol`` in place of the quantity's; ``note`` behind the unit.
     """
     quantity = quantity_of(result, name)
@@ -257,7 +262,7 @@ def value_row(quantity: Quantity | None, value: Any) -> Row:
     """Return the row of the value of a field: a number, several, a word, or None."""
     text = "not given" if value is None else str(value)
     if quantity is None:
-        return Row("", "", text)
+        return Row(meaning="", symbol="", value=text)
     if isinstance(value, int | float):
         return row_of(quantity, value)
     if isinstance(value, tuple):
@@ -280,7 +285,10 @@ def quantity_of_field(problem: Description | type[Description], name: str) -> Qu
 
 
 def field_row(problem: Description, name: str, *, empty: float = nan, **texts: str) -> Row:
-    """Return the row of a problem's field; ``empty`` is the value of a field that is None."""
+    """Return the row of a problem's field; ``empty`` is the value of a field that is None.
+
+    ``texts`` as of :func:`row_of`.
+    """
     value = getattr(problem, name)
     return row_of(quantity_of_field(problem, name), empty if value is None else value, nan, **texts)
 
@@ -314,21 +322,25 @@ def warning_lines(warnings: Iterable[str]) -> list[Line]:
 
 
 def certificate_line(residuals: Residuals, noun: str = "contact condition") -> Line:
-    """Return the line of the certificate: all conditions are satisfied, or which are not."""
-    laws = dict(residuals.items())
-    if not laws:
+    """Return the line of the certificate: all conditions are satisfied, or which are not.
+
+    ``noun`` is what a condition is called.
+    """
+    conditions = dict(residuals.items())
+    if not conditions:
         return Line(f"Certificate: none; no {noun} was evaluated", "bad")
-    broken = {law: value for law, value in laws.items() if not value <= ACCEPTED_RESIDUAL}
-    if not broken:
-        several = f"all {len(laws)} {noun}s are satisfied"
-        held = several if len(laws) > 1 else "its one condition is satisfied"
+    # a nan is not satisfied either
+    violated = {n: value for n, value in conditions.items() if not value <= ACCEPTED_RESIDUAL}
+    if not violated:
+        several = f"all {len(conditions)} {noun}s are satisfied"
+        satisfied = several if len(conditions) > 1 else "its one condition is satisfied"
         worst = f"{residuals.largest:.1e} ({_readable(residuals.worst)})"
-        return Line(f"Certificate: {held}; largest residual {worst}", "good")
+        return Line(f"Certificate: {satisfied}; largest residual {worst}", "good")
     values = ", ".join(
-        f"{_readable(law)} " + ("not known (nan)" if value != value else f"{value:.1e}")
-        for law, value in broken.items()
+        f"{_readable(name)} " + ("not known (nan)" if value != value else f"{value:.1e}")
+        for name, value in violated.items()
     )
-    count = f"{len(broken)} of {len(laws)} {noun}s {'is' if len(broken) == 1 else 'are'}"
+    count = f"{len(violated)} of {len(conditions)} {noun}s {'is' if len(violated) == 1 else 'are'}"
     return Line(f"Certificate: {count} NOT satisfied: {values}", "bad")
 
 
@@ -338,8 +350,9 @@ def certificate_of(result: Result) -> Line:
     return certificate_line(result.residuals, "contact condition" if contact else "condition")
 
 
-def _readable(law: str) -> str:
-    return law.replace("_", " ")
+def _readable(condition: str) -> str:
+    """Return the name of a condition in words."""
+    return condition.replace("_", " ")
 
 
 # ---- zones --------------------------------------------------------------------------------------
@@ -354,7 +367,8 @@ def nip_zones(result: NipResult) -> ZoneStrips:
 
 def roller_zones(result: RollerResult) -> ZoneStrips:
     """Return the zones of two rollers."""
-    return ZoneStrips(result.x, {"contact": result.zone}, "lower faster", "lower slower")
+    faces = {"contact": result.zone}
+    return ZoneStrips(result.x, faces, faster="lower faster", slower="lower slower")
 
 
 def zone_strips(result: Result) -> ZoneStrips | None:
@@ -365,7 +379,10 @@ def zone_strips(result: Result) -> ZoneStrips | None:
 
 
 def friction_bounds(result: Result) -> dict[str, Array]:
-    """Return the friction bound mu p [Pa] by the name of the traction."""
+    """Return the friction bound mu p [Pa] at the nodes, by the name of the traction.
+
+    In a nip, mu is the friction that an air film leaves.
+    """
     problem = result.problem
     if isinstance(result, RollerResult):
         return {"traction": problem.friction * result.pressure}
@@ -373,7 +390,7 @@ def friction_bounds(result: Result) -> dict[str, Array]:
         return {}
     problem = result.without_air
     mu = np.full(result.x.shape, problem.roll_friction)
-    mu[result.in_nip.stop :] = problem.friction_on_wrap
+    mu[result.in_nip.stop :] = problem.friction_on_wrap  # nodes downstream of the nip
     return {
         "roll_traction": mu * result.roll_pressure,
         "drum_traction": problem.drum_friction * result.drum_pressure,
@@ -383,7 +400,8 @@ def friction_bounds(result: Result) -> dict[str, Array]:
 def zone_line(x: Array, zones: Array, width: int) -> list[tuple[int, int]]:
     """Return the zones as runs (zone, number of characters) over ``width`` characters.
 
-    The length of a run is proportional to that of the zone, but at least one character.
+    The length of a run is proportional to that of the zone, but at least one character.  ``x``
+    are the nodes [m], ``zones`` their zones, both (n,).
     """
     runs = [
         (zone, max(1, round((right - left) / (x[-1] - x[0]) * width)))

@@ -29,11 +29,11 @@ PANELS: Mapping[str, Callable[[Any], PanelMakers]] = {
     "roll": roll_panels,
     "winding": winding_panels,
 }
-ZONES = ("zone", "roll_zone", "drum_zone")  # arrays that strips show
+ZONES = ("zone", "roll_zone", "drum_zone")  # arrays that the strips of a panel show
 
 
 def panels_of(result: Result) -> dict[str, PanelMaker]:
-    """Return the panels of the kind of a result by name.
+    """Return the makers of the panels of the kind of a result, by name of the panel.
 
     Raises
     ------
@@ -45,7 +45,10 @@ def panels_of(result: Result) -> dict[str, PanelMaker]:
 
 
 def named_panels(result: Result) -> dict[str, PanelMaker]:
-    """Return the panels of the kind, then a panel for every array, drawn only if asked for."""
+    """Return the makers of the panels of the kind, then of a panel for every array, by name.
+
+    Those of the arrays are drawn only if asked for.
+    """
     panels = panels_of(result)
     for name, along in _arrays(result).items():
         panels.setdefault(name, PanelMaker(Arrays(along, (name,)), by_default=False))
@@ -53,8 +56,16 @@ def named_panels(result: Result) -> dict[str, PanelMaker]:
 
 
 def other_arrays(result: Result, panels: Sequence[Panel]) -> dict[str, PanelMaker]:
-    """Return the panels of the arrays that some panels of a result do not show."""
+    """Return makers of a panel for each array of a result that none of its panels shows.
+
+    Parameters
+    ----------
+    result : Result
+    panels : sequence of Panel
+        Panels of the result that are drawn already.
+    """
     drawn = {curve.name for panel in panels for curve in panel.curves}
+    # strips draw the zones as bars and do not name the arrays
     drawn |= {name for panel in panels if panel.strips for name in ZONES}
     return {
         name: PanelMaker(Arrays(along, (name,)))
@@ -64,7 +75,14 @@ def other_arrays(result: Result, panels: Sequence[Panel]) -> dict[str, PanelMake
 
 
 def chosen(names: str | Sequence[str], known: Sequence[str]) -> list[str]:
-    """Return the names of panels that the user has chosen.
+    """Return the names of panels that the user has chosen, as a list.
+
+    Parameters
+    ----------
+    names : str or sequence of str
+        The choice.
+    known : sequence of str
+        Names of all panels.
 
     Raises
     ------
@@ -89,7 +107,10 @@ def chosen(names: str | Sequence[str], known: Sequence[str]) -> list[str]:
 
 @dataclass(frozen=True)
 class Arrays:
-    """The panel of arrays of one unit over the array ``along``."""
+    """Makes the panel of the named arrays, which have one unit, over the array ``along``.
+
+    Equal instances make the same panel, so that those of several results can be compared.
+    """
 
     along: str
     names: tuple[str, ...]
@@ -111,23 +132,23 @@ class Arrays:
         )
 
     def _curve(self, result: Result, k: int, name: str) -> Curve:
-        """Return the curve of an array; its legend entry, if there are several, is its meaning."""
+        """Return the curve of the ``k``-th array; of several, the legend shows the meanings."""
         return Curve.of_output(
             result,
             name,
             quantities.value_of(result, self.along),
-            quantity_of(result, name).meaning,
-            SERIES[k % len(SERIES)],
-            LINES[k % len(LINES)],
+            label=quantity_of(result, name).meaning,
+            colour=SERIES[k % len(SERIES)],
+            line=LINES[k % len(LINES)],
             steps=_is_whole(result, name),
             in_legend=len(self.names) > 1,
         )
 
 
 def array_panels(result: Result) -> dict[str, PanelMaker]:
-    """Return panels with every array of a result, for kinds without panels of their own.
+    """Return makers of panels with every array of a result, for kinds without panels of their own.
 
-    One for each unit, named after its arrays; whole numbers (zones, states) have one of their own.
+    One for each unit, named after its arrays; whole numbers, such as zones, have one of their own.
 
     Raises
     ------
@@ -155,7 +176,8 @@ def _is_whole(result: Result, name: str) -> bool:
 def _arrays(result: Result) -> dict[str, str]:
     """Return the names of arrays, and for each the array of the same length that it runs along.
 
-    That is the first array, unless the result states another one.
+    That is the first array, unless the result states another one.  Arrays along which others run,
+    and those of another length, are left out.
     """
     arrays = {
         place.path: place.value

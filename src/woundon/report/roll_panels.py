@@ -96,13 +96,14 @@ def _compressed(roll: RollResult) -> Array:
 
 
 def cut_above(lowest: float, values: Array, below: float, above: float) -> Limits | None:
-    """Return limits of an axis of hoop stresses, which are many times as large at the ends.
+    """Return limits of an axis of hoop stresses, which are many times as large at core and surface.
 
     Parameters
     ----------
     lowest : float
         Largest compression, < 0; without compression there are no limits.
     values : array
+        All stresses; the axis ends a little above the largest if that is less than ``above``.
     below, above : float
         Ends of the axis in multiples of the compression.
     """
@@ -156,25 +157,31 @@ def displacement(roll: RollResult) -> Panel:
 
 def hoop_stress(roll: RollResult) -> Panel:
     """Return the panel of the hoop stress."""
-    return _stress_of_layers(roll, "hoop_stress", "Hoop stress", "Hoop stress $sigma_t$", 1.0)
+    title, label = "Hoop stress", "Hoop stress $sigma_t$"
+    return _stress_of_layers(roll, "hoop_stress", title=title, label=label, thickness=1.0)
 
 
 def residual_tension(roll: RollResult) -> Panel:
     """Return the panel of the residual tension of the layers, the hoop stress times thickness."""
     words = "Residual tension of the layers"
     thickness = float(roll.problem.web_thickness)
-    return _stress_of_layers(roll, "residual_tension", words, words, thickness)
+    return _stress_of_layers(
+        roll, "residual_tension", title=words, label=words, thickness=thickness
+    )
 
 
 def _stress_of_layers(
     roll: RollResult, name: str, title: str, label: str, thickness: float
 ) -> Panel:
-    """Return the panel of the hoop stress times a thickness, compression shaded."""
+    """Return the panel of the hoop stress times a thickness, compression shaded.
+
+    With the thickness of the web [m] it is a tension per width, with 1 the stress itself.
+    """
     r, quantity = radii_between(roll), quantity_of(roll, name)
     values = thickness * hoop_stress_at(roll)
     lowest = thickness * roll.least_hoop_stress
     y = Axis(label, quantity, cut=cut_above(lowest, values, BELOW, ABOVE))
-    shade = Area("compression", r, np.minimum(values, 0), 0 * r, "drum")
+    shade = Area("compression", r, low=np.minimum(values, 0), high=0 * r, shade="drum")
     curve = Curve(name, r, values, quantity.symbol)
     return with_compression(over_radius(roll.radius, name, title, y, [curve], height=2.8), shade)
 
@@ -192,7 +199,7 @@ def with_compression(panel: Panel, shade: Area) -> Panel:
 def compression(roll: RollResult) -> Panel:
     """Return the panel of the compressive part of the hoop stress."""
     (compressed,) = np.nonzero(_compressed(roll))
-    part = slice(compressed[0], compressed[-1] + 1)
+    part = slice(compressed[0], compressed[-1] + 1)  # from the first to the last such radius
     r, stress = radii_between(roll)[part], quantity_of(roll, "hoop_stress")
     curve = Curve("hoop_stress", r, hoop_stress_at(roll)[part], stress.symbol, colour="drum")
     return Panel(
@@ -219,8 +226,15 @@ def density(roll: RollResult) -> Panel:
     """Return the panel of the density of the finished roll and that as wound."""
     quantity, r = quantity_of(roll, "density"), roll.radius
     curves = [
-        Curve("density", r, roll.density, "", "in the roll"),
-        Curve("density_as_wound", r, roll.density_as_wound, "", "as wound", "drum", "dashed"),
+        Curve("density", r, roll.density, label="in the roll"),
+        Curve(
+            "density_as_wound",
+            r,
+            roll.density_as_wound,
+            label="as wound",
+            colour="drum",
+            line="dashed",
+        ),
     ]
     return over_radius(r, "density", "Density of the layers", Axis("Density", quantity), curves)
 
@@ -230,13 +244,14 @@ def density(roll: RollResult) -> Panel:
 
 def disc(roll: RollResult) -> Panel:
     """Return the panel of the roll from its side, coloured by the pressure."""
-    return _disc_panel(roll, "disc", "Pressure in the roll", "pressure", "Pressure $P$")
+    title, label = "Pressure in the roll", "Pressure $P$"
+    return _disc_panel(roll, "disc", title=title, output="pressure", label=label)
 
 
 def hoop_disc(roll: RollResult) -> Panel:
     """Return the panel of the roll from its side, coloured by the hoop stress."""
     title, label = "Hoop stress in the roll", "Hoop stress $sigma_t$"
-    return _disc_panel(roll, "hoop_disc", title, "hoop_stress", label)
+    return _disc_panel(roll, "hoop_disc", title=title, output="hoop_stress", label=label)
 
 
 def _disc_panel(roll: RollResult, name: str, title: str, output: str, label: str) -> Panel:
@@ -247,7 +262,7 @@ def _disc_panel(roll: RollResult, name: str, title: str, output: str, label: str
         Axis("$x$", radius),
         Axis("$y$", radius),
         title=title,
-        discs=(disc_of(roll, output, -float(roll.radius[-1])),),
+        discs=(disc_of(roll, output, left=-float(roll.radius[-1])),),
         scale=scale_of(roll, output, label),
         width=5.4,
         height=4.4,
@@ -263,11 +278,11 @@ def disc_of(roll: RollResult, output: str, left: float) -> Disc:
 def scale_of(roll: RollResult, output: str, label: str) -> Scale:
     """Return the scale of the colours of an output: from zero, or symmetrical about it."""
     quantity = quantity_of(roll, output)
-    values = disc_of(roll, output, 0.0).values
+    values = disc_of(roll, output, left=0.0).values
     low, high = float(values.min()), float(values.max())
     clipped = "upper" if output == "hoop_stress" else ""
     if low > -ROUNDING * high:
         return Scale(Axis(label, quantity, limits=(0.0, high)), clipped=clipped)
-    # the stress at both ends is many times that inside, which would have almost no colour
+    # the stress at core and surface is many times that inside, which would have almost no colour
     high = max(min(high, -2 * low), -low)
     return Scale(Axis(label, quantity, limits=(-high, high)), "red below", clipped)

@@ -58,11 +58,12 @@ def roll_report(result: RollResult) -> list[Part]:
     stages, nodes = result.stage_radius.size - 1, r.size
     cost = f"{stages} stages, {nodes} nodes, {result.steps} linear systems"
     names = [name for name in NAMES if problem.density is not None or name not in OF_DENSITY]
+    # a stress at core and surface, as a tension per width
     tensions = problem.tension_curve.at(r[[0, -1]]) * problem.web_thickness
     changes = rows_of_given(problem, *CHANGES)
     notes = {
-        "peak_pressure": _location(r, result.pressure, int(np.argmax(result.pressure))),
-        "least_hoop_stress": _location(r, hoop, int(np.argmin(hoop))),
+        "peak_pressure": _location(r[np.argmax(result.pressure)]),
+        "least_hoop_stress": _location(r[np.argmin(hoop)]),
     }
     return [
         Line(cost, "quiet"),
@@ -86,8 +87,9 @@ def roll_report(result: RollResult) -> list[Part]:
     ]
 
 
-def _location(r: np.ndarray, values: np.ndarray, k: int) -> str:
-    return f", at r = {quantity_of(RollResult, 'radius').text(r[k])}"
+def _location(radius: float) -> str:
+    """Return a radius [m] as a note behind a value."""
+    return f", at r = {quantity_of(RollResult, 'radius').text(radius)}"
 
 
 def thin_layers_note(roll: RollResult) -> str:
@@ -100,7 +102,7 @@ def thin_layers_note(roll: RollResult) -> str:
 
 
 def _compression_note(result: RollResult) -> str:
-    """Return a remark on hoop compression, which makes rolls buckle and star."""
+    """Return a remark on hoop compression, which makes rolls buckle and star; '' without it."""
     share = result.compressed_share
     return f" Hoop compression on {100 * share:.3g} % of the build-up." if share else ""
 
@@ -112,7 +114,7 @@ def _gauge_band(result: RollResult) -> Iterator[Section]:
         return
     rows = [field_row(problem, "gauge_excess")]
     try:
-        band = gauge_band_over(problem, result.radius[-1:])
+        band = gauge_band_over(problem, result.radius[-1:])  # arrays of one value, at the surface
     except InvalidProblem as fault:
         yield Section(BAND, tuple(rows), f"Not computed: {in_chosen_units(str(fault))}")
         return

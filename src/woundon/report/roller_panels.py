@@ -46,8 +46,8 @@ def tractions(result: RollerResult) -> Panel:
         Axis("Pressure $p$, traction $q$", quantity_of(result, "pressure")),
         title="Tangential tractions and friction bounds",
         curves=(
-            Curve("pressure", x, result.pressure, "p", "", "web", "dashdot"),
-            Curve("traction", x, result.traction, "q", "on upper roller"),
+            Curve("pressure", x, result.pressure, symbol="p", colour="web", line="dashdot"),
+            Curve("traction", x, result.traction, symbol="q", label="on upper roller"),
             *_closed_form_curves(result),
         ),
         areas=bounds_of_friction(result, {"traction": "mu p"}),
@@ -58,6 +58,7 @@ def tractions(result: RollerResult) -> Panel:
 def _closed_form_curves(result: RollerResult) -> list[Curve]:
     """Return p and q of the closed form that applies as points, with one entry in the legend."""
     name, forms = _closed_forms(result)
+    # closest at the edges, where the closed forms are steep
     x = -np.cos(np.linspace(0, np.pi, MARKS)) * result.half_width
     return [
         Curve(
@@ -101,7 +102,9 @@ def slip(result: RollerResult) -> Panel:
         along_contact(result, "contact"),
         Axis("Relative slip speed $v$" if rolling else "Slip $v$", quantity),
         title="Slip",
-        curves=(Curve("slip", result.slip_x, result.slip, "v", "lower surface faster"),),
+        curves=(
+            Curve("slip", result.slip_x, result.slip, symbol="v", label="lower surface faster"),
+        ),
         column="contact",
         height=2.8,
     )

@@ -43,5 +43,5 @@ def _roller_rows(result: RollerResult) -> tuple[Row, ...]:
     ]
     if not isnan(result.traction_error):
         names.append("traction_error")
-    level = approach_note(problem.upper, problem.lower)
-    return rows_of(result, names, approach=level, shift=level)
+    undetermined = approach_note(problem.upper, problem.lower)
+    return rows_of(result, names, approach=undetermined, shift=undetermined)

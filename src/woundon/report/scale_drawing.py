@@ -38,7 +38,7 @@ WIDTH, HEIGHT, WHOLE = 7.3, 1.75, 2.2  # inches; the last is the width of the wh
 REACH = 1.25  # half widths of the nip that the enlarged part shows
 BAND = 0.055  # height of a zone, of the width of the enlarged part
 LEAST_WEB = 0.012  # a thinner web is drawn as thick as this, of the same width
-ARC = 60
+ARC = 60  # points of the web on a body
 
 
 def scale_drawing(result: Result) -> Figure | None:
@@ -77,17 +77,20 @@ def _draw_bodies(axes: Axes, result: Contact) -> None:
     if isinstance(problem, NipProblem):
         axes.plot(*_web_path(upper.radius, lower.radius, problem), color=WEB, linewidth=1.3)
     widest = max(upper.radius, lower.radius)
+    # the contact is at the origin; on the right there is room for the texts
     axes.set_xlim(-1.5 * widest, 2.6 * widest)
     axes.set_ylim(-2.06 * lower.radius, 2.06 * upper.radius)
 
 
 def _circle(centre: tuple[float, float], radius: float, fill: str, hatch: str = "") -> Circle:
+    """Return a circle with an outline, filled with a colour and a hatch."""
     return Circle(centre, radius, facecolor=fill, edgecolor=LINE, linewidth=0.7, hatch=hatch)
 
 
 def _radii(body: Body) -> list[float]:
     """Return the outer radii of a body's layers, the outermost first."""
     thicknesses = [layer.thickness for layer in getattr(body, "layers", ())]
+    # the innermost layer ends at the core
     return list(body.radius - np.concatenate([[0.0], np.cumsum(thicknesses[:-1])]))
 
 
@@ -97,16 +100,19 @@ def _core_radius(body: Body) -> float:
 
 
 def _web_path(roll: float, drum: float, problem: NipProblem) -> tuple[Array, Array]:
-    """Return the web's path: straight onto the drum, through the nip, around the roll."""
+    """Return x and y of the web's path: straight onto the drum, through the nip, around the roll.
+
+    ``roll`` and ``drum`` are radii [m]; the nip is at the origin.
+    """
     on_drum = np.linspace(problem.drum_wrap, 0.0, ARC)
     on_roll = np.linspace(0.0, problem.roll_wrap, ARC)
     x = np.concatenate([-drum * np.sin(on_drum), roll * np.sin(on_roll)])
     y = np.concatenate([-drum * (1 - np.cos(on_drum)), roll * (1 - np.cos(on_roll))])
     length = 1.4 * max(roll, drum) - drum * np.sin(min(problem.drum_wrap, pi / 2))
-    start = problem.drum_wrap
+    start = problem.drum_wrap  # the straight web is tangential to the drum there
     x = np.concatenate([[x[0] - length * np.cos(start)], x])
     y = np.concatenate([[y[0] - length * np.sin(start)], y])
-    if not problem.roll_wrap:
+    if not problem.roll_wrap:  # the web runs on straight
         x, y = np.append(x, 1.4 * roll), np.append(y, 0.0)
     return x, y
 
@@ -122,6 +128,7 @@ def _draw_nip(axes: Axes, result: Contact) -> None:
     reach = REACH * a
     height = reach * HEIGHT / (WIDTH - WHOLE)  # half of it
     web = problem.web.thickness if isinstance(problem, NipProblem) else 0.0
+    # thickness in the drawing
     drawn = max(web, LEAST_WEB * 2 * reach) if web else 0.0
     x = np.linspace(-reach, reach, 201)
     above, below = _surfaces(x, a, problem, drawn)
@@ -147,13 +154,16 @@ def _draw_nip(axes: Axes, result: Contact) -> None:
 def _surfaces(
     x: Array, a: float, problem: NipProblem | RollerProblem, web: float
 ) -> tuple[Array, Array]:
-    """Return the heights of both surfaces at the positions x [m]."""
+    """Return the heights of the upper and the lower surface at the positions x [m].
+
+    ``a`` is the half width of the nip, ``web`` the thickness with which the web is drawn [m].
+    """
     upper, lower = problem.bodies
     curvatures = [1 / body.radius for body in (upper, lower)]
     # share of the upper body's roundness in the contact
     share = 0.5 if upper.rigid == lower.rigid else float(upper.rigid)
     contact = (share * curvatures[0] - (1 - share) * curvatures[1]) * x**2 / 2
-    t = np.maximum(np.abs(x) / a, 1.0)
+    t = np.maximum(np.abs(x) / a, 1.0)  # Hertz's gap outside the contact; zero inside, where t = 1
     gap = a * a * sum(curvatures) / 2 * (t * np.sqrt(t * t - 1) - np.arccosh(t))
     return contact + (1 - share) * gap + web / 2, contact - share * gap - web / 2
 
@@ -161,10 +171,21 @@ def _surfaces(
 def _draw_zones(
     axes: Axes, result: Contact, x: Array, above: Array, below: Array, band: float
 ) -> None:
-    """Draw the zones of each face as a band along its surface."""
+    """Draw the zones of each face as a band along its surface.
+
+    Parameters
+    ----------
+    axes : Axes
+    result : NipResult or RollerResult
+    x, above, below : (n,) arrays
+        Positions, and heights of the upper and the lower surface [m].
+    band : float
+        Height of a band [m].
+    """
     strips = zone_strips(result)
     assert strips is not None
     faces: Sequence[tuple[Array, int]] = ((above, 1), (below, -1))
+    # rollers have one face, which is drawn on the upper one
     for (surface, side), zones in zip(faces, strips.faces.values(), strict=False):
         for zone, first, last in zone_runs(strips.x, zones):
             ends = np.linspace(first, last, 9)
@@ -175,7 +196,16 @@ def _draw_zones(
 
 
 def _draw_dimensions(axes: Axes, width: Quantity, a: float, reach: float, height: float) -> None:
-    """Draw the width of the nip, and a bar of a round length in the same unit."""
+    """Draw the width of the nip, and a bar of a round length in the same unit.
+
+    Parameters
+    ----------
+    axes : Axes
+    width : Quantity
+        Of the width of the nip: its unit is that of both lengths.
+    a, reach, height : float
+        Half widths of the nip and of the drawing, half height of the drawing [m].
+    """
     arrow = {"arrowstyle": "<->", "color": LINE, "linewidth": 0.7, "shrinkA": 0, "shrinkB": 0}
     level = 0.62 * height
     axes.annotate("", (-a, level), (a, level), arrowprops=arrow)
@@ -183,7 +213,7 @@ def _draw_dimensions(axes: Axes, width: Quantity, a: float, reach: float, height
     centred: Any = {"ha": "center", "fontsize": 7, "textcoords": "offset points"}
     text = f"$2a$ = {text_of(width, 2 * a)}"
     axes.annotate(text, (0, level), (0, 2), va="bottom", **centred)
-    longest = 0.4 * width.shown(reach)
+    longest = 0.4 * width.shown(reach)  # the bar is 1, 2 or 5 times a power of ten, at most this
     power = 10.0 ** np.floor(np.log10(longest))
     length = max(n * power for n in (1, 2, 5) if n * power <= longest) / width.shown(1.0)
     end, level = 0.95 * reach, -0.72 * height

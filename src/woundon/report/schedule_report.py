@@ -48,7 +48,10 @@ def csv_text(design: TensionDesign) -> str:
 
 
 def interior_deviation(design: TensionDesign, roll: RollResult) -> float:
-    """Return the largest deviation from the target below the outer layer, relative."""
+    """Return the largest deviation from the target below the outer layer.
+
+    It is relative to the largest target pressure; 0 if the outer layer is the whole roll.
+    """
     interior = design.radius < design.radius[-1] - design.outer_layer
     deviation = np.abs(roll.at_radius(design.radius)["pressure"] - design.target_pressure)[interior]
     return float(deviation.max(initial=0.0) / design.target_pressure.max())
@@ -93,7 +96,7 @@ def _over_the_radius(design: TensionDesign, roll: RollResult) -> Table:
     r, target = design.radius[nearest], design.target_pressure[nearest]
     T, P = design.tension.at(r), roll.at_radius(r)["pressure"]
     radius, stress = (quantity_of(RollResult, name) for name in ("radius", "pressure"))
-    contents = (
+    contents = (  # title, quantity, values [SI], decimals
         ("radius", radius, r, 2),
         ("tension", WOT, T, 2),
         ("target", stress, target, 3),
@@ -114,7 +117,14 @@ def plot_schedule(design: TensionDesign, roll: RollResult, path: str | Path) -> 
     r, P = radii_between(roll), quantity_of(roll, "pressure")
     pressures = [
         Curve("pressure", r, roll.at_radius(r)["pressure"], label="result"),
-        Curve("target", design.radius, design.target_pressure, "", "target", "drum", "dashed"),
+        Curve(
+            "target",
+            design.radius,
+            design.target_pressure,
+            label="target",
+            colour="drum",
+            line="dashed",
+        ),
     ]
     tension = Curve("tension", r, design.tension.at(r))
     size: dict[str, Any] = {"width": 4.2, "height": 2.8, "legend": "inside"}

@@ -8,6 +8,7 @@ import numpy as np
 
 from .. import kinds, quantities
 from ..problems.nip import NipProblem
+from ..problems.rollers import RollerProblem
 from .report_parts import Column, Line, Part, Table, TableRow, quantity_of_field
 
 if TYPE_CHECKING:
@@ -24,17 +25,20 @@ def sensitivity_parts(sensitivity: Sensitivity) -> list[Part]:
     known: dict[str, quantities.Quantity] = {}
     for kind in kinds.every():  # the same name means the same in all of them
         known = {**quantities.scalar_outputs(kind.result), **known}
-    # the width's elasticities are the half width's
+    # the elasticities of the half width are those of the nip width; indices of the others
     outputs = [k for k, name in enumerate(ordered.outputs) if name != "half_width"]
     symbols = [Column(known[ordered.outputs[k]].symbol, "number") for k in outputs]
     elasticities = np.round(ordered.elasticities[outputs], 4) + 0.0  # without a minus zero
+    # nips and rollers have sensitivities; these do not state the class of the problem
+    heads = {name.partition(".")[0] for name in ordered.parameters}
+    problem = RollerProblem if heads <= RollerProblem.model_fields.keys() else NipProblem
     rows, undefined = [], []
     for name, field, values in zip(ordered.parameters, ordered.fields, elasticities.T, strict=True):
-        quantity = quantity_of_field(NipProblem, name)
+        quantity = quantity_of_field(problem, name)
         if field:
             numbers = (f"{value:+.4f}" for value in values)
             rows.append(TableRow((name, quantity.text(field, ".5g"), *numbers)))
-        else:  # an elasticity is not defined
+        else:  # an elasticity is not defined; in its place the derivative of the first output
             main = known[ordered.outputs[0]].named(ordered.outputs[0])
             slope = ordered.derivative(ordered.outputs[0], name) / float(quantity.shown(1.0))
             change, unit = main.text(slope, "+.4g"), quantity.display or "unit"

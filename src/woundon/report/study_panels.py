@@ -43,6 +43,7 @@ def is_logarithmic(values: Array) -> bool:
     """Return True if values are spaced by factors rather than by steps."""
     if values.size < 3 or values.min() <= 0 or values.max() / values.min() < 10:
         return False
+    # evenly spaced values have their median in the middle; by factors, it lies well below
     return bool(np.median(values) < 0.5 * (values.min() + values.max()) * 0.7)
 
 
@@ -75,7 +76,7 @@ def named_axis(name: str, quantity: Quantity | None, values: Array | None = None
 
 
 def _diagonal(*values: Array) -> Curve:
-    """Return the line of equal values on both axes, in the range of the values."""
+    """Return the line of equal values on both axes, from the smallest to the largest value."""
     ends = np.array([min(each.min() for each in values), max(each.max() for each in values)])
     return Curve("equal", ends, ends, colour="soft", width=0.8, in_legend=False)
 
@@ -84,19 +85,26 @@ def _diagonal(*values: Array) -> Curve:
 
 
 def find_panels(outcome: FindResult) -> list[Panel]:
-    """Return the panel of the output over the field, with the target and the solutions."""
+    """Return the panel of the output over the field, with the target and the solutions.
+
+    Points of the scan that have no solution are crosses at the lower edge of the curve.
+    """
     field, output = outcome.quantities[outcome.name], outcome.quantities[outcome.output]
     values, target = outcome.values, outcome.target
     failed = ~np.isfinite(outcome.outputs)
     lowest = min(float(np.nanmin(outcome.outputs)), target)
-    found = np.array([value for value, _ in outcome.solutions])
+    solutions = np.array([value for value, _ in outcome.solutions])
     curves = [Curve(outcome.output, values, outcome.outputs, label="scan", marker="point")]
     if failed.any():
         label = "no solution of the problem"
         at = np.full(int(failed.sum()), lowest)
-        curves.append(Curve("", values[failed], at, "", label, "ink", "none", "cross"))
-    reached = np.full(found.size, target)
-    curves.append(Curve("", found, reached, "", "solution", "drum", "none", "ring"))
+        curves.append(
+            Curve("", values[failed], at, label=label, colour="ink", line="none", marker="cross")
+        )
+    reached = np.full(solutions.size, target)
+    curves.append(
+        Curve("", solutions, reached, label="solution", colour="drum", line="none", marker="ring")
+    )
     return [
         Panel(
             "scan",
@@ -184,6 +192,7 @@ def _measured_and_predicted(comparison: Comparison, output: str) -> Panel:
     """Return the panel of measured over predicted values of an output, with error bars."""
     rows, quantity = comparison.of(output), comparison.quantities[output]
     predicted, measured = comparison.predicted[rows], comparison.measured[rows]
+    # an unknown error or deviation counts as zero
     model = np.hypot(np.nan_to_num(comparison.error[rows]), comparison.spread[rows])
     deviation = np.nan_to_num(comparison.deviation[rows])
     points = _with_error_bars(output, predicted, measured, 2 * deviation, 2 * model)
@@ -200,7 +209,10 @@ def _measured_and_predicted(comparison: Comparison, output: str) -> Panel:
 def _with_error_bars(
     name: str, x: Array, y: Array, y_error: Array, x_error: Array | None = None
 ) -> Curve:
-    """Return points with error bars of two standard uncertainties, where some are known."""
+    """Return points with error bars, two standard uncertainties long, where some are known.
+
+    Lengths that are all zero are not known: such points have no bars.
+    """
     known = y_error.any() or (x_error is not None and x_error.any())
     points = Curve(name, x, y, line="none", marker="circle")
     if not known:
@@ -216,7 +228,7 @@ def _residuals(comparison: Comparison, output: str) -> Panel:
     total = np.nan_to_num(comparison.total[rows])
     points = _with_error_bars(output, x, comparison.residual[rows], 2 * total)
     bias = comparison.agreement(output).bias
-    # along another quantity than the agreement: a column of its own
+    # no column is named: the x axis is not that of the measured and predicted values
     return Panel(
         f"{output}_residuals",
         axis,
@@ -228,7 +240,11 @@ def _residuals(comparison: Comparison, output: str) -> Panel:
 
 
 def _abscissa(comparison: Comparison, rows: Array) -> tuple[Array, Axis]:
-    """Return the abscissa of the residuals: radius, the most varied input, or the row."""
+    """Return the abscissa of the residuals and its axis.
+
+    It is the radius, else the input with the most different values, else the number of the row.
+    ``rows`` is the mask of the rows that measure the output.
+    """
     if np.isfinite(comparison.position[rows]).all():
         return comparison.position[rows], Axis("radius", quantity_of(RollResult, "radius"))
     counts = {name: np.unique(values[rows]).size for name, values in comparison.inputs.items()}
@@ -243,7 +259,7 @@ def _abscissa(comparison: Comparison, rows: Array) -> tuple[Array, Axis]:
 
 def plan_panels(plan: NextExperiment) -> list[Panel]:
     """Return the panel of the relative standard errors expected after each measurement."""
-    steps = np.arange(len(plan.measurements) + 1.0)
+    steps = np.arange(len(plan.measurements) + 1.0)  # 0 is the state before the first measurement
     curves = [
         Curve(
             name,
@@ -259,14 +275,15 @@ def plan_panels(plan: NextExperiment) -> list[Panel]:
         errors = 100 * plan.output_errors / abs(plan.output_value)
         output = in_words(plan.output, plan.quantities.get(plan.output))
         label = f"{output} at the operating point"
-        curves.append(Curve(plan.output, errors, steps, "", label, "ink", "dashed", "square"))
+        look = Curve(plan.output, errors, steps, label=label, colour="ink", line="dashed")
+        curves.append(replace(look, marker="square"))
     names = ["now", *(measurement.name for measurement in plan.measurements)]
     x = Axis("expected relative standard error after the measurement [%]", log=True)
     return [
         Panel(
             "plan",
             x,
-            Axis("", limits=(steps[-1] + 0.4, -0.4), names=tuple(names)),
+            Axis("", limits=(steps[-1] + 0.4, -0.4), names=tuple(names)),  # the first on top
             curves=tuple(curves),
             width=7.0,
             height=2.0 + 0.45 * len(plan.measurements),
@@ -282,22 +299,33 @@ def indices_panels(indices: SobolIndices) -> list[Panel]:
     """
     panels, known = [], indices.table.quantities
     for k, output in enumerate(indices.outputs):
+        # arrays of indices are (outputs, inputs), those of intervals (2, outputs, inputs)
         order = np.argsort(-indices.total_order[k], kind="stable")
         alone, total = indices.first_order[k, order], indices.total_order[k, order]
         inputs = [indices.inputs[j] for j in order]
         names = tuple(in_words(name, known.get(name)) for name in inputs)
         words = in_words(output, known.get(output))
         bars = (
-            Bars("alone (first order)", alone, -0.2, "roll", indices.first_interval[:, k, order]),
             Bars(
-                "with interactions (total)", total, 0.2, "sky", indices.total_interval[:, k, order]
+                "alone (first order)",
+                alone,
+                shift=-0.2,
+                colour="roll",
+                interval=indices.first_interval[:, k, order],
+            ),
+            Bars(
+                "with interactions (total)",
+                total,
+                shift=0.2,
+                colour="sky",
+                interval=indices.total_interval[:, k, order],
             ),
         )
         panels.append(
             Panel(
                 output,
                 Axis("share of the variance, with 95 % intervals"),
-                Axis("", limits=(len(names) - 0.4, -0.6), names=names),
+                Axis("", limits=(len(names) - 0.4, -0.6), names=names),  # the first on top
                 bars=bars,
                 heading=words,
                 height=0.42 * len(names) + 1.0,
@@ -318,6 +346,7 @@ def window_panels(window: OperatingWindow) -> list[Panel]:
     """
     tension, load = (window.quantities[name] for name in window.names[:2])
     best, heading = window.best, ""
+    # of (tension, load[, split]), turned to ([split, ]load, tension): maps have y before x
     probability, binding = window.probability.T, window.binding.T
     if len(window.names) == 3:
         split = best.values["torque_split"]
@@ -332,6 +361,7 @@ def window_panels(window: OperatingWindow) -> list[Panel]:
         y,
         np.where(binding < 0, len(margins), binding),
         (*margins, "no steady state, or not solved"),
+        # six colours: the seventh, ink, is that of the point
         (*(SERIES[k % 6] for k in range(len(margins))), "soft"),
     )
     contours = tuple(

@@ -77,13 +77,13 @@ def _schedule_panels(
 
 
 def _reserves(before: Margins, after: Margins) -> list[Panel]:
-    """Return the panel of the reserves of both schedules, as bars next to each other."""
+    """Return the panel of the reserves before and after, whose bars are next to each other."""
     names = tuple(margin.name for margin in after if margin.checked)
     titles = tuple(after[name].title for name in names)
     panel = Panel(
         "reserves",
         Axis("Reserve, share of the limit, at most 100 [%]"),
-        Axis("", limits=(len(names) - 0.4, -0.6), names=titles),
+        Axis("", limits=(len(names) - 0.4, -0.6), names=titles),  # the first on top
         marks=(Mark("y", 0.0, colour="alarm", alone=False),),
         width=5.2,
     )
@@ -91,5 +91,8 @@ def _reserves(before: Margins, after: Margins) -> list[Panel]:
         100 * np.clip([margins[name].reserve for name in names], -1, 1)
         for margins in (before, after)
     ]
-    bars = [Bars("", shares[0], -0.2, "roll"), Bars("", shares[1], 0.2, "drum")]
+    bars = [
+        Bars("", shares[0], shift=-0.2, colour="roll"),
+        Bars("", shares[1], shift=0.2, colour="drum"),
+    ]
     return [replace(panel, bars=(each,)) for each in bars]

@@ -65,6 +65,7 @@ def _grid_panels(table: Table, output: str) -> tuple[list[Panel], str]:
     # numeric inputs first, then by the number of values; from the fourth on at the middle value
     inputs = sorted(range(len(shape)), key=lambda k: (not is_numeric(axes[k]), -shape[k]))
     drawn, fixed = inputs[:3], {k: shape[k] // 2 for k in inputs[3:]}
+    # to the axes (positions along x, curves, panels); missing ones have the length 1
     values = table.outputs[output].reshape(shape)
     values = values[tuple(fixed.get(k, slice(None)) for k in range(len(shape)))]
     values = np.transpose(values, [sorted(drawn).index(k) for k in drawn])
@@ -90,7 +91,7 @@ def _grid_panels(table: Table, output: str) -> tuple[list[Panel], str]:
 
 
 def _axis_of_input(table: Table, k: int) -> Axis:
-    """Return the axis of an input, with the names of its values if they are not numbers."""
+    """Return the axis of the ``k``-th input, with names of its values if they are not numbers."""
     name = table.cases.names[k]
     values = table.cases.axes[name]
     if not is_numeric(values):
@@ -99,7 +100,17 @@ def _axis_of_input(table: Table, k: int) -> Axis:
 
 
 def _curves(table: Table, output: str, drawn: list[int], values: Array) -> list[Curve]:
-    """Return the curves of one panel: ``values`` over the first input and the second."""
+    """Return the curves of one panel.
+
+    Parameters
+    ----------
+    table : Table
+    output : str
+    drawn : list of int
+        Numbers of the inputs of the study: along x, of the curves (if any), of the panels (if any).
+    values : (n, m) array
+        Output at n positions along x on m curves [SI].
+    """
     x = table.cases.axes[table.cases.names[drawn[0]]]
     positions = x if is_numeric(x) else np.arange(len(x), dtype=float)
     order = np.argsort(positions, kind="stable")
@@ -121,7 +132,10 @@ def _curves(table: Table, output: str, drawn: list[int], values: Array) -> list[
 
 
 def _omissions(shape: tuple[int, ...]) -> str:
-    """Return the number of curves and panels that are shown; '' if all are."""
+    """Return how many curves and panels are shown; '' if all are.
+
+    ``shape`` has the numbers of positions along x, of curves and of panels.
+    """
     limits = {"curves": (shape[1], MOST_CURVES), "panels": (shape[2], MOST_PANELS)}
     parts = [
         f"{limit} of {count} {name}" for name, (count, limit) in limits.items() if count > limit
@@ -155,7 +169,7 @@ def _evenly_spaced(count: int, limit: int) -> list[int]:
 
 
 def _value_label(table: Table, axis: int, place: int) -> str:
-    """Return a label such as "shear = 10 MPa" for an index on an axis."""
+    """Return a label such as "shear = 10 MPa": input ``axis`` at its value number ``place``."""
     name = table.cases.names[axis]
     value = as_labels(table.cases.axes[name])[place]
     return named_value(name, table.quantities.get(name), value)

@@ -47,7 +47,7 @@ def print_parts(parts: Iterable[Part], console: Console) -> None:
     marks = ASCII_MARKS if console.options.ascii_only else MARKS
     # of all sections alike, so that their columns stand below each other
     rows = [row.cells for part in parts if isinstance(part, Section) for row in part.rows]
-    widths = _widths([("", "", "", ""), *rows])
+    widths = _widths([("", "", "", ""), *rows])  # the first one in case that there are no rows
     previous: Part | None = None
     for part in parts:
         if previous is not None and not (isinstance(part, Line) and isinstance(previous, Line)):
@@ -91,11 +91,12 @@ def _print_table(table: Table, console: Console) -> None:
         _print(Text(table.title, style="bold"), console)
         _print(Text(head, style="bold"), console)
     else:
+        # over the spaces of the first column, whose head is empty
         _print(Text(table.title + head[len(table.title) :], style="bold"), console)
     for row in table.rows:
         text = _in_columns(row.cells, widths, table.columns)
         if row.tone:
-            text.stylize(TONES[row.tone], len(text) - len(row.cells[-1]))
+            text.stylize(TONES[row.tone], len(text) - len(row.cells[-1]))  # the last cell
         _print(text, console)
         _print_below(row.below, 5, console)
     _print_below(table.text, 1, console)

@@ -61,9 +61,9 @@ def nip_trade_rule(result: NipResult) -> Section:
 
 
 def _reason(result: NipResult) -> str:
-    """Return the shares of the nip load by zones of the roll, and of the friction."""
+    """Return the reason for the difference: shares of the nip load by zones, and of friction."""
     forward, stick, backward = _load_shares(result)
-    if forward > 1 - 5e-4:  # 100.0 %
+    if forward > 1 - 5e-4:  # printed as 100.0 %
         return SLIPS
     mu = result.without_air.roll_friction
     Q = result.nip_induced_tension - result.problem.winding_force - result.roll_wrap_traction
@@ -103,7 +103,10 @@ def _mean(result: WindingResult, values: Array) -> float:
 
 
 def _winding_reason(result: WindingResult, friction: float) -> str:
-    """Return the reason for the difference, from the nips if there are some; friction: mu N."""
+    """Return the reason for the difference, from the nips if there are some.
+
+    ``friction`` is mu N averaged over the length of web [N/m].
+    """
     law = result.problem.tension_law
     if law == "friction":
         return "The wound-on tension is that of this rule: tension_law = 'friction'."

@@ -31,7 +31,7 @@ STAGES = 6  # drawn, of which the last is the finished roll
 # A hoop stress is drawn up to so many times the depth of the compression.
 ABOVE, BELOW = 2.5, 1.2
 GAP = 0.1  # between the discs of a growing roll, of the last radius
-MOST, LEAST = 1.05, -0.15  # of the reserves that are drawn
+MOST, LEAST = 1.05, -0.15  # of the reserves that are drawn; LEAST where none is negative
 WITHOUT_FRICTION = -1.0  # drawn in place of an infinite reserve
 BAR = 0.12  # of a reserve at the core alone, of the build-up
 
@@ -67,7 +67,7 @@ def winding_panels(result: WindingResult) -> dict[str, PanelMaker]:
 
 @dataclass(frozen=True)
 class OfRoll:
-    """A panel of the finished roll."""
+    """Makes a panel of the finished roll from the winding; instances of one ``make`` are equal."""
 
     make: Callable[[RollResult], Panel]
 
@@ -83,9 +83,11 @@ def tension(result: WindingResult) -> Panel:
     """Return the panel of web tension, nip-induced and wound-on tension, the nips as dots."""
     r = result.radius
     curves = [
-        Curve.of_output(result, "wound_on_tension", r, "wound on"),
-        Curve.of_output(result, "web_tension", r, "web", "drum", "dashed"),
-        Curve.of_output(result, "nip_induced_tension", r, "by the nip", "green", "dotted"),
+        Curve.of_output(result, "wound_on_tension", r, label="wound on"),
+        Curve.of_output(result, "web_tension", r, label="web", colour="drum", line="dashed"),
+        Curve.of_output(
+            result, "nip_induced_tension", r, label="by the nip", colour="green", line="dotted"
+        ),
         Curve(
             "nip_wound_on_tension",
             result.nip_radius,
@@ -104,8 +106,10 @@ def loads(result: WindingResult) -> Panel:
     """Return the panel of nip load and winding force."""
     r = result.radius
     curves = [
-        Curve.of_output(result, "nip_load", r, "nip load"),
-        Curve.of_output(result, "winding_force", r, "winding force", "drum", "dashed"),
+        Curve.of_output(result, "nip_load", r, label="nip load"),
+        Curve.of_output(
+            result, "winding_force", r, label="winding force", colour="drum", line="dashed"
+        ),
     ]
     y = Axis("Load", quantity_of(result, "nip_load"))
     return over_radius(r, "loads", "Nip load and winding force", y, curves)
@@ -117,7 +121,7 @@ def loads(result: WindingResult) -> Panel:
 def _stages(result: WindingResult) -> list[RollResult]:
     """Return the roll at evenly spaced stages of its build-up; the last is the finished one."""
     core, radius = float(result.radius[0]), float(result.radius[-1])
-    surfaces = np.linspace(core, radius, STAGES + 1)[1:-1].tolist()
+    surfaces = np.linspace(core, radius, STAGES + 1)[1:-1].tolist()  # between core and full radius
     return [*(result.roll.at(surface) for surface in surfaces), result.roll]
 
 
@@ -140,7 +144,7 @@ def _curves_of_stages(result: WindingResult, name: str) -> tuple[Curve, ...]:
             symbol,
             label,
             opacity=k / len(stages),
-            width=1.0 + finished,
+            width=2.0 if finished else 1.0,
             alone=not finished,
             in_legend=k >= len(labels),
         )
@@ -164,9 +168,10 @@ def hoop_stress(result: WindingResult) -> Panel:
     curves = _curves_of_stages(result, "hoop_stress")
     panel = over_radius(result.radius, "hoop_stress", "Hoop stress", y, curves, height=3.0)
     depth = np.full(2, BELOW * min(lowest, 0.0))
-    return with_compression(
-        panel, Area("compression", result.radius[[0, -1]], depth, 0 * depth, "drum")
-    )
+    # the stress differs between the stages: all of the negative range from core to surface
+    ends = result.radius[[0, -1]]
+    shade = Area("compression", ends, low=depth, high=0 * depth, shade="drum")
+    return with_compression(panel, shade)
 
 
 def film(result: WindingResult) -> Panel:
@@ -193,9 +198,10 @@ def film(result: WindingResult) -> Panel:
 
 def reserves(result: WindingResult) -> Panel:
     """Return the panel of the reserves, their smallest values as circles, red below zero."""
-    margins, r = result.margins, result.radius[[0, -1]]
+    margins, r = result.margins, result.radius[[0, -1]]  # of core and surface
     checked = [margin.reserve for margin in margins if margin.checked]
-    deepest = min((m if isfinite(m) else WITHOUT_FRICTION for m in checked), default=0.0)
+    reserves_drawn = (m if isfinite(m) else WITHOUT_FRICTION for m in checked)
+    deepest = min(reserves_drawn, default=0.0)
     low = 1.2 * deepest if deepest < 0 else LEAST
     curves: list[Curve] = []
     for margin, colour in zip(margins, SERIES, strict=False):
@@ -207,7 +213,7 @@ def reserves(result: WindingResult) -> Panel:
         "Reserves of the margins",
         Axis("Reserve, share of the limit", limits=(low, MOST)),
         curves,
-        areas=(Area("", r, np.full(2, low), np.zeros(2), "alarm"),),
+        areas=(Area("", r, low=np.full(2, low), high=np.zeros(2), shade="alarm"),),
         marks=(Mark("x", 0.0, "limit", colour="alarm", written=True, alone=False),),
         height=3.0,
     )
@@ -221,6 +227,7 @@ def _curves_of_margin(margin: Margin, colour: str, low: float, surface: float) -
         r, reserve = np.array([r[0], r[0] + BAR * (surface - r[0])]), np.repeat(reserve, 2)
     smallest = np.clip(np.array([margin.reserve]), low, MOST)
     return [
+        # larger ones leave the panel, whose axis ends at MOST
         Curve(margin.name, r, np.clip(reserve, low, 2 * MOST), label=words, colour=colour),
         Curve(
             margin.name,

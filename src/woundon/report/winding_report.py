@@ -69,7 +69,8 @@ def winding_report(result: WindingResult) -> list[Part]:
     )
     law = problem.tension_law if isinstance(problem.tension_law, str) else "table"
     text = LAWS.get(law, "") if law != "nip" else BODIES[problem.roll_body]
-    text = text or "Wound-on tension as prescribed over the radius." * (law == "table")
+    if law == "table":
+        text = "Wound-on tension as prescribed over the radius."
     means = ["mean_wound_on_tension", "mean_nip_induced_tension"]
     errors = ["interpolation_error", "core_interpolation_error"] if nips else []
     mass = ["mass"] if problem.density is not None else []
@@ -101,6 +102,7 @@ def _schedules(result: WindingResult) -> Iterator[Row]:
     """Yield the set points: a number, or the values at core and surface."""
     problem = result.problem
     for name in SCHEDULES:
+        # the winding force follows from the torque split
         if name == "winding_force" and problem.torque_split is not None:
             continue
         if getattr(problem, name) is not None:
