@@ -151,7 +151,7 @@ def fit(
 
 def _on_one_mesh(problem: Problem, options: Mapping[str, Any]) -> dict[str, Any]:
     """Return the options with a fixed number of nodes and without error estimates."""
-    known = options_of(problem)  # option -> default; nodes None: the solver chooses the mesh
+    known = options_of(problem)  # option -> default; nodes None lets the solver choose the mesh
     defaults: dict[str, Any] = {"errors": False} if "errors" in known else {}
     if known.get("nodes", ...) is None and not options.keys() & {"nodes", "rtol"}:
         defaults["nodes"] = FIT_NODES

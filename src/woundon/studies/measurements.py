@@ -186,7 +186,7 @@ def read_observations(
 def _convert_tab_forces(
     values_of: dict[str, Array], deviations: dict[str, Array], tab: PullTab | None, where: str
 ) -> dict[str, Array]:
-    """Replace the forces on a pull tab, and their standard deviations, by pressures.
+    """Replace the forces on a pull tab, and their standard deviations, by pressures, in place.
 
     Returns
     -------
@@ -307,7 +307,8 @@ def predict(result: Result, observable: Observable) -> float:
     if name == PRESSURE and abs(radius / R - 1) <= AT_SURFACE:
         text = "is zero at the surface of the roll, so that a value measured there is left out"
         raise InvalidProblem.at(name, text)
-    if name in (PRESSURE, "hoop_stress") and hasattr(roll, "at_radius"):  # more exact than lines
+    # which interpolates with the derivatives at the nodes
+    if name in (PRESSURE, "hoop_stress") and hasattr(roll, "at_radius"):
         return float(roll.at_radius(radius)[name])
     if name in scalar_outputs(result):  # the value when the roll had this radius
         if name not in scalar_outputs(roll):
