@@ -211,6 +211,25 @@ def test_known_points_of_a_profile_bracket_its_end():
         assert all(-sign * (u[j] - minimum.u[j]) > 0 for _, u in opposite.points)
 
 
+@pytest.mark.parametrize("sign", [-1, 1])
+def test_the_end_of_an_interval_that_is_solved_at_the_minimum_only_is_the_minimum(sign):
+    """Bisection towards the minimum ends although it never meets a solution."""
+    refits = []
+
+    class Unsolvable:
+        low, high = np.array([-1.0]), np.array([1.0])
+
+        def residuals(self, u):
+            refits.append(u)
+            return np.array([np.nan])
+
+    minimum = Linearisation(np.array([0.0]), np.array([1.0]), np.array([[1.0]]))
+    end = find_end(Unsolvable(), 0, sign, minimum, limit=2.0)
+    assert end.u == 0.0
+    assert end.points == ()
+    assert len(refits) < 100
+
+
 def test_starts_end_when_two_agree():
     """With the default number of starts; an explicit number is used in full."""
     y = 2 * (1 - np.exp(-0.4 * X)) + 0.3 * NOISE

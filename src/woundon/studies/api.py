@@ -145,6 +145,8 @@ def study_of(
 ) -> tuple[KindModel, Cases]:
     """Return the model and the cases of a :func:`sweep`, for :func:`~.run.run_study`.
 
+    Parameters as of :func:`sweep`; ``options`` are all options of the solver.
+
     >>> import woundon as wo
     >>> over = {"load": [1e4, 2e4], "friction": [0.3]}
     >>> _, cases = study_of(wo.RollerProblem.example(), over, ["half_width"])
@@ -152,7 +154,8 @@ def study_of(
     (2, 1)
     """
     check_arguments(design=design)
-    if columns is not None or isinstance(over, (str, Path)) or hasattr(over, "iloc"):
+    is_table = isinstance(over, (str, Path)) or hasattr(over, "iloc")  # a file or a DataFrame
+    if columns is not None or is_table:
         if design not in ("grid", "table"):
             text = f"{design!r} draws samples, which cannot be combined with a table"
             raise InvalidProblem.at("design", text)
@@ -229,12 +232,13 @@ def _numbers(problem: Problem, name: str, entry: Any) -> Any:
     if isinstance(entry, str) or not hasattr(entry, "__len__"):
         return entry
     check_number(len(entry))
-    texts = [isinstance(value, str) and value != "log" for value in entry]
-    quantity = field_quantity(problem, name) if any(texts) else None
-    if quantity is None:
+    # "log" at the end of a range is no value
+    are_texts = [isinstance(value, str) and value != "log" for value in entry]
+    quantity = field_quantity(problem, name) if any(are_texts) else None
+    if quantity is None:  # numbers in SI, or words and names of materials
         return entry
-    values = zip(entry, texts, strict=True)
-    return [number_in_si(problem, name, value) if text else value for value, text in values]
+    values = zip(entry, are_texts, strict=True)
+    return [number_in_si(problem, name, value) if is_text else value for value, is_text in values]
 
 
 def global_sensitivity(

@@ -26,7 +26,10 @@ INTERVAL = 10.0  # of the lines that replace a bar in a file or a pipe [s]
 
 
 class _Rate(ProgressColumn):
-    """Rate since the work was started or resumed."""
+    """Rate since the work was started or resumed.
+
+    The task has the fields ``begun_with``, the cases finished before, and ``unit``, of the rate.
+    """
 
     def render(self, task: Task) -> Text:
         """Return the mean rate since the start as text, such as "12 cases/s"."""
@@ -49,7 +52,9 @@ class _Channel(Console):
 def bar(label: str, unit: str = "", done: int = 0) -> Iterator[Callable[[float, float], None]]:
     """Provide a function that shows the numbers of finished and expected cases on a bar.
 
-    If the error channel is not a terminal, a line is printed every 10 s, and the bar at the end.
+    The numbers include the cases that were finished before.  A bar with a rate stays on the screen
+    at the end; one with a percentage vanishes.  If the error channel is not a terminal, a line is
+    printed every 10 s, and at the end the bar with a rate.
 
     Parameters
     ----------
@@ -60,14 +65,14 @@ def bar(label: str, unit: str = "", done: int = 0) -> Iterator[Callable[[float, 
     done : int
         Number of cases finished before, which do not count for the rate.
     """
-    counted = (
+    with_rate = (
         MofNCompleteColumn(),
         _Rate(),
         TimeElapsedColumn(),
         TextColumn("left"),
         TimeRemainingColumn(),
     )
-    columns = counted if unit else (TaskProgressColumn(), TimeElapsedColumn())
+    columns = with_rate if unit else (TaskProgressColumn(), TimeElapsedColumn())
     console = _Channel(stderr=True)
     with Progress(
         TextColumn("{task.description}"),

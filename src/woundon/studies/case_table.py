@@ -48,7 +48,7 @@ if TYPE_CHECKING:
 __all__ = ["read_cases", "solve_table"]
 
 Array = np.ndarray
-GIVEN = " (given)"  # behind the header of a column that has the name of an output
+GIVEN = " (given)"  # behind the header of a copied column that has the name of an output
 
 
 def solve_table(
@@ -116,6 +116,7 @@ def solve_table(
     problem, complete = _base_problem(sheet, case, kind, columns)
     fields = input_columns(problem)
     matched = match_columns(sheet, column_names(problem), columns)
+    # "+-" columns of standard deviations are copied only
     inputs = [c for c in matched if pattern(c.name) in fields and not c.deviation]
     if not inputs:
         raise InvalidProblem.at(sheet.where, "has no column that is an input of the model")
@@ -133,7 +134,7 @@ def solve_table(
     frame = _copied_columns(sheet, {c.header: c for c in matched}, fields)
     _add_outputs(frame, model, rows.values, drop_empty=outputs is None)
     frame["failure"], frame["warnings"] = rows.failure, rows.warnings
-    if isinstance(table, type(frame)):
+    if isinstance(table, type(frame)):  # a DataFrame
         frame.index = table.index
     frame.attrs["about"] = {
         "version": __version__,
@@ -155,8 +156,8 @@ def _base_problem(
     names of fields only, not their values.
     """
     if case is None:
-        found = _kind_of_columns(sheet, columns) if kind is None else kinds.named(kind)
-        return found.example(), True
+        kind_of_table = _kind_of_columns(sheet, columns) if kind is None else kinds.named(kind)
+        return kind_of_table.example(), True
     check_type("case", case, Problem, str, Path)
     if kind is not None:
         raise InvalidProblem.at("kind", "is given together with a case, which has its own kind")
@@ -271,6 +272,7 @@ def _solve_rows(
 
 
 def _is_missing(value: Any) -> bool:
+    """Return True for an empty cell: None or nan."""
     return value is None or (isinstance(value, float) and isnan(value))
 
 
@@ -279,13 +281,14 @@ def _is_missing(value: Any) -> bool:
 
 def _kind_of_columns(sheet: Sheet, columns: Mapping[str, str | None] | None) -> kinds.Kind:
     """Return the kind of problem whose fields the headers are, with the fewest fields missing."""
+    # (required fields without a column, number of fields, kind)
     candidates: list[tuple[int, int, kinds.Kind]] = []
     faults: list[InvalidProblem] = []
     for kind in kinds.every():
         try:
             example = kind.example()
             matched = match_columns(sheet, column_names(example), columns)
-        except InvalidProblem as fault:
+        except InvalidProblem as fault:  # a header is no field of this kind
             faults.append(fault)
             continue
         fields = kind.problem.model_fields
@@ -295,8 +298,8 @@ def _kind_of_columns(sheet: Sheet, columns: Mapping[str, str | None] | None) -> 
     if not candidates:
         known = one_of(kind.name for kind in kinds.every())
         text = f"without a case the columns must be fields of one kind of problem: {known}"
-        raise InvalidProblem([(sheet.where, text), *faults[0].faults])
-    return min(candidates, key=lambda entry: entry[:2])[2]
+        raise InvalidProblem([(sheet.where, text), *faults[0].faults])  # those of the first kind
+    return min(candidates, key=lambda entry: entry[:2])[2]  # of equal ones, the smallest kind
 
 
 def _read_inputs(
@@ -332,7 +335,7 @@ def _read_inputs(
         faults,
         gaps=lambda _: gaps,
         conversion=conversion,
-        most_faults=inf if gaps else MAX_COUNTED,
+        most_faults=inf if gaps else MAX_COUNTED,  # with gaps every row states its own faults
     )
     read = {c.name: of_rows.tolist() for c, of_rows in zip(numeric, of_columns, strict=True)}
     values: dict[str, list[Any]] = {}
@@ -355,7 +358,7 @@ def _words_and_bodies(
             value = _word_or_body(problem, column.name, cell)
             if value is None and not gaps:
                 raise InvalidProblem("the cell is empty")
-        except (ValueError, RecursionError) as fault:  # InvalidProblem, of JSON
+        except (ValueError, RecursionError) as fault:  # InvalidProblem too; both of JSON
             reason = str(fault).replace("\n", "; ")
             text = f"row {number}, column {column.header!r}: {reason}"
             faults.append(Fault(sheet.where, text, number))
@@ -364,9 +367,14 @@ def _words_and_bodies(
 
 
 def _word_or_body(problem: Problem, name: str, cell: Any) -> Any:
-    """Return a cell as a word or, from a table in JSON, as a body or material; None if empty."""
-    if _is_missing(cell) or isinstance(cell, (bool, Description)):
-        return cell if isinstance(cell, (bool, Description)) else None
+    """Return a cell as a word or, from a table in JSON, as a body or material; None if empty.
+
+    Booleans, bodies and materials, which columns in memory may have, are returned as they are.
+    """
+    if isinstance(cell, (bool, Description)):
+        return cell
+    if _is_missing(cell):
+        return None
     if not isinstance(cell, str):
         raise InvalidProblem(f"{cell!r} is out of place; must be a text")
     text = cell.strip()
@@ -378,7 +386,10 @@ def _word_or_body(problem: Problem, name: str, cell: Any) -> Any:
 
 
 def _reasons(sheet: Sheet, faults: Sequence[Fault]) -> list[str]:
-    """Return the faults of each row as one text, '' for a row without faults."""
+    """Return the faults of each row as one text, '' for a row without faults.
+
+    The faults are those of cells only.
+    """
     texts: dict[int, list[str]] = {number: [] for number in sheet.numbers}
     for fault in faults:
         texts[fault.row].append(fault.text.removeprefix(f"row {fault.row}, "))
@@ -417,6 +428,8 @@ def _default_outputs(problem: Problem) -> tuple[str, ...]:
     """Return the main outputs with their errors, then all other scalars of every result."""
     result = kind_of(problem).result
     errors = [f"errors.{name}" for name in result.MAIN]
+    # estimates and records of the solution, quantities that are inputs too, residuals, errors, and
+    # outputs that are computed only if they are asked for
     left_out = {*result.ESTIMATES, *type(problem).model_fields, "residual"}
     others = [
         name
@@ -457,7 +470,10 @@ def _copied_columns(
 
 
 def _add_outputs(frame: pd.DataFrame, model: KindModel, values: Array, drop_empty: bool) -> None:
-    """Add the outputs of a model, (rows, outputs), with their units in the headers."""
+    """Add the outputs of a model, (rows, outputs) in SI, with their units in the headers.
+
+    With ``drop_empty`` outputs that are nan in all rows are left out.
+    """
     quantities = quantities_of(model, model.outputs)
     units: dict[str, str] = {}
     for name, of_rows in zip(model.outputs, values.T, strict=True):

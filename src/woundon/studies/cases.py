@@ -51,7 +51,7 @@ class Chunk(NamedTuple):
     Attributes
     ----------
     number : int
-        Its place in the study.
+        Its position among the chunks of the study.
     cases : (k,) int array
         Numbers of the cases.
     inputs : list of k mappings
@@ -234,8 +234,8 @@ def _grid(over: Mapping[str, Any]) -> Cases:
     axes = {name: _as_array(name, values) for name, values in over.items()}
     shape = tuple(len(values) for values in axes.values())
     check_number(prod(shape))
-    places = np.unravel_index(np.arange(prod(shape)), shape)
-    columns = {name: axis[k] for (name, axis), k in zip(axes.items(), places, strict=True)}
+    indices = np.unravel_index(np.arange(prod(shape)), shape)  # of every case on each axis
+    columns = {name: axis[k] for (name, axis), k in zip(axes.items(), indices, strict=True)}
     return Cases(_frame(columns), "grid", axes)
 
 
@@ -265,7 +265,7 @@ def _as_array(name: str, values: Any) -> Array:
     if any(number is not None for number in numbers):
         raise InvalidProblem.at(name, "contains numbers and other values; must be all of one type")
     array = np.empty(len(items), dtype=object)
-    array[:] = items
+    array[:] = items  # np.array(items) would unpack values that are sequences
     return array
 
 
@@ -362,7 +362,7 @@ def serpentine(shape: Sequence[int], axes: Sequence[int]) -> Array:
     [0, 1, 2, 5, 4, 3]
     """
     step = np.arange(int(np.prod(shape)))
-    index: list[Array] = [step] * len(shape)
+    index: list[Array] = [step] * len(shape)  # on each axis, set below
     stride = step.size
     for axis in axes:
         count = shape[axis]
@@ -388,7 +388,7 @@ def bisection_order(points: Array) -> Array:
     """
     unit = _scale_columns(points)
     out = np.empty(len(points), dtype=np.intp)
-    stack = [(np.arange(len(points)), 0)]
+    stack = [(np.arange(len(points)), 0)]  # (rows of a group, its start in the order)
     while stack:
         rows, start = stack.pop()
         if len(rows) <= 8:
@@ -413,7 +413,7 @@ def tour(points: Array) -> Array:
     (cases,) int array
     """
     unit = _scale_columns(points)
-    out = np.zeros(len(points), dtype=np.intp)
+    out = np.zeros(len(points), dtype=np.intp)  # the tour starts with row 0
     unvisited = np.ones(len(points), dtype=bool)
     for k in range(1, len(points)):
         unvisited[out[k - 1]] = False

@@ -67,12 +67,13 @@ def columns_of(problem: Problem) -> dict[str, Quantity | None]:
     number for it.
     """
     known: dict[str, Quantity | None] = {}
-    for place in walk(type(problem)):
+    for place in walk(type(problem)):  # all fields, also those of nested bodies and materials
         above = names_above(place.path)
-        # a number of one material may be a description of another
+        # a number of one material may be a body or a curve of another, which has fields itself
         for name in above:
             if name not in known:
                 known[name] = _if_number(problem, name)
+        # the same path may have been entered before, as a name above, with or without a quantity
         known[place.path] = known.get(place.path) or place.quantity
         # "diameter" alone is the position of a measurement on a roll
         if above and (diameter := counterpart(place.path, "radius")):
@@ -89,6 +90,7 @@ def conversion_of(problem: Problem, complete: bool = False) -> Conversion:
     complete : bool
         Whether the columns describe the complete problem, so that its values do not matter.
     """
+    # columns next to a field that convert it, e.g. web.density next to web.thickness
     helpers = {
         f"{place.path.removesuffix(place.name)}{name}": quantity
         for place in walk(type(problem))

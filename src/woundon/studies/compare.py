@@ -100,6 +100,7 @@ def compare(
     data = read_observations(problem, measured, columns, tab)
     scalars = dict.fromkeys(name for name, radius in data.observables if isnan(radius))
     options = solver_options(nodes, rtol, options)
+    # a model needs an output; arrays over the radius are none
     model = model_of(problem, tuple(scalars) or ("residual",), tie, options)
     deviations = {name: _deviation(problem, name, value) for name, value in (spread or {}).items()}
     model.check_varied([*data.inputs, *deviations])
@@ -108,28 +109,28 @@ def compare(
         raise InvalidProblem.at(f"spread: {repeated[0]}", "is measured in a column of the table")
     covariates = _covariates(problem, data)
     with progress_reporter(progress, "comparing") as report:
-        found = _predictions(model, data, covariates, deviations, report)
-    sources, effects = tuple(deviations), found.effects
-    if data.common.any():
+        predictions = _predictions(model, data, covariates, deviations, report)
+    sources, effects = tuple(deviations), predictions.effects
+    if data.common.any():  # the calibration of a pull tab is a further uncertain input
         sources, effects = (*sources, TAB), np.column_stack([effects, data.common])
     comparison = Comparison(
         names=data.names,
         numbers=data.numbers,
         position=data.position,
         measured=data.measured,
-        predicted=found.predicted,
+        predicted=predictions.predicted,
         deviation=data.deviation,
-        error=found.error,
+        error=predictions.error,
         sources=sources,
         effects=effects,
-        failures=found.failures,
+        failures=predictions.failures,
         quantities=data.quantities,
         problem=problem,
         inputs=data.inputs_of_values,
         covariates=covariates,
-        notes=tuple(definitions(found.solved[0].result, data.names)),
+        notes=tuple(definitions(predictions.solved[0].result, data.names)),
     )
-    inputs = InputEffects(model, data.inputs, len(data.names), found.solved)
+    inputs = InputEffects(model, data.inputs, len(data.names), predictions.solved)
     return replace(comparison, explanations=explain(comparison, inputs))
 
 
@@ -182,7 +183,7 @@ def _predictions(
     """
     m, names, sizes = len(data.names), list(deviations), np.array(list(deviations.values()))
     predicted, error, effects = np.full(m, nan), np.full(m, nan), np.zeros((m, len(names)))
-    failures, converged, start = [""] * m, True, None
+    failures, converged, start = [""] * m, True, None  # converged: until one case does not
     solved: list[SolvedCase] = []
     varied = {name: v for name, v in data.inputs_of_values.items() if name not in covariates}
     cases = cases_of(varied, data.observables)
@@ -195,7 +196,7 @@ def _predictions(
             for k in case.rows:
                 failures[k] = str(fault).replace("\n", "; ")
             continue
-        known = []
+        known = []  # (number of the value, observable) of those with a prediction
         for k, observable in zip(case.rows, case.observables, strict=True):
             try:
                 predicted[k] = predict(result, observable)
@@ -208,10 +209,10 @@ def _predictions(
             rows, observables = map(list, zip(*known, strict=True))
             solved.append(SolvedCase(Case(case.inputs, rows, observables), result))
             if names:
-                columns = slopes(
+                derivatives = slopes(
                     model, result, observables, names, case.inputs, nan_if_unsolved=True
                 )
-                effects[rows] = columns * sizes
+                effects[rows] = derivatives * sizes
     if not solved:
         reason = next((failure for failure in failures if failure), "the predictions are nan")
         text = f"no row of the table has a prediction; the first reason: {reason}"
@@ -232,7 +233,7 @@ def _covariates(problem: Problem, data: Observations) -> tuple[str, ...]:
             if any(text.startswith(name) for text in texts if text not in problem.input_warnings):
                 names.append(name)
         except InvalidProblem as fault:
-            if any(path == name for path, _ in fault.faults):
+            if any(path == name for path, _ in fault.faults):  # the field is not admitted
                 names.append(name)
     return tuple(names)
 

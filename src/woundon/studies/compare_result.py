@@ -102,13 +102,13 @@ class Comparison(Outcome):
     numbers : tuple of int
         Row of each value, as a spreadsheet shows it.
     position : (m,) array
-        Radius [m]; nan of a value that belongs to no radius.
+        Radius of the measurement in the roll [m]; nan of a value that belongs to no radius.
     measured, predicted : (m,) arrays
         The latter nan where the case has no solution.
     deviation, error : (m,) arrays
         Standard deviation of the measurement and estimated discretisation error; nan if not known.
     sources : tuple of str
-        The uncertain inputs.
+        The uncertain inputs, and "pull tab" for its calibration.
     effects : (m, sources) array
         What one standard deviation of each changes in the predictions.
     inputs : mapping of str to (m,) array
@@ -194,7 +194,7 @@ class Comparison(Outcome):
         rows = self.of(output)
         n = int(rows.sum())
         if n == 0:
-            return Agreement(0, *[nan] * 6)
+            return Agreement(0, *[nan] * 6)  # all other fields
         residual, total = self.residual[rows], self.total[rows]
         bias = float(residual.mean())
         deviation = self.deviation[rows]
@@ -282,6 +282,7 @@ class Comparison(Outcome):
             "failure": self.failures,
         }
         frame = pd.DataFrame(columns)
+        # behind row and output
         frame.insert(2, "unit", [self.quantities[name].unit for name in self.names])
         return frame
 

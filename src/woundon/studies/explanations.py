@@ -72,14 +72,21 @@ class InputEffects:
     size : int
         Number m of measured values.
     solved : sequence of SolvedCase
+
+    Attributes
+    ----------
+    quantities : dict of str to Quantity
+        Of the inputs that are examined: all numbers of the problem except 0, measured and tied
+        fields, and radii.
     """
 
     def __init__(
         self, model: KindModel, measured: Collection[str], size: int, solved: Sequence[SolvedCase]
     ) -> None:
         self.model, self.size, self.solved = model, size, solved
-        known = "|".join(re.escape(name) for name in (*measured, *model.tie))
-        left_out = re.compile(rf"(.*radius|({known or '(?!)'})(\..*)?)")
+        fixed = "|".join(re.escape(name) for name in (*measured, *model.tie))
+        # radii; measured and tied fields with their parts; (?!) matches nothing
+        left_out = re.compile(rf"(.*radius|({fixed or '(?!)'})(\..*)?)")
         self.quantities = {
             place.path: place.quantity
             for place in walk(model.problem)
@@ -112,7 +119,7 @@ class InputEffects:
         residual : (k,) array
             Measured minus predicted.
         """
-        if hasattr(self.model.kind.result, "roll"):  # each derivative costs two windings
+        if hasattr(self.model.kind.result, "roll"):  # of a winding: a derivative costs two of them
             return [
                 "inputs are not examined for windings; spread= states the effect of one of them"
             ]
@@ -127,6 +134,7 @@ class InputEffects:
             if not SMALLEST_CHANGE <= change <= LARGEST_CHANGE:
                 continue
             linear = change * self.derivatives[name][largest]
+            # nan if it cannot be solved, which fails both comparisons
             share = self._response(name, change, largest) / linear
             if share >= SMALLEST_SHARE and SMALLEST_CHANGE <= change / share <= LARGEST_CHANGE:
                 texts.append(self._change_text(name, change / share))
@@ -163,7 +171,7 @@ def _data_file() -> dict[str, Any]:
 
 
 def _class_of(output: str) -> str:
-    """Return the class of an output: tension, width, pressure or length; empty for others."""
+    """Return the class of an output: tension, width, pressure or length; '' for others."""
     if output.endswith("tension") or "tension_" in output:
         return "tension"
     classes = _data_file()["classes"].items()
@@ -171,10 +179,20 @@ def _class_of(output: str) -> str:
 
 
 def _effects_outside(problem: Problem, output: str, difference: str) -> list[str]:
-    """Return the effects that cause a difference of an output: "larger", "falls with web_speed"."""
+    """Return the effects outside the problem that cause a difference of an output.
+
+    Parameters
+    ----------
+    problem : Problem
+        An effect is part of it if its field ``unless`` is set.
+    output : str
+    difference : str
+        "larger", "smaller", or a trend: "falls with web_speed".  With the class of the output in
+        front, "tension larger", it is an entry of ``explains``.
+    """
     texts = []
     for effect in _data_file()["effects"]:
-        is_contained = getattr(problem, effect.get("unless", "none"), None) is not None
+        is_contained = "unless" in effect and getattr(problem, effect["unless"], None) is not None
         if f"{_class_of(output)} {difference}" in effect["explains"] and not is_contained:
             texts.append(effect["text"])
     return texts
@@ -212,8 +230,9 @@ def _bias(comparison: Comparison, output: str, rows: Array, inputs: InputEffects
     word = "larger" if agreement.bias > 0 else "smaller"
     count = int(np.sum(np.sign(residual) == np.sign(agreement.bias)))
     share = f"by {100 * abs(agreement.relative_bias):.2g} % of the mean"
+    mean_weights = np.full(n, 1 / n)
     causes = [
-        *inputs.causes(rows, np.full(n, 1 / n), residual),
+        *inputs.causes(rows, mean_weights, residual),
         *_effects_outside(comparison.problem, output, word),
     ]
     ratio = comparison.measured[rows] / comparison.predicted[rows]
@@ -256,7 +275,7 @@ def _trends(
         ends = [quantities.get(name, pure("", name)).stored_text(end) for end in (min(x), max(x))]
         change = comparison.quantities[output].stored_text(abs(changes[0]))
         slope_weights = (x - x.mean()) / np.sum((x - x.mean()) ** 2)
-        leaf = parts_of(name)[-1]
+        leaf = parts_of(name)[-1]  # explanations.toml has no dotted names
         yield Explanation(
             output,
             f"measured - predicted {word} by {change} with {name} from {ends[0]} to {ends[1]}",
@@ -268,7 +287,11 @@ def _trends(
 
 
 def _budget(comparison: Comparison, output: str, rows: Array) -> Iterator[Explanation]:
-    """Yield a finding on a part of the error budget that is unknown, or larger than the others."""
+    """Yield a finding on the error budget, if a part of it is unknown or mainly discretisation.
+
+    The standard deviations of the measurement are unknown, or discretisation errors cause more than
+    half of the squared budget.
+    """
     if np.isnan(comparison.deviation[rows]).any():
         readings = "no standard deviations of the measurement"
         if TAB in comparison.sources and output == PRESSURE:
@@ -289,6 +312,7 @@ def _common_sources(comparison: Comparison, output: str, rows: Array) -> Iterato
     if not comparison.sources:
         return
     agreement, common = comparison.agreement(output), comparison.effects[rows].mean(axis=0)
+    # squared uncertainty of the mean difference from all other sources; < 0 only by rounding
     others = max(agreement.bias_uncertainty**2 - float(np.sum(common**2)), 0.0)
     if abs(agreement.bias) > SIGNIFICANT * sqrt(others):
         largest = comparison.sources[int(np.argmax(np.abs(common)))]
@@ -300,8 +324,11 @@ def _common_sources(comparison: Comparison, output: str, rows: Array) -> Iterato
 
 
 def _outliers(comparison: Comparison, output: str, rows: Array) -> Iterator[Explanation]:
-    """Yield single values far outside the error budget while the others are inside."""
-    ratio = np.abs(comparison.ratio[rows])
+    """Yield single values far outside the error budget while the others are inside.
+
+    At most a fifth of the values are far outside, and four fifths of the others inside.
+    """
+    ratio = np.abs(comparison.ratio[rows])  # nan, which is neither, without standard deviations
     far = ratio > OUTLYING
     if ratio.size < FEWEST or not far.any() or far.sum() > 0.2 * ratio.size:
         return

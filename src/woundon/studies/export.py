@@ -62,7 +62,7 @@ def export(table: Table, path: str | Path) -> None:
             # the classic format can be read everywhere, needs SciPy only and is reproducible
             table.to_dataset().to_netcdf(temporary, engine="scipy")
         elif path.suffix == ".csv":
-            write_csv(temporary, _with_units(table), "nan")
+            write_csv(temporary, _with_units(table), gap="nan")
         elif path.suffix == ".xlsx":
             record = record_table({"design": table.cases.design, **table.record})
             write_workbook(temporary, {"study": _with_units(table), "about": record})

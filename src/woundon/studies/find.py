@@ -203,7 +203,7 @@ class FindResult(Outcome):
             "target": self.target,
             "units": {name: quantity.unit for name, quantity in self.quantities.items()},
             "solutions": self.to_dataframe().to_dict(orient="records"),
-            "scan": np.column_stack([self.values, self.outputs]),
+            "scan": np.column_stack([self.values, self.outputs]),  # a row for each point
             "failures": self.failures,
             "jumps": self.jumps,
         }
@@ -332,8 +332,21 @@ def _one_target(target: Mapping[str, float | str]) -> tuple[str, float | str]:
 def _interval(
     problem: Problem, name: str, base: float | None, quantity: Quantity, between: Any
 ) -> Interval:
-    """Return the range of the scan."""
-    info = find_places(problem, name)[0].field
+    """Return the range of the scan.
+
+    Parameters
+    ----------
+    problem : Problem
+    name : str
+        The field.
+    base : float or None
+        Its present value, SI; None if it is not set.
+    quantity : Quantity
+        Of the field.
+    between : (low, high) or None
+        The requested range; by default the usual one within the permitted one.
+    """
+    info = find_places(problem, name)[0].field  # definition of the field, with its bounds
     lowest, highest = extremes(info)
     if between is not None:
         where = f"between: {name}"
@@ -354,11 +367,20 @@ def _interval(
 def _usual_range(
     base: float | None, permitted: tuple[float, float], typical: tuple[float, float] | None
 ) -> tuple[float, float]:
-    """Return the range around the present value together with the typical one."""
+    """Return the range around the present value together with the typical one.
+
+    Parameters
+    ----------
+    base : float or None
+        Present value.
+    permitted : (low, high)
+        Is the range if the present value is 0 or None, and no range is typical.
+    typical : (low, high) or None
+    """
     ends = list(typical or ())
     if base is not None and base > 0 and permitted[0] >= 0:
         ends += [base / DECADE, base * DECADE]
-    elif base and not typical:
+    elif base and not typical:  # of either sign
         ends += [base - DECADE * abs(base), base + DECADE * abs(base)]
     elif base:
         ends += [0.0, 2 * base]
@@ -372,6 +394,7 @@ def _usual_range(
 
 def _slope(search: RootSearch, sample: Sample) -> float:
     """Return d output / d field; nan if it cannot be solved on either side."""
+    # for the step of a difference; a value of 0 has no scale itself
     scale = abs(sample.value) or search.interval.high - search.interval.low
     slopes = slopes_of(
         search.model,
@@ -386,18 +409,25 @@ def _slope(search: RootSearch, sample: Sample) -> float:
 
 
 def _no_solution(found: FindResult, not_converged: bool) -> NoSolution | NotConverged:
-    """Return the error that explains why there is no solution."""
-    points = (found.values.tolist(), found.outputs.tolist(), found.failures)
+    """Return the error that explains why there is no solution.
+
+    ``not_converged`` states whether the solver did not converge at a point of the scan.
+    """
+    points = {
+        "values": found.values.tolist(),
+        "outputs": found.outputs.tolist(),
+        "failures": found.failures,
+    }
     if len(found.failures) == len(found.values):
         reason = in_chosen_units(found.failures[0][1])
         text = f"no point of {found._range_text()} was solved; the first reason: {reason}"
         if not_converged:
             return NotConverged(text)
-        return NoSolution([(found.name, text)], None, *points)
+        return NoSolution([(found.name, text)], reachable=None, **points)
     aim = found._text(found.output, found.target)
     text = f"{aim} is not reached by {found._range_text()}, which gives {found._reachable_text()}"
     if found.jumps:
         place = found._text(found.name, found.jumps[0][0])
         text += f"; the output jumps across the target at {found.name} = {place}"
     text = "; ".join([text, *found._limit_texts()])
-    return NoSolution([(found.output, text)], found.reachable, *points)
+    return NoSolution([(found.output, text)], reachable=found.reachable, **points)

@@ -151,7 +151,7 @@ def fit(
 
 def _on_one_mesh(problem: Problem, options: Mapping[str, Any]) -> dict[str, Any]:
     """Return the options with a fixed number of nodes and without error estimates."""
-    known = options_of(problem)
+    known = options_of(problem)  # option -> default; nodes None lets the solver choose the mesh
     defaults: dict[str, Any] = {"errors": False} if "errors" in known else {}
     if known.get("nodes", ...) is None and not options.keys() & {"nodes", "rtol"}:
         defaults["nodes"] = FIT_NODES
@@ -195,9 +195,10 @@ def _check_bounds(problem: Problem, parameter: Parameter) -> None:
     for end in (parameter.low, parameter.high):
         try:
             problem.replace(**{parameter.name: end})
-        except NoSteadyState:
+        except NoSteadyState:  # the fit admits points without a solution
             continue
         except InvalidProblem as fault:
+            # faults of other fields depend on their values, which rows or parameters may change
             reasons = [text for field, text in fault.faults if field == parameter.name]
             if reasons:
                 raise InvalidProblem.at(parameter.name, f"bounds: {reasons[0]}") from None
@@ -205,6 +206,7 @@ def _check_bounds(problem: Problem, parameter: Parameter) -> None:
 
 def _check_rows(problem: Problem, data: Observations) -> None:
     """Reject rows with invalid inputs; rows without a steady state are left to the fit."""
+    # each row once, although it may have several values: its number in a spreadsheet by its index
     for row, number in dict(zip(data.rows.tolist(), data.numbers, strict=True)).items():
         try:
             problem.replace(**{name: float(values[row]) for name, values in data.inputs.items()})
@@ -248,7 +250,7 @@ def fit_parameters(
     workers : Workers
         Where the profiles are found; the result does not depend on it.
     progress : callable
-        Is called with the number of evaluated places, and the expected one.
+        Is called with the number of evaluations, and the expected one.
 
     Raises
     ------
@@ -265,8 +267,8 @@ def fit_parameters(
     minima, count = _minima(predictor, starts, seed, tasks)
     if not minima:
         raise NotConverged(f"no start of the fit could be solved: {predictor.fault}")
-    ends: dict[tuple[int, int], End] = {}
-    for _ in range(MOST_STARTS):
+    ends: dict[tuple[int, int], End] = {}  # by number of the parameter and sign of the side
+    for _ in range(MOST_STARTS):  # profiles, until none of them finds a smaller S
         likelihoods = _profiles(predictor, minima[0], profiles, ends, tasks, workers)
         best = min(
             (profile.best for profile in likelihoods), key=lambda best: best[0], default=None
@@ -315,7 +317,7 @@ def _units(parameters: Sequence[Parameter]) -> Array:
 
 
 def _starting_points(parameters: Sequence[Parameter], starts: int, seed: int) -> list[Array]:
-    """Return the base case and Latin hypercube samples within the bounds."""
+    """Return the base case and Latin hypercube samples within the bounds, as coordinates u."""
     from scipy.stats import qmc
 
     low, high = np.transpose([p.ends for p in parameters])
@@ -340,8 +342,9 @@ def _profiles(
     minimum : Linearisation
     names : collection of str
     ends : dict
-        Ends by parameter and sign, computed from a minimum that was not the least one; they are
-        replaced.  Their points are still points of the profiles.
+        Ends by number of the parameter and sign (-1 lower, 1 upper end), computed from a minimum
+        that was not the least one; they are replaced.  Their points are still points of the
+        profiles.
     tasks : _Tasks
     workers : Workers
     """
@@ -350,13 +353,14 @@ def _profiles(
     indices = [j for j, parameter in enumerate(predictor.parameters) if parameter.name in names]
     if not np.isfinite(limit):
         return ()
-    places = [(j, sign) for j in indices for sign in (-1, 1)]
+    sides = [(j, sign) for j in indices for sign in (-1, 1)]
     # points of both ends: the minimum may have moved past them
     known = {j: [p for k, end in ends.items() if k[0] == j for p in end.points] for j in indices}
+    # a worker receives the solutions of one u only: at the minimum they are good initial guesses
     predictor.keep_for_workers(minimum.u)
     work = partial(_end_of_profile, predictor, minimum, limit, known)
-    for place, (end, solves) in workers.map(work, places):
-        ends[place] = end
+    for side, (end, solves) in workers.map(work, sides):
+        ends[side] = end
         predictor.solves += solves
         tasks.finish()
     return tuple(
@@ -369,17 +373,33 @@ def _end_of_profile(
     minimum: Linearisation,
     limit: float,
     known: Mapping[int, Sequence[tuple[float, Array]]],
-    place: tuple[int, int],
+    side: tuple[int, int],
 ) -> tuple[End, int]:
-    """Return an end of a profile and the number of solves."""
+    """Return an end of a profile and the number of solves.
+
+    Parameters
+    ----------
+    predictor : Predictor
+    minimum : Linearisation
+    limit : float
+        S at the end.
+    known : mapping of int to sequence of (S, u)
+        Points of the profiles that were computed before, by number of the parameter.
+    side : (int, int)
+        Number of the parameter, and sign: -1 for the lower, 1 for the upper end.
+    """
     before = predictor.solves
-    end = find_end(predictor, *place, minimum, limit, known[place[0]])
+    end = find_end(predictor, *side, minimum, limit, known[side[0]])
+    # the caller counts the solves, because it does not see the predictor of a worker
     solves, predictor.solves = predictor.solves - before, before
     return end, solves
 
 
 class _Tasks:
-    """Reports the progress of a fit: evaluations that are done, of those expected for all tasks."""
+    """Reports the progress of a fit: evaluations that are done, of those expected for all tasks.
+
+    A task is the minimisation from one start, or one end of a profile.
+    """
 
     def __init__(self, predictor: Predictor, count: int, progress: Progress) -> None:
         # a minimisation takes about five iterations, and as many derivatives
@@ -399,6 +419,7 @@ class _Tasks:
 
     def _report(self, done: int) -> None:
         """Report a number of evaluations, which never decreases."""
+        # no more than the present task has, and less than all before the end
         limit = min((self.finished + 1) * self.each, self.expected - 1)
         self.done = max(self.done, min(done, limit))
         self.progress(self.done, self.expected)
@@ -412,13 +433,14 @@ def _count_best(predictor: Predictor, minima: Sequence[Linearisation]) -> int:
 def _is_least(S: float, smallest: float, predictor: Predictor) -> bool:
     """Return True if S is the least sum of squares to the accuracy of minima."""
     freedom = max(predictor.measured.size - len(predictor.parameters), 1)
+    # k standard errors off the minimum S is larger by k^2 s^2, relatively k^2 / freedom
     rounding = 1e-12 * float(np.sum((predictor.measured / predictor.deviation) ** 2))
     limit = smallest * (1 + max(SAME_MINIMUM, (3 * ACCURACY) ** 2 / freedom)) + rounding
     return limit >= S
 
 
 def _covariance(predictor: Predictor, J: Array, S: float) -> Array:
-    """Return s^2 (J^T J)^-1; inf if J is singular."""
+    """Return the covariance of the coordinates u, s^2 (J^T J)^-1; not finite if J is singular."""
     m, p = J.shape
     s2 = 1.0 if predictor.weighted else S / (m - p) if m > p else np.nan
     _, values, V = np.linalg.svd(J, full_matrices=False)
@@ -435,7 +457,7 @@ def _result(
     """Assemble the result: estimates, covariance, identifiability and fitted values."""
     u, r, J = minima[0]
     S, parameters = minima[0].S, predictor.parameters
-    slope = np.array([p.slope(float(v)) for p, v in zip(parameters, u, strict=True)])
+    slope = np.array([p.slope(float(v)) for p, v in zip(parameters, u, strict=True)])  # d value/du
     covariance = slope[:, None] * _covariance(predictor, J, S) * slope
     error = np.sqrt(np.diag(covariance))
     with np.errstate(invalid="ignore"):

@@ -23,7 +23,7 @@ __all__ = ["FitResult"]
 
 Array = np.ndarray
 MOST_SHOWN = 3  # parameters in one line
-_SAVED = (
+_SAVED = (  # attributes in the record for JSON
     *("names", "estimates", "standard_errors", "covariance", "correlation", "rms", "weighted"),
     *("direction", "condition", "effects", "joint_effect", "at_bound", "not_identified"),
     *("minima", "reached", "starts", "solves", "measured", "fitted", "row_outputs", "row_numbers"),
@@ -51,16 +51,24 @@ class FitResult(Outcome):
     condition : float
         Ratio of the largest to the smallest singular value of the scaled Jacobian.
     effects : (p,) array
-        RMS change of the predictions for +10 % of each parameter (or 10 % of the range).
+        RMS change of the predictions for +10 % of each parameter (or 10 % of the range), in the
+        unit of ``rms``.
     joint_effect : float
-        The same for ``direction`` at +-10 % of its largest entry.
+        The same for a change along ``direction`` with +10 % of the leading parameter.
+    at_bound : tuple of str
+        Parameters whose estimates are at a bound.
     minima : tuple of (S, estimates)
         Minima of all starts, best first.
     reached : int
         Number of starts, of ``starts``, that converged to the best minimum.
+    solves : int
+        Number of cases that were solved.
     measured, fitted : (m,) arrays
+        SI.
     row_outputs, row_numbers : tuples
-        Output and row of each measured value.
+        Output and row of each measured value; rows are counted from 0.
+    weighted : bool
+        Whether the standard deviations of all measured values are known.
     quantities : mapping of str to Quantity
         Of parameters and outputs.
     problem : object
@@ -203,6 +211,7 @@ class FitResult(Outcome):
             yield f"+10 % of {self.names[0]} changes the fitted values by {change} (RMS)"
             return
         leading = int(np.argmax(np.abs(self.direction)))
+        # changes of all parameters when the leading one is 10 % larger; below 2 % of it not shown
         moves = [
             f"{name} {expm1(log(1.1) * part):+.1%}"
             for name, part in zip(self.names, self.direction, strict=True)

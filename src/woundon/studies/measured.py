@@ -129,8 +129,8 @@ def _grouped(
     """
     groups: Groups = {"inputs": {}, "outputs": {}, "deviations": {}}
     for column, of_rows in quantities:
-        measured = "outputs" if column.name in outputs else "inputs"
-        group = groups["deviations" if column.deviation else measured]
+        role = "outputs" if column.name in outputs else "inputs"
+        group = groups["deviations" if column.deviation else role]
         compared = MEASURED_AS.get(column.name, "")
         name = compared if compared in outputs else column.name
         if name in group:

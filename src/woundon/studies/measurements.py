@@ -44,7 +44,7 @@ POSITIONS: dict[str, float] = {
     "measured_radius": 1.0,
     "measured_diameter": 0.5,
     "diameter": 0.5,
-}  # radius of each
+}  # column -> its factor to a radius
 FORCE = Quantity("F_t", "N", "force that moves a pull tab")
 TAB = "pull tab"  # name of the uncertainty of its calibration
 TAB_FORCE, PRESSURE, LENGTH = "pull_tab_force", "pressure", "wound_length"
@@ -129,7 +129,7 @@ def read_observations(
         As of :func:`~.measured.read_measured`.
     tab : PullTab, optional
     over_radius : bool
-        Whether the table may contain values that belong to a radius.
+        Whether the table may contain values that belong to a radius of a roll.
 
     Raises
     ------
@@ -141,8 +141,8 @@ def read_observations(
     arrays = arrays_over_radius(result, fields) if over_radius else {}
     known = {**arrays, **scalars}
     if arrays:
-        places = dict.fromkeys(POSITIONS, length("r", "where it was measured"))
-        known |= {**places, TAB_FORCE: FORCE}
+        positions = dict.fromkeys(POSITIONS, length("r", "where it was measured"))
+        known |= {**positions, TAB_FORCE: FORCE}
     replacements = {name: text for name, text in result.REPLACED.items() if name not in known}
     table = read_measured(data, fields, known, columns, replacements, conversion_of(problem))
     values_of, deviations = dict(table.outputs), dict(table.deviations)
@@ -186,7 +186,7 @@ def read_observations(
 def _convert_tab_forces(
     values_of: dict[str, Array], deviations: dict[str, Array], tab: PullTab | None, where: str
 ) -> dict[str, Array]:
-    """Replace the forces on a pull tab, and their standard deviations, by pressures.
+    """Replace the forces on a pull tab, and their standard deviations, by pressures, in place.
 
     Returns
     -------
@@ -212,7 +212,17 @@ def _convert_tab_forces(
 
 
 def _radius(values_of: dict[str, Array], where: str, count: int) -> Array:
-    """Remove the column of positions from the outputs; return the radii."""
+    """Remove the column of positions from the outputs; return the radii, nan without a column.
+
+    Parameters
+    ----------
+    values_of : dict of str to (rows,) array
+        Columns by name.
+    where : str
+        Name of the table in error messages.
+    count : int
+        Number of rows.
+    """
     columns = [name for name in POSITIONS if name in values_of]
     if len(columns) > 1:
         raise InvalidProblem.at(where, f"has {' and '.join(columns)}; must be one of them")
@@ -231,7 +241,7 @@ def arrays_over_radius(result: type[Result], fields: Collection[str]) -> dict[st
     fields : collection of str
         Fields of the problem: an array of the same name, such as the wound-on tension, is an input.
     """
-    arrays = {
+    arrays = {  # outputs whose annotation is Annotated[ndarray, quantity]
         place.path: place.quantity
         for place in outputs(result)
         if place.quantity is not None and np.ndarray in get_args(place.field)
@@ -240,7 +250,7 @@ def arrays_over_radius(result: type[Result], fields: Collection[str]) -> dict[st
         return {}
     of_roll: dict[str, Quantity] = {}
     roll = getattr(result, "roll", None)
-    if isinstance(roll, property) and roll.fget is not None:
+    if isinstance(roll, property) and roll.fget is not None:  # its annotation is the class
         of_roll = arrays_over_radius(get_type_hints(roll.fget)["return"], fields)
     others = {"radius", *fields, *scalar_outputs(result), *result.ALONG}
     return of_roll | {name: quantity for name, quantity in arrays.items() if name not in others}
@@ -297,15 +307,17 @@ def predict(result: Result, observable: Observable) -> float:
     if name == PRESSURE and abs(radius / R - 1) <= AT_SURFACE:
         text = "is zero at the surface of the roll, so that a value measured there is left out"
         raise InvalidProblem.at(name, text)
+    # which interpolates with the derivatives at the nodes
     if name in (PRESSURE, "hoop_stress") and hasattr(roll, "at_radius"):
         return float(roll.at_radius(radius)[name])
-    if name in scalar_outputs(result):
+    if name in scalar_outputs(result):  # the value when the roll had this radius
         if name not in scalar_outputs(roll):
             raise InvalidProblem.at(
                 name,
                 "is not known of a stage of the build-up; leave out the column with its radius",
             )
         return float(value_of(roll.at(radius), name))
+    # an array over the radius, of the winding or of the roll that it has wound
     holder: Any = result if hasattr(type(result), name) or name in vars(result) else roll
     low, high = float(holder.radius[0]), float(holder.radius[-1])
     if not low <= radius <= high:
@@ -332,7 +344,11 @@ def definitions(result: Result, names: Sequence[str]) -> Iterator[str]:
 
 
 def error_at(result: Result, observable: Observable) -> float:
-    """Return the estimated discretisation error of a prediction; nan where it is not known."""
+    """Return the estimated discretisation error of a prediction; nan where it is not known.
+
+    In a roll the errors of pressure and hoop stress are interpolated between those of the pressure
+    at the core and at the mid-radius; for other arrays that of their mean stands in.
+    """
     (name, radius), errors = observable, result.errors
     if name in errors and not isfinite(radius):
         return float(errors[name])

@@ -35,7 +35,17 @@ ON_THE_WAY, NEXT_TO_IT = 0.05, 0.5
 
 
 class Linearisation(NamedTuple):
-    """Residuals and their derivatives at a place, e.g. a minimum."""
+    """Residuals and their derivatives at one point, e.g. a minimum.
+
+    Attributes
+    ----------
+    u : (p,) array
+        Coordinates of the parameters.
+    r : (m,) array
+        Residuals.
+    J : (m, p) array
+        dr/du.
+    """
 
     u: Array
     r: Array
@@ -59,7 +69,10 @@ class Linearisation(NamedTuple):
         return self.prediction_error(u, r) <= IN_BASIN * float(np.linalg.norm(r - self.r))
 
     def expected_decrease(self, predictor: Predictor, fixed: int | None = None) -> float:
-        """Return the decrease of S in the linear model, parameters at their bounds held there."""
+        """Return the decrease of S in the linear model, parameters at their bounds held there.
+
+        ``fixed`` is the number of a parameter that is held in any case.
+        """
         slope = self.J.T @ self.r
         held = ((self.u <= predictor.low) & (slope > 0)) | (
             (self.u >= predictor.high) & (slope < 0)
@@ -89,7 +102,11 @@ class ReusedJacobian:
         self.predictor, self.last, self.fixed = predictor, last, fixed
 
     def __call__(self, u: Array, tolerance: float | None = None) -> Linearisation:
-        """Return the residuals at u, with a Jacobian of the tolerance."""
+        """Return the residuals at u, with the last Jacobian if it is accurate enough.
+
+        ``tolerance`` is the error of its linear model at u that is admitted, in standard deviations
+        of the residuals; 0 computes the Jacobian at u.
+        """
         r = self.predictor.residuals(u)
         if tolerance is None:
             tolerance = ON_THE_WAY if self.fixed is None else NEXT_TO_IT
@@ -101,7 +118,10 @@ class ReusedJacobian:
 
 
 class _EndError(Exception):
-    """The minimisation has converged, or entered the basin of a known minimum."""
+    """The minimisation has converged, or entered the basin of a known minimum.
+
+    The functions that SciPy calls raise it, because this is the only way to end its iteration.
+    """
 
     def __init__(self, minimum: Linearisation) -> None:
         super().__init__()
@@ -126,7 +146,8 @@ def minimise(
         A minimum, which is returned as soon as its linear model predicts the residuals, or S is
         within a standard error of it and the linear model predicts no smaller one.
     linearised : ReusedJacobian, optional
-        With a fixed parameter; by default all are free, and the Jacobian is that of the minimum.
+        With a fixed parameter; by default all are free, and the Jacobian is computed at the
+        minimum.
     accuracy : float
         In standard errors.
 
@@ -196,7 +217,8 @@ class _Minimisation:
         r = self.predictor.residuals(u)
         if known is not None and known.predicts(u, r):
             raise _EndError(known)
-        # S is rough where a step within the accuracy does not decrease it; the next one is shorter
+        # S is rough where a step within the accuracy does not decrease it; the next one is shorter;
+        # S that is nan counts as no decrease
         if last is not None and not r @ r < last.S and self._is_negligible(last.change(u), last):
             raise _EndError(self._at_minimum(last.u))
         return r
@@ -223,7 +245,10 @@ class _Minimisation:
         return self.linearised(u, self.at_end)
 
     def _is_negligible(self, change: float, current: Linearisation) -> bool:
-        """Return True if a step is within the accuracy, by the squared change of residuals."""
+        """Return True if a step is within the accuracy.
+
+        ``change`` is the squared change of the residuals by the step, or the decrease of S.
+        """
         return change <= self.accuracy**2 * self.predictor.variance(current.S)
 
     def _expected_decrease(self, current: Linearisation) -> float:

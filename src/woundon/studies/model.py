@@ -130,7 +130,7 @@ class KindModel:
         """
         self._check_outputs()
         self._check_options()
-        self.variant({})
+        self.variant({})  # rejects tied fields that do not exist
         return self
 
     def _check_outputs(self) -> None:
@@ -167,11 +167,11 @@ class KindModel:
         varied = [str(name) for name in names]
         for name in varied:
             for follower, leader in self.tie.items():
-                if is_part_of(name, follower):
+                if is_part_of(name, follower):  # the field itself, or a field in a tied body
                     text = f"cannot be varied, because {follower} is tied to {leader}"
                     raise InvalidProblem.at(name, text)
             if not any(name != other and is_part_of(name, other) for other in varied):
-                get_field(self.problem, name)
+                get_field(self.problem, name)  # raises an error if it does not exist
 
     # ---- one case -------------------------------------------------------------------------------
 

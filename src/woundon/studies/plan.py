@@ -155,7 +155,8 @@ def next_experiment(
         options=solver_options(nodes, rtol, options),
     )
     output = output or next(iter(main_outputs), candidates[0].quantity)
-    goal = planned(Measurement(output, operating_point or {}, 1.0))
+    # the output at the operating point is predicted only, so its standard deviation has no meaning
+    goal = planned(Measurement(output, operating_point or {}, standard_deviation=1.0))
     if goal.measurement.size != 1:
         raise InvalidProblem.at("operating_point", "must be one state, without sequences")
     known, possible = [planned(m) for m in completed], [planned(m) for m in candidates]
@@ -248,6 +249,7 @@ def _prior(
     prior = {} if fitted is None else dict.fromkeys(fitted.names, np.inf)
     for name, value in unknown.items():
         where = f"unknown: {name}"
+        # relative in both forms, 0.25 and "25 %"
         prior[name], _ = read_deviation(value, partial(parse, unit="1", field=where), where)
     if not prior:
         raise InvalidProblem.at("unknown", "missing; must be {field: prior standard deviation}")
@@ -256,7 +258,7 @@ def _prior(
 
 def _prior_information(prior: Mapping[str, float], fitted: FitResult | None) -> Array:
     """Return the information of prior and fit on ln(theta), (p, p)."""
-    information = np.diag([1 / s**2 for s in prior.values()])
+    information = np.diag([1 / s**2 for s in prior.values()])  # 0 of an infinite deviation
     if fitted is not None:
         relative = fitted.covariance / np.outer(fitted.estimates, fitted.estimates)
         if not np.isfinite(relative).all():
@@ -293,7 +295,7 @@ class _Steps(NamedTuple):
 
 @dataclass(frozen=True)
 class _Study:
-    """What does not depend on the values of the unknown fields.
+    """Measurements and criterion, which do not depend on the values of the unknown fields.
 
     Attributes
     ----------
@@ -317,7 +319,7 @@ class _Study:
         solved: SolvedStates,
     ) -> Array:
         """Return the information of measurements on ln(theta), (measurements, p, p)."""
-        each = [np.zeros((0, len(theta), len(theta)))]
+        each = [np.zeros((0, len(theta), len(theta)))]  # the shape if there is no measurement
         for measurement in measurements:
             each.append(measurement.information(theta, solved)[np.newaxis])
             self.report()
@@ -365,7 +367,7 @@ class _Linearised:
     cost: Array
 
     def measure(self, J: Array) -> float:
-        """Return the criterion for the information J; small is good."""
+        """Return the criterion for the information J, (p, p); a small value is good."""
         if self.criterion == "D":
             return -float(np.linalg.slogdet(J)[1])
         C = np.linalg.inv(J)
@@ -433,11 +435,11 @@ def _weakest(
 
     Returns
     -------
-    tuple of str
+    unidentified : tuple of str
         Fields whose standard error they reduce by less than ``REDUCED``.
-    (p,) array
+    direction : (p,) array
         Direction of the largest standard error, with the largest component 1.
-    float
+    direction_error : float
         Standard error in this direction.
     """
     covariance = np.linalg.inv(local.start + local.information.sum(axis=0))
@@ -455,8 +457,19 @@ def _weakest(
 def _at_drawn_points(
     study: _Study, theta: Mapping[str, float], C: Array, draws: int, seed: int
 ) -> tuple[list[_Linearised], int]:
-    """Return the study at points drawn from the covariance C, and how many could not be solved."""
+    """Return the study at points drawn from the covariance C, and how many could not be solved.
+
+    Parameters
+    ----------
+    study : _Study
+    theta : mapping of str to float
+        Unknown field -> value, SI.
+    C : (p, p) array
+        Covariance of ln(theta) before the first candidate.
+    draws, seed : int
+    """
     variance, vectors = np.linalg.eigh(C)
+    # standard deviations along the principal axes; negative variances are rounding errors
     widths = np.minimum(np.sqrt(np.maximum(variance, 0)), WIDEST / MOST_SIGMA)
     rng = np.random.default_rng(seed)
     studies: list[_Linearised] = []
@@ -474,11 +487,25 @@ def _at_drawn_points(
 def _warnings(
     first: Array, candidates: Sequence[Measurement], C: Array, names: Sequence[str], failures: int
 ) -> list[str]:
-    """Return warnings about the dependence of the ranking on the linearisation point."""
+    """Return warnings about the dependence of the ranking on the linearisation point.
+
+    Parameters
+    ----------
+    first : (1 + draws, candidates) array
+        Scores as the first measurement, at the problem and at each point drawn.
+    candidates : sequence of Measurement
+    C : (p, p) array
+        Covariance of the logarithms of the unknown fields before the first candidate.
+    names : sequence of str
+        The p unknown fields.
+    failures : int
+        Number of points drawn that could not be solved.
+    """
     texts = []
     best = int(np.argmax(first[0]))
+    # best candidates at the points drawn where that of the problem is clearly not the best
     other = [int(np.argmax(scores)) for scores in first[1:] if scores[best] < EQUAL * scores.max()]
-    if other:
+    if other:  # the most frequent one is named
         name = candidates[max(other, key=other.count)].stored_name
         texts.append(
             f"the ranking depends on the values assumed: at {len(other)} of {len(first) - 1} "

@@ -119,6 +119,7 @@ class NextExperiment(Outcome):
         if self.unidentified:
             texts.append(f"not identified by any candidate: {', '.join(self.unidentified)}")
         if len(self.names) > 1:
+            # with 10 % of the leading parameter, whose entry is 1
             change = ", ".join(
                 f"{name} {10 * value:+.0f} %"
                 for name, value in zip(self.names, self.direction, strict=True)
@@ -131,7 +132,8 @@ class NextExperiment(Outcome):
         return [*texts, *(f"warning: {in_chosen_units(text)}" for text in self.warnings)]
 
     def __repr__(self) -> str:
-        errors = zip(self.names, self.standard_errors[[0, 1]].T, strict=True)
+        before_and_after_best = self.standard_errors[[0, 1]].T
+        errors = zip(self.names, before_and_after_best, strict=True)
         change = ", ".join(f"{n} {percent(a)} -> {percent(b)}" for n, (a, b) in errors)
         return f"NextExperiment({self.best.name}: {change})"
 

@@ -34,7 +34,7 @@ from .slopes import slopes, solve_case
 __all__ = ["Measurement", "PlannedMeasurement", "SolvedStates", "plan_measurement"]
 
 Array = np.ndarray
-RADII = {**POSITIONS, "radius": 1.0}  # names of the position in a roll, radius of each
+RADII = {**POSITIONS, "radius": 1.0}  # names of the position in a roll -> factor to a radius
 RADIUS = length("r", "position in a roll")
 PULL_TAB = "pull_tab_pressure"
 SolvedStates = dict[Any, Result]  # by problem and values of its varied fields
@@ -126,14 +126,15 @@ class Measurement:
         """
         if self.label:
             return self.label
-        places = []
+        texts_of_state = []
         for name, value in self.at.items():
             ends = (value[0], value[-1]) if _is_series(value) else (value,)
             quantity = self._quantity_of(name)
             texts = [_end_text(end, quantity, format_value) for end in ends]
-            places.append(f"{name} {' to '.join(texts)}")
+            texts_of_state.append(f"{name} {' to '.join(texts)}")
         series = f"{self.size} values of " if self.size > 1 else ""
-        return f"{series}{self.quantity}" + (f" at {', '.join(places)}" if places else "")
+        state = f" at {', '.join(texts_of_state)}" if texts_of_state else ""
+        return f"{series}{self.quantity}{state}"
 
     def _quantity_of(self, name: str) -> Quantity | None:
         """Return the quantity of a field of the state.
@@ -151,6 +152,7 @@ class Measurement:
 
 
 def _is_series(value: Any) -> bool:
+    """Return True for a sequence of values, False for a number or a text."""
     return not isinstance(value, str) and hasattr(value, "__len__")
 
 
@@ -179,7 +181,8 @@ class PlannedMeasurement:
     quantity : Quantity
         Of the values.
     deviation : float
-        Standard deviation, relative if ``is_relative``.
+        Standard deviation; SI, or relative to the predicted values if ``is_relative``.
+    is_relative : bool
     paths : mapping of str to tuple of str
         Unknown -> fields of this problem that follow it.
     """
@@ -222,6 +225,7 @@ class PlannedMeasurement:
         start: Result | None = None
         for case in self.cases:
             inputs = {**fields, **case.inputs}
+            # measurements of one problem share the object, which lives as long as the models
             key = (id(self.model.problem), tuple(sorted(inputs.items())))
             if key not in solved:
                 solved[key] = solve_case(self.model, inputs, start)
@@ -288,6 +292,7 @@ def plan_measurement(
             if name in group:
                 text = f"is unknown ({unknown_name}), so it cannot be part of a state"
                 raise InvalidProblem.at(f"{where}: at: {name}", text)
+    # a model needs an output; arrays over the radius are none
     outputs = (output,) if output in measurable_outputs(base) else ("residual",)
     model = model_of(base, outputs, {} if is_separate else tie, {} if is_separate else options)
     model.check_varied([*state, *(path for group in paths.values() for path in group)])
@@ -302,7 +307,11 @@ def plan_measurement(
 def _state(
     measurement: Measurement, base: Problem, has_radius: bool
 ) -> tuple[dict[str, Array], Array]:
-    """Return the fields of all values by name, (n,) arrays, and their radii."""
+    """Return the fields of all values by name, (n,) arrays, and their radii, (n,).
+
+    Radii are nan if there are none; ``has_radius`` states whether the problem has results over the
+    radius, so that "radius" and "diameter" are positions in a roll.
+    """
     state: dict[str, Array] = {}
     position = np.full(measurement.size, nan)
     for name, entry in measurement.at.items():

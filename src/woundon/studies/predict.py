@@ -22,7 +22,7 @@ from .slopes import slopes, solve_case
 __all__ = ["Case", "Parameter", "Predictor", "cases_of"]
 
 Array = np.ndarray
-# Solutions that are kept for warm starts, those of at least three places: one takes 5 to 30 MB.
+# Solutions that are kept for warm starts, those of at least three points u: one takes 5 to 30 MB.
 KEPT, MIN_PLACES = 60, 3
 
 
@@ -92,9 +92,9 @@ class Case(NamedTuple):
     inputs : mapping
         Fields that differ from the base problem.
     rows : list of int
-        Indices of the values.
+        Numbers of the values in the list of all values.
     observables : list of Observable
-        Of each of them.
+        Output and radius of each of them.
     """
 
     inputs: Mapping[str, Any]
@@ -131,7 +131,7 @@ def cases_of(inputs: Mapping[str, Array], observables: Sequence[Observable]) -> 
 
 
 class _Place(NamedTuple):
-    """The results of all cases at u."""
+    """A point u of the parameters' coordinates, with the results of all cases there."""
 
     u: Array
     results: list[Result]
@@ -140,7 +140,22 @@ class _Place(NamedTuple):
 class Predictor:
     """Predicts every measured value from the parameters' coordinates u, from ``low`` to ``high``.
 
-    Each case is solved once at each u, with a warm start from the nearest recent place.
+    Each case is solved once at each u, with a warm start from the nearest recent point.
+
+    Attributes
+    ----------
+    measured, deviation : (m,) arrays
+        Measured values and their standard deviations, 1 where these are not known.
+    weighted : bool
+        Whether all standard deviations are known.
+    low, high : (p,) arrays
+        Bounds of u.
+    solves : int
+        Number of solutions so far.
+    fault : str
+        Reason of the last failure.
+    report : callable
+        Is called after each evaluation.
     """
 
     def __init__(
@@ -224,12 +239,19 @@ class Predictor:
         return J * slope / self.deviation[:, None]
 
     def variance(self, S: float) -> float:
-        """Return the variance of the residuals, at most 1 if their deviations are known."""
+        """Return the variance of the residuals for their squared sum S.
+
+        At most 1 if their deviations are known.
+        """
         s2 = S / max(self.measured.size - len(self.parameters), 1)
         return min(s2, 1.0) if self.weighted else s2
 
     def keep_for_workers(self, u: Array) -> None:
-        """Make the place nearest to u the one that a worker receives."""
+        """Move the point nearest to u, with its results, to the end.
+
+        A pickled predictor contains the results of the last point only, for warm starts; all of
+        them would be large.
+        """
         nearest = self._nearest(u)
         if nearest is not None:
             self._places = deque(
@@ -238,7 +260,7 @@ class Predictor:
             )
 
     def __getstate__(self) -> dict[str, Any]:
-        """Return the state for a worker: the results of the last place only, and no report."""
+        """Return the state for a worker: the results of the last point only, and no report."""
         last = deque([*self._places][-1:], self._places.maxlen)
         return {**self.__dict__, "_values": {}, "_places": last, "report": _no_report}
 
@@ -247,13 +269,14 @@ class Predictor:
         return {p.name: p.value(float(v)) for p, v in zip(self.parameters, u, strict=True)}
 
     def _results(self, u: Array) -> list[Result]:
-        """Return the results of all cases at u, with warm starts from the nearest place."""
+        """Return the results of all cases at u, with warm starts from the nearest point."""
         nearest = self._nearest(u)
         if nearest is not None and np.array_equal(nearest.u, u):
             return nearest.results
         fitted = self.inputs(u)
         results: list[Result] = []
         for k, case in enumerate(self.cases):
+            # at the first point from the case before
             start = nearest.results[k] if nearest else results[-1] if results else None
             results.append(self._solve(self.model, {**case.inputs, **fitted}, start))
         self._places.append(_Place(u.copy(), results))
@@ -266,7 +289,7 @@ class Predictor:
         return result
 
     def _nearest(self, u: Array) -> _Place | None:
-        """Return the nearest recent place."""
+        """Return the nearest recent point, by the largest share of a range; None at first."""
         width = self.high - self.low
         return min(
             self._places, key=lambda place: float(np.max(np.abs(place.u - u) / width)), default=None

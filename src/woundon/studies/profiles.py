@@ -48,7 +48,7 @@ class ProfileLikelihood:
     rms_limit : float
         RMS at the ends of the interval.
     best : (S, u)
-        The least S of all evaluations.
+        The least S of all evaluations, and the coordinates u of all parameters there.
     """
 
     name: str
@@ -67,9 +67,9 @@ class End:
     Attributes
     ----------
     u : float or None
-        None if the bound is inside the interval.
+        Coordinate of the parameter; None if the bound is inside the interval.
     points : tuple of (S, u)
-        All evaluations with the others refitted.
+        All evaluations with the others refitted; u are the coordinates of all parameters.
     """
 
     u: float | None
@@ -79,7 +79,8 @@ class End:
 def threshold(S: float, freedom: int, weighted: bool) -> float:
     """Return the S up to which a parameter's value is within the 95 % interval.
 
-    With known deviations S + chi2(1); else S (1 + F(1, m - p)/(m - p)), nan without freedom.
+    S is that of the minimum, ``freedom`` m - p, and ``weighted`` states that the deviations are
+    known: then S + chi2(1); else S (1 + F(1, m - p)/(m - p)), nan without freedom.
 
     >>> round(threshold(2.0, 10, weighted=True), 3)
     5.841
@@ -127,6 +128,7 @@ def find_end(
     predictor : Predictor
     j, sign : int
     minimum : Linearisation
+        Of the fit.
     limit : float
         S at the end.
     known : sequence of (S, u)
@@ -137,7 +139,7 @@ def find_end(
     on_this_side = [point for point in known if sign * (point[1][j] - minimum.u[j]) > 0]
     profile = _Profile(predictor, j, minimum, limit, on_this_side)
     bound = float((predictor.low if sign < 0 else predictor.high)[j] - minimum.u[j])
-    distances = sorted(profile.known, key=abs)
+    distances = sorted(profile.known, key=abs)  # the first is 0, the minimum
     if len(distances) == 1:
         distances.append(sign * min(BEYOND * profile.predicted_distance(), abs(bound)))
     inner, outer, *farther = distances
@@ -155,18 +157,29 @@ def find_end(
         inner, (outer, *farther) = outer, farther
     if f > 0 and np.isfinite(f):
         outer = brentq(profile, inner, outer, xtol=ACCURACY * abs(outer), maxiter=EVALUATIONS)
-    elif f > 0:
+    elif f > 0:  # infinite: outer cannot be solved
         outer = _last_solved(profile, inner, outer)
     return End(float(minimum.u[j] + outer), tuple(profile.points))
 
 
 def _last_solved(profile: _Profile, solved: float, unsolved: float) -> float:
-    """Return the end of an interval that cannot be solved as far as its limit, by bisection."""
-    while abs(unsolved - solved) > 0.05 * abs(unsolved):
+    """Return the end of an interval that cannot be solved as far as its limit, by bisection.
+
+    Parameters
+    ----------
+    profile : _Profile
+        Is infinite at a distance that is not solved.
+    solved, unsolved : float
+        Signed distances u_j - u_j,min.  The first may be 0, the minimum; where nothing else is
+        solved, it is returned after ``EVALUATIONS`` bisections.
+    """
+    for _ in range(EVALUATIONS):
+        if abs(unsolved - solved) <= 0.05 * abs(unsolved):
+            break
         middle = (solved + unsolved) / 2
         if np.isfinite(f := profile(middle)):
             solved = middle
-            if f >= 0:
+            if f >= 0:  # the limit is reached where a solution exists: no need to go farther
                 break
         else:
             unsolved = middle

@@ -60,7 +60,7 @@ class PullTab:
         units = {"slope": "Pa/N", "offset": "Pa", "friction": "1", "area": "m^2", "deviation": "1"}
         for name, unit in units.items():
             value = getattr(self, name)
-            if value is not None or name in ("offset", "deviation"):
+            if value is not None or name in ("offset", "deviation"):  # which must not be None
                 object.__setattr__(self, name, parse(value, unit, f"tab.{name}"))
         calibration = [
             name for name in ("slope", "friction", "area") if getattr(self, name) is not None

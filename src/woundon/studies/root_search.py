@@ -63,7 +63,17 @@ SEARCHES = 4  # bisections of a bracket in which a point cannot be solved
 
 
 class Interval(NamedTuple):
-    """The range of a field that is scanned, and the one that the field permits."""
+    """The range of a field that is scanned, and the one that the field permits.
+
+    Attributes
+    ----------
+    low, high : float
+        Ends of the scan, SI.
+    permitted : (low, high)
+        Bounds of the field; they may be infinite.
+    may_grow : bool
+        Whether the search may leave the range of the scan.
+    """
 
     low: float
     high: float
@@ -86,16 +96,23 @@ class Interval(NamedTuple):
         return sqrt(a * b) if self.geometric else (a + b) / 2
 
     def beyond(self, edge: float, outward: int) -> float:
-        """Return the next point outside the range, within the permitted range."""
+        """Return the next point outside the range, within the permitted range.
+
+        ``edge`` is the outermost point so far, and ``outward`` -1 for the lower side, 1 for the
+        upper one.
+        """
         if self.geometric:
             point = edge * 2.0**outward
-        else:
+        else:  # the distance from the other end of the range is doubled
             point = edge + outward * max(edge - self.low, self.high - edge)
         return min(max(point, self.permitted[0]), self.permitted[1])
 
 
 class Sample(NamedTuple):
-    """One evaluation; without a result there is a reason for the failure."""
+    """One evaluation: value of the field, output [SI], result.
+
+    Without a solution the result is None, and ``failure`` the reason.
+    """
 
     value: float
     output: float
@@ -167,7 +184,8 @@ class RootSearch:
         """Return the sample at a value, solved from the nearest neighbour that is solved."""
         nearest = min(self.solved, key=lambda s: abs(s.value - value), default=None)
         try:
-            answer = (model or self.model).run({self.name: value}, nearest and nearest.result)
+            start = nearest.result if nearest else None
+            answer = (model or self.model).run({self.name: value}, start)
             output = answer.values[0]
             reason = "" if isfinite(output) else f"{self.output} is {output:g}"
             sample = Sample(value, output, None if reason else answer.state, reason)
@@ -213,6 +231,7 @@ class RootSearch:
     def _extend(self, outward: int) -> None:
         """Double the range on one side while the output approaches the target."""
         for _ in range(EXTENSIONS):
+            # the two outermost samples
             edge, inner = self.samples[:2] if outward < 0 else self.samples[:-3:-1]
             if not (edge.is_solved and inner.is_solved) or self._brackets():
                 return
@@ -231,6 +250,7 @@ class RootSearch:
         known = np.array([sample.value for sample in stretch])
         if known.size > 1:
             points = self.interval._replace(low=known[0], high=known[-1]).points(count)
+            # inner points, each with its distance from the point before
             for value, spacing in zip(points[1:-1], np.diff(points[:-1]), strict=True):
                 if np.abs(known - value).min() > spacing:
                     self.evaluate(float(value))
@@ -246,7 +266,10 @@ class RootSearch:
         ]
 
     def _approach_limit(self, solved: Sample, failed: Sample) -> None:
-        """Bisect between a solved and a failed point until the limit cannot hide the target."""
+        """Bisect between a solved and a failed point until the limit cannot hide the target.
+
+        That is, until the output between them is known well enough (step 2 of the module).
+        """
         valid = self._last_valid(solved.value, failed.value)
         if valid not in (solved.value, failed.value):
             failed = self.evaluate(valid)
@@ -265,7 +288,11 @@ class RootSearch:
                 inner, solved = solved, middle
 
     def _is_close(self, inner: Sample | None, solved: Sample, failed: Sample) -> bool:
-        """Return True if the output between a solved and a failed point is known."""
+        """Return True if the output between a solved and a failed point is known.
+
+        ``inner`` is the solved neighbour of ``solved`` on the other side; the bound of the change
+        is that of step 2 of the module.
+        """
         if inner is None:
             return False
         gap = abs(failed.value - solved.value)
@@ -299,8 +326,8 @@ class RootSearch:
 
     def _next_to(self, solved: Sample, failed: Sample) -> Sample | None:
         """Return the solved neighbour on the other side of a sample."""
-        place = self.samples.index(solved) + (1 if solved.value > failed.value else -1)
-        adjacent = self.samples[place] if 0 <= place < len(self.samples) else None
+        k = self.samples.index(solved) + (1 if solved.value > failed.value else -1)
+        adjacent = self.samples[k] if 0 <= k < len(self.samples) else None
         return adjacent if adjacent is not None and adjacent.is_solved else None
 
     # ---- extreme values -------------------------------------------------------------------------
@@ -310,13 +337,13 @@ class RootSearch:
         for a, b, c in self._solved_triples():
             sizes = [abs(self.f(sample)) for sample in (a, b, c)]
             one_sign = len({np.sign(self.f(sample)) for sample in (a, b, c)}) == 1
-            # between the points |f| decreases by no more than it increases to both sides
+            # between the points |f| falls by at most the larger rise next to the middle one
             if one_sign and sizes[1] <= min(sizes) and sizes[1] <= max(sizes) - sizes[1]:
                 self._minimise(a, b, c, np.sign(self.f(b)))
 
     def refine_range(self) -> None:
         """Compute the smallest and the largest output, where they lie between the points."""
-        for sign in (1, -1):
+        for sign in (1, -1):  # minimum of the output, then of its negative
             self._look_inside(sign)
             lowest = min((sign * s.output for s in self.solved), default=nan)
             for a, b, c in self._solved_triples():
@@ -324,10 +351,13 @@ class RootSearch:
                     self._minimise(a, b, c, sign)
 
     def _look_inside(self, sign: int) -> None:
-        """Evaluate a point next to an extreme value at an end: the extreme one may be inside."""
+        """Evaluate a point next to an extreme value at an end: the extreme one may be inside.
+
+        ``sign`` is 1 for the smallest output, -1 for the largest one.
+        """
         for stretch in self._stretches():
             outputs = [sign * sample.output for sample in stretch]
-            for end, adjacent in ((0, 1), (-1, -2)):
+            for end, adjacent in ((0, 1), (-1, -2)):  # the first two and the last two samples
                 if len(stretch) > 1 and outputs[end] == min(sign * s.output for s in self.solved):
                     x = stretch[end].value
                     self.evaluate(x + INSIDE * (stretch[adjacent].value - x))
@@ -366,7 +396,11 @@ class RootSearch:
         return sorted(roots, key=lambda sample: sample.value)
 
     def _solve_bracket(self, a: Sample, b: Sample, depth: int) -> list[Sample]:
-        """Return the solutions between two samples of different sign."""
+        """Return the solutions between two samples of different sign; record a jump without one.
+
+        ``depth`` is the number of times that parts of the bracket may be searched where a point in
+        it cannot be solved.
+        """
         from scipy.optimize import brentq
 
         low, high, model = a, b, on_mesh_of(self.model, a.result, b.result)
@@ -400,6 +434,7 @@ class RootSearch:
             error = ROUGHNESS * abs(self.f(b) - self.f(a))
         if self.is_root(sample) or abs(self.f(sample)) <= error:
             return [sample]
+        # f jumps between the sample and the nearest one of the other sign
         opposite = [s.value for s in self.solved if self.f(s) * self.f(sample) < 0]
         other = min(opposite, key=lambda x: abs(x - value))
         self.jumps.append((min(value, other), max(value, other)))

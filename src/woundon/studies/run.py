@@ -55,6 +55,7 @@ TEXTS = {
     "failure": "reason of the failure; empty if the case was solved",
     "warnings": "warnings about the validity of the model",
 }
+# how the reasons of cases begin that were rejected before they were solved
 _REJECTIONS = tuple(f"{kind.__name__}: " for kind in (InvalidProblem, NoSteadyState))
 
 
@@ -255,7 +256,7 @@ class Workers:
             return
         count, done = self.count, 0
         if self.processes is None or count == 1:
-            # the time that the rest may take in this process
+            # the time that the remaining items may take in this process
             limit = inf if count == 1 else WORTH_PROCESSES
             began = time.perf_counter()
             with stoppable(finishing) as stopped:

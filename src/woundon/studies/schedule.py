@@ -63,6 +63,7 @@ class OptimisedSchedule(Outcome):
     before, after : Result
         Results; ``after`` is the best feasible one, or the one with the smallest violation.
     margins_before, margins_after : Margins
+        Reserves of the limits for ``before`` and ``after``.
     feasible : bool
         Whether all limits are kept.
     binding : tuple of str
@@ -74,7 +75,8 @@ class OptimisedSchedule(Outcome):
     goal : str
         The objective as text.
     goals : (k,) array
-        The values of the objective, SI.
+        The values of the objective: the output in SI, or the smallest reserve; nan where it could
+        not be solved.
     ended : str
         Reason of the termination.
     ranges : (n, 2) array
@@ -127,11 +129,12 @@ class OptimisedSchedule(Outcome):
         """Return the verdict on the limits and the schedule, as lines of text."""
         words = "All limits are kept" if self.feasible else "NO schedule keeps all limits"
         texts = [f"{words}: {self.goal}, {len(self.tried)} windings, {self.ended}"]
+        # whether each value is at the low and at the high end of its range, (n, 2)
         ends = np.isclose(self.ranges, self.values[:, None], rtol=1e-3, atol=0)
         for name, old, new, end in zip(self.names, self.start, self.values, ends, strict=True):
             quantity = self.quantities[name]
             before, after = f"{quantity.shown(old):.4g}", f"{quantity.shown(new):.4g}"
-            mark = "  at the end of its range" * bool(end.any())
+            mark = "  at the end of its range" if end.any() else ""
             line = f"  {name:<24} {before:>14} -> {after} {quantity.display}{mark}"
             texts.append(line.rstrip())
         return texts
@@ -143,7 +146,8 @@ class OptimisedSchedule(Outcome):
             if not new.checked:
                 texts.append(f"  {new.name:<24} not checked: {in_chosen_units(new.note)}")
                 continue
-            mark = "  binds" * (new.name in self.binding) + "  VIOLATED" * (new.ok is False)
+            mark = "  binds" if new.name in self.binding else ""
+            mark += "  VIOLATED" if new.ok is False else ""
             before, after = (
                 "no friction" if isinf(m.reserve) else f"{100 * m.reserve:.4g} %"
                 for m in (old, new)
@@ -263,7 +267,10 @@ class _Stop(Exception):
 
 
 class _Evaluation(NamedTuple):
-    """One winding: values of the fields, reserves, goal; result and margins if it was solved."""
+    """One winding: values of the fields [SI], reserves as shares of the limits, goal [SI].
+
+    Result and margins are None if it was not solved.
+    """
 
     values: tuple[float, ...]
     reserves: Array
@@ -320,6 +327,7 @@ class _Search:
         self.low, self.high = np.array(list(ranges.values())).T
         self.max_evaluations, self.failure, self.report = evaluations, "", report
         self.evaluations: dict[tuple[float, ...], _Evaluation] = {}
+        # the values of the problem, and the values within the ranges with which the search starts
         self.initial = np.array([get_field(model.problem, name) for name in self.names])
         self.first = np.clip(self.initial, self.low, self.high)
         self.before = model.solve(model.problem, None)
@@ -328,7 +336,8 @@ class _Search:
         if not self.checked:
             text = "none is given; must be one at least, or there is nothing to keep"
             raise InvalidProblem.at("limits", text)
-        self.scale = abs(value_of(self.before, goal)) or 1.0 if goal else 1.0
+        # magnitude of the output to optimise
+        self.scale = (abs(value_of(self.before, goal)) or 1.0) if goal else 1.0
         if np.array_equal(self.initial, self.first):
             values = tuple(self.first.tolist())
             self.evaluations[values] = self._evaluation(values, self.before)
@@ -389,7 +398,7 @@ class _Search:
         low, high = [0.0] * n, [1.0] * n
         try:
             first = self.at(start)
-            if self.goal is None:  # t is the last variable
+            if self.goal is None:  # t is the last variable, from -2 to 1
                 smallest = np.clip(first.reserves.min(), -1, 1)
                 start, low, high = np.append(start, smallest), [*low, -2.0], [*high, 1.0]
             end = minimize(
@@ -418,6 +427,7 @@ class _Search:
         """Return the constraints, >= 0: the reserves, minus t if the smallest one is maximised."""
         if self.goal is not None:
             return self.at(v).reserves
+        # linear models need finite reserves; 2 is larger than t
         return np.minimum(self.at(v[:-1]).reserves, 2.0) - v[-1]
 
     # ---- result ----------------------------------------------------------------------------------
@@ -437,6 +447,7 @@ class _Search:
             best = min(feasible, key=lambda case: self.sign * case.goal)
         else:
             best = max(feasible or self.solved, key=lambda case: case.least)
+        # margins up to this reserve are active: violated, nearly so, or near the smallest one
         nearest = max(best.least, 0.0) + BINDING
         reserves = zip(self.checked, best.reserves, strict=True)
         goal = "largest smallest reserve"

@@ -134,6 +134,7 @@ def _exact_slopes(
     """
     if not hasattr(result, "sensitivity") or any(isfinite(o.radius) for o in observables):
         return None
+    # tied fields; of a field in a body that others follow, the same field in each of these
     followers = {
         name: [
             path + name.removeprefix(leader)
@@ -159,6 +160,9 @@ def _difference_quotient(
 ) -> Array:
     """Return the difference quotient of values at x, where they are ``base``.
 
+    One side is sufficient; without ``central`` the second one is solved only if the first cannot
+    be.
+
     Raises
     ------
     InvalidProblem, NotConverged, ArithmeticError
@@ -176,6 +180,7 @@ def _difference_quotient(
             break
     if reason is not None and not points:
         raise reason
+    # two sides, or the only one that was solved and x
     (x1, y1), (x2, y2) = [*points, (x, base)][:2]
     return (y1 - y2) / (x1 - x2)
 
@@ -189,6 +194,7 @@ def on_mesh_of(model: KindModel, *results: Result) -> KindModel:
     """
     nodes: list[Any] = [getattr(result, "nodes", None) for result in results]
     has_nodes = all(isinstance(number, int) for number in nodes)
+    # the default None of the option lets the solver choose; ... stands for no such option
     is_chosen = has_nodes and options_of(model.problem).get("nodes", ...) is None
     if not is_chosen or "nodes" in model.options:
         return model
@@ -241,9 +247,10 @@ def derivatives(result: Result, *parameters: str, **options: Any) -> Sensitivity
         raise InvalidProblem.at("parameters", "missing; must be names of fields")
     fields = np.array([_continuous_field(result.problem, name) for name in parameters])
     known = {name: getattr(result, name, None) for name in (*result.MAIN, *result.errors)}
+    # main outputs and those with an error estimate, if they are numbers in this result
     outputs = tuple(n for n, value in known.items() if isinstance(value, float) and isfinite(value))
     model = model_of(result.problem, outputs, None, options)
-    if options:
+    if options:  # the base of the differences needs them too
         result = solve_case(model, {}, result)
     columns = slopes(model, result, [Observable(name) for name in outputs], parameters, exact=False)
     values = np.array([float(getattr(result, name)) for name in outputs])
@@ -251,7 +258,7 @@ def derivatives(result: Result, *parameters: str, **options: Any) -> Sensitivity
 
 
 def _continuous_field(problem: Problem, name: str) -> float:
-    """Return the value of a field that can be varied by a share of it."""
+    """Return the value of a field that can be varied by a share of its value: a number, not 0."""
     value = varied_number(problem, name)
     if value == 0:
         raise InvalidProblem.at(name, "is 0, which has no scale for a difference")

@@ -75,7 +75,7 @@ class SobolIndices(Outcome):
         variables: dict[str, Any] = {}
         for name in names:
             values = getattr(self, name)
-            dims = ("end", "output", "input")[-values.ndim :]
+            dims = ("end", "output", "input")[-values.ndim :]  # only intervals have ends
             variables[name] = (dims, values, {"units": "1"})
         coordinates = {"output": list(self.outputs), "input": list(self.inputs)}
         return xarray.Dataset(variables, {**coordinates, "end": ["low", "high"]})
@@ -207,6 +207,7 @@ def saltelli_cases(ranges: Mapping[str, Any], samples: int, seed: int) -> Cases:
     unit = qmc.Sobol(2 * d, rng=seed).random_base2(int(log2(samples)))
     A, B = unit[:, :d], unit[:, d:]
     mixed = [np.where(np.arange(d) == k, B, A) for k in range(d)]
+    # sobol_indices_of relies on this order
     points = np.concatenate([A, B, *mixed])
     columns = {
         name: scaled_to_range(name, ends, points[:, k])
@@ -243,9 +244,17 @@ def sobol_indices_of(table: Table, samples: int, seed: int) -> SobolIndices:
 
 
 def _indices(values: Array, samples: int) -> tuple[Array, Array]:
-    """Return first and total order of (outputs, A | B | mixed, samples) values."""
+    """Return first-order and total-order indices, (outputs, inputs) arrays.
+
+    Parameters
+    ----------
+    values : (outputs, 2 + inputs, samples) array
+        At A, at B, and at A with one column of B for each input.
+    samples : int
+    """
     from scipy.stats import sobol_indices
 
+    # SciPy expects (1, samples) for A and B, and (inputs, 1, samples) for the mixed cases
     results: Sequence[Any] = [
         sobol_indices(func={"f_A": v[:1], "f_B": v[1:2], "f_AB": v[2:, None, :]}, n=samples)
         for v in values

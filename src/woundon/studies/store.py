@@ -50,7 +50,7 @@ class Store:
     Attributes
     ----------
     kept : dict of int to Solved
-        The chunks in the file by number.
+        The chunks that were in the file when it was opened, by number.
     """
 
     def __init__(self, connection: sqlite3.Connection, record: str) -> None:
@@ -118,7 +118,10 @@ class Store:
             self.kept[number] = Solved(values, reasons, json.loads(warnings))
 
     def _sha256(self, row: tuple[Any, ...]) -> str:
-        """Return the SHA-256 of the record and a row; the row may have values of any type."""
+        """Return the SHA-256 of the record and a row; the row may have values of any type.
+
+        The row is (number, outputs, failure, warnings), as it is stored.
+        """
         return hashlib.sha256(repr((self.record, *row)).encode()).hexdigest()
 
 
@@ -189,7 +192,8 @@ def _connect(path: Path, is_writable: bool) -> sqlite3.Connection:
     if path.exists():
         with path.open("rb") as file:
             header = file.read(20)
-        if header.startswith(b"SQLite format 3\0") and 2 in header[18:]:  # versions of the format
+        # bytes 18 and 19, the versions of the format, are 2 with a write-ahead log
+        if header.startswith(b"SQLite format 3\0") and 2 in header[18:]:
             raise sqlite3.DatabaseError("it has a write-ahead log, and a study has none")
     address = f"{path.absolute().as_uri()}?mode={'rwc' if is_writable else 'ro'}"
     return sqlite3.connect(address, timeout=PATIENCE, isolation_level=None, uri=True)

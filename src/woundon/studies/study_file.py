@@ -103,13 +103,13 @@ def study_of_tables(
             for name, entry in flat_names(table_of(content, "over")).items()
         }
     return StudyFile(
-        problem,
-        over,
-        _outputs(content.get("outputs")),
-        _columns(content),
-        table_of(content, "tie"),
-        design,
-        table_of(content, "solver"),
+        problem=problem,
+        over=over,
+        outputs=_outputs(content.get("outputs")),
+        columns=_columns(content),
+        tie=table_of(content, "tie"),
+        design=design,
+        options=table_of(content, "solver"),
     )
 
 
@@ -178,7 +178,7 @@ def _design(table: dict[str, Any]) -> dict[str, Any]:
 
 
 def flat_names(table: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
-    """Return a table with dotted names instead of nested tables.
+    """Return a table with dotted names instead of nested tables; ranges { from, to } stay tables.
 
     >>> flat_names({"web": {"thickness": [1.0]}})
     {'web.thickness': [1.0]}
@@ -195,7 +195,7 @@ def flat_names(table: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
 def _values(problem: Problem, name: str, entry: Any, is_drawn: bool) -> Any:
     """Return an entry of [over] in SI: a list of values, or a range to draw from."""
     quantity = field_quantity(problem, name)
-    unit = "" if quantity is None else quantity.unit
+    unit = "" if quantity is None else quantity.unit  # "1" of a pure number, "" of other fields
     where, number = f"over.{name}", partial(_finite, problem, name)
     if isinstance(entry, Mapping):
         if not unit:
@@ -219,7 +219,19 @@ def _finite(problem: Problem, name: str, value: Any, where: str) -> float:
 def _spread(
     entry: Mapping[str, Any], number: Callable[[Any, str], float], where: str, is_drawn: bool
 ) -> Any:
-    """Return a range: a grid of ``count`` values, or (low, high) to draw samples from."""
+    """Return a range: a grid of ``count`` values, or (low, high[, "log"]) to draw samples from.
+
+    Parameters
+    ----------
+    entry : mapping
+        With ``from``, ``to``, ``spacing`` and, unless samples are drawn, ``count``.
+    number : callable
+        (value, name in error messages) -> finite number in SI.
+    where : str
+        Name of the entry in error messages.
+    is_drawn : bool
+        Whether samples are drawn from the range.
+    """
     known = ("from", "to", "spacing", *(() if is_drawn else ("count",)))
     check_names(entry, known, f"{where}.")
     for name in set(known) - {"spacing"}:

@@ -73,20 +73,26 @@ def study_template(kind: str) -> str:
 
 
 def _varied_fields(problem: Problem) -> Iterator[tuple[str, str]]:
-    """Yield two fields, loads if possible, with values as TOML."""
+    """Yield at most two fields, loads if possible, with values as TOML.
+
+    The first gets a range, the second a list of two values.
+    """
     known = {name: field_quantity(problem, name) for name in type(problem).model_fields}
     loads = {
         name: quantity
         for name, quantity in known.items()
         if quantity and getattr(problem, name) and isinstance(getattr(problem, name), (int, float))
     }
+    # fields with a unit first, and of these the fields with a usual range
     ranked = sorted(loads, key=lambda name: (loads[name].unit == "1", not loads[name].typical))
+    # slices, because there may be fewer than two fields
     other = {name: (getattr(problem, name) / 2, getattr(problem, name)) for name in ranked[1:2]}
     for name in ranked[:1]:
         value = getattr(problem, name)
-        ends = [loads[name].typical, (value / 2, 2 * value), (value, value)]
+        # the first range that is admissible together with the values of the other field
+        ranges = [loads[name].typical, (value / 2, 2 * value), (value, value)]
         low, high = next(
-            pair for pair in ends if pair and _is_admissible(problem, {name: pair, **other})
+            pair for pair in ranges if pair and _is_admissible(problem, {name: pair, **other})
         )
         text = f"from = {toml_value(low, loads[name])}, to = {toml_value(high, loads[name])}"
         yield name, f"{{ {text}, count = 5 }}"

@@ -180,6 +180,9 @@ def operating_window(
 class _Study:
     """The windings of a window, solved in stages, and the maps that follow from them.
 
+    Set points have d coordinates x in [-1, 1] (web tension, nip load and, if it is varied, torque
+    split), inputs are coordinates z in standard deviations from their medians.
+
     Parameters
     ----------
     solver : CaseSolver
@@ -225,8 +228,9 @@ class _Study:
             # without nips, as if the inputs had no effect on the friction shares
             without_effects = reference.rows([0] * self.inputs)
             shares = share_polynomials(nips, self._degrees(degree), reference, without_effects)
-            places = np.vstack([reference.x, x]), np.vstack([reference.z, z])
-            known = self._solve("preview", *places, shares)
+            cases = np.vstack([reference.x, x]), np.vstack([reference.z, z])
+            known = self._solve("preview", *cases, shares)
+            # median inputs first, then each input one standard deviation higher
             base, steps = known.rows([0]), known.rows(slice(1, None))
         else:
             base, steps = reference, self._solve("steps", x, z)
@@ -298,13 +302,16 @@ class _Study:
             raise InvalidProblem.at("limits", text)
 
     def _checked(self, windings: Windings) -> Windings:
-        """Return windings with the margins that have a limit."""
+        """Return windings with the margins that have a limit only, all before these are known."""
         return windings._replace(margins=windings.margins[:, self.is_checked])
 
     # ---- cases ----------------------------------------------------------------------------------
 
     def _drawn(self) -> tuple[Array, Array]:
-        """Return cases at admissible set points, even in x, with inputs of their distribution."""
+        """Return cases (x, z) at admissible set points with inputs of their distribution.
+
+        The set points are distributed evenly in x.
+        """
         from scipy.stats import norm
 
         # more than needed, because some set points may not be admissible
@@ -322,16 +329,16 @@ class _Study:
         return min(DRAWN_WITH_NIPS if solves_nips else DRAWN, DRAWN_PER_TERM * terms)
 
     def _checks(self) -> tuple[Array, Array]:
-        """Return cases at set points between those of the polynomials.
+        """Return cases (x, z) at set points between those of the polynomials.
 
         The inputs are median, then all changed by one standard deviation, with random signs.
         """
         corners = np.array(CHECKS)
-        places = np.vstack([corners, corners * [-1, 1]])
+        points = np.vstack([corners, corners * [-1, 1]])  # and mirrored ones for other inputs
         count = len(corners)
         # between two of the three levels of the torque split
         split = np.tile((-1.0) ** np.arange(count) * INNER, 2)
-        x = np.column_stack([places, *[split] * (self.dimension - 2)])
+        x = np.column_stack([points, *[split] * (self.dimension - 2)])
         signs = np.random.default_rng(0).choice([-1.0, 1.0], (count, self.inputs))
         return x, np.vstack([np.zeros((count, self.inputs)), signs])
 
@@ -345,7 +352,7 @@ class _Study:
         drawn: Windings | None = None,
         checks: Windings | None = None,
     ) -> OperatingWindow:
-        """Return the window of the windings solved so far.
+        """Return the window from the windings solved so far.
 
         Parameters
         ----------
@@ -379,7 +386,7 @@ class _Study:
             probability=np.where(is_steady, mapped.probability(mesh), np.nan).reshape(shape),
             index=mapped.distances(mesh).reshape(*shape, -1),
             points=self.set_points.values(nominal.x),
-            values=to_reserve(nominal.margins)[0],
+            values=to_reserve(nominal.margins)[0],  # without the derivatives
             failures=tuple(
                 (tuple(self.set_points.values(np.array([x]))[0].tolist()), reason)
                 for (x, _), reason in failures.items()
@@ -429,7 +436,7 @@ class _Study:
         deviations = {"interpolation": unknown, "expansion": unknown}
         if checks is None:
             return deviations
-        halves = slice(len(CHECKS)), slice(len(CHECKS), None)
+        halves = slice(len(CHECKS)), slice(len(CHECKS), None)  # as of _checks
         for name, half in zip(deviations, halves, strict=True):
             solved = checks.rows(half).rows(checks.is_solved[half])
             if len(solved.x):
@@ -464,7 +471,7 @@ class _Study:
         return is_admissible
 
     def _failures(self, *others: Windings) -> dict[Case, str]:
-        """Return why windings failed: those with nips, and others."""
+        """Return why windings failed, by (x, z): those with nips, and others."""
         return {
             (tuple(x), tuple(z)): reason
             for part in (*self.with_nips, *others)
@@ -473,6 +480,7 @@ class _Study:
         }
 
     def _reasons(self, *others: Windings) -> str:
+        """Return the different reasons of failures as one text."""
         return "; ".join(dict.fromkeys(self._failures(*others).values()))
 
 

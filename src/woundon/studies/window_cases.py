@@ -90,6 +90,7 @@ def spreads_and_ties(
             "standard deviation}, on the command line --uncertain FIELD=DEVIATION"
         )
         raise InvalidProblem.at("uncertain", text)
+    # a spread of 0 removes an input; a field of 0 has no log-normal distribution
     return {n: s for n, s in spreads.items() if s > 0 and get_field(problem, n) > 0}, ties
 
 
@@ -143,8 +144,8 @@ class WindowModel(KindModel):
         return problem.replace(tension_law=Profile(radius=r, value=tension))
 
     def run(self, inputs: Mapping[str, Any], start: Any | None) -> Answer:
-        """Solve one case for its margins and the friction shares (WOT - T_in - F)/(mu+ P)."""
-        count = len(self.outputs) - len(self.depths)
+        """Solve one case for its margins and the friction shares (WOT - T_in - F)/(mu P)."""
+        count = len(self.outputs) - len(self.depths)  # of margins, which come first
         answer = KindModel.run(replace(self, outputs=self.outputs[:count]), inputs, start)
         if not self.depths:
             return answer
@@ -155,10 +156,10 @@ class WindowModel(KindModel):
         return answer._replace(values=(*answer.values, *shares.tolist()))
 
     def _tensions(self, problem: WindingProblem) -> tuple[Array, Array, Array]:
-        """Return radii at the depths [m], T_in + F and mu+ P there [N/m]."""
+        """Return radii at the depths [m], and T_in + F and mu P there [N/m], (depths,) arrays."""
         core, R = problem.ends
         r = core + np.array(self.depths) * (R - core)
-        r[-1] = R  # without rounding
+        r[-1] = R  # rounding may lead out of the roll
         without_friction = problem.at("web_tension", r) + problem.at("winding_force", r)
         return r, without_friction, problem.roll_friction * problem.at("nip_load", r)
 
@@ -201,7 +202,7 @@ def _depths(problem: WindingProblem) -> tuple[float, ...]:
     """Return the relative depths at which the friction shares of a winding are interpolated."""
     if problem.tension_law != "nip" or problem.air is not None:
         return ()
-    core, R = problem.ends
+    core, R = problem.ends  # radii of the core and of the finished roll
     first = problem.web.thickness / (R - core)
     kinks = [(r - core) / (R - core) for r in problem.kinks if core < r < R]
     d = [0.0, *np.geomspace(first, 1.0, BY_LOGARITHM), *np.linspace(0.0, 1.0, EVEN), *kinks]
@@ -261,9 +262,9 @@ class Windings(NamedTuple):
     z : (cases, inputs) array
         Logarithms of the inputs in standard deviations from their medians.
     margins : (cases, margins) array
-        The transformed reserves y; nan where a winding failed.
+        The transformed reserves y of :mod:`.window_map`; nan where a winding failed.
     shares : (cases, depths) array
-        Friction shares.
+        Friction shares; no columns if the model has none.
     failures : (cases,) object array of str
         Reasons; empty where a winding was solved.
     """
@@ -279,9 +280,9 @@ class Windings(NamedTuple):
         """Mask of the solved windings, (cases,)."""
         return np.asarray(self.failures == "")
 
-    def rows(self, which: Any) -> Windings:
+    def rows(self, selection: Any) -> Windings:
         """Return some of the windings: those of a mask, a slice or a list of numbers."""
-        return Windings(*(part[which] for part in self))
+        return Windings(*(array[selection] for array in self))
 
 
 def joined(*parts: Windings) -> Windings:
@@ -331,13 +332,14 @@ class CaseSolver:
         x : (cases, d) array
             Coordinates of the set points.
         z : (cases, inputs) array
+            Logarithms of the inputs in standard deviations from their medians.
         shares : callable, optional
             Friction shares of cases; by default the nips are solved.
         progress : bool or callable
             As of :func:`~woundon.operating_window`.
         """
         count = len(self.model.outputs) - len(self.model.depths)
-        if not len(x):
+        if not len(x):  # a study needs a case
             outputs, failures = np.zeros((0, len(self.model.outputs))), np.zeros(0, dtype=object)
             return Windings(x, z, outputs[:, :count], outputs[:, count:], failures)
         values = self.set_points.values(x).T
@@ -388,13 +390,16 @@ def share_polynomials(
     def shares(x: Array, z: Array) -> Array:
         """Return the friction shares of cases, (cases, depths)."""
         angle = polynomial(x) + z @ effects
-        size = np.minimum(np.abs(angle), np.pi / 2)
+        size = np.minimum(np.abs(angle), np.pi / 2)  # a share of 1 at most
         return np.asarray(np.sign(angle) * np.sin(size) ** 2)
 
     return shares
 
 
 def _angle(share: Array) -> Array:
-    """Return the arcsine transform of shares in [-1, 1], an odd function."""
+    """Return the arcsine transform of shares, arcsin(sqrt(share)), continued as an odd function.
+
+    Shares outside [-1, 1] count as its ends.
+    """
     size = np.minimum(np.abs(share), 1.0)
     return np.asarray(np.sign(share) * np.arcsin(np.sqrt(size)))

@@ -102,6 +102,7 @@ def grid(*axes: Array) -> Array:
 
 def lobatto(count: int) -> Array:
     """Return the Chebyshev-Lobatto points in [-1, 1], ascending, (count,)."""
+    # + 0.0 makes 0 of -0.0
     return np.round(-np.cos(np.pi * np.arange(count) / (count - 1)), 15) + 0.0
 
 
@@ -110,6 +111,7 @@ def sobol_points(dimension: int, samples: int, seed: int) -> Array:
     from scipy.stats import qmc
 
     power = int(np.ceil(np.log2(samples)))
+    # the generator has one dimension at least; the slice also gives an array without columns
     points = qmc.Sobol(max(dimension, 1), rng=seed).random_base2(power)[:samples, :dimension]
     # the first point of a scrambled sequence may be 0 after rounding
     return np.clip(points, 1e-12, 1 - 1e-12)
@@ -126,7 +128,7 @@ def standard_normal(inputs: int, samples: int, seed: int) -> Array:
 
 
 def from_reserve(m: Array) -> Array:
-    """Return y(reserve)."""
+    """Return y of reserves m, as shares of their limits."""
     return np.asarray(np.arcsinh(RATIO) - np.arcsinh(RATIO * (1 - m)))
 
 
@@ -145,6 +147,7 @@ class Polynomial:
     powers : (terms, d) int array
         Degree along each coordinate, of every term.
     coefficients : (terms, ...) array
+        Further axes are those of the values.
     """
 
     powers: Array
@@ -175,7 +178,7 @@ def fitted(x: Array, values: Array, degrees: Sequence[int]) -> Polynomial:
         otherwise a least-squares fit of a lower total degree.
     """
     powers = np.array(list(product(*(range(degree + 1) for degree in degrees))))
-    if len(x) < len(powers):
+    if len(x) < len(powers):  # leave out the terms of the highest total degrees
         limit, total = max(1, int(USED_SHARE * len(x))), sum(degrees)
         while len(powers) > limit:
             total -= 1
@@ -223,11 +226,13 @@ def expansion_of(x: Array, z: Array, changes: Array, differences: Array) -> tupl
     Parameters
     ----------
     x : (points, d) array
+        Coordinates of the set points in [-1, 1].
     z : (points, inputs) array
+        Inputs in standard deviations from their medians.
     changes : (points, margins) array
         y(x, z) - M(x).
     differences : (inputs, margins) array
-        Changes at one set point for one standard deviation of each input; nan if unknown.
+        Changes of y at one set point for one standard deviation of each input; nan if unknown.
 
     Returns
     -------
@@ -242,7 +247,7 @@ def expansion_of(x: Array, z: Array, changes: Array, differences: Array) -> tupl
         return np.eye(inputs, dtype=int), factors
     important = _important(differences)
     while important and POINTS_PER_TERM * terms_of(inputs, len(important), d) > len(x):
-        important.pop()
+        important.pop()  # the least important one
     return _least_squares_expansion(x, z, changes, important)
 
 
@@ -253,15 +258,23 @@ def _least_squares_expansion(
 
     The linear effects of the important inputs depend on the set point, and their squares and
     products are included.
+
+    Parameters
+    ----------
+    x, z, changes
+        As of :func:`expansion_of`.
+    important : sequence of int
+        Numbers of the important inputs.
     """
     inputs, d = z.shape[1], x.shape[1]
     unit = np.eye(inputs, dtype=int)  # the degrees of z_1, z_2, ...
     pairs = combinations_with_replacement(sorted(important), 2)
     seconds = [unit[j] + unit[k] for j, k in pairs]
     powers = np.vstack([np.zeros((1, inputs), dtype=int), unit, *seconds])
-    # which of 1, x_1, ..., x_d are factors of each term
+    # which of 1, x_1, ..., x_d are factors of each term: all of the constant term, only 1 of others
     used = np.ones((len(powers), 1 + d), dtype=bool)
     used[1:, 1:] = False
+    # and all of the linear terms of important inputs, which follow the constant term
     used[[1 + j for j in important], 1:] = True
     rows = _products(_hermite, powers, z)[:, :, None] * _with_one(x)[:, None, :]
     factors = np.zeros((*used.shape, changes.shape[1]))
@@ -288,11 +301,16 @@ def _important(differences: Array) -> list[int]:
 
 
 def terms_of(inputs: int, important: int, d: int) -> int:
-    """Return the number of coefficients of an expansion."""
+    """Return the number of coefficients of an expansion.
+
+    1 + d of the constant term, one of each linear term, d more of those of important inputs, and
+    one of each square or product of important inputs.
+    """
     return 1 + d + inputs + important * d + important * (important + 1) // 2
 
 
 def _with_one(x: Array) -> Array:
+    """Return 1, x_1, ..., x_d of points, (points, 1 + d)."""
     return np.column_stack([np.ones(len(x)), x])
 
 
@@ -303,7 +321,7 @@ class MarginMap:
     Attributes
     ----------
     nominal : Polynomial
-        M, of (margins,) coefficients.
+        M(x), (points, margins).
     powers : (terms, inputs) int array
         Degree of psi in each input.  The psi are orthonormal for z of the standard normal
         distribution.
@@ -325,11 +343,12 @@ class MarginMap:
 
     def _effects(self, x: Array) -> Array:
         """Return c at set points, (points, margins, terms)."""
+        # points p, factors k of 1, x_1, ..., x_d, terms t, margins m
         return np.einsum("pk,tkm->pmt", _with_one(x), self.factors)
 
     def means(self, x: Array) -> Array:
         """Return the means of y, (points, margins)."""
-        is_one = self.powers.sum(axis=1) == 0
+        is_one = self.powers.sum(axis=1) == 0  # the constant term; the others have the mean 0
         return np.asarray(self.nominal(x) + self._effects(x)[..., is_one].sum(axis=-1))
 
     def variances(self, x: Array) -> Array:
@@ -338,6 +357,7 @@ class MarginMap:
         The variance of a product is divided equally among its inputs (Shapley effects).
         """
         is_factor = self.powers > 0
+        # share of each input in each term, (terms, inputs); the constant term has none
         shares = is_factor / np.maximum(is_factor.sum(axis=1, keepdims=True), 1)
         return np.asarray(self._effects(x) ** 2 @ shares)
 
@@ -349,11 +369,15 @@ class MarginMap:
         return np.asarray(self.means(x) / np.maximum(self._deviations(x), NEGLIGIBLE))
 
     def reserves(self, x: Array) -> tuple[Array, Array]:
-        """Return the reserves with median inputs and their standard deviations (first order)."""
+        """Return the reserves with median inputs and their standard deviations (first order).
+
+        Both are (points, margins) arrays of shares of the limits.
+        """
         reserve, derivative = to_reserve(self.nominal(x))
         return reserve, derivative * self._deviations(x)
 
     def _deviations(self, x: Array) -> Array:
+        """Return the standard deviations of y, (points, margins)."""
         return np.asarray(np.sqrt(self.variances(x).sum(axis=-1)))
 
     def probability(self, x: Array, shift: Array | float = 0.0) -> Array:
@@ -368,7 +392,7 @@ class MarginMap:
         nominal, effects = self.nominal(x) + shift, self._effects(x)
         basis = _products(_hermite, self.powers, self.sample).T
         all_hold = np.ones((len(x), len(self.sample)), dtype=bool)
-        for k in range(nominal.shape[1]):
+        for k in range(nominal.shape[1]):  # by margin: all at a time would take much memory
             all_hold &= nominal[:, k, None] + effects[:, k] @ basis >= 0
         return np.asarray(all_hold.mean(axis=1))
 

@@ -93,6 +93,7 @@ class OperatingWindow(Outcome):
     values : (p, margins) array
         The reserves there with median inputs; nan where the winding failed.
     failures : tuple of (point, reason)
+        Set points [SI] at which a winding failed, with the reasons.
     errors : mapping of str to float
         Estimated error of the probability, the largest of the map, from ``interpolation``,
         ``expansion`` in the uncertain inputs, and ``sampling``; nan if unknown.
@@ -105,7 +106,9 @@ class OperatingWindow(Outcome):
         True for the preview of 3 x 3 points.
     quantities : mapping of str to Quantity
     map : MarginMap
+        The margins as functions of set point and inputs.
     model : WindowModel
+        The problem whose outputs are the margins.
 
     Examples
     --------
@@ -181,8 +184,8 @@ class OperatingWindow(Outcome):
         highest = np.nanmax(self.probability)
         smallest = self.index.min(axis=-1)
         candidates = np.where(self.probability >= highest - 1e-12, smallest, -np.inf)
-        place = np.unravel_index(int(np.argmax(candidates)), candidates.shape)
-        return self.at(*(axis[k] for axis, k in zip(self.axes, place, strict=True)))
+        indices = np.unravel_index(int(np.argmax(candidates)), candidates.shape)
+        return self.at(*(axis[k] for axis, k in zip(self.axes, indices, strict=True)))
 
     def at(self, *values: float | str) -> OperatingPoint:
         """Return a point of the window.
@@ -221,7 +224,7 @@ class OperatingWindow(Outcome):
         given = zip(self.names, values, strict=True)
         point = np.array([number_in_si(self.problem, name, value) for name, value in given])
         for name, value, (low, high) in zip(self.names, point, self.ranges, strict=True):
-            if not low * (1 - 1e-9) <= value <= high * (1 + 1e-9):
+            if not low * (1 - 1e-9) <= value <= high * (1 + 1e-9):  # the ends after rounding too
                 must = f"must be >= {low:g} and <= {high:g}, the range of the map"
                 raise InvalidProblem.at(name, f"{value:g} is out of range; {must}")
         return point
@@ -252,7 +255,7 @@ class OperatingWindow(Outcome):
         if np.isnan(self.probability).any():
             share = 100 * np.mean(np.isnan(self.probability))
             rows.append(f"no steady state, or not solved: {share:.0f} % of the map")
-        preview = " (preview)" * self.is_coarse
+        preview = " (preview)" if self.is_coarse else ""
         rows.append(f"{self.windings} windings, {len(self.failures)} failed{preview}")
         return rows
 
@@ -265,7 +268,7 @@ class OperatingWindow(Outcome):
         """Return lines on a point: probability, margins, contributions to the variance."""
         rows = [f"{head} {point.probability:.2f} at {self._text(point)}"]
         for name, (mean, deviation) in point.margins.items():
-            mark = "  binding" * (name == point.binding)
+            mark = "  binding" if name == point.binding else ""
             rows.append(f"  {name:<14}{mean:+8.2f} ± {deviation:.2f}{mark}")
         largest = list(point.contributions.items())[:3]
         shares = [f"{name} {100 * share:.0f} %" for name, share in largest if share > 0.005]
@@ -283,7 +286,7 @@ class OperatingWindow(Outcome):
         reserve, deviation = self.map.reserves(self.set_points.coordinates(mesh))
         columns: dict[str, Any] = dict(zip(self.names, mesh.T, strict=True))
         columns["probability"] = self.probability.ravel()
-        words = np.array([*self.margins, ""], dtype=object)
+        words = np.array([*self.margins, ""], dtype=object)  # the last one, -1, if none is binding
         columns["binding"] = words[self.binding.ravel()]
         unknown = np.isnan(self.probability.ravel())
         for k, name in enumerate(self.margins):
@@ -351,5 +354,6 @@ class OperatingWindow(Outcome):
             Workers(workers, scheduler),
             chunk=SIMULATED_TOGETHER,
         )
+        # the stage names a folder, and nothing is stored
         margins = solver.solve("", x, z, progress=progress).margins
         return float(np.mean((margins >= 0).all(axis=1)))
