@@ -16,7 +16,10 @@ if TYPE_CHECKING:
 __all__ = ["thesis"]
 
 
-@click.command(short_help="Recompute figures and tables of the thesis.")
+@click.command(
+    help="Recompute figures and tables of the thesis and test its statements: fig16, table3, ...",
+    short_help="Recompute figures and tables of the thesis.",
+)
 @click.argument("names", nargs=-1, metavar="[NAME]...")
 @click.option("--all", "everything", is_flag=True, help="Every figure and table.")
 @click.option(
@@ -37,7 +40,7 @@ __all__ = ["thesis"]
 def thesis(
     names: tuple[str, ...], everything: bool, out: Path, solver: str, jobs: int | None
 ) -> None:
-    """Recompute figures and tables of the thesis and test its statements: fig16, table3, ..."""
+    """Publish the figures and tables, and print their verdicts."""
     from ..studies.progress import progress_reporter
     from .catalogue import NAMES, chosen
     from .publication import publish, summary
