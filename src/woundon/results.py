@@ -272,7 +272,8 @@ class Result(Presented, ReadOnly):
 
     @property
     def relabelled(self) -> Mapping[str, Quantity]:
-        """Quantities, by output, that differ in this result from those of its class."""
+        """Outputs that are another quantity in this result than in others of its class."""
+        # by the name of the output
         return {}
 
     def checked(self, accepted: float = ACCEPTED_RESIDUAL) -> Self:
@@ -309,10 +310,8 @@ class Result(Presented, ReadOnly):
         raise NotImplementedError(f"a {type(self).__name__} does not evaluate its residuals")
 
     def recomputed(self) -> Mapping[str, tuple[float, float]]:
-        """Return (value computed from the arrays, its tolerance) of scalars, by name [SI].
-
-        They are those in the fields of the result that no contact condition determines.
-        """
+        """Return the scalars that no condition determines: values from the arrays, tolerances."""
+        # by the name of the field, (value, tolerance) in SI units
         return {}
 
     @property
