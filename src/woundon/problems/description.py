@@ -69,7 +69,7 @@ class Description(BaseModel, metaclass=DocumentedMeta):
     @classmethod
     def _check_names(cls, fields: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
         """Reject a table with a name that is not text, before the constructor receives it."""
-        if isinstance(fields, Mapping):
+        if not isinstance(fields, Description) and isinstance(fields, Mapping):
             check_names(fields)
         return handler(fields)
 
