@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
@@ -18,6 +19,7 @@ from thesis_cases import film_nip, newsprint_nip
 import woundon as wo
 from woundon import kinds, quantities
 from woundon.quantities import line_load, stress
+from woundon.report import plots
 from woundon.report.drawing import draw_figure
 from woundon.report.figures import symbol_text
 from woundon.report.panels import Axis, Curve, Panel
@@ -379,6 +381,16 @@ def test_a_sweep_states_how_many_curves_and_panels_it_shows(shape, curves, panel
     assert [f"{n} of {count}" in title for n, count in stated] == [True] * len(stated)
     assert title.count(" of ") == len(stated)
     assert ("drum friction" in title) == (len(shape) > 3)
+
+
+def test_a_common_panel_that_is_not_drawn_by_default_can_be_chosen(nip, monkeypatch):
+    on_request = {
+        name: replace(maker, by_default=False) for name, maker in plots.named_panels(nip).items()
+    }
+    monkeypatch.setattr(plots, "named_panels", lambda result: on_request)
+    assert wo.plot([nip, nip], panels="pressure").axes
+    with pytest.raises(wo.InvalidProblem, match="no panel in common"):
+        wo.plot([nip, nip])
 
 
 def test_panels_without_a_solution_say_so():

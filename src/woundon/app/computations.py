@@ -76,8 +76,8 @@ def problem_of(tables: Mapping[str, Any]) -> Problem:
     InvalidProblem
         Also for tables that name files, which are on the client's machine.
     """
-    check_like_a_case(tables)
-    return make_problem(tables)
+    check_like_a_case(tables)  # size and depth
+    return make_problem(tables)  # files are read by the reader of case files only
 
 
 def warm_up() -> None:

@@ -257,7 +257,10 @@ def check_unit_names(*problems: Problem | type[Problem]) -> None:
 
 
 def load_case(path: Path, settings: Iterable[str] = ()) -> Problem:
-    """Return the problem of a case file; the names of --unit must be among its names."""
+    """Return the problem of a case file with settings "FIELD=VALUE".
+
+    The names of --unit must be among its names.
+    """
     from ..io.case_files import load_case
 
     problem = load_case(path, settings)

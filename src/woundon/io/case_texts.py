@@ -304,7 +304,7 @@ class _Writer:
         return False
 
     def row(self, thing: Description, name: str, of_field: Quantity | None = None) -> Row:
-        """Return the line of a field.
+        """Return the line of a field; other descriptions than named materials have tables.
 
         Parameters
         ----------

@@ -142,7 +142,9 @@ def _equations_and_friction(
 ) -> dict[str, float]:
     """Return the residuals of gap slope, resultants and friction law.
 
-    Slips below the rounding error of a difference of strains count as zero.
+    Slips below the rounding error of a difference of strains count as zero.  The equations of the
+    state are dimensionless: gap slope of each cell of the nip, equilibrium on the wraps, winding
+    force, load.
     """
     f, slope_scale = state.fields, equations.slope_scale
     rounding = strain_rounding(equations, state)

@@ -190,6 +190,7 @@ class NipEquations(ContactEquations):
         # the slip velocity of a traction node is that of the cell upstream of it
         slip = np.concatenate([v[:-1] for v in self.slip_velocities(u[layout.xi], f)])
         traction = u[layout.q] / self.scales[layout.q]
+        # tractions are in units of mu times the pressure scale: their bounds are the scaled p
         return NipState(
             u, np.concatenate(rows), slip / self.slope_scale, traction, p / self.pressure_scale, f
         )

@@ -104,7 +104,9 @@ def best_match(names: Iterable[str], models: Iterable[type[Any]]) -> type[Any]:
 
     The penalty is 2 for an unknown name (1 if it resembles a field that is not given) and 1 for a
     missing required field.  Ties are resolved by the smaller number of fields, then by order.
+    ``tables`` of a class are names of tables in a file that are no fields.
     """
+    # a diameter stands for the radius
     present = [counterpart(str(name), "diameter") or str(name) for name in names]
     has_grade = "grade" in present
     present = [name for name in present if name not in ("grade", "grades")]

@@ -33,7 +33,8 @@ def graded_layers(
 ) -> Layers:
     """Return homogeneous layers that approximate a roll at its wound-in pressure.
 
-    Each is ln(outer/inner radius) and A_rr, A_tt, A_rt, G, D [Pa]; the outermost first.
+    Each is ln(outer/inner radius) and A_rr, A_tt, A_rt, G [Pa], and D = A_tt - A_rt^2/A_rr unless
+    the pressure is uniform; the outermost first.
 
     A cell of the depth is replaced by two layers, the commutator-free Magnus method of fourth order
     (Blanes and Moan 2006, two exponentials): the coefficients of the equations, which are 1/A_rr,
@@ -50,6 +51,7 @@ def graded_layers(
     parts : int
         Number of parts into which every cell is divided.
     """
+    # the moduli at the pressure P, and the shear modulus at the wound-in pressure, are at the same
     R, depth = radius, log(radius / core_radius)
     if not isinstance(pressure, Profile):
         return ((depth, *map(float, stack.tangent(pressure, pressure)[:4])),)

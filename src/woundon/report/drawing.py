@@ -161,6 +161,7 @@ def draw_figure(
                 of_figure[panel.legend] = handles
             elif handles:
                 _add_legend(axes, handles, panel)
+            # strips of stick and slip zones belong to the panel above them and have no letter
             if not panel.strips and (letter := next(letters, "")):
                 axes.set_title(f"({letter})", loc="right", fontsize=9)
             if same_y and panel.column != panels[0][0].column:
@@ -193,13 +194,14 @@ def _empty_figure(
     """Return an empty figure, and (axes, panel of each result, flag) for each panel.
 
     The flag is True for axes that share the x axis of those below them, which alone has numbers.
+    A ``registered`` figure is one of pyplot's.
     """
     columns: dict[str, list[Sequence[Panel]]] = {}
     for cases in panels:
         columns.setdefault(cases[0].column, []).append(cases)
     heights = [[_height(cases) for cases in column] for column in columns.values()]
     widths = [max(cases[0].width for cases in column) for column in columns.values()]
-    # a single panel has labels above and below it too
+    # [in] for the labels of the lowest x axis, and for a heading above a single panel
     height = max(map(sum, heights)) + (0.1 if len(panels) > 1 else 0.4)
     legend = LEGEND_WIDTH if panels[0][0].legend == "figure right" else 0.0
     figure = Picture.new((sum(widths) + legend, height), registered)

@@ -87,9 +87,12 @@ def bounds_of_friction(
 
 
 def zones_panel(result: NipResult | RollerResult, contact: str, height: float) -> Panel:
-    """Return the panel of the stick and slip zones."""
+    """Return the panel of the stick and slip zones.
+
+    ``contact`` is the word for the contact in the label of the axis, and the column of the figure.
+    """
     known = zone_strips(result)
-    assert known is not None
+    assert known is not None  # results of these two kinds have zones
     strips = [Strip(face, tuple(zone_runs(known.x, each))) for face, each in known.faces.items()]
     return Panel(
         "zones",

@@ -154,7 +154,7 @@ def _panels(results: Sequence[Result], choice: str | Sequence[str] | None) -> li
         if all(name in other and other[name].make == maker.make for other in others)
     ]
     default = [name for name in common if first[name].by_default]
-    if not default:
+    if not (default if choice is None else common):
         names = sorted({kinds.of(result).name for result in results})
         text = f"results of {one_of(names, 'and')} have no panel in common"
         raise InvalidProblem.at("results", text)

@@ -222,7 +222,10 @@ def _with_error_bars(
 
 
 def _residuals(comparison: Comparison, output: str) -> Panel:
-    """Return the panel of the residuals of an output with their uncertainty and mean."""
+    """Return the panel of the residuals of an output with their mean.
+
+    Bars are two standard uncertainties; there is none where that is not known.
+    """
     rows, quantity = comparison.of(output), comparison.quantities[output]
     x, axis = _abscissa(comparison, rows)
     total = np.nan_to_num(comparison.total[rows])
@@ -234,7 +237,10 @@ def _residuals(comparison: Comparison, output: str) -> Panel:
         axis,
         Axis("measured - predicted", quantity),
         curves=(points,),
-        marks=(Mark("x", 0.0), Mark("x", bias, "mean", colour="drum", line="dashed")),
+        marks=(
+            Mark(along="x", value=0.0),
+            Mark(along="x", value=bias, label="mean", colour="drum", line="dashed"),
+        ),
         width=3.8,
     )
 

@@ -193,6 +193,8 @@ def solve_thin_layers(
         stage_errors = _stage_errors(result)
         excess = stage_errors["peak_pressure"] / peak / (STAGE_ERROR_SHARE * rtol)
         if excess > 1 and tolerance > smallest_tolerance:
+            # the error is about proportional to the tolerance: half of the permitted one, at most
+            # a sixteenth at once
             tolerance *= max(TOLERANCE_FACTOR**2, TOLERANCE_FACTOR**0.5 / excess)
             build_up = coarse = None  # begin again, with other stages
             continue
@@ -204,7 +206,7 @@ def solve_thin_layers(
                 result = _check_stack_law(result.replace(steps=steps, errors=errors), build_up)
                 return ThinLayerRoll(result, build_up, cells)
         coarse, cells = result, round(cells * CELL_FACTOR)
-    _check_layers_in_contact(result, ROUNDING)
+    _check_layers_in_contact(result, ROUNDING)  # in the loop coarse nodes count as rounding
     raise NotConverged(
         f"rtol={rtol:g} is not reached: the estimated error of the pressure is {error:.2g}", result
     )

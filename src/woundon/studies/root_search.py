@@ -155,7 +155,7 @@ class RootSearch:
         self.model, self.name, self.output, self.target = model, name, output, target
         self.interval, self.report = interval, report
         self.samples: list[Sample] = []
-        self.jumps: list[tuple[float, float]] = []
+        self.jumps: list[tuple[float, float]] = []  # ends of intervals across which f jumps
         self.not_converged = False
 
     def f(self, sample: Sample) -> float:

@@ -338,6 +338,7 @@ class CaseSolver:
         progress : bool or callable
             As of :func:`~woundon.operating_window`.
         """
+        # outputs of the model: the reserves, then the friction share at each depth
         count = len(self.model.outputs) - len(self.model.depths)
         if not len(x):  # a study needs a case
             outputs, failures = np.zeros((0, len(self.model.outputs))), np.zeros(0, dtype=object)

@@ -681,7 +681,11 @@ def _slack(roll: RollResult, limits: Limits, torque_data: WindingTorque) -> Marg
 
 
 def _gauge_band(roll: RollResult, limits: Limits) -> Margin:
-    """Return the margin of the strain of the thickest lane, with a note on its ridge."""
+    """Return the margin of the strain of the thickest lane, with a note on its ridge.
+
+    The note contains the warnings about the yield of the web, also by bending on the core; units in
+    it are converted where it is displayed.
+    """
     excess, note = roll.problem.gauge_excess, "of a web of even thickness"
     try:
         strains = lane_strain(roll.problem, roll.radius)
@@ -695,8 +699,8 @@ def _gauge_band(roll: RollResult, limits: Limits) -> Margin:
         ridge = RIDGE.stored_text(ridge_height(roll), ".3g")
         note = f"the lane is {100 * excess:.3g} % thicker, with a ridge of {ridge}"
     missing = NO_LIMIT if limits.yield_strain is None else ""
-    bent = yield_warnings(roll.problem, limits.yield_strain)
-    note = "; ".join(filter(None, (note, missing, *bent)))
+    about_yield = yield_warnings(roll.problem, limits.yield_strain)
+    note = "; ".join(filter(None, (note, missing, *about_yield)))
     return _margin("gauge_band", worst, limits.yield_strain, BAND, note=note)
 
 

@@ -261,6 +261,7 @@ class _Winder:
             self._note_progress(change)
             is_final = may_refine and not (added or rough)
             if is_final and change <= STOP_FRACTION * self.coupling_rtol:
+                # an extrapolated roll has the stages of earlier iterations: compute it once more
                 return iteration if solves_nips else self._recompute_roll(iteration)
             direct = self.problem.roll_body == "direct"
             shares = _secant_update(iteration, previous, slopes) if direct else iteration.nip_shares
