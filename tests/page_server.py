@@ -49,7 +49,8 @@ def _resident(pid: int) -> float:
 @contextmanager
 def serving(*options: str) -> Iterator[Server]:
     """Provide a server on a free port, whose workers are ready."""
-    command = [sys.executable, "-m", "woundon", "app", "--no-browser", "--port", "0", *options]
+    port = [] if "--port" in options else ["--port", "0"]
+    command = [sys.executable, "-m", "woundon", "app", "--no-browser", *port, *options]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
     assert process.stdout is not None
     line = process.stdout.readline()

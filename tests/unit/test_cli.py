@@ -200,9 +200,11 @@ def test_options_are_those_of_the_public_function(command, function):
 
 def single_options() -> Iterator[tuple[list[str], str]]:
     """Yield command, with arguments, and name of all options, except flags and repeatable ones."""
-    for name in cli.commands.list_commands(click.Context(cli.commands)):  # plug-ins too
-        command = cli.commands.get_command(click.Context(cli.commands), name)
-        params = command.get_params(click.Context(command))
+    # a command keeps its help option, whose names are those of the group
+    group = click.Context(cli.commands, **cli.commands.context_settings)
+    for name in cli.commands.list_commands(group):  # plug-ins too
+        command = cli.commands.get_command(group, name)
+        params = command.get_params(click.Context(command, parent=group))
         arguments = ["x" for p in params if isinstance(p, click.Argument) and p.required]
         for option in params:
             if isinstance(option, click.Option) and not (option.is_flag or option.multiple):

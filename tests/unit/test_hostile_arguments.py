@@ -147,7 +147,9 @@ def random_arguments(draw: random.Random) -> list[str]:
     """Return a command with random arguments and options that it has, and words anywhere."""
     name = draw.choice(sorted({*COMMANDS, "nosuch"} - {"app"}))  # the server does not end
     args, command = [name], COMMANDS.get(name)
-    for part in command.get_params(click.Context(command)) if command else ():
+    # a command keeps its help option, whose names are those of the group
+    group = click.Context(cli.commands, **cli.commands.context_settings)
+    for part in command.get_params(click.Context(command, parent=group)) if command else ():
         if isinstance(part, click.Argument):
             args += draw.choices(FILES if draw.random() < 0.8 else WORDS, k=draw.choice([0, 1, 2]))
         elif draw.random() < 0.3:

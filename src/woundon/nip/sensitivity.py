@@ -26,6 +26,7 @@ from scipy.linalg import lu_factor, lu_solve
 from ..contact.newton import friction_residual, system_matrix
 from ..contact.refinement import CHANGES, MeshSolution, richardson_estimates
 from ..elasticity.mesh import Face
+from ..elasticity.surface import SurfaceResponse
 from ..errors import InvalidProblem, did_you_mean
 from ..parallel import one_thread
 from ..quantities import scalar_outputs, value_of, walk
@@ -151,6 +152,23 @@ def contact_sensitivity(
     )
 
 
+def _each_surface_once() -> Callable[[Any, Face, float, float | None], SurfaceResponse]:
+    """Return a function that computes the surface of a body once for the same arguments.
+
+    It is no method of the linearisation, which would then lead to itself.
+    """
+    known: dict[Any, SurfaceResponse] = {}
+
+    def surface_of(body: Any, face: Face, a: float, speed: float | None) -> SurfaceResponse:
+        """Return the surface of a body on a face of the half width ``a``."""
+        key = body, face.points.tobytes(), a, speed
+        if key not in known:
+            known[key] = body.surface(face, a, speed)
+        return known[key]
+
+    return surface_of
+
+
 class _Linearisation:
     """Residuals and outputs on one mesh, linearised at its solution.
 
@@ -183,7 +201,7 @@ class _Linearisation:
         self.frictions = (dry.roll_friction, dry.friction_on_wrap) if self.has_air else ()
         self.by_input: list[Array] = []
         self.value_count = self.size + len(self.frictions) + len(outputs)
-        self.surfaces: dict[Any, Any] = {}
+        self.surface_of = _each_surface_once()
         self.system = self._system(dry)
         a = mesh.state.geometry.a
         for sign in (1, -1):  # responses next to a are interpolated between these
@@ -198,15 +216,8 @@ class _Linearisation:
     def _system(self, problem: Any) -> Any:
         """Return the equations of a problem, with the known surfaces of bodies that it shares."""
         system = self.mesh.system.for_problem(problem)
-        system.surfaces.surface_of = self._surface
+        system.surfaces.surface_of = self.surface_of
         return system
-
-    def _surface(self, body: Any, face: Face, a: float, speed: float | None) -> Any:
-        """Return the surface of a body, computed once for the same arguments."""
-        key = body, face.points.tobytes(), a, speed
-        if key not in self.surfaces:
-            self.surfaces[key] = body.surface(face, a, speed)
-        return self.surfaces[key]
 
     def _values(self, system: Any, u: Array, problem: Any) -> Array:
         """Return the values of a problem at u, (value_count,); ``system`` holds its equations."""
