@@ -72,8 +72,7 @@ class InvalidProblem(ValueError):
         return cls([(field, text)])
 
     def under(self, prefix: str) -> Self:
-        """Return the same faults with ``prefix`` before every field."""
-        # a fault of no field gets the prefix as its field
+        """Return the same faults with ``prefix`` before every field; in place of an empty one."""
         return type(self)(
             (".".join(part for part in (prefix, f) if part), t) for f, t in self.faults
         )

@@ -280,7 +280,7 @@ def of(thing: Any) -> Kind[Any, Any]:
 
 
 def for_fields(names: Iterable[str]) -> Kind[Any, Any]:
-    """Return the kind whose problem has the fields, or a file's tables, of these names.
+    """Return the kind whose problem matches names of fields, or of a file's tables, best.
 
     >>> for_fields(["upper", "lower", "load"]).name
     'rollers'

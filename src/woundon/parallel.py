@@ -439,10 +439,11 @@ def in_processes(
 
 @contextmanager
 def stoppable(finishing: str) -> Iterator[Callable[[], bool]]:
-    """Provide whether Ctrl-C was pressed, which prints ``finishing``; the second one interrupts.
+    """Provide a function that returns whether Ctrl-C was pressed, which prints ``finishing``.
 
-    On leaving, KeyboardInterrupt is raised.  Without ``finishing``, outside the main thread, or
-    where another handler listens to Ctrl-C, nothing is changed.
+    After Ctrl-C, KeyboardInterrupt is raised on leaving, or when it is pressed again.  Without
+    ``finishing``, outside the main thread, or where another handler listens to Ctrl-C, nothing is
+    changed.
     """
     pressed: list[int] = []
 

@@ -59,7 +59,10 @@ _OUTPUTS: list[tuple[str, str, property | quantities.on_request]] = []
 
 
 class Figures(NamedTuple):
-    """Figures that a plug-in shows on the page; see :func:`register_figures`."""
+    """Figures that a plug-in shows on the page: functions that list and draw them.
+
+    They are the arguments of :func:`register_figures`.
+    """
 
     list: Callable[[], Sequence[Mapping[str, str]]]
     draw: Callable[[str], bytes]
@@ -100,9 +103,12 @@ def register_output(kind: str, output: Callable[[Any], Any], *, on_request: bool
 
 
 def take_outputs() -> Iterator[tuple[str, str, property | quantities.on_request]]:
-    """Yield kind, name and property of the outputs that the results do not have yet."""
+    """Yield kind, name and property of the outputs that the results do not have yet.
+
+    Each is yielded once: the caller adds it to the class of the results of the kind.
+    """
     load()
-    while _OUTPUTS:  # each is yielded once: the caller adds it to the class of the results
+    while _OUTPUTS:
         yield _OUTPUTS.pop(0)
 
 

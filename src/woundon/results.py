@@ -272,8 +272,7 @@ class Result(Presented, ReadOnly):
 
     @property
     def relabelled(self) -> Mapping[str, Quantity]:
-        """Outputs that are another quantity in this result than in others of its class."""
-        # by the name of the output
+        """Quantities, by output, that differ in this result from those of its class."""
         return {}
 
     def checked(self, accepted: float = ACCEPTED_RESIDUAL) -> Self:
@@ -310,8 +309,10 @@ class Result(Presented, ReadOnly):
         raise NotImplementedError(f"a {type(self).__name__} does not evaluate its residuals")
 
     def recomputed(self) -> Mapping[str, tuple[float, float]]:
-        """Return the scalars that no condition determines: values from the arrays, tolerances."""
-        # by the name of the field, (value, tolerance) in SI units
+        """Return (value computed from the arrays, its tolerance) of scalars, by name [SI].
+
+        They are those in the fields of the result that no contact condition determines.
+        """
         return {}
 
     @property

@@ -34,7 +34,7 @@ class Sensitivity(Presented, ReadOnly):
     derivatives : (outputs, parameters) array
         SI units of output per SI unit of field.
     values, fields : (outputs,), (parameters,) arrays
-        Where they were taken; values are those of which they are the derivatives.
+        Outputs and fields at the problem at which the derivatives were taken [SI].
     zone_change : str
         Empty, or the nodes that are about to change between stick and slip: there the
         derivatives to both sides differ.
@@ -100,8 +100,10 @@ class Sensitivity(Presented, ReadOnly):
         return f"Sensitivity({self.outputs[0]}: {shown} of {counts})"
 
     def sorted(self) -> Sensitivity:
-        """Return a copy with the parameters sorted by their elasticity of the first output."""
-        # the largest absolute value first; one that is not defined (nan) counts as 0
+        """Return a copy with the parameters sorted by the size of the first output's elasticity.
+
+        The largest is first; an elasticity that is not defined counts as 0.
+        """
         order = np.argsort(-np.abs(np.nan_to_num(self.elasticities[0])), kind="stable")
         return replace(
             self,
