@@ -113,3 +113,18 @@ def test_several_sums_at_once_are_each_of_them() -> None:
     assert together.shape == (4, 5, 6)
     for one, values in zip(sums, together, strict=True):
         np.testing.assert_allclose(values, one(t), rtol=1e-13, atol=1e-13)
+
+
+@pytest.mark.parametrize("odd", [False, True])
+def test_blocks_of_a_table_continue_the_power_series(odd: bool) -> None:
+    """Many angles: each block re-expands the series in few powers; the reference sums all of them.
+
+    Sums of sixty terms of order one in double precision: 1e-13.
+    """
+    tail, waves = np.array([0.0, 1.0, 0.7, -0.4, 0.2, 0.1]), np.zeros(1 << 12)
+    sums = HarmonicSums((HarmonicSum(odd, R, 1.0, 0.0, tail, waves),))
+    k = np.array([0, 1000, 1024, 1025, 5000, 8191])  # in the first and in further blocks, up to pi
+    found = sums._regular_parts(int(k[-1]) + 1)[0, 0, k]
+    theta = 2 * pi / sums._size * k
+    exact = np.polynomial.polynomial.polyval(theta, sums.sums[0].series)
+    np.testing.assert_allclose(found, exact, rtol=0, atol=1e-13)

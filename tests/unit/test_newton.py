@@ -288,3 +288,51 @@ def test_one_creepage_node_keeps_sticking() -> None:
         newton._next_active_set(system, state, active, newton._violates_inequality(state, active))
         == 1
     ).all()
+
+
+@dataclass
+class InexactRow(Row):
+    """A row whose springs have a relative error of the coefficients that the solver permits."""
+
+    def evaluate(self, u: Array, tolerance: float = 0.0) -> Iterate:
+        exact, self.K = self.K, self.K * (1 + tolerance)
+        try:
+            return super().evaluate(u, tolerance)
+        finally:
+            self.K = exact
+
+
+@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-5])
+def test_a_solution_with_inexact_coefficients_is_not_accepted(seed: int, tolerance: float) -> None:
+    """A large step permits coarse coefficients, with which the next step may happen to be small.
+
+    The error of a solution is that of its coefficients: at most the tolerance, times a condition
+    number of about one.
+    """
+    exact = row(seed)
+    inexact = InexactRow(exact.K, exact.f, exact.mu)
+    known, _ = SemismoothNewton(exact).solve(*start(exact), 1e-11)
+    found, _ = SemismoothNewton(inexact).solve(*start(inexact), tolerance)
+    assert np.abs(found.u - known.u).max() < 3 * tolerance
+
+
+def test_the_step_after_a_large_one_does_not_end_the_iteration(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The step before evaluates with coefficients that are too coarse to accept its result."""
+    sizes = iter([0.5, 1e-9, 1e-9])
+    given: list[float] = []
+    system = row(1)
+    evaluate = system.evaluate
+
+    def recorded(u: Array, tolerance: float = 0.0) -> Iterate:
+        given.append(tolerance)
+        return evaluate(u, tolerance)
+
+    monkeypatch.setattr(system, "evaluate", recorded)
+    solver = SemismoothNewton(system)
+    monkeypatch.setattr(solver, "_step", lambda state, active: (0 * state.u, next(sizes)))
+    monkeypatch.setattr(newton, "_violates_inequality", lambda state, active: active != active)
+    solver.solve(*start(system), 1e-5)
+    assert given == pytest.approx([1e-7, 0.5e-3, 1e-7])  # the last one is accepted

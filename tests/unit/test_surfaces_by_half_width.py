@@ -12,7 +12,9 @@ from woundon.elasticity.mesh import Wrap, nip_mesh
 from woundon.elasticity.surface import RigidSurface, SurfacesByHalfWidth
 
 FACE = nip_mesh(13, Wrap(), Wrap()).roll_face
-BODIES = wo.RollerProblem.example().upper, wo.Rigid(radius=0.2)
+# a layer about as thick as the contact: its response depends on the half width
+COVER = wo.Cylinder(radius=0.1, core_radius=0.095, material=wo.material("soft-cover"))
+BODIES = COVER, wo.Rigid(radius=0.2)
 P = np.sqrt(np.clip(1 - FACE.nodes**2, 0, None))
 
 
@@ -22,8 +24,9 @@ def slope(surfaces: SurfacesByHalfWidth, a: float, tolerance: float) -> np.ndarr
 
 @pytest.mark.parametrize("factor", [1.01, 1.05])
 def test_the_error_is_below_the_tolerance_and_of_second_order(factor: float) -> None:
-    a, surfaces = 1e-3, SurfacesByHalfWidth(BODIES)
+    a, surfaces = 5e-3, SurfacesByHalfWidth(BODIES)
     one, two = slope(surfaces, a, 0.0), slope(surfaces, factor * a, 0.0)
+    assert np.abs(two - one).max() > 0.1 * np.log(factor) * np.abs(one).max()
     middle = a * factor**0.5
     between = slope(surfaces, middle, np.inf)
     np.testing.assert_allclose(between, (one + two) / 2, rtol=1e-12)
@@ -33,6 +36,12 @@ def test_the_error_is_below_the_tolerance_and_of_second_order(factor: float) -> 
     # a smaller tolerance than the estimate computes the surface; a larger one does not
     assert np.array_equal(slope(surfaces, middle, 1.01 * estimate), between)
     np.testing.assert_allclose(slope(surfaces, middle, 0.99 * estimate), exact, rtol=1e-14)
+    assert np.abs(between - exact).max() > 1e-3 * estimate * np.abs(exact).max()  # they differ
+    # at a quarter of the distance in ln a from the latest of two half widths
+    surfaces = SurfacesByHalfWidth(BODIES)
+    one, two = slope(surfaces, a, 0.0), slope(surfaces, factor * a, 0.0)
+    quarter = slope(surfaces, a * factor**0.75, np.inf)
+    np.testing.assert_allclose(quarter, two + (one - two) / 4, rtol=1e-10)
 
 
 class Nonlinear:
