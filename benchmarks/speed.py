@@ -232,7 +232,8 @@ METHODS: dict[str, Callable[[Problems], Callable[[], object]]] = {
 }
 WORK = [
     *FAMILIES, "readme", "neighbours", "sensitivities", "nip_and_derivatives", "winding",
-    "example_winding", "loose", "sweep", "two_processes", "replace", "fit", "find", "window", "command",
+    "example_winding", "loose", "sweep", "two_processes", "replace", "fit", "find", "window",
+    "command",
 ]  # fmt: skip
 
 
