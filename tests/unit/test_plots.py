@@ -21,7 +21,7 @@ from woundon import kinds, quantities
 from woundon.quantities import line_load, stress
 from woundon.report import plots
 from woundon.report.drawing import draw_figure
-from woundon.report.figures import symbol_text
+from woundon.report.figures import axis_label, symbol_text
 from woundon.report.panels import Axis, Curve, Panel
 from woundon.report.result_panels import array_panels
 from woundon.report.sweep_panels import plot_sweep
@@ -221,7 +221,7 @@ def test_the_default_draws_every_array_once(results):
             (line,) = [k for k in drawn if k.get_label().replace("\n", " ") == label]
             np.testing.assert_allclose(line.get_xdata(), 1e3 * x.value)
             np.testing.assert_allclose(line.get_ydata(), place.quantity.shown(place.value))
-            unit = place.quantity.display.replace("um", "µm")
+            unit = place.quantity.display.replace("um", "µm").replace("^3", "³")
             assert line.axes.get_ylabel().endswith(f"[{unit}]" if unit else "")
         assert figure.axes[-1].get_xlabel().endswith("[mm]")
 
@@ -391,6 +391,14 @@ def test_a_common_panel_that_is_not_drawn_by_default_can_be_chosen(nip, monkeypa
     assert wo.plot([nip, nip], panels="pressure").axes
     with pytest.raises(wo.InvalidProblem, match="no panel in common"):
         wo.plot([nip, nip])
+
+
+@pytest.mark.parametrize(
+    ("unit", "printed"), [("kg/m^3", "kg/m³"), ("m/s^2", "m/s²"), ("Pa*s", "Pa·s"), ("mm", "mm")]
+)
+def test_units_of_axes_have_typographic_powers_and_products(unit, printed):
+    axis = Axis("Density", quantities.Quantity("rho", unit, "density"))
+    assert axis_label(axis) == f"Density [{printed}]"
 
 
 def test_panels_without_a_solution_say_so():

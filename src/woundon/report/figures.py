@@ -187,8 +187,9 @@ def figure_bytes(figure: Figure, ending: str, *, dpi: int | None = None) -> byte
 
 
 def unit_of(quantity: Quantity) -> str:
-    """Return a quantity's unit for display as figures write it."""
-    return quantity.display.replace("um", "µm")
+    """Return a quantity's unit for display as figures write it: µm, lb/ft³, Pa·s."""
+    unit = quantity.display.replace("um", "µm")
+    return unit.replace("^2", "²").replace("^3", "³").replace("*", "·")
 
 
 def text_of(quantity: Quantity, value: float, form: str = ".4g") -> str:
