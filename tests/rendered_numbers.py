@@ -127,7 +127,8 @@ def text_of_page(page: str) -> str:
 
 def unit_in(label: str) -> str:
     """Return the unit of the label of an axis."""
-    found = BRACKET.findall(label.replace("µm", "um"))
+    typed = label.replace("µm", "um").replace("²", "^2").replace("³", "^3").replace("·", "*")
+    found = BRACKET.findall(typed)
     return found[-1] if found and is_unit(found[-1]) else ""
 
 
