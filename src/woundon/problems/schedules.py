@@ -25,6 +25,7 @@ from .fields import (
 )
 from .inputs import FloatWithUnit, Inputs
 from .messages import quote
+from .paths import field_or_none
 from .permitted import is_within
 
 if TYPE_CHECKING:
@@ -321,6 +322,6 @@ def uncovered_ends(
 def unused_in_tapers(problem: BaseModel, names: Iterable[str]) -> Iterator[str]:
     """Yield the dotted names of the tapers of a constant torque, which determines them."""
     for name in names:
-        schedule = getattr(problem, name)
+        schedule = field_or_none(problem, name)
         if isinstance(schedule, Taper) and schedule.law == "constant_torque":
             yield f"{name}.taper"

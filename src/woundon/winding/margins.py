@@ -323,9 +323,12 @@ class WindingTorque:
     def of(cls, result: Any) -> WindingTorque:
         """Return the quantities of a winding; a roll alone is taken as centre-wound."""
         if not isinstance(result, RollResult):
-            # moment balance of the roll about its axis: core torque / r = T_in + F
-            r, core_tension = result.radius, result.web_tension + result.winding_force
-            problem = result.problem
+            problem, r = result.problem, result.radius
+            # moment balance of the roll about its axis: core torque / r = T_in + F, with the forces
+            # of all drums
+            core_tension = result.web_tension + result.winding_force
+            if problem.winder is not None:
+                core_tension = problem.at("winder.core_torque", r) / r
             if problem.air is None:
                 return cls(problem.roll_friction, r, core_tension, result.web_tension)
             ratio = partial(_friction_ratio, result.air_film, air=problem.air)
