@@ -23,6 +23,7 @@ from .roll_panels import (
     scale_of,
     with_compression,
 )
+from .winder_panel import winder_panel
 
 __all__ = ["winding_panels"]
 
@@ -46,6 +47,7 @@ def winding_panels(result: WindingResult) -> dict[str, PanelMaker]:
     - hardness, loads: modulus of the roll, nip load and winding force (if asked for)
     - disc, hoop_disc: the roll from its side, coloured by pressure and hoop stress (if asked for)
     - film: its pressure as it grows, on one scale (if asked for)
+    - winder: roll, drums and rider of a two-drum winder to scale
     """
     of_roll = roll_panels.roll_panels(result.roll)
     panels = {
@@ -60,6 +62,8 @@ def winding_panels(result: WindingResult) -> dict[str, PanelMaker]:
         "hoop_disc": PanelMaker(OfRoll(roll_panels.hoop_disc), by_default=False, slow=True),
         "film": PanelMaker(film, by_default=False, slow=True),
     }
+    if result.problem.winder is not None:
+        panels["winder"] = PanelMaker(winder_panel)
     if "compression" not in of_roll:
         del panels["compression"]
     return panels
