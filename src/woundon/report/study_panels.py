@@ -375,8 +375,7 @@ def window_panels(window: OperatingWindow) -> list[Panel]:
     )
     point = Curve(
         "",
-        np.array([best.values["web_tension"]]),
-        np.array([best.values["nip_load"]]),
+        *(np.array([best.values[name]]) for name in window.names[:2]),
         label=f"largest P = {best.probability:.2f}",
         colour="ink",
         line="none",
