@@ -510,6 +510,21 @@ class WindingProblem(Problem):
             self.at("winder.core_torque", r) / r,
         )
 
+    def friction_used(self, r: ArrayLike) -> dict[str, Array]:
+        """Return |F| of each drum over its friction capacity at radii [m], by dotted name [1].
+
+        The capacity is that of the nip, and of the drum wrap.  A rider idles.
+        """
+        r = np.asarray(r, dtype=float)
+        P, T, F = (self.at(name, r) for name in ("nip_load", "web_tension", "winding_force"))
+        low, high = friction_capacity(P, T, self.drum_friction, self.drum_wrap)
+        used = {"drum": F / np.where(F < 0, low, high)}
+        if self.winder is not None:
+            loads = self.drum_loads(r)
+            capacity = self.front_friction * loads.front_load
+            used["winder.front_drum"] = np.abs(loads.front_force) / capacity
+        return used
+
     @property
     def kinks(self) -> dict[float, float]:
         """Radii of the kinks of all schedules [m], with their sharpness r |d slope|/value."""

@@ -115,6 +115,13 @@ def loads(result: WindingResult) -> Panel:
             result, "winding_force", r, label="winding force", colour="drum", line="dashed"
         ),
     ]
+    if result.problem.winder is not None:
+        loads = result.problem.drum_loads(r)
+        curves += [
+            Curve("", r, loads.front_load, "P_2", "front drum", "green"),
+            Curve("", r, loads.rider_load, "P_3", "rider", "purple"),
+            Curve("", r, loads.front_force, "F_2", "front drum", "amber", "dashed"),
+        ]
     y = Axis("Load", quantity_of(result, "nip_load"))
     return over_radius(r, "loads", "Nip load and winding force", y, curves)
 
@@ -208,7 +215,7 @@ def reserves(result: WindingResult) -> Panel:
     deepest = min(reserves_drawn, default=0.0)
     low = 1.2 * deepest if deepest < 0 else LEAST
     curves: list[Curve] = []
-    for margin, colour in zip(margins, SERIES, strict=False):
+    for margin, colour in zip(margins, (*SERIES, "web"), strict=False):
         if margin.checked:
             curves += _curves_of_margin(margin, colour, low, float(r[1]))
     return over_radius(
