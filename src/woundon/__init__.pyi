@@ -35,6 +35,7 @@ from .problems.materials import Material as Material
 from .problems.materials import Orthotropic as Orthotropic
 from .problems.materials import PronyTerm as PronyTerm
 from .problems.materials import material as material
+from .problems.next_nip import NextNip as NextNip
 from .problems.nip import NipProblem as NipProblem
 from .problems.problem import Problem as Problem
 from .problems.radial_laws import Pfeiffer as Pfeiffer

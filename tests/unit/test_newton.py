@@ -37,15 +37,15 @@ class Row:
     f: Array
     mu: Array
     P: float = 4.0
-    largest_ln_a: float = 10.0
+    largest_ln_a: Array = field(default_factory=lambda: np.array([10.0]))
     evaluations: int = 0
-    creepage_nodes: Array = field(default_factory=lambda: np.zeros(0, dtype=int))
+    creepage_nodes: list[Array] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self.k = k = self.f.size
         self.scales = np.ones(2 * k + 1)
-        self.traction_unknowns = slice(k + 1, 2 * k + 1)
-        self.ln_a = self.load_row = k
+        self.traction_unknowns = np.arange(k + 1, 2 * k + 1)
+        self.ln_a = self.load_rows = np.array([k])
 
     def evaluate(self, u: Array, tolerance: float = 0.0) -> Iterate:
         self.evaluations += 1

@@ -117,6 +117,13 @@ class HardeningSurface:
         linear = self.linear.strain_outside(p, q, s)
         return np.asarray(linear + slope @ u + value @ v / self.ring.radius)
 
+    def strain_matrices_outside(self, s: Array) -> Array:
+        """Return the derivatives of the linear part of ``strain_outside``, (2, k, n) [1/Pa].
+
+        Far from the nip the roll is loaded lightly, and its law is that of the linear ring.
+        """
+        return self.linear.strain_matrices_outside(s)
+
     # ---- state of the ring ---------------------------------------------------------------------
 
     def residual(self, p: Array, q: Array) -> float:

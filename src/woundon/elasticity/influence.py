@@ -78,8 +78,13 @@ class InfluenceSurface(LinearSurface):
 
     def strain_outside(self, p: Array, q: Array, s: Array) -> Array:
         """Return the strain at positions s (k,) [m] along the surface, outside of the face."""
+        by_p, by_q = self.strain_matrices_outside(s)
+        return np.asarray(by_p @ p + by_q @ q)
+
+    def strain_matrices_outside(self, s: Array) -> Array:
+        """Return the derivatives of ``strain_outside`` by p and by q, (2, k, n) [1/Pa]."""
         nodes = self.a * self.face.nodes
-        return surface_strain(self.kernels, self.period, self.max_distance, nodes, p, q, s)
+        return strain_matrices(self.kernels, self.period, self.max_distance, nodes, s)
 
     @cached_property
     def _tangent(self) -> SurfaceTangent:  # type: ignore[override]
@@ -218,47 +223,42 @@ class InfluenceSurface(LinearSurface):
         return values
 
 
-def surface_strain(
-    kernels: SurfaceKernels,
-    period: float,
-    max_distance: float,
-    nodes: Array,
-    p: Array,
-    q: Array,
-    s: Array,
+def strain_matrices(
+    kernels: SurfaceKernels, period: float, max_distance: float, nodes: Array, s: Array
 ) -> Array:
-    """Return the surface strain of a body outside of a contact.
+    """Return the surface strain of a body outside of a contact by nodal pressures and tractions.
 
     Parameters
     ----------
     kernels : SurfaceKernels
     period, max_distance : float
         Circumference, and the distance above which the shorter arc is used [m].
-    nodes, p, q : (n,) arrays
-        Nodes [m], pressures and tractions [Pa].
+    nodes : (n,) array
+        [m].
     s : (k,) array
         Positions along the surface [m], outside of the nodes or at their ends.
 
     Returns
     -------
-    (k,) array
+    (2, k, n) array
+        By p, then by q [1/Pa].
     """
-    out, singular_parts = np.zeros(s.size), singular_integrals(s, nodes)
+    out, singular_parts = np.zeros((2, s.size, nodes.size)), singular_integrals(s, nodes)
     rule = gauss_rule_in_cells(nodes, 1.0, kernels.length)
     t = s[:, None] - rule.points
     on_longer_arc = np.abs(t) > max_distance
     t_short = np.where(on_longer_arc, t - np.sign(t) * period, t)
-    for kernel, load in ((kernels.strain_p, p), (kernels.strain_q, q)):
-        out += np.tensordot(_factors((kernel,), 1.0)[0], singular_parts, axes=1) @ load
+    for matrix, kernel in zip(out, (kernels.strain_p, kernels.strain_q), strict=True):
+        matrix += np.tensordot(_factors((kernel,), 1.0)[0], singular_parts, axes=1)
         if kernel.smooth is not None:
             values = kernel.smooth(t_short)
             values[on_longer_arc] += (
                 singular((kernel,), t_short[on_longer_arc])[0]
                 - singular((kernel,), t[on_longer_arc])[0]
             )
-            out += values @ (rule.moments @ load)
+            matrix += values @ rule.moments
         if kernel.lag is not None:
-            out += _lag_integrals(kernel.lag, s, nodes)[0] @ load
+            matrix += _lag_integrals(kernel.lag, s, nodes)[0]
     return out
 
 

@@ -83,6 +83,13 @@ class SurfaceResponse(Protocol):
         """
         ...
 
+    def strain_matrices_outside(self, s: Array) -> Array:
+        """Return the strain at positions s (k,) [m] outside of the face, by p and q, (2, k, n).
+
+        It is needed for further nips on the same roll only; zero if it is not known.
+        """
+        ...
+
 
 class LinearSurface:
     """The surface of a linear body with known influence matrices.
@@ -119,6 +126,10 @@ class LinearSurface:
     def end_tangential_displacement(self, p: Array, q: Array) -> float:
         """Return nan: strains determine u up to a constant."""
         return float("nan")
+
+    def strain_matrices_outside(self, s: Array) -> Array:
+        """Return zeros: the influence matrices are those of the face alone."""
+        return np.zeros((2, s.size, self._end.shape[1]))
 
 
 class RigidSurface(LinearSurface):

@@ -31,8 +31,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from ..elasticity.surface import Deformation
+
 if TYPE_CHECKING:
-    from ..elasticity.surface import Deformation
     from .contact_equations import Side
     from .equations import NipEquations, NipState
 
@@ -113,7 +114,8 @@ def work_on_bodies(state: NipState) -> tuple[BodyWork, BodyWork]:
     """Return the work on the roll and on the drum of a web nip."""
     f = state.fields
     a, _, roll, drum = f.geometry
-    return body_work(roll, f.roll, *f.on_roll, a), body_work(drum, f.drum, *f.on_drum, a)
+    own = Deformation(f.roll.slope, f.roll.strain - f.far_strain)
+    return body_work(roll, own, *f.on_roll, a), body_work(drum, f.drum, *f.on_drum, a)
 
 
 def dissipation(problem: Any, bodies: tuple[BodyWork, BodyWork]) -> float:
@@ -133,10 +135,10 @@ def power_balance(equations: NipEquations, state: NipState) -> float:
     web, first, last = problem.web, layout.first, layout.last
     c11, c12 = web.compliance.c11 / web.thickness, web.compliance.c12
     roll, drum = work_on_bodies(state)
-    slip_roll, slip_drum = equations.slip_velocities(state.u[layout.xi], f)
-    tension = problem.web_tension + a * mesh.integral_to_points @ (f.q_roll + f.q_drum)
+    slip_roll, slip_drum = equations.slip_velocities(state.u[layout.xi], f, state.laid_strain)
+    tension = f.tension[0] + a * mesh.integral_to_points @ (f.q_roll + f.q_drum)
     # traction times strain of the web, less the friction work
-    reference = f.roll.strain[-1] + c12 * f.p_roll[-1] - c11 * f.tension[-1]
+    reference = -state.laid_strain - c11 * f.tension[-1]
     creepage = state.u[layout.xi] - c11 * f.tension[-1]
     supplied = (roll.lengths * roll.q) @ (c11 * tension[first:] + reference - slip_roll)
     supplied += (drum.lengths * drum.q) @ (c11 * tension[:last] + creepage - slip_drum)
@@ -151,6 +153,8 @@ def power_balance(equations: NipEquations, state: NipState) -> float:
     thinning = np.diff(web.thinned(f.p_roll[first : last + 1])[0])
     supplied += roll.p[nip] @ (roll.lengths[nip] * lever - thinning)
     supplied -= roll.curvature_work + drum.curvature_work
+    # the strains by other nips, whose tractions do no work on the roll together
+    supplied -= (roll.lengths * roll.q) @ f.far_strain[:-2]
     # the work on an elastic body is zero; its discretisation error is part of the defect
     dissipated = dissipation(problem, (roll, drum))
     return float((dissipated - supplied) / (problem.nip_load * a / problem.contact_radius))
