@@ -21,6 +21,7 @@ from .fields import Nested, Number, OptionalNested, OptionalNumber, default
 from .limits import Limits
 from .materials import Material, material
 from .messages import not_one_of, quote
+from .next_nip import NextNip
 from .nip import (
     WRAP_TABLE,
     DrumFriction,
@@ -79,6 +80,7 @@ LOADS = ("nip_load", "winding_force", "web_tension")
 NIP_FIELDS = frozenset({"web", "drum", "roll_friction", "drum_friction", *WRAP_TABLE["wrap"]})
 # Parts of a winding whose only effect is that of its nips; without a winder the drum is another.
 OF_NIP = ("web.material", *WRAP_TABLE["wrap"], "roll_body")
+HELD = 0.8  # largest part of the arc from the last nip to the rear drum that is the roll wrap
 CHECKED_RADII = 257  # radii, in addition to all kinks, at which a steady state must exist
 
 
@@ -323,6 +325,8 @@ class WindingProblem(Problem):
             yield "torque_split", f"{text}: the share of the web tension that the rear drum drives"
         if self.density is None:
             yield "density", "missing; must be given [kg/m^3] with a winder, for the roll's weight"
+        if self.tension_law == "nip" and self.roll_wrap == 0:
+            yield "roll_wrap", "0 is out of range; must be > 0 and <= 3.14159 [rad] with a winder"
         yield from winder.geometry_faults(self.drum.radius, *self.ends)
 
     @property
@@ -552,9 +556,41 @@ class WindingProblem(Problem):
             name: getattr(self, name) for name in NipProblem.model_fields if name in NIP_FIELDS
         }
         fields |= {name: float(self.at(name, radius)) for name in LOADS}
+        if self.winder is not None:
+            fields |= self._next_nips(self.winder, radius)
         if self._viscoelastic_drums or self.air is not None:  # else a warning that it has no effect
             fields |= {"web_speed": self.web_speed, "air": self.air}
         return NipProblem(**fields, roll=roll)
+
+    def _next_nips(self, winder: TwoDrums, radius: float) -> dict[str, Any]:
+        """Return the fields of a nip for the front drum and the rider at a radius of the roll [m].
+
+        The web is held to the roll ``roll_wrap`` downstream of the last nip, but not beyond HELD of
+        the arc on to the rear drum, next to which the roll is deformed by its nip.
+        """
+        loads = self.drum_loads(radius)
+        nips = [
+            NextNip(
+                angle=float(loads.front_arc),
+                drum=winder.front_drum,
+                nip_load=float(loads.front_load),
+                winding_force=float(loads.front_force),
+                drum_friction=self.front_friction,
+            )
+        ]
+        to_rear_drum = float(loads.rider_arc + loads.returning_arc)
+        if winder.rider is not None:
+            nips.append(
+                NextNip(
+                    angle=float(loads.rider_arc),
+                    drum=winder.rider,
+                    nip_load=float(loads.rider_load),
+                    drum_friction=self.rider_friction,
+                )
+            )
+            to_rear_drum = float(loads.returning_arc)
+        last_arc = min(self.roll_wrap, HELD * to_rear_drum)
+        return {"next_nips": nips, "roll_wrap": sum(nip.angle for nip in nips) + last_arc}
 
     def wound_roll(
         self, wound_on_tension: float | Taper | Profile, film: float = 0.0

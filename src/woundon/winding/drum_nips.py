@@ -9,12 +9,17 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from ..nip.result import NipResult
-from ..quantities import angle, length, line_load, pure, share, stress
+from ..nip.roll_contact import nip_nodes
+from ..quantities import angle, length, line_load, share, stress
 from ..results import ReadOnly
 
 __all__ = ["DrumNips", "drum_nips"]
 
 Array = np.ndarray
+
+# Part of an arc above which the web sticks on it.  A web that slips on the whole arc also has a
+# node that sticks: at the trailing edge of the nip before, where its slip changes direction.
+LEAST_STICK = 0.01
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -31,11 +36,10 @@ class DrumNips(ReadOnly):
         Arc of the web on the roll from the nip before to this one [rad].
     added_tension : array
         The part of the wound-on tension that this nip adds [N/m].
-    sticks : array
-        1 where the web sticks to the roll somewhere on the arc, so that the nip adds nothing; 0
-        where it slips on the whole arc.
     slip_angle : array
-        Angle on which the web slips on the roll upstream of the nip [rad].
+        Angle on which the web slips on the roll, back from this nip [rad].
+    stick_angle : array
+        Angle of the arc on which the web sticks to the roll [rad].
     arc_least_tension, arc_largest_tension : arrays
         Smallest and largest tension of the web on the arc [N/m].
     width, peak_pressure : arrays
@@ -58,8 +62,8 @@ class DrumNips(ReadOnly):
     added_tension: Annotated[
         Array, line_load("WOT_k - WOT_k-1", "part of the wound-on tension that this nip adds")
     ]
-    sticks: Annotated[Array, pure("stick", "1 if the web sticks on the arc before this nip")]
     slip_angle: Annotated[Array, angle("theta_slip", "angle of slip upstream of this nip")]
+    stick_angle: Annotated[Array, angle("theta_stick", "part of the arc on which the web sticks")]
     arc_least_tension: Annotated[Array, line_load("T_min", "smallest tension before this nip")]
     arc_largest_tension: Annotated[Array, line_load("T_max", "largest tension before this nip")]
     width: Annotated[Array, length("2a", "width of this nip")]
@@ -88,9 +92,9 @@ class DrumNips(ReadOnly):
         return float(self.added_tension.max())
 
     @property
-    def sticks_everywhere(self) -> bool:
-        """True if the web sticks on the arc upstream of the nip at all radii."""
-        return bool(self.sticks.all())
+    def sticks(self) -> Array:
+        """True where the web sticks on a part of the arc, so that the nip adds nothing, (n,)."""
+        return np.asarray(self.stick_angle > LEAST_STICK * self.arc)
 
 
 def drum_nips(nips: Sequence[NipResult], index: int) -> DrumNips | None:
@@ -121,11 +125,19 @@ def drum_nips(nips: Sequence[NipResult], index: int) -> DrumNips | None:
         force=column("winding_force"),
         arc=column("angle") - [nip.contacts[index - 1].angle for nip in nips],
         added_tension=column("added_tension"),
-        sticks=column("sticks_upstream"),
         slip_angle=column("slip_angle"),
+        stick_angle=np.array([_stick_angle(nip, index) for nip in nips]),
         arc_least_tension=column("least_tension"),
         arc_largest_tension=column("largest_tension"),
         width=column("nip_width"),
         peak_pressure=column("peak_pressure"),
         friction_ratio=column("friction_ratio"),
     )
+
+
+def _stick_angle(nip: NipResult, index: int) -> float:
+    """Return the angle on which the web sticks on the arc upstream of a contact [rad]."""
+    nodes = nip_nodes(nip)
+    arc = slice(nodes[index - 1].stop - 1, nodes[index].start)  # between the edges of both nips
+    sticks = np.asarray(nip.roll_zone[arc]) == 0
+    return float(np.trapezoid(sticks.astype(float), nip.x[arc])) / float(nip.problem.roll.radius)
