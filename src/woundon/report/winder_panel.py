@@ -1,16 +1,20 @@
-"""The panel of a two-drum winder: roll, drums, rider and web, drawn to scale."""
+"""The panels of a two-drum winder: the winder to scale, and the web between its nips."""
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 
 from ..problems.two_drums import TwoDrums
 from ..problems.winding import WindingProblem
+from ..quantities import value_of
 from ..winding.result import WindingResult
 from .panels import Axis, Curve, Panel
 from .report_parts import quantity_of
+from .roll_panels import over_radius
 
-__all__ = ["winder_panel"]
+__all__ = ["between_panel", "winder_panel"]
 
 Array = np.ndarray
 POINTS = 121  # of a circle
@@ -50,6 +54,28 @@ def winder_panel(result: WindingResult) -> Panel:
         height=4.6 * (y_ends[1] - y_ends[0]) / (x_ends[1] - x_ends[0]),
         legend="right",
     )
+
+
+def between_panel(result: WindingResult) -> Panel:
+    """Return the panel of the tensions of the web upstream of front drum and rider."""
+    r = result.nip_radius
+    curves = [
+        Curve.of_output(result, "wound_on_tension", result.radius, label="wound on"),
+        Curve.of_output(result, "web_tension", result.radius, "web", "drum", "dashed"),
+    ]
+    for name, words, colour in (("front", "front drum", "green"), ("rider", "rider", "purple")):
+        nips = getattr(result, name)
+        if nips is None:
+            continue
+        for kind, line in (("least", "dotted"), ("largest", "dashdot")):
+            output = f"{name}.arc_{kind}_tension"
+            label = f"{'smallest' if kind == 'least' else kind} before the {words}"
+            values = value_of(result, output)
+            curves.append(Curve(output, r, values, label=label, colour=colour, line=line))
+    y = Axis("Tension", quantity_of(result, "wound_on_tension"), from_zero=True)
+    title = "Tension between the nips"
+    place: dict[str, Any] = {"column": "between", "legend": "right"}
+    return over_radius(result.radius, "between", title, y, curves, height=3.0, **place)
 
 
 def _circle(

@@ -23,7 +23,7 @@ from .roll_panels import (
     scale_of,
     with_compression,
 )
-from .winder_panel import winder_panel
+from .winder_panel import between_panel, winder_panel
 
 __all__ = ["winding_panels"]
 
@@ -48,6 +48,7 @@ def winding_panels(result: WindingResult) -> dict[str, PanelMaker]:
     - disc, hoop_disc: the roll from its side, coloured by pressure and hoop stress (if asked for)
     - film: its pressure as it grows, on one scale (if asked for)
     - winder: roll, drums and rider of a two-drum winder to scale
+    - between: tensions of the web between its nips
     """
     of_roll = roll_panels.roll_panels(result.roll)
     panels = {
@@ -64,6 +65,8 @@ def winding_panels(result: WindingResult) -> dict[str, PanelMaker]:
     }
     if result.problem.winder is not None:
         panels["winder"] = PanelMaker(winder_panel)
+    if result.front is not None:
+        panels["between"] = PanelMaker(between_panel)
     if "compression" not in of_roll:
         del panels["compression"]
     return panels
@@ -109,13 +112,13 @@ def tension(result: WindingResult) -> Panel:
 def loads(result: WindingResult) -> Panel:
     """Return the panel of nip load and winding force."""
     r = result.radius
+    has_winder = result.problem.winder is not None
+    load, force = ("rear drum",) * 2 if has_winder else ("nip load", "winding force")
     curves = [
-        Curve.of_output(result, "nip_load", r, label="nip load"),
-        Curve.of_output(
-            result, "winding_force", r, label="winding force", colour="drum", line="dashed"
-        ),
+        Curve.of_output(result, "nip_load", r, label=load),
+        Curve.of_output(result, "winding_force", r, label=force, colour="drum", line="dashed"),
     ]
-    if result.problem.winder is not None:
+    if has_winder:
         loads = result.problem.drum_loads(r)
         curves += [
             Curve("", r, loads.front_load, "P_2", "front drum", "green"),
