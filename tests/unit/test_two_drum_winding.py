@@ -269,7 +269,7 @@ def test_the_torque_split_is_found_swept_and_fitted() -> None:
         ],
     }
     fitted = wo.fit(QUICK, measured, {"torque_split": (0.3, 0.5)})
-    assert fitted.values["torque_split"] == pytest.approx(0.4, rel=1e-3)
+    assert fitted.estimates[0] == pytest.approx(0.4, rel=1e-3)
 
 
 def test_an_operating_window_is_over_the_rider_load() -> None:

@@ -537,9 +537,12 @@ class WindingProblem(Problem):
             schedule = field_or_none(self, name)
             if isinstance(schedule, Profile):
                 curve = self.curve(name)
-                # a value of zero at a kink: infinitely sharp, or no kink if the slope does not jump
-                with np.errstate(divide="ignore", invalid="ignore"):
-                    sharp = np.nan_to_num(curve.bends, nan=0.0, posinf=1e9)
+                sharp = np.nan_to_num(curve.bends, nan=0.0, posinf=1e9)
+                # of the winder's inputs, which may be zero, relative to what they change
+                if name == "winder.rider_load":
+                    sharp = curve.kinks * curve.jumps / np.abs(self.at("nip_load", curve.kinks))
+                elif name == "winder.core_torque":
+                    sharp = curve.jumps / self.at("web_tension", curve.kinks)
                 for r, bend in zip(curve.kinks.tolist(), sharp.tolist(), strict=True):
                     sharpness[r] = max(sharpness.get(r, 0.0), bend)
         return dict(sorted(sharpness.items()))
