@@ -48,7 +48,6 @@ from .problems.rollers import RollerProblem as RollerProblem
 from .problems.schedules import Profile as Profile
 from .problems.schedules import Taper as Taper
 from .problems.stack import Stack as Stack
-from .problems.two_drums import DrumLoads as DrumLoads
 from .problems.two_drums import TwoDrums as TwoDrums
 from .problems.viscoelastic import DynamicTest as DynamicTest
 from .problems.viscoelastic import LossAngle as LossAngle
