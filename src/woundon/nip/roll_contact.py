@@ -127,9 +127,12 @@ def contacts_of(result: NipResult) -> Iterator[RollContact]:
 
 
 def _slip_before(result: NipResult, arc: slice) -> tuple[bool, float]:
-    """Return whether the web sticks on an arc, and the angle of slip back from its end [rad]."""
+    """Return whether the web sticks on an arc, and the angle of slip back from its end [rad].
+
+    A single sticking node between zones of opposite slip is the place where the slip is zero.
+    """
     x, zones = result.x[arc], result.roll_zone[arc]
-    sticking = np.nonzero(zones == 0)[0]
+    sticking = 1 + np.nonzero((zones[1:] == 0) & (zones[:-1] == 0))[0]
     start = sticking[-1] if sticking.size else 0
     return bool(sticking.size), float(x[-1] - x[start]) / result.problem.roll.radius
 
