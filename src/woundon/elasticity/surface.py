@@ -83,8 +83,8 @@ class SurfaceResponse(Protocol):
         """
         ...
 
-    def strain_matrices_outside(self, s: Array) -> Array:
-        """Return the strain at positions s (k,) [m] outside of the face, by p and q, (2, k, n).
+    def tangent_outside(self, s: Array) -> SurfaceTangent:
+        """Return the derivatives of slope and strain at positions s [m] outside, (k, n) each.
 
         It is needed for further nips on the same roll only; zero if it is not known.
         """
@@ -127,9 +127,9 @@ class LinearSurface:
         """Return nan: strains determine u up to a constant."""
         return float("nan")
 
-    def strain_matrices_outside(self, s: Array) -> Array:
+    def tangent_outside(self, s: Array) -> SurfaceTangent:
         """Return zeros: the influence matrices are those of the face alone."""
-        return np.zeros((2, s.size, self._end.shape[1]))
+        return SurfaceTangent(*np.zeros((4, s.size, self._end.shape[1])))
 
 
 class RigidSurface(LinearSurface):

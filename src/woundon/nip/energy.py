@@ -31,9 +31,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..elasticity.surface import Deformation
-
 if TYPE_CHECKING:
+    from ..elasticity.surface import Deformation
     from .contact_equations import Side
     from .equations import NipEquations, NipState
 
@@ -111,11 +110,16 @@ def body_work(side: Side, deformation: Deformation, p: Array, q: Array, a: float
 
 
 def work_on_bodies(state: NipState) -> tuple[BodyWork, BodyWork]:
-    """Return the work on the roll and on the drum of a web nip."""
+    """Return the work on the roll and on the drum of a web nip.
+
+    That on the roll is without the work along the deformation by other nips.
+    """
     f = state.fields
     a, _, roll, drum = f.geometry
-    own = Deformation(f.roll.slope, f.roll.strain - f.far_strain)
-    return body_work(roll, own, *f.on_roll, a), body_work(drum, f.drum, *f.on_drum, a)
+    on_roll = body_work(roll, f.roll, *f.on_roll, a)
+    strain, slope = f.far.strain[:-2], f.far.slope[:-2]
+    by_others = float(on_roll.lengths @ (on_roll.q * strain - on_roll.p * slope))
+    return on_roll._replace(work=on_roll.work - by_others), body_work(drum, f.drum, *f.on_drum, a)
 
 
 def dissipation(problem: Any, bodies: tuple[BodyWork, BodyWork]) -> float:
@@ -153,8 +157,9 @@ def power_balance(equations: NipEquations, state: NipState) -> float:
     thinning = np.diff(web.thinned(f.p_roll[first : last + 1])[0])
     supplied += roll.p[nip] @ (roll.lengths[nip] * lever - thinning)
     supplied -= roll.curvature_work + drum.curvature_work
-    # the strains by other nips, whose tractions do no work on the roll together
-    supplied -= (roll.lengths * roll.q) @ f.far_strain[:-2]
+    # work along the deformation by other nips, which is zero for all nips of an elastic roll
+    supplied -= (roll.lengths * roll.q) @ f.far.strain[:-2]
+    supplied += (roll.lengths * roll.p) @ f.far.slope[:-2]
     # the work on an elastic body is zero; its discretisation error is part of the defect
     dissipated = dissipation(problem, (roll, drum))
     return float((dissipated - supplied) / (problem.nip_load * a / problem.contact_radius))

@@ -14,16 +14,15 @@ with its arc as the roll wrap, and these couplings:
     tension    T_k(first node) = T_in + sum_(j<k) int (q+ + q-) dx over nip j with its arc
     laid web   E for k < K;  nip K is a wrapped nip, at the end of which (eps - eps+) is its own
 
-    strain     eps+ on the face of nip k includes that by the pressures and tractions of the others
+    roll       slope, curvature and strain on the face of nip k include those by the other nips
 
-Slopes by other nips, which vary little within a nip, are neglected.  An arc ends at the leading
-edge of the next nip, that of its contact without friction, whose half width also places the loads
-of a nip on the roll for the strains on the other faces.
+An arc ends at the leading edge of the next nip, that of its contact without friction, whose half
+width also places the loads of a nip on the roll for the deformation of the other faces.
 
 Unknowns u = (u_1 | ... | u_K), residuals and Jacobian, with J_k those of nip k alone:
 
     J = diag(J_1 ... J_K) + sum_k dR_k/dT_k (dT_k/du) - sum_(k<K) dR_k/dv+ (dE_k/du)
-      - dR/dv+ (strains by other nips),
+      + derivatives of the deformations by other nips,
 
 E_k = E - c11 T_k(end)/2h, because slips are evaluated relative to the tension at the end.
 """
@@ -40,6 +39,7 @@ from typing import Any
 import numpy as np
 
 from ..contact.newton import Iterate, Jacobian
+from ..elasticity.surface import Deformation, SurfaceTangent
 from ..errors import InvalidProblem
 from .contact_equations import DIFFERENCE
 from .equations import Assembly, Fields, Geometry, NipEquations, NipState
@@ -179,7 +179,9 @@ class SeveralNips:
         self.problem, self.size = problem, size
         if nips is None:
             alone = nip_problems(problem)
-            nips = [NipSystem(each, size, is_last=each is alone[-1]) for each in alone]
+            nips = [
+                NipSystem(each, size, is_last=each is alone[-1], is_alone=False) for each in alone
+            ]
         self.nips = nips
         web = problem.web
         self.stretch = web.compliance.c11 / web.thickness
@@ -260,7 +262,7 @@ class SeveralNips:
         ]
         return tuple(np.concatenate(each) for each in zip(*guesses, strict=True))  # type: ignore
 
-    # ---- strains by other nips -----------------------------------------------------------------
+    # ---- deformations by other nips ------------------------------------------------------------
 
     @cached_property
     def _half_widths(self) -> list[float]:
@@ -268,8 +270,8 @@ class SeveralNips:
         return [nip.initial_half_width() for nip in self.nips]
 
     @cached_property
-    def _far_matrices(self) -> dict[tuple[int, int], Array]:
-        """Strain at the points of face i by p and q at the nodes of face j, (2, n+1, m) [1/Pa].
+    def _far_tangents(self) -> dict[tuple[int, int], SurfaceTangent]:
+        """Slope and strain at the points of face i by p and q at the nodes of face j, (n+1, m).
 
         By (i, j), i != j; for meshes with the half widths without friction.
         """
@@ -280,27 +282,27 @@ class SeveralNips:
             surface = self.problem.roll.surface(face, a, self.problem.rolling_speed)
             others = [i for i in range(len(faces)) if i != j]
             points = [centres[i] - centres[j] + halves[i] * faces[i].points for i in others]
-            matrices = surface.strain_matrices_outside(np.concatenate(points))
-            ends = np.cumsum([part.size for part in points])[:-1]
-            for i, matrix in zip(others, np.split(matrices, ends, axis=1), strict=True):
-                out[i, j] = matrix
+            tangent = surface.tangent_outside(np.concatenate(points))
+            for i, part in zip(others, _parts([each.size for each in points]), strict=True):
+                out[i, j] = SurfaceTangent(*(matrix[part] for matrix in tangent))
         return out
 
     def _scaled(self, j: int, a: float) -> float:
         """Return the factor of the loads on face j for another half width: that of its length."""
         return a / self._half_widths[j]
 
-    def _with_far_strains(self, fields: list[Fields]) -> list[Fields]:
-        """Return the fields with the strains by the loads on the other faces."""
+    def _deformed(self, fields: list[Fields]) -> list[Fields]:
+        """Return the fields with the deformations by the loads on the other faces."""
         out = []
         for i, f in enumerate(fields):
-            far = np.zeros(f.roll.strain.size)
+            slope, strain = np.zeros((2, f.roll.strain.size))
             for j, other in enumerate(fields):
                 if j != i:
-                    by_p, by_q = self._far_matrices[i, j]
-                    p, q = other.on_roll
-                    far += self._scaled(j, other.geometry.a) * (by_p @ p + by_q @ q)
-            out.append(f.with_far_strain(far))
+                    far, (p, q) = self._far_tangents[i, j], other.on_roll
+                    factor = self._scaled(j, other.geometry.a)
+                    slope += factor * (far.slope_p @ p + far.slope_q @ q)
+                    strain += factor * (far.strain_p @ p + far.strain_q @ q)
+            out.append(f.deformed(Deformation(slope, strain)))
         return out
 
     # ---- residual ------------------------------------------------------------------------------
@@ -317,7 +319,7 @@ class SeveralNips:
         for nip, part, geometry in zip(self.nips, self.unknowns, geometries, strict=True):
             fields.append(nip.fields(u[part], geometry, T))
             T = float(fields[-1].tension[-1])
-        fields = self._with_far_strains(fields)
+        fields = self._deformed(fields)
         last = self.nips[-1].state_of(u[self.unknowns[-1]], fields[-1])
         E = self.laid_strain(roll_wound_on_tension(self.nips[-1], last))
         states = [
@@ -350,32 +352,42 @@ class SeveralNips:
             for block, own in zip(self._blocks(out, index), assembly.jacobian(), strict=True):
                 block[:, self.unknowns[index]] = own
         self.coupling = self._coupling(state, assemblies[-1])
-        self._add_far_strains(out, assemblies)
+        self._add_far_deformations(out, assemblies)
         for index in range(len(self.nips)):
             self._couple(out, index, slice(0, size))
         self.fill_half_width_column(out, state)
         return out
 
-    def _add_far_strains(self, jacobian: Jacobian, assemblies: list[Assembly]) -> None:
-        """Subtract the derivatives of the strains by other nips from the slips on the roll.
+    def _add_far_deformations(self, jacobian: Jacobian, assemblies: list[Assembly]) -> None:
+        """Add the derivatives of slopes, curvatures and strains by the loads on other faces.
 
-        In those of the last nip the strain at the end is subtracted.  That at the evaluation of the
-        closed tension changes the laid strain.
+        In the slips of the last nip the strain at the end is subtracted.  That at the evaluation of
+        the closed tension changes the laid strain.
         """
         assert self.coupling is not None
         at_points = evaluation_weights(self.nips[-1], assemblies[-1].fields)[1]
-        for (i, j), (by_p, by_q) in self._far_matrices.items():
-            source, nip, columns = assemblies[j], self.nips[i], self.unknowns[j]
-            rows = source.chain_p_roll(by_p)
-            rows[:, source.layout.roll_q] += by_q[:, 1:-1]
-            rows *= self._scaled(j, source.a)
+        for (i, j), far in self._far_tangents.items():
+            source, target, nip, columns = assemblies[j], assemblies[i], self.nips[i], self.unknowns[j]
+            slope, strain = (
+                self._scaled(j, source.a) * source.by_roll_loads(by_p, by_q)
+                for by_p, by_q in ((far.slope_p, far.slope_q), (far.strain_p, far.strain_q))
+            )
+            blocks = self._blocks(jacobian, i)
+            cells = nip.layout.last - nip.layout.first
+            blocks.equilibrium[:cells, columns] += slope[:cells] / nip.slope_scale
+            # the rows of the roll wrap are the last ones but those of force and load
+            nodes = nip.layout.roll_wrap_nodes
+            T = target.fields.tension[nodes, None]
+            face = target.fields.geometry.roll.face
+            bent = face.curvature_change(slope, target.a, ends=False)[cells:]
+            blocks.equilibrium[-2 - len(T) : -2, columns] -= T * bent / nip.pressure_scale
             n = nip.layout.roll_nodes.size
-            slip = rows[:n]
+            slip = strain[:n]
             if nip.is_last:
-                slip = slip - rows[-1]
+                slip = slip - strain[-1]
                 by_strain = self.coupling.laid_by_closed / self.stretch
-                self.coupling.laid_strain[columns] -= by_strain * (at_points @ rows)
-            self._blocks(jacobian, i).slip[:n, columns] -= slip / nip.slope_scale
+                self.coupling.laid_strain[columns] -= by_strain * (at_points @ strain)
+            blocks.slip[:n, columns] -= slip / nip.slope_scale
 
     def _blocks(self, jacobian: Jacobian, index: int) -> Jacobian:
         """Return the rows of a nip."""
@@ -405,7 +417,7 @@ class SeveralNips:
             zip(self.nips, state.nips, self.unknowns, strict=True)
         ):
             f = nip.fields(own.u, own.geometry, float(own.fields.tension[0]) + step)
-            f = f.with_far_strain(own.fields.far_strain)
+            f = f.deformed(own.fields.far)
             shifted_last = nip.state_of(own.u, f, None if nip.is_last else own.laid_strain)
             by_tension.append(
                 Jacobian(
@@ -436,8 +448,7 @@ class SeveralNips:
         dT = last.a * (nodes @ last.mesh.integral_to_nodes)
         by_T = np.zeros(layout.size)
         by_T[layout.roll_q], by_T[layout.drum_q] = dT[layout.roll_nodes], dT[layout.drum_nodes]
-        strain = last.chain_p_roll((points @ last.roll.strain_p)[None])[0]
-        strain[layout.roll_q] += (points @ last.roll.strain_q)[1:-1]
+        strain = last.by_roll_loads((points @ last.roll.strain_p)[None], points @ last.roll.strain_q)[0]
         return np.asarray(by_T * (1 + closed / (2 * STEP * T) / self.stretch) - strain / self.stretch)
 
     def fill_half_width_column(self, jacobian: Jacobian, state: SeveralState) -> None:
