@@ -1,11 +1,13 @@
 r"""Several nips of one outer layer as one coupled system, independent of the solver in the package.
 
 A web is laid on a roll in a first nip, and runs with it through further nips between the roll (+)
-and drums (-), hard ones or linear bodies.  p, q are pressure and traction of the web on the bodies; s runs along the
-surface of the roll in the direction of travel, nip k lies at s_k - a_k ... s_k + a_k.  Between the
-nips and downstream of the last one are arcs on which the web touches the roll only.
+and drums (-), hard ones or linear bodies.  p, q are pressure and traction of the web on the bodies;
+s runs along the surface of the roll in the direction of travel, nip k lies at s_k - a_k to
+s_k + a_k.  Between the nips and downstream of the last one are arcs on which the web touches the
+roll only.
 
-    gap slope     v+' + v-' + c12 (q+ + q-) - 2h c22 p+' + Delta_k/R* - (s - s_k)/R* = 0   cells of nip k
+    gap slope     v+' + v-' + c12 (q+ + q-) - 2h c22 p+' + Delta_k/R* - (s - s_k)/R* = 0
+                  in the cells of nip k
     equilibrium   p+ = p- - T kappa- in nip k, p+ = T kappa+ on arcs and at the edges of nips;
                   p+ = 0 at the leading edge of nip 1, p- = 0 at all edges
     resultants    int q- ds = F_k, int p- ds = P_k over nip k
@@ -13,8 +15,9 @@ nips and downstream of the last one are arcs on which the web touches the roll o
     slip          v+ = eps - eps+ - E, E = (eps - eps+)(end);  v- = eps - eps- + xi_k
     friction      stick v = 0, |q| <= mu p;  slip q = s mu p, s v >= 0
 
-kappa+ = 1/R - v'' - v/R^2, and kappa- = 1/R_k - v-'' of the iterate before.  Per unit of the roll's speed the unstrained web and the unstrained
-surface of the roll are equally fast everywhere, so that there is one E for all nips.
+kappa+ = 1/R - v'' - v/R^2, and kappa- = 1/R_k - v-'' of the iterate before.  Per unit of the
+roll's speed the unstrained web and the unstrained surface of the roll are equally fast everywhere,
+so that there is one E for all nips.
 
 The tractions are linear between nodes, and slopes and slips are collocated once in each cell, the
 slip of a node in the cell upstream of it.  All half widths are unknowns; the active set changes

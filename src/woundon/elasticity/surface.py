@@ -191,6 +191,11 @@ class InterpolatedSurface:
         one, two = (each.end_tangential_displacement(p, q) for each in (self.first, self.second))
         return one + self.share * (two - one)
 
+    def tangent_outside(self, s: Array) -> SurfaceTangent:
+        """Return the derivatives of slope and strain at positions s [m] outside, (k, n) each."""
+        one, two = (each.tangent_outside(s) for each in (self.first, self.second))
+        return SurfaceTangent(*self._between(one, two))
+
     def _between(self, first: Sequence[Array], second: Sequence[Array]) -> list[Array]:
         """Return the interpolated arrays."""
         return [one + self.share * (two - one) for one, two in zip(first, second, strict=True)]

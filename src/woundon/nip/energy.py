@@ -31,8 +31,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from ..elasticity.surface import Deformation
+
 if TYPE_CHECKING:
-    from ..elasticity.surface import Deformation
     from .contact_equations import Side
     from .equations import NipEquations, NipState
 
@@ -116,10 +117,8 @@ def work_on_bodies(state: NipState) -> tuple[BodyWork, BodyWork]:
     """
     f = state.fields
     a, _, roll, drum = f.geometry
-    on_roll = body_work(roll, f.roll, *f.on_roll, a)
-    strain, slope = f.far.strain[:-2], f.far.slope[:-2]
-    by_others = float(on_roll.lengths @ (on_roll.q * strain - on_roll.p * slope))
-    return on_roll._replace(work=on_roll.work - by_others), body_work(drum, f.drum, *f.on_drum, a)
+    own = Deformation(f.roll.slope - f.far.slope, f.roll.strain - f.far.strain)
+    return body_work(roll, own, *f.on_roll, a), body_work(drum, f.drum, *f.on_drum, a)
 
 
 def dissipation(problem: Any, bodies: tuple[BodyWork, BodyWork]) -> float:
@@ -150,14 +149,14 @@ def power_balance(equations: NipEquations, state: NipState) -> float:
     supplied -= c12 * (roll.lengths[wrap] * roll.q[wrap]) @ roll.p[wrap]
     # wraps: the hoop pressure T kappa does work along the deformed path of the web
     hoop = a * mesh.cells * mesh.at_points(f.p_roll - f.p_drum)
-    supplied += hoop[:last] @ drum.slope - hoop[last:] @ roll.slope[wrap]
+    supplied += hoop[:last] @ drum.slope - hoop[last:] @ f.roll.slope[:-2][wrap]
     nip = slice(0, last - first)
     # moment of the pressure about the line of centres, and the compression of the web
     lever = state.u[layout.shift] - a * mesh.points[first:last] / problem.contact_radius
     thinning = np.diff(web.thinned(f.p_roll[first : last + 1])[0])
     supplied += roll.p[nip] @ (roll.lengths[nip] * lever - thinning)
     supplied -= roll.curvature_work + drum.curvature_work
-    # work along the deformation by other nips, which is zero for all nips of an elastic roll
+    # the work along the deformation by other nips is none of the own work
     supplied -= (roll.lengths * roll.q) @ f.far.strain[:-2]
     supplied += (roll.lengths * roll.p) @ f.far.slope[:-2]
     # the work on an elastic body is zero; its discretisation error is part of the defect

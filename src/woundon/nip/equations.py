@@ -257,8 +257,8 @@ class NipEquations(ContactEquations):
     def fields(self, u: Array, g: Geometry, inlet_tension: float) -> Fields:
         """Evaluate pressures, tractions, tension and the deformation of both bodies.
 
-        ``inlet_tension`` is that at the first node [N/m].  In this order: the unknowns at the nodes, the tension, the drum, p+ in the nip, which
-        depends on the curvature of the drum, and the roll.
+        In this order: the unknowns at the nodes, the tension from the ``inlet_tension`` [N/m], the
+        drum, p+ in the nip, which depends on the curvature of the drum, and the roll.
         """
         layout, a, mesh = self.layout, g.a, g.mesh
         p_roll, p_drum, q_roll, q_drum = np.zeros((4, layout.end + 1))
@@ -501,18 +501,6 @@ class Assembly:
         out[:, layout.wrap_p] += matrix[:, n : n + layout.wrap_p.stop - layout.wrap_p.start]
         return out
 
-    def by_roll_loads(self, by_p: Array, by_q: Array) -> Array:
-        """Return derivatives by u, (m, size), from those by the nodal loads on the roll's face.
-
-        Parameters
-        ----------
-        by_p : (m, n) array
-        by_q : (m, n) or (n,) array
-        """
-        rows = self.chain_p_roll(by_p)
-        rows[:, self.layout.roll_q] += by_q[..., 1:-1]
-        return rows
-
     def _gap_slope_rows(self) -> Array:
         """Return the rows of the gap slope in the cells of the nip, (cells, size).
 
@@ -588,7 +576,10 @@ class Assembly:
         strain_p, strain_q = self.roll.strain_p[:n], self.roll.strain_q[:n]
         if self.equations.is_last:
             # strains are relative to the end, where that of the web is -c12 p+
-            strain_p, strain_q = strain_p - self.roll.strain_p[-1], strain_q - self.roll.strain_q[-1]
+            strain_p, strain_q = (
+                strain_p - self.roll.strain_p[-1],
+                strain_q - self.roll.strain_q[-1],
+            )
         roll = web_strain[layout.first : layout.first + n] - self.chain_p_roll(strain_p)
         if self.equations.is_last:
             roll += c12 * self.dp_roll[-1]
