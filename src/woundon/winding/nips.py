@@ -15,7 +15,7 @@ from ..problems.bodies import Body
 from ..problems.nip import NipProblem
 from ..problems.winding import WindingProblem
 from ..roll.result import RollResult
-from ..roll.stages import stage_at
+from ..roll.stages import Stage, stages_at
 from .bodies import NipSample, predicted_nip, solved_nip
 
 __all__ = ["PRESSURE_TOLERANCE", "Nips", "warnings_of"]
@@ -73,6 +73,9 @@ class Nips:
         self.solved, self.coarse, self.rough = solved, False, False
         self.films: dict[float, float] = {}
         self.frictions: dict[float, tuple[float, float]] = {}
+        # stages of the latest roll at the nips
+        self._staged: RollResult | None = None
+        self._stages: dict[float, Stage] = {}
 
     @property
     def is_roll_independent(self) -> bool:
@@ -89,7 +92,7 @@ class Nips:
             return previous.tension
         with _radius_in_errors(radius):
             linear = self.problem.roll_body == "linear"
-            stage = None if roll is None or linear else stage_at(roll, radius)
+            stage = None if roll is None or linear else self._stage(radius, roll)
             sample = solved_nip(
                 self._with_stack_of(roll),
                 radius,
@@ -104,7 +107,7 @@ class Nips:
 
     def predict(self, radius: float, roll: RollResult) -> float:
         """Return the tension of a nip predicted on another effective roll [N/m]."""
-        stage = stage_at(roll, radius)
+        stage = self._stage(radius, roll)
         self.samples[radius] = predicted_nip(self._with_stack_of(roll), stage, self.samples[radius])
         return self.samples[radius].tension
 
@@ -141,6 +144,15 @@ class Nips:
         return warnings_of(
             [(sample.radius, sample.result.warnings) for sample in self.from_core_to_surface()]
         )
+
+    def _stage(self, radius: float, roll: RollResult) -> Stage:
+        """Return a stage of the roll; those at all nips are solved together."""
+        if roll is not self._staged:
+            self._staged, self._stages = roll, {}
+        if radius not in self._stages:
+            radii = [radius, *(r for r in self.samples if r not in self._stages and r != radius)]
+            self._stages |= zip(radii, stages_at(roll, radii), strict=True)
+        return self._stages[radius]
 
     def _with_stack_of(self, roll: RollResult | None) -> WindingProblem:
         """Return the problem with the stack of a roll, including its air film."""
