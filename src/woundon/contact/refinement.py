@@ -183,6 +183,7 @@ def refine(
     most_nodes: int = 257,
     start: Refinement | None = None,
     errors: bool = True,
+    last: MeshSolution | None = None,
     check: Callable[[MeshSolution], None] = lambda _: None,
     progress: Callable[[float], None] | None = None,
 ) -> Refinement:
@@ -202,8 +203,9 @@ def refine(
     start : Refinement, optional
         Solutions of a neighbouring problem, which replace the initial guess on every mesh.
     errors : bool
-        False omits the coarse meshes, which only the error estimates need, if ``start`` ends on a
-        mesh of as many nodes.
+        False omits the coarse meshes, which only the error estimates need, if there is a ``start``.
+    last : MeshSolution, optional
+        The known solution on the last mesh, of ``nodes``.
     check : callable
         Called with the solution on each mesh; it may raise.
     progress : callable, optional
@@ -224,6 +226,9 @@ def refine(
         refinement = Refinement()
         while True:
             for size in sizes:
+                if last is not None and size == last.size:
+                    refinement.meshes.append(last)
+                    return refinement
                 refinement.meshes.append(_solve(system_of(size), size, refinement, start))
                 check(refinement.last)
                 if progress:
@@ -240,7 +245,7 @@ def refine(
     attempts: list[tuple[list[int], Refinement | None]] = [(sequence, None), (alternative, None)]
     if start is not None:
         attempts.insert(0, (sequence, start))
-        if nodes == start.last.size and not errors:
+        if nodes and not errors:
             attempts.insert(0, ([nodes], start))
     for sizes, guess in attempts:
         try:

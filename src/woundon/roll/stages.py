@@ -47,9 +47,10 @@ class Stage(NamedTuple):
     gradient: Array
     tension: float
 
-    def pressure_at(self, r: Array) -> Array:
-        """Return P at radii [Pa]."""
-        return interpolate_pressure(np.log(self.radius), self.pressure, self.gradient, np.log(r))[0]
+    def stresses_at(self, r: Array) -> tuple[Array, Array]:
+        """Return P and the hoop stress at radii [Pa]."""
+        P, Q = interpolate_pressure(np.log(self.radius), self.pressure, self.gradient, np.log(r))
+        return P, -(P + Q)
 
 
 def stresses_between(result: Any, radius: ArrayLike) -> dict[str, Any]:
@@ -104,7 +105,7 @@ def stage_arrays(result: Any, radius: float) -> dict[str, Any]:
     return {**arrays, "problem": stage, "layer_growth": layer_growth}
 
 
-def stages_at(result: Any, radii: Sequence[float]) -> list[Stage]:
+def stages_at(result: Any, radii: Sequence[float], cells: int | None = None) -> list[Stage]:
     """Return the pressure at stages of the build-up, without residuals and error estimates.
 
     Parameters
@@ -112,10 +113,13 @@ def stages_at(result: Any, radii: Sequence[float]) -> list[Stage]:
     result : RollResult
     radii : sequence of float
         Of the roll's surface at these stages, ten layers or more above the core [m].
+    cells : int, optional
+        Approximate number of cells without those at kinks of the tension; by default so many that
+        there are about as many cells as in the result.
     """
     curve, core, R = result.problem.tension_curve, result.problem.core.radius, result.problem.radius
-    # kinks of the tension are additional nodes
-    cells = max(result.radius.size - 1 - curve.kinks.size, FEWEST_CELLS)
+    if cells is None:
+        cells = max(result.radius.size - 1 - curve.kinks.size, FEWEST_CELLS)
     earlier = sorted({radius for radius in radii if radius != R})
     solutions = dict(zip(earlier, _solve_stages(result, earlier, cells), strict=True))
     tensions = curve.at(np.array(radii)) * float(result.problem.web_thickness)

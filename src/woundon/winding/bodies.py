@@ -282,7 +282,7 @@ def effective_pressure(stage: Stage, tension: float, half_width: float, peak: fl
     """
     surface, core = float(stage.radius[-1]), float(stage.radius[0])
     r = np.linspace(max(core, surface - half_width), surface, DEPTHS)
-    wound = np.trapezoid(stage.pressure_at(r), r) / (r[-1] - r[0])
+    wound = np.trapezoid(stage.stresses_at(r)[0], r) / (r[-1] - r[0])
     # Near the surface the pressure is proportional to the tension of the last layers: it is scaled
     # to the tension of this nip.
     return float(max(wound, 0.0) * tension / stage.tension + PEAK_COEFFICIENT * peak)
