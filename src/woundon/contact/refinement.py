@@ -247,12 +247,13 @@ def refine(
         attempts.insert(0, (sequence, start))
         if nodes and not errors:
             attempts.insert(0, ([nodes], start))
+    failure: ArithmeticError
     for sizes, guess in attempts:
         try:
             return refine_from(sizes, guess)
-        except ArithmeticError as failure:  # of the iteration, or of a body under an iterate
-            last = failure
-    raise NewtonFailed(str(last)) from last
+        except ArithmeticError as stop:  # of the iteration, or of a body under an iterate
+            failure = stop
+    raise NewtonFailed(str(failure)) from failure
 
 
 def _solve(

@@ -205,7 +205,8 @@ def _refined(
             tolerances=tolerances,
             most_nodes=MOST_NODES_RTOL if rtol else max_nodes,
             start=getattr(start, "refinement", None),
-            last=start.refinement.last if start and start.problem == problem and start.nodes == nodes else None,
+            # of the same problem only the coarse meshes are solved
+            last=start.refinement.last if start and start.problem == problem else None,
             check=lambda mesh: _check_taut(problem, mesh, CERTAINLY_SLACK),
             **options,
         )

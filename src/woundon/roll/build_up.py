@@ -50,6 +50,9 @@ Array = np.ndarray
 
 STAGE_TOLERANCE = 0.02  # error of a stage, relative to the tolerance
 ONE_NEWTON_STEP = 0.04  # accepted error of kappa for which one Newton step usually suffices
+# Accepted error of kappa at known stages: the last Newton step is at most 5e-8, and the error is
+# about its square.
+SAME_STAGES = 1e-14
 WEAK_KINK = 0.05  # of the tolerance: kinks that change the source by less are ignored
 STEP_STRETCH = 0.3  # a step is extended by up to this fraction to a kink, to prevent a tiny step
 STRETCH_REDUCTION = 0.75  # factor for an extended step that was rejected, < 1/(1 + STEP_STRETCH)
@@ -138,7 +141,6 @@ def wind_with_stages(
     tension: Tension,
     reference: BuildUp,
     *,
-    tolerance: float,
     cells: int,
     surface_layer: float,
     report: Callable[[float], None] | None = None,
@@ -146,12 +148,12 @@ def wind_with_stages(
     """Wind a roll with the stages of a reference build-up.
 
     The reference is the same roll with fewer cells, or a roll with a similar tension: differences
-    between both are then free of the errors of the stages, which they share.  Other parameters as
-    of :func:`wind`.
+    between both are then free of the errors of the stages, which they share, and of Newton's
+    method.  Other parameters as of :func:`wind`.
     """
     layers, all_stages = Layers(equations, tension), range(1, reference.growth.x.size)
     return _wind_selected_stages(
-        layers, reference, all_stages, STAGE_TOLERANCE * tolerance, cells, surface_layer, report
+        layers, reference, all_stages, SAME_STAGES, cells, surface_layer, report
     )
 
 

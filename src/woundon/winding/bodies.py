@@ -133,6 +133,7 @@ def solved_nip(
     neighbour: NipSample | None,
     solve: Solve,
     coupling_rtol: float,
+    pressure: float | None = None,
 ) -> NipSample:
     """Solve the nip on the roll at a stage of its build-up.
 
@@ -149,6 +150,8 @@ def solved_nip(
         (roll, neighbouring result for a warm start, or None) -> result of the nip.
     coupling_rtol : float
         Relative tolerance of the effective pressure P_e, at which the moduli of the roll are taken.
+    pressure : float, optional
+        Guess of P_e without a solution on a similar roll [Pa].
     """
     guess = previous or neighbour
     start = guess.result if guess else None
@@ -156,7 +159,7 @@ def solved_nip(
         return NipSample(solve(linear_cylinder(problem, radius), start))
     if problem.roll_body == "direct":
         return NipSample(solve(hardening_roll(problem, stage), start))
-    return _effective(problem, stage, previous, neighbour, solve, coupling_rtol)
+    return _effective(problem, stage, previous, neighbour, solve, coupling_rtol, pressure)
 
 
 def _effective(
@@ -166,6 +169,7 @@ def _effective(
     neighbour: NipSample | None,
     solve: Solve,
     coupling_rtol: float,
+    pressure: float | None,
 ) -> NipSample:
     """Solve the nip on an effective cylinder by a fixed-point iteration for P_e.
 
@@ -175,6 +179,8 @@ def _effective(
     guess, radius = previous or neighbour, float(stage.radius[-1])
     if previous:
         P = predicted_nip(problem, stage, previous).implied_pressure
+    elif pressure:
+        P = min(pressure, _largest_pressure(problem))
     else:
         P = _initial_pressure(problem, stage, neighbour)
     result = guess.result if guess else None

@@ -82,10 +82,13 @@ class Nips:
         """True if the wound-on tension of a nip does not depend on the wound roll."""
         return self.problem.roll_body == "linear" and self.problem.air is None
 
-    def tension(self, radius: float, roll: RollResult | None) -> float:
+    def tension(
+        self, radius: float, roll: RollResult | None, pressure: float | None = None
+    ) -> float:
         """Solve the nip at a radius on a roll; return its wound-on tension [N/m].
 
-        ``roll`` may be None if :attr:`is_roll_independent`.
+        ``roll`` may be None if :attr:`is_roll_independent`.  ``pressure`` is a guess of P_e [Pa]
+        for a nip that has no solution yet.
         """
         previous = self.samples.get(radius)
         if self.is_roll_independent and previous is not None:
@@ -101,6 +104,7 @@ class Nips:
                 self._nearest(radius),
                 self.solve,
                 COARSE_PRESSURE_TOLERANCE if self.rough else PRESSURE_TOLERANCE,
+                pressure,
             )
         self.samples[radius] = sample
         return sample.tension

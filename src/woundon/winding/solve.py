@@ -10,8 +10,9 @@ The nip-induced tension depends on the radius and on the pressure of the outermo
 hardly on the layers below.  The iteration therefore converges quickly, separately at each radius:
 
     linear      no iteration: the nips do not depend on the wound roll
-    effective   every second iteration recomputes only the roll and extrapolates the tensions of the
-                nips to it; two iterations with nips usually suffice
+    effective   between iterations with nips, only the roll is recomputed, and the tensions of the
+                nips are extrapolated to it until both agree; three iterations with nips usually
+                suffice, the first on a coarse mesh
     direct      secant method
 
 Radii are added until the error estimate of the interpolation is below rtol.
@@ -19,8 +20,8 @@ Radii are added until the error estimate of the interpolation is below rtol.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
@@ -64,7 +65,10 @@ ROUGH_CHANGE = 0.03  # relative change of the tension above which lower accuraci
 # Relative change below which radii may be added.  With larger changes the choice of the radii would
 # depend on the initial guess.
 REFINEMENT_CHANGE = {"effective": 5e-3, "linear": 1.0, "direct": 1e-3}
-COARSE_RTOL = 0.05  # of the roll, while the change is larger than ROUGH_CHANGE
+# Iterations with extrapolated nips: the most, and the relative difference of the tension at which
+# they end while radii may not be added.
+MAX_EXTRAPOLATIONS, SETTLED_ROUGHLY = 5, 1e-3
+FEWEST_PRESSURES = 3  # from which effective pressures are interpolated
 MIN_SECANT_STEP = 1e-6  # of a share; the slope of a smaller one is too noisy
 POWER = 0.75  # exponent of the nip load in the initial guess of the nip-induced tension
 STOP_FRACTION = 0.9  # fraction of ``coupling_rtol`` at which the iteration stops
@@ -182,6 +186,8 @@ class _Iteration:
     r : (M,) array
         Radii of the tension of the roll [m].
     roll : ThinLayerRoll
+    has_own_stages : bool
+        True if the stages of the roll were chosen for its own tension.
     film : float
         Air film between the layers of the roll [m].
     change : float
@@ -192,6 +198,7 @@ class _Iteration:
     nip_shares: dict[float, float]
     r: Array
     roll: ThinLayerRoll
+    has_own_stages: bool
     film: float
     change: float
 
@@ -241,38 +248,71 @@ class _Winder:
         shares, change = self._initial_shares()
         previous: _Iteration | None = None
         slopes: dict[float, float] = {}
-        solves_nips, may_refine = True, False
         # warm starts from a neighbouring winding need no coarse mesh
         self.nips.coarse = change > ROUGH_CHANGE and not self.nips.neighbours
         for number in range(MAX_ITERATIONS):
-            if solves_nips and self.nips.coarse and change <= ROUGH_CHANGE:
+            self.nips.rough = rough = change > ROUGH_CHANGE
+            if self.nips.coarse and not rough:
                 # tensions on another mesh do not continue the secant steps
-                self.nips.coarse, previous = False, None
-            rough = change > ROUGH_CHANGE
-            iteration = self._iterate(shares, rough, previous=None if solves_nips else previous)
-            if solves_nips:
-                is_close = (
-                    iteration.change <= REFINEMENT_CHANGE[self.problem.roll_body]
-                    or number >= MAX_UNREFINED_ITERATIONS
-                )
-                may_refine = is_close and not self.nips.coarse
-            added = solves_nips and may_refine and self._refine(iteration)
-            change = iteration.change
-            self._note_progress(change)
-            is_final = may_refine and not (added or rough)
+                self.nips.coarse, slopes = False, {}
+                previous = previous if self._extrapolates else None
+            stages = previous if self._extrapolates else None
+            iteration = self._iterate(shares, self._nip_share, stages)
+            is_close = (
+                iteration.change <= REFINEMENT_CHANGE[self.problem.roll_body]
+                or number >= MAX_UNREFINED_ITERATIONS
+            )
+            may_refine = is_close and not self.nips.coarse
+            added = may_refine and self._refine(iteration)
+            self._note_progress(iteration.change)
+            if self._extrapolates:
+                iteration = self._extrapolate(iteration, may_refine)
+                shares, added = iteration.nip_shares, False  # what was added is included
+            else:
+                shares = _secant_update(iteration, previous, slopes)
+            previous, change = iteration, iteration.change
+            is_final = may_refine and iteration.has_own_stages and not (added or rough)
             if is_final and change <= STOP_FRACTION * self.coupling_rtol:
-                # an extrapolated roll has the stages of earlier iterations: compute it once more
-                return iteration if solves_nips else self._recompute_roll(iteration)
-            direct = self.problem.roll_body == "direct"
-            shares = _secant_update(iteration, previous, slopes) if direct else iteration.nip_shares
-            previous = iteration
-            # with effective rolls every second iteration solves no nips
-            solves_nips = not (solves_nips and self.problem.roll_body == "effective")
+                return iteration
         raise NotConverged(
             f"the nip-roll iteration does not converge: after {MAX_ITERATIONS} iterations the "
             f"relative change of the wound-on tension is still {change:.2g}",
             self._assemble(previous) if previous else None,
         )
+
+    @property
+    def _extrapolates(self) -> bool:
+        """True if nips are extrapolated to other rolls between their solutions."""
+        return self.problem.roll_body == "effective"
+
+    def _extrapolate(self, iteration: _Iteration, is_close: bool) -> _Iteration:
+        """Iterate between the roll and nips that are extrapolated to it, until both agree.
+
+        If ``is_close``, the tension hardly changes, and the stages of the roll are chosen for it
+        first.  They are kept in between, because a change of the stages could exceed the tolerance,
+        and chosen once more for a result, so that its roll follows from its tension alone.
+        """
+        tolerance = STOP_FRACTION * self.coupling_rtol
+        goal = tolerance if is_close else SETTLED_ROUGHLY
+        slopes: dict[float, float] = {}
+        previous: _Iteration | None = None
+        shares, stages = iteration.nip_shares, None if is_close else iteration
+        for _ in range(MAX_EXTRAPOLATIONS):
+            iteration = self._iterate(shares, self._predicted_share, stages)
+            agrees = max(self._differences(iteration.shares, iteration.nip_shares)) <= goal
+            is_result = is_close and iteration.change <= tolerance
+            if agrees and (iteration.has_own_stages or not is_result):
+                break
+            shares = _secant_update(iteration, previous, slopes)
+            previous, stages = iteration, None if agrees else iteration
+        return iteration
+
+    def _differences(
+        self, shares: dict[float, float], others: dict[float, float]
+    ) -> Iterator[float]:
+        """Yield the relative difference of the tensions of two shares at each place."""
+        for place, share in shares.items():
+            yield abs(self._tension(place, others[place]) / self._tension(place, share) - 1)
 
     def _initial_shares(self) -> tuple[dict[float, float], float]:
         """Return the initial shares by place, and the relative error of their tension.
@@ -291,35 +331,33 @@ class _Winder:
         return shares, 0.0
 
     def _iterate(
-        self, shares: dict[float, float], rough: bool, previous: _Iteration | None
+        self,
+        shares: dict[float, float],
+        share_of_nip: Callable[[float, RollResult], float],
+        stages: _Iteration | None,
     ) -> _Iteration:
-        """Compute the roll from the shares, and solve the nips on this roll.
+        """Compute the roll from the shares, and the shares of the nips on this roll.
 
-        With ``previous``, the tensions of the nips are extrapolated to the new roll instead.  The
-        roll is then computed in the same stages, because a change of the stages could exceed the
-        tolerance of the iteration.  ``rough`` permits a lower accuracy of roll and nips.
+        Parameters
+        ----------
+        shares : dict of float to float
+            Of the roll, by place.
+        share_of_nip : callable
+            (place, roll) -> share of a nip, solved or extrapolated.
+        stages : _Iteration, optional
+            The roll is computed in the stages of this one, by default in its own.
         """
         film, r = self.nips.mean_film(), self.curve.knots()
-        self.nips.rough = rough
         tension = self.curve.tension(shares, r)
-        if previous is None:
-            rtol = max(self.rtol, COARSE_RTOL) if rough else self.rtol
-            roll = wind(self.problem, r, tension, rtol, film)
-            nip_shares = {place: self._nip_share(place, roll.result) for place in shares}
+        if stages is None:
+            roll = wind(self.problem, r, tension, self.rtol, film)
         else:
-            roll = recomputed(self.problem, previous.roll, r, tension, film)
-            nip_shares = {place: self._predicted_share(place, roll.result) for place in shares}
+            roll = recomputed(self.problem, stages.roll, r, tension, film)
+        nip_shares = {place: share_of_nip(place, roll.result) for place in shares}
         change = max(self._mismatch(place, share) for place, share in shares.items())
         # the change of the air film counts relative to the web thickness
         change = max(change, abs(self.nips.mean_film() - film) / self.problem.web.thickness)
-        return _Iteration(shares, nip_shares, r, roll, film, change)
-
-    def _recompute_roll(self, iteration: _Iteration) -> _Iteration:
-        """Recompute the roll from its tension alone, independent of earlier iterations."""
-        tension = self.curve.tension(iteration.shares, iteration.r)
-        return replace(
-            iteration, roll=wind(self.problem, iteration.r, tension, self.rtol, iteration.film)
-        )
+        return _Iteration(shares, nip_shares, r, roll, stages is None, film, change)
 
     def _predicted_share(self, place: float, roll: RollResult) -> float:
         """Return the friction share of the nip at a place, extrapolated to another roll [1]."""
@@ -328,8 +366,25 @@ class _Winder:
 
     def _nip_share(self, place: float, roll: RollResult | None) -> float:
         """Solve the nip at a place on a roll; return its friction share [1]."""
-        radius = self.curve.radius(place)
-        return self.curve.share(self.nips.tension(radius, roll), radius)
+        radius, pressure = self.curve.radius(place), self._interpolated_pressure(place)
+        return self.curve.share(self.nips.tension(radius, roll, pressure), radius)
+
+    def _interpolated_pressure(self, place: float) -> float | None:
+        """Return the effective pressure P_e at a place from the nips of its piece, solved before.
+
+        It is their interpolating polynomial in ln P_e; None below FEWEST_PRESSURES nips, and where
+        the same nip of a neighbouring winding is the better guess.
+        """
+        if not self._extrapolates or self.curve.radius(place) in self.nips.neighbours:
+            return None
+        piece = next(piece for piece in self.curve.pieces if place <= piece.end)
+        before = piece.places.index(place) if place in piece.places else len(piece.places)
+        samples = [self.nips.samples.get(self.curve.radius(p)) for p in piece.places[:before]]
+        known = [sample.implied_pressure for sample in samples if sample is not None]
+        if before < FEWEST_PRESSURES or len(known) < before:
+            return None
+        logarithms = dict(zip(piece.places, np.log(known).tolist(), strict=False))
+        return float(np.exp(piece.at(np.array(place), logarithms, first=before)))
 
     def _tension(self, place: float, share: float) -> float:
         """Return the wound-on tension of a friction share at a place [N/m]."""
