@@ -108,7 +108,7 @@ def wind(
     # x is ln r of the surface; it equals last_kink only after a step that ended at a kink
     x, end, step, last_kink = roll.start, log(radius), first_step, -np.inf
     while x < end:
-        kinks, changes = kinks_of(tension, roll.growth)
+        kinks, changes = roll.kinks
         # the next kink that counts, or the end
         kink = float(np.append(kinks[(kinks > x) & (changes > WEAK_KINK * tolerance)], end)[0])
         length = min(step, kink - x)
@@ -369,6 +369,8 @@ class _Roll:
         ln of the core radius, and the wound-on stress there [Pa].
     growth : Growth
         Kappa at the previous stages.
+    kinks : pair of arrays
+        Kinks of the tension, and the changes of the source there, as of :func:`.kinks_of`.
     nodes, solutions : list
         Of the previous stages, as of :class:`BuildUp`.
     """
@@ -390,6 +392,7 @@ class _Roll:
         )
         self.T_c = float(self.tension.at(np.array([core]))[0])
         self.growth = Growth(self.start, self.equations.core)
+        self.kinks = kinks_of(self.tension, self.growth)
         self.nodes: list[Array] = []
         self.solutions: list[StageSolution] = []
 
@@ -404,7 +407,7 @@ class _Roll:
             surface,
             self.cells,
             self.surface_layer,
-            *kinks_of(self.tension, previous),
+            *self.kinks,
             self.equations.core_layer,
         )
         source = cell_source(self.tension, previous.with_stage(surface, kappa), nodes)
@@ -435,6 +438,7 @@ class _Roll:
         self.nodes.append(stage.x)
         self.solutions.append(stage.solved)
         self.growth = self.growth.with_stage(float(stage.x[-1]), stage.kappa)
+        self.kinks = kinks_of(self.tension, self.growth)
         if self.report is not None:
             self.report(exp(stage.x[-1]))
 

@@ -42,7 +42,9 @@ first of the next one are the conditions at this surface and at that core.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from copy import copy
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -77,7 +79,8 @@ class CellSource(NamedTuple):
     right: Array
 
 
-class StageData(NamedTuple):
+@dataclass
+class StageData:
     """Nodes, source and boundary values of one stage, or of J stages, one after the other.
 
     Attributes
@@ -99,28 +102,30 @@ class StageData(NamedTuple):
     source: CellSource
     tension: float
     surface_pressure: float = 0.0
-    gaps: Array = np.zeros(0, dtype=int)
+    gaps: Array = field(default_factory=lambda: np.zeros(0, dtype=int))
 
-    @property
+    @cached_property
     def firsts(self) -> Array:
         """First node of each stage, (J,)."""
         return np.append(0, self.gaps + 1)
 
-    @property
+    @cached_property
     def lasts(self) -> Array:
         """Last node of each stage, (J,)."""
         return np.append(self.gaps, self.x.size - 1)
 
+    @cached_property
     def lengths(self) -> Array:
-        """Return the lengths of the cells in ln r, (n,); zero in gaps."""
+        """Lengths of the cells in ln r, (n,); zero in gaps."""
         h = self.x[1:] - self.x[:-1]
         h[self.gaps] = 0.0
         return h
 
     def with_source_changed(self, change: CellSource) -> StageData:
         """Return the stages with a change added to the source."""
-        changed = (C + dC for C, dC in zip(self.source, change, strict=True))
-        return self._replace(source=CellSource(*changed))
+        changed = copy(self)
+        changed.source = CellSource(*(C + dC for C, dC in zip(self.source, change, strict=True)))
+        return changed
 
 
 class StageSolution(NamedTuple):
@@ -165,8 +170,8 @@ class GrowthEffect(NamedTuple):
         Parameters
         ----------
         weights : (3 n,) array
-        owners : (3 n,) int array
-            The stage of each point.
+        owners : (n,) int array
+            The stage of each cell.
         count : int
             J.
 
@@ -175,10 +180,9 @@ class GrowthEffect(NamedTuple):
         (J, J) array
             Rows: stages of the points, columns: stages of kappa.
         """
-        pairs = owners[:, None] * count + self.stages
-        sums = np.bincount(
-            pairs.ravel(), (weights[:, None] * self.factors).ravel(), minlength=count**2
-        )
+        pairs = (owners * count)[:, None] + self.stages.reshape(3, owners.size, -1)
+        weighted = weights[:, None] * self.factors
+        sums = np.bincount(pairs.ravel(), weighted.ravel(), minlength=count**2)
         return sums.reshape(count, count)
 
 
@@ -254,7 +258,7 @@ class StageEquations:
         P, Q : (n + 1,) arrays
             Pressure, and Q = r dP/dr [Pa].
         """
-        x, source, gaps, h = stage.x, stage.source, stage.gaps, stage.lengths()
+        x, source, gaps, h = stage.x, stage.source, stage.gaps, stage.lengths
         slope = self._slope_of_Q(x, P, Q)
         left, right = slope[:-1] + source.left, slope[1:] + source.right
         middle_P = (P[1:] + P[:-1]) / 2 - h / 8 * (Q[1:] - Q[:-1])
@@ -287,7 +291,7 @@ class StageEquations:
         E : (2 n + 1,) array
             E_r at the nodes, then in mid-cell [Pa].
         """
-        n, h, gaps = stage.x.size - 1, stage.lengths(), stage.gaps
+        n, h, gaps = stage.x.size - 1, stage.lengths, stage.gaps
         g = self.tangential / E - 1
         g_node, g_mid = g[: n + 1], g[n + 1 :]
         twelfth_h2, mid_term = h * h / 12, h / 3 * g_mid
@@ -404,18 +408,19 @@ class StageEquations:
             Accepted error of kappa, relative to kappa + 2.  Newton's method converges
             quadratically: the error after a step is about the square of the step.
         """
-        x, firsts, lasts, h = stage.x, stage.firsts, stage.lasts, stage.lengths()
+        x, firsts, lasts, h = stage.x, stage.firsts, stage.lasts, stage.lengths
         half, count = h / 2, lasts.size
         to_surface = 2 * (x - np.repeat(x[lasts], lasts - firsts + 1))
         quadrature = np.exp(to_surface) * (np.append(half, 0) + np.append(0, half))
-        owners = np.tile(np.searchsorted(lasts, np.arange(h.size)), 3)
+        owners = np.repeat(np.arange(count), lasts - firsts + 1)[:-1]
         for _ in range(MAX_ITERATIONS):
             try:
                 factors, E, step, layer = self._linearised(stage, P, Q)
             except SingularStageError:
                 return None
             # some laws have an infinite slope at P = 0, where p has no effect
-            E_slope = np.nan_to_num(self.modulus_slope(self._total(x, P)), posinf=0.0)
+            E_slope = self.modulus_slope(self._total(x, P))
+            E_slope = np.where(np.isfinite(E_slope), E_slope, 0.0)
             kappa_by_P = -quadrature * layer[::2] ** 2 * self.tangential * E_slope / E**2
             adjoint = np.zeros_like(step)
             adjoint[::2] = kappa_by_P
@@ -423,7 +428,7 @@ class StageEquations:
             coupling = np.eye(count) + effect.by_stage(weights, owners, count)
             missing = layer[2 * lasts + 1] - growth
             missing -= np.add.reduceat(kappa_by_P * step[::2], firsts)
-            change = np.linalg.solve(coupling, missing)
+            change, _ = lapack.dtrtrs(coupling, missing, lower=1)
             source_change = effect.of(change)
             step += factors.solve(_source_residual(h, source_change))
             P, Q, growth = P - step[::2], Q - step[1::2], growth + change

@@ -98,6 +98,7 @@ def solve_winding(
     nodes: Annotated[int, NODES_OPTION] = NODES,
     coupling_rtol: Annotated[float | None, COUPLING_RTOL_OPTION] = None,
     start: WindingResult | None = None,
+    errors: bool = True,
     progress: Progress | None = None,
 ) -> WindingResult:
     """Solve a winding: the nips on the growing roll and the stresses in the roll.
@@ -116,6 +117,8 @@ def solve_winding(
     start : WindingResult, optional
         A neighbouring case whose tension and nips are the initial guess.  It does not change the
         result beyond the tolerances.
+    errors : bool
+        False omits the error estimates of the nips and what follows from them, a fifth of the time.
     progress : callable, optional
         Called with the estimated fraction of the work that is done.
 
@@ -133,7 +136,7 @@ def solve_winding(
         If a nip or the roll cannot be solved, or the nip-roll iteration does not converge.
     """
     check_type("problem", problem, WindingProblem)
-    check_options(rtol=rtol, nodes=nodes, coupling_rtol=coupling_rtol)
+    check_options(rtol=rtol, nodes=nodes, coupling_rtol=coupling_rtol, errors=errors)
     if start is not None:
         check_type("start", start, WindingResult)
     coupling_tolerance = coupling_rtol
@@ -143,11 +146,11 @@ def solve_winding(
         if problem.tension_law != "nip":
             result = _solve_prescribed(problem, rtol, nodes, coupling_tolerance)
         elif (smooth := smoothed(problem, rtol)) is not None:
-            result = _Winder(
-                smooth, rtol, nodes, coupling_tolerance, start, progress
-            ).solve_measured(problem)
+            winder = _Winder(smooth, rtol, nodes, coupling_tolerance, start, errors, progress)
+            result = winder.solve_measured(problem)
         else:
-            result = _Winder(problem, rtol, nodes, coupling_tolerance, start, progress).solve()
+            winder = _Winder(problem, rtol, nodes, coupling_tolerance, start, errors, progress)
+            result = winder.solve()
     result = result.replace(residuals=certificate(result)).checked()
     if progress is not None:
         progress(1.0)
@@ -160,6 +163,7 @@ def check_options(
     nodes: object = NODES,
     coupling_rtol: object = None,
     start: object = None,
+    errors: object = True,
 ) -> None:
     """Check the options of :func:`solve_winding`.
 
@@ -170,6 +174,7 @@ def check_options(
     """
     tolerance("rtol", rtol, LEAST_RTOL, 0.1)
     whole_number("nodes", nodes, LEAST_NODES, 1025)
+    check_type("errors", errors, bool)
     if coupling_rtol is not None:
         tolerance("coupling_rtol", coupling_rtol, SMALLEST_COUPLING_RTOL, LARGEST_COUPLING_RTOL)
 
@@ -218,9 +223,10 @@ class _Winder:
         nodes: int,
         coupling_rtol: float,
         start: WindingResult | None,
+        errors: bool,
         progress: Progress | None,
     ) -> None:
-        self.problem, self.rtol, self.nodes = problem, rtol, nodes
+        self.problem, self.rtol, self.nodes, self.errors = problem, rtol, nodes, errors
         self.coupling_rtol = coupling_rtol
         self.start, self.progress = start, progress
         self.curve = TensionCurve(problem, rtol)
@@ -230,6 +236,7 @@ class _Winder:
             coupling_rtol,
             self._report_progress,
             () if start is None else start.nips,
+            errors=errors,
         )
         # the progress before and after the present iteration, and the nips solved before it
         self.reached, self.expected, self.solved_before = 0.0, FIRST_GAIN, 0
@@ -485,7 +492,7 @@ class _Winder:
             rtol=self.rtol,
             coupling_rtol=self.coupling_rtol,
             film=iteration.film,
-            curved=curve.tension(iteration.shares, r, curved=True),
+            curved=curve.tension(iteration.shares, r, curved=True) if self.errors else None,
         )
 
     def solve_measured(self, problem: WindingProblem) -> WindingResult:
@@ -534,7 +541,7 @@ class _Winder:
             rtol=self.rtol,
             coupling_rtol=self.coupling_rtol,
             film=iteration.film,
-            curved=tension(r, curved=True),
+            curved=tension(r, curved=True) if self.errors else None,
             departure=departure(np.array(nip_radii)),
         )
 
