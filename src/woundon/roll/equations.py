@@ -222,7 +222,7 @@ class StageEquations:
     tangential: float
     core: float
     own_pressure: Callable[[Array], Array] | None = None
-    steps: int = field(default=0, init=False)  # number of Newton steps
+    steps: int = field(default=0, init=False)  # number of linear systems
 
     @property
     def core_layer(self) -> float:
@@ -324,7 +324,7 @@ class StageEquations:
         SingularStageError
         """
         E = self._moduli(stage.x, P, middle_P)
-        self.steps += stage.lasts.size
+        self.steps += 1
         factors, pivots, info = lapack.dgbtrf(self._matrix(stage, E), BAND, BAND, overwrite_ab=1)
         if info != 0:
             raise SingularStageError

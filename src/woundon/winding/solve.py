@@ -271,13 +271,13 @@ class _Winder:
             )
             may_refine = is_close and not self.nips.coarse
             added = may_refine and self._refine(iteration)
-            self._note_progress(iteration.change)
             if self._extrapolates:
                 iteration = self._extrapolate(iteration, may_refine)
                 shares, added = iteration.nip_shares, False  # what was added is included
             else:
                 shares = _secant_update(iteration, previous, slopes)
             previous, change = iteration, iteration.change
+            self._note_progress(change)
             is_final = may_refine and iteration.has_own_stages and not (added or rough)
             if is_final and change <= STOP_FRACTION * self.coupling_rtol:
                 return iteration
