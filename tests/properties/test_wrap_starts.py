@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from functools import cache
 import math
+from functools import cache
 from math import pi
 from typing import Any
 

@@ -36,6 +36,7 @@ __all__ = [
     "FIRST_SIZES",
     "MeshSolution",
     "Refinement",
+    "neighbouring_solution",
     "refine",
     "richardson_estimates",
 ]
@@ -67,6 +68,7 @@ ROUNDED_DOWN = 0.03
 # Last Newton step, in the units of the unknowns: while meshes are refined, where the discretisation
 # error is larger, and on the last one, near the rounding error of 1e-14.
 COARSE_TOLERANCE, FINAL_TOLERANCE = 1e-5, 1e-11
+NEIGHBOUR_TOLERANCE = 1e-7  # for differences between problems that are about 1 % apart
 
 
 @dataclass(eq=False)
@@ -307,6 +309,19 @@ def _solve_to_final_tolerance(mesh: MeshSolution) -> MeshSolution:
     """Return the solution after iterating to the final tolerance."""
     state, active = mesh.solver.solve(mesh.state.u, mesh.active, FINAL_TOLERANCE)
     return MeshSolution(mesh.size, mesh.system, state, active, mesh.solver)
+
+
+def neighbouring_solution(mesh: MeshSolution, problem: Any) -> MeshSolution:
+    """Return the solution of a neighbouring problem on the same mesh, from a known one.
+
+    Raises
+    ------
+    NewtonFailed
+    """
+    system = mesh.system.for_problem(problem)
+    solver = SemismoothNewton(system, mesh.solver)
+    state, active = solver.solve(mesh.state.u, mesh.active, NEIGHBOUR_TOLERANCE)
+    return MeshSolution(mesh.size, system, state, active, solver)
 
 
 def sizes_up_to(nodes: int, first: tuple[int, ...] = FIRST_SIZES) -> list[int]:

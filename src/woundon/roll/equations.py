@@ -194,9 +194,7 @@ class _Factors(NamedTuple):
 
     def solve(self, right: Array, *, transposed: bool = False) -> Array:
         """Return the solutions for right-hand sides, (2 n + 2,) or (2 n + 2, k)."""
-        solutions, _ = lapack.dgbtrs(
-            self.lu, BAND, BAND, right, self.pivots, trans=int(transposed)
-        )
+        solutions, _ = lapack.dgbtrs(self.lu, BAND, BAND, right, self.pivots, trans=int(transposed))
         return np.asarray(solutions).reshape(right.shape)
 
 
@@ -538,7 +536,7 @@ def stretched(x: Array, P: Array, Q: Array, x_new: Array) -> tuple[Array, Array]
 
 
 def joined(nodes: Sequence[Array]) -> tuple[Array, Array]:
-    """Return the nodes of several stages, one after the other, and the gaps of :class:`StageData`."""
+    """Return the nodes of several stages, one after the other, and the gaps between them."""
     return np.concatenate(nodes), np.cumsum([x.size for x in nodes])[:-1] - 1
 
 

@@ -124,13 +124,12 @@ def _kink_nodes(ends: Array, counts: Array, surface_layer: float) -> list[Array]
     return nodes
 
 
-def kinks_of(
-    tension: Tension, growth: Growth, surface: float = np.inf
-) -> tuple[Array, Array]:
+def kinks_of(tension: Tension, growth: Growth, surface: float = np.inf) -> tuple[Array, Array]:
     """Return ln r of a tension's kinks, and the relative changes of the source there.
 
-    Kinks from ln r = ``surface`` on are left out.  After the last stage, kappa of the last stage is used.  Kinks that are closer together than
-    1/(2 + kappa) approximate a smooth curve: they are weighted by their distance.
+    Kinks from ln r = ``surface`` on are left out.  After the last stage, kappa of the last stage is
+    used.  Kinks that are closer together than 1/(2 + kappa) approximate a smooth curve: they are
+    weighted by their distance.
     """
     x = np.log(tension.kinks)
     x, bends = x[x < surface], tension.bends[x < surface]

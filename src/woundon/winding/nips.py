@@ -16,13 +16,16 @@ from ..problems.nip import NipProblem
 from ..problems.winding import WindingProblem
 from ..roll.result import RollResult
 from ..roll.stages import Stage, stages_at
-from .bodies import NipSample, predicted_nip, solved_nip
+from .bodies import NipSample, predicted_nip, solved_nip, with_exponents
 
 __all__ = ["PRESSURE_TOLERANCE", "Nips", "warnings_of"]
 
 COARSE_NODES = 33
 # relative tolerances of the effective pressure in one nip-roll iteration
 COARSE_PRESSURE_TOLERANCE, PRESSURE_TOLERANCE = 0.05, 3e-3
+# ``coupling_rtol`` from which on the exponents of P_e of a neighbouring nip suffice: they differ by
+# up to 0.02, and P_e changes by some percent after the first solution
+COARSE_COUPLING_RTOL = 3e-4
 
 
 class Nips:
@@ -77,6 +80,7 @@ class Nips:
         self.errors = errors
         self.films: dict[float, float] = {}
         self.frictions: dict[float, tuple[float, float]] = {}
+        self._differentiated: set[float] = set()  # radii of the nips with exponents of P_e
         # stages of the latest roll at the nips
         self._staged: RollResult | None = None
         self._stages: dict[float, Stage] = {}
@@ -110,8 +114,17 @@ class Nips:
                 COARSE_PRESSURE_TOLERANCE if self.rough else PRESSURE_TOLERANCE,
                 pressure,
             )
+            if self._needs_exponents(radius) and stage is not None:
+                sample = with_exponents(self._with_stack_of(roll), stage, sample)
+                self._differentiated.add(radius)
         self.samples[radius] = sample
         return sample.tension
+
+    def _needs_exponents(self, radius: float) -> bool:
+        """True for the first solution of a nip on its last mesh, for fine tolerances."""
+        is_fine = self.coupling_rtol < COARSE_COUPLING_RTOL and not (self.coarse or self.rough)
+        is_effective = self.problem.roll_body == "effective"
+        return is_fine and is_effective and radius not in self._differentiated
 
     def predict(self, radius: float, roll: RollResult) -> float:
         """Return the tension of a nip predicted on another effective roll [N/m]."""

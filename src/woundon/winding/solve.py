@@ -21,7 +21,7 @@ Radii are added until the error estimate of the interpolation is below rtol.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated
 
 import numpy as np
@@ -66,8 +66,9 @@ ROUGH_CHANGE = 0.03  # relative change of the tension above which lower accuraci
 # depend on the initial guess.
 REFINEMENT_CHANGE = {"effective": 5e-3, "linear": 1.0, "direct": 1e-3}
 # Iterations with extrapolated nips: the most, and the relative difference of the tension at which
-# they end while radii may not be added.
-MAX_EXTRAPOLATIONS, SETTLED_ROUGHLY = 5, 1e-3
+# they end: while the nips are coarse, and before the nips are solved on the next roll in units of
+# the tolerance.
+MAX_EXTRAPOLATIONS, SETTLED_ROUGHLY, BEFORE_NIPS = 5, 1e-3, 5.0
 FEWEST_PRESSURES = 3  # from which effective pressures are interpolated
 MIN_SECANT_STEP = 1e-6  # of a share; the slope of a smaller one is too noisy
 POWER = 0.75  # exponent of the nip load in the initial guess of the nip-induced tension
@@ -255,6 +256,7 @@ class _Winder:
         shares, change = self._initial_shares()
         previous: _Iteration | None = None
         slopes: dict[float, float] = {}
+        has_close_stages = False  # True once they were chosen for a tension close to the solution
         # warm starts from a neighbouring winding need no coarse mesh
         self.nips.coarse = change > ROUGH_CHANGE and not self.nips.neighbours
         for number in range(MAX_ITERATIONS):
@@ -271,16 +273,18 @@ class _Winder:
             )
             may_refine = is_close and not self.nips.coarse
             added = may_refine and self._refine(iteration)
-            if self._extrapolates:
-                iteration = self._extrapolate(iteration, may_refine)
+            agrees = not added and iteration.change <= STOP_FRACTION * self.coupling_rtol
+            if self._extrapolates and not agrees:
+                iteration = self._extrapolate(iteration, may_refine and not has_close_stages)
+                has_close_stages = has_close_stages or may_refine
                 shares, added = iteration.nip_shares, False  # what was added is included
             else:
                 shares = _secant_update(iteration, previous, slopes)
             previous, change = iteration, iteration.change
             self._note_progress(change)
-            is_final = may_refine and iteration.has_own_stages and not (added or rough)
+            is_final = may_refine and not (added or rough)
             if is_final and change <= STOP_FRACTION * self.coupling_rtol:
-                return iteration
+                return iteration if iteration.has_own_stages else self._recompute_roll(iteration)
         raise NotConverged(
             f"the nip-roll iteration does not converge: after {MAX_ITERATIONS} iterations the "
             f"relative change of the wound-on tension is still {change:.2g}",
@@ -292,27 +296,33 @@ class _Winder:
         """True if nips are extrapolated to other rolls between their solutions."""
         return self.problem.roll_body == "effective"
 
-    def _extrapolate(self, iteration: _Iteration, is_close: bool) -> _Iteration:
+    def _extrapolate(self, iteration: _Iteration, chooses_stages: bool) -> _Iteration:
         """Iterate between the roll and nips that are extrapolated to it, until both agree.
 
-        If ``is_close``, the tension hardly changes, and the stages of the roll are chosen for it
-        first.  They are kept in between, because a change of the stages could exceed the tolerance,
-        and chosen once more for a result, so that its roll follows from its tension alone.
+        ``chooses_stages`` chooses the stages of the roll anew, once: a change of the stages could
+        exceed the tolerance.
         """
-        tolerance = STOP_FRACTION * self.coupling_rtol
-        goal = tolerance if is_close else SETTLED_ROUGHLY
+        goal = STOP_FRACTION * self.coupling_rtol
+        if chooses_stages:  # the nips are solved again in any case
+            goal *= BEFORE_NIPS
+        elif self.nips.coarse:
+            goal = SETTLED_ROUGHLY
         slopes: dict[float, float] = {}
         previous: _Iteration | None = None
-        shares, stages = iteration.nip_shares, None if is_close else iteration
+        shares, stages = iteration.nip_shares, None if chooses_stages else iteration
         for _ in range(MAX_EXTRAPOLATIONS):
             iteration = self._iterate(shares, self._predicted_share, stages)
-            agrees = max(self._differences(iteration.shares, iteration.nip_shares)) <= goal
-            is_result = is_close and iteration.change <= tolerance
-            if agrees and (iteration.has_own_stages or not is_result):
+            if max(self._differences(iteration.shares, iteration.nip_shares)) <= goal:
                 break
             shares = _secant_update(iteration, previous, slopes)
-            previous, stages = iteration, None if agrees else iteration
+            previous = stages = iteration
         return iteration
+
+    def _recompute_roll(self, iteration: _Iteration) -> _Iteration:
+        """Recompute the roll from its tension alone, independent of earlier iterations."""
+        tension = self.curve.tension(iteration.shares, iteration.r)
+        roll = wind(self.problem, iteration.r, tension, self.rtol, iteration.film)
+        return replace(iteration, roll=roll, has_own_stages=True)
 
     def _differences(
         self, shares: dict[float, float], others: dict[float, float]
