@@ -13,7 +13,7 @@ from ..problems.schedules import Curve
 from ..problems.winding import WindingProblem
 from ..results import ACCEPTED_RESIDUAL, Residuals, largest, positive
 from ..roll.result import RollResult
-from ..roll.stages import stage_at
+from ..roll.stages import stages_at
 from .bodies import effective_cylinder, effective_pressure, hardening_roll, linear_cylinder
 from .measured import smoothed
 from .nips import PRESSURE_TOLERANCE, Nips
@@ -149,7 +149,7 @@ def recomputed_nips(result: Any) -> Mapping[str, tuple[Array, Array]]:
         outputs = solved.roll_wound_on_tension, solved.half_width, solved.peak_pressure
         rows.append((*outputs, nips.films[radius], solved.without_air.roll_friction))
         if problem.roll_body == "effective" and smooth is None:
-            pressures.append(effective_pressure(stage_at(roll, radius), *outputs))
+            pressures.append(effective_pressure(stages_at(roll, [radius])[0], *outputs))
     names = "wound_on_tension", "half_width", "peak_pressure", "air_film", "friction"
     within = max(FACTOR * result.coupling_rtol, LEAST_DIFFERENCE)
     values = {
@@ -167,5 +167,5 @@ def _roll_body(problem: WindingProblem, radius: float, P_e: float, roll: RollRes
     if problem.roll_body == "effective":
         return effective_cylinder(problem, radius, P_e)
     if problem.roll_body == "direct":
-        return hardening_roll(problem, stage_at(roll, radius))
+        return hardening_roll(problem, stages_at(roll, [radius])[0])
     return linear_cylinder(problem, radius)
