@@ -18,6 +18,7 @@ from ..winding.result import WindingResult
 from .margins_report import verdict_lines
 from .outputs_report import LEAST_FRICTION
 from .report_parts import Line, Section, output_row, quantity_of, value_row
+from .winder_report import drum_sentences
 
 __all__ = [
     "answer",
@@ -40,7 +41,8 @@ def answer_lines(result: Result, full: bool = True) -> list[Line]:
         return [*lines, *map(Line, _air(result))] if full and result.air is not None else lines
     if isinstance(result, WindingResult):
         names = [name for name in result.MAIN if name != "least_hoop_stress"]  # it is a margin
-        return [*verdict_lines(result.margins), Line(_values(result, names))]
+        further = map(Line, drum_sentences(result))
+        return [*verdict_lines(result.margins), Line(_values(result, names)), *further]
     main = main_outputs(result)
     return [Line(_values(result, main), "answer")] if main else []
 
