@@ -20,7 +20,7 @@ from ..problems.paths import counterpart, find_places
 from ..quantities import Quantity, is_list, members_of
 from .cells import Fault, raise_faults, texts
 from .sheets import read_sheet
-from .tables import Names, match_columns
+from .tables import Names, is_known_header, match_columns
 
 __all__ = ["read_columns", "with_columns"]
 
@@ -112,10 +112,10 @@ def read_columns(path: Path, known: Mapping[str, Quantity]) -> dict[str, list[st
     InvalidProblem
         For a file that is not a table, an unknown column, and one without a unit.
     """
-    sheet = read_sheet(path, "csv")
+    names = Names(known)
+    sheet = read_sheet(path, "csv", is_known_header(names))
     if len(sheet.numbers) > MAX_ROWS:
         raise InvalidProblem.at(str(path), f"has too many rows; must be at most {MAX_ROWS}")
-    names = Names(known)
     columns = match_columns(sheet, names, help_text=f"the columns are {one_of(known, 'and')}")
     for column in columns:
         if column.deviation:
