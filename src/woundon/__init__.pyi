@@ -78,6 +78,8 @@ from .studies.schedule import OptimisedSchedule as OptimisedSchedule
 from .studies.schedule import optimise_schedule as optimise_schedule
 from .studies.slopes import derivatives as derivatives
 from .studies.sobol import SobolIndices as SobolIndices
+from .studies.winder_log import WinderLog as WinderLog
+from .studies.winder_log import read_log as read_log
 from .studies.window import operating_window as operating_window
 from .studies.window_result import OperatingPoint as OperatingPoint
 from .studies.window_result import OperatingWindow as OperatingWindow

@@ -175,14 +175,14 @@ class _Reader(NamedTuple):
         if isinstance(cells, np.ndarray):
             values = cells.astype(float) if cells.dtype.kind in "iuf" else np.full(1, np.inf)
         elif set(map(type, cells)) <= {str, int, float}:
-            texts = ["nan" if cell == "" else str(cell) for cell in cells]
             # one search in a long text is faster than one in each cell
-            if not _PLAIN[self.sign].fullmatch("\n".join(texts)):
+            text = "\n".join(cells if set(map(type, cells)) == {str} else map(str, cells))
+            if not _PLAIN[self.sign].fullmatch(text):
                 return None
-            if self.sign == ",":
-                texts = [text.replace(",", ".") for text in texts]
             try:
-                values = np.array([float(text) for text in texts])
+                values = np.array(
+                    [float(cell or "nan") for cell in text.replace(self.sign, ".").split("\n")]
+                )
             except ValueError:
                 return None
         else:
@@ -413,13 +413,11 @@ def decimal_sign(sheet: Sheet) -> str:
         for cell in cells
         if isinstance(cell, str) and "," in cell and len(cell) <= MAX_NUMBER
     )
-    with_comma = [text for text in short if _COMMA.fullmatch(text)]
-    decimal_commas = (
-        with_comma
-        if sheet.separator == ";"
-        else [text for text in with_comma if not _THOUSANDS.fullmatch(text)]
+    with_comma = (text for text in short if _COMMA.fullmatch(text))
+    has_decimal_comma = any(
+        sheet.separator == ";" or not _THOUSANDS.fullmatch(text) for text in with_comma
     )
-    return "," if decimal_commas else "."
+    return "," if has_decimal_comma else "."
 
 
 def as_plain_number(cell: Any, sign: str) -> Any:

@@ -42,6 +42,7 @@ MAX_HEADER = 200  # characters; the time to search names is proportional to the 
 MAX_UNIT = 20  # characters of a cell in a row of units
 MAX_CANDIDATES = 200  # rows that are examined as headers
 MAX_BELOW = 3  # rows from a header to the first row with numbers
+SCANNED = 5000  # first rows, in which a header with known names is searched
 EXCEL = (".xlsx", ".xlsm")
 BINARY = (*EXCEL, ".tdms")  # formats that are no text
 
@@ -241,7 +242,8 @@ def _table_in(rows: Rows, path: str, is_known: IsKnown) -> Sheet:
         names = [f"{path}#{name}" for name in rows.sheets if name != rows.sheet]
         where, others = f"{path}#{rows.sheet}", f"other sheets are {one_of(names, 'and')}"
     # indices of the rows that are not blank
-    filled = [k for k, row in enumerate(rows.cells) if any(map(_text, row))]
+    text_of = str.strip if rows.separator else _text  # all cells of a text file are texts
+    filled = [k for k, row in enumerate(rows.cells) if any(map(text_of, row))]
     place = _position_of_header(rows, filled, is_known, where)
     if place is None or place + 1 == len(filled):
         text = "has no header with rows below it"
@@ -261,7 +263,7 @@ def _table_in(rows: Rows, path: str, is_known: IsKnown) -> Sheet:
     for k in body:
         row = rows.cells[k]
         # cells without a header may only be empty
-        if len(row) < len(names) or any(map(_text, row[len(names) :])):
+        if len(row) != len(names) and (len(row) < len(names) or any(map(_text, row[len(names) :]))):
             _reject_length(rows, k, header, len(names), where)
     columns: dict[str, ColumnCells] = {
         name: [rows.cells[k][j] for k in body] for j, name in enumerate(names) if name
@@ -301,21 +303,46 @@ def _position_of_header(
 ) -> int | None:
     """Return the position in ``filled`` of the row with the headers; None if there is none.
 
+    The first rows are searched for a header with known names, and then all rows for any header.
+
     Raises
     ------
     InvalidProblem
         If two rows have the same headers: there are two tables.
     """
-    cells = [rows.cells[k] for k in filled]
+    place, is_known_place = _header_among([rows.cells[k] for k in filled[:SCANNED]], is_known)
+    if not is_known_place and len(filled) > SCANNED:
+        place, _ = _header_among([rows.cells[k] for k in filled], is_known)
+    if place is None:
+        return None
+    header = [_text(cell) for cell in rows.cells[filled[place]]]
+    for other, k in enumerate(filled[:SCANNED]):
+        same = other != place and rows.cells[k][0] == rows.cells[filled[place]][0]
+        if same and [_text(cell) for cell in rows.cells[k]] == header and not _are_units(header):
+            first, second = sorted((1 + k, 1 + filled[place]))
+            text = f"rows {first} and {second} have the same headers; save each table as a file"
+            raise InvalidProblem.at(where, text)
+    return place
+
+
+def _header_among(cells: Sequence[Sequence[Any]], is_known: IsKnown) -> tuple[int | None, bool]:
+    """Return the position of the row with the headers, and whether it has a known name.
+
+    Parameters
+    ----------
+    cells : sequence of rows
+        Rows that are not blank.
+    is_known : callable
+    """
     has_number = np.fromiter((any(map(_is_number, row)) for row in cells), bool, len(cells))
     if not has_number.any():
         return _header_without_numbers(cells, is_known)
     without = np.flatnonzero(~has_number)  # positions of the rows without numbers
-    best: tuple[tuple[int, int, int, bool, int], int] | None = None  # its rank, its position
-    examined: list[int] = []
+    best: tuple[int, int, int, bool, int] | None = None  # the last number is the position
+    examined = 0
     for place in without.tolist():
         below = has_number[place + 1 : place + 1 + MAX_BELOW]
-        if len(examined) == MAX_CANDIDATES:
+        if examined == MAX_CANDIDATES:
             break
         if not below.any():
             continue
@@ -323,37 +350,29 @@ def _position_of_header(
         texts = [text for cell in cells[place] if (text := _text(cell))]
         if 2 * len(texts) < np.count_nonzero([_text(cell) for cell in cells[first]]):
             continue  # a title, which has fewer cells than the rows below it
-        examined.append(place)
+        examined += 1
         end = np.searchsorted(without, first)
         length = int((without[end] if end < without.size else len(cells)) - first)
         units = _are_units(cells[place])
         known = 0 if units else sum(map(is_known, texts))
         rank = (min(known, 1), length, known, not units, place)
-        if best is None or rank > best[0]:
-            best = rank, place
-    if best is None:
-        return None
-    place = best[1]
-    header = [_text(cell) for cell in cells[place]]
-    same = [other for other in examined if [_text(cell) for cell in cells[other]] == header]
-    if len(same) > 1 and not _are_units(cells[place]):
-        first, second = (1 + filled[other] for other in same[:2])
-        text = f"rows {first} and {second} have the same headers; save each table as a file"
-        raise InvalidProblem.at(where, text)
-    return place
+        best = rank if best is None else max(best, rank)
+    return (None, False) if best is None else (best[-1], best[0] > 0)
 
 
-def _header_without_numbers(cells: Sequence[Sequence[Any]], is_known: IsKnown) -> int | None:
-    """Return the position of the header among rows that have no numbers.
+def _header_without_numbers(
+    cells: Sequence[Sequence[Any]], is_known: IsKnown
+) -> tuple[int | None, bool]:
+    """Return the position of the header among rows that have no numbers, and whether it is known.
 
     It is the first row with a known name, otherwise the first one that is not a title: a title is
     the only filled cell of its row.
     """
     for place, row in enumerate(cells[:MAX_CANDIDATES]):
         if any(is_known(text) for cell in row if (text := _text(cell))):
-            return place
+            return place, True
     several = (place for place, row in enumerate(cells) if sum(map(bool, map(_text, row))) > 1)
-    return next(several, 0 if cells else None)
+    return next(several, 0 if cells else None), False
 
 
 def _text(cell: Any) -> str:

@@ -137,6 +137,8 @@ def read_observations(
     InvalidProblem
         For an invalid table.
     """
+    if hasattr(data, "measured"):  # the log of a winder
+        data = data.measured()
     result = kind_of(problem).result
     fields, known = columns_of(problem), measured_columns(problem, over_radius)
     scalars = measurable_outputs(problem)
