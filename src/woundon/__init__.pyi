@@ -78,6 +78,9 @@ from .studies.schedule import OptimisedSchedule as OptimisedSchedule
 from .studies.schedule import optimise_schedule as optimise_schedule
 from .studies.slopes import derivatives as derivatives
 from .studies.sobol import SobolIndices as SobolIndices
+from .studies.stack_fit import LawFit as LawFit
+from .studies.stack_fit import StackFit as StackFit
+from .studies.stack_fit import fit_stack as fit_stack
 from .studies.winder_log import WinderLog as WinderLog
 from .studies.winder_log import read_log as read_log
 from .studies.window import operating_window as operating_window

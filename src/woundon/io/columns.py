@@ -25,11 +25,13 @@ from ..quantities import Quantity, is_list, members_of
 from .cells import Conversion, Fault, raise_faults, texts
 from .logs import read_binned
 from .sheets import read_sheet
+from .stack_tests import read_compression_test, rising_means
 from .tables import Names, is_known_header, match_columns
 
 __all__ = ["read_columns", "with_columns"]
 
 MAX_ROWS = 100_000
+TEST_ARGUMENTS = ("area", "height", "offset", "preload", "branch")  # of a compression test
 
 
 def with_columns(
@@ -93,11 +95,33 @@ class _Files(NamedTuple):
     ) -> dict[str, Any]:
         """Return the lists of a table from the columns of a file, as texts with units."""
         known = _lists(self.problem(), path, table.get("kind"))
+        if known.keys() >= {"pressure", "strain"}:
+            return self._stack_test(file, path, table, columns)
         if not known:
             kind = f" with kind = {quote(table['kind'])}" if "kind" in table else ""
             text = f"is named in [{path}], which has no lists of numbers{kind}"
             raise InvalidProblem.at(str(file), text)
         return read_columns(file, known, columns)
+
+    def _stack_test(
+        self, file: Path, path: str, table: dict[str, Any], columns: Mapping[str, str] | None
+    ) -> dict[str, Any]:
+        """Return pressure and strain of a compression test; what was left out is a warning.
+
+        Entries of the table such as area, height and branch are arguments of the reader.
+        """
+        arguments = {name: table.pop(name) for name in TEST_ARGUMENTS if name in table}
+        try:
+            test = read_compression_test(file, columns=columns, **arguments)
+        except InvalidProblem as fault:
+            # errors of the arguments have their names as their field
+            raise InvalidProblem(
+                (f"{path}.{field}" if field in TEST_ARGUMENTS else field, text)
+                for field, text in fault.faults
+            ) from None
+        warn([f"{test.where}: {text}" for text in test.account[:-1]], InputWarning)
+        pressure, strain = rising_means(*test.used)
+        return {"pressure": pressure.tolist(), "strain": strain.tolist()}
 
     def _log(
         self, file: Path, path: str, table: dict[str, Any], columns: Mapping[str, str] | None
