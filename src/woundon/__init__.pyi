@@ -14,6 +14,7 @@ from .errors import ValidityWarning as ValidityWarning
 from .io.case_files import load_case as load_case
 from .io.chosen_units import units as units
 from .io.result_files import load_result as load_result
+from .io.spreadsheets import decimal_commas as decimal_commas
 from .kinds import solve as solve
 from .nip.entrained_air import AirFilm as AirFilm
 from .nip.result import NipResult as NipResult

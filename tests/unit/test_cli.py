@@ -159,7 +159,7 @@ def test_describe_lists_fields_outputs_and_options(kind, capsys: Capture):
         (["report", "x.toml", "-o", "y.html"], "'-o'; did you mean --out?"),
         (
             ["solve", "x.toml", "-o", "y.html"],
-            "'-o'; known: --coupling-rtol, --drum-wrap, --help, --json",
+            "'-o'; known: --coupling-rtol, --decimal-comma",
         ),
         (["sweep", "--otu", "x"], "'--otu'; did you mean '--out'?"),
     ],

@@ -6,6 +6,7 @@ numbers that are known; personal details are replaced.
 
 from __future__ import annotations
 
+import csv
 import io
 import sys
 from pathlib import Path
@@ -14,7 +15,9 @@ import numpy as np
 import pytest
 
 import woundon as wo
+from woundon.cli.commands import main
 from woundon.errors import InputWarning, InvalidProblem
+from woundon.io.case_texts import template
 from woundon.io.columns import read_columns
 from woundon.io.sheets import TableFile, find_table, read_sheet
 from woundon.io.tables import Names, is_known_header
@@ -392,3 +395,38 @@ def test_an_mdf_file_is_rejected_with_the_remedy(tmp_path: Path):
     path = tmp_path / "run.mf4"
     path.write_bytes(b"MDF     4.10    " + bytes(100))
     assert "export them as .tdms or .csv with one time base" in faults(find_table, path, "run")
+
+
+# ---- CSV files for spreadsheets with decimal commas ---------------------------------------------
+
+
+def test_every_csv_file_may_have_decimal_commas(tmp_path: Path, monkeypatch):
+    """Read back by the tables of this package: the numbers are those with decimal points."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "roll.toml").write_text(template("roll"), encoding="utf-8")
+    (tmp_path / "rollers.toml").write_text(template("rollers"), encoding="utf-8")
+    (tmp_path / "cases.csv").write_text("load [kN/m]\n89.5\n", encoding="utf-8")
+    commands = {
+        "solved.csv": ["solve", "rollers.toml", "--nodes", "33", "--save", "solved.csv"],
+        "table.csv": ["table", "cases.csv", "--case", "rollers.toml", "-o", "table.csv"],
+        "schedule.csv": ["schedule", "roll.toml", "--pressure", "200 kPa", "--out", "schedule.csv"],
+    }
+    for name, arguments in commands.items():
+        assert main(arguments) == 0
+        points = (tmp_path / name).read_text(encoding="utf-8")
+        assert main([*arguments, "--decimal-comma"]) == 0
+        commas = (tmp_path / name).read_text(encoding="utf-8")
+        rows = list(csv.reader(io.StringIO(points)))
+        others = list(csv.reader(io.StringIO(commas), delimiter=";"))
+        assert len(rows) == len(others)
+        numbers = 0
+        for cell, other in zip(sum(rows, []), sum(others, []), strict=True):  # noqa: RUF017
+            if other != cell:
+                assert float(other.replace(",", ".")) == float(cell)
+                numbers += "." in cell
+        assert numbers > 0
+    data = find_table("table.csv", "cases").columns["load [kN/m]"]
+    assert data == ["89,5"]
+    with wo.decimal_commas():
+        wo.solve(wo.RollerProblem.example(), nodes=33).save("result.csv")
+    assert ";" in (tmp_path / "result.csv").read_text(encoding="utf-8")

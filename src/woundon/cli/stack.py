@@ -58,6 +58,7 @@ __all__ = ["stack"]
 )
 @options.COLUMNS
 @options.UNITS
+@options.DECIMAL_COMMA
 @options.JSON
 @options.SAVE_TABLE
 @options.PLOT

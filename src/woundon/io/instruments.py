@@ -89,7 +89,8 @@ class Channels(NamedTuple):
 
 def need_reader(ending: str) -> None:
     """Reject an instrument file if the package that reads it is not installed."""
-    if find_spec(ENDINGS[ending]) is None:
+    found = {".lvm": find_spec("lvmio"), ".tdms": find_spec("nptdms")}[ending]
+    if found is None:
         text = f"{ending} files need {ENDINGS[ending]}: pip install 'woundon[instruments]'"
         raise InvalidProblem.at(ending[1:], text)
 

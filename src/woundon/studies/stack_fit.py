@@ -75,6 +75,14 @@ class LawFit(NamedTuple):
         Strain at which the pressure of the law vanishes, eps_0.
     misfit : float
         Standard deviation of the measured strains about the law [1].
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> test = wo.StackTest(pressure=[1e3, 1e4, 5e4, 2e5], strain=[0.001, 0.01, 0.05, 0.2])
+    >>> fit = wo.fit_stack(test).law("constant")
+    >>> round(fit.values["youngs_modulus"])
+    1000000
     """
 
     name: str
@@ -141,8 +149,8 @@ def fit_stack(
     >>> strain = np.linspace(0.0, 0.1, 40)
     >>> test = {"Load [N]": 100.0 * np.expm1(40 * strain), "Extension [mm]": 20 * strain}
     >>> found = wo.fit_stack(test, area="100 cm^2", height="20 mm")
-    >>> found.law("pfeiffer").values["K1"].round(), found.law("pfeiffer").values["K2"].round(3)
-    (10000.0, 40.0)
+    >>> {name: round(value, 3) for name, value in found.law("pfeiffer").values.items()}
+    {'K1': 10000.0, 'K2': 40.0}
     """
     degree = whole_number("degree", degree, 2, 5)
     check_type("branch", branch, str, int)

@@ -68,13 +68,13 @@ def read_log(
     --------
     >>> import numpy as np
     >>> import woundon as wo
-    >>> rows = {"diameter [mm]": np.linspace(100, 900, 5000),
+    >>> rows = {"diameter [mm]": np.linspace(100, 1200, 5000),
     ...         "web_tension [N/m]": np.linspace(400, 320, 5000)}
     >>> log = wo.read_log(rows, wo.WindingProblem.example())
     >>> print(log.answer()[0])
     5000 rows in 50 bins over the radius; none left out
     >>> round(float(log.problem.web_tension.at(0.25)))
-    360
+    371
     """
     check_type("problem", problem, Problem)
     known = {

@@ -79,7 +79,7 @@ export const T = {
     results: "Results", inputs: "Inputs that differ",
   },
   menu: {
-    open: "Open a case file …", save: "Save the case (TOML)", csv: "Export plotted data (CSV)", png: "Picture (PNG)",
+    open: "Open a case file …", save: "Save the case (TOML)", csv: "Export plotted data (CSV)", commas: "decimal commas and semicolons in CSV files", png: "Picture (PNG)",
     svg: "Picture (SVG)", link: "Copy link to this case", python: "Export as Python script", report: "Report …",
     tooBig: (size) => `The file has ${size}; a case file has at most 1 MB`, notText: "This is not a text file",
     copied: "Copied", opened: (name) => `${name} is open`,
