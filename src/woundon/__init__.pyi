@@ -14,6 +14,7 @@ from .errors import ValidityWarning as ValidityWarning
 from .io.case_files import load_case as load_case
 from .io.chosen_units import units as units
 from .io.result_files import load_result as load_result
+from .io.spreadsheets import decimal_commas as decimal_commas
 from .kinds import solve as solve
 from .nip.entrained_air import AirFilm as AirFilm
 from .nip.result import NipResult as NipResult
@@ -80,6 +81,11 @@ from .studies.schedule import OptimisedSchedule as OptimisedSchedule
 from .studies.schedule import optimise_schedule as optimise_schedule
 from .studies.slopes import derivatives as derivatives
 from .studies.sobol import SobolIndices as SobolIndices
+from .studies.stack_fit import LawFit as LawFit
+from .studies.stack_fit import StackFit as StackFit
+from .studies.stack_fit import fit_stack as fit_stack
+from .studies.winder_log import WinderLog as WinderLog
+from .studies.winder_log import read_log as read_log
 from .studies.window import operating_window as operating_window
 from .studies.window_result import OperatingPoint as OperatingPoint
 from .studies.window_result import OperatingWindow as OperatingWindow
