@@ -35,6 +35,8 @@ from .problems.materials import Material as Material
 from .problems.materials import Orthotropic as Orthotropic
 from .problems.materials import PronyTerm as PronyTerm
 from .problems.materials import material as material
+from .problems.measured_moduli import DynamicTest as DynamicTest
+from .problems.measured_moduli import RelaxationTest as RelaxationTest
 from .problems.nip import NipProblem as NipProblem
 from .problems.problem import Problem as Problem
 from .problems.radial_laws import Pfeiffer as Pfeiffer
@@ -47,8 +49,9 @@ from .problems.rollers import RollerProblem as RollerProblem
 from .problems.schedules import Profile as Profile
 from .problems.schedules import Taper as Taper
 from .problems.stack import Stack as Stack
-from .problems.viscoelastic import DynamicTest as DynamicTest
 from .problems.viscoelastic import LossAngle as LossAngle
+from .problems.viscoelastic import RelativeProny as RelativeProny
+from .problems.viscoelastic import RelativeTerm as RelativeTerm
 from .problems.web import Web as Web
 from .problems.winding import WindingProblem as WindingProblem
 from .problems.wound_roll import WoundRoll as WoundRoll
