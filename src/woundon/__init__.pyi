@@ -73,6 +73,8 @@ from .studies.find import FindResult as FindResult
 from .studies.find import find as find
 from .studies.fit import fit as fit
 from .studies.fit_result import FitResult as FitResult
+from .studies.master_curve import MasterCurve as MasterCurve
+from .studies.master_curve import master_curve as master_curve
 from .studies.plan import next_experiment as next_experiment
 from .studies.plan_result import NextExperiment as NextExperiment
 from .studies.planned import Measurement as Measurement

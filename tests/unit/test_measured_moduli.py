@@ -141,7 +141,7 @@ def test_a_table_with_tan_delta_in_a_case_file(tmp_path: Path) -> None:
 
 
 def contradictory_table() -> tuple[Array, Array, Array]:
-    """A master curve of 26 decades whose loss moduli outside 1 to 1e5 Hz are four times too high."""
+    """A master curve of 26 decades with losses four times too high outside 1 to 1e5 Hz."""
     f = np.logspace(-12, 14, 206)
     tau, E = np.logspace(-16, 14, 121), 1e6 + np.zeros(f.size, dtype=complex)
     for t in tau:

@@ -24,6 +24,7 @@ from ..quantities import Quantity, pure, stress
 from .fields import Numbers, OptionalNumbers, check_equal_lengths, check_rising, default
 from .materials import SOFTEST, STIFFEST, OneModulus, PoissonsRatio
 from .messages import quote
+from .permitted import Conditional
 
 __all__ = ["DynamicTest", "MeasuredModuli", "RelaxationTest", "frequency_quantity"]
 
@@ -155,11 +156,13 @@ class DynamicTest(MeasuredModuli):
         OptionalNumbers,
         stress("E''", "loss moduli", "MPa"),
         Field(min_length=3, max_length=MOST_ROWS),
+        Conditional("required without tan_delta"),
     ] = default(None)
     tan_delta: Annotated[
         OptionalNumbers,
         pure("tan delta", "loss over storage moduli", (0.02, 1.0)),
         Field(min_length=3, max_length=MOST_ROWS),
+        Conditional("required without loss_modulus"),
     ] = default(None)
     poissons_ratio: PoissonsRatio
     frequency_range: Annotated[
