@@ -72,6 +72,19 @@ class MasterCurve(Outcome):
         Root mean square of the relative residuals of the Prony series that follows all points [1].
     wlf : (C1, C2), optional
         Constants of the law of Williams, Landel and Ferry at T_ref [1], [K]; None for free shifts.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import woundon as wo
+    >>> f = np.logspace(-1, 2, 13)
+    >>> cold, warm = (
+    ...     {"frequency": f, "storage_modulus": 1e7 * (a * f) ** 0.2, "tan_delta": 13 * [0.325]}
+    ...     for a in (10.0, 1.0)
+    ... )
+    >>> curve = wo.master_curve({20: cold, 40: warm}, 40)
+    >>> round(float(curve.shifts[0]), 1), curve.material(poissons_ratio=0.48).frequency[-1]
+    (1.0, 1000.0)
     """
 
     reference_temperature: float
