@@ -152,9 +152,15 @@ class FitRequest(_Request):
 
     case: Tables = Field(examples=[NIP])
     table: str = Field(
-        description="text with commas, semicolons or tabs; units in the header", examples=[MEASURED]
+        description="text with commas, semicolons or tabs, units in the header; or a file",
+        examples=[MEASURED],
     )
-    is_workbook: bool = Field(False, description="the table is an .xlsx file in base64")
+    file: str = Field(
+        "table.csv",
+        description="name of the file, whose ending is its format: .csv, .lvm; .xlsx and .tdms in "
+        "base64; a sheet, segment or group may be named behind a #",
+        max_length=300,
+    )
     vary: dict[str, tuple[Number, Number] | None] = Field(
         description="null: a tenth to ten times the value",
         min_length=1,

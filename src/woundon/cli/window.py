@@ -9,6 +9,7 @@ import click
 
 from ..errors import unwarned
 from ..io.files import write_whole
+from ..io.spreadsheets import in_csv_style
 from . import options
 
 __all__ = ["window"]
@@ -65,6 +66,7 @@ RANGE = options.Numbers("LOW:HIGH")
 )
 @options.SETTINGS
 @options.UNITS
+@options.DECIMAL_COMMA
 @click.option(
     "--samples",
     type=int,
@@ -128,4 +130,4 @@ def _csv_text(window: OperatingWindow) -> str:
     for name in window.names:
         unit, frame[name] = window.quantities[name].in_table(frame[name])
         frame = frame.rename(columns={name: name if unit == "1" else f"{name} [{unit}]"})
-    return str(frame.to_csv(index=False))
+    return in_csv_style(str(frame.to_csv(index=False)))

@@ -117,12 +117,12 @@ class HardeningSurface:
         linear = self.linear.strain_outside(p, q, s)
         return np.asarray(linear + slope @ u + value @ v / self.ring.radius)
 
-    def strain_matrices_outside(self, s: Array) -> Array:
-        """Return the derivatives of the linear part of ``strain_outside``, (2, k, n) [1/Pa].
+    def tangent_outside(self, s: Array) -> SurfaceTangent:
+        """Return the derivatives of slope and strain at positions s [m] outside, (k, n) each.
 
         Far from the nip the roll is loaded lightly, and its law is that of the linear ring.
         """
-        return self.linear.strain_matrices_outside(s)
+        return self.linear.tangent_outside(s)
 
     # ---- state of the ring ---------------------------------------------------------------------
 

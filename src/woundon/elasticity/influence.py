@@ -34,7 +34,7 @@ from .hat_integrals import (
 )
 from .kernels import Kernel, SurfaceKernels, singular, smooth_parts
 from .lag import Lag
-from .mesh import Face, cosine_nodes
+from .mesh import Face, cosine_nodes, hat_weights
 from .surface import LinearSurface, SurfaceTangent
 
 __all__ = ["InfluenceSurface"]
@@ -78,13 +78,13 @@ class InfluenceSurface(LinearSurface):
 
     def strain_outside(self, p: Array, q: Array, s: Array) -> Array:
         """Return the strain at positions s (k,) [m] along the surface, outside of the face."""
-        by_p, by_q = self.strain_matrices_outside(s)
-        return np.asarray(by_p @ p + by_q @ q)
+        outside = self.tangent_outside(s)
+        return np.asarray(outside.strain_p @ p + outside.strain_q @ q)
 
-    def strain_matrices_outside(self, s: Array) -> Array:
-        """Return the derivatives of ``strain_outside`` by p and by q, (2, k, n) [1/Pa]."""
+    def tangent_outside(self, s: Array) -> SurfaceTangent:
+        """Return the derivatives of slope and strain at positions s [m] outside, (k, n) each."""
         nodes = self.a * self.face.nodes
-        return strain_matrices(self.kernels, self.period, self.max_distance, nodes, s)
+        return gradient_matrices(self.kernels, self.period, self.max_distance, nodes, s)
 
     @cached_property
     def _tangent(self) -> SurfaceTangent:  # type: ignore[override]
@@ -223,10 +223,13 @@ class InfluenceSurface(LinearSurface):
         return values
 
 
-def strain_matrices(
+def gradient_matrices(
     kernels: SurfaceKernels, period: float, max_distance: float, nodes: Array, s: Array
-) -> Array:
-    """Return the surface strain of a body outside of a contact by nodal pressures and tractions.
+) -> SurfaceTangent:
+    """Return slope and strain of a surface outside of a contact by nodal pressures and tractions.
+
+    Singular parts are integrated in closed form, smooth ones by the trapezoidal rule: its error is
+    of the order of that of the nodal loads.
 
     Parameters
     ----------
@@ -240,26 +243,22 @@ def strain_matrices(
 
     Returns
     -------
-    (2, k, n) array
-        By p, then by q [1/Pa].
+    SurfaceTangent of (k, n) arrays
     """
-    out, singular_parts = np.zeros((2, s.size, nodes.size)), singular_integrals(s, nodes)
-    rule = gauss_rule_in_cells(nodes, 1.0, kernels.length)
-    t = s[:, None] - rule.points
-    on_longer_arc = np.abs(t) > max_distance
-    t_short = np.where(on_longer_arc, t - np.sign(t) * period, t)
-    for matrix, kernel in zip(out, (kernels.strain_p, kernels.strain_q), strict=True):
-        matrix += np.tensordot(_factors((kernel,), 1.0)[0], singular_parts, axes=1)
-        if kernel.smooth is not None:
-            values = kernel.smooth(t_short)
-            values[on_longer_arc] += (
-                singular((kernel,), t_short[on_longer_arc])[0]
-                - singular((kernel,), t[on_longer_arc])[0]
-            )
-            matrix += values @ rule.moments
-        if kernel.lag is not None:
-            matrix += _lag_integrals(kernel.lag, s, nodes)[0]
-    return out
+    gradients, singular_parts = kernels.gradients, singular_integrals(s, nodes)
+    out: Array = np.tensordot(_factors(gradients, 1.0), singular_parts, axes=1)
+    if kernels.smooth is not None:
+        t = s[:, None] - nodes
+        on_longer_arc = np.abs(t) > max_distance
+        t_short = np.where(on_longer_arc, t - np.sign(t) * period, t)
+        values = kernels.smooth(t_short)
+        values[:, on_longer_arc] += singular(gradients, t_short[on_longer_arc]) - singular(
+            gradients, t[on_longer_arc]
+        )
+        out += values * hat_weights(np.diff(nodes))
+    if kernels.lag is not None:
+        out += _lag_integrals(kernels.lag, s, nodes)
+    return SurfaceTangent(*out)
 
 
 def _lag_integrals(lag: Lag, points: Array, nodes: Array) -> Array:

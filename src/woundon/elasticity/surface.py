@@ -83,8 +83,8 @@ class SurfaceResponse(Protocol):
         """
         ...
 
-    def strain_matrices_outside(self, s: Array) -> Array:
-        """Return the strain at positions s (k,) [m] outside of the face, by p and q, (2, k, n).
+    def tangent_outside(self, s: Array) -> SurfaceTangent:
+        """Return the derivatives of slope and strain at positions s [m] outside, (k, n) each.
 
         It is needed for further nips on the same roll only; zero if it is not known.
         """
@@ -127,9 +127,9 @@ class LinearSurface:
         """Return nan: strains determine u up to a constant."""
         return float("nan")
 
-    def strain_matrices_outside(self, s: Array) -> Array:
+    def tangent_outside(self, s: Array) -> SurfaceTangent:
         """Return zeros: the influence matrices are those of the face alone."""
-        return np.zeros((2, s.size, self._end.shape[1]))
+        return SurfaceTangent(*np.zeros((4, s.size, self._end.shape[1])))
 
 
 class RigidSurface(LinearSurface):
@@ -190,6 +190,11 @@ class InterpolatedSurface:
         """Return u at the last node [m]; nan if it is not known."""
         one, two = (each.end_tangential_displacement(p, q) for each in (self.first, self.second))
         return one + self.share * (two - one)
+
+    def tangent_outside(self, s: Array) -> SurfaceTangent:
+        """Return the derivatives of slope and strain at positions s [m] outside, (k, n) each."""
+        one, two = (each.tangent_outside(s) for each in (self.first, self.second))
+        return SurfaceTangent(*self._between(one, two))
 
     def _between(self, first: Sequence[Array], second: Sequence[Array]) -> list[Array]:
         """Return the interpolated arrays."""

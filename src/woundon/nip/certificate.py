@@ -120,7 +120,7 @@ def certificate(result: Any, system: NipSystem | SeveralNips) -> Residuals:
     ]
     names = dict.fromkeys(name for conditions in of_nips for name in conditions)
     conditions = {name: largest([each.get(name, 0.0) for each in of_nips]) for name in names}
-    if len(of_nips) > 1:
+    if isinstance(system, SeveralNips):
         centres = system.centres([result.half_width, *result.next_half_widths])
         extent = float(result.x[-1] - result.x[0])
         positions = difference(result.next_positions, np.array(centres[1:]))

@@ -111,10 +111,13 @@ def body_work(side: Side, deformation: Deformation, p: Array, q: Array, a: float
 
 
 def work_on_bodies(state: NipState) -> tuple[BodyWork, BodyWork]:
-    """Return the work on the roll and on the drum of a web nip."""
+    """Return the work on the roll and on the drum of a web nip.
+
+    That on the roll is without the work along the deformation by other nips.
+    """
     f = state.fields
     a, _, roll, drum = f.geometry
-    own = Deformation(f.roll.slope, f.roll.strain - f.far_strain)
+    own = Deformation(f.roll.slope - f.far.slope, f.roll.strain - f.far.strain)
     return body_work(roll, own, *f.on_roll, a), body_work(drum, f.drum, *f.on_drum, a)
 
 
@@ -146,15 +149,16 @@ def power_balance(equations: NipEquations, state: NipState) -> float:
     supplied -= c12 * (roll.lengths[wrap] * roll.q[wrap]) @ roll.p[wrap]
     # wraps: the hoop pressure T kappa does work along the deformed path of the web
     hoop = a * mesh.cells * mesh.at_points(f.p_roll - f.p_drum)
-    supplied += hoop[:last] @ drum.slope - hoop[last:] @ roll.slope[wrap]
+    supplied += hoop[:last] @ drum.slope - hoop[last:] @ f.roll.slope[:-2][wrap]
     nip = slice(0, last - first)
     # moment of the pressure about the line of centres, and the compression of the web
     lever = state.u[layout.shift] - a * mesh.points[first:last] / problem.contact_radius
     thinning = np.diff(web.thinned(f.p_roll[first : last + 1])[0])
     supplied += roll.p[nip] @ (roll.lengths[nip] * lever - thinning)
     supplied -= roll.curvature_work + drum.curvature_work
-    # the strains by other nips, whose tractions do no work on the roll together
-    supplied -= (roll.lengths * roll.q) @ f.far_strain[:-2]
+    # the work along the deformation by other nips is none of the own work
+    supplied -= (roll.lengths * roll.q) @ f.far.strain[:-2]
+    supplied += (roll.lengths * roll.p) @ f.far.slope[:-2]
     # the work on an elastic body is zero; its discretisation error is part of the defect
     dissipated = dissipation(problem, (roll, drum))
     return float((dissipated - supplied) / (problem.nip_load * a / problem.contact_radius))

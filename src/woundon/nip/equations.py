@@ -74,15 +74,17 @@ class Fields(NamedTuple):
     transfer: Array  # int (q+ + q-) dx/a from the first node, with lumped hats (:class:`Mesh`)
     tension: Array
     roll: Deformation
-    far_strain: Array  # of the roll by other nips, at the points of its face
+    far: Deformation  # the part of ``roll`` by other nips
     drum: Deformation
     roll_curvature: Array  # at the nodes of the roll face; empty without a roll wrap
     drum_curvature: Array  # at the nodes of the drum face; empty without a wrap
 
-    def with_far_strain(self, far: Array) -> Fields:
-        """Return the fields with the strain of the roll by other nips, (n+1,), added."""
-        roll = Deformation(self.roll.slope, self.roll.strain + far)
-        return self._replace(roll=roll, far_strain=far)
+    def deformed(self, far: Deformation) -> Fields:
+        """Return the fields with the deformation of the roll by other nips added."""
+        face, a = self.geometry.roll.face, self.geometry.a
+        roll = Deformation(self.roll.slope + far.slope, self.roll.strain + far.strain)
+        bent = self.roll_curvature + face.curvature_change(far.slope, a, ends=False)
+        return self._replace(roll=roll, far=far, roll_curvature=bent)
 
     @property
     def on_roll(self) -> tuple[Array, Array]:
@@ -135,14 +137,21 @@ class NipEquations(ContactEquations):
         A mesh with the numbers of cells to use; by default those for the initial half width.
     is_last : bool
         False if the web runs into a further nip at the end of the roll wrap.
+    is_alone : bool
+        False if there are other nips on the roll.
     """
 
     layout: Layout
 
     def __init__(
-        self, problem: Any, size: int, like: Mesh | None = None, is_last: bool = True
+        self,
+        problem: Any,
+        size: int,
+        like: Mesh | None = None,
+        is_last: bool = True,
+        is_alone: bool = True,
     ) -> None:
-        self.size, self.is_last = size, is_last
+        self.size, self.is_last, self.is_alone = size, is_last, is_alone
         self.roll_wrap, self.drum_wrap = problem.roll_wrap, problem.drum_wrap
         P, R = problem.nip_load, problem.contact_radius
         # a compressed web between rigid bodies, 2h c22 p = (a^2 - x^2)/2R, or Hertz's contact
@@ -173,7 +182,7 @@ class NipEquations(ContactEquations):
 
     def for_problem(self, problem: Any) -> Self:
         """Return the equations of a neighbouring problem with the same numbers of cells."""
-        return type(self)(problem, self.size, self._first_mesh, self.is_last)
+        return type(self)(problem, self.size, self._first_mesh, self.is_last, self.is_alone)
 
     def node_names(self, tractions: Array) -> list[str]:
         """Return the names of traction nodes for messages."""
@@ -241,14 +250,15 @@ class NipEquations(ContactEquations):
     def state_like(self, state: NipState, geometry: Geometry) -> NipState:
         """Return the state for another geometry, with the same inlet tension and laid strain."""
         f = self.fields(state.u, geometry, float(state.fields.tension[0]))
-        f = f.with_far_strain(state.fields.far_strain)
+        if not self.is_alone:
+            f = f.deformed(state.fields.far)
         return self.state_of(state.u, f, None if self.is_last else state.laid_strain)
 
     def fields(self, u: Array, g: Geometry, inlet_tension: float) -> Fields:
         """Evaluate pressures, tractions, tension and the deformation of both bodies.
 
-        ``inlet_tension`` is that at the first node [N/m].  In this order: the unknowns at the nodes, the tension, the drum, p+ in the nip, which
-        depends on the curvature of the drum, and the roll.
+        In this order: the unknowns at the nodes, the tension from the ``inlet_tension`` [N/m], the
+        drum, p+ in the nip, which depends on the curvature of the drum, and the roll.
         """
         layout, a, mesh = self.layout, g.a, g.mesh
         p_roll, p_drum, q_roll, q_drum = np.zeros((4, layout.end + 1))
@@ -272,7 +282,7 @@ class NipEquations(ContactEquations):
         roll = g.roll.surface.deform(*on_roll)
         if self.roll_wrap:
             kappa_roll = g.roll.curvature(roll.slope, *on_roll, a)
-        far = np.zeros(roll.strain.size)
+        far = Deformation(*np.zeros((2, roll.strain.size)))
         return Fields(
             g, p_roll, p_drum, q_roll, q_drum, transfer, T, roll, far, drum, kappa_roll, kappa_drum
         )
@@ -566,7 +576,10 @@ class Assembly:
         strain_p, strain_q = self.roll.strain_p[:n], self.roll.strain_q[:n]
         if self.equations.is_last:
             # strains are relative to the end, where that of the web is -c12 p+
-            strain_p, strain_q = strain_p - self.roll.strain_p[-1], strain_q - self.roll.strain_q[-1]
+            strain_p, strain_q = (
+                strain_p - self.roll.strain_p[-1],
+                strain_q - self.roll.strain_q[-1],
+            )
         roll = web_strain[layout.first : layout.first + n] - self.chain_p_roll(strain_p)
         if self.equations.is_last:
             roll += c12 * self.dp_roll[-1]

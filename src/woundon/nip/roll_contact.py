@@ -4,18 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import partial
 from itertools import pairwise
 from math import nan
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from ..errors import unwarned
-
-if TYPE_CHECKING:
-    from .result import NipResult
+from ..contact.refinement import refine
+from .several_nips import system_of
 
 __all__ = ["RollContact", "contacts_of"]
+
+
+# Shortest stick zone of an arc, relative to its length: about a cell of a coarse mesh.
+LEAST_STICK = 0.02
 
 
 @dataclass(frozen=True)
@@ -84,17 +87,19 @@ class RollContact:
         return float(tensions[self.number + 1] - tensions[self.number])
 
 
-def nip_nodes(result: NipResult) -> list[slice]:
+def nip_nodes(result: Any) -> list[slice]:
     """Return the nodes of each nip, edges included."""
     nips = [result.in_nip]
     for centre, a in zip(result.next_positions, result.next_half_widths, strict=True):
         # the arc before ends just upstream of the leading edge
-        first, last = np.searchsorted(result.x, [centre - a * (1 + 5e-10), centre + a * (1 - 5e-10)])
+        first, last = np.searchsorted(
+            result.x, [centre - a * (1 + 5e-10), centre + a * (1 - 5e-10)]
+        )
         nips.append(slice(int(first), int(last) + 1))
     return nips
 
 
-def contacts_of(result: NipResult) -> Iterator[RollContact]:
+def contacts_of(result: Any) -> Iterator[RollContact]:
     """Yield the nips of a result in the direction of travel."""
     problem, angle = result.problem, 0.0
     halves = [result.half_width, *result.next_half_widths]
@@ -126,21 +131,23 @@ def contacts_of(result: NipResult) -> Iterator[RollContact]:
         )
 
 
-def _slip_before(result: NipResult, arc: slice) -> tuple[bool, float]:
-    """Return whether the web sticks on an arc, and the angle of slip back from its end [rad]."""
+def _slip_before(result: Any, arc: slice) -> tuple[bool, float]:
+    """Return whether the web sticks on an arc, and the angle of slip back from its end [rad].
+
+    A shorter stick zone than LEAST_STICK is a place where the slip changes its direction.
+    """
     x, zones = result.x[arc], result.roll_zone[arc]
-    sticking = np.nonzero(zones == 0)[0]
-    start = sticking[-1] if sticking.size else 0
-    return bool(sticking.size), float(x[-1] - x[start]) / result.problem.roll.radius
+    cells = np.nonzero((zones[1:] == 0) & (zones[:-1] == 0))[0]
+    sticks = bool((x[cells + 1] - x[cells]).sum() > LEAST_STICK * (x[-1] - x[0]))
+    start = cells[-1] + 1 if sticks else 0
+    return sticks, float(x[-1] - x[start]) / result.problem.roll.radius
 
 
-def tensions_of_first_nips(result: NipResult) -> list[float]:
+def tensions_of_first_nips(result: Any) -> list[float]:
     """Return the wound-on tension of no nip, of the first one, the first two ... of all [N/m].
 
     That of no nip is the web tension.
     """
-    from .solve import solve_nip
-
     problem, tensions = result.without_air, [result.problem.web_tension]
     given = problem.next_nips
     last_arc = problem.roll_wrap - sum(nip.angle for nip in given)
@@ -148,9 +155,7 @@ def tensions_of_first_nips(result: NipResult) -> list[float]:
         kept = given[:count]
         arc = max(last_arc, given[count].angle)
         wrap = sum(nip.angle for nip in kept) + arc
-        with unwarned():
-            fewer = solve_nip(
-                problem.replace(next_nips=kept, roll_wrap=wrap), nodes=result.nodes
-            )
-        tensions.append(fewer.roll_wound_on_tension)
+        fewer = problem.replace(next_nips=kept, roll_wrap=wrap)
+        solved = refine(partial(system_of, fewer), nodes=result.nodes).last
+        tensions.append(float(solved.outputs["roll_wound_on_tension"]))
     return [*tensions, result.roll_wound_on_tension]

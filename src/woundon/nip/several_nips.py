@@ -14,16 +14,15 @@ with its arc as the roll wrap, and these couplings:
     tension    T_k(first node) = T_in + sum_(j<k) int (q+ + q-) dx over nip j with its arc
     laid web   E for k < K;  nip K is a wrapped nip, at the end of which (eps - eps+) is its own
 
-    strain     eps+ on the face of nip k includes that by the pressures and tractions of the others
+    roll       slope, curvature and strain on the face of nip k include those by the other nips
 
-Slopes by other nips, which vary little within a nip, are neglected.  An arc ends at the leading
-edge of the next nip, that of its contact without friction, whose half width also places the loads
-of a nip on the roll for the strains on the other faces.
+An arc ends at the leading edge of the next nip, that of its contact without friction, whose half
+width also places the loads of a nip on the roll for the deformation of the other faces.
 
 Unknowns u = (u_1 | ... | u_K), residuals and Jacobian, with J_k those of nip k alone:
 
     J = diag(J_1 ... J_K) + sum_k dR_k/dT_k (dT_k/du) - sum_(k<K) dR_k/dv+ (dE_k/du)
-      - dR/dv+ (strains by other nips),
+      + derivatives of the deformations by other nips,
 
 E_k = E - c11 T_k(end)/2h, because slips are evaluated relative to the tension at the end.
 """
@@ -32,21 +31,24 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
+from itertools import pairwise
 from math import exp
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..contact.newton import Iterate, Jacobian
+from ..elasticity.surface import Deformation, SurfaceTangent
 from ..errors import InvalidProblem
 from .contact_equations import DIFFERENCE
 from .equations import Assembly, Fields, Geometry, NipEquations, NipState
+from .layout import Layout
 from .load_limit import check_load
 from .outputs import NipSystem, drum_creepage, evaluation_weights, roll_wound_on_tension
 
-__all__ = ["SeveralNips", "SeveralState", "check_nips", "nip_problems", "system_of"]
+__all__ = ["SeveralNips", "SeveralState", "SingleNips", "check_nips", "single_nips", "system_of"]
 
 Array = np.ndarray
 
@@ -73,10 +75,30 @@ def system_of(problem: Any, size: int) -> NipSystem | SeveralNips:
     return SeveralNips(problem, size) if problem.next_nips else NipSystem(problem, size)
 
 
-def nip_problems(problem: Any) -> list[Any]:
-    """Return each nip alone, with its arc up to the leading edge of the next nip as the roll wrap.
+class SingleNips(NamedTuple):
+    """The nips of a problem, each alone.
 
-    The tension upstream of the further nips is that of the problem; it is replaced by the solution.
+    Attributes
+    ----------
+    problems : tuple of NipProblem
+        With the arc up to the leading edge of the next nip as the roll wrap.  The tension upstream
+        of further nips is that of the problem; the solution replaces it.
+    half_widths : tuple of float
+        Of the contacts without friction [m].
+    """
+
+    problems: tuple[Any, ...]
+    half_widths: tuple[float, ...]
+
+
+@lru_cache(maxsize=4)  # the meshes of a solution use the same nips
+def single_nips(problem: Any) -> SingleNips:
+    """Return the nips of a problem with ``next_nips``, each alone.
+
+    Raises
+    ------
+    InvalidProblem
+        If there is no arc between two nips, or behind the last one.
     """
     angles = [further.angle for further in problem.next_nips]
     first = problem.replace(next_nips=(), roll_wrap=angles[0])
@@ -92,7 +114,8 @@ def nip_problems(problem: Any) -> list[Any]:
             )
         )
     R = problem.roll.radius
-    edges = [NipEquations(each, 3).initial_half_width() / R for each in alone]
+    half_widths = tuple(NipEquations(each, 3).initial_half_width() for each in alone)
+    edges = [a / R for a in half_widths]
     arcs = [angle - edge for angle, edge in zip(angles, edges[1:], strict=True)]
     arcs.append(problem.roll_wrap - sum(angles))
     for k, (arc, edge) in enumerate(zip(arcs, edges, strict=True)):
@@ -110,7 +133,8 @@ def nip_problems(problem: Any) -> list[Any]:
                 f"{problem.roll_wrap + short:.4g} [rad], so that there is an arc behind the last "
                 "nip",
             )
-    return [each.replace(roll_wrap=arc) for each, arc in zip(alone, arcs, strict=True)]
+    wrapped = [each.replace(roll_wrap=arc) for each, arc in zip(alone, arcs, strict=True)]
+    return SingleNips(tuple(wrapped), half_widths)
 
 
 def check_nips(problem: Any) -> None:
@@ -121,7 +145,7 @@ def check_nips(problem: Any) -> None:
     InvalidProblem
         Naming the field of the further nip.
     """
-    for k, each in enumerate(nip_problems(problem)[1:]):
+    for k, each in enumerate(single_nips(problem).problems[1:]):
         try:
             check_load(each, "nip_load")
         except InvalidProblem as fault:
@@ -177,10 +201,11 @@ class SeveralNips:
 
     def __init__(self, problem: Any, size: int, nips: list[NipSystem] | None = None) -> None:
         self.problem, self.size = problem, size
-        if nips is None:
-            alone = nip_problems(problem)
-            nips = [NipSystem(each, size, is_last=each is alone[-1]) for each in alone]
-        self.nips = nips
+        alone, self._half_widths = single_nips(problem)
+        self.nips = nips or [
+            NipSystem(each, size, is_last=each is alone[-1], is_alone=False) for each in alone
+        ]
+        nips = self.nips
         web = problem.web
         self.stretch = web.compliance.c11 / web.thickness
         # parts of the unknowns, the equilibrium equations and the traction nodes of each nip
@@ -232,7 +257,7 @@ class SeveralNips:
 
     def for_problem(self, problem: Any) -> SeveralNips:
         """Return the equations of a neighbouring problem with the same numbers of cells."""
-        pairs = zip(self.nips, nip_problems(problem), strict=True)
+        pairs = zip(self.nips, single_nips(problem).problems, strict=True)
         return SeveralNips(problem, self.size, [nip.for_problem(each) for nip, each in pairs])
 
     def node_names(self, tractions: Array) -> list[str]:
@@ -244,9 +269,10 @@ class SeveralNips:
         return names
 
     def initial_guess(self) -> tuple[Array, Array]:
-        """Return unknowns u with zero fields and the initial half widths, and full stick."""
-        guesses = [nip.initial_guess() for nip in self.nips]
-        return tuple(np.concatenate(each) for each in zip(*guesses, strict=True))  # type: ignore
+        """Return unknowns u with zero fields, the half widths without friction, and full stick."""
+        u = np.zeros(self.scales.size)
+        u[self.ln_a] = np.log(self._half_widths)
+        return u, np.zeros(self.traction_unknowns.size, dtype=np.int8)
 
     def prolong(
         self, state: SeveralState, active: Array, coarse: SeveralNips
@@ -258,18 +284,14 @@ class SeveralNips:
                 self.nips, state.nips, coarse.tractions, coarse.nips, strict=True
             )
         ]
-        return tuple(np.concatenate(each) for each in zip(*guesses, strict=True))  # type: ignore
+        u, zones = (np.concatenate(each) for each in zip(*guesses, strict=True))
+        return u, zones
 
-    # ---- strains by other nips -----------------------------------------------------------------
-
-    @cached_property
-    def _half_widths(self) -> list[float]:
-        """Half width of each nip without friction [m]."""
-        return [nip.initial_half_width() for nip in self.nips]
+    # ---- deformations by other nips ------------------------------------------------------------
 
     @cached_property
-    def _far_matrices(self) -> dict[tuple[int, int], Array]:
-        """Strain at the points of face i by p and q at the nodes of face j, (2, n+1, m) [1/Pa].
+    def _far_tangents(self) -> dict[tuple[int, int], SurfaceTangent]:
+        """Slope and strain at the points of face i by p and q at the nodes of face j, (n+1, m).
 
         By (i, j), i != j; for meshes with the half widths without friction.
         """
@@ -280,27 +302,27 @@ class SeveralNips:
             surface = self.problem.roll.surface(face, a, self.problem.rolling_speed)
             others = [i for i in range(len(faces)) if i != j]
             points = [centres[i] - centres[j] + halves[i] * faces[i].points for i in others]
-            matrices = surface.strain_matrices_outside(np.concatenate(points))
-            ends = np.cumsum([part.size for part in points])[:-1]
-            for i, matrix in zip(others, np.split(matrices, ends, axis=1), strict=True):
-                out[i, j] = matrix
+            tangent = surface.tangent_outside(np.concatenate(points))
+            for i, part in zip(others, _parts([each.size for each in points]), strict=True):
+                out[i, j] = SurfaceTangent(*(matrix[part] for matrix in tangent))
         return out
 
     def _scaled(self, j: int, a: float) -> float:
         """Return the factor of the loads on face j for another half width: that of its length."""
         return a / self._half_widths[j]
 
-    def _with_far_strains(self, fields: list[Fields]) -> list[Fields]:
-        """Return the fields with the strains by the loads on the other faces."""
+    def _deformed(self, fields: list[Fields]) -> list[Fields]:
+        """Return the fields with the deformations by the loads on the other faces."""
         out = []
         for i, f in enumerate(fields):
-            far = np.zeros(f.roll.strain.size)
+            slope, strain = np.zeros((2, f.roll.strain.size))
             for j, other in enumerate(fields):
                 if j != i:
-                    by_p, by_q = self._far_matrices[i, j]
-                    p, q = other.on_roll
-                    far += self._scaled(j, other.geometry.a) * (by_p @ p + by_q @ q)
-            out.append(f.with_far_strain(far))
+                    far, (p, q) = self._far_tangents[i, j], other.on_roll
+                    factor = self._scaled(j, other.geometry.a)
+                    slope += factor * (far.slope_p @ p + far.slope_q @ q)
+                    strain += factor * (far.strain_p @ p + far.strain_q @ q)
+            out.append(f.deformed(Deformation(slope, strain)))
         return out
 
     # ---- residual ------------------------------------------------------------------------------
@@ -317,7 +339,7 @@ class SeveralNips:
         for nip, part, geometry in zip(self.nips, self.unknowns, geometries, strict=True):
             fields.append(nip.fields(u[part], geometry, T))
             T = float(fields[-1].tension[-1])
-        fields = self._with_far_strains(fields)
+        fields = self._deformed(fields)
         last = self.nips[-1].state_of(u[self.unknowns[-1]], fields[-1])
         E = self.laid_strain(roll_wound_on_tension(self.nips[-1], last))
         states = [
@@ -350,32 +372,59 @@ class SeveralNips:
             for block, own in zip(self._blocks(out, index), assembly.jacobian(), strict=True):
                 block[:, self.unknowns[index]] = own
         self.coupling = self._coupling(state, assemblies[-1])
-        self._add_far_strains(out, assemblies)
+        self._add_far_deformations(out, assemblies)
         for index in range(len(self.nips)):
             self._couple(out, index, slice(0, size))
         self.fill_half_width_column(out, state)
         return out
 
-    def _add_far_strains(self, jacobian: Jacobian, assemblies: list[Assembly]) -> None:
-        """Subtract the derivatives of the strains by other nips from the slips on the roll.
+    def _add_far_deformations(self, jacobian: Jacobian, assemblies: list[Assembly]) -> None:
+        """Add the derivatives of slopes, curvatures and strains by the loads on other faces.
 
-        In those of the last nip the strain at the end is subtracted.  That at the evaluation of the
-        closed tension changes the laid strain.
+        In the slips of the last nip the strain at the end is subtracted.  That at the evaluation of
+        the closed tension changes the laid strain.
         """
         assert self.coupling is not None
         at_points = evaluation_weights(self.nips[-1], assemblies[-1].fields)[1]
-        for (i, j), (by_p, by_q) in self._far_matrices.items():
-            source, nip, columns = assemblies[j], self.nips[i], self.unknowns[j]
-            rows = source.chain_p_roll(by_p)
-            rows[:, source.layout.roll_q] += by_q[:, 1:-1]
-            rows *= self._scaled(j, source.a)
+        for (i, j), far in self._far_tangents.items():
+            source, target, nip, columns = (
+                assemblies[j],
+                assemblies[i],
+                self.nips[i],
+                self.unknowns[j],
+            )
+            slope, strain = (
+                self._scaled(j, source.a) * self._by_unknowns(self.nips[j].layout, by_p, by_q)
+                for by_p, by_q in ((far.slope_p, far.slope_q), (far.strain_p, far.strain_q))
+            )
+            blocks = self._blocks(jacobian, i)
+            cells = nip.layout.last - nip.layout.first
+            blocks.equilibrium[:cells, columns] += slope[:cells] / nip.slope_scale
+            # the rows of the roll wrap are the last ones but those of force and load
+            nodes = nip.layout.roll_wrap_nodes
+            T = target.fields.tension[nodes, None]
+            face = target.fields.geometry.roll.face
+            bent = face.curvature_change(slope, target.a, ends=False)[cells:]
+            blocks.equilibrium[-2 - len(T) : -2, columns] -= T * bent / nip.pressure_scale
             n = nip.layout.roll_nodes.size
-            slip = rows[:n]
+            slip = strain[:n]
             if nip.is_last:
-                slip = slip - rows[-1]
+                slip = slip - strain[-1]
                 by_strain = self.coupling.laid_by_closed / self.stretch
-                self.coupling.laid_strain[columns] -= by_strain * (at_points @ rows)
-            self._blocks(jacobian, i).slip[:n, columns] -= slip / nip.slope_scale
+                self.coupling.laid_strain[columns] -= by_strain * (at_points @ strain)
+            blocks.slip[:n, columns] -= slip / nip.slope_scale
+
+    @staticmethod
+    def _by_unknowns(layout: Layout, by_p: Array, by_q: Array) -> Array:
+        """Return derivatives by the unknowns of a nip from those by the loads on the roll's face.
+
+        The hoop pressure in the nip, by which p+ and p- differ, is neglected.
+        """
+        out = np.zeros((len(by_p), layout.size))
+        on_roll = np.nonzero(layout.p_nodes > layout.first)[0]  # unknowns: pressures on the roll
+        out[:, on_roll] = by_p[:, layout.p_nodes[on_roll] - layout.first]
+        out[:, layout.roll_q] = by_q[:, 1:-1]
+        return out
 
     def _blocks(self, jacobian: Jacobian, index: int) -> Jacobian:
         """Return the rows of a nip."""
@@ -405,7 +454,7 @@ class SeveralNips:
             zip(self.nips, state.nips, self.unknowns, strict=True)
         ):
             f = nip.fields(own.u, own.geometry, float(own.fields.tension[0]) + step)
-            f = f.with_far_strain(own.fields.far_strain)
+            f = f.deformed(own.fields.far)
             shifted_last = nip.state_of(own.u, f, None if nip.is_last else own.laid_strain)
             by_tension.append(
                 Jacobian(
@@ -419,7 +468,9 @@ class SeveralNips:
             tensions[index + 1, part][nip.layout.roll_q] = weights[nip.layout.roll_nodes]
             tensions[index + 1, part][nip.layout.drum_q] = weights[nip.layout.drum_nodes]
         W = roll_wound_on_tension(self.nips[-1], state.nips[-1])
-        by_W = (self.laid_strain(W * (1 + STEP)) - self.laid_strain(W * (1 - STEP))) / (2 * STEP * W)
+        by_W = (self.laid_strain(W * (1 + STEP)) - self.laid_strain(W * (1 - STEP))) / (
+            2 * STEP * W
+        )
         W_by_tension = (roll_wound_on_tension(self.nips[-1], shifted_last) - W) / step
         laid = np.zeros(size)
         laid[self.unknowns[-1]] = by_W * self._closed_tension_row(last)
@@ -438,7 +489,9 @@ class SeveralNips:
         by_T[layout.roll_q], by_T[layout.drum_q] = dT[layout.roll_nodes], dT[layout.drum_nodes]
         strain = last.chain_p_roll((points @ last.roll.strain_p)[None])[0]
         strain[layout.roll_q] += (points @ last.roll.strain_q)[1:-1]
-        return np.asarray(by_T * (1 + closed / (2 * STEP * T) / self.stretch) - strain / self.stretch)
+        return np.asarray(
+            by_T * (1 + closed / (2 * STEP * T) / self.stretch) - strain / self.stretch
+        )
 
     def fill_half_width_column(self, jacobian: Jacobian, state: SeveralState) -> None:
         """Write the derivatives by each ln a, by difference quotients, into their columns."""
@@ -450,7 +503,9 @@ class SeveralNips:
             shifted = nip.shifted(own)
             change = float(shifted.fields.tension[-1] - own.fields.tension[-1]) / DIFFERENCE
             coupling.inlet_tensions[index + 1 :, column] = change
-            coupling.laid_strain[column] = coupling.laid_by_tension * coupling.inlet_tensions[-2, column]
+            coupling.laid_strain[column] = (
+                coupling.laid_by_tension * coupling.inlet_tensions[-2, column]
+            )
             if nip.is_last:
                 dW = (roll_wound_on_tension(nip, shifted) - W) / DIFFERENCE
                 coupling.laid_strain[column] = coupling.laid_by_closed * dW
@@ -484,10 +539,13 @@ class SeveralNips:
         out["roll_wound_on_tension"] = each[-1]["roll_wound_on_tension"]
         out["peak_pressure"] = max(one["peak_pressure"] for one in each)
         # the friction of the roll downstream of the first nip
-        out["roll_wrap_traction"] = sum(
-            float(own.geometry.a * own.geometry.mesh.weights @ own.fields.q_roll)
-            for own in state.nips[1:]
-        ) + (each[0]["roll_wrap_traction"])
+        out["roll_wrap_traction"] = (
+            sum(
+                float(own.geometry.a * own.geometry.mesh.weights @ own.fields.q_roll)
+                for own in state.nips[1:]
+            )
+            + (each[0]["roll_wrap_traction"])
+        )
         for k, one in enumerate(each[1:], 1):
             out |= {f"contacts.{k}.{name}": one[name] for name in OF_CONTACT}
         return out
@@ -558,4 +616,4 @@ class SeveralNips:
 def _parts(sizes: list[int]) -> list[slice]:
     """Return consecutive slices of given sizes."""
     ends = np.cumsum([0, *sizes]).tolist()
-    return [slice(start, stop) for start, stop in zip(ends[:-1], ends[1:], strict=True)]
+    return [slice(start, stop) for start, stop in pairwise(ends)]

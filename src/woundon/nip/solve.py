@@ -105,8 +105,8 @@ def solve_nip(
         A solved neighbouring case, which replaces the initial guess on every mesh.  The result
         does not depend on it beyond the tolerance of the solver.
     errors : bool
-        False omits the error estimates if ``start`` has ``nodes`` too: only the last mesh is
-        solved, which takes less than half the time.
+        False omits the error estimates if there is a ``start``, and ``nodes`` is given: only the
+        last mesh is solved, which takes less than half the time.
     progress : callable, optional
         Called with the fraction of the work that is done.
 
@@ -208,6 +208,8 @@ def _refined(
             tolerances=tolerances,
             most_nodes=MOST_NODES_RTOL if rtol else max_nodes,
             start=getattr(start, "refinement", None),
+            # of the same problem only the coarse meshes are solved
+            last=start.refinement.last if start and start.problem == problem else None,
             check=lambda mesh: _check_taut(problem, mesh, CERTAINLY_SLACK),
             **options,
         )

@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import BaseModel, BeforeValidator, Field, ValidationInfo, model_validator
 
 from ..errors import InvalidProblem
-from ..quantities import OF_FIELD, length, pure
+from ..quantities import OF_FIELD, Quantity, length, members_of, pure, quantity_of
 from .description import Description
 from .family import from_table
 from .fields import (
@@ -40,6 +40,7 @@ __all__ = [
     "WindingSchedule",
     "as_schedule",
     "at_radius",
+    "schedule_fields",
     "uncovered_ends",
     "unused_in_tapers",
     "values_of",
@@ -224,6 +225,21 @@ else:
     Schedule = Annotated[Number | Profile, BeforeValidator(_profile)]
     WindingSchedule = Annotated[Number | Profile | Taper, BeforeValidator(_profile_or_taper)]
     OptionalWindingSchedule = WindingSchedule | None
+
+
+def schedule_fields(problem: type[BaseModel]) -> dict[str, Quantity]:
+    """Return the quantities of the fields of a problem that may be profiles over the radius.
+
+    >>> import woundon as wo
+    >>> list(schedule_fields(wo.RollProblem))
+    ['wound_on_tension']
+    """
+    fields = {
+        name: quantity_of(field)
+        for name, field in problem.model_fields.items()
+        if Profile in members_of(field.annotation)
+    }
+    return {name: quantity for name, quantity in fields.items() if quantity is not None}
 
 
 class Curve:

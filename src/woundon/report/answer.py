@@ -10,6 +10,7 @@ from .. import kinds, quantities
 from ..errors import InvalidProblem, NoSteadyState, NotConverged, unwarned
 from ..nip.result import NipResult
 from ..nip.roller_result import RollerResult
+from ..problems.description import is_unset
 from ..problems.problem import Problem
 from ..quantities import walk
 from ..results import Result
@@ -176,7 +177,7 @@ def defaults_section(problem: Problem) -> list[Section]:
         default = getattr(place.field, "default", None)
         value = place.value
         # of the same type: True equals 1
-        if value is None or type(value) is not type(default) or value != default:
+        if is_unset(value) or type(value) is not type(default) or value != default:
             continue
         if place.quantity is None or isinstance(value, str | int | float):
             texts.append(f"{place.path} = {value_row(place.quantity, value).text}")

@@ -53,8 +53,9 @@ __all__ = [
 Array = np.ndarray
 Shares = Callable[[Array, Array], Array]  # set points x, inputs z -> friction shares
 
-# Accuracy of the windings: changes of the margins by 0.01, a tenth of what the usual spreads cause
-ACCURACY: dict[str, Any] = {"rtol": 1e-2, "nodes": 33, "coupling_rtol": 1e-3}
+# Accuracy of the windings: changes of the margins by 0.01, a tenth of what the usual spreads cause;
+# the errors of a window follow from its checks, not from estimates of single windings
+ACCURACY: dict[str, Any] = {"rtol": 1e-2, "nodes": 33, "coupling_rtol": 1e-3, "errors": False}
 FRICTION_SHARE = "friction_share"  # the column of the shares, one tuple for each case
 # depths at which the shares are known: even in the logarithm, for they change near the core, and
 # even in the radius

@@ -14,7 +14,7 @@ from ..problems.schedules import Curve
 from ..problems.winding import WindingProblem
 from ..results import ACCEPTED_RESIDUAL, Residuals, largest, positive
 from ..roll.result import RollResult
-from ..roll.stages import stage_at
+from ..roll.stages import stages_at
 from .bodies import effective_cylinder, effective_pressure, hardening_roll, linear_cylinder
 from .drum_nips import drum_nips
 from .measured import smoothed
@@ -169,7 +169,7 @@ def recomputed_nips(result: Any) -> Mapping[str, tuple[Array, Array]]:
         again.append(solved)
         rows.append((*outputs, nips.films[radius], solved.without_air.roll_friction))
         if problem.roll_body == "effective" and smooth is None:
-            pressures.append(effective_pressure(stage_at(roll, radius), *outputs))
+            pressures.append(effective_pressure(stages_at(roll, [radius])[0], *outputs))
     names = "wound_on_tension", "half_width", "peak_pressure", "air_film", "friction"
     within = max(FACTOR * result.coupling_rtol, LEAST_DIFFERENCE)
     values = {
@@ -191,5 +191,5 @@ def _roll_body(problem: WindingProblem, radius: float, P_e: float, roll: RollRes
     if problem.roll_body == "effective":
         return effective_cylinder(problem, radius, P_e)
     if problem.roll_body == "direct":
-        return hardening_roll(problem, stage_at(roll, radius))
+        return hardening_roll(problem, stages_at(roll, [radius])[0])
     return linear_cylinder(problem, radius)

@@ -36,6 +36,7 @@ from ..quantities import Quantity, length, line_load, share, strain, stress
 from ..results import Presented
 from ..roll.gauge_band import gauge_band_over, lane_strain
 from ..roll.result import RollResult
+from ..roll.stages import Stage, stages_at
 from ..roll.validity import yield_warnings
 from .criteria import (
     collapse_pressure,
@@ -394,15 +395,14 @@ def _states(roll: RollResult) -> list[_State]:
     # smaller rolls would have few layers below the excluded outermost ones
     smallest = core + 2 * TAIL_LAYERS * roll.problem.web_thickness
     surfaces = np.linspace(core, radius, STAGES + 1)[1:-1]
-    stages = [roll.at(s) for s in surfaces[surfaces >= smallest].tolist()]
-    return [_state(stage) for stage in (*stages, roll)]
+    surfaces = np.append(surfaces[surfaces >= smallest], radius)
+    return [_state(stage) for stage in stages_at(roll, surfaces.tolist(), roll.radius.size - 1)]
 
 
-def _state(roll: RollResult) -> _State:
+def _state(stage: Stage) -> _State:
     """Return the stresses at a stage, at its nodes and at PLACES even radii."""
-    r = np.unique([*roll.radius, *np.linspace(roll.radius[0], roll.radius[-1], PLACES)])
-    stresses = roll.at_radius(r)
-    return _State(float(roll.radius[-1]), r, stresses["pressure"], stresses["hoop_stress"])
+    r = np.unique([*stage.radius, *np.linspace(stage.radius[0], stage.radius[-1], PLACES)])
+    return _State(float(stage.radius[-1]), r, *stage.stresses_at(r))
 
 
 # ---- the margins --------------------------------------------------------------------------------
