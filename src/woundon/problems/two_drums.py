@@ -89,7 +89,7 @@ class TwoDrums(Description):
     ... )
     >>> loads = winding.drum_loads(0.5)
     >>> f"{loads.rear_load:.0f} and {loads.front_load:.0f} N/m, arc {loads.front_arc:.2f} rad"
-    '2910 and 4097 N/m, arc 0.75 rad'
+    '2784 and 4273 N/m, arc 0.75 rad'
     """
 
     front_drum: Annotated[AnyBody, Field(description="the front drum")]
