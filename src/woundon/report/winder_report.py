@@ -15,6 +15,7 @@ __all__ = ["drum_sentences", "winder_parts"]
 
 Array = np.ndarray
 RADII = 5  # that the table shows
+NOTICEABLE = 5e-3  # of the tension: a squeeze of the roll that the first lines mention
 LOAD, FORCE = line_load("P", "nip load"), line_load("F", "winding force")
 TENSION, ARC = line_load("T", "tension"), angle("theta", "arc")
 SHARE = share("T/T_in", "tension, relative to the web tension")
@@ -31,7 +32,11 @@ def drum_sentences(result: WindingResult) -> Iterator[str]:
         if drum is None:
             continue
         if drum.sticks.all():
-            yield f"The {name} adds nothing: the layer sticks {where}."
+            squeeze = drum.largest_added_tension
+            remark = ""
+            if squeeze > NOTICEABLE * result.mean_wound_on_tension:
+                remark = f"; its load squeezes the roll, at most +{TENSION.text(squeeze, '.2g')}"
+            yield f"The {name} adds nothing: the layer sticks {where}{remark}."
         else:
             slipping, count = int((~drum.sticks).sum()), drum.sticks.size
             at = "" if slipping == count else f" at {slipping} of {count} radii"
