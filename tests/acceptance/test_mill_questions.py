@@ -128,3 +128,22 @@ def test_starts_on_a_plateau_do_not_hide_the_minimum(case):
     assert found.estimates == pytest.approx(many.estimates, abs=0.1 * many.standard_errors[0])
     assert found.starts > 2
     assert found.not_identified == ()
+
+
+def test_the_case_of_a_two_drum_winder(tmp_path, monkeypatch, capsys):
+    """The page's winder: its loads from the weight, its tension with full slip, no nip solved."""
+    monkeypatch.chdir(tmp_path)
+    [drums] = [
+        block for block in re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL) if "[winder]" in block
+    ]
+    Path("drums.toml").write_text(drums, "utf-8")
+    words = shlex.split(next(one for one in COMMANDS if one.startswith("solve drums.toml")))
+    assert cli.main([*words, "--set", "tension_law=friction"]) == 0
+    text = capsys.readouterr().out
+    problem = wo.load_case("drums.toml")
+    load = problem.drum_loads(problem.radius).front_load
+    assert "Two-drum winder" in text
+    assert f"{load:.0f}  N/m" in text
+    assert Path("drums.png").exists()
+    find = next(one for one in COMMANDS if one.startswith("find drums.toml"))
+    assert "torque_split" in find

@@ -42,6 +42,22 @@ wo.WindingProblem(
     torque_split=None,
     limits={"blocking_pressure": "1 MPa"},
 )
+wo.WindingProblem(
+    grade="newsprint",
+    core={"diameter": "100 mm", "stiffness": "1 GPa"},
+    drum={"radius": 0.3},
+    radius=0.6,
+    web_tension=300.0,
+    torque_split=0.5,
+    winder=wo.TwoDrums(
+        front_drum=wo.Rigid(diameter="500 mm"),
+        gap="20 mm",
+        rider_load=wo.Taper(start="2.5 kN/m", taper="20 %"),
+        rider={"kind": "rigid", "radius": "150 mm"},
+        core_torque=0.0,
+        front_friction=None,
+    ),
+)
 wo.RollProblem(
     core={"radius": 0.05, "stiffness": 1e9},
     radius=0.5,

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,6 +14,7 @@ import woundon as wo
 from woundon.io.case_files import make_problem
 from woundon.io.case_texts import to_toml
 
+ROOT = Path(__file__).parents[2]
 R = np.linspace(0.05, 0.6, 23)
 REAR, FRONT, GAP, DENSITY = 0.3, 0.25, 0.02, 680.0
 G = 9.80665  # m/s^2
@@ -157,6 +160,23 @@ def test_a_rider_load_may_depend_on_the_radius() -> None:
 def test_a_case_file_gives_the_winder_back(changes: dict[str, Any]) -> None:
     problem = CASE.replace(**changes)
     assert make_problem(tomllib.loads(to_toml(problem))) == problem
+
+
+def test_the_cases_of_the_guides_are_valid() -> None:
+    """Documentation: the case of the how-to, with its two rider loads, and the theory's example."""
+    guide = (ROOT / "docs/howto/two_drum_winder.md").read_text(encoding="utf-8")
+    case, rider = map(tomllib.loads, re.findall(r"```toml\n(.*?)```", guide, re.DOTALL))
+    problem = make_problem(case)
+    assert problem.drum_loads(0.6).rear_load > 3000
+    relieved = make_problem(case | {"winder": case["winder"] | rider["winder"]})
+    assert relieved.drum_loads(0.3).rider_load == pytest.approx(2000.0, rel=1e-12)
+    theory = (ROOT / "docs/theory/winding.md").read_text(encoding="utf-8")
+    [code] = [
+        text for text in re.findall(r"```python\n(.*?)```", theory, re.DOTALL) if "TwoDrums" in text
+    ]
+    names: dict[str, Any] = {"wo": wo, "problem": wo.WindingProblem.example()}
+    exec(code, names)
+    assert names["problem"].winder is not None
 
 
 # ---- rejected input: field, value, permitted range, radius ---------------------------------------
