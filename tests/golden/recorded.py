@@ -59,6 +59,17 @@ def problems() -> dict[str, wo.Problem]:
         "roll": roll,
         "roll after storage": roll.replace(core_shrinkage=1e-4, temperature_change=-5.0),
         "winding": winding,
+        "winding on two drums": winding.replace(
+            winder=wo.TwoDrums(
+                front_drum=wo.Rigid(radius=0.2),
+                rider=wo.Rigid(radius=0.1),
+                gap=0.02,
+                rider_load=2000.0,
+                core_mass=5.0,
+            ),
+            nip_load=None,
+            torque_split=0.5,
+        ),
         "winding with limits": winding.replace(limits=wo.grade("newsprint").limits),
     }
 
