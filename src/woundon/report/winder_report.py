@@ -56,6 +56,7 @@ def winder_parts(result: WindingResult) -> list[Part]:
     r = _radii(result)
     loads, used = problem.drum_loads(r), problem.friction_used(r)
     rows = [
+        _row("radius of the roll", quantity_of(result, "radius"), r),
         _row("load of the rear drum", LOAD, loads.rear_load),
         _row("load of the front drum", LOAD, loads.front_load),
         _row("load of the rider", LOAD, loads.rider_load),
@@ -67,9 +68,7 @@ def winder_parts(result: WindingResult) -> list[Part]:
         *_rows_of_nips(result, result.front, "front drum", r),
         *_rows_of_nips(result, result.rider, "rider", r),
     ]
-    size = quantity_of(result, "radius")
-    heads = [Column(f"r = {size.text(radius)}", "number") for radius in r]
-    columns = (Column(), *heads, Column("", "unit"))
+    columns = (Column(), *(Column("", "number") for _ in r), Column("", "unit"))
     return [Table("Two-drum winder", columns, tuple(rows), "A winding force < 0 drives the roll.")]
 
 
