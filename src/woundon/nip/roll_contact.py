@@ -14,7 +14,7 @@ import numpy as np
 from ..contact.refinement import refine
 from .several_nips import system_of
 
-__all__ = ["RollContact", "contacts_of"]
+__all__ = ["RollContact", "contacts_of", "nip_nodes", "tensions_of_first_nips"]
 
 
 # Shortest stick zone of an arc, relative to its length: about a cell of a coarse mesh.
