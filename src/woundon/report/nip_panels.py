@@ -279,9 +279,7 @@ def contacts_tension(result: NipResult) -> Panel:
         ),
     )
     marks = [Mark("x", result.wound_on_tension, label="wound-on tension", symbol=WOT.symbol)]
-    marks += [
-        Mark("y", contact.angle, line="dotted", alone=False) for contact in result.contacts
-    ]
+    marks += [Mark("y", contact.angle, line="dotted", alone=False) for contact in result.contacts]
     return Panel(
         "contacts_tension",
         Axis("Angle from the first nip $theta$", quantity_of(result, "slip_angle")),

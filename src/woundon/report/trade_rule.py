@@ -108,14 +108,21 @@ def _winding_reason(result: WindingResult, friction: float) -> str:
 
     ``friction`` is mu N averaged over the length of web [N/m].
     """
-    law = result.problem.tension_law
+    law, has_winder = result.problem.tension_law, result.problem.winder is not None
+    if law == "friction" and has_winder:
+        return "The rule is that of the rear drum; the web slips in all nips of both drums."
     if law == "friction":
         return "The wound-on tension is that of this rule: tension_law = 'friction'."
     if law != "nip":
         return PRESCRIBED
     roll_side = _mean(result, result.nip_induced_tension - result.winding_force)
+    if result.front is not None:
+        roll_side -= result.mean_front_added_tension
+    if result.rider is not None:
+        roll_side -= result.mean_rider_added_tension
+    nip = "the nip of the rear drum" if has_winder else "the nip"
     text = (
-        f"Friction on the roll, in the nip and on its wrap, is {_percent(roll_side / friction)} of "
+        f"Friction on the roll, in {nip} and on its wrap, is {_percent(roll_side / friction)} of "
         "mu N in the mean."
     )
     if result.problem.air is not None:

@@ -9,17 +9,13 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from ..nip.result import NipResult
-from ..nip.roll_contact import nip_nodes
+from ..nip.roll_contact import LEAST_STICK
 from ..quantities import angle, length, line_load, share, stress
 from ..results import ReadOnly
 
 __all__ = ["DrumNips", "drum_nips"]
 
 Array = np.ndarray
-
-# Part of an arc above which the web sticks on it.  A web that slips on the whole arc also has a
-# node that sticks: at the trailing edge of the nip before, where its slip changes direction.
-LEAST_STICK = 0.01
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -33,7 +29,7 @@ class DrumNips(ReadOnly):
     load, force : arrays
         Nip load, and winding force of the drum, < 0: it drives [N/m].
     arc : array
-        Arc of the web on the roll from the nip before to this one [rad].
+        Arc of the web on the roll between the edges of the nip before and of this one [rad].
     added_tension : array
         The part of the wound-on tension that this nip adds [N/m].
     slip_angle : array
@@ -58,7 +54,7 @@ class DrumNips(ReadOnly):
 
     load: Annotated[Array, line_load("P_k", "load of this nip")]
     force: Annotated[Array, line_load("F_k", "winding force of this drum, < 0: it drives")]
-    arc: Annotated[Array, angle("theta_k", "arc of the web from the nip before to this one")]
+    arc: Annotated[Array, angle("theta_k", "arc of the web between the nip before and this one")]
     added_tension: Annotated[
         Array, line_load("WOT_k - WOT_k-1", "part of the wound-on tension that this nip adds")
     ]
@@ -123,21 +119,13 @@ def drum_nips(nips: Sequence[NipResult], index: int) -> DrumNips | None:
     return DrumNips(
         load=column("nip_load"),
         force=column("winding_force"),
-        arc=column("angle") - [nip.contacts[index - 1].angle for nip in nips],
+        arc=column("arc"),
         added_tension=column("added_tension"),
         slip_angle=column("slip_angle"),
-        stick_angle=np.array([_stick_angle(nip, index) for nip in nips]),
+        stick_angle=column("stick_angle"),
         arc_least_tension=column("least_tension"),
         arc_largest_tension=column("largest_tension"),
         width=column("nip_width"),
         peak_pressure=column("peak_pressure"),
         friction_ratio=column("friction_ratio"),
     )
-
-
-def _stick_angle(nip: NipResult, index: int) -> float:
-    """Return the angle on which the web sticks on the arc upstream of a contact [rad]."""
-    nodes = nip_nodes(nip)
-    arc = slice(nodes[index - 1].stop - 1, nodes[index].start)  # between the edges of both nips
-    sticks = np.asarray(nip.roll_zone[arc]) == 0
-    return float(np.trapezoid(sticks.astype(float), nip.x[arc])) / float(nip.problem.roll.radius)
