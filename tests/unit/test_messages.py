@@ -52,6 +52,12 @@ def solve(problem: Any, **options: Any) -> Any:
     return wo.solve(problem, **options)
 
 
+def next_nips(*changed: Any, **fields: Any) -> Any:
+    """Return the example of a nip with further nips: each a table of changed fields."""
+    front = {"angle": 1.5, "drum": wo.Rigid(radius=0.25), "nip_load": 2000.0}
+    return NIP.replace(next_nips=[front | one for one in changed], **fields)
+
+
 ROLL, WINDING = wo.RollProblem.example(), wo.WindingProblem.example()
 WINDER = WINDING.replace(
     winder=wo.TwoDrums(front_drum=wo.Rigid(radius=0.25), gap=0.02, rider_load=2500.0),
@@ -111,7 +117,7 @@ def study(old: str, new: str) -> Any:
 
 NAMES = {
     "wo": wo, "np": np, "nan": float("nan"), "inf": float("inf"), "Decimal": Decimal, "nip": nip,
-    "rollers": rollers, "variant": variant, "solve": solve, "NIP": NIP, "PAIR": PAIR,
+    "rollers": rollers, "variant": variant, "solve": solve, "next_nips": next_nips, "NIP": NIP, "PAIR": PAIR,
     "ORTHOTROPIC": ORTHOTROPIC, "CYLINDER": CYLINDER, "ROLL": ROLL, "WINDING": WINDING,
     "STACK": ROLL.stack, "WOUND": WOUND, "RUBBER": RUBBER, "WINDER": WINDER,
     "COVER": wo.Cylinder(radius=0.25, core_radius=0.235, material=RUBBER),
