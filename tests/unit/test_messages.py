@@ -117,11 +117,11 @@ def study(old: str, new: str) -> Any:
 
 NAMES = {
     "wo": wo, "np": np, "nan": float("nan"), "inf": float("inf"), "Decimal": Decimal, "nip": nip,
-    "rollers": rollers, "variant": variant, "solve": solve, "next_nips": next_nips, "NIP": NIP, "PAIR": PAIR,
+    "rollers": rollers, "variant": variant, "solve": solve, "NIP": NIP, "PAIR": PAIR,
     "ORTHOTROPIC": ORTHOTROPIC, "CYLINDER": CYLINDER, "ROLL": ROLL, "WINDING": WINDING,
     "STACK": ROLL.stack, "WOUND": WOUND, "RUBBER": RUBBER, "WINDER": WINDER,
     "COVER": wo.Cylinder(radius=0.25, core_radius=0.235, material=RUBBER),
-    "plan": plan,
+    "plan": plan, "next_nips": next_nips,
     "fit": fit, "case": case, "study": study, "parse": parse, "written": written,
     "measured": measured, "cases": cases, "to_toml": to_toml, "make_problem": make_problem,
     "apply_settings": apply_settings,

@@ -29,7 +29,7 @@ class DrumNips(ReadOnly):
     load, force : arrays
         Nip load, and winding force of the drum, < 0: it drives [N/m].
     arc : array
-        Arc of the web on the roll between the edges of the nip before and of this one [rad].
+        Arc of the web on the roll from the nip before to this one [rad].
     added_tension : array
         The part of the wound-on tension that this nip adds [N/m].
     slip_angle : array
@@ -54,7 +54,7 @@ class DrumNips(ReadOnly):
 
     load: Annotated[Array, line_load("P_k", "load of this nip")]
     force: Annotated[Array, line_load("F_k", "winding force of this drum, < 0: it drives")]
-    arc: Annotated[Array, angle("theta_k", "arc of the web between the nip before and this one")]
+    arc: Annotated[Array, angle("theta_k", "arc of the web from the nip before to this one")]
     added_tension: Annotated[
         Array, line_load("WOT_k - WOT_k-1", "part of the wound-on tension that this nip adds")
     ]
@@ -119,7 +119,7 @@ def drum_nips(nips: Sequence[NipResult], index: int) -> DrumNips | None:
     return DrumNips(
         load=column("nip_load"),
         force=column("winding_force"),
-        arc=column("arc"),
+        arc=column("angle") - [nip.contacts[index - 1].angle for nip in nips],
         added_tension=column("added_tension"),
         slip_angle=column("slip_angle"),
         stick_angle=column("stick_angle"),
