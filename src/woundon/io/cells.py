@@ -378,7 +378,7 @@ def _plain_text(cell: Any, sign: str) -> str:
     if _NUMBER.fullmatch(text) or _has_unit(text):
         return text
     finite = " finite" if text in ("inf", "-inf") else ""
-    raise InvalidProblem(f"{quote(cell)} is not a{finite} number")
+    raise InvalidProblem(f"{quote(cell)} is not a{finite} number; correct it or delete the row")
 
 
 def _with_unit(text: str, unit: str) -> str:
@@ -394,7 +394,8 @@ def _with_point(text: str, sign: str) -> str:
         hint = "write a decimal point and no thousands separator"
         raise InvalidProblem(f"{text!r} is not a number; {hint}")
     if sign == "," and "." in text:
-        raise InvalidProblem(f"{text!r} has a point where other cells have decimal commas")
+        reason = f"{text!r} has a point where other cells have decimal commas"
+        raise InvalidProblem(f"{reason}; write one decimal sign")
     return text
 
 

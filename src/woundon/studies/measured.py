@@ -143,7 +143,8 @@ def _grouped(
 def _check(groups: Groups, where: str) -> None:
     """Reject measured data without outputs or with invalid standard deviations."""
     if not groups["outputs"]:
-        raise InvalidProblem.at(where, "has no column that is an output of the model")
+        text = "has no column that is an output of the model; write its name into the header, or "
+        raise InvalidProblem.at(where, f"{text}assign a column: --column 'HEADER=NAME [UNIT]'")
     for name, deviation in groups["deviations"].items():
         if name not in groups["outputs"]:
             text = f"has standard deviations of {name}, but no column of its values"
