@@ -36,6 +36,9 @@ from .problems.materials import Material as Material
 from .problems.materials import Orthotropic as Orthotropic
 from .problems.materials import PronyTerm as PronyTerm
 from .problems.materials import material as material
+from .problems.measured_moduli import DynamicTest as DynamicTest
+from .problems.measured_moduli import RelaxationTest as RelaxationTest
+from .problems.next_nip import NextNip as NextNip
 from .problems.nip import NipProblem as NipProblem
 from .problems.problem import Problem as Problem
 from .problems.radial_laws import Pfeiffer as Pfeiffer
@@ -48,8 +51,10 @@ from .problems.rollers import RollerProblem as RollerProblem
 from .problems.schedules import Profile as Profile
 from .problems.schedules import Taper as Taper
 from .problems.stack import Stack as Stack
-from .problems.viscoelastic import DynamicTest as DynamicTest
+from .problems.two_drums import TwoDrums as TwoDrums
 from .problems.viscoelastic import LossAngle as LossAngle
+from .problems.viscoelastic import RelativeProny as RelativeProny
+from .problems.viscoelastic import RelativeTerm as RelativeTerm
 from .problems.web import Web as Web
 from .problems.winding import WindingProblem as WindingProblem
 from .problems.wound_roll import WoundRoll as WoundRoll
@@ -71,6 +76,8 @@ from .studies.find import FindResult as FindResult
 from .studies.find import find as find
 from .studies.fit import fit as fit
 from .studies.fit_result import FitResult as FitResult
+from .studies.master_curve import MasterCurve as MasterCurve
+from .studies.master_curve import master_curve as master_curve
 from .studies.plan import next_experiment as next_experiment
 from .studies.plan_result import NextExperiment as NextExperiment
 from .studies.planned import Measurement as Measurement

@@ -174,7 +174,10 @@ class WindowRequest(_Request):
 
     case: Tables
     web_tension: tuple[Number, Number] = Field(examples=[["200 N/m", "500 N/m"]])
-    nip_load: tuple[Number, Number] = Field(examples=[["1 kN/m", "4 kN/m"]])
+    nip_load: tuple[Number, Number] | None = Field(None, examples=[["1 kN/m", "4 kN/m"]])
+    rider_load: tuple[Number, Number] | None = Field(
+        None, description="of a two-drum winder, in place of nip_load"
+    )
     torque_split: tuple[Number, Number] | None = Field(None, examples=[[0.0, 0.5]])
     uncertain: dict[str, float] | str = Field(
         description="relative standard deviation by field, or the grade that has them",

@@ -399,6 +399,7 @@ def map_window(request: Mapping[str, Any], journal: Journal) -> None:
             request["web_tension"],
             request["nip_load"],
             request["torque_split"],
+            rider_load=request["rider_load"],
             uncertain=request["uncertain"],
             # at least two: a single one would solve in the server itself
             workers=max(2, min(usable_cores(), MOST_PROCESSES)),

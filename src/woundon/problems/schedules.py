@@ -25,6 +25,7 @@ from .fields import (
 )
 from .inputs import FloatWithUnit, Inputs
 from .messages import quote
+from .paths import field_or_none
 from .permitted import is_within
 
 if TYPE_CHECKING:
@@ -248,8 +249,9 @@ class Curve:
     ----------
     kinks : (k,) array
         Radii between core and surface at which the slope jumps [m].
-    bends : (k,) array
-        Sharpness of the kinks, r |d slope|/|value| [1].
+    jumps, bends : (k,) arrays
+        Jump of the slope at the kinks, |d slope| [1/m], and their sharpness, r |d slope|/|value|
+        [1]; inf or nan where the value is zero.
 
     Parameters
     ----------
@@ -267,7 +269,10 @@ class Curve:
         inner = schedule.kinks if isinstance(schedule, Profile) else ()
         self.kinks = np.array([r for r in inner if core < r < radius])
         slope_left, slope_right = (self.slope(self.kinks, side) for side in (-1, 1))
-        self.bends = self.kinks * np.abs(slope_right - slope_left) / np.abs(self.at(self.kinks))
+        self.jumps = np.abs(slope_right - slope_left)
+        # a value of zero at a kink: infinitely sharp, or no kink if the slope does not jump
+        with np.errstate(divide="ignore", invalid="ignore"):
+            self.bends = self.kinks * self.jumps / np.abs(self.at(self.kinks))
 
     def at(self, r: Array) -> Array:
         """Return the values at radii [m]."""
@@ -337,6 +342,6 @@ def uncovered_ends(
 def unused_in_tapers(problem: BaseModel, names: Iterable[str]) -> Iterator[str]:
     """Yield the dotted names of the tapers of a constant torque, which determines them."""
     for name in names:
-        schedule = getattr(problem, name)
+        schedule = field_or_none(problem, name)
         if isinstance(schedule, Taper) and schedule.law == "constant_torque":
             yield f"{name}.taper"
