@@ -14,6 +14,7 @@ from .errors import ValidityWarning as ValidityWarning
 from .io.case_files import load_case as load_case
 from .io.chosen_units import units as units
 from .io.result_files import load_result as load_result
+from .io.spreadsheets import decimal_commas as decimal_commas
 from .kinds import solve as solve
 from .nip.entrained_air import AirFilm as AirFilm
 from .nip.result import NipResult as NipResult
@@ -37,6 +38,7 @@ from .problems.materials import PronyTerm as PronyTerm
 from .problems.materials import material as material
 from .problems.measured_moduli import DynamicTest as DynamicTest
 from .problems.measured_moduli import RelaxationTest as RelaxationTest
+from .problems.next_nip import NextNip as NextNip
 from .problems.nip import NipProblem as NipProblem
 from .problems.problem import Problem as Problem
 from .problems.radial_laws import Pfeiffer as Pfeiffer
@@ -49,6 +51,7 @@ from .problems.rollers import RollerProblem as RollerProblem
 from .problems.schedules import Profile as Profile
 from .problems.schedules import Taper as Taper
 from .problems.stack import Stack as Stack
+from .problems.two_drums import TwoDrums as TwoDrums
 from .problems.viscoelastic import LossAngle as LossAngle
 from .problems.viscoelastic import RelativeProny as RelativeProny
 from .problems.viscoelastic import RelativeTerm as RelativeTerm
@@ -83,6 +86,11 @@ from .studies.schedule import OptimisedSchedule as OptimisedSchedule
 from .studies.schedule import optimise_schedule as optimise_schedule
 from .studies.slopes import derivatives as derivatives
 from .studies.sobol import SobolIndices as SobolIndices
+from .studies.stack_fit import LawFit as LawFit
+from .studies.stack_fit import StackFit as StackFit
+from .studies.stack_fit import fit_stack as fit_stack
+from .studies.winder_log import WinderLog as WinderLog
+from .studies.winder_log import read_log as read_log
 from .studies.window import operating_window as operating_window
 from .studies.window_result import OperatingPoint as OperatingPoint
 from .studies.window_result import OperatingWindow as OperatingWindow

@@ -245,7 +245,8 @@ def air_film(problem: NipProblem, x: Array, pressure: Array, half_width: float) 
 
 def film_of_state(problem: NipProblem, equations: NipEquations, state: NipState) -> AirFilm:
     """Return the film for an iterate of the equations of the nip without air."""
-    nip, f = state.fields.geometry.mesh.nip_nodes, state.fields
+    f = state.nips[0].fields
+    nip = f.geometry.mesh.nip_nodes
     a = f.geometry.a
     return air_film(problem, a * f.geometry.mesh.nodes[nip], f.p_roll[nip], a)
 

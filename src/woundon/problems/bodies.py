@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 
     from ..elasticity.layers import Layers as Stacked
     from ..elasticity.mesh import Face
-    from .fields import CoercedField, Nested
+    from .fields import CoercedField, Nested, OptionalNested
 
 __all__ = [
     "AnyBody",
@@ -50,6 +50,7 @@ __all__ = [
     "KernelBody",
     "Layer",
     "Layered",
+    "OptionalBody",
     "Radius",
     "Rigid",
     "check_core",
@@ -204,8 +205,10 @@ class Body(Family):
 
 if TYPE_CHECKING:
     AnyBody = Nested[Body]
+    OptionalBody = OptionalNested[Body]
 else:
     AnyBody = Annotated[SerializeAsAny[Body], BeforeValidator(Body.coerce)]
+    OptionalBody = AnyBody | None
 
 
 class Rigid(Body):

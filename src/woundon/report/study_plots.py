@@ -19,8 +19,11 @@ from ..studies.outcome import Outcome
 from ..studies.plan_result import NextExperiment
 from ..studies.schedule import OptimisedSchedule
 from ..studies.sobol import SobolIndices
+from ..studies.stack_fit import StackFit
+from ..studies.winder_log import WinderLog
 from ..studies.window_result import OperatingWindow
 from .drawing import check_axes, show_panels
+from .measured_panels import log_panels, stack_panels
 from .moduli_panels import master_curve_panels
 from .panels import Axis, Bars, Mark, Panel
 from .result_panels import chosen, named_panels
@@ -46,6 +49,8 @@ PANELS: Mapping[type[Any], Callable[[Any], list[Panel]]] = {
     NextExperiment: plan_panels,
     OperatingWindow: window_panels,
     SobolIndices: indices_panels,
+    StackFit: stack_panels,
+    WinderLog: log_panels,
 }
 
 
