@@ -18,7 +18,7 @@ from .. import quantities
 from ..nip.result import NipResult
 from ..nip.roller_result import RollerResult
 from ..problems.description import Description
-from ..problems.paths import field_quantity
+from ..problems.paths import field_quantity, get_field
 from ..problems.problem import Problem
 from ..problems.schedules import Profile, Taper
 from ..quantities import Quantity, in_chosen_units
@@ -49,6 +49,7 @@ __all__ = [
     "rows_of_given",
     "schedule_rows",
     "value_row",
+    "values_row",
     "warning_lines",
     "zone_line",
     "zone_strips",
@@ -176,6 +177,12 @@ class Table:
     text: str = ""
 
 
+def values_row(label: str, quantity: Quantity, values: Array) -> TableRow:
+    """Return the row of several values in the unit for display, which the last cell states."""
+    shown = (f"{float(value) + 0.0:.4g}" for value in np.round(quantity.shown(values), 6))
+    return TableRow((label, *shown, quantity.display))
+
+
 @dataclass(frozen=True, eq=False)
 class ZoneStrips:
     """Zones along a contact.
@@ -289,7 +296,7 @@ def field_row(problem: Description, name: str, *, empty: float = nan, **texts: s
 
     ``texts`` as of :func:`row_of`.
     """
-    value = getattr(problem, name)
+    value = get_field(problem, name)
     return row_of(quantity_of_field(problem, name), empty if value is None else value, nan, **texts)
 
 
@@ -304,7 +311,7 @@ def schedule_rows(problem: Problem, name: str, ends: Iterable[float]) -> list[Ro
     ends : (2,) iterable of float
         Values of the schedule at the core and at the surface [SI].
     """
-    if not isinstance(getattr(problem, name), Taper | Profile):
+    if not isinstance(get_field(problem, name), Taper | Profile):
         return [field_row(problem, name)]
     quantity = quantity_of_field(problem, name)
     return [

@@ -598,9 +598,8 @@ def _solve_prescribed(
         tension = problem.curve("tension_law").at(r)
     elif law == "fixed":
         tension = schedule("web_tension", r) + schedule("nip_induced_tension", r)
-    else:  # "friction": the web slips on the whole roll, WOT = T_in + F + mu+ P
-        tension = schedule("web_tension", r) + schedule("winding_force", r)
-        tension = tension + problem.roll_friction * schedule("nip_load", r)
+    else:
+        tension = _full_slip_tension(problem, r)
     radii = polyline_radii(problem, r, tension, rtol)
     reported = np.interp(radii, r, tension)
     difference = np.abs(np.interp(r, radii, reported) - tension)
@@ -616,3 +615,25 @@ def _solve_prescribed(
         coupling_rtol=coupling_rtol,
         film=0.0,
     )
+
+
+def _full_slip_tension(problem: WindingProblem, r: Array) -> Array:
+    """Return the wound-on tension at radii, (k,) [N/m], of a web that slips in the whole nip.
+
+    T_1 = T_in + F + mu+ P.  Of a two-drum winder the web slips in each nip.  The arc upstream of a
+    nip holds T_1 exp(-mu_w theta) by its friction (Euler-Eytelwein); what a nip adds beyond that
+    pulls web through the nip before: T_k = max{T_k-1, T_k-1 exp(-mu_w theta_k) + F_k + mu+ P_k}.
+    """
+    mu = problem.roll_friction
+    on_wrap = mu if problem.wrap_friction is None else problem.wrap_friction
+    tension = problem.at("web_tension", r) + problem.at("winding_force", r)
+    tension = tension + mu * problem.at("nip_load", r)
+    if problem.winder is None:
+        return tension
+    loads = problem.drum_loads(r)
+    further = [(loads.front_arc, loads.front_force + mu * loads.front_load)]
+    if problem.winder.rider is not None:
+        further.append((loads.rider_arc, mu * loads.rider_load))
+    for arc, added in further:
+        tension = np.maximum(tension, tension * np.exp(-on_wrap * arc) + added)
+    return tension
