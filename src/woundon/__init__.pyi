@@ -47,6 +47,7 @@ from .problems.rollers import RollerProblem as RollerProblem
 from .problems.schedules import Profile as Profile
 from .problems.schedules import Taper as Taper
 from .problems.stack import Stack as Stack
+from .problems.thickness_profile import ThicknessProfile as ThicknessProfile
 from .problems.viscoelastic import DynamicTest as DynamicTest
 from .problems.viscoelastic import LossAngle as LossAngle
 from .problems.web import Web as Web

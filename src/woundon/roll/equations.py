@@ -33,6 +33,9 @@ The unknowns P0, Q0, P1, Q1, ... have a matrix of five diagonals:
     cell 0    [ L   L   R   R        ]  2 rows
     cell 1    [         L   L   R  R ]  2 rows
     surface   [                 1  0 ]
+
+Arrays may have a leading axis of lanes across the web, which are then solved together: their
+matrices are the diagonal blocks of one with the same five diagonals.
 """
 
 from __future__ import annotations
@@ -44,7 +47,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.linalg import lapack
 
-__all__ = ["CellSource", "StageData", "StageEquations", "StageSolution", "interpolate_pressure"]
+__all__ = [
+    "CellSource",
+    "StageData",
+    "StageEquations",
+    "StageSolution",
+    "interpolate_pressure",
+    "source_residual",
+]
 
 Array = np.ndarray
 MAX_ITERATIONS = 60
@@ -72,14 +82,14 @@ class StageData(NamedTuple):
         ln r of the nodes.
     source : CellSource
     tension : float
-        T_c of the core condition [Pa].
+        T_c of the core condition [Pa]; of lanes (L,).
     surface_pressure : float
         P_s [Pa].
     """
 
     x: Array
     source: CellSource
-    tension: float
+    tension: Any
     surface_pressure: float = 0.0
 
 
@@ -88,7 +98,7 @@ class StageSolution(NamedTuple):
 
     P: Array
     Q: Array
-    growth: float
+    growth: Any
 
 
 @dataclass
@@ -150,22 +160,26 @@ class StageEquations:
             Pressure, and Q = r dP/dr [Pa].
         """
         x, source = stage.x, stage.source
-        h = x[1:] - x[:-1]
+        x_left, P_left, Q_left = (values[..., :-1] for values in (x, P, Q))
+        x_right, P_right, Q_right = (values[..., 1:] for values in (x, P, Q))
+        h = x_right - x_left
         slope = self._slope_of_Q(x, P, Q)
-        left, right = slope[:-1] + source.left, slope[1:] + source.right
-        middle_P = (P[1:] + P[:-1]) / 2 - h / 8 * (Q[1:] - Q[:-1])
-        middle_Q = (Q[1:] + Q[:-1]) / 2 - h / 8 * (right - left)
-        middle = self._slope_of_Q(x[:-1] + h / 2, middle_P, middle_Q) + source.middle
-        out = np.empty(2 * x.size)
-        out[0], out[-1] = Q[0] - self.core * P[0] + stage.tension, P[-1] - stage.surface_pressure
-        out[1:-1:2] = P[1:] - P[:-1] - h / 6 * (Q[:-1] + 4 * middle_Q + Q[1:])
-        out[2:-1:2] = Q[1:] - Q[:-1] - h / 6 * (left + 4 * middle + right)
+        left, right = slope[..., :-1] + source.left, slope[..., 1:] + source.right
+        middle_P = (P_right + P_left) / 2 - h / 8 * (Q_right - Q_left)
+        middle_Q = (Q_right + Q_left) / 2 - h / 8 * (right - left)
+        middle = self._slope_of_Q(x_left + h / 2, middle_P, middle_Q) + source.middle
+        out = np.empty((*x.shape[:-1], 2 * x.shape[-1]))
+        out[..., 0] = Q[..., 0] - self.core * P[..., 0] + stage.tension
+        out[..., -1] = P[..., -1] - stage.surface_pressure
+        out[..., 1:-1:2] = P_right - P_left - h / 6 * (Q_left + 4 * middle_Q + Q_right)
+        out[..., 2:-1:2] = Q_right - Q_left - h / 6 * (left + 4 * middle + right)
         return out, middle_P
 
     def _moduli(self, x: Array, P: Array, middle_P: Array) -> Array:
         """Return E_r at the nodes, then in mid-cell, (2 n + 1,) [Pa]."""
-        points = np.concatenate([x, (x[1:] + x[:-1]) / 2])
-        return np.asarray(self.modulus(self._total(points, np.concatenate([P, middle_P]))))
+        points = np.concatenate([x, (x[..., 1:] + x[..., :-1]) / 2], axis=-1)
+        pressures = np.concatenate([P, middle_P], axis=-1)
+        return np.asarray(self.modulus(self._total(points, pressures)))
 
     def _matrix(self, x: Array, E: Array) -> Array:
         """Return the Jacobian of the residual with respect to P and Q in LAPACK's band storage.
@@ -180,14 +194,15 @@ class StageEquations:
         E : (2 n + 1,) array
             E_r at the nodes, then in mid-cell [Pa].
         """
-        n, h = x.size - 1, x[1:] - x[:-1]
+        n, h = x.shape[-1] - 1, x[..., 1:] - x[..., :-1]
         g = self.tangential / E - 1
-        g_node, g_mid = g[: n + 1], g[n + 1 :]
+        g_node, g_mid = g[..., : n + 1], g[..., n + 1 :]
         twelfth_h2, mid_term = h * h / 12, h / 3 * g_mid
         product = twelfth_h2 * g_mid
-        band = np.zeros((3 * BAND + 1, 2 * (n + 1)), order="F")
-        diagonal = 2 * BAND  # entry (i, j) is in row diagonal + i - j
-        for first, side, end in ((0, -1.0, g_node[:-1]), (2, 1.0, g_node[1:])):
+        band = np.zeros((3 * BAND + 1, 2 * x.size), order="F")
+        # a view with the columns of every lane; entry (i, j) is in row diagonal + i - j
+        columns, diagonal = band.T.reshape(*x.shape[:-1], 2 * (n + 1), 3 * BAND + 1), 2 * BAND
+        for first, side, end in ((0, -1.0, g_node[..., :-1]), (2, 1.0, g_node[..., 1:])):
             # the columns of P and Q at the left and at the right end of each cell
             for i, j, value in (
                 (1, first, side + side * twelfth_h2 * end),
@@ -195,21 +210,22 @@ class StageEquations:
                 (2, first, -h / 6 * (1 + side * h) * end - mid_term),
                 (2, first + 1, side + h + side * (4 * twelfth_h2 + product)),
             ):
-                band[diagonal + i - j, j : j + 2 * n : 2] = value
-        band[diagonal, 0], band[diagonal - 1, 1] = -self.core, 1.0
-        band[diagonal + 1, -2] = 1.0
+                columns[..., j : j + 2 * n : 2, diagonal + i - j] = value
+        columns[..., 0, diagonal], columns[..., 1, diagonal - 1] = -self.core, 1.0
+        columns[..., -2, diagonal + 1] = 1.0
         return band
 
-    def _solve_linearised(
+    def solve_linearised(
         self, stage: StageData, P: Array, Q: Array, *right_hand_sides: Array
     ) -> tuple[Array, Array] | None:
         """Solve the linearised equations for several right-hand sides; None if that fails.
 
         Returns
         -------
-        (2 n + 2, 2 + k) array
-            In its columns, with P and Q alternating: the negative Newton step, p and D p of a
-            further layer, and the solutions for the k further right-hand sides.
+        (2 + k, 2 n + 2) array
+            In its rows, with P and Q alternating: the negative Newton step, p and D p of a
+            further layer, and the solutions for the k further right-hand sides; of lanes
+            (2 + k, L, 2 n + 2).
         (n + 1,) array
             E_r at the nodes.
         """
@@ -220,11 +236,13 @@ class StageEquations:
         factors, pivots, info = lapack.dgbtrf(self._matrix(x, E), BAND, BAND, overwrite_ab=1)
         if info != 0 or not np.isfinite(residual).all():
             return None
-        right = np.zeros((residual.size, 2 + len(right_hand_sides)), order="F")
-        right[:, 0], right[-1, 1] = residual, 1.0
-        for k, column in enumerate(right_hand_sides):
-            right[:, 2 + k] = column
-        return lapack.dgbtrs(factors, BAND, BAND, right, pivots, overwrite_b=1)[0], E[: x.size]
+        right = np.zeros((2 + len(right_hand_sides), *residual.shape))
+        right[0], right[1, ..., -1] = residual, 1.0
+        for k, values in enumerate(right_hand_sides):
+            right[2 + k] = values
+        columns = right.reshape(len(right), residual.size).T
+        solved = lapack.dgbtrs(factors, BAND, BAND, columns, pivots, overwrite_b=1)[0]
+        return solved.T.reshape(right.shape), E[..., : x.shape[-1]]
 
     def solve(self, stage: StageData, P: Array, Q: Array) -> StageSolution | None:
         """Solve by Newton's method from an initial guess; None if it does not converge.
@@ -236,14 +254,34 @@ class StageEquations:
             Initial guess [Pa].
         """
         for _ in range(MAX_ITERATIONS):
-            solutions = self._solve_linearised(stage, P, Q)
+            solutions = self.solve_linearised(stage, P, Q)
             if solutions is None:
                 return None
-            step, layer = solutions[0].T  # each with P and Q alternating
-            P, Q = P - step[::2], Q - step[1::2]
-            if np.max(np.abs(step[::2])) <= NEWTON_TOLERANCE * np.max(np.abs(P)):
-                return StageSolution(P, Q, float(layer[-1]))  # the last D p: kappa, for p = 1
+            step, layer = solutions[0]  # each with P and Q alternating
+            P, Q = P - step[..., ::2], Q - step[..., 1::2]
+            if np.max(np.abs(step[..., ::2])) <= NEWTON_TOLERANCE * np.max(np.abs(P)):
+                return StageSolution(P, Q, layer[..., -1][()])  # the last D p: kappa, for p = 1
         return None
+
+    def kappa_by_pressure(self, x: Array, P: Array, layer: Array, E: Array) -> Array:
+        """Return the derivatives of kappa of a stage by the pressures at its nodes, (n + 1,) [1/Pa].
+
+        With g = E_t/E_r - 1, kappa(x) = D p/p satisfies the Riccati equation
+        D kappa + kappa^2 + 2 kappa = g.  Hence a change dg(x) changes kappa at the surface by the
+        integral of exp(2 (x - ln s)) p^2 dg, for p = 1 at s.
+
+        Parameters
+        ----------
+        x, P, layer, E : (n + 1,) arrays
+            ln r of the nodes, pressure, p of a further layer and E_r there.
+        """
+        half = np.diff(x) / 2
+        quadrature = np.exp(2 * (x - x[..., -1:]))
+        quadrature[..., :-1] *= half + np.concatenate([0 * half[..., :1], half[..., :-1]], axis=-1)
+        quadrature[..., -1] *= half[..., -1]
+        # some laws have an infinite slope at P = 0, where p has no effect
+        E_slope = np.nan_to_num(self.modulus_slope(self._total(x, P)), posinf=0.0)
+        return -quadrature * layer**2 * self.tangential * E_slope / E**2
 
     def solve_with_growth(
         self,
@@ -255,10 +293,6 @@ class StageEquations:
         accepted_error: float,
     ) -> StageSolution | None:
         """Solve for pressure and kappa of a stage together; None if that does not converge.
-
-        With g = E_t/E_r - 1, kappa(x) = D p/p satisfies the Riccati equation
-        D kappa + kappa^2 + 2 kappa = g.  Hence a change dg(x) changes kappa at the surface by the
-        integral of exp(2 (x - ln s)) p^2 dg, for p = 1 at s.
 
         The unknowns (P, Q) and kappa are eliminated in turn.  For a change d of kappa the step of
         (P, Q) is step + d by_kappa, and kappa must equal the D p of a further layer on it:
@@ -280,17 +314,13 @@ class StageEquations:
             quadratically: the error after a step is about the square of the step.
         """
         x = stage.x
-        residual_by_kappa = _source_residual(x, source_by_kappa)
-        half = np.diff(x) / 2
-        quadrature = np.exp(2 * (x - x[-1])) * (np.append(half, 0) + np.append(0, half))
+        residual_by_kappa = source_residual(x, source_by_kappa)
         for _ in range(MAX_ITERATIONS):
-            solutions = self._solve_linearised(stage, P, Q, residual_by_kappa)
+            solutions = self.solve_linearised(stage, P, Q, residual_by_kappa)
             if solutions is None:
                 return None
-            (step, layer, by_kappa), E = solutions[0].T, solutions[1]  # P, Q -= step
-            # some laws have an infinite slope at P = 0, where p has no effect
-            E_slope = np.nan_to_num(self.modulus_slope(self._total(x, P)), posinf=0.0)
-            kappa_by_P = -quadrature * layer[::2] ** 2 * self.tangential * E_slope / E**2
+            (step, layer, by_kappa), E = solutions  # P, Q -= step
+            kappa_by_P = self.kappa_by_pressure(x, P, layer[::2], E)
             change = layer[-1] - growth - kappa_by_P @ step[::2]
             change /= 1 + kappa_by_P @ by_kappa[::2]
             step += change * by_kappa
@@ -322,19 +352,19 @@ class StageEquations:
         self.steps += 1
         if info != 0:
             return np.full_like(P, np.inf), np.full_like(Q, np.inf)
-        out, _ = lapack.dgbtrs(factors, BAND, BAND, -_source_residual(x, change), pivots)
+        out, _ = lapack.dgbtrs(factors, BAND, BAND, -source_residual(x, change), pivots)
         return out[::2], out[1::2]
 
 
-def _source_residual(x: Array, source: CellSource) -> Array:
+def source_residual(x: Array, source: CellSource) -> Array:
     """Return the contribution of a source to the residual of :class:`StageEquations`, (2 n + 2,).
 
-    ``x`` is ln r of the nodes, (n + 1,).
+    ``x`` is ln r of the nodes, (n + 1,); of lanes (L, n + 1).
     """
     h, (left, middle, right) = np.diff(x), source
-    out = np.zeros(2 * x.size)
-    out[1:-1:2] = h * h / 12 * (right - left)
-    out[2:-1:2] = -h / 6 * (left + 4 * middle + right + h * (right - left))
+    out = np.zeros((*x.shape[:-1], 2 * x.shape[-1]))
+    out[..., 1:-1:2] = h * h / 12 * (right - left)
+    out[..., 2:-1:2] = -h / 6 * (left + 4 * middle + right + h * (right - left))
     return out
 
 
@@ -344,7 +374,7 @@ def interpolate_pressure(x: Array, P: Array, Q: Array, x_new: Array) -> tuple[Ar
     Parameters
     ----------
     x, P, Q : (n + 1,) arrays
-        ln r of the nodes, and the values there [Pa].
+        ln r of the nodes, and the values there [Pa]; of lanes (L, n + 1) on the same nodes.
     x_new : (k,) array
         ln r between the first and the last node.
 
@@ -355,6 +385,7 @@ def interpolate_pressure(x: Array, P: Array, Q: Array, x_new: Array) -> tuple[Ar
     k = np.clip(np.searchsorted(x, x_new, side="right") - 1, 0, x.size - 2)
     h = x[k + 1] - x[k]
     t = (x_new - x[k]) / h
-    chord, q0, q1 = (P[k + 1] - P[k]) / h, Q[k], Q[k + 1]
+    P0, q0, q1 = P[..., k], Q[..., k], Q[..., k + 1]
+    chord = (P[..., k + 1] - P0) / h
     c2, c3 = 3 * chord - 2 * q0 - q1, q0 + q1 - 2 * chord
-    return P[k] + h * t * (q0 + t * (c2 + t * c3)), q0 + t * (2 * c2 + 3 * t * c3)
+    return P0 + h * t * (q0 + t * (c2 + t * c3)), q0 + t * (2 * c2 + 3 * t * c3)
