@@ -33,7 +33,7 @@ Points of a lane belong to those of the mean roll by their layers: ln r_j = x + 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import exp
 from typing import NamedTuple
 
@@ -107,6 +107,8 @@ class LaneBuildUp:
         Pressure at the same layers of the lanes, and r dP/dr [Pa].
     reference_P, reference_Q : (n + 1,) arrays
         Those of the mean roll.
+    data : StageData, optional
+        Nodes, source and core tension of the lanes; None before the last stage.
     """
 
     curves: Growth
@@ -115,6 +117,7 @@ class LaneBuildUp:
     Q: Array
     reference_P: Array
     reference_Q: Array
+    data: StageData | None = None
 
     def functions(self, x: Array) -> Array:
         """Return the functions of the lanes at ln s (k,), (5, L, k)."""
@@ -181,8 +184,7 @@ def wind_lanes(
         step = max(step, remaining)
         if number in kinks:
             roll.last.curves.start_new_polynomial()
-    assert isinstance(roll.last, LaneBuildUp)
-    return roll.last
+    return roll.finished()
 
 
 class _Core(NamedTuple):
@@ -291,22 +293,33 @@ class _Lanes:
         )
         return np.maximum(P + dP, 0.0), Q + dQ
 
-    def _points(self, nodes: Array, guess: Array) -> _Points:
-        """Return the values in the cells of a stage; ``guess`` (5, L) is that of its functions."""
+    def finished(self) -> LaneBuildUp:
+        """Return the last stage with its data."""
+        last = self.last
+        assert isinstance(last, LaneBuildUp)
+        points = self._points(last.x, last.curves)
+        X, source, *_ = self._sources(last.x, points, np.zeros((FUNCTIONS, 1)))
+        return replace(last, data=StageData(X, source, self.core_tension))
+
+    def _points(self, nodes: Array, candidate: Growth) -> _Points:
+        """Return the values in the cells of a stage; ``candidate`` has the functions up to it."""
         curves, surface, n = self.last.curves, float(nodes[-1]), nodes.size - 1
         x = np.concatenate([nodes[:-1], (nodes[1:] + nodes[:-1]) / 2, nodes[1:]])
         side = np.repeat([1, 1, -1], n)  # of a kink that is a node
-        candidate = curves.with_stage(surface, guess.ravel())
         functions, slopes = (
             np.moveaxis(values.reshape(x.size, FUNCTIONS, -1)[:, :WEB], 0, -1)
             for values in (candidate(x), candidate.slope(x, side))
         )
+        basis = basis_slope = np.zeros(x.size)
+        if surface > self.x:  # a further stage, whose values are unknown
+            basis = curves.lagrange_basis(surface, x)
+            basis_slope = curves.lagrange_slope(surface, x)
         r = np.exp(x)
         return _Points(
             np.ascontiguousarray(functions),
             np.ascontiguousarray(slopes),
-            curves.lagrange_basis(surface, x),
-            curves.lagrange_slope(surface, x),
+            basis,
+            basis_slope,
             self.tension.at(r),
             r * self.tension.slope(r, side),
             self.reference.growth(x),
@@ -333,7 +346,8 @@ class _Lanes:
         """
         equations, lanes, E_t = self.equations, self.lanes, self.equations.tangential
         surface, n = float(nodes[-1]), nodes.size - 1
-        points, (P, Q) = self._points(nodes, guess), self._pressure_guess(nodes, mean_P, mean_Q)
+        points = self._points(nodes, self.last.curves.with_stage(surface, guess.ravel()))
+        P, Q = self._pressure_guess(nodes, mean_P, mean_Q)
         mean_kappa, strain = float(points.kappa[-1]), float(points.tension[-1]) / E_t
         # BDF: d rho/dx = rate + by_rho (rho - guess) at this stage
         rate, by_rho = points.slopes[RHO, :, -1], float(points.basis_slope[-1])
