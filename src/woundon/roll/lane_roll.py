@@ -143,19 +143,16 @@ class LaneRoll:
             slack_share=float(np.sum(self.lanes.share[slack])),
         )
 
-    def finite_layer_effects(self, largest: float) -> dict[str, float]:
-        """Return the effect of the thickness of the layers on the worst values [SI].
+    def with_finite_layers(self, effect: float) -> LaneRoll:
+        """Return the lanes with the effect of the thickness of the layers in their errors.
 
-        ``largest`` is that on the pressure, relative to the largest pressure; the tension, a
+        ``effect`` is that on the pressure, relative to the largest pressure; the tension, a
         property of the surface, hardly depends on it.
         """
-        pressures = {"pressure", "core_pressure", "compression"}
-        return {
-            f"worst_lane.{part.name}": largest * getattr(self.worst, part.name)
-            if part.name in pressures
-            else 0.0
-            for part in fields(WorstLane)
-        }
+        errors = dict(self.errors)
+        for name in ("pressure", "core_pressure", "compression"):
+            errors[f"worst_lane.{name}"] += effect * getattr(self.worst, name)
+        return replace(self, errors=errors)
 
     def dataset(self) -> xarray.Dataset:
         """Return the lanes as an xarray Dataset over radius and position; see RollResult.lanes."""

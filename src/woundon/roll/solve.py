@@ -40,8 +40,10 @@ from .validity import roll_warnings
 
 __all__ = [
     "ThinLayerRoll",
+    "FEWEST_LANES",
     "LANES",
     "LANES_OPTION",
+    "MOST_LANES",
     "check_options",
     "lanes_of",
     "solve_thin_layers",
@@ -138,8 +140,7 @@ def solve_wound_roll(
         # the stages of the lanes are those of a roll without the error of Newton's method
         roll = roll.wound_with(problem)
         lane_roll = lanes_of(roll, problem, rtol, lanes)
-        errors = {**roll.result.errors, **lane_roll.errors}
-        roll = roll._replace(result=roll.result.replace(lane_roll=lane_roll, errors=errors))
+        roll = roll._replace(result=roll.result.replace(lane_roll=lane_roll))
     result = roll.with_finite_layers().warned()
     if progress is not None:
         progress(1.0)
@@ -339,12 +340,11 @@ def _with_finite_layers(result: RollResult, build_up: BuildUp, cells: int) -> Ro
         raise NotConverged(f"with layers of the web thickness {stop}", result) from None
     result = result.replace(layer_growth=growth, steps=result.steps + layers.equations.steps)
     effects = finite_layer_effects(result)
-    # of the lanes the error estimates contain the largest effect
-    largest = effects["peak_pressure"] / result.peak_pressure
-    lanes = result.lane_roll
-    effects |= {} if lanes is None else lanes.finite_layer_effects(largest)
     errors = {name: error + effects[name] for name, error in result.errors.items()}
-    return result.replace(errors=errors)
+    if result.lane_roll is None:
+        return result.replace(errors=errors)
+    lanes = result.lane_roll.with_finite_layers(effects["peak_pressure"] / result.peak_pressure)
+    return result.replace(errors={**errors, **lanes.errors}, lane_roll=lanes)
 
 
 def _node_errors(coarse: RollResult, fine: RollResult) -> dict[str, float]:
