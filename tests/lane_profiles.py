@@ -7,9 +7,9 @@ import numpy as np
 import woundon as wo
 
 STACKS = {
-    "newsprint, K2 40": (dict(K1=10e3, K2=40.0), 3.38e9, 66e-6, 350.0),
-    "newsprint, K2 127": (dict(K1=10e3, K2=127.0), 3.38e9, 66e-6, 350.0),
-    "PET": (dict(K1=2e3, K2=200.0), 4.8e9, 50e-6, 175.0),
+    "newsprint, K2 40": ({"K1": 10e3, "K2": 40.0}, 3.38e9, 66e-6, 350.0),
+    "newsprint, K2 127": ({"K1": 10e3, "K2": 127.0}, 3.38e9, 66e-6, 350.0),
+    "PET": ({"K1": 2e3, "K2": 200.0}, 4.8e9, 50e-6, 175.0),
 }
 
 
@@ -46,5 +46,7 @@ def random_roll(rng: np.random.Generator) -> wo.RollProblem:
         web_thickness=h,
         wound_on_tension=wo.Taper(start=start, taper=float(rng.uniform(0, 0.5))),
         thickness_profile=profile,
-        oscillation=float(profile.width * 10 ** rng.uniform(-3, -1)) if rng.uniform() < 0.3 else 0.0,
+        oscillation=float(profile.width * 10 ** rng.uniform(-3, -1))
+        if rng.uniform() < 0.3
+        else 0.0,
     )

@@ -1,4 +1,4 @@
-"""Independent program for gauge profiles: lanes wound layer by layer, from rings of finite thickness.
+"""Independent program for gauge profiles: lanes wound layer by layer from finite rings.
 
 Every lane j of the web has the share w_j of the width, the thickness h_j and the slack b_j.  All
 lanes have the same number of layers and the same core.  With the pressures P_i, P_(i+1) on the
@@ -99,6 +99,7 @@ def wind_lanes(
     core_stiffness: float,
     tension: float,
     layers: int,
+    until: float = np.inf,
     slack: Array | None = None,
     nip: Nip | None = None,
 ) -> Rolls:
@@ -112,6 +113,8 @@ def wind_lanes(
         T_in, the mean web tension [N/m].
     layers : int
         N.
+    until : float
+        Mean radius of the surface [m] at which the roll ends, if it is reached before N layers.
     """
     d, w = np.asarray(excess, dtype=float), np.asarray(share, dtype=float)
     b = np.zeros(d.size) if slack is None else np.asarray(slack, dtype=float)
@@ -180,10 +183,15 @@ def wind_lanes(
         new_thickness = h * (1 - np.log1p(as_laid[n] / K1) / K2 - nu * T[n] / E_t)
         middle[n] = face + new_thickness / 2
         q[n + 1] = surface = face + new_thickness
-    return Rolls(q[:layers], T, web, load, P[:layers], surface)
+        if float(w @ surface) >= until:
+            layers = n + 1
+            break
+    return Rolls(q[:layers], T[:layers], web[:layers], load[:layers], P[:layers], surface)
 
 
-def _web(e0: float, strain: Array, weight: Array, E_t: float, tension: float) -> tuple[float, Array]:
+def _web(
+    e0: float, strain: Array, weight: Array, E_t: float, tension: float
+) -> tuple[float, Array]:
     """Return e0 and the stresses of the lanes, by Newton's method on a piecewise linear sum."""
     for _ in range(100):
         stress = E_t * np.maximum(0.0, e0 + strain)

@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from ..errors import InvalidProblem
-from ..quantities import Quantity, length, share
+from ..quantities import Quantity, length, pure, share
 from .description import Description
 from .fields import Number, Numbers, check_equal_lengths, check_rising, default
 from .messages import quote
@@ -76,6 +76,9 @@ class ThicknessProfile(Description):
     thickness : sequence of float
         Thickness there, > 0: absolute [m], as text with a unit ("66 um", "45 gsm" if the density of
         the web is given), or relative to the mean (0.99, 1.01).
+    variation : float
+        Factor of the deviations of the thickness from its mean, 1 for the profile as measured; 0.5
+        halves a band.  Studies vary it.
     slack : sequence of float, optional
         b, additional length of a baggy lane relative to the rest of the web [1], >= 0; by default
         the web has the same length everywhere.
@@ -103,11 +106,14 @@ class ThicknessProfile(Description):
     ] = Field(...)
     thickness: Annotated[
         Numbers,
-        Quantity(
-            "h_y", "m", "thickness at these positions", "um", other_form="basis weight"
-        ),
+        Quantity("h_y", "m", "thickness at these positions", "um", other_form="basis weight"),
         Field(min_length=2, max_length=10_000),
     ] = Field(...)
+    variation: Annotated[
+        Number,
+        pure("k_h", "factor of the variation of the thickness", (0.0, 2.0)),
+        Field(ge=0, le=10),
+    ] = default(1.0)
     slack: Annotated[
         OptionalNumbers,
         share("b", "additional length of the lanes there"),
@@ -130,6 +136,11 @@ class ThicknessProfile(Description):
                 text = f"{quote(h)} is out of range; must be >= {THINNEST * mean:.4g} and <= "
                 text += f"{THICKEST * mean:.4g} [m], {THINNEST:g} to {THICKEST:g} of the mean"
                 raise InvalidProblem.at(f"thickness.{k}", text)
+        largest = max(abs(h / mean - 1) for h in self.thickness)
+        if self.variation * largest > THICKEST - 1:
+            text = f"{quote(self.variation)} is out of range; must be >= 0 and <= "
+            text += f"{(THICKEST - 1) / largest:.4g}, for a thickness of {THINNEST:g} to "
+            raise InvalidProblem.at("variation", f"{text}{THICKEST:g} of the mean")
         if self.slack is not None:
             check_equal_lengths(self, "position", "slack")
             for k, b in enumerate(self.slack):
@@ -167,7 +178,7 @@ class ThicknessProfile(Description):
         slack = np.zeros(count)
         if self.slack is not None:
             slack = _means(self.position, self.slack, ends, oscillation)
-        excess = thickness / np.mean(thickness) - 1
+        excess = self.variation * (thickness / np.mean(thickness) - 1)
         middle, shares = (ends[1:] + ends[:-1]) / 2, np.full(count, 1 / count)
         return Lanes(middle, shares, excess - np.mean(excess), slack)
 

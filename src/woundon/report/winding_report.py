@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from ..winding.margins import TITLES
 from ..winding.result import WindingResult
+from .lanes_report import WORST_LANE, lanes_sections
 from .margins_report import margins_part
 from .outputs_report import rows_of
 from .report_parts import (
@@ -47,6 +48,7 @@ LEFT_OUT = frozenset(
         "band_strain",
         "ridge_height",
         *(f"margins.{name}" for name in TITLES),
+        *WORST_LANE,
     }
 )
 LAWS = {
@@ -94,6 +96,7 @@ def winding_report(result: WindingResult) -> list[Part]:
             rows_of(result, ROLL + mass + air + ridge, leave=LEFT_OUT),
             thin_layers_note(result.roll),
         ),
+        *lanes_sections(result),
         margins_part(result.margins),
     ]
 

@@ -36,6 +36,7 @@ __all__ = [
     "NotWoundError",
     "no_stage_beyond",
     "step_factor",
+    "stretched_guess",
     "wind",
     "wind_finite_layers",
     "wind_with_stages",
@@ -357,7 +358,7 @@ class _Roll:
         previous = self.growth
         if reference is None:
             kappa = previous.extrapolate(surface)
-            guess = _stretched_guess(self.last, nodes, self.T_c)
+            guess = stretched_guess(self.last, nodes, self.T_c)
         else:
             kappa = reference.solved.growth
             guess = interpolate_pressure(reference.x, reference.solved.P, reference.solved.Q, nodes)
@@ -384,7 +385,7 @@ class _Roll:
         return self.last
 
 
-def _stretched_guess(last: BuildUp | None, nodes: Array, T_c: float) -> tuple[Array, Array]:
+def stretched_guess(last: BuildUp | None, nodes: Array, T_c: float) -> tuple[Array, Array]:
     """Return the initial guess of P and Q = r dP/dr at the nodes ln r, (n + 1,) each [Pa].
 
     It is the previous stage, stretched linearly to the new surface.  Without one, on the core, the

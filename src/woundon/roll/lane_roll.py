@@ -5,32 +5,38 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Protocol
 
 import numpy as np
 
 from ..errors import NotConverged
 from ..problems.thickness_profile import Lanes
 from ..quantities import Quantity, length, line_load, share, strain, stress
-from .build_up import BuildUp, NotWoundError
+from .build_up import BuildUp, NotWoundError, stretched_guess
+from .equations import StageData
 from .finished import add_constant, equations_of, final_changes, surface_layer_depth
 from .lane_tension import tension_of_web
 from .lanes import LOAD, RHO, THETA, WEB, LaneBuildUp, TensionAt, wind_lanes
+from .stage_nodes import cell_source, kinks_of, nodes_between
 
 if TYPE_CHECKING:
     import xarray
 
 __all__ = [
+    "LANES",
     "LANE_QUANTITIES",
     "LaneRoll",
     "NipsAcross",
     "WithLanes",
     "WorstLane",
+    "build_up_of",
     "solve_lanes",
 ]
 
 Array = np.ndarray
 
+LANES = 50  # by default: they resolve smooth profiles to 0.1 % of the tension
+TOLERANCE = 2e-3  # of the stages by default, that of a roll with the default rtol
 # The comparison that estimates the errors: half as many lanes, and a tolerance of the stages that
 # is larger by as much as between two levels of refinement of a plain roll.
 COARSE_LANES, COARSE_TOLERANCE = 2, 4.0
@@ -92,9 +98,7 @@ class WorstLane:
     ridge_height: Annotated[
         float, length("dR_w", "height of the highest lane over the mean surface", "um")
     ]
-    slack_share: Annotated[
-        float, share("s_w", "part of the width that is slack at some radius")
-    ]
+    slack_share: Annotated[float, share("s_w", "part of the width that is slack at some radius")]
 
 
 @dataclass(frozen=True, eq=False)
@@ -217,30 +221,52 @@ class WithLanes:
         return self.lane_roll
 
 
-class _Mean(NamedTuple):
-    """The roll of the mean web.
+def build_up_of(result: Any) -> BuildUp:
+    """Return the build-up of a result that was loaded from a file.
 
-    Attributes
-    ----------
-    problem : RollProblem
-    build_up : BuildUp
-    cells : int
-        Of each stage.
+    The pressure of the stages is solved again with the known kappa.
+
+    Raises
+    ------
+    NotConverged
     """
+    problem, growth = result.problem, result.kappa
+    equations, curve = equations_of(problem), problem.tension_curve
+    T_c = float(curve.at(result.radius[:1])[0])
+    last: BuildUp | None = None
+    for number in range(1, growth.x.size):
+        nodes = np.log(result.radius)
+        if number < growth.x.size - 1:
+            nodes = nodes_between(
+                float(growth.x[0]),
+                float(growth.x[number]),
+                _cells(result),
+                surface_layer_depth(problem),
+                *kinks_of(curve, growth),
+                equations.core_layer,
+            )
+        source = cell_source(curve, growth, nodes)
+        guess = stretched_guess(last, nodes, T_c)
+        solved = equations.solve(StageData(nodes, source, T_c), *guess)
+        if solved is None:
+            raise NotConverged("a stage of the roll could not be solved again")
+        last = BuildUp(growth, nodes, solved, last)
+    assert last is not None
+    return last
 
-    problem: Any
-    build_up: BuildUp
-    cells: int
+
+def _cells(result: Any) -> int:
+    """Return the approximate number of cells of a stage, without those at kinks of the tension."""
+    return max(int(result.radius.size) - 1 - int(result.problem.tension_curve.kinks.size), 1)
 
 
 def solve_lanes(
     result: Any,
     build_up: BuildUp,
-    cells: int,
     problem: Any,
     *,
-    tolerance: float,
     count: int,
+    tolerance: float = TOLERANCE,
     nips: NipsAcross | None = None,
 ) -> LaneRoll:
     """Solve for the lanes of a roll, and estimate the errors of their worst values.
@@ -254,14 +280,12 @@ def solve_lanes(
         The roll of the mean web.
     build_up : BuildUp
         Its stages.
-    cells : int
-        Cells of each stage.
     problem : RollProblem or WindingProblem
         With the thickness profile and the oscillation.
-    tolerance : float
-        Of the stages, relative to kappa + 2 and to the tension.
     count : int
         Number of lanes.
+    tolerance : float
+        Of the stages, relative to kappa + 2 and to the tension.
     nips : NipsAcross, optional
 
     Raises
@@ -270,9 +294,9 @@ def solve_lanes(
         If a stage has no solution, the layers of a lane separate, or its pressure exceeds the range
         of the law of the stack.
     """
-    mean, profile = _Mean(result.problem, build_up, cells), problem.thickness_profile
+    profile = problem.thickness_profile
     fine, coarse = (
-        _solve(mean, profile.lanes(lanes, problem.oscillation), nips, stage_tolerance)
+        _solve(result, build_up, profile.lanes(lanes, problem.oscillation), nips, stage_tolerance)
         for lanes, stage_tolerance in (
             (count, tolerance),
             (max(count // COARSE_LANES, 2), COARSE_TOLERANCE * tolerance),
@@ -284,15 +308,20 @@ def solve_lanes(
     errors = {}
     for part in fields(WorstLane):
         value, other = (getattr(lanes.worst, part.name) for lanes in (fine, coarse))
-        errors[f"worst_lane.{part.name}"] = (
-            DIFFERENCE_FACTOR * abs(value - other) + of_mean * abs(value)
+        errors[f"worst_lane.{part.name}"] = DIFFERENCE_FACTOR * abs(value - other) + of_mean * abs(
+            value
         )
     return replace(fine, errors=errors)
 
 
-def _solve(mean: _Mean, lanes: Lanes, nips: NipsAcross | None, tolerance: float) -> LaneRoll:
-    """Wind the lanes and apply the changes after winding; errors are not estimated."""
-    problem, curve = mean.problem, mean.problem.tension_curve
+def _solve(
+    result: Any, build_up: BuildUp, lanes: Lanes, nips: NipsAcross | None, tolerance: float
+) -> LaneRoll:
+    """Wind the lanes and apply the changes after winding; errors are not estimated.
+
+    Parameters as of :func:`solve_lanes`.
+    """
+    problem, curve = result.problem, result.problem.tension_curve
     equations = equations_of(problem)
 
     def tension_at(x: float, c: Array, mu: Array, guess: Array) -> Any:
@@ -306,18 +335,15 @@ def _solve(mean: _Mean, lanes: Lanes, nips: NipsAcross | None, tolerance: float)
             curve,
             lanes,
             tension_at if nips is None else nips.tension_at(lanes),
-            mean.build_up,
+            build_up,
             tolerance=tolerance,
-            cells=mean.cells,
+            cells=_cells(result),
             surface_layer=surface_layer_depth(problem),
         )
     except NotWoundError as stop:
         raise NotConverged(f"with lanes across the width {stop}") from None
     P, Q = _finished(problem, wound, lanes)
-    x = wound.x
-    r = np.exp(x)
-    r[0], r[-1] = problem.core.radius, problem.radius
-    functions = wound.functions(x)
+    r, functions = result.radius, wound.functions(wound.x)
     T, h, thickness = curve.at(r), float(problem.web_thickness), (1 + lanes.excess)[:, None]
     theta = _shared(functions[THETA], lanes.share * (1 + lanes.excess))
     tension = h * T * theta * thickness
@@ -365,9 +391,9 @@ def _finished(problem: Any, wound: LaneBuildUp, lanes: Lanes) -> tuple[Array, Ar
     loosest = np.unravel_index(np.argmin(solved.P), solved.P.shape)
     changed = source_change or core_change
     if changed and solved.P[loosest] < -ROUNDING * float(np.max(solved.P)):
+        place = f"the lane at {lanes.position[loosest[0]]:.4g} m across the web"
         raise NotConverged(
-            f"the layers of the lane at {lanes.position[loosest[0]]:.4g} m across the web separate: "
-            "the changes after winding reduce the pressure to zero"
+            f"the layers of {place} separate: the changes after winding reduce the pressure to zero"
         )
     return solved.P, solved.Q
 
@@ -376,7 +402,7 @@ def _check_law(roll: LaneRoll, stack: Any) -> None:
     """Raise an error for a pressure beyond the range of the stack's law."""
     lane = int(np.argmax(np.max(roll.pressure, axis=1)))
     P = float(np.max(roll.pressure[lane]))
-    if P < min(stack.limit, stack.radial.max_pressure):
+    if min(stack.limit, stack.radial.max_pressure) > P:
         return
     end = min(stack.limit, stack.radial.max_pressure)
     raise NotConverged(

@@ -37,7 +37,10 @@ NEWTON_STEPS, HALVINGS = 100, 30
 class NipAcross(Protocol):
     """A nip at one radius as a function of its load."""
 
-    load: float  # N, mean over the width [N/m]
+    @property
+    def load(self) -> float:
+        """N, mean over the width [N/m]."""
+        ...
 
     def load_at(self, approach: Array) -> tuple[Array, Array]:
         """Return P [N/m] and dP/d delta [N/m^2] at approaches [m]; zero at negative ones."""

@@ -1,8 +1,8 @@
 r"""A roll of lanes across the width of the web: its build-up, stage by stage.
 
-The lanes of a web of uneven thickness have the same number of layers on the same core.  Each lane j
-is a roll with its own tension T_j, pressure P_j and kappa_j (:mod:`.build_up`), but the web connects
-them: a lane with a larger radius is strained more (:mod:`.lane_tension`).  A layer increases the
+The lanes of a web of uneven thickness have the same number of layers on the same core.  Each lane
+j is a roll with its own tension T_j, pressure P_j and kappa_j (:mod:`.build_up`), but the web
+connects them: a lane with a larger radius is strained more (:mod:`.lane_tension`).  A layer increases the
 radius of the lane's surface by less than its thickness h_j = h (1 + d_j), because it compresses the
 layers below,
 
@@ -345,7 +345,7 @@ class _Lanes:
             The functions, P and Q [Pa].
         """
         equations, lanes, E_t = self.equations, self.lanes, self.equations.tangential
-        surface, n = float(nodes[-1]), nodes.size - 1
+        surface = float(nodes[-1])
         points = self._points(nodes, self.last.curves.with_stage(surface, guess.ravel()))
         P, Q = self._pressure_guess(nodes, mean_P, mean_Q)
         mean_kappa, strain = float(points.kappa[-1]), float(points.tension[-1]) / E_t
@@ -374,11 +374,11 @@ class _Lanes:
             kappa, theta = mean_kappa + values[KAPPA], values[THETA]
             free = (layer[:, -1] - kappa - of_step) / (1 + own)
             softening = of_tension / (1 + own)
-            # (1 + kappa) theta = inward theta + rest, linearised
+            # (1 + kappa) theta = inward theta + rest, linearised; the bound only slows Newton's method
             inward = np.maximum(
                 1 + kappa + free - softening * theta, LEAST_SOFTENING * (1 + np.abs(kappa))
             )
-            rest = softening * theta**2
+            rest = (1 + kappa + free - inward) * theta  # equal for the present theta
             mean_growth = float(lanes.share * thickness @ (1 - (1 + kappa) * theta * strain))
             relative = thickness / mean_growth
             c = relative * (1 - strain * rest) - 1 - rate + by_rho * guess[RHO]
@@ -454,6 +454,6 @@ class _Lanes:
 
 
 def _stretched(x: Array, nodes: Array) -> Array:
-    """Return nodes of a stage, stretched linearly to the interval of another stage's nodes ``x``."""
+    """Return nodes of a stage, stretched linearly to the interval of other nodes ``x``."""
     t = (nodes - nodes[0]) / (nodes[-1] - nodes[0])
     return np.minimum(nodes - (nodes[-1] - x[-1]) * t, x[-1])

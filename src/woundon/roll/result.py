@@ -17,7 +17,7 @@ from .certificate import certificate
 from .density import density_during_winding, finished_density, volume, wound_length
 from .finite_layers import finite_layer_effects, finite_layer_stresses
 from .growth import Growth
-from .lane_roll import LaneRoll, WithLanes
+from .lane_roll import LANES, LaneRoll, WithLanes, build_up_of, solve_lanes
 from .stages import stage_arrays, stresses_between
 from .validity import roll_warnings
 
@@ -113,10 +113,8 @@ class RollResult(WithLanes, Result):
 
     def recompute_lanes(self) -> LaneRoll:
         """Solve for the lanes again, with the default options of the solver."""
-        from .solve import DEFAULT_RTOL, LANES, lanes_of, solve_thin_layers
-
-        roll = solve_thin_layers(self.problem, DEFAULT_RTOL).wound_with(self.problem)
-        return lanes_of(roll, self.problem, DEFAULT_RTOL, LANES)
+        lanes = solve_lanes(self, build_up_of(self), self.problem, count=LANES)
+        return lanes.with_finite_layers(abs(self.finite_layer_effect))
 
     @property
     def core_pressure(self) -> Annotated[float, stress("P_c", "pressure on the core")]:

@@ -17,6 +17,7 @@ all lanes, and its load is not shared.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -146,9 +147,7 @@ class _Nips:
             if self.samples is None:
                 return tension_of_web(lanes, c, mu, strain, 1 - web / wound_on)
             nip = self._nip(float(r[0]), wound_on - web)
-            return tension_in_nip(
-                lanes, c, mu, strain, nip, float(r[0]), wound_on, web, guess
-            )
+            return tension_in_nip(lanes, c, mu, strain, nip, float(r[0]), wound_on, web, guess)
 
         return tension
 
@@ -187,16 +186,10 @@ class _Nips:
         stage = None if problem.roll_body == "linear" else stage_at(self.roll, radius)
         sample: NipSample | None = None
         outputs = []
+        with_air = problem.replace(stack=self.roll.problem.stack)
         for fraction in LOADS:
-            sample = solved_nip(
-                problem.replace(stack=self.roll.problem.stack),
-                radius,
-                stage,
-                None,
-                sample,
-                lambda body, start, f=fraction: self._solve(radius, body, start, f, friction),
-                PRESSURE_TOLERANCE,
-            )
+            solve = partial(self._solve, radius, friction, fraction)
+            sample = solved_nip(with_air, radius, stage, None, sample, solve, PRESSURE_TOLERANCE)
             nip = sample.result
             outputs.append((nip.approach, tension_on_roll(nip) - nip.problem.web_tension))
         delta, added = np.array(outputs).T
@@ -206,7 +199,7 @@ class _Nips:
         return np.array([np.log(delta[middle] / load), *log_approach, *change, friction])
 
     def _solve(
-        self, radius: float, body: Body, start: NipResult | None, fraction: float, friction: float
+        self, radius: float, friction: float, fraction: float, body: Body, start: NipResult | None
     ) -> NipResult:
         """Solve the nip under a fraction of its load, with the friction that the air leaves."""
         nip = self.problem.nip(radius, body)

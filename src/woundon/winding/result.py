@@ -12,9 +12,8 @@ import numpy as np
 from ..problems.winding import WindingProblem
 from ..quantities import Quantity, length, line_load, pure, share, stress
 from ..results import Residuals, Result
-from ..roll.lane_roll import LaneRoll, WithLanes
+from ..roll.lane_roll import LANES, LaneRoll, WithLanes
 from ..roll.result import RollResult
-from ..roll.solve import LANES
 from .bodies import NipSample
 from .certificate import certificate, recomputed_nips
 from .margins import WithMargins
