@@ -38,7 +38,8 @@ def roll_of(web, radius, tension=None):
 def solve(problem, lanes, nips=None, tolerance=2e-3):
     """Return the lanes of any shares: profiles have lanes of one width."""
     roll = solve_thin_layers(problem, 1e-3).wound_with(problem)
-    profile = SimpleNamespace(lanes=lambda count, oscillation: lanes)
+    none = Lanes(*(np.zeros(0) for _ in range(4)))
+    profile = SimpleNamespace(lanes=lambda count, oscillation: lanes, extremes=lambda _: none)
     case = SimpleNamespace(thickness_profile=profile, oscillation=0.0)
     return solve_lanes(roll.result, roll.build_up, case, count=1, tolerance=tolerance, nips=nips)
 
@@ -116,17 +117,19 @@ def test_layers_of_finite_thickness(web, excess, share, slack):
     h = STACKS[web][2]
     largest = lane.pressure.max()
     for radius in (CORE + 10 * h, 0.053, 0.06, 0.07, 0.073):
-        T = at(radius, lane.radius, lane.wound_on_tension.T)
+        tension = at(radius, lane.radius, lane.wound_on_tension.T)
         finite = [
             at(radius, r, laid.tension * h * (1 + lanes.excess))
             for r, laid in zip(mean, (coarse, fine), strict=True)
         ]
-        assert T == pytest.approx(2 * finite[1] - finite[0], rel=2e-3, abs=0.1)
-        P = at(radius, lane.radius, lane.pressure.T)
+        thin = 2 * finite[1] - finite[0]
+        assert tension == pytest.approx(thin, rel=2e-3, abs=0.1)
+        pressure = at(radius, lane.radius, lane.pressure.T)
         finite = [
             at(radius, r, laid.pressure) for r, laid in zip(mean, (coarse, fine), strict=True)
         ]
-        assert P == pytest.approx(2 * finite[1] - finite[0], abs=0.02 * largest)
+        thin = 2 * finite[1] - finite[0]
+        assert pressure == pytest.approx(thin, abs=0.02 * largest)
         ridge = at(radius, lane.radius, lane.ridge_height.T)
         finite = [
             at(radius, r, laid.laid - r[:, None])

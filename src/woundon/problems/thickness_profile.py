@@ -24,6 +24,7 @@ Array = np.ndarray
 
 # Relative to the mean.  Webs vary by a few per cent; other values are errors of the table.
 THINNEST, THICKEST = 0.5, 1.5
+NARROW_LANES = 2000  # on which the extremes of an oscillating profile are found
 MOST_SLACK = 0.1  # of the length: more would not run straight
 MOST_DIFFERENT = 0.02  # of the width of a problem: a scanner does not measure the last millimetres
 # Relative difference between the mean of a profile and the web thickness that needs a warning.
@@ -181,6 +182,22 @@ class ThicknessProfile(Description):
         excess = self.variation * (thickness / np.mean(thickness) - 1)
         middle, shares = (ends[1:] + ends[:-1]) / 2, np.full(count, 1 / count)
         return Lanes(middle, shares, excess - np.mean(excess), slack)
+
+    def extremes(self, oscillation: float = 0.0) -> Lanes:
+        """Return lanes without a share of the width at the extreme places of the profile.
+
+        They are the thickest and the thinnest place, and those of the largest and the smallest
+        slack.  ``oscillation`` is the amplitude [m].
+        """
+        places = np.asarray(self.position)
+        if oscillation:  # the mean over all shifts, on narrow lanes
+            fine = self.lanes(NARROW_LANES, oscillation)
+            places, d, b = fine.position, fine.excess, fine.slack
+        else:
+            d = self.variation * (np.asarray(self.thickness) / self.mean - 1)
+            b = np.zeros(places.size) if self.slack is None else np.asarray(self.slack)
+        chosen = [np.argmax(d), np.argmin(d), np.argmax(b), np.argmin(b)][: 2 if not b.any() else 4]
+        return Lanes(places[chosen], np.zeros(len(chosen)), d[chosen], b[chosen])
 
 
 def _means(position: Iterable[float], values: Iterable[float], ends: Array, moved: float) -> Array:

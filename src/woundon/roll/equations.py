@@ -264,7 +264,7 @@ class StageEquations:
         return None
 
     def kappa_by_pressure(self, x: Array, P: Array, layer: Array, E: Array) -> Array:
-        """Return the derivatives of kappa of a stage by the pressures at its nodes, (n + 1,) [1/Pa].
+        """Return the derivatives of kappa of a stage by the pressures at its nodes [1/Pa].
 
         With g = E_t/E_r - 1, kappa(x) = D p/p satisfies the Riccati equation
         D kappa + kappa^2 + 2 kappa = g.  Hence a change dg(x) changes kappa at the surface by the

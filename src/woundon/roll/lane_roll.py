@@ -37,12 +37,6 @@ Array = np.ndarray
 
 LANES = 50  # by default: they resolve smooth profiles to 0.1 % of the tension
 TOLERANCE = 2e-3  # of the stages by default, that of a roll with the default rtol
-# The comparison that estimates the errors: half as many lanes, and a tolerance of the stages that
-# is larger by as much as between two levels of refinement of a plain roll.
-COARSE_LANES, COARSE_TOLERANCE = 2, 4.0
-# Factor of the difference between both.  The largest value over lanes of a measured profile is of
-# order one in their width, where the difference equals the error; of a smooth one of order two.
-DIFFERENCE_FACTOR = 1.5
 ROUNDING = 1e-9  # of the largest pressure: a smaller negative one is a rounding error
 SLACK = 1e-9  # of the mean tension: a lane with less is slack
 
@@ -147,6 +141,11 @@ class LaneRoll:
             slack_share=float(np.sum(self.lanes.share[slack])),
         )
 
+    def of_lanes(self, lanes: Lanes) -> LaneRoll:
+        """Return the first lanes, which are ``lanes``."""
+        arrays = {name: getattr(self, name)[: lanes.share.size] for name in LANE_QUANTITIES}
+        return replace(self, lanes=lanes, **arrays)
+
     def with_finite_layers(self, effect: float) -> LaneRoll:
         """Return the lanes with the effect of the thickness of the layers in their errors.
 
@@ -183,7 +182,7 @@ class LaneRoll:
 
 
 class WithLanes:
-    """Base class of a result with lanes across the width, if its problem has a thickness profile."""
+    """Base class of a result that has lanes if its problem has a thickness profile."""
 
     problem: Any
     lane_roll: LaneRoll | None
@@ -271,8 +270,10 @@ def solve_lanes(
 ) -> LaneRoll:
     """Solve for the lanes of a roll, and estimate the errors of their worst values.
 
-    The errors of the number of lanes and of the stages are estimated together, by a second
-    solution with half as many lanes and a larger tolerance.
+    A lane has the mean thickness of its part of the width.  Further lanes without a share of the
+    width, which do not affect the others, have the extreme thicknesses of the profile: the
+    difference of their worst values from those of the lanes is the error of the number of lanes.
+    The stages add an error below their tolerance, and the mean roll its own.
 
     Parameters
     ----------
@@ -294,24 +295,21 @@ def solve_lanes(
         If a stage has no solution, the layers of a lane separate, or its pressure exceeds the range
         of the law of the stack.
     """
-    profile = problem.thickness_profile
-    fine, coarse = (
-        _solve(result, build_up, profile.lanes(lanes, problem.oscillation), nips, stage_tolerance)
-        for lanes, stage_tolerance in (
-            (count, tolerance),
-            (max(count // COARSE_LANES, 2), COARSE_TOLERANCE * tolerance),
-        )
-    )
-    _check_law(fine, result.problem.stack)
-    # the pressure varies about as the square of the tension
-    of_mean = result.errors.get("peak_pressure", np.nan) / result.peak_pressure
+    profile, oscillation = problem.thickness_profile, problem.oscillation
+    lanes, extremes = profile.lanes(count, oscillation), profile.extremes(oscillation)
+    together = Lanes(*(np.concatenate(pair) for pair in zip(lanes, extremes, strict=True)))
+    solved = _solve(result, build_up, together, nips, tolerance)
+    roll = solved.of_lanes(lanes)
+    _check_law(roll, result.problem.stack)
+    relative = tolerance + result.errors.get("peak_pressure", np.nan) / result.peak_pressure
     errors = {}
     for part in fields(WorstLane):
-        value, other = (getattr(lanes.worst, part.name) for lanes in (fine, coarse))
-        errors[f"worst_lane.{part.name}"] = DIFFERENCE_FACTOR * abs(value - other) + of_mean * abs(
-            value
-        )
-    return replace(fine, errors=errors)
+        value, extreme = (getattr(each.worst, part.name) for each in (roll, solved))
+        errors[f"worst_lane.{part.name}"] = abs(value - extreme) + relative * abs(value)
+    # the boundary of a slack part lies anywhere within a lane
+    is_partly_slack = 0 < roll.worst.slack_share < 1 or solved.worst.least_tension == 0
+    errors["worst_lane.slack_share"] = float(np.max(lanes.share)) if is_partly_slack else 0.0
+    return replace(roll, errors=errors)
 
 
 def _solve(

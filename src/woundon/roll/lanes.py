@@ -2,9 +2,9 @@ r"""A roll of lanes across the width of the web: its build-up, stage by stage.
 
 The lanes of a web of uneven thickness have the same number of layers on the same core.  Each lane
 j is a roll with its own tension T_j, pressure P_j and kappa_j (:mod:`.build_up`), but the web
-connects them: a lane with a larger radius is strained more (:mod:`.lane_tension`).  A layer increases the
-radius of the lane's surface by less than its thickness h_j = h (1 + d_j), because it compresses the
-layers below,
+connects them: a lane with a larger radius is strained more (:mod:`.lane_tension`).  A layer
+increases the radius of the lane's surface by less than its thickness h_j = h (1 + d_j), because it
+compresses the layers below,
 
     ds_j/dn = h_j g_j,    g_j = 1 - (1 + kappa_j) T_j/E_t.
 
@@ -64,7 +64,7 @@ MAX_STAGES = 5000  # a plain roll has about 50
 # Largest last Newton step, relative: quadratic convergence leaves about its square.
 LAST_STEP = 1e-5
 LEAST_SOFTENING = 0.1  # smallest part of 1 + kappa by which a lane yields to its tension
-SMALLEST_PRESSURE = 1e-6  # of the largest: smaller pressures, of slack lanes, count relative to it
+SMALLEST_PRESSURE = 1e-4  # of the largest: smaller pressures, of slack lanes, count relative to it
 LONGEST_GROWTH = 3.0  # of a step relative to the one before, as in the build-up of a plain roll
 KAPPA, THETA, RHO, WEB, LOAD = range(5)  # rows of the functions of every lane
 FUNCTIONS = 5
@@ -374,7 +374,8 @@ class _Lanes:
             kappa, theta = mean_kappa + values[KAPPA], values[THETA]
             free = (layer[:, -1] - kappa - of_step) / (1 + own)
             softening = of_tension / (1 + own)
-            # (1 + kappa) theta = inward theta + rest, linearised; the bound only slows Newton's method
+            # (1 + kappa) theta = inward theta + rest, linearised; the bound of inward only slows
+            # Newton's method
             inward = np.maximum(
                 1 + kappa + free - softening * theta, LEAST_SOFTENING * (1 + np.abs(kappa))
             )
