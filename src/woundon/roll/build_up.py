@@ -30,6 +30,7 @@ from .stage_nodes import Tension, cell_source, evaluate_in_cells, kinks_of, node
 
 __all__ = [
     "IMPLICIT_ERROR",
+    "KINK_STEP",
     "SMALLEST_STEP",
     "BuildUp",
     "Layers",

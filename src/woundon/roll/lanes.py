@@ -42,6 +42,7 @@ import numpy as np
 from ..problems.thickness_profile import Lanes
 from .build_up import (
     IMPLICIT_ERROR,
+    KINK_STEP,
     SMALLEST_STEP,
     BuildUp,
     NotWoundError,
@@ -176,7 +177,14 @@ def wind_lanes(
                 step = length * max(0.2, step_factor(tolerance / error) if stage else 0.2)
                 if step < SMALLEST_STEP:
                     raise NotWoundError(no_stage_beyond(roll.x))
-                continue
+                if stage is None or step > KINK_STEP * surface_layer:
+                    continue
+                # a lane that becomes slack or taut, or the discretisation error of the nodes
+                roll.last.curves.start_new_polynomial()
+                stage, error = roll.stage(roll.x + step, None)
+                if stage is None:
+                    continue
+                length = step
             roll.last = stage
             step = length * min(LONGEST_GROWTH, step_factor(tolerance / max(error, 1e-99)))
             if roll.last.curves.x.size > MAX_STAGES:
