@@ -40,6 +40,7 @@ TOLERANCE = 2e-3  # of the stages by default, that of a roll with the default rt
 ROUNDING = 1e-9  # of the largest pressure: a smaller negative one is a rounding error
 SLACK = 1e-9  # of the mean tension: a lane with less is slack
 
+PRESSURES = ("pressure", "core_pressure", "compression")  # among the worst values
 # Variables of the lanes over radius and position.
 LANE_QUANTITIES: Mapping[str, Quantity] = {
     "pressure": stress("P_j", "pressure between the layers of a lane"),
@@ -153,7 +154,7 @@ class LaneRoll:
         property of the surface, hardly depends on it.
         """
         errors = dict(self.errors)
-        for name in ("pressure", "core_pressure", "compression"):
+        for name in PRESSURES:
             errors[f"worst_lane.{name}"] += effect * getattr(self.worst, name)
         return replace(self, errors=errors)
 
@@ -301,10 +302,12 @@ def solve_lanes(
     solved = _solve(result, build_up, together, nips, tolerance)
     roll = solved.of_lanes(lanes)
     _check_law(roll, result.problem.stack)
-    relative = tolerance + result.errors.get("peak_pressure", np.nan) / result.peak_pressure
+    of_mean = result.errors.get("peak_pressure", np.nan) / result.peak_pressure
     errors = {}
     for part in fields(WorstLane):
         value, extreme = (getattr(each.worst, part.name) for each in (roll, solved))
+        # the tension of the mean web is given
+        relative = tolerance + (of_mean if part.name in PRESSURES else 0.0)
         errors[f"worst_lane.{part.name}"] = abs(value - extreme) + relative * abs(value)
     # the boundary of a slack part lies anywhere within a lane
     is_partly_slack = 0 < roll.worst.slack_share < 1 or solved.worst.least_tension == 0
