@@ -13,6 +13,7 @@ from .errors import ResolutionWarning as ResolutionWarning
 from .errors import ValidityWarning as ValidityWarning
 from .io.case_files import load_case as load_case
 from .io.chosen_units import units as units
+from .io.profile_tables import read_thickness_profile as read_thickness_profile
 from .io.result_files import load_result as load_result
 from .kinds import solve as solve
 from .nip.entrained_air import AirFilm as AirFilm

@@ -83,6 +83,9 @@ class ThicknessProfile(Description):
     slack : sequence of float, optional
         b, additional length of a baggy lane relative to the rest of the web [1], >= 0; by default
         the web has the same length everywhere.
+    spread : sequence of float, optional
+        Standard deviation of the thickness between several scans, in the unit of ``thickness``; it
+        is reported only.
 
     Raises
     ------
@@ -121,6 +124,12 @@ class ThicknessProfile(Description):
         Field(min_length=2, max_length=10_000),
     ] = default(None)
 
+    spread: Annotated[
+        OptionalNumbers,
+        Quantity("s_h", "m", "standard deviation of the thickness between scans", "um"),
+        Field(min_length=2, max_length=10_000),
+    ] = default(None)
+
     @model_validator(mode="after")
     def _check_columns(self) -> Self:
         """Reject positions that do not rise, and values that are no variation of one thickness."""
@@ -148,6 +157,12 @@ class ThicknessProfile(Description):
                 if not 0 <= b <= MOST_SLACK:
                     text = f"{quote(b)} is out of range; must be >= 0 and <= {MOST_SLACK:g}"
                     raise InvalidProblem.at(f"slack.{k}", text)
+        if self.spread is not None:
+            check_equal_lengths(self, "position", "spread")
+            for k, s in enumerate(self.spread):
+                if not 0 <= s <= mean:
+                    text = f"{quote(s)} is out of range; must be >= 0 and <= {mean:.4g} [m]"
+                    raise InvalidProblem.at(f"spread.{k}", text)
         return self
 
     @property

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from math import nan
 from typing import Any
 
 import numpy as np
 
-from ..quantities import length
+from ..problems.thickness_profile import ThicknessProfile
+from ..quantities import length, share
 from ..roll.lane_roll import LANE_QUANTITIES
-from .report_parts import Row, Section, field_row, output_row, row_of
+from .report_parts import Row, Section, field_row, quantity_of, row_of
 
 __all__ = ["WORST_LANE", "lanes_sections"]
 
@@ -42,8 +44,9 @@ def lanes_sections(result: Any) -> Iterator[Section]:
     excess = lanes.thickness_excess.values
     rows = [
         *_range("thickness of the lanes relative to the mean", "d", excess),
+        *_spread(problem.thickness_profile),
         *([field_row(problem, "oscillation")] if problem.oscillation else []),
-        *(output_row(result, f"worst_lane.{name}") for name in NAMES),
+        *(_worst(result, name) for name in NAMES),
     ]
     texts = [
         f"{lanes.position.size} lanes across the width.",
@@ -56,12 +59,25 @@ def lanes_sections(result: Any) -> Iterator[Section]:
 
 def _range(meaning: str, symbol: str, excess: Array) -> list[Row]:
     """Return the rows of the smallest and the largest deviation of the thickness."""
-    from ..quantities import share
-
     return [
         row_of(share(symbol, f"{word} {meaning}"), float(value))
         for word, value in (("smallest", excess.min()), ("largest", excess.max()))
     ]
+
+
+def _worst(result: Any, name: str) -> Row:
+    """Return the row of a value of the worst lane, with its error estimate."""
+    output = f"worst_lane.{name}"
+    error = result.errors.get(output, nan)
+    return row_of(quantity_of(type(result), output), getattr(result.worst_lane, name), error)
+
+
+def _spread(profile: ThicknessProfile) -> list[Row]:
+    """Return the row of the largest standard deviation between scans, if several were taken."""
+    if profile.spread is None:
+        return []
+    meaning = "largest standard deviation between the scans, of the mean"
+    return [row_of(share("s_h", meaning), max(profile.spread) / profile.mean)]
 
 
 def _nip_load(lanes: Any) -> str:

@@ -29,7 +29,7 @@ from .report_parts import (
 __all__ = ["ROLL", "roll_report", "thin_layers_note"]
 
 # in other rows
-LEFT_OUT = frozenset({"residual", "steps", "compressed_share"}) | WORST_LANE
+LEFT_OUT = frozenset({"residual", "steps", "compressed_share", "lane_count"}) | WORST_LANE
 BAND = "Thickest lane across the width (closed form)"
 # of a roll alone, and of the roll of a winding
 ROLL = [

@@ -48,6 +48,7 @@ LEFT_OUT = frozenset(
         "band_strain",
         "ridge_height",
         *(f"margins.{name}" for name in TITLES),
+        "lane_count",
         *WORST_LANE,
     }
 )

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..errors import NotConverged
 from ..problems.thickness_profile import Lanes
-from ..quantities import Quantity, length, line_load, share, strain, stress
+from ..quantities import Quantity, length, line_load, on_request, share, strain, stress
 from .build_up import BuildUp, NotWoundError, stretched_guess
 from .equations import StageData
 from .finished import add_constant, equations_of, final_changes, surface_layer_depth
@@ -188,11 +188,6 @@ class WithLanes:
     problem: Any
     lane_roll: LaneRoll | None
 
-    def __post_init__(self) -> None:
-        super().__post_init__()  # type: ignore[misc]  # of the result
-        if self.problem.thickness_profile is None:  # the outputs of the part are left out
-            self.__dict__["worst_lane"] = None
-
     @property
     def lanes(self) -> xarray.Dataset | None:
         """The lanes across the width over the radius; None without a thickness profile.
@@ -205,9 +200,13 @@ class WithLanes:
         """
         return None if (lanes := self._lanes()) is None else lanes.dataset()
 
-    @cached_property
+    @on_request
     def worst_lane(self) -> WorstLane | None:
-        """The worst values of all lanes; None without a thickness profile."""
+        """The worst values of all lanes; None without a thickness profile.
+
+        Files do not contain them: those of a loaded result are recomputed, in a winding
+        with a few of the nips.
+        """
         return None if (lanes := self._lanes()) is None else lanes.worst
 
     def recompute_lanes(self) -> LaneRoll:

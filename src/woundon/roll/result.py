@@ -64,6 +64,8 @@ class RollResult(WithLanes, Result):
         -r P'/T - 1 at the surface, 0 except for the discretisation error [1].
     steps : int
         Number of linear systems solved.
+    lane_count : int
+        Number of lanes across the width; 0 without a thickness profile.
     lane_roll : LaneRoll, optional
         The lanes, if the problem has a thickness profile; recomputed for a loaded result.
 
@@ -109,11 +111,12 @@ class RollResult(WithLanes, Result):
     ]
     surface_slope: Annotated[float, share("e_s", "relative error of the slope at the surface")]
     steps: Annotated[int, pure("n_it", "number of linear systems solved")] = 0
+    lane_count: Annotated[int, pure("L", "number of lanes across the width")] = 0
     lane_roll: LaneRoll | None = field(default=None, compare=False, metadata={"saved": False})
 
     def recompute_lanes(self) -> LaneRoll:
-        """Solve for the lanes again, with the default options of the solver."""
-        lanes = solve_lanes(self, build_up_of(self), self.problem, count=LANES)
+        """Solve for the lanes again, with the default tolerance of the solver."""
+        lanes = solve_lanes(self, build_up_of(self), self.problem, count=self.lane_count or LANES)
         return lanes.with_finite_layers(abs(self.finite_layer_effect))
 
     @property

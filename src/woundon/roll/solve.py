@@ -139,7 +139,8 @@ def solve_wound_roll(
         # the stages of the lanes are those of a roll without the error of Newton's method
         roll = roll.wound_with(problem)
         lane_roll = lanes_of(roll, problem, rtol, lanes)
-        roll = roll._replace(result=roll.result.replace(lane_roll=lane_roll))
+        result = roll.result.replace(lane_roll=lane_roll, lane_count=lanes)
+        roll = roll._replace(result=result)
     result = roll.with_finite_layers().warned()
     if progress is not None:
         progress(1.0)

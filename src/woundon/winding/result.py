@@ -63,6 +63,8 @@ class WindingResult(WithMargins, WithLanes, Result):
         [1].
     nips : tuple of NipSample
         The solved nips, for warm starts of neighbouring windings; empty after loading.
+    lane_count : int
+        Number of lanes across the width; 0 without a thickness profile.
     lane_roll : LaneRoll, optional
         The lanes, if the problem has a thickness profile; recomputed for a loaded result.
 
@@ -158,6 +160,7 @@ class WindingResult(WithMargins, WithLanes, Result):
     ] = 0.0
     wound: RollResult | None = field(default=None, compare=False, metadata={"saved": False})
     nips: tuple[NipSample, ...] = field(default=(), compare=False, metadata={"saved": False})
+    lane_count: Annotated[int, pure("L", "number of lanes across the width")] = 0
     lane_roll: LaneRoll | None = field(default=None, compare=False, metadata={"saved": False})
 
     @property
@@ -172,10 +175,10 @@ class WindingResult(WithMargins, WithLanes, Result):
         return self.wound
 
     def recompute_lanes(self) -> LaneRoll:
-        """Solve for the lanes again, with the default number of them."""
+        """Solve for the lanes again, with a few of the nips."""
         from .lane_nips import lanes_of_winding
 
-        return lanes_of_winding(self, self.roll_rtol, LANES)
+        return lanes_of_winding(self, self.roll_rtol, self.lane_count or LANES)
 
     @property
     def mean_wound_on_tension(

@@ -153,7 +153,7 @@ def solve_winding(
     if problem.thickness_profile is not None:
         lane_roll = lanes_of_winding(result, rtol, lanes)
         errors = {**result.errors, **lane_roll.errors}
-        result = result.replace(lane_roll=lane_roll, errors=errors)
+        result = result.replace(lane_roll=lane_roll, lane_count=lanes, errors=errors)
     if progress is not None:
         progress(1.0)
     return result.warned()
