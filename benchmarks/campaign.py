@@ -5,7 +5,7 @@
     python benchmarks/campaign.py --of plain wrapped --cases 300 --rtol 1e-4
 
 Kinds (random_nips.py): plain, wrapped, covers, rollers, layered, viscoelastic, air, low_friction,
-hardening.  A case ends in one of six ways:
+hardening, two_nips, three_nips.  A case ends in one of six ways:
 
 solved          the result satisfies all contact conditions
 inadmissible    the problem is rejected by its own validation, without any mesh

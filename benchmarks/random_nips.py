@@ -23,6 +23,9 @@ air           1 cm/s to 100 m/s, roughness 0.05 um to a third of the thickness, 
               permeable, 1e-10 to 1e-5 m/Pa/s; half of the drums wrapped
 low_friction  friction 1e-6 to 1e-2 on one face or on both, half of the nips wrapped
 hardening     rolls of a stack with any radial law, a few to fifty MPa at the wound pressure
+two_nips      wrapped, a further nip 0.3 to 2.5 rad downstream: a drum of any kind, 1e-3 to 2 times
+              the load, F within +-0.8 mu- P; every fifth roll is a hardening one
+three_nips    the same with one more nip
 """
 
 from __future__ import annotations
@@ -325,10 +328,39 @@ def _stack(rng: np.random.Generator, P0: float) -> wo.Stack:
     )  # fmt: skip
 
 
+def random_two_nips(seed: int) -> wo.NipProblem:
+    """Return the wrapped nip of a seed with a further one."""
+    return _with_further_nips(seed, 1)
+
+
+def random_three_nips(seed: int) -> wo.NipProblem:
+    """Return the wrapped nip of a seed with two further ones."""
+    return _with_further_nips(seed, 2)
+
+
+def _with_further_nips(seed: int, count: int) -> wo.NipProblem:
+    draw = _Draw(8_000_000 + seed)
+    nip = random_hardening(seed) if seed % 5 == 4 else random_wrapped_nip(seed)
+    further = []
+    for _ in range(count):
+        radius, friction = draw.log(0.06, 1.0), draw.log(0.05, 0.8)
+        load = nip.nip_load * draw.log(1e-3, 2.0)
+        force = draw.even(-0.8, 0.8) * friction * load
+        further.append(
+            wo.NextNip(
+                angle=draw.even(0.3, 2.5), drum=_drum(draw, radius), nip_load=load,
+                winding_force=force, drum_friction=friction,
+            )
+        )  # fmt: skip
+    arcs = sum(one.angle for one in further)
+    return nip.replace(next_nips=further, roll_wrap=min(arcs + draw.even(0.8, 2.0), 2 * pi))
+
+
 FAMILIES: dict[str, Callable[[int], Any]] = {
     "plain": random_nip, "wrapped": random_wrapped_nip, "covers": random_covered,
     "rollers": random_rollers, "layered": random_layered, "viscoelastic": random_viscoelastic,
     "air": random_air, "low_friction": random_low_friction, "hardening": random_hardening,
+    "two_nips": random_two_nips, "three_nips": random_three_nips,
 }  # fmt: skip
 
 

@@ -19,6 +19,7 @@ revision than 0.2 uses the packages of this environment.
     nip_and_derivatives   the same with the solution of the nip
     winding               the example of a winding, with other loads
     example_winding       the example of a winding
+    scheduled_winding     newsprint of 45 g/m2, 1.25 m on 3 in, taper 20 %, a table of nip loads
     loose                 the README's nip with rtol = 1e-2, to be compared with readme
     two_processes         wall-clock time of a nip in a sweep of 600 with 33 nodes on two processes
     sweep                 20 wrapped nips, five loads and four shear moduli, for each of them
@@ -26,6 +27,7 @@ revision than 0.2 uses the packages of this environment.
     fit                   the friction of the README's nip without wrap from three measured tensions
     find                  the nip load of the README's nip for a wound-on tension
     window                operating window of the example of a winding, with one uncertain input
+    scheduled_window      the same of the winding with schedules
     command               woundon solve examples/newsprint_table2.toml, from start to answer
 """
 
@@ -63,11 +65,13 @@ SLOW = {
     "hardening": 10,
     "winding": 5,
     "example_winding": 3,
+    "scheduled_winding": 3,
     "readme": 20,
     "loose": 20,
     "two_processes": 3,
     "sweep": 5,
     "window": 1,
+    "scheduled_window": 1,
     "command": 10,
 }
 SWEPT = 20  # nips of a sweep
@@ -129,12 +133,25 @@ def draw(name: str, seed: int) -> Problems:
     if name in FAMILIES:
         return [FAMILIES[name](seed)]
     change = np.random.default_rng(seed).uniform(-1, 1)
-    if not name.endswith("winding") and name != "window":
+    if not name.endswith(("winding", "window")):
         nip = wo.NipProblem.example()
         return [nip.replace(**{"roll.radius": nip.roll.radius * (1 + 0.001 * change)})]
+    if name.startswith("scheduled"):
+        return [scheduled_winding()]
     problem = wo.WindingProblem.example()
     factor = 1 + 0.05 * change if name == "winding" else 1.0
     return [problem.replace(nip_load=factor * problem.nip_load)]
+
+
+def scheduled_winding() -> wo.WindingProblem:
+    """Return a winding of newsprint whose web tension and nip load vary over the radius."""
+    loads = wo.Profile(
+        radius=[0.0381, 0.15, 0.3, 0.45, 0.625], value=[3000.0, 2500.0, 2000.0, 1800.0, 1600.0]
+    )
+    return wo.WindingProblem.example().replace(
+        radius=0.625, web_tension=wo.Taper(start=350.0, taper=0.2), nip_load=loads,
+        **{"core.radius": 0.0381},
+    )  # fmt: skip
 
 
 def solve_all(problems: Problems) -> Callable[[], object]:
@@ -228,12 +245,13 @@ METHODS: dict[str, Callable[[Problems], Callable[[], object]]] = {
     "fit": fit,
     "find": find,
     "window": window,
+    "scheduled_window": window,
     "command": run_command,
 }
 WORK = [
     *FAMILIES, "readme", "neighbours", "sensitivities", "nip_and_derivatives", "winding",
-    "example_winding", "loose", "sweep", "two_processes", "replace", "fit", "find", "window",
-    "command",
+    "example_winding", "scheduled_winding", "loose", "sweep", "two_processes", "replace", "fit",
+    "find", "window", "scheduled_window", "command",
 ]  # fmt: skip
 
 

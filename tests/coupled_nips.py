@@ -1,20 +1,23 @@
 r"""Several nips of one outer layer as one coupled system, independent of the solver in the package.
 
 A web is laid on a roll in a first nip, and runs with it through further nips between the roll (+)
-and hard drums (-).  p, q are pressure and traction of the web on the bodies; s runs along the
-surface of the roll in the direction of travel, nip k lies at s_k - a_k ... s_k + a_k.  Between the
-nips and downstream of the last one are arcs on which the web touches the roll only.
+and drums (-), hard ones or linear bodies.  p, q are pressure and traction of the web on the bodies;
+s runs along the surface of the roll in the direction of travel, nip k lies at s_k - a_k to
+s_k + a_k.  Between the nips and downstream of the last one are arcs on which the web touches the
+roll only.
 
-    gap slope     v+' + c12 (q+ + q-) - 2h c22 p+' + Delta_k/R* - (s - s_k)/R* = 0   cells of nip k
-    equilibrium   p+ = p- - T/R_k in nip k, p+ = T kappa+ on arcs and at the edges of nips;
+    gap slope     v+' + v-' + c12 (q+ + q-) - 2h c22 p+' + Delta_k/R* - (s - s_k)/R* = 0
+                  in the cells of nip k
+    equilibrium   p+ = p- - T kappa- in nip k, p+ = T kappa+ on arcs and at the edges of nips;
                   p+ = 0 at the leading edge of nip 1, p- = 0 at all edges
     resultants    int q- ds = F_k, int p- ds = P_k over nip k
     tension       T = T_in + int (q+ + q-) ds
-    slip          v+ = eps - eps+ - E, E = (eps - eps+)(end);  v- = eps + xi_k
+    slip          v+ = eps - eps+ - E, E = (eps - eps+)(end);  v- = eps - eps- + xi_k
     friction      stick v = 0, |q| <= mu p;  slip q = s mu p, s v >= 0
 
-kappa+ = 1/R - v'' - v/R^2.  Per unit of the roll's speed the unstrained web and the unstrained
-surface of the roll are equally fast everywhere, so that there is one E for all nips.
+kappa+ = 1/R - v'' - v/R^2, and kappa- = 1/R_k - v-'' of the iterate before.  Per unit of the
+roll's speed the unstrained web and the unstrained surface of the roll are equally fast everywhere,
+so that there is one E for all nips.
 
 The tractions are linear between nodes, and slopes and slips are collocated once in each cell, the
 slip of a node in the cell upstream of it.  All half widths are unknowns; the active set changes
@@ -44,12 +47,13 @@ TOLERANCE = 1e-9  # of the last Newton step, in the units of the unknowns
 
 @dataclass(frozen=True)
 class Nip:
-    """A nip with a hard drum: position s_k [rad], drum radius [m], P and F [N/m]."""
+    """A nip: position s_k [rad], drum radius [m], P and F [N/m]; a hard drum without a body."""
 
     angle: float
     drum_radius: float
     load: float
     force: float = 0.0
+    drum: Any = None
 
 
 @dataclass(frozen=True)
@@ -200,8 +204,9 @@ class System:
         self.p_drum = np.zeros((n + 1, size))
         for nip, nodes_of in zip(case.nips, self.inside, strict=True):
             self.p_drum[nodes_of] = p[nodes_of]
-            self.p_roll[nodes_of] -= self.T[nodes_of] / nip.drum_radius
-            self.p0[nodes_of] = -self.T_in / nip.drum_radius
+            curvature = case.drum_curvature.get(nip, np.full(M - 1, 1 / nip.drum_radius))
+            self.p_roll[nodes_of] -= self.T[nodes_of] * curvature[:, None]
+            self.p0[nodes_of] = -self.T_in * curvature
         self.q_roll, self.q_drum = q_roll, q_drum
         targets = np.append(y, s[-1] - 1e-9 * h[-1])
         slope_p, slope_q, strain_p, strain_q = influence(roll, targets, s)
@@ -219,10 +224,11 @@ class System:
         self.stretch = c11 / web.thickness
         # gap slope in the cells of the nips
         gap, gap0 = [], []
+        self.drums = [self._drum(k, h) for k in range(K)]
         for k, (nip, f) in enumerate(zip(case.nips, self.first, strict=True)):
             cells = np.arange(f, f + M)
             curvature = 1 / R + 1 / nip.drum_radius
-            rows = slope[cells] + c12 * at_points(q)[cells]
+            rows = slope[cells] + self.drums[k][0] + c12 * at_points(q)[cells]
             rows -= web.thickness * c22 * (np.diff(self.p_roll, axis=0) / h[:, None])[cells]
             rows[:, n + 3 * k] += 1.0
             gap.append(rows)
@@ -242,12 +248,32 @@ class System:
         self.v_drum, self.v_drum0 = strain_web.copy(), strain_web0
         for k, f in enumerate(self.first):
             self.v_drum[f : f + M, n + 3 * k + 1] += 1.0
+            self.v_drum[f : f + M] -= self.drums[k][1]
         # resultants
         self.load = np.array([self._over(k, weights, self.p_drum) for k in range(K)])
         self.force = np.array([self._over(k, weights, q_drum) for k in range(K)])
         # curvature at the nodes of arcs
         self.arc = np.setdiff1d(np.arange(1, n + 1), inner)
         self.kappa, self.kappa0 = self._curvature(roll, slope[:-1], slope0[:-1], h)
+
+    def _drum(self, k: int, h: Array) -> tuple[Array, Array]:
+        """Return slope and strain of drum k in the cells of its nip, as matrices on u."""
+        drum, f, M = self.case.nips[k].drum, self.first[k], self.cells
+        if drum is None:
+            return np.zeros((M, self.size)), np.zeros((M, self.size))
+        cells, nodes = slice(f, f + M), slice(f, f + M + 1)
+        slope_p, slope_q, strain_p, strain_q = influence(drum, self.y[cells], self.s[nodes])
+        p, q = self.p_drum[nodes], self.q_drum[nodes]
+        return slope_p @ p + slope_q @ q, strain_p @ p + strain_q @ q
+
+    def drum_curvatures(self, u: Array) -> dict[Nip, Array]:
+        """Return kappa- at the inner nodes of the nips with drums that deform."""
+        out = {}
+        for nip, f, (slope, _) in zip(self.case.nips, self.first, self.drums, strict=True):
+            if nip.drum is not None:
+                distances = np.diff(self.y[f : f + self.cells])
+                out[nip] = 1 / nip.drum_radius - np.diff(slope @ u) / distances
+        return out
 
     def _over(self, k: int, weights: Array, values: Array) -> Array:
         """Return the integral over nip k."""
@@ -361,6 +387,7 @@ class Case:
     pressure: float = 0.0
     slope: float = 0.0
     arcs: list[Array] = field(default_factory=list)
+    drum_curvature: dict[Nip, Array] = field(default_factory=dict)
 
     def solve(self) -> Solution:
         """Solve: Newton steps, and after each of them the active set changes."""
@@ -392,6 +419,7 @@ class Case:
             step = self._step(system, u, active, ln_a, columns)
             step[ln_a] = np.clip(step[ln_a], -0.5, 0.5)
             u = u + step
+            self.drum_curvature = system.drum_curvatures(u)
             system = System(self, np.exp(u[ln_a]))
             units = np.full(u.size, self.pressure)
             units[system.n : system.q_start] = np.tile([self.slope, self.slope, 1.0], len(a))
@@ -451,7 +479,7 @@ class Case:
         problem = wo.NipProblem(
             web=self.web,
             roll=self.roll,
-            drum=wo.Rigid(radius=nip.drum_radius),
+            drum=nip.drum or wo.Rigid(radius=nip.drum_radius),
             roll_friction=self.roll_friction,
             drum_friction=self.drum_friction,
             nip_load=nip.load,

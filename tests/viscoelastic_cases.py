@@ -9,7 +9,7 @@ import numpy as np
 
 import woundon as wo
 from woundon.elasticity import cylinder
-from woundon.elasticity.layers import stacked_compliance
+from woundon.elasticity.layers import RelaxingModuli, stacked_compliance
 from woundon.elasticity.relaxation import modulus_ratio
 
 Array = np.ndarray
@@ -33,9 +33,12 @@ def compliance(body: Any, speed: float, n: Array) -> Array:
     else:
         layers, materials = body._stack, body.materials
     relaxed = [m.relaxation(speed) for m in materials]
-    return stacked_compliance(
-        n, layers, factors=lambda n: np.array([modulus_ratio(r, n / body.radius) for r in relaxed])
+    moduli = RelaxingModuli(
+        lambda n: np.array([modulus_ratio(r, n / body.radius) for r in relaxed]),
+        tuple(m.bulk_is_constant for m in materials),
     )
+    is_open = getattr(body, "core", "rigid") == "free"
+    return stacked_compliance(n, layers, open_bore=is_open, moduli=moduli)
 
 
 def compliance_far(body: Any, speed: float, n: Array) -> Array:

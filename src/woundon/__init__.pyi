@@ -15,6 +15,7 @@ from .io.case_files import load_case as load_case
 from .io.chosen_units import units as units
 from .io.profile_tables import read_thickness_profile as read_thickness_profile
 from .io.result_files import load_result as load_result
+from .io.spreadsheets import decimal_commas as decimal_commas
 from .kinds import solve as solve
 from .nip.entrained_air import AirFilm as AirFilm
 from .nip.result import NipResult as NipResult
@@ -36,6 +37,9 @@ from .problems.materials import Material as Material
 from .problems.materials import Orthotropic as Orthotropic
 from .problems.materials import PronyTerm as PronyTerm
 from .problems.materials import material as material
+from .problems.measured_moduli import DynamicTest as DynamicTest
+from .problems.measured_moduli import RelaxationTest as RelaxationTest
+from .problems.next_nip import NextNip as NextNip
 from .problems.nip import NipProblem as NipProblem
 from .problems.problem import Problem as Problem
 from .problems.radial_laws import Pfeiffer as Pfeiffer
@@ -49,8 +53,10 @@ from .problems.schedules import Profile as Profile
 from .problems.schedules import Taper as Taper
 from .problems.stack import Stack as Stack
 from .problems.thickness_profile import ThicknessProfile as ThicknessProfile
-from .problems.viscoelastic import DynamicTest as DynamicTest
+from .problems.two_drums import TwoDrums as TwoDrums
 from .problems.viscoelastic import LossAngle as LossAngle
+from .problems.viscoelastic import RelativeProny as RelativeProny
+from .problems.viscoelastic import RelativeTerm as RelativeTerm
 from .problems.web import Web as Web
 from .problems.winding import WindingProblem as WindingProblem
 from .problems.wound_roll import WoundRoll as WoundRoll
@@ -72,6 +78,8 @@ from .studies.find import FindResult as FindResult
 from .studies.find import find as find
 from .studies.fit import fit as fit
 from .studies.fit_result import FitResult as FitResult
+from .studies.master_curve import MasterCurve as MasterCurve
+from .studies.master_curve import master_curve as master_curve
 from .studies.plan import next_experiment as next_experiment
 from .studies.plan_result import NextExperiment as NextExperiment
 from .studies.planned import Measurement as Measurement
@@ -80,6 +88,11 @@ from .studies.schedule import OptimisedSchedule as OptimisedSchedule
 from .studies.schedule import optimise_schedule as optimise_schedule
 from .studies.slopes import derivatives as derivatives
 from .studies.sobol import SobolIndices as SobolIndices
+from .studies.stack_fit import LawFit as LawFit
+from .studies.stack_fit import StackFit as StackFit
+from .studies.stack_fit import fit_stack as fit_stack
+from .studies.winder_log import WinderLog as WinderLog
+from .studies.winder_log import read_log as read_log
 from .studies.window import operating_window as operating_window
 from .studies.window_result import OperatingPoint as OperatingPoint
 from .studies.window_result import OperatingWindow as OperatingWindow

@@ -116,8 +116,8 @@ def _frequency_warnings(
             yield (
                 f"the {name}'s moduli were measured from {low:.3g} to {high:.3g} Hz and are "
                 f"extrapolated: the nip contains frequencies from V/2a = {frequency:.3g} Hz on; "
-                "measure at other temperatures too and shift the curves to one master curve "
-                "(time-temperature superposition)"
+                "measure at other temperatures too and shift the isotherms to one master curve "
+                "(wo.master_curve), or measure to higher frequencies"
             )
 
 

@@ -1,4 +1,4 @@
-"""The five questions of docs/start/mill.md: the commands of the page run as they stand there.
+"""The six questions of docs/start/mill.md: the commands of the page run as they stand there.
 
 Evidence: documentation.  The case is the TOML block of the page, the tables are those of the page,
 and the answers are compared with ``wo.solve`` and ``wo.fit`` where another route exists.

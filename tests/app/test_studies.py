@@ -178,7 +178,7 @@ def test_a_fit_has_the_numbers_of_python_for_a_text_and_a_workbook(client, cases
     data = {"load [kN/m]": [50, 89, 120], "half_width [um]": [265, 354, 411]}
     same = wo.fit(wo.RollerProblem.example(), data, {"upper.radius": (0.1, 1.0)})
     table = workbook(tmp_path / "widths.xlsx", list(data), *zip(*data.values(), strict=True))
-    for asked in ({"table": WIDTHS}, {"table": table, "is_workbook": True}):
+    for asked in ({"table": WIDTHS}, {"table": table, "file": "widths.xlsx"}):
         first, *progress, found = fit_events(client, cases["rollers"], **asked)
         assert first == {"event": "started"}
         assert [one["event"] for one in progress] == ["progress"] * len(progress)
@@ -204,8 +204,8 @@ def test_the_remarks_on_a_fit_begin_with_what_is_not_determined(client, cases):
 @pytest.mark.parametrize(
     ("change", "status", "words"),
     [({"table": "no_such [m]\n1\n2"}, 422, "no_such"), ({"table": "/etc/passwd"}, 422, "no header"),
-     ({"table": "AAAA", "is_workbook": True}, 422, "table"),
-     ({"table": "?", "is_workbook": True}, 422, "base64"),
+     ({"table": "AAAA", "file": "a.xlsx"}, 422, "not an Excel file"),
+     ({"table": "?", "file": "a.tdms"}, 422, "base64"),
      ({"table": WIDTHS + "1\t1\n" * 100}, 413, "100"), ({"vary": {"nope": None}}, 422, "nope"),
      ({"vary": {"upper.radius": [0.5, -1]}}, 422, "upper.radius")],
 )  # fmt: skip

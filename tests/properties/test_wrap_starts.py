@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import cache
 from math import pi
 from typing import Any
@@ -108,9 +109,21 @@ def test_the_last_mesh_alone_has_the_same_solution(far: str) -> None:
     assert far or np.isnan(alone.error("wound_on_tension"))
 
 
-def test_error_estimates_are_omitted_only_with_a_start_on_as_many_nodes() -> None:
-    for options in ({}, {"start": wo.solve(HARD, nodes=25)}):
-        assert wo.solve(HARD, **MESH, **options, errors=False).error("wound_on_tension") > 0
+def test_error_estimates_are_omitted_only_with_a_start() -> None:
+    alone = wo.solve(HARD, **MESH, errors=False)
+    assert alone.error("wound_on_tension") > 0
+    started = wo.solve(HARD, **MESH, start=wo.solve(HARD, nodes=25), errors=False)
+    assert math.isnan(started.error("wound_on_tension"))
+    assert started.wound_on_tension == pytest.approx(alone.wound_on_tension, rel=1e-9)
+
+
+def test_a_solution_of_the_same_problem_keeps_its_last_mesh() -> None:
+    known = wo.solve(HARD, **MESH, start=wo.solve(HARD, nodes=25), errors=False)
+    estimated = wo.solve(HARD, **MESH, start=known)
+    assert estimated.refinement.last is known.refinement.last
+    cold = wo.solve(HARD, **MESH).error("wound_on_tension")
+    # coarse meshes are solved to 1e-5
+    assert estimated.error("wound_on_tension") == pytest.approx(cold, rel=0.05)
 
 
 def test_the_page_and_studies_start_from_the_case_before() -> None:

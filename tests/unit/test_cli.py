@@ -159,7 +159,7 @@ def test_describe_lists_fields_outputs_and_options(kind, capsys: Capture):
         (["report", "x.toml", "-o", "y.html"], "'-o'; did you mean --out?"),
         (
             ["solve", "x.toml", "-o", "y.html"],
-            "'-o'; known: --coupling-rtol, --drum-wrap, --help, --json",
+            "'-o'; known: --coupling-rtol, --decimal-comma",
         ),
         (["sweep", "--otu", "x"], "'--otu'; did you mean '--out'?"),
     ],
@@ -424,3 +424,13 @@ def test_a_full_disk_is_one_line_or_a_code():
     done = in_shell(f"{' '.join(QUICK)} > /dev/full")
     assert (done.returncode, done.stderr) == (2, b"error: No space left on device\n")
     assert in_shell("nap 2> /dev/full").returncode == 2
+
+
+def test_the_report_of_a_saved_result_is_that_of_its_case(tmp_path: Path):
+    result = wo.solve(wo.RollerProblem.example(), nodes=33)
+    for name in ("rollers.json", "rollers.nc"):
+        result.save(tmp_path / name)
+        out = tmp_path / f"{name}.html"
+        assert cli.main(["report", str(tmp_path / name), "--out", str(out)]) == 0
+        assert "354" in out.read_text()  # the half width [um]
+    assert cli.main(["report", str(tmp_path / "rollers.json"), "--set", "friction=0.1"]) == 2

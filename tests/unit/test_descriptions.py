@@ -149,6 +149,9 @@ TABLE = wo.Profile(radius=[0.05, 0.6], value=[300.0, 400.0])
 COVER = wo.HalfPlane(radius=0.1, material=RUBBER)
 WINDING = wo.WindingProblem.example()
 # Every class, and each way to meet a condition.
+RELATIVE = wo.RelativeProny(
+    instantaneous_modulus=1e7, poissons_ratio=0.45, prony_relative=[(0.3, 1e-3)]
+)
 EXAMPLES = [
     *DESCRIPTIONS, RUBBER, RUBBER.prony[0], STACK, PFEIFFER, TABLE,
     STACK.replace(radial=2e7).radial,
@@ -156,6 +159,11 @@ EXAMPLES = [
     wo.DynamicTest(
         poissons_ratio=0.45, frequency=[1.0, 10.0, 100.0],
         storage_modulus=[5e6, 5.5e6, 6e6], loss_modulus=[5e5, 5e5, 5e5]),
+    wo.DynamicTest(
+        poissons_ratio=0.45, frequency=[1.0, 10.0, 100.0],
+        storage_modulus=[5e6, 5.5e6, 6e6], tan_delta=[0.1, 0.1, 0.1]),
+    wo.RelaxationTest(poissons_ratio=0.45, time=[1e-3, 0.1, 1.0], modulus=[6e6, 5e6, 4.5e6]),
+    RELATIVE, RELATIVE.prony_relative[0],
     wo.Polynomial(coefficients=[1e6, 40.0]), wo.PowerLaw(E0=1e6, k=2e7, m=0.9),
     wo.StackTest(pressure=[1e3, 1e4, 1e5, 1e6], strain=[0.002, 0.02, 0.07, 0.13]),
     wo.AirBetween(law=PFEIFFER, film=2e-6, web_thickness=66e-6),

@@ -18,7 +18,6 @@ from golden_text import assert_golden, read_golden
 import woundon as wo
 from woundon.cli.commands import main
 from woundon.io.case_files import apply_settings, make_problem, to_toml
-from woundon.problems.two_drums import drum_loads, rider_load_for, roll_weight
 from woundon.problems.units import parse
 from woundon.studies.api import study_of
 from woundon.studies.columns import columns_of, measurable_outputs
@@ -54,6 +53,10 @@ def solve(problem: Any, **options: Any) -> Any:
 
 
 ROLL, WINDING = wo.RollProblem.example(), wo.WindingProblem.example()
+WINDER = WINDING.replace(
+    winder=wo.TwoDrums(front_drum=wo.Rigid(radius=0.25), gap=0.02, rider_load=2500.0),
+    drum=wo.Rigid(radius=0.3), nip_load=None, torque_split=0.5,
+)  # fmt: skip
 RUBBER = wo.Isotropic(youngs_modulus=5e6, poissons_ratio=0.45, prony=[(3e6, 1e-3)])
 WOUND = wo.WoundRoll(radius=0.1, core_radius=0.0445, stack=ROLL.stack, pressure=2e5)
 
@@ -110,9 +113,9 @@ NAMES = {
     "wo": wo, "np": np, "nan": float("nan"), "inf": float("inf"), "Decimal": Decimal, "nip": nip,
     "rollers": rollers, "variant": variant, "solve": solve, "NIP": NIP, "PAIR": PAIR,
     "ORTHOTROPIC": ORTHOTROPIC, "CYLINDER": CYLINDER, "ROLL": ROLL, "WINDING": WINDING,
-    "STACK": ROLL.stack, "WOUND": WOUND, "RUBBER": RUBBER, "drum_loads": drum_loads,
+    "STACK": ROLL.stack, "WOUND": WOUND, "RUBBER": RUBBER, "WINDER": WINDER,
     "COVER": wo.Cylinder(radius=0.25, core_radius=0.235, material=RUBBER),
-    "roll_weight": roll_weight, "rider_load_for": rider_load_for, "plan": plan,
+    "plan": plan,
     "fit": fit, "case": case, "study": study, "parse": parse, "written": written,
     "measured": measured, "cases": cases, "to_toml": to_toml, "make_problem": make_problem,
     "apply_settings": apply_settings,

@@ -37,15 +37,15 @@ class Row:
     f: Array
     mu: Array
     P: float = 4.0
-    largest_ln_a: float = 10.0
+    largest_ln_a: Array = field(default_factory=lambda: np.array([10.0]))
     evaluations: int = 0
-    creepage_nodes: Array = field(default_factory=lambda: np.zeros(0, dtype=int))
+    creepage_nodes: list[Array] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self.k = k = self.f.size
         self.scales = np.ones(2 * k + 1)
-        self.traction_unknowns = slice(k + 1, 2 * k + 1)
-        self.ln_a = self.load_row = k
+        self.traction_unknowns = np.arange(k + 1, 2 * k + 1)
+        self.ln_a = self.load_rows = np.array([k])
 
     def evaluate(self, u: Array, tolerance: float = 0.0) -> Iterate:
         self.evaluations += 1
@@ -156,7 +156,7 @@ def test_the_half_width_changes_by_limited_steps(monkeypatch: pytest.MonkeyPatch
     evaluate = system.evaluate
 
     def noted(u: Array, tolerance: float) -> Iterate:
-        seen.append(float(u[system.ln_a]))
+        seen.append(float(u[system.ln_a][0]))
         return evaluate(u)
 
     monkeypatch.setattr(system, "evaluate", noted)
@@ -166,7 +166,7 @@ def test_the_half_width_changes_by_limited_steps(monkeypatch: pytest.MonkeyPatch
 
 
 def test_a_half_width_beyond_the_largest_fails() -> None:
-    system = row(0, largest_ln_a=0.5)  # ln 2 is needed
+    system = row(0, largest_ln_a=np.array([0.5]))  # ln 2 is needed
     with pytest.raises(NewtonFailed, match="half width exceeds the largest"):
         SemismoothNewton(system).solve(*start(system), 1e-11)
 
@@ -180,7 +180,7 @@ def test_a_factorisation_serves_active_sets_that_differ_in_a_few_nodes(seed: int
     jacobian = system.jacobian(state)
     changed, right = active.copy(), np.random.default_rng(seed).normal(size=u.size)
     changed[[3, 17, 18]] = 1, -1, 1
-    linear = newton._LinearSystem(system, jacobian, float(state.u[system.ln_a]), active)
+    linear = newton._LinearSystem(system, jacobian, state.u[system.ln_a], active)
     assert linear.serves(state, changed)
     linear.set_active(changed)
     expected = newton._LinearSystem(system, jacobian, 0.0, changed).solve(right)
@@ -264,7 +264,7 @@ def test_steps_that_are_due_to_rounding_end_the_iteration(
 def test_the_creepage_node_that_sticks_is_between_zones_of_opposite_slip() -> None:
     """The zone of slip +1 grows over the last sticking node: its neighbour of slip -1 sticks."""
     system = row(6)
-    system.creepage_nodes = np.arange(system.k)
+    system.creepage_nodes = [np.arange(system.k)]
     state = system.evaluate(start(system)[0])
     active = np.array([1, 1, 1, 0, -1, -1, -1], dtype=np.int8)
     state.slip[:] = [0.9, 0.5, 0.1, 0.0, -0.2, -0.6, -0.7]  # the smallest is in the other zone
@@ -277,13 +277,13 @@ def test_the_creepage_node_that_sticks_is_between_zones_of_opposite_slip() -> No
 def test_one_creepage_node_keeps_sticking() -> None:
     """If all nodes whose slip contains the creepage slipped, no equation would determine it."""
     system = row(6)
-    system.creepage_nodes = np.arange(system.k)
+    system.creepage_nodes = [np.arange(system.k)]
     u, active = start(system)
     state = system.evaluate(u)
     state.traction[:] = 10 * state.bound  # all exceed their bounds
     new = newton._next_active_set(system, state, active, newton._violates_inequality(state, active))
     assert np.count_nonzero(new == 0) == 1
-    system.creepage_nodes = np.zeros(0, dtype=int)
+    system.creepage_nodes = []
     assert (
         newton._next_active_set(system, state, active, newton._violates_inequality(state, active))
         == 1

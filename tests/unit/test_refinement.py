@@ -54,9 +54,9 @@ def test_two_meshes_are_no_estimate_and_no_change_is_the_tolerance_of_the_solver
 class Toy:
     """A system without unknown tractions: one unknown ln a, outputs of second order in the size."""
 
-    scales, traction_unknowns, creepage_nodes = np.ones(1), slice(0, 0), np.zeros(0, dtype=int)
-    ln_a = load_row = 0
-    largest_ln_a = 10.0
+    scales, traction_unknowns, creepage_nodes = np.ones(1), np.zeros(0, dtype=int), ()
+    ln_a = load_rows = np.array([0])
+    largest_ln_a = np.array([10.0])
 
     def __init__(self, size: int, fails: tuple[int, ...] = ()) -> None:
         self.size, self.fails = size, fails

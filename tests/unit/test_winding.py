@@ -16,7 +16,7 @@ from slow_cases import slow_case
 import woundon as wo
 from woundon.parallel import Cancelled
 from woundon.results import ACCEPTED_RESIDUAL
-from woundon.roll.stages import stage_at
+from woundon.roll.stages import stages_at
 from woundon.winding.bodies import effective_cylinder, effective_pressure
 from woundon.winding.certificate import NIP_ARRAYS
 from woundon.winding.interpolation import Piece
@@ -130,7 +130,7 @@ def test_each_nip_answers_what_the_roll_was_wound_with():
     assert nip.roll_wound_on_tension == pytest.approx(tension, rel=2 * run.coupling_rtol)
     assert run.roll.problem.tension_curve.at(r) * 66e-6 == pytest.approx(tension, rel=1e-12)
     # and the roll so far asks for the modulus that it has; what is left is a second-order change
-    stage = stage_at(run.roll, r)
+    stage = stages_at(run.roll, [r])[0]
     found = effective_pressure(stage, nip.roll_wound_on_tension, nip.half_width, nip.peak_pressure)
     assert found == pytest.approx(float(run.nip_effective_pressure[k]), rel=1e-4)
 

@@ -189,9 +189,9 @@ def test_percentages_of_an_excel_file_in_a_case(tmp_path: Path) -> None:
     [
         ("pressure,strain\n10,0.017\n50,0.045\n", "column 'pressure': has no unit"),
         ("pressure [kPa];strain\n10.000;0,017\n50;0,045\n", "'10.000' has a point where other"),
-        ("pressure [kPa],strain\n1,,\n", "row 2"),
-        ("stress [kPa],strain\n1,0.1\n", "column 'stress \\[kPa\\]': no field"),
-        ("pressure [kPa],strain +- [%]\n1,0.1\n", "standard deviations have no field"),
+        ("pressure [kPa],strain\n1,,\n", "has 0 rows with pressure and strain"),
+        ("tress [kPa],strain\n1,0.1\n", "has no column pressure or force; its columns are 'tress"),
+        ("pressure [kPa],strain +- [%]\n1,0.1\n", "has no column strain or deflection"),
     ],
 )
 def test_columns_of_a_case_are_rejected_as_those_of_tables(

@@ -214,7 +214,7 @@ def test_interpolated_harmonics_are_the_computed_ones(
     made = stacked(R, layers)
     N = 6000
     exact = stacked_compliance(np.arange(N + 1.0), made)
-    found = cylinder._interpolated_compliance(N, made, open_bore=False, factors=None)
+    found = cylinder._interpolated_compliance(N, made, open_bore=False, moduli=None)
     n = np.arange(N + 1)
     assert np.max(np.abs((found - exact) * n)) < 1e-13 * np.max(np.abs(exact * n))
     asked: list[int] = []
@@ -224,7 +224,7 @@ def test_interpolated_harmonics_are_the_computed_ones(
         return stacked_compliance(at, *rest)
 
     monkeypatch.setattr(cylinder, "stacked_compliance", counted)
-    cylinder._interpolated_compliance(N, made, open_bore=False, factors=None)
+    cylinder._interpolated_compliance(N, made, open_bore=False, moduli=None)
     assert sum(asked) < N / 8
 
 

@@ -138,19 +138,19 @@ class StickSlip:
     weights: Array | None = None
     force: float = 0.0
 
-    ln_a, load_row, largest_ln_a = 1, 1, 1.0
+    ln_a, load_rows, largest_ln_a = np.array([1]), np.array([1]), np.array([1.0])
 
     @property
     def scales(self) -> Array:
         return np.append([1.0, 1.0], self.limit)
 
     @property
-    def traction_unknowns(self) -> slice:
-        return slice(2, 2 + self.limit.size)
+    def traction_unknowns(self) -> Array:
+        return np.arange(2, 2 + self.limit.size)
 
     @property
-    def creepage_nodes(self) -> Array:
-        return np.zeros(0, int) if self.creep is None else np.flatnonzero(self.creep)
+    def creepage_nodes(self) -> list[Array]:
+        return [] if self.creep is None else [np.flatnonzero(self.creep)]
 
     def evaluate(self, u: Array, tolerance: float = 0.0) -> Any:
         """Return the state of given unknowns."""

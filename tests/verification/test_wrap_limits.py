@@ -45,8 +45,8 @@ def _held_far_away(problem: wo.NipProblem) -> float:
     """
 
     class HeldFarAway(NipSystem):
-        def slip_velocities(self, xi: float, f: Any) -> tuple[Any, Any]:
-            roll, drum = super().slip_velocities(xi, f)
+        def slip_velocities(self, xi: float, f: Any, laid_strain: float) -> tuple[Any, Any]:
+            roll, drum = super().slip_velocities(xi, f, laid_strain)
             return roll + self._far(f), drum
 
         def _far(self, f: Any) -> float:
@@ -58,15 +58,15 @@ def _held_far_away(problem: wo.NipProblem) -> float:
 
         def jacobian(self, state: Any) -> Any:
             made, at = super().jacobian(state), self.layout
-            u, base = state.u, self._far(state.fields)
+            u, base, T_in = state.u, self._far(state.fields), self.problem.web_tension
             k = at.roll_nodes.size
             for column, scale in enumerate(self.scales):
-                if column == self.ln_a:
+                if column in self.ln_a:
                     continue
                 moved = u.copy()
                 moved[column] += scale
                 # linear in pressures and tractions
-                change = self._far(self._fields(moved, state.fields.geometry)) - base
+                change = self._far(self.fields(moved, state.fields.geometry, T_in)) - base
                 made.slip[:k, column] += change / scale / self.slope_scale
             return made
 

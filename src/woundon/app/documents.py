@@ -45,9 +45,9 @@ def _reject_files(part: Any, path: str = "") -> None:
     """
     inner = part.items() if isinstance(part, Mapping) else enumerate(part)
     for name, value in inner:
-        if name == "csv":
+        if name in ("csv", "log"):
             text = "other files are not read here; write the columns into the case"
-            raise InvalidProblem.at(f"{path}csv", text)
+            raise InvalidProblem.at(f"{path}{name}", text)
         if isinstance(value, Mapping | list):
             _reject_files(value, f"{path}{name}.")
 

@@ -152,9 +152,15 @@ class FitRequest(_Request):
 
     case: Tables = Field(examples=[NIP])
     table: str = Field(
-        description="text with commas, semicolons or tabs; units in the header", examples=[MEASURED]
+        description="text with commas, semicolons or tabs, units in the header; or a file",
+        examples=[MEASURED],
     )
-    is_workbook: bool = Field(False, description="the table is an .xlsx file in base64")
+    file: str = Field(
+        "table.csv",
+        description="name of the file, whose ending is its format: .csv, .lvm; .xlsx and .tdms in "
+        "base64; a sheet, segment or group may be named behind a #",
+        max_length=300,
+    )
     vary: dict[str, tuple[Number, Number] | None] = Field(
         description="null: a tenth to ten times the value",
         min_length=1,
@@ -168,7 +174,10 @@ class WindowRequest(_Request):
 
     case: Tables
     web_tension: tuple[Number, Number] = Field(examples=[["200 N/m", "500 N/m"]])
-    nip_load: tuple[Number, Number] = Field(examples=[["1 kN/m", "4 kN/m"]])
+    nip_load: tuple[Number, Number] | None = Field(None, examples=[["1 kN/m", "4 kN/m"]])
+    rider_load: tuple[Number, Number] | None = Field(
+        None, description="of a two-drum winder, in place of nip_load"
+    )
     torque_split: tuple[Number, Number] | None = Field(None, examples=[[0.0, 0.5]])
     uncertain: dict[str, float] | str = Field(
         description="relative standard deviation by field, or the grade that has them",

@@ -24,12 +24,16 @@ from typing import Any, NamedTuple
 
 from ..errors import InvalidProblem, unwarned
 from ..io.case_files import check_like_a_case
-from ..io.sheets import Sheet, sheet_of_content
+from ..io.sheets import BINARY, Sheet, TableFile, find_table
+from ..io.tables import Names, is_known_header
 from ..parallel import Cancelled, usable_cores
+from ..problems.problem import Problem
 from ..studies.api import study_of
 from ..studies.cases import Chunk, as_labels
+from ..studies.columns import columns_of
 from ..studies.fit import fit as fit_problem
 from ..studies.fit_result import FitResult
+from ..studies.measurements import measured_columns
 from ..studies.model import KindModel
 from ..studies.run import solve_chunk
 from ..studies.study_file import SCHEMA, study_of_tables
@@ -319,25 +323,28 @@ def fit_table(request: Mapping[str, Any], journal: Journal) -> None:
         If the table has more rows than a fit of the page may have.
     """
     journal.write("started")
-    problem, sheet = problem_of(request["case"]), _sheet_of(request)
+    problem = problem_of(request["case"])
+    sheet = _sheet_of(request, problem)
     with unwarned():
         result = fit_problem(problem, sheet, request["vary"], workers=1, progress=journal.progress)
-    journal.write("fitted", **_fitted(result))
+    fitted = _fitted(result)
+    journal.write("fitted", **fitted | {"remarks": [*sheet.remarks, *fitted["remarks"]]})
 
 
-def _sheet_of(request: Mapping[str, Any]) -> Sheet:
+def _sheet_of(request: Mapping[str, Any], problem: Problem) -> Sheet:
     """Return the table of measured values in a request."""
-    content = request["table"].encode()
-    if request["is_workbook"]:
+    (name, _, sheet), content = request["file"].partition("#"), request["table"].encode()
+    if Path(name).suffix.lower() in BINARY:
         try:
             content = b64decode(content, validate=True)
         except binascii.Error:
-            raise InvalidProblem.at("table", "is not an .xlsx file in base64") from None
-    sheet = sheet_of_content(content, "table", excel=request["is_workbook"])
-    if len(sheet.numbers) > LIMITS["fit_rows"]:
-        count = len(sheet.numbers)
+            raise InvalidProblem.at("table", f"{name} is not in base64") from None
+    names = Names({**columns_of(problem), **measured_columns(problem)})
+    table = find_table(TableFile(name, content), "table", is_known_header(names), sheet)
+    if len(table.numbers) > LIMITS["fit_rows"]:
+        count = len(table.numbers)
         raise _too_many(count, "rows", limit="fit_rows", command="fit", verb="fits")
-    return sheet
+    return table
 
 
 def _fitted(result: FitResult) -> dict[str, Any]:
@@ -392,6 +399,7 @@ def map_window(request: Mapping[str, Any], journal: Journal) -> None:
             request["web_tension"],
             request["nip_load"],
             request["torque_split"],
+            rider_load=request["rider_load"],
             uncertain=request["uncertain"],
             # at least two: a single one would solve in the server itself
             workers=max(2, min(usable_cores(), MOST_PROCESSES)),

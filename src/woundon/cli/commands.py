@@ -41,6 +41,7 @@ from .new import new
 from .report import report
 from .schedule import schedule
 from .solve import solve
+from .stack import stack
 from .studies import fit, plan, sobol, sweep
 from .table import table
 from .window import window
@@ -54,7 +55,7 @@ INTERRUPTED = SIGNAL + signal.SIGINT
 
 SECTIONS = {
     "Cases": (new, describe, solve, report, app),
-    "Questions": (find, compare, table, schedule, window),
+    "Questions": (find, compare, table, schedule, window, stack),
     "Studies": (sweep, sobol, fit, plan),
     "Libraries": (grades, materials),
 }

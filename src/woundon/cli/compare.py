@@ -57,6 +57,7 @@ def _tab_options(command: Callable[..., Any]) -> Callable[..., Any]:
 @options.TIES
 @options.SETTINGS
 @options.UNITS
+@options.DECIMAL_COMMA
 @options.NODES
 @options.RTOL
 @options.JSON

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "COLUMNS",
+    "DECIMAL_COMMA",
     "FIGURE",
     "JSON",
     "NEW_CASE",
@@ -247,6 +248,14 @@ def _use_units(context: click.Context, option: click.Parameter, choices: tuple[s
         context.with_resource(units_of(choices))
 
 
+def _use_decimal_commas(context: click.Context, option: click.Parameter, chosen: bool) -> None:
+    """Write CSV files with decimal commas until the command ends."""
+    if chosen:
+        from ..io.spreadsheets import decimal_commas
+
+        context.with_resource(decimal_commas())
+
+
 def check_unit_names(*problems: Problem | type[Problem]) -> None:
     """Reject a unit that --unit chooses for a name which none of the problems has."""
     choices = click.get_current_context().meta.get(UNITS_OF_COMMAND)
@@ -283,6 +292,13 @@ UNITS = click.option(
     metavar="NAME=UNIT|mill",
     help='Display an input or output in another unit, e.g. nip_load="kN/m"; "mill" displays all in '
     "pli, psi, mil, in; repeatable.",
+)
+DECIMAL_COMMA = click.option(
+    "--decimal-comma",
+    is_flag=True,
+    expose_value=False,
+    callback=_use_decimal_commas,
+    help="Write CSV files with decimal commas and semicolons, for spreadsheets that expect them.",
 )
 TIES = click.option(
     "--tie",

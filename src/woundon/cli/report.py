@@ -13,6 +13,7 @@ from . import options
 
 if TYPE_CHECKING:
     from ..problems.problem import Problem
+    from ..results import Result
 
 __all__ = ["report"]
 
@@ -23,8 +24,9 @@ HTML = options.OutputFile(".html", ".htm")
     """\
     Write a report of solved cases: one HTML file for print.
 
-    It contains the inputs, the results with errors and certificate, and figures, and prints to PDF
-    from any browser. Several CASES are compared with each other.
+    CASES are case files, which are solved, or saved results (.json, .nc). The report contains the
+    inputs, the results with errors and certificate, and figures, and prints to PDF from any
+    browser. Several CASES are compared with each other.
     """
 )
 @click.argument("cases", nargs=-1, required=True, type=options.PATH)
@@ -38,14 +40,17 @@ def report(
 ) -> None:
     """Write a report of solved cases: one HTML file for print."""
     from .. import kinds
+    from ..problems.problem import Problem
     from ..report.html_report import report_file
 
-    problems = [_load(path, settings) for path in cases]
-    options.check_unit_names(*problems)
+    loaded = [_load(path, settings) for path in cases]
+    options.check_unit_names(
+        *(each if isinstance(each, Problem) else each.problem for each in loaded)
+    )
     # checked like a path that is given, which the type has converted already
     out = out or HTML.convert(cases[0].with_suffix(".html"), param=None, ctx=None)
     with unwarned():
-        results = [kinds.solve(problem) for problem in problems]
+        results = [kinds.solve(each) if isinstance(each, Problem) else each for each in loaded]
         page = report_file(
             results,
             [path.stem for path in cases],
@@ -57,10 +62,16 @@ def report(
     options.print_written([out])
 
 
-def _load(path: Path, settings: tuple[str, ...]) -> Problem:
-    """Return the problem of a case file; errors name the file."""
+def _load(path: Path, settings: tuple[str, ...]) -> Problem | Result:
+    """Return the problem of a case file, or a saved result; errors name the file."""
     from ..io.case_files import load_case
+    from ..io.result_files import load_result
 
+    if path.suffix in (".json", ".nc"):
+        if settings:
+            raise InvalidProblem.at("--set", f"changes a case file; {path} is a saved result")
+        result: Result = load_result(path)
+        return result
     try:
         return load_case(path, settings)
     except InvalidProblem as fault:

@@ -48,6 +48,7 @@ __all__ = ["schedule"]
 )
 @options.SETTINGS
 @options.UNITS
+@options.DECIMAL_COMMA
 @click.option(
     "--out",
     type=options.OutputFile(".csv"),

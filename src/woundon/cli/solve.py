@@ -47,6 +47,7 @@ def _check_result_file(path: Path) -> None:
 @click.argument("case", type=options.PATH)
 @options.SETTINGS
 @options.UNITS
+@options.DECIMAL_COMMA
 @options.JSON
 @click.option(
     "--sensitivity",

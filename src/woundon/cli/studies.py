@@ -56,6 +56,7 @@ def _execution_options(command: Callable[..., Any]) -> Callable[..., Any]:
 @_execution_options
 @click.option("--chunk", type=click.IntRange(1), help="Number of cases per chunk.")
 @options.UNITS
+@options.DECIMAL_COMMA
 @click.option(
     "--export",
     "exports",
@@ -271,6 +272,7 @@ def fit(
     help="Number of random points at which the ranking is repeated; by default 3.",
 )
 @options.UNITS
+@options.DECIMAL_COMMA
 @options.JSON
 @options.SAVE_TABLE
 @options.PLOT

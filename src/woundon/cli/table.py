@@ -43,6 +43,7 @@ __all__ = ["table"]
 @options.COLUMNS
 @options.TIES
 @options.UNITS
+@options.DECIMAL_COMMA
 @options.WORKERS
 @options.NODES
 @options.RTOL

@@ -9,6 +9,7 @@ import click
 
 from ..errors import unwarned
 from ..io.files import write_whole
+from ..io.spreadsheets import in_csv_style
 from . import options
 
 __all__ = ["window"]
@@ -23,10 +24,11 @@ RANGE = options.Numbers("LOW:HIGH")
     """\
     Map the operating window: the probability of a roll without defects.
 
-    The probability is that of positive margins of a winding, over web tension and nip load.
-    The inputs are uncertain: their relative standard deviations are those of the grade of the case,
-    and of --uncertain. The ranges are of the values at the core; schedules keep their shape. Exit
-    status: 0 if the map is complete, 2 for invalid input, 3 if too few windings can be solved.
+    The probability is that of positive margins of a winding, over web tension and nip load, or the
+    rider load of a two-drum winder. The inputs are uncertain: their relative standard deviations
+    are those of the grade of the case, and of --uncertain. The ranges are of the values at the
+    core; schedules keep their shape. Exit status: 0 if the map is complete, 2 for invalid input, 3
+    if too few windings can be solved.
     """
 )
 @click.argument("case", type=options.PATH)
@@ -36,7 +38,12 @@ RANGE = options.Numbers("LOW:HIGH")
     type=RANGE,
     help='Range at the core, e.g. "200 N/m:500 N/m"; plain numbers are SI.',
 )
-@click.option("--nip-load", required=True, type=RANGE, help="Range at the core.")
+@click.option("--nip-load", type=RANGE, help="Range at the core.")
+@click.option(
+    "--rider-load",
+    type=RANGE,
+    help="Range at the core, of a two-drum winder instead of --nip-load.",
+)
 @click.option(
     "--torque-split",
     type=RANGE,
@@ -59,6 +66,7 @@ RANGE = options.Numbers("LOW:HIGH")
 )
 @options.SETTINGS
 @options.UNITS
+@options.DECIMAL_COMMA
 @click.option(
     "--samples",
     type=int,
@@ -94,7 +102,8 @@ def window(
     from ..studies.window import operating_window
 
     # the third axis is optional
-    axes = [name for name in ("web_tension", "nip_load", "torque_split") if arguments[name]]
+    names = ("web_tension", "nip_load", "rider_load", "torque_split")
+    axes = [name for name in names if arguments[name]]
     for point in points:
         if len(point) != len(axes):
             raise click.UsageError(f"--at needs {len(axes)} values: {' and '.join(axes)}")
@@ -121,4 +130,4 @@ def _csv_text(window: OperatingWindow) -> str:
     for name in window.names:
         unit, frame[name] = window.quantities[name].in_table(frame[name])
         frame = frame.rename(columns={name: name if unit == "1" else f"{name} [{unit}]"})
-    return str(frame.to_csv(index=False))
+    return in_csv_style(str(frame.to_csv(index=False)))

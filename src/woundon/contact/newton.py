@@ -23,6 +23,7 @@ The method contains no mechanics.  All equations and unknowns are scaled to orde
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
@@ -101,24 +102,24 @@ class System(Protocol):
         """Units of the unknowns, (m+k,)."""
 
     @property
-    def traction_unknowns(self) -> slice:
+    def traction_unknowns(self) -> Array:
         """The k unknowns that are tractions."""
 
     @property
-    def ln_a(self) -> int:
-        """The unknown ln a."""
+    def ln_a(self) -> Array:
+        """The unknown ln a of each contact."""
 
     @property
-    def load_row(self) -> int:
-        """The equation of the load."""
+    def load_rows(self) -> Array:
+        """The equation of the load of each contact."""
 
     @property
-    def largest_ln_a(self) -> float:
-        """Largest ln a that is permitted."""
+    def largest_ln_a(self) -> Array:
+        """Largest ln a of each contact that is permitted."""
 
     @property
-    def creepage_nodes(self) -> Array:
-        """Traction nodes whose slip velocity contains an unknown creepage."""
+    def creepage_nodes(self) -> Sequence[Array]:
+        """Traction nodes whose slip velocity contains an unknown creepage, for each creepage."""
 
     def evaluate(self, u: Array, tolerance: float) -> Any:
         """Return the :class:`Iterate` of given unknowns, with coefficients of a relative error."""
@@ -153,7 +154,7 @@ class SemismoothNewton:
     def __init__(self, system: System, neighbour: SemismoothNewton | None = None) -> None:
         self.system, self.counts = system, Counts()
         self.jacobian: Jacobian | None = None
-        self.assembled_ln_a, self.size = np.inf, np.inf
+        self.assembled_ln_a, self.size = np.full(system.ln_a.size, np.inf), np.inf
         self.jacobian_is_current = False  # True if the last step had the Jacobian of its state
         self.linear: _LinearSystem | None = neighbour.linear if neighbour else None
 
@@ -236,7 +237,9 @@ class SemismoothNewton:
         """Factorise the system of an active set, with a new Jacobian if the latest one is poor."""
         ln_a = state.u[self.system.ln_a]
         self.jacobian_is_current = (
-            self.jacobian is None or stalled or abs(ln_a - self.assembled_ln_a) > REASSEMBLE
+            self.jacobian is None
+            or stalled
+            or np.abs(ln_a - self.assembled_ln_a).max() > REASSEMBLE
         )
         if self.jacobian_is_current or self.jacobian is None:
             self.jacobian, self.assembled_ln_a = self.system.jacobian(state), ln_a
@@ -254,15 +257,15 @@ def friction_residual(state: Iterate, active: Array) -> Array:
 
 
 def _limited_update(system: System, u: Array, step: Array, is_settled: bool) -> Array:
-    """Return u + step, with the half width at most the largest one permitted.
+    """Return u + step, with half widths at most the largest ones permitted.
 
     A larger half width may be required in passing, before the active set is settled.
     """
     ln_a, largest = system.ln_a, system.largest_ln_a
-    if is_settled and u[ln_a] == largest and step[ln_a] > 0:
+    if is_settled and ((u[ln_a] == largest) & (step[ln_a] > 0)).any():
         raise NewtonFailed("the half width exceeds the largest one permitted")
     u = u + step
-    u[ln_a] = min(u[ln_a], largest)
+    u[ln_a] = np.minimum(u[ln_a], largest)
     return u
 
 
@@ -277,12 +280,13 @@ def _violates_inequality(state: Iterate, active: Array) -> Array:
 def _next_active_set(system: System, state: Iterate, active: Array, violated: Array) -> Array:
     """Return the next active set.
 
-    One node whose slip contains the creepage keeps sticking: otherwise no equation determines the
+    One node whose slip contains a creepage keeps sticking: otherwise no equation determines the
     creepage, and the Jacobian is singular.
     """
     new = np.where(violated, np.sign(state.traction) * (active == 0), active).astype(np.int8)
-    creepage_nodes = system.creepage_nodes
-    if creepage_nodes.size and (new[creepage_nodes] != 0).all():
+    for creepage_nodes in system.creepage_nodes:
+        if (new[creepage_nodes] == 0).any():
+            continue
         sticking = creepage_nodes[active[creepage_nodes] == 0]
         # prefer a node between zones of opposite slip, where the slip velocity changes sign
         direction = np.sign(new[sticking].sum()) if sticking.size else 0
@@ -301,7 +305,7 @@ class _LinearSystem:
         (J + E D)^-1 = J^-1 - Z (I + D Z)^-1 D J^-1,      Z = J^-1 E        (Woodbury).
     """
 
-    def __init__(self, system: System, jacobian: Jacobian, ln_a: float, active: Array) -> None:
+    def __init__(self, system: System, jacobian: Jacobian, ln_a: Array, active: Array) -> None:
         self.system, self.jacobian, self.ln_a = system, jacobian, ln_a
         self.factored = self.active = active
         matrix = system_matrix(system, jacobian, active)
@@ -317,7 +321,7 @@ class _LinearSystem:
 
     def serves(self, state: Any, active: Array) -> bool:
         """Return True if the Jacobian is near, and few rows change with the active set."""
-        distance = abs(state.u[self.system.ln_a] - self.ln_a)
+        distance = np.abs(state.u[self.system.ln_a] - self.ln_a).max()
         few = MOST_CHANGED * self.row_size.size
         return bool(distance <= REASSEMBLE and np.sum(active != self.factored) <= few)
 
@@ -350,17 +354,18 @@ class _LinearSystem:
         return np.asarray(x - self.correction @ (self.changes @ x))
 
     def newton_step(self, residual: Array) -> tuple[Array, float]:
-        """Return -J^-1 r and its size, with the change of ln a limited.
+        """Return -J^-1 r and its size, with the change of each ln a limited.
 
         A larger change is limited by a multiple of the solution ``by_load`` for a unit residual of
-        the load: the equation of the load is relaxed, and all others are satisfied.
+        the contact's load: the equation of the load is relaxed, and all others are satisfied.
         """
-        x, ln_a = self.solve(-residual), self.system.ln_a
-        if abs(x[ln_a]) > LARGEST_STEP:
-            load = np.zeros(x.size)
-            load[self.system.load_row] = 1.0
-            by_load = self.solve(load)
-            x += by_load * ((np.copysign(LARGEST_STEP, x[ln_a]) - x[ln_a]) / by_load[ln_a])
+        x = self.solve(-residual)
+        for ln_a, load_row in zip(self.system.ln_a, self.system.load_rows, strict=True):
+            if abs(x[ln_a]) > LARGEST_STEP:
+                load = np.zeros(x.size)
+                load[load_row] = 1.0
+                by_load = self.solve(load)
+                x += by_load * ((np.copysign(LARGEST_STEP, x[ln_a]) - x[ln_a]) / by_load[ln_a])
         return x * self.system.scales, float(np.abs(x).max())
 
 
@@ -375,6 +380,6 @@ def friction_rows(system: System, jacobian: Jacobian, active: Array, nodes: Arra
     rows, slipping = jacobian.slip[nodes], np.nonzero(active[nodes])[0]
     which = nodes[slipping]
     rows[slipping] = jacobian.bound[which] * -active[which, None]
-    q = np.arange(rows.shape[1])[system.traction_unknowns][which]
+    q = system.traction_unknowns[which]
     rows[slipping, q] += 1 / system.scales[q]
     return rows

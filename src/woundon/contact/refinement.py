@@ -36,6 +36,7 @@ __all__ = [
     "FIRST_SIZES",
     "MeshSolution",
     "Refinement",
+    "neighbouring_solution",
     "refine",
     "richardson_estimates",
 ]
@@ -67,6 +68,7 @@ ROUNDED_DOWN = 0.03
 # Last Newton step, in the units of the unknowns: while meshes are refined, where the discretisation
 # error is larger, and on the last one, near the rounding error of 1e-14.
 COARSE_TOLERANCE, FINAL_TOLERANCE = 1e-5, 1e-11
+NEIGHBOUR_TOLERANCE = 1e-7  # for differences between problems that are about 1 % apart
 
 
 @dataclass(eq=False)
@@ -183,6 +185,7 @@ def refine(
     most_nodes: int = 257,
     start: Refinement | None = None,
     errors: bool = True,
+    last: MeshSolution | None = None,
     check: Callable[[MeshSolution], None] = lambda _: None,
     progress: Callable[[float], None] | None = None,
 ) -> Refinement:
@@ -202,8 +205,9 @@ def refine(
     start : Refinement, optional
         Solutions of a neighbouring problem, which replace the initial guess on every mesh.
     errors : bool
-        False omits the coarse meshes, which only the error estimates need, if ``start`` ends on a
-        mesh of as many nodes.
+        False omits the coarse meshes, which only the error estimates need, if there is a ``start``.
+    last : MeshSolution, optional
+        The known solution on the last mesh, of ``nodes``.
     check : callable
         Called with the solution on each mesh; it may raise.
     progress : callable, optional
@@ -224,6 +228,9 @@ def refine(
         refinement = Refinement()
         while True:
             for size in sizes:
+                if last is not None and size == last.size:
+                    refinement.meshes.append(last)
+                    return refinement
                 refinement.meshes.append(_solve(system_of(size), size, refinement, start))
                 check(refinement.last)
                 if progress:
@@ -240,14 +247,15 @@ def refine(
     attempts: list[tuple[list[int], Refinement | None]] = [(sequence, None), (alternative, None)]
     if start is not None:
         attempts.insert(0, (sequence, start))
-        if nodes == start.last.size and not errors:
+        if nodes and not errors:
             attempts.insert(0, ([nodes], start))
+    failure: ArithmeticError
     for sizes, guess in attempts:
         try:
             return refine_from(sizes, guess)
-        except ArithmeticError as failure:  # of the iteration, or of a body under an iterate
-            last = failure
-    raise NewtonFailed(str(last)) from last
+        except ArithmeticError as stop:  # of the iteration, or of a body under an iterate
+            failure = stop
+    raise NewtonFailed(str(failure)) from failure
 
 
 def _solve(
@@ -301,6 +309,19 @@ def _solve_to_final_tolerance(mesh: MeshSolution) -> MeshSolution:
     """Return the solution after iterating to the final tolerance."""
     state, active = mesh.solver.solve(mesh.state.u, mesh.active, FINAL_TOLERANCE)
     return MeshSolution(mesh.size, mesh.system, state, active, mesh.solver)
+
+
+def neighbouring_solution(mesh: MeshSolution, problem: Any) -> MeshSolution:
+    """Return the solution of a neighbouring problem on the same mesh, from a known one.
+
+    Raises
+    ------
+    NewtonFailed
+    """
+    system = mesh.system.for_problem(problem)
+    solver = SemismoothNewton(system, mesh.solver)
+    state, active = solver.solve(mesh.state.u, mesh.active, NEIGHBOUR_TOLERANCE)
+    return MeshSolution(mesh.size, system, state, active, solver)
 
 
 def sizes_up_to(nodes: int, first: tuple[int, ...] = FIRST_SIZES) -> list[int]:

@@ -23,7 +23,8 @@ import numpy as np
 from .fourier import HarmonicSum, HarmonicSums
 from .half_plane import coefficients
 from .kernels import SurfaceKernels
-from .layers import Factors, Layers, LayerSystems, stacked_compliance
+from .layers import Layers, LayerSystems, RelaxingModuli, stacked_compliance
+from .relaxation import incompressible
 from .strip import stiffness_along
 
 __all__ = [
@@ -180,7 +181,7 @@ def layered_kernels(radius: float, layers: Layers, open_bore: bool = False) -> S
         True for an open bore, False for a rigid core.
     """
     R = float(radius)
-    Y, tail, J, decay, error = _elastic_spectrum(layers, open_bore)
+    Y, tail, J, decay, error, _ = _elastic_spectrum(layers, open_bore)
     n = np.arange(1.0, Y.shape[-1])
     mean, Y = Y[..., 0] / 2, Y[..., 1:]  # the constant of a Fourier series is half of n = 0
     # coefficients of 1/n^j of the displacements Y_n, the slopes n Y_n and the strains (1, n) Y_n
@@ -230,6 +231,29 @@ def layered_kernels(radius: float, layers: Layers, open_bore: bool = False) -> S
     )
 
 
+class BulkPart(NamedTuple):
+    """The part of the powers of 1/n that creeps as 1/(3K + G), with a constant bulk modulus K.
+
+    Attributes
+    ----------
+    tail : (K, 2, 2) array
+        Its coefficients of 1/n^j [1/Pa].
+    moduli : RelaxingModuli
+        Of all layers; the first is the outermost one.
+    share : float
+        G/(3K + G) after all relaxation.
+    """
+
+    tail: Array
+    moduli: RelaxingModuli
+    share: float
+
+    def creep_ratio(self, n: Array) -> Array:
+        """Return the creep compliance of 3K + G over that of G at harmonics n, each 1 at 0."""
+        factor = self.moduli.factors(n)[0]
+        return factor / (1 + self.share * (factor - 1))
+
+
 class Spectrum(NamedTuple):
     """The surface compliance Y_n = sum_j S_j/n^j + remainder of the harmonics that are summed.
 
@@ -245,6 +269,8 @@ class Spectrum(NamedTuple):
         kappa: the remainder decays as exp(-2 kappa n).
     error : float
         Estimated error of the sums of n Y_n, relative.
+    bulk : BulkPart, optional
+        The part of the powers of 1/n that is relative to another creep compliance.
     """
 
     Y: Array
@@ -252,6 +278,7 @@ class Spectrum(NamedTuple):
     J: int
     decay: float
     error: float
+    bulk: BulkPart | None = None
 
 
 @lru_cache(maxsize=2)
@@ -264,7 +291,7 @@ def _elastic_spectrum(layers: Layers, open_bore: bool) -> Spectrum:
     return _spectrum(layers, open_bore)
 
 
-def _spectrum(layers: Layers, open_bore: bool, factors: Factors | None = None) -> Spectrum:
+def _spectrum(layers: Layers, open_bore: bool, moduli: RelaxingModuli | None = None) -> Spectrum:
     """Return the surface compliances Y_n of layers, and their powers of 1/n.
 
     As many harmonics are computed as are needed until Y_n is its asymptotic series sum_j S_j/n^j.
@@ -275,9 +302,9 @@ def _spectrum(layers: Layers, open_bore: bool, factors: Factors | None = None) -
         As of :func:`layered_kernels`.
     open_bore : bool
         True for an open bore, False for a rigid core.
-    factors : callable, optional
-        n -> factors of the moduli of viscoelastic layers, (L, n) complex.  The spectrum is then
-        relative to the creep compliance of the outermost layer.
+    moduli : RelaxingModuli, optional
+        Of viscoelastic layers.  The spectrum is then relative to the creep compliance of the
+        outermost layer, of its shear modulus if its bulk modulus is constant.
     """
     depth = float(layers[0][0] or 0.0)  # never None; `or` serves the type checker
     stiffness: Stiffness = layers[0][1:]  # type: ignore[assignment]
@@ -288,36 +315,42 @@ def _spectrum(layers: Layers, open_bore: bool, factors: Factors | None = None) -
         N = min(N, MAX_LAYERED_TERMS)
     n = np.arange(N + 1.0)
     if len(layers) == 1 or N <= MAX_DIRECT:
-        Y = _compliance(n, layers, open_bore, factors)
+        Y = _compliance(n, layers, open_bore, moduli)
     else:
-        Y = _interpolated_compliance(N, layers, open_bore, factors)
+        Y = _interpolated_compliance(N, layers, open_bore, moduli)
+    shear_tail, bulk = tail, None
+    if moduli is not None and moduli.constant_bulk[0]:
+        _, _, A_rt, G, _ = stiffness
+        shear_tail = asymptotic_compliance(HIGHEST_POWER + 2, *incompressible(G))
+        bulk = BulkPart(tail - shear_tail, moduli, share=G / (3 * (A_rt + G)))
     if len(layers) > 1:
-        remainder = _remainder(Y, tail, J)
+        remainder = _remainder(Y, shear_tail, J, bulk)
         # the remainder exp(-2 kappa n) is negligible from n = 20/kappa on
         if 20 / decay > N and remainder[-1] > MAX_REMAINDER:
-            return _truncated_spectrum(Y, tail, decay)
+            return _truncated_spectrum(Y, tail, decay)  # with a creep of 1/G alone
         # similar layers below have a weaker effect: kappa from the n with a remainder of
         # 1e-5 = exp(-2 kappa n), about exp(-12)
         decay = max(decay, 6.0 / (1 + np.max(np.nonzero(remainder > 1e-5)[0], initial=0)))
         N = max(32, 1 + int(np.max(np.nonzero(remainder > ROUNDING)[0], initial=0)))
         Y = Y[..., : min(N, n.size - 1) + 1]
     n = np.arange(1.0, Y.shape[-1])
-    terms = n * Y[..., 1:] - _powers(tail[1 : J + 2], n.size)
-    return Spectrum(Y, tail, J, decay, _truncation_error(terms, tail, depth, stiffness, J))
+    terms = n * (Y[..., 1:] - _closed_form(shear_tail[: J + 2], bulk, n.size))
+    error = _truncation_error(terms, tail, depth, stiffness, J)
+    return Spectrum(Y, shear_tail, J, decay, error, bulk)
 
 
-def _compliance(n: Array, layers: Layers, open_bore: bool, factors: Factors | None) -> Array:
+def _compliance(n: Array, layers: Layers, open_bore: bool, moduli: RelaxingModuli | None) -> Array:
     """Return Y_n at harmonics n (k,), (2, 2, k) [1/Pa].
 
-    With ``factors``, n -> factors of the moduli of the layers, it is relative to the creep
-    compliance of the outermost layer.
+    With the ``moduli`` of viscoelastic layers it is relative to the creep compliance of the
+    outermost one.
     """
-    Y = stacked_compliance(n, layers, open_bore, factors)
-    return Y if factors is None else Y * factors(n)[0]
+    Y = stacked_compliance(n, layers, open_bore, moduli)
+    return Y if moduli is None else Y * moduli.factors(n)[0]
 
 
 def _interpolated_compliance(
-    N: int, layers: Layers, open_bore: bool, factors: Factors | None
+    N: int, layers: Layers, open_bore: bool, moduli: RelaxingModuli | None
 ) -> Array:
     """Return Y_n, n = 0 ... N, (2, 2, N + 1), with n Y_n interpolated by polynomials of ln n.
 
@@ -327,7 +360,7 @@ def _interpolated_compliance(
     from scipy.fft import dct  # problems are read and written without SciPy
 
     n = np.arange(N + 1.0)
-    unsampled = _compliance(n[:FIRST_SAMPLED], layers, open_bore, factors)
+    unsampled = _compliance(n[:FIRST_SAMPLED], layers, open_bore, moduli)
     Y = np.empty((2, 2, N + 1), dtype=unsampled.dtype)
     Y[..., :FIRST_SAMPLED] = unsampled
     low, high, size = log(FIRST_SAMPLED), log(N), 32
@@ -339,7 +372,7 @@ def _interpolated_compliance(
         n_sampled = np.exp(low + (high - low) * (1 + np.cos(angle[new_points])) / 2)
         values = np.empty((2, 2, size + 1), dtype=Y.dtype)
         values[..., ::2] = known_values if known_values.size else 0.0
-        values[..., new_points] = n_sampled * _compliance(n_sampled, layers, open_bore, factors)
+        values[..., new_points] = n_sampled * _compliance(n_sampled, layers, open_bore, moduli)
         c = dct(values, type=1, axis=-1) / size
         c[..., [0, -1]] /= 2  # the first and the last coefficient count half
         if np.abs(c[..., -size // 4 :]).max() < 1e-15 * np.abs(values).max():
@@ -350,11 +383,11 @@ def _interpolated_compliance(
             return Y
         known_values, size = values, 2 * size
     # polynomials do not converge with fewer points than harmonics: all are computed
-    Y[..., FIRST_SAMPLED:] = _compliance(n[FIRST_SAMPLED:], layers, open_bore, factors)
+    Y[..., FIRST_SAMPLED:] = _compliance(n[FIRST_SAMPLED:], layers, open_bore, moduli)
     return Y
 
 
-def _remainder(Y: Array, tail: Array, J: int) -> Array:
+def _remainder(Y: Array, tail: Array, J: int, bulk: BulkPart | None) -> Array:
     """Return |n Y_n - sum_j S_(j+1)/n^j|, n = 1 ... N, relative to |S_1|, (N,).
 
     Parameters
@@ -365,9 +398,11 @@ def _remainder(Y: Array, tail: Array, J: int) -> Array:
         The coefficients S_j of their asymptotic series.
     J : int
         Highest power of 1/n in the sum.
+    bulk : BulkPart or None
+        Further powers.
     """
     n = np.arange(1.0, Y.shape[-1])
-    remainder = np.abs(n * Y[..., 1:] - _powers(tail[1 : J + 2], n.size))
+    remainder = np.abs(n * (Y[..., 1:] - _closed_form(tail[: J + 2], bulk, n.size)))
     return np.array(remainder.max(axis=(0, 1)) / np.abs(tail[1]).max())
 
 
@@ -387,6 +422,15 @@ def _truncated_spectrum(Y: Array, tail: Array, decay: float) -> Spectrum:
     # [-a, a].  With kappa = 6/N, as in _spectrum, their degree is 10 a/(kappa R) = 1.7 N a/R; with
     # a lower degree the response would jump with the half width.
     return Spectrum(Y, tail=last_terms, J=1, decay=max(6 / N, decay), error=float(error) / N)
+
+
+def _closed_form(tail: Array, bulk: BulkPart | None, terms: int) -> Array:
+    """Sum tail_j/n^j and the same powers of the bulk part, n = 1 ... terms, (2, 2, terms)."""
+    powers = _powers(tail, terms)
+    if bulk is not None:
+        ratio = bulk.creep_ratio(np.arange(1.0, terms + 1))
+        powers = powers + ratio * _powers(bulk.tail[: len(tail)], terms)
+    return powers
 
 
 def _powers(a: Array, terms: int) -> Array:

@@ -117,6 +117,13 @@ class HardeningSurface:
         linear = self.linear.strain_outside(p, q, s)
         return np.asarray(linear + slope @ u + value @ v / self.ring.radius)
 
+    def tangent_outside(self, s: Array) -> SurfaceTangent:
+        """Return the derivatives of slope and strain at positions s [m] outside, (k, n) each.
+
+        Far from the nip the roll is loaded lightly, and its law is that of the linear ring.
+        """
+        return self.linear.tangent_outside(s)
+
     # ---- state of the ring ---------------------------------------------------------------------
 
     def residual(self, p: Array, q: Array) -> float:

@@ -34,7 +34,7 @@ from .hat_integrals import (
 )
 from .kernels import Kernel, SurfaceKernels, singular, smooth_parts
 from .lag import Lag
-from .mesh import Face, cosine_nodes
+from .mesh import Face, cosine_nodes, hat_weights
 from .surface import LinearSurface, SurfaceTangent
 
 __all__ = ["InfluenceSurface"]
@@ -78,8 +78,13 @@ class InfluenceSurface(LinearSurface):
 
     def strain_outside(self, p: Array, q: Array, s: Array) -> Array:
         """Return the strain at positions s (k,) [m] along the surface, outside of the face."""
+        outside = self.tangent_outside(s)
+        return np.asarray(outside.strain_p @ p + outside.strain_q @ q)
+
+    def tangent_outside(self, s: Array) -> SurfaceTangent:
+        """Return the derivatives of slope and strain at positions s [m] outside, (k, n) each."""
         nodes = self.a * self.face.nodes
-        return surface_strain(self.kernels, self.period, self.max_distance, nodes, p, q, s)
+        return gradient_matrices(self.kernels, self.period, self.max_distance, nodes, s)
 
     @cached_property
     def _tangent(self) -> SurfaceTangent:  # type: ignore[override]
@@ -218,48 +223,42 @@ class InfluenceSurface(LinearSurface):
         return values
 
 
-def surface_strain(
-    kernels: SurfaceKernels,
-    period: float,
-    max_distance: float,
-    nodes: Array,
-    p: Array,
-    q: Array,
-    s: Array,
-) -> Array:
-    """Return the surface strain of a body outside of a contact.
+def gradient_matrices(
+    kernels: SurfaceKernels, period: float, max_distance: float, nodes: Array, s: Array
+) -> SurfaceTangent:
+    """Return slope and strain of a surface outside of a contact by nodal pressures and tractions.
+
+    Singular parts are integrated in closed form, smooth ones by the trapezoidal rule: its error is
+    of the order of that of the nodal loads.
 
     Parameters
     ----------
     kernels : SurfaceKernels
     period, max_distance : float
         Circumference, and the distance above which the shorter arc is used [m].
-    nodes, p, q : (n,) arrays
-        Nodes [m], pressures and tractions [Pa].
+    nodes : (n,) array
+        [m].
     s : (k,) array
         Positions along the surface [m], outside of the nodes or at their ends.
 
     Returns
     -------
-    (k,) array
+    SurfaceTangent of (k, n) arrays
     """
-    out, singular_parts = np.zeros(s.size), singular_integrals(s, nodes)
-    rule = gauss_rule_in_cells(nodes, 1.0, kernels.length)
-    t = s[:, None] - rule.points
-    on_longer_arc = np.abs(t) > max_distance
-    t_short = np.where(on_longer_arc, t - np.sign(t) * period, t)
-    for kernel, load in ((kernels.strain_p, p), (kernels.strain_q, q)):
-        out += np.tensordot(_factors((kernel,), 1.0)[0], singular_parts, axes=1) @ load
-        if kernel.smooth is not None:
-            values = kernel.smooth(t_short)
-            values[on_longer_arc] += (
-                singular((kernel,), t_short[on_longer_arc])[0]
-                - singular((kernel,), t[on_longer_arc])[0]
-            )
-            out += values @ (rule.moments @ load)
-        if kernel.lag is not None:
-            out += _lag_integrals(kernel.lag, s, nodes)[0] @ load
-    return out
+    gradients, singular_parts = kernels.gradients, singular_integrals(s, nodes)
+    out: Array = np.tensordot(_factors(gradients, 1.0), singular_parts, axes=1)
+    if kernels.smooth is not None:
+        t = s[:, None] - nodes
+        on_longer_arc = np.abs(t) > max_distance
+        t_short = np.where(on_longer_arc, t - np.sign(t) * period, t)
+        values = kernels.smooth(t_short)
+        values[:, on_longer_arc] += singular(gradients, t_short[on_longer_arc]) - singular(
+            gradients, t[on_longer_arc]
+        )
+        out += values * hat_weights(np.diff(nodes))
+    if kernels.lag is not None:
+        out += _lag_integrals(kernels.lag, s, nodes)
+    return SurfaceTangent(*out)
 
 
 def _lag_integrals(lag: Lag, points: Array, nodes: Array) -> Array:

@@ -50,12 +50,20 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from math import ceil, log2
+from typing import NamedTuple
 
 import numpy as np
 
 from .strip import stiffness_along
 
-__all__ = ["Factors", "Layer", "Layers", "stacked_compliance", "traction_transfer"]
+__all__ = [
+    "Factors",
+    "Layer",
+    "Layers",
+    "RelaxingModuli",
+    "stacked_compliance",
+    "traction_transfer",
+]
 
 Array = np.ndarray
 # ln(outer/inner radius), A_rr, A_tt, A_rt, G, and optionally D if it is known more accurately
@@ -67,9 +75,25 @@ SectionMatrices = tuple[Array, Array, Array]
 Factors = Callable[[Array], Array]  # harmonics (n,) -> factors of the layers' moduli, (L, n)
 
 
+class RelaxingModuli(NamedTuple):
+    """The moduli of viscoelastic layers over the harmonic n, relative to the relaxed ones.
+
+    Attributes
+    ----------
+    factors : callable
+        n -> factors of the moduli, (L, n) complex.
+    constant_bulk : tuple of bool
+        Of each layer: True if the factor is that of the shear modulus, and the bulk modulus is
+        constant; the layer is isotropic then.
+    """
+
+    factors: Factors
+    constant_bulk: tuple[bool, ...]
+
+
 @np.errstate(under="ignore")  # short waves vanish across a layer
 def stacked_compliance(
-    n: Array, layers: Layers, open_bore: bool = False, factors: Factors | None = None
+    n: Array, layers: Layers, open_bore: bool = False, moduli: RelaxingModuli | None = None
 ) -> Array:
     """Return Y_n [1/Pa], shape (2, 2) + n.shape, of the outer surface of layers on a core.
 
@@ -82,15 +106,13 @@ def stacked_compliance(
         omitted, or None.
     open_bore : bool
         True for an open bore, False for a rigid core.
-    factors : callable, optional
-        n -> factors of the moduli of viscoelastic layers, (L, n) complex.
+    moduli : RelaxingModuli, optional
+        Of viscoelastic layers.
     """
     n = np.asarray(n, dtype=float)
     system = LayerSystems.of(*layers)
     parts = [
-        _compliance_on_core(
-            system.stack_matrices(block, factors and factors(block)), block, open_bore
-        )
+        _compliance_on_core(system.stack_matrices(block, moduli), block, open_bore)
         for block in _blocks(n.ravel(), layers)
     ]
     return np.concatenate(parts, axis=-1).reshape((2, 2, *n.shape))
@@ -160,7 +182,8 @@ class LayerSystems:
     Parameters
     ----------
     values : (6, L, 1) array
-        Depth, A_rr, A_tt, A_rt, G, D.
+        Depth, A_rr, A_tt, A_rt, G, D; (6, 1, n) complex of an isotropic layer whose moduli depend
+        on the harmonic.
     """
 
     values: Array
@@ -174,10 +197,23 @@ class LayerSystems:
         ]
         return cls(np.array(values).T[..., None])
 
+    def with_constant_bulk(self, layer: int, factors: Array) -> LayerSystems:
+        """Return an isotropic layer with G times the factors (n,) and the same K.
+
+        K = A_rr - 4 G/3 cancels in no case: with G' = factors * G the moduli are
+        A_rr + 4 (G' - G)/3, A_rt - 2 (G' - G)/3 and D = 4 G' (A_rt + G')/A_rr, all of G'.
+        """
+        depth, A_rr, _, A_rt, G, _ = self.values[:, layer]
+        increment = G * (factors - 1)
+        direct, cross, shear = A_rr + 4 / 3 * increment, A_rt - 2 / 3 * increment, G + increment
+        D = 4 * shear * (cross + shear) / direct
+        depths = np.full(factors.shape, depth)
+        return LayerSystems(np.array([depths, direct, direct, cross, shear, D])[:, None])
+
     @property
     def depth(self) -> Array:
         """ln(outer/inner radius), (L, 1)."""
-        return self.values[0]
+        return self.values[0].real
 
     @property
     def D(self) -> Array:
@@ -187,7 +223,8 @@ class LayerSystems:
     @cached_property
     def stress_scale(self) -> Array:
         """A stress that scales N and K to the same magnitude [Pa]."""
-        return np.sqrt(self.D * np.minimum(self.values[1], self.values[4]))
+        smaller = np.minimum(np.abs(self.values[1]), np.abs(self.values[4]))
+        return np.sqrt(np.abs(self.D) * smaller)
 
     def roots(self, n: Array) -> tuple[Array, Array]:
         """Return lambda_1 + lambda_3 and lambda_1 lambda_3, the positive roots of thesis eq. (43).
@@ -200,7 +237,8 @@ class LayerSystems:
         product = s / A_rr * (n * n - 1)
         # mu_n + sqrt(kappa_n) of (45), written as a sum of positive terms
         square = n * n * D * (1 / G + 2 / (s + A_rt)) + (1 - np.sqrt(A_tt / A_rr)) ** 2
-        return np.sqrt(square), product
+        # of an isotropic layer they are n + 1 and n - 1 for any moduli, also complex ones
+        return np.sqrt(square.real), product.real
 
     def penetration_depth(self, n: Array) -> Array:
         """Return the depth at which the n-th harmonic has decayed to exp(-20), or the layer's."""
@@ -210,11 +248,9 @@ class LayerSystems:
         rate[:, n < 2] = 0.0  # rotation and translation do not decay
         return np.minimum(self.depth, 20 / np.maximum(rate, 1e-300))
 
-    def stack_matrices(self, n: Array, factors: Array | None = None) -> SectionMatrices:
+    def stack_matrices(self, n: Array, moduli: RelaxingModuli | None = None) -> SectionMatrices:
         """Return E, Q [1/Pa], H [Pa] of the stack of all layers, (2, 2, n)."""
-        E, Q, H = self.layer_matrices(n)
-        if factors is not None:  # E depends on the ratios of a layer's moduli only
-            Q, H = Q / factors, H * factors
+        E, Q, H = self.layer_matrices(n) if moduli is None else self._viscoelastic(n, moduli)
         while E.shape[2] > 1:  # stack neighbours in pairs; an odd one waits for the next pass
             paired = E.shape[2] // 2 * 2
             upper, lower = (tuple(X[:, :, k:paired:2] for X in (E, Q, H)) for k in (0, 1))
@@ -224,6 +260,19 @@ class LayerSystems:
                 for pair, X in zip(pairs, (E, Q, H), strict=True)
             )
         return E[:, :, 0], Q[:, :, 0], H[:, :, 0]
+
+    def _viscoelastic(self, n: Array, moduli: RelaxingModuli) -> SectionMatrices:
+        """Return E, Q [1/Pa], H [Pa] of every layer with relaxing moduli, (2, 2, L, n)."""
+        E, Q, H = self.layer_matrices(n)
+        factors = moduli.factors(n)
+        Q, H = Q / factors, H * factors  # E depends on the ratios of a layer's moduli only
+        if any(moduli.constant_bulk):
+            E = E.astype(complex)
+        for k in np.flatnonzero(moduli.constant_bulk):
+            layer = self.with_constant_bulk(int(k), factors[k])
+            for all_layers, one in zip((E, Q, H), layer.layer_matrices(n), strict=True):
+                all_layers[:, :, k] = one[:, :, 0]
+        return E, Q, H
 
     def layer_matrices(self, n: Array) -> SectionMatrices:
         """Return E, Q [1/Pa], H [Pa] of every layer, (2, 2, L, n).
@@ -235,7 +284,8 @@ class LayerSystems:
         depth = self.penetration_depth(n)
         m = np.maximum(n, 1.0)
         # a thin layer has |M| <= 1/8, so that the series of e^M converges rapidly
-        size = np.maximum(np.maximum(A_rt / A_rr, 1.0), np.sqrt(self.D / np.minimum(A_rr, G)))
+        smaller = np.minimum(np.abs(A_rr), np.abs(G))
+        size = np.maximum(np.maximum(np.abs(A_rt / A_rr), 1.0), np.sqrt(np.abs(self.D) / smaller))
         doublings = max(0, ceil(log2(8 * (size * m * depth).max())))
         layer = self.thin_layer_matrices(n, depth / 2**doublings)
         for _ in range(doublings):
@@ -248,7 +298,7 @@ class LayerSystems:
         """Return M, h times the matrix of d/dy (w, t), t in n * stress_scale, (L, n, 4, 4)."""
         _, A_rr, _, A_rt, G, _ = self.values
         a, D, m = A_rt / A_rr, self.D, np.maximum(n, 1.0) * self.stress_scale
-        M = np.zeros((*h.shape, 4, 4))
+        M = np.zeros((*h.shape, 4, 4), dtype=self.values.dtype)
         M[..., 0, 0], M[..., 0, 1], M[..., 1, 0], M[..., 1, 1] = -a, -a * n, n, 1.0
         M[..., 0, 2], M[..., 1, 3] = m / A_rr, m / G
         M[..., 2, 0] = D / m

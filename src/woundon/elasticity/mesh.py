@@ -215,8 +215,10 @@ class Face:
         edge = np.zeros_like(steps[:1])
         return np.asarray(end + np.concatenate([v_upstream, edge, v_downstream]))
 
-    def curvature_change(self, slope: Array, a: float) -> Array:
+    def curvature_change(self, slope: Array, a: float, ends: bool = True) -> Array:
         """Return -v'' at the nodes from slopes at the points (n+1, ...), (n, ...).
+
+        ``ends`` tells whether the pressure that deforms the surface ends with the face.
 
         The difference quotient of the slopes at neighbouring points satisfies the normal
         equilibrium of every piece of web exactly.  The curvature at the trailing edge is that of
@@ -232,6 +234,7 @@ class Face:
             mean = (inner[e] - slope[-2]) / (-2 * a * half)  # slope[-2] is that at the edge
             fraction = half / self.cells[e]
             out[e] = (mean - fraction * out[e + 1]) / (1 - fraction)
+        if self.extends_downstream and ends:
             # the end of the pressure bends the surface next to it without limit
             x = self.nodes[-1] - END_SHARE * (self.nodes[-1] - self.nodes[e])
             k = min(int(np.searchsorted(self.nodes, x)), self.nodes.size - 2)

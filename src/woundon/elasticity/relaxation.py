@@ -1,18 +1,28 @@
-r"""Isotropic viscoelasticity of constant Poisson's ratio: from relaxation to retardation.
+r"""Isotropic viscoelasticity: from relaxation to retardation.
 
 Young's modulus of a Prony series, with e^{ikx} of a surface that rolls along +x past a fixed load,
 
     E(ik) = E_inf [1 + sum_k g_k ik c_k/(1 + ik c_k)],      g_k = E_k/E_inf,  c_k = V tau_k,
 
 depends on the speed V only through the lengths c_k that the surface moves within the relaxation
-times tau_k.  All moduli are proportional to it.  Its inverse, the creep compliance, is a sum of as
-many terms,
+times tau_k.  With a constant Poisson's ratio all moduli are proportional to it.  Its inverse, the
+creep compliance, is a sum of as many terms,
 
     E_inf/E(ik) = j_0 + sum_m j_m/(1 + ik l_m),      j_0 = E_inf/E_0,   j_0 + sum_m j_m = 1,
 
 and E(ik) = 0 at ik = -1/l_m.  One retardation length l_m lies between each two neighbouring c_k,
 and one above the largest (a secular equation); they are found by repeated subdivision of these
 intervals.
+
+With a constant bulk modulus K the series is that of the shear modulus G.  The compliance of the
+surface in plane strain then has two parts with a creep of their own.  All powers of 1/n of a
+cylinder, and the half-plane, are combinations of (1 - nu)/G and (1 - 2 nu)/(2 G), and with
+nu = (3K - 2G)/(2 (3K + G)),
+
+    (1 - nu)/G = 1/(2 G) + b,      (1 - 2 nu)/(2 G) = b,      b = 3/(2 (3K + G)),
+
+so that one part, that of the incompressible material with the same G, creeps as 1/G, the rest as
+1/(3K + G), whose modulus is a Prony series with the terms g_k G/(3K + G) and the same c_k.
 """
 
 from __future__ import annotations
@@ -22,10 +32,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-__all__ = ["Creep", "Relaxation", "creep", "modulus_ratio"]
+__all__ = [
+    "Creep",
+    "Relaxation",
+    "bulk_relaxation",
+    "creep",
+    "incompressible",
+    "modulus_ratio",
+]
 
 Array = np.ndarray
 Relaxation = tuple[tuple[float, float], ...]  # (g_k, c_k), empty for an elastic material
+# A_rr/G of an incompressible material: 1/A_rr is below the rounding error of every sum
+INCOMPRESSIBLE = 1e20
 # An interval of ln l is divided into 16 parts, 16 times, so that the error is due to rounding also
 # if c_k differ by a factor of 1e30.
 SUBDIVISIONS = 16
@@ -47,6 +66,25 @@ def modulus_ratio(relaxation: Relaxation, k: Array) -> Array:
         z = 1j * np.asarray(k) * c
         out += g * z / (1 + z)
     return out
+
+
+def bulk_relaxation(A_rt: float, G: float, relaxation: Relaxation) -> Relaxation:
+    """Return the relaxation of 3K + G of an isotropic material with a constant bulk modulus K.
+
+    Parameters
+    ----------
+    A_rt, G : float
+        After all relaxation [Pa]; 3K + G = 3 (A_rt + G).
+    relaxation : tuple of (g_k, c_k)
+        Of the shear modulus.
+    """
+    return tuple((g * G / (3 * (A_rt + G)), c) for g, c in relaxation)
+
+
+def incompressible(G: float) -> tuple[float, float, float, float, float]:
+    """Return the stiffness A_rr, A_tt, A_rt, G, D of an incompressible material [Pa]."""
+    direct = INCOMPRESSIBLE * G
+    return direct, direct, direct, G, 4 * G
 
 
 @lru_cache(maxsize=64)

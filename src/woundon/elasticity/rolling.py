@@ -1,6 +1,6 @@
 r"""Influence functions of rolling bodies with isotropic viscoelastic layers.
 
-Poisson's ratio is constant.  In steady rolling the material sees the n-th harmonic e^{in theta} of
+In steady rolling the material sees the n-th harmonic e^{in theta} of
 the loads as an oscillation with n periods per revolution, so that its modulus is E(in/R)
 (:mod:`.relaxation`).  The surface compliances Y_n are those of elastic layers (:mod:`.layers`) with
 complex moduli.  The influence functions are
@@ -22,10 +22,14 @@ X_n tends to a polynomial A(x) in x = 1/n.  Polynomial division of each term of 
 gives powers of 1/n, summed as for an elastic body, and one sum 1/(1 + i n eps), which is known in
 closed form (:mod:`.lag`).  For eps > 1 these two cancel; then the left side is expanded in powers
 of 1/n instead.
+
+With a constant bulk modulus two such sums with creep compliances of their own are added, those of
+1/G and of 1/(3K + G) (:mod:`.relaxation`); X_n is relative to the first.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from math import pi
@@ -38,8 +42,15 @@ from .fourier import POWERS, HarmonicSum, HarmonicSums
 from .half_plane import coefficients
 from .kernels import Kernel, SurfaceKernels
 from .lag import Lag, periodic_series
-from .layers import Layers
-from .relaxation import Creep, Relaxation, creep, modulus_ratio
+from .layers import Layers, RelaxingModuli
+from .relaxation import (
+    Creep,
+    Relaxation,
+    bulk_relaxation,
+    creep,
+    incompressible,
+    modulus_ratio,
+)
 
 __all__ = ["half_plane_kernels", "layered_kernels"]
 
@@ -51,7 +62,10 @@ MIN_EXPANDED_TERMS = 128  # number of harmonics for such terms: the expansion is
 
 @lru_cache(maxsize=16)
 def half_plane_kernels(
-    stiffness: tuple[float, ...], relaxation: Relaxation, max_distance: float
+    stiffness: tuple[float, ...],
+    relaxation: Relaxation,
+    max_distance: float,
+    constant_bulk: bool = False,
 ) -> SurfaceKernels:
     """Return the influence functions of a rolling viscoelastic half-plane.
 
@@ -63,6 +77,9 @@ def half_plane_kernels(
         Relaxing moduli E_k/E_inf [1], and speed times relaxation time V tau_k [m].
     max_distance : float
         Largest distance |t| at which they are evaluated [m].
+    constant_bulk : bool
+        True if the relaxation is that of the shear modulus of an isotropic material with a constant
+        bulk modulus.
 
     Notes
     -----
@@ -70,23 +87,35 @@ def half_plane_kernels(
     elastic displacement, whose derivative is k, becomes sum_m j_m (1 + l_m d/dt)^-1 int k = int k
     minus a lag of amplitude l_m, with j_0 + sum_m j_m = 1.
     """
-    A, B, C = coefficients(*stiffness)
-    j_0, j, length = creep(relaxation)
-    # amplitudes g of Re(g Phi) for the lag of 1/(pi t), and of -Dirac(t)
-    pole, pulse = j / pi + 0j, -1j * j / pi
-    # slope and strain by p and q, the derivatives of v and u by p and q in the same order
-    gradient_amplitudes = np.array([C * pole, A * pulse, A * pulse, -B * pole])
+    A, B, C = total = np.array(coefficients(*stiffness))
+    parts = [(creep(relaxation), total)]
+    if constant_bulk:
+        _, _, A_rt, G, *_ = stiffness
+        shear = np.array(coefficients(*incompressible(G)))
+        bulk = creep(bulk_relaxation(A_rt, G, relaxation))
+        parts = [(creep(relaxation), shear), (bulk, total - shear)]
+    instant = np.zeros(3)  # A, B, C of the instantaneous response
+    amplitudes = []
+    for (j_0, j, _), (A_i, B_i, C_i) in parts:
+        instant += j_0 * np.array([A_i, B_i, C_i])
+        # amplitudes g of Re(g Phi) for the lag of 1/(pi t), and of -Dirac(t)
+        pole, pulse = j / pi + 0j, -1j * j / pi
+        # slope and strain by p and q, the derivatives of v and u by p and q in the same order
+        amplitudes.append(np.array([C_i * pole, A_i * pulse, A_i * pulse, -B_i * pole]))
+    gradient_amplitudes = np.hstack(amplitudes)
+    length = np.concatenate([part.length for part, _ in parts])
     gradients = Lag(length, gradient_amplitudes, max_distance)
     displacements = Lag(length, -length * gradient_amplitudes, max_distance)
+    A_0, B_0, C_0 = instant
     return SurfaceKernels(
         normal_p=Kernel(log=C / pi, lag=displacements.select(0)),
         normal_q=Kernel(sign=-A / 2, lag=displacements.select(1)),
         tangent_p=Kernel(sign=-A / 2, lag=displacements.select(2)),
         tangent_q=Kernel(log=-B / pi, lag=displacements.select(3)),
-        slope_p=Kernel(inverse=C * j_0 / pi, lag=gradients.select(0)),
-        slope_q=Kernel(delta=-A * j_0, lag=gradients.select(1)),
-        strain_p=Kernel(delta=-A * j_0, lag=gradients.select(2)),
-        strain_q=Kernel(inverse=-B * j_0 / pi, lag=gradients.select(3)),
+        slope_p=Kernel(inverse=C_0 / pi, lag=gradients.select(0)),
+        slope_q=Kernel(delta=-A_0, lag=gradients.select(1)),
+        strain_p=Kernel(delta=-A_0, lag=gradients.select(2)),
+        strain_q=Kernel(inverse=-B_0 / pi, lag=gradients.select(3)),
         uniform_strain=-A,
         lag=gradients,
     )
@@ -94,7 +123,11 @@ def half_plane_kernels(
 
 @lru_cache(maxsize=16)
 def layered_kernels(
-    radius: float, layers: Layers, relaxations: tuple[Relaxation, ...], open_bore: bool = False
+    radius: float,
+    layers: Layers,
+    relaxations: tuple[Relaxation, ...],
+    open_bore: bool = False,
+    constant_bulk: tuple[bool, ...] = (),
 ) -> SurfaceKernels:
     """Return the influence functions of a rolling cylinder of layers, some of them viscoelastic.
 
@@ -104,42 +137,60 @@ def layered_kernels(
         As of :func:`.cylinder.layered_kernels`; relaxed stiffness.
     relaxations : tuple of tuples of (g_k, c_k)
         Of each layer, E_k/E_inf [1] and V tau_k [m]; empty if elastic.
+    constant_bulk : tuple of bool
+        Of each layer: True if the relaxation is that of the shear modulus of an isotropic material
+        with a constant bulk modulus.  By default all moduli of all layers relax in proportion.
     """
     R = float(radius)
+    constant_bulk = constant_bulk or (False,) * len(layers)
 
-    def moduli(n: Array) -> Array:
-        """Return E(in/R)/E_inf of the layers, (L, n)."""
+    def factors(n: Array) -> Array:
+        """Return E(in/R)/E_inf, or G(in/R)/G_inf with a constant bulk modulus, (L, n)."""
         return np.array([modulus_ratio(relaxation, n / R) for relaxation in relaxations])
 
-    # all compliances of a single layer vary as J_n: X_n is elastic
-    single = len(layers) == 1
-    X, tail, J, decay, error = (
-        _elastic_spectrum(layers, open_bore) if single else _spectrum(layers, open_bore, moduli)
-    )
+    if len(layers) == 1 and not constant_bulk[0]:
+        # all compliances of a single layer vary as J_n: X_n is elastic
+        spectrum = _elastic_spectrum(layers, open_bore)
+    else:
+        spectrum = _spectrum(layers, open_bore, RelaxingModuli(factors, constant_bulk))
+    X, tail, J, decay, error, bulk = spectrum
     n = np.arange(1.0, X.shape[-1])
+    tails, creeps, ratios = [tail], [creep(relaxations[0])], [np.ones(n.size)]
+    if bulk is not None:
+        A_rt, G = (float(layers[0][k] or 0.0) for k in (3, 4))  # never None
+        tails.append(bulk.tail)
+        creeps.append(creep(bulk_relaxation(A_rt, G, relaxations[0])))
+        ratios.append(bulk.creep_ratio(n))
     mean, X = X[..., 0].real / 2, X[..., 1:]
-    # coefficients of 1/n^j of the displacements X_n, the slopes n X_n and the strains (1, n) X_n
-    displacement, slope = tail[: J + 1], tail[1 : J + 2]
-    strain, strain_terms = displacement[:, 0] + slope[:, 1], X[0] + n * X[1]
-    sums = ViscoelasticSums(R, creep(relaxations[0]), n.size)
+    # coefficients of 1/n^j of the displacements X_n, the slopes n X_n and the strains (1, n) X_n,
+    # (parts, J + 1, ...)
+    displacement = np.array([tail[: J + 1] for tail in tails])
+    slope = np.array([tail[1 : J + 2] for tail in tails])
+    strain, strain_terms = displacement[:, :, 0] + slope[:, :, 1], X[0] + n * X[1]
+    sums = ViscoelasticSums(R, creeps, n.size)
 
     def harmonics(odd: bool, scale: float, a: Array, c: Array, mean: float = 0.0) -> SplitSum:
-        """Return the sum of scale J_n c_n trig(n theta), c_n = a_0 + a_1/n + ... + remainder."""
-        return sums.split(odd, scale, a, c - sums.powers(a)[: n.size], mean)
+        """Return the sum of scale J_n c_n trig(n theta), c_n = a_0 + a_1/n + ... + remainder.
+
+        J_n is the first creep compliance; a, (parts, J + 1), has the powers of each.
+        """
+        powers = zip(a, ratios, strict=True)
+        closed = sum(ratio * sums.powers(each)[: n.size] for each, ratio in powers)
+        return sums.split(odd, scale, a, c - closed, mean)
 
     # the same sums as in cylinder.layered_kernels
     scale = 1 / (pi * R)
     gradients = [
-        harmonics(True, scale, slope[:, 0, 0], n * X[0, 0]),
-        harmonics(False, -scale, slope[:, 0, 1], n * X[0, 1]),
-        harmonics(False, -scale, strain[:, 0], strain_terms[0], mean[0, 0]),
-        harmonics(True, -scale, strain[:, 1], strain_terms[1]),
+        harmonics(True, scale, slope[:, :, 0, 0], n * X[0, 0]),
+        harmonics(False, -scale, slope[:, :, 0, 1], n * X[0, 1]),
+        harmonics(False, -scale, strain[:, :, 0], strain_terms[0], mean[0, 0]),
+        harmonics(True, -scale, strain[:, :, 1], strain_terms[1]),
     ]
     normal = [
-        harmonics(False, -1 / pi, displacement[:, 0, 0], X[0, 0], mean[0, 0]),
-        harmonics(True, -1 / pi, displacement[:, 0, 1], X[0, 1]),
+        harmonics(False, -1 / pi, displacement[:, :, 0, 0], X[0, 0], mean[0, 0]),
+        harmonics(True, -1 / pi, displacement[:, :, 0, 1], X[0, 1]),
     ]
-    tangential = [harmonics(False, 1 / pi, displacement[:, 1, 1], X[1, 1], mean[1, 1])]
+    tangential = [harmonics(False, 1 / pi, displacement[:, :, 1, 1], X[1, 1], mean[1, 1])]
     (slope_p, slope_q, strain_p, strain_q), smooth, lag = sums.kernels(gradients)
     (normal_p, coupling), _, _ = sums.kernels(normal)
     (tangent_q,), _, _ = sums.kernels(tangential)  # a table of its own, because it is rarely needed
@@ -169,89 +220,131 @@ class SplitSum(NamedTuple):
     lag_amplitudes: Array
 
 
+class CreepPart:
+    """A creep compliance over the harmonics n (N,), as closed forms and expansions need it.
+
+    Attributes
+    ----------
+    creep : Creep
+    eps : (M,) array
+        l_m/R of its terms.
+    has_lag, is_expanded : (M,) bool arrays
+        The terms with a lag, and those that are expanded.
+    lag_series : (lags, POWERS) complex array
+        Power series of theta in addition to the lags; see :func:`.lag.periodic_series`.
+    """
+
+    def __init__(self, radius: float, compliance: Creep) -> None:
+        self.creep, self.eps = compliance, compliance.length / radius
+        self.has_lag, self.is_expanded = self.eps <= EXPANDED_ABOVE, self.eps > EXPANDED_ABOVE
+        self.lag_series = periodic_series(self.eps[self.has_lag])
+
+    def compliance(self, n: Array) -> tuple[Array, Array]:
+        """Return J_n, and the sum of its expanded terms, at harmonics n, complex (N,) each."""
+        retardation, delayed = 1 / (1 + 1j * n[:, None] * self.eps), self.creep.delayed
+        J = self.creep.instantaneous + retardation @ delayed
+        return J, retardation[:, self.is_expanded] @ delayed[self.is_expanded]
+
+    def split(self, a: Array) -> tuple[Array, Array, Array]:
+        """Split J_n A(1/n), A(x) = a_0 + a_1 x + ... + a_J x^J.
+
+        Returns
+        -------
+        powers : (J+1,) complex array
+            Coefficients of 1/n^j: the quotients B of the divisions, and the expanded terms.
+        expanded : (J+1,) complex array
+            The part of ``powers`` that is due to the expanded terms.
+        amplitude : (lags,) complex array
+            Of the sums 1/(1 + i n eps).
+        """
+        j_0, j, _ = self.creep
+        B, value = _divide(a, -1j * self.eps[self.has_lag])
+        powers = j_0 * a
+        powers[1:] += B @ j[self.has_lag]
+        expanded = np.zeros(a.size, dtype=complex)
+        for m in np.flatnonzero(self.is_expanded):
+            series = -((1j / self.eps[m]) ** np.arange(a.size))  # of 1/(1 + i eps/x) in x
+            series[0] = 0.0
+            expanded += j[m] * np.convolve(a, series)[: a.size]
+        return powers + expanded, expanded, value * j[self.has_lag]
+
+
 class ViscoelasticSums:
     """Sums of J_n X_n over the harmonics, J_n the creep compliance of the outermost layer.
 
     A term of J_n with eps <= EXPANDED_ABOVE has a lag in closed form; one with a larger eps, which
-    varies slowly around the circle, is expanded in powers of 1/n.
+    varies slowly around the circle, is expanded in powers of 1/n.  With a constant bulk modulus the
+    powers of 1/n have two parts with creep compliances of their own.
 
     Parameters
     ----------
     radius : float
         R [m].
-    compliance : Creep
+    creeps : sequence of Creep
+        Of each part.
     terms : int
         Number of harmonics.
 
     Attributes
     ----------
-    eps : (M,) array
-        l_m/R of the terms of J_n.
-    has_lag, is_expanded : (M,) bool arrays
-        The terms with a lag, and those that are expanded.
-    lag_series : (lags, POWERS) complex array
-        Power series of theta in addition to the lags; see :func:`.lag.periodic_series`.
     n : (N,) array
         Harmonics from 1; more than ``terms`` if that serves the expanded terms.
-    J, J_expanded : (N,) complex arrays
-        J_n, and the sum of its expanded terms.
+    J, J_expanded : (parts, N) complex arrays
+        J_n of each part, and the sum of its expanded terms.
     """
 
-    def __init__(self, radius: float, compliance: Creep, terms: int) -> None:
-        self.radius, self.compliance = radius, compliance
-        eps = compliance.length / radius
-        self.eps, self.has_lag, self.is_expanded = eps, eps <= EXPANDED_ABOVE, eps > EXPANDED_ABOVE
-        self.lag_series = periodic_series(eps[self.has_lag])
-        harmonics = max(terms, MIN_EXPANDED_TERMS) if self.is_expanded.any() else terms
+    def __init__(self, radius: float, creeps: Sequence[Creep], terms: int) -> None:
+        self.radius = radius
+        self.parts = [CreepPart(radius, each) for each in creeps]
+        is_expanded = any(part.is_expanded.any() for part in self.parts)
+        harmonics = max(terms, MIN_EXPANDED_TERMS) if is_expanded else terms
         self.n = np.arange(1.0, 1 + harmonics)
         self._inverse_powers = (1 / self.n) ** np.arange(HIGHEST_POWER + 1)[:, None]
-        retardation = 1 / (1 + 1j * self.n[:, None] * eps)
-        self.J_expanded = retardation[:, self.is_expanded] @ compliance.delayed[self.is_expanded]
-        self.J = compliance.instantaneous + retardation @ compliance.delayed
+        compliances = [part.compliance(self.n) for part in self.parts]
+        self.J, self.J_expanded = (np.array(each) for each in zip(*compliances, strict=True))
+        lengths = [part.creep.length[part.has_lag] for part in self.parts]
+        self.lag_length = np.concatenate(lengths)
+        self.lag_series = np.concatenate([part.lag_series for part in self.parts])
 
     def powers(self, a: Array) -> Array:
         """Return a_0 + a_1/n + ... of all harmonics, (N,)."""
         return np.asarray(a @ self._inverse_powers[: a.size])
 
     def split(self, odd: bool, scale: float, a: Array, remainder: Array, mean: float) -> SplitSum:
-        """Split scale * [mean + sum_n J_n (A(1/n) + remainder_n) trig(n t/R)].
+        """Split scale * [mean + sum_n (sum_i J_n,i A_i(1/n) + J_n,0 remainder_n) trig(n t/R)].
 
-        A(x) = a_0 + a_1 x + ... + a_J x^J.
+        A_i(x) = a_i0 + a_i1 x + ... + a_iJ x^J of the part i.
 
         Parameters
         ----------
         odd : bool
             True for sines of an elastic body, False for cosines.
         scale : float
-        a : (J+1,) array
+        a : (parts, J+1) array
         remainder : (N,) array
+            Relative to the first creep compliance.
         mean : float
 
         Notes
         -----
-        J_n (A + remainder) = powers(1/n) + sum_m j_m A(-i eps_m)/(1 + i n eps_m) + J_n remainder:
-        the sum over m is the lag, and ``powers`` contains the quotients B of the divisions
-        and the expanded terms, whose truncation error is added to the remainder.
+        J_n A(1/n) = powers(1/n) + sum_m j_m A(-i eps_m)/(1 + i n eps_m): the sum over m is the lag,
+        and ``powers`` contains the quotients B of the divisions and the expanded terms, whose
+        truncation error is added to the remainder.
         """
-        j_0, j, _ = self.compliance
         a = a.astype(complex)
-        B, amplitude = _divide(a, -1j * self.eps[self.has_lag])
-        powers = j_0 * a
-        powers[1:] += B @ j[self.has_lag]
-        remainder = np.append(remainder, np.zeros(self.n.size - remainder.size)) * self.J
-        if self.is_expanded.any():
-            expanded = np.zeros(a.size, dtype=complex)
-            for m in np.flatnonzero(self.is_expanded):
-                series = -((1j / self.eps[m]) ** np.arange(a.size))  # of 1/(1 + i eps/x) in x
-                series[0] = 0.0
-                expanded += j[m] * np.convolve(a, series)[: a.size]
-            powers += expanded
-            remainder += self.powers(a) * self.J_expanded - self.powers(expanded)
+        remainder = np.append(remainder, np.zeros(self.n.size - remainder.size)) * self.J[0]
+        powers, amplitudes = np.zeros(a.shape[1], dtype=complex), []
+        for part, a_i, J_expanded in zip(self.parts, a, self.J_expanded, strict=True):
+            part_powers, expanded, amplitude = part.split(a_i)
+            powers += part_powers
+            amplitudes.append(amplitude)
+            if part.is_expanded.any():
+                remainder += self.powers(a_i) * J_expanded - self.powers(expanded)
         # Im(Y e^{i n theta}) = Re(-i Y e^{i n theta}); its real part multiplies cos, its imaginary
         # part -sin
         phase: complex = -1j if odd else 1.0
         c, terms = phase * powers, phase * remainder
-        amplitude = scale * phase * amplitude * j[self.has_lag]
+        amplitude = scale * phase * np.concatenate(amplitudes)
         regular = (amplitude @ self.lag_series).real  # powers of theta in addition to the lag
         is_even = np.arange(POWERS) % 2 == 0
         even_powers, odd_powers = np.where(is_even, regular, 0.0), np.where(is_even, 0.0, regular)
@@ -270,12 +363,11 @@ class ViscoelasticSums:
         lag, kernels = None, []
         sums = HarmonicSums(tuple(p.even for p in split_sums) + tuple(p.odd for p in split_sums))
         smooth = EvenPlusOdd(sums)
-        if self.has_lag.any():
-            length, R = self.compliance.length[self.has_lag], self.radius
+        if self.lag_length.size:
             lag = Lag(
-                length,
+                self.lag_length,
                 np.array([split_sum.lag_amplitudes for split_sum in split_sums]),
-                (pi + 1) * R,  # largest distance: more than half the circumference
+                (pi + 1) * self.radius,  # largest distance: more than half the circumference
             )
         for k, split_sum in enumerate(split_sums):
             odd = split_sum.odd.kernel()

@@ -83,6 +83,13 @@ class SurfaceResponse(Protocol):
         """
         ...
 
+    def tangent_outside(self, s: Array) -> SurfaceTangent:
+        """Return the derivatives of slope and strain at positions s [m] outside, (k, n) each.
+
+        It is needed for further nips on the same roll only; zero if it is not known.
+        """
+        ...
+
 
 class LinearSurface:
     """The surface of a linear body with known influence matrices.
@@ -119,6 +126,10 @@ class LinearSurface:
     def end_tangential_displacement(self, p: Array, q: Array) -> float:
         """Return nan: strains determine u up to a constant."""
         return float("nan")
+
+    def tangent_outside(self, s: Array) -> SurfaceTangent:
+        """Return zeros: the influence matrices are those of the face alone."""
+        return SurfaceTangent(*np.zeros((4, s.size, self._end.shape[1])))
 
 
 class RigidSurface(LinearSurface):
@@ -179,6 +190,11 @@ class InterpolatedSurface:
         """Return u at the last node [m]; nan if it is not known."""
         one, two = (each.end_tangential_displacement(p, q) for each in (self.first, self.second))
         return one + self.share * (two - one)
+
+    def tangent_outside(self, s: Array) -> SurfaceTangent:
+        """Return the derivatives of slope and strain at positions s [m] outside, (k, n) each."""
+        one, two = (each.tangent_outside(s) for each in (self.first, self.second))
+        return SurfaceTangent(*self._between(one, two))
 
     def _between(self, first: Sequence[Array], second: Sequence[Array]) -> list[Array]:
         """Return the interpolated arrays."""

@@ -91,8 +91,9 @@ def load_case(path: str | Path, settings: Iterable[str] = ()) -> Problem:
 def read_case(path: str | Path) -> dict[str, Any]:
     """Return the tables of a case file as written, values neither converted nor checked.
 
-    ``csv = "file.csv"`` in a table is replaced by the columns of that file, and ``grade`` is looked
-    up in the file of ``grades = "file.toml"``; both are relative to the folder of the case.
+    ``csv = "file.csv"`` in a table is replaced by the columns of that file, ``log = "file.csv"`` by
+    the means of the log of a winder over the radius, and ``grade`` is looked up in the file of
+    ``grades = "file.toml"``; all are relative to the folder of the case.
 
     Raises
     ------
@@ -101,7 +102,7 @@ def read_case(path: str | Path) -> dict[str, Any]:
     """
     written = tables_of_text(read_whole(path, MAX_BYTES), str(path))
     folder = Path(path).parent
-    tables = dict(with_columns(written, folder, lambda: _kind_of(written).problem))
+    tables = with_columns(written, folder, lambda: _kind_of(written).problem)
     if "grades" not in tables:
         return tables
     file, name = tables.pop("grades"), tables.get("grade")

@@ -16,7 +16,7 @@ from pydantic.fields import FieldInfo
 
 from .. import kinds
 from ..errors import InvalidProblem, one_of
-from ..problems.description import Description
+from ..problems.description import Description, is_unset
 from ..problems.family import Family
 from ..problems.grades import grade, grades, states_all
 from ..problems.materials import MATERIALS
@@ -287,7 +287,7 @@ class _Writer:
 
     def is_shown(self, thing: Description, name: str) -> bool:
         """Return True if a field is written: if it is set, or if the file has comments."""
-        return self.comments or getattr(thing, name) is not None
+        return self.comments or not is_unset(getattr(thing, name))
 
     def is_nested(self, value: Any) -> bool:
         """Return True if a value is written as sections.
@@ -316,7 +316,7 @@ class _Writer:
             That of the field which holds the description; the values of a profile have it.
         """
         value, info = getattr(thing, name), type(thing).model_fields[name]
-        if value is None:
+        if is_unset(value):
             return Row(name, UNSET, field_comment(info))
         if isinstance(value, Description):
             comment = "a name ('woundon materials' lists them), or a table of its fields"

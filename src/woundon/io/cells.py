@@ -25,6 +25,7 @@ from ..problems.units import factor, has_dimension, is_unit
 from ..quantities import Quantity
 from .sheets import Sheet
 from .spreadsheets import Percentage, Thousands
+from .table_files import ColumnCells
 from .tables import Column, Names
 
 __all__ = [
@@ -40,9 +41,10 @@ __all__ = [
 
 Array = np.ndarray
 
-MAX_REPORTED = 10  # errors of a table
+MAX_REPORTED = 9  # errors of a table
 MAX_COUNTED = 1000  # errors of a table
 MAX_NUMBER = 60  # characters, with the unit
+LONG = 2000  # rows above which columns of plain numbers are converted as arrays
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?")  # with a decimal point
 # numbers of text files that a spreadsheet holds exactly: whole ones, and decimal ones
 _WHOLE = re.compile(r"[+-]?(?:0|[1-9]\d{0,14})")
@@ -50,6 +52,10 @@ _DECIMAL = re.compile(r"[+-]?(?=\.?\d)(?:0|[1-9]\d{0,14})?(?:\.\d*)?(?:[eE][+-]?
 # numbers with commas, and those whose commas may separate thousands, with or without a unit
 _COMMA = re.compile(r"[+-]?\d*,[\d,]+(?:[eE][+-]?\d{1,3})?\D*")
 _THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(?:,\d{3})+\D*")
+
+
+# Texts of plain numbers, one in a line, by decimal sign; "nan" of an empty cell.
+_PLAIN = {sign: re.compile(rf"[\d\n\r {sign}eEna+-]*") for sign in ".,"}
 
 
 class Fault(NamedTuple):
@@ -109,11 +115,16 @@ def numbers(
     for k, column in enumerate(columns):
         try:
             quantity = _number_of(column, names)
-            scale = _scale(column, quantity, possible, sheet.in_si)
+            scale = _scale(column, quantity, possible, sheet.in_si, exact=count <= LONG)
             readers[k] = _Reader(column.unit, scale, quantity, sign)
         except InvalidProblem as fault:
             faults.append(_column_fault(sheet, column, fault))
-    for row in range(count):
+    for k, reader in list(readers.items()):
+        plain = reader.plain_numbers(columns[k].cells, gaps(columns[k])) if count > LONG else None
+        if plain is not None and columns[k] not in converters:
+            values[k] = plain
+            del readers[k]
+    for row in range(count if readers else 0):
         inputs = _inputs_of_row(conversion.inputs, converters, row, sign)
         for k, reader in readers.items():
             cell = columns[k].cells[row]
@@ -146,6 +157,38 @@ class _Reader(NamedTuple):
     scale: Fraction | None
     quantity: Quantity
     sign: str
+
+    def plain_numbers(self, cells: ColumnCells, gaps: bool) -> Array | None:
+        """Return a column of plain numbers in SI, (rows,); None if a cell is anything else.
+
+        The numbers are rounded twice, by the conversion of the text and of the unit; those of
+        :meth:`number` are exact.
+
+        Parameters
+        ----------
+        cells : list or (rows,) array
+        gaps : bool
+            Whether cells may be empty; their values are nan.
+        """
+        if self.scale is None:
+            return None
+        if isinstance(cells, np.ndarray):
+            values = cells.astype(float) if cells.dtype.kind in "iuf" else np.full(1, np.inf)
+        elif set(map(type, cells)) <= {str, int, float}:
+            # one search in a long text is faster than one in each cell
+            text = "\n".join(cells if set(map(type, cells)) == {str} else map(str, cells))
+            if not _PLAIN[self.sign].fullmatch(text):
+                return None
+            try:
+                values = np.array(
+                    [float(cell or "nan") for cell in text.replace(self.sign, ".").split("\n")]
+                )
+            except ValueError:
+                return None
+        else:
+            return None
+        is_number = np.isfinite(values) | (gaps & np.isnan(values))
+        return values * float(self.scale) if is_number.all() else None
 
     def number(self, cell: Any, inputs: Inputs) -> float:
         """Return a cell in SI; ``inputs`` are the values of its row.
@@ -266,10 +309,21 @@ def _check_unit(column: Column, quantity: Quantity, *, assignable: bool = True) 
     )
 
 
-def _scale(column: Column, quantity: Quantity, inputs: Inputs, in_si: bool) -> Fraction | None:
+def _scale(
+    column: Column, quantity: Quantity, inputs: Inputs, in_si: bool, *, exact: bool
+) -> Fraction | None:
     """Return the size in SI of the unit of a column; None if each cell is converted by itself.
 
-    ``inputs`` has all values that the case or other columns contain.
+    Parameters
+    ----------
+    column, quantity : Column, Quantity
+    inputs : Inputs
+        All values that the case or other columns contain.
+    in_si : bool
+        Whether a column without a unit is in SI.
+    exact : bool
+        Whether totals, stresses and basis weights are converted cell by cell; otherwise their size
+        is that of one unit, unless the values of the web are columns.
     """
     if not column.unit:
         if not in_si:
@@ -279,8 +333,8 @@ def _scale(column: Column, quantity: Quantity, inputs: Inputs, in_si: bool) -> F
     # no name of a field is passed: the error names the column
     if not any(has_dimension(one, unit) for unit in other_units(quantity)):
         return factor(column.unit, quantity.unit, "")
-    read_number(one, quantity, "", inputs)  # is rejected if its conversion is not known
-    return None
+    size = read_number(one, quantity, "", inputs)  # is rejected if its conversion is not known
+    return None if exact or inputs.fields else Fraction(size)
 
 
 def _is_empty(cell: Any) -> bool:
@@ -355,16 +409,15 @@ def decimal_sign(sheet: Sheet) -> str:
     short = (
         cell.strip()
         for cells in sheet.columns.values()
+        if not isinstance(cells, np.ndarray)
         for cell in cells
-        if isinstance(cell, str) and len(cell) <= MAX_NUMBER
+        if isinstance(cell, str) and "," in cell and len(cell) <= MAX_NUMBER
     )
-    with_comma = [text for text in short if _COMMA.fullmatch(text)]
-    decimal_commas = (
-        with_comma
-        if sheet.separator == ";"
-        else [text for text in with_comma if not _THOUSANDS.fullmatch(text)]
+    with_comma = (text for text in short if _COMMA.fullmatch(text))
+    has_decimal_comma = any(
+        sheet.separator == ";" or not _THOUSANDS.fullmatch(text) for text in with_comma
     )
-    return "," if decimal_commas else "."
+    return "," if has_decimal_comma else "."
 
 
 def as_plain_number(cell: Any, sign: str) -> Any:

@@ -1,45 +1,51 @@
-"""Columns of a file in place of lists in a case file: ``csv = "test.csv"`` in a table.
+"""Files in place of lists in a case file: ``csv = "test.csv"`` and ``log = "winder.csv"``.
 
     pressure [kPa], strain [%]
     10,             0.9
     25,             1.6
 
-The names are those of the fields of the table; the file, CSV or Excel, is read like any table
-(:mod:`.tables`).
+The names of the columns are those of the fields of the table, for ``log`` that of the field, with
+the radius or the diameter; ``columns = {"Header" = "name [unit]"}`` assigns others.  The files are
+read like any table (:mod:`.sheets`).  A log is averaged over the radius (:mod:`.logs`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
-from ..errors import InvalidProblem, one_of
+from ..errors import InputWarning, InvalidProblem, one_of, warn
+from ..problems.inputs import Inputs
 from ..problems.messages import quote
 from ..problems.paths import counterpart, find_places
+from ..problems.problem import Problem
+from ..problems.schedules import schedule_fields
 from ..quantities import Quantity, is_list, members_of
-from .cells import Fault, raise_faults, texts
+from .cells import Conversion, Fault, raise_faults, texts
+from .logs import read_binned
 from .sheets import read_sheet
-from .tables import Names, match_columns
+from .stack_tests import read_compression_test, rising_means
+from .tables import Names, is_known_header, match_columns
 
 __all__ = ["read_columns", "with_columns"]
 
 MAX_ROWS = 100_000
+TEST_ARGUMENTS = ("area", "height", "offset", "preload", "branch")  # of a compression test
 
 
-def with_columns(part: Any, folder: Path, problem: Callable[[], type], path: str = "") -> Any:
+def with_columns(
+    case: Mapping[str, Any], folder: Path, problem: Callable[[], type[Problem]]
+) -> dict[str, Any]:
     """Return the tables of a case with the columns of the files that they name.
 
     Parameters
     ----------
-    part : mapping, list or value
-        The tables of a case, or a part of them.
+    case : mapping
     folder : path
         Folder of files with a relative path.
     problem : callable
         Returns the class of the problem, whose fields the columns are.
-    path : str
-        Dotted name of the part.
 
     Raises
     ------
@@ -47,28 +53,95 @@ def with_columns(part: Any, folder: Path, problem: Callable[[], type], path: str
         If a file cannot be read, is not a table, or has a column that the case contains too, that
         is no field of its table, or that has no unit.
     """
-    if isinstance(part, list):
-        return [with_columns(item, folder, problem, f"{path}.{k}") for k, item in enumerate(part)]
-    if not isinstance(part, Mapping):
-        return part
-    table = {
+    return dict(_Files(case, folder, problem).replaced(case, ""))
+
+
+class _Files(NamedTuple):
+    """The files of a case; attributes as the parameters of :func:`with_columns`."""
+
+    case: Mapping[str, Any]
+    folder: Path
+    problem: Callable[[], type[Problem]]
+
+    def replaced(self, part: Any, path: str) -> Any:
+        """Return a part of the case, whose dotted name is ``path``, with columns for files."""
+        if isinstance(part, list):
+            return [self.replaced(item, f"{path}.{k}") for k, item in enumerate(part)]
+        if not isinstance(part, Mapping):
+            return part
         # the tables themselves have no name: theirs begin without a dot
-        name: with_columns(value, folder, problem, f"{path}.{name}".lstrip("."))
-        for name, value in part.items()
-        if name != "csv"
-    }
-    if not isinstance(part.get("csv"), str):
-        return table | ({"csv": part["csv"]} if "csv" in part else {})
-    file = folder / part["csv"]
-    known = _lists(problem(), path, table.get("kind"))
-    if not known:
-        kind = f" with kind = {quote(table['kind'])}" if "kind" in table else ""
-        text = f"is named in [{path}], which has no lists of numbers{kind}"
-        raise InvalidProblem.at(str(file), text)
-    columns = read_columns(file, known)
-    for name in columns.keys() & table.keys():
-        raise InvalidProblem.at(str(file), f"has a column {name!r}, which the case contains too")
-    return table | columns
+        table = {
+            name: self.replaced(value, f"{path}.{name}".lstrip(".")) for name, value in part.items()
+        }
+        kinds = [kind for kind in ("csv", "log") if isinstance(table.get(kind), str)]
+        if not kinds or not path:
+            return table
+        if len(kinds) > 1:
+            raise InvalidProblem.at(path, "has csv and log; must have one of them")
+        file = self.folder / table.pop(kinds[0])
+        columns = table.pop("columns", None)
+        if columns is not None and not isinstance(columns, Mapping):
+            text = f"{quote(columns)} must be a table, {{'Header' = 'name [unit]'}}"
+            raise InvalidProblem.at(f"{path}.columns", text)
+        read = self._log if kinds[0] == "log" else self._lists
+        found = read(file, path, table, columns)
+        for name in found.keys() & table.keys():
+            text = f"has a column {name!r}, which the case contains too"
+            raise InvalidProblem.at(str(file), text)
+        return table | found
+
+    def _lists(
+        self, file: Path, path: str, table: dict[str, Any], columns: Mapping[str, str] | None
+    ) -> dict[str, Any]:
+        """Return the lists of a table from the columns of a file, as texts with units."""
+        known = _lists(self.problem(), path, table.get("kind"))
+        if known.keys() >= {"pressure", "strain"}:
+            return self._stack_test(file, path, table, columns)
+        if not known:
+            kind = f" with kind = {quote(table['kind'])}" if "kind" in table else ""
+            text = f"is named in [{path}], which has no lists of numbers{kind}"
+            raise InvalidProblem.at(str(file), text)
+        return read_columns(file, known, columns)
+
+    def _stack_test(
+        self, file: Path, path: str, table: dict[str, Any], columns: Mapping[str, str] | None
+    ) -> dict[str, Any]:
+        """Return pressure and strain of a compression test; what was left out is a warning.
+
+        Entries of the table such as area, height and branch are arguments of the reader.
+        """
+        arguments = {name: table.pop(name) for name in TEST_ARGUMENTS if name in table}
+        try:
+            test = read_compression_test(file, columns=columns, **arguments)
+        except InvalidProblem as fault:
+            # errors of the arguments have their names as their field
+            raise InvalidProblem(
+                (f"{path}.{field}" if field in TEST_ARGUMENTS else field, text)
+                for field, text in fault.faults
+            ) from None
+        warn([f"{test.where}: {text}" for text in test.account[:-1]], InputWarning)
+        pressure, strain = rising_means(*test.used)
+        return {"pressure": pressure.tolist(), "strain": strain.tolist()}
+
+    def _log(
+        self, file: Path, path: str, table: dict[str, Any], columns: Mapping[str, str] | None
+    ) -> dict[str, Any]:
+        """Return the profile of a field from the log of a winder; its account is a warning."""
+        fields = schedule_fields(self.problem())
+        if path not in fields:
+            text = f"is named in [{path}]; must be in the table of {one_of(fields)}"
+            raise InvalidProblem.at(str(file), text)
+        log = read_binned(
+            file,
+            {path: fields[path]},
+            columns=columns,
+            bins=table.pop("bins", None),
+            conversion=Conversion(Inputs(self.problem(), self.case)),
+        )
+        radius, values = log.profile(path)
+        remarks = [f"{log.where}: {text}" for text in (log.account(), *log.remarks)]
+        warn(remarks, InputWarning)
+        return {"radius": radius.tolist(), "value": values.tolist()}
 
 
 def _lists(problem: type, path: str, kind: Any) -> dict[str, Quantity]:
@@ -104,24 +177,38 @@ def _kind_of(member: Any) -> str | None:
     return str(member.member_name()) if hasattr(member, "member_name") else None
 
 
-def read_columns(path: Path, known: Mapping[str, Quantity]) -> dict[str, list[str]]:
+def read_columns(
+    path: Path, known: Mapping[str, Quantity], columns: Mapping[str, str] | None = None
+) -> dict[str, list[str]]:
     """Return the cells of each column by the name of its field, as texts with units.
+
+    Parameters
+    ----------
+    path : path
+    known : mapping of str to Quantity
+        Quantities that a column may contain.
+    columns : mapping of str to str
+        Header -> name, with or without unit; an empty name omits a column.
 
     Raises
     ------
     InvalidProblem
         For a file that is not a table, an unknown column, and one without a unit.
     """
-    sheet = read_sheet(path, "csv")
+    names = Names(known)
+    sheet = read_sheet(path, "csv", is_known_header(names, columns))
     if len(sheet.numbers) > MAX_ROWS:
         raise InvalidProblem.at(str(path), f"has too many rows; must be at most {MAX_ROWS}")
-    names = Names(known)
-    columns = match_columns(sheet, names, help_text=f"the columns are {one_of(known, 'and')}")
-    for column in columns:
+    help_text = (
+        f"the columns are {one_of(known, 'and')}; in a case file columns = {{'Header' = "
+        "'name [unit]'} assigns others, and {'*' = ''} ignores them"
+    )
+    matched = match_columns(sheet, names, columns, help_text=help_text)
+    for column in matched:
         if column.deviation:
             text = f"column {column.header!r}: standard deviations have no field in a case"
             raise InvalidProblem.at(str(path), text)
     faults: list[Fault] = []
-    cells = texts(sheet, columns, names, faults)
+    cells = texts(sheet, matched, names, faults)
     raise_faults(faults)
-    return {column.name: list_ for column, list_ in zip(columns, cells, strict=True)}
+    return {column.name: list_ for column, list_ in zip(matched, cells, strict=True)}

@@ -13,7 +13,7 @@ from .. import __version__, kinds
 from ..quantities import Quantity, outputs, scalar_outputs, value_of, walk
 from ..results import Result
 from .records import saved_values
-from .spreadsheets import as_csv_cell
+from .spreadsheets import as_csv_cell, in_csv_style
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -77,7 +77,7 @@ def to_csv(result: Result) -> bytes:
         table.writerow(["# warning", as_csv_cell(note)])
     table.writerow(columns)
     table.writerows(zip(*(array.tolist() for array in columns.values()), strict=True))
-    return text.getvalue().encode("utf-8")
+    return in_csv_style(text.getvalue()).encode("utf-8")
 
 
 def _columns(values: Mapping[str, Any]) -> dict[str, np.ndarray]:

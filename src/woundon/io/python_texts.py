@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..problems.description import Description
+from ..problems.description import Description, is_unset
 from ..problems.problem import Problem
 from .case_texts import material_name
 
@@ -48,7 +48,7 @@ def _expression(value: Any, depth: int) -> str:
         parts = [
             f"{name}={_expression(item, depth + 1)}"
             for name, item in fields.items()
-            if item is not None
+            if not is_unset(item)
         ]
         ends = (f"{_class(value)}(", ")")
     line = f"{ends[0]}{', '.join(parts)}{ends[1]}"

@@ -1,56 +1,53 @@
-"""Read tables: CSV of any locale, Excel files, columns in memory.
+"""Read tables: text files of any locale, Excel and instrument files, columns in memory.
 
-A sheet has a header and rows, which keep the row numbers of the spreadsheet.  Titles above the
-header, blank rows, columns without a header and lines that start with # are ignored; a title is the
-only filled cell of its row.  The value of a merged cell is repeated in all cells of the block.
+A sheet has a header and rows, which keep the row numbers of the spreadsheet.  The header is the row
+with known names above the longest block of rows with numbers; without known names, the last row
+without numbers above this block.  Rows above the header (titles, results of a test), a row of units
+below it, blank rows, columns without a header and lines that start with # are no rows of the table.
+
+:mod:`.table_files` reads the rows of files, :mod:`.instruments` the channels of instrument files;
 :mod:`.tables` interprets the headers, :mod:`.cells` the cells.
-
-openpyxl skips the rest of merged blocks, reads formulas without a value as empty cells and creates
-all cells up to a distant one.  The XML is checked for this before.  :mod:`.spreadsheets` writes
-tables.
 """
 
 from __future__ import annotations
 
-import csv
-import io
 import os
 import re
-import zipfile
-from collections.abc import Iterable, Mapping, Sequence
-from functools import cache
-from importlib.util import find_spec
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NamedTuple
-from xml.etree.ElementTree import iterparse
 
 import numpy as np
 
-from ..errors import InvalidProblem
+from ..errors import InputWarning, InvalidProblem, one_of, warn
 from ..problems.messages import quote
 from ..problems.units import is_unit
 from .files import read_whole
-from .spreadsheets import Percentage, Thousands, without_apostrophe
+from .instruments import ENDINGS as INSTRUMENTS
+from .instruments import need_reader, read_channels
+from .table_files import (
+    ColumnCells,
+    Rows,
+    check_column,
+    excel_rows,
+    need_openpyxl,
+    text_rows,
+)
 
-__all__ = ["Sheet", "need_openpyxl", "read_sheet", "sheet_of_content"]
+__all__ = ["BINARY", "Sheet", "TableFile", "find_table", "read_sheet"]
 
-MAX_BYTES = 50_000_000  # bytes of a file, and of the unpacked parts of an Excel file
-MAX_CELLS = 2_000_000  # of a table, empty cells included
-MAX_COLUMNS = 500
-MAX_ROWS = 1_048_576  # the limit of Excel
+MAX_BYTES = 200_000_000  # of a file
 MAX_HEADER = 200  # characters; the time to search names is proportional to the square of it
-MAX_CELL = 32_767  # characters, the limit of Excel
-MAX_BLANK_ROWS = 1000  # between rows of an Excel table
-MAX_MERGED = 1000  # blocks of merged cells
+MAX_UNIT = 20  # characters of a cell in a row of units
+MAX_CANDIDATES = 200  # rows that are examined as headers
+MAX_BELOW = 3  # rows from a header to the first row with numbers
+SCANNED = 5000  # first rows, in which a header with known names is searched
 EXCEL = (".xlsx", ".xlsm")
-_BINARY = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0")  # zip archives, Excel before 2007
+BINARY = (*EXCEL, ".tdms")  # formats that are no text
 
-# parts of a number format of Excel that are displayed as they are (ECMA-376 part 1, 18.8.31)
-_LITERAL = re.compile(r'"[^"]*"|\\.|[_*].|\[[^\]]*\]')
-_THOUSANDS = re.compile("[0#?],+(?![0#?,])")  # commas that separate no digits divide by 1000 each
-
-Rows = list[list[Any]]
+# a number of any locale, and the text behind it: "1.5", "1,5 kN", ".5e3"
+_NUMBER = re.compile(r"[+-]?(?:\d[\d.,]*|[.,]\d+)(?:[eE][+-]?\d{1,3})?\s*(.*)", re.DOTALL)
 
 
 class Sheet(NamedTuple):
@@ -59,37 +56,88 @@ class Sheet(NamedTuple):
     Attributes
     ----------
     where : str
-        Path of the file, or the name of the columns in memory.
-    columns : mapping of str to list
+        Path of the file with the name of its sheet, or the name of the columns in memory.
+    columns : mapping of str to list or (rows,) array
         The cells below each header.
     numbers : sequence of int
-        Row numbers, as a spreadsheet shows them.
+        Row numbers, as a spreadsheet shows them; of an instrument file those of the samples.
     units : mapping of str to str
         Units in a row below the header, by header.
     in_si : bool
         Whether numbers without a unit are in SI, as columns in memory are.
     separator : str
         Character between the cells of a text file; empty for other tables.
+    header : int
+        Row number of the header; 0 if the table has none, as columns in memory.
+    others : str
+        Text on the other tables of the file, for error messages.
+    remarks : tuple of str
+        What was left out, and how channels were joined.
     """
 
     where: str
-    columns: dict[str, list[Any]]
+    columns: Mapping[str, ColumnCells]
     numbers: Sequence[int]
     units: Mapping[str, str] = MappingProxyType({})
     in_si: bool = False
     separator: str = ""
+    header: int = 0
+    others: str = ""
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def origin(self) -> str:
+        """Where the headers are from and what to do if that is wrong; empty for memory."""
+        if not self.header:
+            return self.others
+        text = f"row {self.header} is taken for the header; if another row is, delete those above"
+        return f"{text} it{f'; {self.others}' if self.others else ''}"
 
 
-def read_sheet(data: Any, name: str) -> Sheet:
-    """Read a table.
+class TableFile(NamedTuple):
+    """A file that was sent: its name, whose ending is that of its format, and its content."""
+
+    name: str
+    content: bytes
+
+
+IsKnown = Callable[[str], bool]
+
+
+def _nothing_known(header: str) -> bool:
+    """Return False: no name is known."""
+    return False
+
+
+def read_sheet(data: Any, name: str, is_known: IsKnown = _nothing_known) -> Sheet:
+    """Read a table as :func:`find_table`; remarks are issued as warnings.
+
+    Examples
+    --------
+    >>> sheet = read_sheet({"nip_load [N/m]": [1000.0, 2000.0]}, "measured")
+    >>> sheet.columns
+    {'nip_load [N/m]': [1000.0, 2000.0]}
+    """
+    sheet = find_table(data, name, is_known)
+    warn([f"{sheet.where}: {remark}" for remark in sheet.remarks], InputWarning)
+    return sheet
+
+
+def find_table(data: Any, name: str, is_known: IsKnown = _nothing_known, sheet: str = "") -> Sheet:
+    r"""Read a table.
 
     Parameters
     ----------
-    data : path, mapping, pandas.DataFrame or Sheet
-        ``.xlsx`` file (its first sheet), text file with commas, semicolons or tabs; or columns.
-        A sheet is returned as it is.
+    data : path, TableFile, mapping, pandas.DataFrame or Sheet
+        Text file with commas, semicolons or tabs, ``.xlsx``, ``.lvm`` or ``.tdms`` file; or
+        columns.  ``"file.xlsx#Sheet"`` names a sheet of an Excel file, a segment or a group of an
+        instrument file.  A sheet is returned as it is.
     name : str
         Name of columns in memory in error messages.
+    is_known : callable
+        Whether a header, with its unit, is a known name.
+    sheet : str
+        Name of a sheet, in place of that behind the ``#``.
 
     Raises
     ------
@@ -98,44 +146,67 @@ def read_sheet(data: Any, name: str) -> Sheet:
 
     Examples
     --------
-    >>> sheet = read_sheet({"nip_load [N/m]": [1000.0, 2000.0]}, "measured")
-    >>> sheet.columns
-    {'nip_load [N/m]': [1000.0, 2000.0]}
+    >>> content = b"Test 7\nResult;12,3\n\nnip_load [kN/m];nip_width [mm]\n3,5;4,9"
+    >>> sheet = find_table(TableFile("rig.csv", content), "measured")
+    >>> sheet.header, sheet.columns
+    (4, {'nip_load [kN/m]': ['3,5'], 'nip_width [mm]': ['4,9']})
     """
     if isinstance(data, Sheet):
         return data
+    if isinstance(data, TableFile):
+        return _sheet_of_file(data, sheet, is_known)
     if isinstance(data, Mapping) or (hasattr(data, "iloc") and not isinstance(data, type)):
         return _in_memory(data, name)
     if not isinstance(data, (str, os.PathLike)):
         text = "is not a table; must be columns by name, or the path of a .csv or .xlsx file"
         raise InvalidProblem.at(name, f"{quote(data)} {text}")
-    excel = Path(data).suffix.lower() in EXCEL
-    if excel:
-        need_openpyxl()  # before a file that may be missing is read
-    where = os.fspath(data)
-    return sheet_of_content(read_whole(where, MAX_BYTES), where, excel=excel)
+    path, fragment = _split_path(os.fspath(data))
+    _need_packages(path)  # before a file that may be missing is read
+    file = TableFile(path, read_whole(path, MAX_BYTES))
+    return _sheet_of_file(file, sheet or fragment, is_known)
 
 
-def sheet_of_content(content: bytes, where: str, *, excel: bool) -> Sheet:
-    r"""Return the table of the bytes of a file; ``where`` names it in error messages.
+def _split_path(path: str) -> tuple[str, str]:
+    """Return the path of a file, and the name of a sheet behind the last ``#``; '' without one."""
+    if "#" not in path or os.path.exists(path):
+        return path, ""
+    file, _, sheet = path.rpartition("#")
+    return file, sheet
 
-    >>> content = b"nip_load [kN/m];nip_width [mm]\n3,5;4,9"
-    >>> sheet_of_content(content, "the table", excel=False).columns
-    {'nip_load [kN/m]': ['3,5'], 'nip_width [mm]': ['4,9']}
-    """
-    if excel:
+
+def _need_packages(path: str) -> None:
+    """Reject a file whose reader is not installed."""
+    ending = Path(path).suffix.lower()
+    if ending in EXCEL:
         need_openpyxl()
-        return _sheet(where, _excel_rows(content, where))
-    if content[:4] in _BINARY:
-        raise InvalidProblem.at(where, "is not a text file; save it as .xlsx or .csv")
-    rows, separator = _text_rows(_decode(content, where), where)
-    rows = [[without_apostrophe(cell) for cell in row] for row in rows]
-    return _sheet(where, rows)._replace(separator=separator)
+    elif ending in INSTRUMENTS:
+        need_reader(ending)
+
+
+def _sheet_of_file(file: TableFile, sheet: str, is_known: IsKnown) -> Sheet:
+    """Return the table in a file; ``sheet`` is the name of one of its sheets, '' for the first."""
+    ending = Path(file.name).suffix.lower()
+    _need_packages(file.name)
+    if ending in INSTRUMENTS:
+        channels = read_channels(file.content, file.name, ending, sheet, is_known)
+        return Sheet(
+            channels.where,
+            channels.columns,
+            range(1, 1 + channels.rows),
+            channels.units,
+            others=channels.others,
+            remarks=channels.remarks,
+        )
+    if ending in EXCEL:
+        return _table_in(excel_rows(file.content, file.name, sheet), file.name, is_known)
+    if sheet:
+        raise InvalidProblem.at(file.name, f"is a text file, which has no sheet {sheet!r}")
+    return _table_in(text_rows(file.content, file.name), file.name, is_known)
 
 
 def _in_memory(data: Any, name: str) -> Sheet:
     """Return the sheet of a mapping or a DataFrame."""
-    columns: dict[str, list[Any]] = {}
+    columns: dict[str, ColumnCells] = {}
     for label, cells in data.items():  # a DataFrame may have two columns of one name
         header = str(label)
         _check_header(header, len(columns) + 1, name)
@@ -150,6 +221,8 @@ def _in_memory(data: Any, name: str) -> Sheet:
 
 def _listed(cells: Any, where: str) -> list[Any]:
     """Return the cells of a column; reject values that are not one-dimensional sequences."""
+    if isinstance(cells, np.ndarray) and cells.ndim == 1 and cells.dtype.kind in "iuf":
+        return list(cells.tolist())  # as numbers of Python
     no_cells = isinstance(cells, (str, bytes, bytearray, Mapping, set, frozenset, type))
     if not no_cells and getattr(cells, "ndim", 1) == 1:
         try:
@@ -159,287 +232,197 @@ def _listed(cells: Any, where: str) -> list[Any]:
     raise InvalidProblem.at(where, f"{quote(cells)} is not a column; must be a list of its cells")
 
 
-# ---- from rows to a sheet -----------------------------------------------------------------------
+# ---- the table among the rows of a file ---------------------------------------------------------
 
 
-class _Row(NamedTuple):
-    """A row with its number in the spreadsheet and the texts of the cells that are not empty."""
-
-    number: int
-    cells: list[Any]
-    texts: list[str]
-
-
-def _sheet(where: str, rows: Rows) -> Sheet:
-    """Return the table of rows of cells: title rows are skipped, then header, units and values."""
-    filled = _filled_rows(rows, where)
-    if any(len(row.texts) > 1 for row in filled):
-        while len(filled[0].texts) == 1:  # a title; a table of one column has none
-            del filled[0]
-    if len(filled) < 2:
-        raise InvalidProblem.at(where, "has no header with rows below it")
-    header, *body = filled
-    names = _headers(header, where)
-    for row in body:
-        if len(row.cells) < len(names) or _nonempty_cells(row.cells[len(names) :]):
-            # cells without a header may only be empty
-            text = f"row {row.number} has {len(row.cells)} cells, the header {len(names)}"
-            raise InvalidProblem.at(where, text)
+def _table_in(rows: Rows, path: str, is_known: IsKnown) -> Sheet:
+    """Return the table among the rows of a file: header, units and values."""
+    where, others = path, ""
+    if len(rows.sheets) > 1:
+        names = [f"{path}#{name}" for name in rows.sheets if name != rows.sheet]
+        where, others = f"{path}#{rows.sheet}", f"other sheets are {one_of(names, 'and')}"
+    # indices of the rows that are not blank
+    text_of = str.strip if rows.separator else _text  # all cells of a text file are texts
+    filled = [k for k, row in enumerate(rows.cells) if any(map(text_of, row))]
+    place = _position_of_header(rows, filled, is_known, where)
+    if place is None or place + 1 == len(filled):
+        text = "has no header with rows below it"
+        if filled and place is None:
+            text = f"has numbers in row {1 + filled[0]}, but no header above them; write one"
+        raise InvalidProblem.at(where, f"{text}{f'; {others}' if others else ''}")
+    header, *body = filled[place:]
+    names = _headers(rows.cells[header], 1 + header, where)
     units: dict[str, str] = {}
-    below_header = body[0].cells[: len(names)]
+    below_header = rows.cells[body[0]][: len(names)]
     if len(body) > 1 and _are_units(below_header):
-        units = {n: str(unit).strip("[]() ") for n, unit in zip(names, below_header, strict=True)}
         del body[0]
-    columns = {name: [row.cells[k] for row in body] for k, name in enumerate(names) if name}
-    return Sheet(where, columns, [row.number for row in body], units)
+        units = {
+            name: _text(unit).strip("[]() ")
+            for name, unit in zip(names, below_header, strict=False)
+        }
+    for k in body:
+        row = rows.cells[k]
+        # cells without a header may only be empty
+        if len(row) != len(names) and (len(row) < len(names) or any(map(_text, row[len(names) :]))):
+            _reject_length(rows, k, header, len(names), where)
+    columns: dict[str, ColumnCells] = {
+        name: [rows.cells[k][j] for k in body] for j, name in enumerate(names) if name
+    }
+    numbers = [1 + k for k in body]
+    # a row with several cells and a number may be one of another table
+    skipped = [1 + k for k in filled[:place] if _is_row_of_table(rows.cells[k])]
+    remarks: tuple[str, ...] = ()
+    if skipped:
+        text = f"rows {skipped[0]} to {skipped[-1]} above the header in row {1 + header} are"
+        remarks = (f"{text} not read",)
+    return Sheet(where, columns, numbers, units, False, rows.separator, 1 + header, others, remarks)
 
 
-def _filled_rows(rows: Rows, where: str) -> list[_Row]:
-    """Return the rows that are not blank; reject cells that are too long."""
-    filled = []
-    for number, cells in enumerate(rows, 1):
-        texts = _nonempty_cells(cells)
-        if texts:
-            filled.append(_Row(number, cells, texts))
-            if max(map(len, texts)) > MAX_CELL:
-                column, cell = max(enumerate(cells, 1), key=lambda place: len(str(place[1])))
-                text = f"the cell has {len(cell)} characters; must be at most {MAX_CELL}"
-                raise InvalidProblem.at(where, f"row {number}, column {column}: {text}")
-    return filled
+def _reject_length(rows: Rows, row: int, header: int, expected: int, where: str) -> None:
+    """Raise the error for a row that is longer or shorter than the header.
+
+    Parameters
+    ----------
+    rows : Rows
+    row, header : int
+        Indices of the rows.
+    expected : int
+        Number of the headers.
+    where : str
+    """
+    count = len(rows.cells[row])
+    text = f"row {1 + row} has {count} cells, the header in row {1 + header} has {expected}"
+    remedy = "delete or complete this row"
+    if count > expected and rows.separator == ",":
+        remedy = "if the commas are decimal signs, write semicolons between the cells"
+    raise InvalidProblem.at(where, f"{text}; {remedy}")
 
 
-def _headers(row: _Row, where: str) -> list[str]:
+def _position_of_header(
+    rows: Rows, filled: Sequence[int], is_known: IsKnown, where: str
+) -> int | None:
+    """Return the position in ``filled`` of the row with the headers; None if there is none.
+
+    The first rows are searched for a header with known names, and then all rows for any header.
+
+    Raises
+    ------
+    InvalidProblem
+        If two rows have the same headers: there are two tables.
+    """
+    place, is_known_place = _header_among([rows.cells[k] for k in filled[:SCANNED]], is_known)
+    if not is_known_place and len(filled) > SCANNED:
+        place, _ = _header_among([rows.cells[k] for k in filled], is_known)
+    if place is None:
+        return None
+    header = [_text(cell) for cell in rows.cells[filled[place]]]
+    for other, k in enumerate(filled[:SCANNED]):
+        same = other != place and rows.cells[k][0] == rows.cells[filled[place]][0]
+        if same and [_text(cell) for cell in rows.cells[k]] == header and not _are_units(header):
+            first, second = sorted((1 + k, 1 + filled[place]))
+            text = f"rows {first} and {second} have the same headers; save each table as a file"
+            raise InvalidProblem.at(where, text)
+    return place
+
+
+def _header_among(cells: Sequence[Sequence[Any]], is_known: IsKnown) -> tuple[int | None, bool]:
+    """Return the position of the row with the headers, and whether it has a known name.
+
+    Parameters
+    ----------
+    cells : sequence of rows
+        Rows that are not blank.
+    is_known : callable
+    """
+    has_number = np.fromiter((any(map(_is_number, row)) for row in cells), bool, len(cells))
+    if not has_number.any():
+        return _header_without_numbers(cells, is_known)
+    without = np.flatnonzero(~has_number)  # positions of the rows without numbers
+    best: tuple[int, int, int, bool, int] | None = None  # the last number is the position
+    examined = 0
+    for place in without.tolist():
+        below = has_number[place + 1 : place + 1 + MAX_BELOW]
+        if examined == MAX_CANDIDATES:
+            break
+        if not below.any():
+            continue
+        first = place + 1 + int(np.argmax(below))  # the first row with numbers
+        texts = [text for cell in cells[place] if (text := _text(cell))]
+        if 2 * len(texts) < np.count_nonzero([_text(cell) for cell in cells[first]]):
+            continue  # a title, which has fewer cells than the rows below it
+        examined += 1
+        end = np.searchsorted(without, first)
+        length = int((without[end] if end < without.size else len(cells)) - first)
+        units = _are_units(cells[place])
+        known = 0 if units else sum(map(is_known, texts))
+        rank = (min(known, 1), length, known, not units, place)
+        best = rank if best is None else max(best, rank)
+    return (None, False) if best is None else (best[-1], best[0] > 0)
+
+
+def _header_without_numbers(
+    cells: Sequence[Sequence[Any]], is_known: IsKnown
+) -> tuple[int | None, bool]:
+    """Return the position of the header among rows that have no numbers, and whether it is known.
+
+    It is the first row with a known name, otherwise the first one that is not a title: a title is
+    the only filled cell of its row.
+    """
+    for place, row in enumerate(cells[:MAX_CANDIDATES]):
+        if any(is_known(text) for cell in row if (text := _text(cell))):
+            return place, True
+    several = (place for place, row in enumerate(cells) if sum(map(bool, map(_text, row))) > 1)
+    return next(several, 0 if cells else None), False
+
+
+def _text(cell: Any) -> str:
+    """Return the text of a cell without spaces around it."""
+    return str(cell).strip()
+
+
+def _is_number(cell: Any) -> bool:
+    """Return True for a number of any locale, with or without a unit."""
+    if not isinstance(cell, str):
+        return isinstance(cell, int | float) and not isinstance(cell, bool)
+    match = _NUMBER.fullmatch(cell.strip()) if len(cell) <= MAX_HEADER else None
+    return match is not None and (not match[1] or is_unit(match[1]))
+
+
+def _is_row_of_table(cells: Sequence[Any]) -> bool:
+    """Return True for a row with a number and another cell."""
+    return any(map(_is_number, cells)) and sum(map(bool, map(_text, cells))) > 1
+
+
+def _headers(cells: Sequence[Any], row: int, where: str) -> list[str]:
     """Return the headers of all columns, '' for none, up to the last; reject equal ones."""
-    names = [" ".join(str(cell).split()) for cell in row.cells]
+    names = [" ".join(str(cell).split()) for cell in cells]
     while not names[-1]:
         names.pop()
     for k, name in enumerate(names):
-        _check_header(name, k + 1, where, row.number)
+        _check_header(name, k + 1, where, row)
         if name and name in names[:k]:
-            text = f"row {row.number}: two columns have the same header {name!r}"
+            text = f"row {row}: two columns have the same header {name!r}"
             raise InvalidProblem.at(where, text)
     return names
 
 
 def _check_header(header: str, column: int, where: str, row: int = 0) -> None:
     """Reject a header that is too long, or a column beyond the maximum number."""
-    place = f"row {row}, column {column}" if row else f"column {column}"
-    if column > MAX_COLUMNS:
-        text = f"{place}: the table has too many columns; must be at most {MAX_COLUMNS}"
-        raise InvalidProblem.at(where, text)
+    check_column(column, where, row)
     if len(header) > MAX_HEADER:
+        place = f"row {row}, column {column}" if row else f"column {column}"
         text = f"the header has {len(header)} characters; must be at most {MAX_HEADER}"
         raise InvalidProblem.at(where, f"{place}: {text}")
 
 
-def _nonempty_cells(cells: Iterable[Any]) -> list[str]:
-    """Return the texts of the cells that are not empty."""
-    return [text for cell in cells if (text := str(cell).strip())]
-
-
 def _are_units(cells: Sequence[Any]) -> bool:
-    """Return True if all cells that are not empty are units, in brackets or not, or "-"."""
-    units = [text.strip("[]() ") for text in _nonempty_cells(cells) if text != "-"]
-    return bool(units) and all(map(is_unit, units))
+    """Return True for a row of units: no number, and units in most cells, or brackets in all.
 
-
-# ---- text ---------------------------------------------------------------------------------------
-
-
-def _decode(content: bytes, where: str) -> str:
-    """Return the text of a file in UTF-8, UTF-16 (Excel's Unicode text) or Windows-1252."""
-    has_mark = content[:2] in (b"\xff\xfe", b"\xfe\xff")
-    # Windows-1252 matters for µ and ± in headers only
-    for code in ["utf-16"] if has_mark else ["utf-8-sig", "cp1252"]:  # "-sig": drops the mark
-        try:
-            return content.decode(code)
-        except UnicodeDecodeError:
-            continue
-    raise InvalidProblem.at(where, "is not a text file; save it as .xlsx or as CSV in UTF-8")
-
-
-def _text_rows(text: str, where: str) -> tuple[Rows, str]:
-    """Return the cells of the lines of a text, and their separator."""
-    text = text.replace("\r\n", "\n").replace("\r", "\n")
-    if text.count("\n") >= MAX_ROWS:
-        raise InvalidProblem.at(where, f"has too many rows; must be at most {MAX_ROWS}")
-    # comments become blank lines, so that the rows keep their numbers
-    text = re.sub("^#.*", "", text, flags=re.MULTILINE).rstrip("\n")
-    declaration = re.match("sep=(.) *$", text, flags=re.MULTILINE)  # a line that Excel understands
-    if declaration:
-        text = text[declaration.end() :]  # its line remains, blank
-    separator = declaration[1] if declaration else _separator(text)
-    lines = csv.reader(io.StringIO(text), delimiter=separator, skipinitialspace=True, strict=True)
-    rows: Rows = []
-    widest = 1
-    try:
-        for row in lines:
-            rows.append(row)
-            widest = max(widest, len(row))
-            if len(row) > MAX_COLUMNS:
-                _check_header("", len(row), where, len(rows))
-            if len(rows) * widest > MAX_CELLS:
-                raise InvalidProblem.at(where, f"has more than {MAX_CELLS} cells")
-    except csv.Error as fault:
-        text = f"row {1 + len(rows)}: is not a table: {_csv_reason(str(fault))}"
-        raise InvalidProblem.at(where, text) from None
-    return rows, separator
-
-
-def _csv_reason(fault: str) -> str:
-    """Return the reason for which the csv module rejects a row, from the message of its error."""
-    if fault.startswith("field larger"):
-        limit = csv.field_size_limit()
-        return f"a quote has no end, or a cell has more than {limit} characters"
-    if "expected after" in fault:
-        return f"in a cell in quotes, {fault}; a quote inside of it must be doubled"
-    return "a quote has no end"
-
-
-def _separator(text: str) -> str:
-    """Return the character that separates the cells: the one that most of the first lines have."""
-    first = text.split("\n", 100)[:100]
-    # the first one of equals: "1,5;2,5" could be three cells too
-    return max(";\t,", key=lambda sign: sum(sign in line for line in first))
-
-
-# ---- Excel --------------------------------------------------------------------------------------
-
-
-def _excel_rows(content: bytes, where: str) -> Rows:
-    """Return the rows of the first sheet of an Excel file, merged cells repeated."""
-    from openpyxl import load_workbook
-
-    try:
-        with zipfile.ZipFile(io.BytesIO(content)) as archive:
-            size = sum(part.file_size for part in archive.infolist())
-            if size > MAX_BYTES:
-                limit = f"must be at most {MAX_BYTES / 1e6:g} MB"
-                text = f"has {size / 1e6:.0f} MB when it is unpacked; {limit}"
-                raise InvalidProblem.at(where, text)
-            book = load_workbook(io.BytesIO(content), read_only=True, data_only=True)
-            sheet = book.worksheets[0]
-            blocks = _checked_layout(archive.read(sheet._worksheet_path), where)
-            sheet.reset_dimensions()  # those that the file states may be wrong
-            rows = [[_excel_cell(cell) for cell in row] for row in sheet.rows]
-            book.close()
-        cells = np.full((len(rows), max(map(len, rows), default=0)), "", dtype=object)
-        for row, values in zip(cells, rows, strict=True):
-            row[: len(values)] = values
-        _repeat_merged(cells, blocks, where)
-    except InvalidProblem:
-        raise
-    except Exception as fault:  # zip and XML readers raise many types
-        raise InvalidProblem.at(where, f"is not an Excel file: {fault}") from None
-    return cells.tolist()
-
-
-def _excel_cell(cell: Any) -> Any:
-    """Return the value of a cell of Excel with the scale of its format; "" if it is empty."""
-    value = cell.value
-    if value is None:
-        return ""
-    if cell.data_type == "n" and isinstance(value, int | float):
-        percent, literal, thousands = _scales(cell.number_format)
-        if thousands:
-            return Thousands(value)
-        if percent or literal:
-            return Percentage(value / 100 if literal else value)
-    return value
-
-
-@cache
-def _scales(number_format: str) -> tuple[bool, bool, bool]:
-    """Return flags of a format: multiplies by 100, only displays "%", divides by thousands."""
-    code = _LITERAL.sub("", number_format)
-    return "%" in code, "%" not in code and "%" in number_format, bool(_THOUSANDS.search(code))
-
-
-def _checked_layout(part: bytes, where: str) -> list[tuple[int, int, int, int]]:
-    """Return the merged blocks of a sheet: first column and row, last column and row.
-
-    Rejects formulas without a value, and cells so far out that the table would be too large.
+    Units that are not known matter only in columns that are used.  "-" stands for no unit.
     """
-    from openpyxl.utils.cell import coordinate_to_tuple, range_boundaries
-
-    blocks = []
-    row = column = 0  # of the cell that is read
-    last = widest = 0  # last row and column with contents
-    spanned = 0  # cells of all rows above, each up to its last one
-    for event, element in iterparse(io.BytesIO(part), ("start", "end")):
-        kind = event, element.tag.rpartition("}")[2]
-        if kind == ("start", "row"):
-            row, column = int(element.get("r", row + 1)), 0
-        elif kind == ("end", "c"):
-            place = element.get("r")
-            column = coordinate_to_tuple(place)[1] if place else column + 1
-            contents = {child.tag.rpartition("}")[2]: child.text for child in element}
-            text = ""
-            # a formula "f" without a value "v"; of type "str", its value is an empty text
-            if "f" in contents and not contents.get("v") and element.get("t") != "str":
-                text = "the formula has no value; open and save the file in a spreadsheet"
-            if contents:
-                if row > last + MAX_BLANK_ROWS:
-                    text = f"the rows above are blank; must be at most {MAX_BLANK_ROWS} of them"
-                last, widest = row, max(widest, column)
-            if widest > MAX_COLUMNS:
-                text = f"the table has too many columns; must be at most {MAX_COLUMNS}"
-            # pandas makes all rows as wide as the widest one, openpyxl as their last cell
-            if max(row * widest, spanned + column) > MAX_CELLS:
-                text = f"the table has more than {MAX_CELLS} cells so far, empty ones included"
-            if text:
-                raise InvalidProblem.at(where, f"row {row}, column {column}: {text}")
-            element.clear()
-        elif kind == ("end", "row"):
-            spanned += column
-            element.clear()
-        elif kind == ("end", "mergeCell"):
-            blocks.append(range_boundaries(element.get("ref")))
-            if len(blocks) > MAX_MERGED:
-                text = f"has too many blocks of merged cells; must be at most {MAX_MERGED}"
-                raise InvalidProblem.at(where, text)
-    return blocks
-
-
-def _repeat_merged(cells: Any, blocks: Iterable[tuple[int, int, int, int]], where: str) -> None:
-    """Repeat the value of each merged block in the rows that have other contents.
-
-    A block alone in its rows is a title and is not repeated.
-
-    Parameters
-    ----------
-    cells : (rows, columns) array of object
-        "" in empty cells; it is changed.
-    blocks : iterable of (int, int, int, int)
-        First column and row, last column and row, from 1.
-    where : str
-        Names the file in error messages.
-    """
-    filled = np.count_nonzero(cells != "", axis=1)  # number of cells of each row
-    repeated = 0
-    for first, top, last, bottom in blocks:
-        rows, columns = slice(top - 1, bottom), slice(first - 1, last)
-        block = cells[rows, columns]
-        repeated += block.size
-        text = ""
-        if bottom > len(cells) + MAX_BLANK_ROWS:
-            text = f"merged cells reach down to row {bottom}, far below the table"
-        elif repeated > max(MAX_CELLS, cells.size):  # more than the table has
-            text = "merged cells overlap"
-        if text:
-            raise InvalidProblem.at(where, f"row {top}, column {first}: {text}")
-        if not block.size:  # outside the table
-            continue
-        others = filled[rows] - np.count_nonzero(block != "", axis=1)  # next to the block
-        value = block[0, 0]
-        block[:] = ""  # Excel shows the first cell only
-        block[0, 0] = value
-        block[others > 0] = value
-        filled[rows] = others + np.count_nonzero(block != "", axis=1)
-
-
-def need_openpyxl() -> None:
-    """Reject the use of Excel files if openpyxl is not installed."""
-    if find_spec("openpyxl") is None:
-        text = "Excel files need openpyxl: pip install 'woundon[excel]'"
-        raise InvalidProblem.at("xlsx", text)
+    texts = [text for cell in cells if (text := _text(cell)) and text != "-"]
+    if not texts or any(len(text) > MAX_UNIT or _is_number(text) for text in texts):
+        return False
+    units = sum(is_unit(text.strip("[]() ")) for text in texts)
+    in_brackets = all(text[0] + text[-1] in ("[]", "()") for text in texts)
+    return 2 * units > len(texts) or (in_brackets and units > 0)

@@ -2,14 +2,19 @@
 
 A spreadsheet computes a cell of a CSV file that starts like a formula, so texts that do are written
 behind an apostrophe, which :mod:`.sheets` removes; in an Excel file they are cells of the type
-text.
+text.  A spreadsheet in a language with decimal commas reads "3.502" in a CSV file as 3502; with
+:func:`decimal_commas` every CSV file has semicolons between the cells and decimal commas.
 """
 
 from __future__ import annotations
 
+import csv
+import io
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
 from datetime import date, time, timedelta
 from decimal import Decimal
 from math import isfinite
@@ -26,6 +31,8 @@ __all__ = [
     "Percentage",
     "Thousands",
     "as_csv_cell",
+    "decimal_commas",
+    "in_csv_style",
     "record_table",
     "without_apostrophe",
     "write_csv",
@@ -104,7 +111,58 @@ def write_csv(path: Path, frame: pd.DataFrame, gap: str = "") -> None:
     cells = frame.rename(columns=as_csv_cell)
     has_texts = [dtype.kind not in "fiub" for dtype in cells.dtypes]  # mask of the columns
     cells.loc[:, has_texts] = cells.loc[:, has_texts].map(as_csv_cell)
-    cells.to_csv(path, index=False, na_rep=gap, lineterminator="\n")
+    text = cells.to_csv(index=False, na_rep=gap, lineterminator="\n")
+    path.write_text(in_csv_style(text), encoding="utf-8", newline="")
+
+
+_DECIMAL_COMMAS: ContextVar[bool] = ContextVar("decimal commas in CSV files", default=False)
+_PLAIN_NUMBER = re.compile(r"[+-]?\d+(?:\.\d*)?(?:[eE][+-]?\d+)?")
+
+
+@contextmanager
+def decimal_commas() -> Iterator[None]:
+    """Write every CSV file with decimal commas, and semicolons between the cells.
+
+    Such files are read by spreadsheets in German, Finnish, French and other languages, and by the
+    tables of this package.  Excel files (``.xlsx``) are read in every language without this.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> import woundon as wo
+    >>> result = wo.solve(wo.RollerProblem.example(), nodes=33)
+    >>> path = pathlib.Path(tempfile.mkdtemp(), "rollers.csv")
+    >>> with wo.decimal_commas():
+    ...     result.save(path)
+    >>> path.read_text().splitlines()[1]
+    '# upper.radius [m];0,25'
+    """
+    token = _DECIMAL_COMMAS.set(True)
+    try:
+        yield
+    finally:
+        _DECIMAL_COMMAS.reset(token)
+
+
+def in_csv_style(text: str) -> str:
+    r"""Return a CSV text with commas and decimal points in the style of :func:`decimal_commas`.
+
+    It is returned as it is outside of such a context.
+
+    >>> with decimal_commas():
+    ...     print(in_csv_style("name,T [N/m]\nx,3.5\n"))
+    name;T [N/m]
+    x;3,5
+    <BLANKLINE>
+    """
+    if not _DECIMAL_COMMAS.get():
+        return text
+    out = io.StringIO()
+    csv.writer(out, delimiter=";", lineterminator="\n").writerows(
+        [cell.replace(".", ",") if _PLAIN_NUMBER.fullmatch(cell) else cell for cell in row]
+        for row in csv.reader(io.StringIO(text))
+    )
+    return out.getvalue()
 
 
 def as_csv_cell(value: Any) -> Any:

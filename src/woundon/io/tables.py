@@ -2,7 +2,8 @@
 
     nip_load [kN/m]    Nip load (kN/m)    nip load, kN/m    NIP LOAD kN/m    P [kN/m]
 
-are all the input ``nip_load``.  "+-" (or "±") after the name of an output denotes its standard
+are all the input ``nip_load``, as are "Linienlast [kN/m]" and other words of four languages
+(:mod:`.words`).  "+-" (or "±") after the name of an output denotes its standard
 deviations.  All errors of the headers are reported together; :mod:`.cells` reads the cells.
 """
 
@@ -10,22 +11,26 @@ from __future__ import annotations
 
 import re
 import shlex
-from collections.abc import Iterator, Mapping
-from typing import Any, NamedTuple
+from collections.abc import Callable, Iterator, Mapping
+from functools import cache
+from typing import NamedTuple
 
 from ..arguments import check_arguments
 from ..errors import InvalidProblem, mapping_of, nearest, one_of
 from ..problems.units import is_unit
 from ..quantities import Quantity, pattern
 from .sheets import Sheet
+from .table_files import ColumnCells
+from .words import names_of_word
 
-__all__ = ["Column", "Names", "match_columns"]
+__all__ = ["Column", "Names", "is_known_header", "match_columns"]
 
 Faults = list[tuple[str, str]]
 Renaming = dict[str, tuple[str, str | None]]  # normalised header -> header as requested, its target
 
 NO_UNIT = ("1", "-", "\N{EN DASH}")  # in headers of columns of pure numbers
 MAX_SUGGESTED = 4  # names
+MAX_REPORTED = 6  # columns with errors
 MIN_WORD = 3  # characters of a word by which a name is suggested
 _BETWEEN = re.compile(r"[\s_.\-]+")
 _BRACKETS = re.compile(r"(.*?)[\s,/]*[\[(]\s*([^\[\]()]*)\s*[\])]")
@@ -73,11 +78,15 @@ class Names:
     def find(self, text: str) -> list[str]:
         """Return the names that a text may denote, ignoring case, spaces and underscores.
 
-        Symbols are recognised too, if they are spelled exactly.
+        Symbols are recognised too, if they are spelled exactly, and words of several languages.
         """
         # they replace the stars of a name; without any, it is the first item
         numbers = iter(part for part in _BETWEEN.split(text) if part.isdigit())
-        names = self._by_key.get(_normalise(text)) or self._by_symbol.get(text.strip(), [])
+        names = (
+            self._by_key.get(_normalise(text))
+            or self._by_symbol.get(text.strip(), [])
+            or names_of_word(text, self.known)
+        )
         return [re.sub(r"\*", lambda _: next(numbers, "0"), name) for name in names]
 
     def quantity(self, name: str) -> Quantity | None:
@@ -132,17 +141,54 @@ class Column(NamedTuple):
         Empty if there is none, as for pure numbers.
     deviation : bool
         Whether it has the standard deviations of an output.
-    cells : list
+    cells : list or (rows,) array
     """
 
     header: str
     name: str
     unit: str
     deviation: bool
-    cells: list[Any]
+    cells: ColumnCells
 
 
 # ---- headers ------------------------------------------------------------------------------------
+
+
+def is_known_header(
+    names: Names, columns: Mapping[str, str | None] | None = None
+) -> Callable[[str], bool]:
+    """Return a function that tells whether a header denotes one of the names, or is assigned.
+
+    A word behind the name that is no unit makes a title of the header: "nip load test 3".
+
+    Parameters
+    ----------
+    names, columns
+        As of :func:`match_columns`.
+
+    Examples
+    --------
+    >>> from woundon.quantities import length
+    >>> is_known = is_known_header(Names({"nip_width": length("b", "nip width")}))
+    >>> is_known("Nip width [mm]"), is_known("nip width test 3"), is_known("mm")
+    (True, False, False)
+    """
+    check_arguments(columns=columns)
+    assigned = {_normalise(header) for header in columns or {} if header != OTHERS}
+
+    @cache
+    def is_known(header: str) -> bool:
+        if assigned and any(_normalise(name) in assigned for name, _ in _splits(header)):
+            return True
+        try:
+            interpreted = _interpret_header(header, names)
+        except InvalidProblem:  # the name of several quantities
+            return True
+        return interpreted is not None and (
+            not interpreted[1] or interpreted[1] in NO_UNIT or is_unit(interpreted[1])
+        )
+
+    return is_known
 
 
 def match_columns(
@@ -202,7 +248,10 @@ def match_columns(
             faults.append((sheet.where, f"column {header!r}: {_unknown(target, names)}"))
             unknown.append(header)
     if unknown:
+        faults = [*faults[:MAX_REPORTED], *_further(len(faults) - MAX_REPORTED, sheet.where)]
         faults.append((sheet.where, help_text or _help(unknown[0])))
+        if sheet.origin:
+            faults.append((sheet.where, sheet.origin))
     # entries that were used have been removed
     faults += [(sheet.where, f"has no column {header!r}") for header, _ in renaming.values()]
     faults += _duplicate_columns(matched, sheet.where)
@@ -223,6 +272,11 @@ def _renaming_of(columns: Mapping[str, str | None]) -> Renaming:
         text = f"{OTHERS!r} stands for all columns without a known name; they can only be ignored"
         raise InvalidProblem.at("columns", text)
     return mapping_of(((_normalise(header), (header, to)) for header, to in columns.items()))
+
+
+def _further(count: int, where: str) -> Faults:
+    """Return the line that states the number of errors that are not listed, if there are any."""
+    return [(where, f"{count} more errors")] if count > 0 else []
 
 
 class _Renamed(NamedTuple):

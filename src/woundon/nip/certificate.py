@@ -32,6 +32,7 @@ from .outputs import (
     strain_rounding,
     web_arrays,
 )
+from .several_nips import SeveralNips, SeveralState, system_of
 
 if TYPE_CHECKING:
     from .equations import NipEquations, NipState
@@ -54,7 +55,7 @@ Array = np.ndarray
 INCONSISTENT, MIN_REDUCTION = 3.0, 0.3
 
 
-def equations_of(result: Any) -> NipEquations:
+def equations_of(result: Any) -> NipSystem | SeveralNips:
     """Return the equations on the mesh of a result.
 
     Raises
@@ -64,19 +65,26 @@ def equations_of(result: Any) -> NipEquations:
     """
     if result.nodes > LARGEST_MESH:
         raise ValueError(f"{result.nodes} nodes; must be at most {LARGEST_MESH}")
-    return NipSystem(result.without_air, result.nodes)
+    return system_of(result.without_air, result.nodes)
 
 
-def state_of(result: Any, equations: NipEquations) -> NipState:
+def state_of(result: Any, system: NipSystem | SeveralNips) -> NipState | SeveralState:
     """Return the state of the unknowns that a result reports.
 
-    Responses may be interpolated between half widths of ``equations`` next to that of the result.
+    Responses may be interpolated between half widths of ``system`` next to that of the result.
 
     Raises
     ------
     ValueError
         If the number of nodes is not that of the mesh.
     """
+    pairs = zip(system.parts_of(result), system.nips, strict=True)
+    u = np.concatenate([_unknowns_of(part, nip) for part, nip in pairs])
+    return system.evaluate(u, FINAL_TOLERANCE)
+
+
+def _unknowns_of(result: Any, equations: NipEquations) -> Array:
+    """Return the unknowns that a result reports, of one nip."""
     layout, web, problem = equations.layout, result.problem.web, equations.problem
     if result.x.size != layout.end + 1:
         raise ValueError(f"{result.x.size} nodes; the mesh of this nip has {layout.end + 1}")
@@ -89,38 +97,51 @@ def state_of(result: Any, equations: NipEquations) -> NipState:
     u[layout.ln_a] = np.log(result.half_width)
     u[layout.roll_q] = result.roll_traction[layout.roll_nodes]
     u[layout.drum_q] = result.drum_traction[layout.drum_nodes]
-    return equations.evaluate(u, FINAL_TOLERANCE)
+    return u
 
 
-def certificate(result: Any, equations: NipEquations) -> Residuals:
+def certificate(result: Any, system: NipSystem | SeveralNips) -> Residuals:
     """Return the largest violation of every contact condition, dimensionless.
 
     Parameters
     ----------
     result : NipResult
-    equations : NipEquations
-        Those of its mesh.
+    system : NipSystem or SeveralNips
+        The equations on its mesh.
     """
-    problem = equations.problem
-    problem.web.check_pressure(float(result.drum_pressure.max()))
+    system.problem.web.check_pressure(float(result.drum_pressure.max()))
     try:
-        state = state_of(result, equations)
+        state = state_of(result, system)
     except ValueError:
         return Residuals(mesh=inf)
-    f = state.fields
-    zones = _zones_of_tractions(result, equations)
+    of_nips = [
+        _conditions(part, nip, own)
+        for part, nip, own in zip(system.parts_of(result), system.nips, state.nips, strict=True)
+    ]
+    names = dict.fromkeys(name for conditions in of_nips for name in conditions)
+    conditions = {name: largest([each.get(name, 0.0) for each in of_nips]) for name in names}
+    if isinstance(system, SeveralNips):
+        centres = system.centres([result.half_width, *result.next_half_widths])
+        extent = float(result.x[-1] - result.x[0])
+        positions = difference(result.next_positions, np.array(centres[1:]))
+        conditions["mesh"] = max(conditions["mesh"], positions / extent)
+    if (result.air is None) != (result.problem.air is None):
+        conditions["air_film"] = inf
+    elif result.air is not None:
+        conditions |= air_conditions(result)
+    return Residuals(**conditions)
+
+
+def _conditions(result: Any, equations: NipEquations, state: NipState) -> dict[str, float]:
+    """Return the largest violation of every contact condition of one nip."""
+    f, zones = state.fields, _zones_of_tractions(result, equations)
     # the arrays that follow from the unknowns of the result
     expected = web_arrays(equations, state, zones.astype(np.int8))
     conditions = _equations_and_friction(result, equations, state, expected, zones)
     conditions |= _reported_arrays(result, equations, state, expected)
     conditions |= _wrap_conditions(result, equations, state, expected)
     surfaces = f.geometry.roll.surface, f.geometry.drum.surface
-    conditions |= body_equilibrium(problem, surfaces, (f.on_roll, f.on_drum))
-    if (result.air is None) != (result.problem.air is None):
-        conditions["air_film"] = inf
-    elif result.air is not None:
-        conditions |= air_conditions(result)
-    return Residuals(**conditions)
+    return conditions | body_equilibrium(equations.problem, surfaces, (f.on_roll, f.on_drum))
 
 
 def _zones_of_tractions(result: Any, equations: NipEquations) -> Array:
@@ -216,12 +237,26 @@ def _wrap_conditions(
     }
 
 
-def consistency_defects(equations: NipEquations, state: NipState) -> dict[str, float]:
+def consistency_defects(
+    system: NipSystem | SeveralNips, state: NipState | SeveralState
+) -> dict[str, float]:
     """Return the signed defects of conditions that hold for the continuous fields, dimensionless.
 
-    ``power_balance`` is relative to P a/R*; ``load`` and ``tension`` compare the integrals of the
-    hat functions with the trapezoidal rule in theta, x = -cos(theta), relative to P and mu+ P.
+    ``power_balance`` is relative to P a/R*, of all nips together; ``load`` and ``tension`` compare
+    the integrals of the hat functions with the trapezoidal rule in theta, x = -cos(theta), relative
+    to P and mu+ P, in each nip: those of the further ones are ``load_2``, ``tension_2`` ...
     """
+    power, unit, out = 0.0, 0.0, {"power_balance": 0.0}
+    for k, (nip, own) in enumerate(zip(system.nips, state.nips, strict=True)):
+        scale = nip.problem.nip_load * own.geometry.a / nip.problem.contact_radius
+        power, unit = power + scale * power_balance(nip, own), unit + scale
+        suffix = f"_{k + 1}" if k else ""
+        out |= {f"{name}{suffix}": value for name, value in _quadratures(nip, own).items()}
+    return out | {"power_balance": power / unit}
+
+
+def _quadratures(equations: NipEquations, state: NipState) -> dict[str, float]:
+    """Return the relative defects of load and tension of a nip by another quadrature."""
     f, problem, mesh = state.fields, equations.problem, state.fields.geometry.mesh
     nip, a = mesh.nip_nodes, f.geometry.a
     theta = np.linspace(0.0, np.pi, nip.stop - nip.start)
@@ -230,7 +265,6 @@ def consistency_defects(equations: NipEquations, state: NipState) -> dict[str, f
     tension_change = float(weights[1:-1] @ (f.q_roll + f.q_drum)[nip][1:-1])
     expected = float(f.tension[mesh.last] - f.tension[mesh.first])
     return {
-        "power_balance": power_balance(equations, state),
         "load": load / problem.nip_load - 1,
         "tension": (tension_change - expected) / (problem.roll_friction * problem.nip_load),
     }
@@ -268,19 +302,23 @@ def inconsistencies(meshes: Sequence[MeshSolution]) -> list[str]:
 
 def recomputed(result: Any) -> dict[str, tuple[float, float]]:
     """Return (recomputed value, tolerance) of the scalars that no contact condition determines."""
-    equations = equations_of(result)
-    state = state_of(result, equations)
+    system = equations_of(result)
+    state = state_of(result, system)
+    equations, first = system.nips[0], state.nips[0]
     arrays = {name: value for name, value in vars(result).items() if isinstance(value, np.ndarray)}
     ratios = slip_ratios(equations.problem, arrays, result.in_nip)
-    indentation = approach(equations, state)
-    WOT_of_roll = roll_wound_on_tension(equations, state)
+    indentation = approach(equations, first)
+    WOT_of_roll = roll_wound_on_tension(system.nips[-1], state.nips[-1])
     values = {
         "approach": (indentation, 1e-8 * abs(indentation)),
         "roll_wound_on_tension": (WOT_of_roll, 1e-8 * abs(WOT_of_roll)),
     }
     values |= {name: (ratios[name], 1e-8) for name in SLIP_RATIOS}
     if not isnan(result.rolling_resistance) or result.problem.viscoelastic:
-        resistance = dissipation(equations.problem, work_on_bodies(state))
+        resistance = sum(
+            dissipation(nip.problem, work_on_bodies(own))
+            for nip, own in zip(system.nips, state.nips, strict=True)
+        )
         values["rolling_resistance"] = resistance, 1e-7 * abs(resistance)
     return values
 
@@ -288,6 +326,8 @@ def recomputed(result: Any) -> dict[str, tuple[float, float]]:
 def recomputed_solution(result: Any) -> MeshSolution:
     """Return the solution on the last mesh from the arrays of a result."""
     equations = equations_of(result)
-    active = _zones_of_tractions(result, equations).astype(np.int8)
+    parts = zip(equations.parts_of(result), equations.nips, strict=True)
+    zones = [_zones_of_tractions(part, nip) for part, nip in parts]
+    active = np.concatenate(zones).astype(np.int8)
     state, solver = state_of(result, equations), SemismoothNewton(equations)
     return MeshSolution(result.nodes, equations, state, active, solver)

@@ -14,7 +14,7 @@ from ..elasticity.surface import SurfaceResponse, SurfacesByHalfWidth, SurfaceTa
 from .layout import Unknowns
 from .load_limit import frictionless_half_width, largest_half_width
 
-__all__ = ["ContactEquations", "Side", "nearest"]
+__all__ = ["DIFFERENCE", "ContactEquations", "Side", "nearest"]
 
 Array = np.ndarray
 
@@ -97,7 +97,7 @@ class ContactEquations:
 
     def __init__(self, problem: Any, load: float, guess: float) -> None:
         self.problem, self.load = problem, load
-        self.guessed_half_width = a = min(guess, BELOW_LARGEST * exp(self.largest_ln_a))
+        self.guessed_half_width = a = min(guess, BELOW_LARGEST * exp(self.largest_ln_a[0]))
         # scales: the maximum pressure of Hertz, and the slope of the gap at the contact edge
         self.pressure_scale, self.slope_scale = 2 * load / (pi * a), a / problem.contact_radius
         self.slip_scale = self.slope_scale
@@ -116,44 +116,51 @@ class ContactEquations:
         return out
 
     @cached_property
-    def traction_unknowns(self) -> slice:
-        """Indices of the tractions in u."""
-        return self.layout.q
+    def traction_unknowns(self) -> Array:
+        """Indices of the tractions in u, (k,)."""
+        return np.arange(self.layout.q.start, self.layout.q.stop)
 
     @cached_property
-    def ln_a(self) -> int:
-        """Index of ln a in u."""
-        return self.layout.ln_a
+    def ln_a(self) -> Array:
+        """Index of ln a in u, (1,)."""
+        return np.array([self.layout.ln_a])
 
     @cached_property
-    def load_row(self) -> int:
-        """Index of the load equation, the last one of the equilibrium equations."""
-        return self.layout.q.start - 1  # xi and ln a have no rows of their own
+    def load_rows(self) -> Array:
+        """Index of the load equation, the last one of the equilibrium equations, (1,)."""
+        return np.array([self.layout.q.start - 1])  # xi and ln a have no rows of their own
 
     @cached_property
-    def largest_ln_a(self) -> float:
-        """ln of the largest half width that the bodies permit."""
-        return log(largest_half_width(self.problem))
+    def largest_ln_a(self) -> Array:
+        """ln of the largest half width that the bodies permit, (1,)."""
+        return np.array([log(largest_half_width(self.problem))])
 
     def evaluate(self, u: Array, tolerance: float = 0.0) -> Any:
         """Return the state of the unknowns u with responses of a relative error below a tolerance.
 
         By default they are exact.
         """
-        return self.state(u, self.geometry(exp(u[self.ln_a]), tolerance))
+        return self.state(u, self.geometry(exp(u[self.layout.ln_a]), tolerance))
 
     def fill_half_width_column(self, jacobian: Jacobian, state: Any) -> None:
         """Write the derivatives by ln a, by a difference quotient, into their column.
 
         The responses are interpolated: an error of 1 % in this column only slows the convergence.
         """
+        self.fill_column(jacobian, state, self.shifted(state))
+
+    def shifted(self, state: Any) -> Any:
+        """Return the state of the same unknowns for a larger ln a, by DIFFERENCE."""
         a = state.geometry.a
         if len(self.surfaces.computed) == 1:
             self.geometry(a * exp(SECOND))
-        shifted = self.state(state.u, self.geometry(a * exp(DIFFERENCE), inf))
+        return self.state_like(state, self.geometry(a * exp(DIFFERENCE), inf))
+
+    def fill_column(self, jacobian: Jacobian, state: Any, shifted: Any) -> None:
+        """Write the derivatives by ln a into their column from a state and the shifted one."""
         for name, matrix in jacobian._asdict().items():
             change = getattr(shifted, name) - getattr(state, name)
-            matrix[:, self.ln_a] = change / DIFFERENCE
+            matrix[:, self.layout.ln_a] = change / DIFFERENCE
 
     def initial_guess(self) -> tuple[Array, Array]:
         """Return unknowns u with zero fields and the initial half width, and full stick.
@@ -161,7 +168,7 @@ class ContactEquations:
         For linear bodies the first Newton step gives the fields for this half width.
         """
         u = np.zeros(self.layout.size)
-        u[self.ln_a] = log(self.initial_half_width())
+        u[self.layout.ln_a] = log(self.initial_half_width())
         return u, np.zeros(self.layout.traction_count, dtype=np.int8)
 
     # ---- for subclasses ------------------------------------------------------------------------
@@ -176,6 +183,10 @@ class ContactEquations:
     def state(self, u: Array, geometry: Any) -> Any:
         """Return the state of the unknowns u."""
         raise NotImplementedError
+
+    def state_like(self, state: Any, geometry: Any) -> Any:
+        """Return the state of the same unknowns for another geometry."""
+        return self.state(state.u, geometry)
 
     def sides(self, a: float, faces: tuple[Face, Face], tolerance: float) -> list[Side]:
         """Return both bodies for a half width.
@@ -203,7 +214,7 @@ class ContactEquations:
         problem, a = self.problem, self.guessed_half_width
         if not problem.linear:
             return a
-        return frictionless_half_width(problem, self.load, a, exp(self.largest_ln_a))
+        return frictionless_half_width(problem, self.load, a, exp(self.largest_ln_a[0]))
 
 
 def nearest(old: Array, values: Array, new: Array) -> Array:

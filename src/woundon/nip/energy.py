@@ -31,8 +31,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from ..elasticity.surface import Deformation
+
 if TYPE_CHECKING:
-    from ..elasticity.surface import Deformation
     from .contact_equations import Side
     from .equations import NipEquations, NipState
 
@@ -110,10 +111,14 @@ def body_work(side: Side, deformation: Deformation, p: Array, q: Array, a: float
 
 
 def work_on_bodies(state: NipState) -> tuple[BodyWork, BodyWork]:
-    """Return the work on the roll and on the drum of a web nip."""
+    """Return the work on the roll and on the drum of a web nip.
+
+    That on the roll is without the work along the deformation by other nips.
+    """
     f = state.fields
     a, _, roll, drum = f.geometry
-    return body_work(roll, f.roll, *f.on_roll, a), body_work(drum, f.drum, *f.on_drum, a)
+    own = Deformation(f.roll.slope - f.far.slope, f.roll.strain - f.far.strain)
+    return body_work(roll, own, *f.on_roll, a), body_work(drum, f.drum, *f.on_drum, a)
 
 
 def dissipation(problem: Any, bodies: tuple[BodyWork, BodyWork]) -> float:
@@ -133,10 +138,10 @@ def power_balance(equations: NipEquations, state: NipState) -> float:
     web, first, last = problem.web, layout.first, layout.last
     c11, c12 = web.compliance.c11 / web.thickness, web.compliance.c12
     roll, drum = work_on_bodies(state)
-    slip_roll, slip_drum = equations.slip_velocities(state.u[layout.xi], f)
-    tension = problem.web_tension + a * mesh.integral_to_points @ (f.q_roll + f.q_drum)
+    slip_roll, slip_drum = equations.slip_velocities(state.u[layout.xi], f, state.laid_strain)
+    tension = f.tension[0] + a * mesh.integral_to_points @ (f.q_roll + f.q_drum)
     # traction times strain of the web, less the friction work
-    reference = f.roll.strain[-1] + c12 * f.p_roll[-1] - c11 * f.tension[-1]
+    reference = -state.laid_strain - c11 * f.tension[-1]
     creepage = state.u[layout.xi] - c11 * f.tension[-1]
     supplied = (roll.lengths * roll.q) @ (c11 * tension[first:] + reference - slip_roll)
     supplied += (drum.lengths * drum.q) @ (c11 * tension[:last] + creepage - slip_drum)
@@ -144,13 +149,16 @@ def power_balance(equations: NipEquations, state: NipState) -> float:
     supplied -= c12 * (roll.lengths[wrap] * roll.q[wrap]) @ roll.p[wrap]
     # wraps: the hoop pressure T kappa does work along the deformed path of the web
     hoop = a * mesh.cells * mesh.at_points(f.p_roll - f.p_drum)
-    supplied += hoop[:last] @ drum.slope - hoop[last:] @ roll.slope[wrap]
+    supplied += hoop[:last] @ drum.slope - hoop[last:] @ f.roll.slope[:-2][wrap]
     nip = slice(0, last - first)
     # moment of the pressure about the line of centres, and the compression of the web
     lever = state.u[layout.shift] - a * mesh.points[first:last] / problem.contact_radius
     thinning = np.diff(web.thinned(f.p_roll[first : last + 1])[0])
     supplied += roll.p[nip] @ (roll.lengths[nip] * lever - thinning)
     supplied -= roll.curvature_work + drum.curvature_work
+    # the work along the deformation by other nips is none of the own work
+    supplied -= (roll.lengths * roll.q) @ f.far.strain[:-2]
+    supplied += (roll.lengths * roll.p) @ f.far.slope[:-2]
     # the work on an elastic body is zero; its discretisation error is part of the defect
     dissipated = dissipation(problem, (roll, drum))
     return float((dissipated - supplied) / (problem.nip_load * a / problem.contact_radius))

@@ -19,7 +19,8 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 
-from ..elasticity.relaxation import modulus_ratio
+from ..elasticity import half_plane
+from ..elasticity.relaxation import bulk_relaxation, modulus_ratio
 from ..errors import InvalidProblem
 from ..quantities import Quantity, length, pure, share
 from ..results import ReadOnly, largest
@@ -123,8 +124,16 @@ def _body_compliance(body: Body, speed: float | None, length: float) -> float:
     material = body.surface_material
     if material is None or not material.relaxes or speed is None:
         return body.compliance
-    relaxation = material.relaxation(speed)
-    return float(body.compliance / abs(modulus_ratio(relaxation, np.array(1 / length))))
+    relaxation, k = material.relaxation(speed), np.array(1 / length)
+    creep = 1 / modulus_ratio(relaxation, k)
+    if material.bulk_is_constant:  # 1/(2 G) and 3/(2 (3K + G)) creep as G and 3K + G
+        stiffness = material.stiffness
+        shear_part = 1 / (2 * stiffness.shear * half_plane.coefficients(*stiffness).C)
+        bulk_creep = 1 / modulus_ratio(
+            bulk_relaxation(stiffness.rt, stiffness.shear, relaxation), k
+        )
+        creep = shear_part * creep + (1 - shear_part) * bulk_creep
+    return float(body.compliance * abs(creep))
 
 
 def _inlet_length(problem: NipProblem, gradient: Callable[[float], float]) -> float:
@@ -236,7 +245,8 @@ def air_film(problem: NipProblem, x: Array, pressure: Array, half_width: float) 
 
 def film_of_state(problem: NipProblem, equations: NipEquations, state: NipState) -> AirFilm:
     """Return the film for an iterate of the equations of the nip without air."""
-    nip, f = state.fields.geometry.mesh.nip_nodes, state.fields
+    f = state.nips[0].fields
+    nip = f.geometry.mesh.nip_nodes
     a = f.geometry.a
     return air_film(problem, a * f.geometry.mesh.nodes[nip], f.p_roll[nip], a)
 

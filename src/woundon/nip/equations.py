@@ -10,14 +10,15 @@ eps are normal displacement and strain of a surface (thesis eqs. 64 to 98, 131 t
     force          int q- dx = F
     load           int_nip p- dx = P
     tension        T = T_in + int (q+ + q-) dx
-    slip velocity  v+ = eps - eps+ - (eps - eps+)(end),      v- = eps - eps- + xi,
+    slip velocity  v+ = eps - eps+ - E,  E = (eps - eps+)(end),      v- = eps - eps- + xi,
                    eps = c11 (T - T(end))/2h - c12 p+
     friction law   stick: v = 0;   slip: q = s mu p, s = +1 or -1                traction nodes
 
 F(p) is the compression of the web (c22 p of a linear one).  On a wrap one face is free: p+ = 0
 and kappa = -kappa- on the drum, p- = 0 and kappa = kappa+ on the roll.  In the nip the web follows
 the drum, kappa = -kappa-, so that p+ = p- + T kappa is explicit.  Without a roll wrap the web is
-held to the roll at the trailing edge (thesis eq. 97), and p+ = p- = p in the nip.
+held to the roll at the trailing edge (thesis eq. 97), and p+ = p- = p in the nip.  If the web runs
+into a further nip at the end of the roll wrap, E is given (:mod:`.several_nips`).
 
 Unknowns and Jacobian, d by a difference of two residuals (:mod:`.layout`):
 
@@ -45,7 +46,7 @@ from .contact_equations import ContactEquations, Side, nearest
 from .layout import Layout
 from .load_limit import largest_half_width
 
-__all__ = ["Fields", "Geometry", "NipEquations", "NipState"]
+__all__ = ["Assembly", "Fields", "Geometry", "NipEquations", "NipState"]
 
 Array = np.ndarray
 
@@ -73,9 +74,17 @@ class Fields(NamedTuple):
     transfer: Array  # int (q+ + q-) dx/a from the first node, with lumped hats (:class:`Mesh`)
     tension: Array
     roll: Deformation
+    far: Deformation  # the part of ``roll`` by other nips
     drum: Deformation
     roll_curvature: Array  # at the nodes of the roll face; empty without a roll wrap
     drum_curvature: Array  # at the nodes of the drum face; empty without a wrap
+
+    def deformed(self, far: Deformation) -> Fields:
+        """Return the fields with the deformation of the roll by other nips added."""
+        face, a = self.geometry.roll.face, self.geometry.a
+        roll = Deformation(self.roll.slope + far.slope, self.roll.strain + far.strain)
+        bent = self.roll_curvature + face.curvature_change(far.slope, a, ends=False)
+        return self._replace(roll=roll, far=far, roll_curvature=bent)
 
     @property
     def on_roll(self) -> tuple[Array, Array]:
@@ -92,14 +101,28 @@ class Fields(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class NipState(Iterate):
-    """An iterate u with its residuals, and the fields along the web."""
+    """An iterate u with its residuals, and the fields along the web.
+
+    Attributes
+    ----------
+    fields : Fields
+    laid_strain : float
+        E, the strain of the laid web relative to the roll's surface, with eps = 0 for T = T(end)
+        and p+ = 0.
+    """
 
     fields: Fields
+    laid_strain: float
 
     @property
     def geometry(self) -> Geometry:
         """Mesh and surfaces."""
         return self.fields.geometry
+
+    @property
+    def nips(self) -> tuple[NipState]:
+        """The state of each nip."""
+        return (self,)
 
 
 class NipEquations(ContactEquations):
@@ -112,12 +135,23 @@ class NipEquations(ContactEquations):
     size : int
     like : Mesh, optional
         A mesh with the numbers of cells to use; by default those for the initial half width.
+    is_last : bool
+        False if the web runs into a further nip at the end of the roll wrap.
+    is_alone : bool
+        False if there are other nips on the roll.
     """
 
     layout: Layout
 
-    def __init__(self, problem: Any, size: int, like: Mesh | None = None) -> None:
-        self.size = size
+    def __init__(
+        self,
+        problem: Any,
+        size: int,
+        like: Mesh | None = None,
+        is_last: bool = True,
+        is_alone: bool = True,
+    ) -> None:
+        self.size, self.is_last, self.is_alone = size, is_last, is_alone
         self.roll_wrap, self.drum_wrap = problem.roll_wrap, problem.drum_wrap
         P, R = problem.nip_load, problem.contact_radius
         # a compressed web between rigid bodies, 2h c22 p = (a^2 - x^2)/2R, or Hertz's contact
@@ -134,21 +168,21 @@ class NipEquations(ContactEquations):
     # ---- interface of the semismooth Newton method ---------------------------------------------
 
     @cached_property
-    def largest_ln_a(self) -> float:
-        """ln of the largest half width that the bodies and the roll wrap permit."""
+    def largest_ln_a(self) -> Array:
+        """ln of the largest half width that the bodies and the roll wrap permit, (1,)."""
         a = largest_half_width(self.problem)
         if self.roll_wrap:
             a = min(a, self.roll_wrap * self.problem.roll.radius / (1 + LEAST_WRAP))
-        return log(a)
+        return np.array([log(a)])
 
     @cached_property
-    def creepage_nodes(self) -> Array:
+    def creepage_nodes(self) -> list[Array]:
         """Traction nodes on the drum, whose slip velocity contains the creepage."""
-        return np.arange(self.layout.roll_nodes.size, self.friction.size)
+        return [np.arange(self.layout.roll_nodes.size, self.friction.size)]
 
     def for_problem(self, problem: Any) -> Self:
         """Return the equations of a neighbouring problem with the same numbers of cells."""
-        return type(self)(problem, self.size, self._first_mesh)
+        return type(self)(problem, self.size, self._first_mesh, self.is_last, self.is_alone)
 
     def node_names(self, tractions: Array) -> list[str]:
         """Return the names of traction nodes for messages."""
@@ -160,6 +194,11 @@ class NipEquations(ContactEquations):
             for i in tractions.tolist()
         ]
 
+    @property
+    def nips(self) -> tuple[Self]:
+        """The equations of each nip."""
+        return (self,)
+
     # ---- geometry ------------------------------------------------------------------------------
 
     def mesh(self, a: float) -> Mesh:
@@ -167,10 +206,11 @@ class NipEquations(ContactEquations):
         if self._first_mesh is not None and not (self.roll_wrap or self.drum_wrap):
             return self._first_mesh
         roll, drum = (body.radius / a for body in self.problem.bodies)
+        length = max(self.roll_wrap * roll - 1, LEAST_WRAP) if self.roll_wrap else 0.0
         return nip_mesh(
             self.size,
             Wrap(self.drum_wrap * drum, drum, graded_end=True),
-            Wrap(max(self.roll_wrap * roll - 1, LEAST_WRAP) if self.roll_wrap else 0.0, roll),
+            Wrap(length, roll, graded_end=not self.is_last),
             self._first_mesh,
         )
 
@@ -183,23 +223,42 @@ class NipEquations(ContactEquations):
 
     def state(self, u: Array, geometry: Geometry) -> NipState:
         """Evaluate fields, residuals, slip velocities and friction bounds of the unknowns u."""
+        return self.state_of(u, self.fields(u, geometry, self.problem.web_tension))
+
+    def state_of(self, u: Array, f: Fields, laid_strain: float | None = None) -> NipState:
+        """Evaluate residuals, slip velocities and friction bounds of the unknowns u.
+
+        Parameters
+        ----------
+        u : (size,) array
+        f : Fields
+            Those of u.
+        laid_strain : float, optional
+            E (:class:`NipState`); by default that at the end of the roll's face.
+        """
         layout = self.layout
-        f = self._fields(u, geometry)
+        E = self.strain_at_end(f) if laid_strain is None else laid_strain
         rows = [self._gap_slope(u, f), *self._normal_equilibrium(f), self._force_and_load(u, f)]
         p = np.append(f.p_roll[layout.roll_nodes], f.p_drum[layout.drum_nodes])
         # the slip velocity of a traction node is that of the cell upstream of it
-        slip = np.concatenate([v[:-1] for v in self.slip_velocities(u[layout.xi], f)])
+        slip = np.concatenate([v[:-1] for v in self.slip_velocities(u[layout.xi], f, E)])
         traction = u[layout.q] / self.scales[layout.q]
         # tractions are in units of mu times the pressure scale: their bounds are the scaled p
-        return NipState(
-            u, np.concatenate(rows), slip / self.slope_scale, traction, p / self.pressure_scale, f
-        )
+        slip, p = slip / self.slope_scale, p / self.pressure_scale
+        return NipState(u, np.concatenate(rows), slip, traction, p, f, E)
 
-    def _fields(self, u: Array, g: Geometry) -> Fields:
+    def state_like(self, state: NipState, geometry: Geometry) -> NipState:
+        """Return the state for another geometry, with the same inlet tension and laid strain."""
+        f = self.fields(state.u, geometry, float(state.fields.tension[0]))
+        if not self.is_alone:
+            f = f.deformed(state.fields.far)
+        return self.state_of(state.u, f, None if self.is_last else state.laid_strain)
+
+    def fields(self, u: Array, g: Geometry, inlet_tension: float) -> Fields:
         """Evaluate pressures, tractions, tension and the deformation of both bodies.
 
-        In this order: the unknowns at the nodes, the tension, the drum, p+ in the nip, which
-        depends on the curvature of the drum, and the roll.
+        In this order: the unknowns at the nodes, the tension from the ``inlet_tension`` [N/m], the
+        drum, p+ in the nip, which depends on the curvature of the drum, and the roll.
         """
         layout, a, mesh = self.layout, g.a, g.mesh
         p_roll, p_drum, q_roll, q_drum = np.zeros((4, layout.end + 1))
@@ -208,7 +267,7 @@ class NipEquations(ContactEquations):
         q_roll[layout.roll_nodes], q_drum[layout.drum_nodes] = u[layout.roll_q], u[layout.drum_q]
         q = q_roll + q_drum
         transfer = np.cumsum(mesh.weights * q)
-        T = self.problem.web_tension + a * (transfer - q * np.append(mesh.cells, 0.0) / 2)
+        T = inlet_tension + a * (transfer - q * np.append(mesh.cells, 0.0) / 2)
         on_drum = p_drum[: layout.last + 1], q_drum[: layout.last + 1]
         drum = g.drum.surface.deform(*on_drum)
         kappa_roll, kappa_drum = np.zeros(0), np.zeros(0)
@@ -223,8 +282,9 @@ class NipEquations(ContactEquations):
         roll = g.roll.surface.deform(*on_roll)
         if self.roll_wrap:
             kappa_roll = g.roll.curvature(roll.slope, *on_roll, a)
+        far = Deformation(*np.zeros((2, roll.strain.size)))
         return Fields(
-            g, p_roll, p_drum, q_roll, q_drum, transfer, T, roll, drum, kappa_roll, kappa_drum
+            g, p_roll, p_drum, q_roll, q_drum, transfer, T, roll, far, drum, kappa_roll, kappa_drum
         )
 
     def _gap_slope(self, u: Array, f: Fields) -> Array:
@@ -273,23 +333,26 @@ class NipEquations(ContactEquations):
         mu = self.problem.drum_friction
         return float(np.clip(self.problem.winding_force / self.problem.nip_load, -mu, mu))
 
-    def slip_velocities(self, xi: float, f: Fields) -> tuple[Array, Array]:
+    def strain_at_end(self, f: Fields) -> float:
+        """Return eps - eps+ at the end of the roll face, with eps = 0 for T = T(end), p+ = 0."""
+        return float(-self.problem.web.compliance.c12 * f.p_roll[-1] - f.roll.strain[-1])
+
+    def slip_velocities(self, xi: float, f: Fields, laid_strain: float) -> tuple[Array, Array]:
         """Return v+ in the cells of the roll face and v- in those of the drum face.
 
-        v+ is relative to the end of the roll face, where the web is held to the roll.
+        v+ is relative to the laid layer, whose strain relative to the roll's surface is given.
         """
         layout, (a, mesh, *_), web = self.layout, f.geometry, self.problem.web
         stretch = a * web.compliance.c11 / web.thickness * (f.transfer[:-1] - f.transfer[-1])
         strain = stretch - web.compliance.c12 * mesh.at_points(f.p_roll)
-        reference = -web.compliance.c12 * f.p_roll[-1] - f.roll.strain[-1]
-        roll = strain[layout.first :] - f.roll.strain[:-2] - reference
+        roll = strain[layout.first :] - f.roll.strain[:-2] - laid_strain
         return roll, strain[: layout.last] - f.drum.strain[:-2] + xi
 
     # ---- Jacobian ------------------------------------------------------------------------------
 
     def jacobian(self, state: NipState) -> Jacobian:
         """Return the derivatives of equilibrium, slip and bound by u."""
-        jacobian = _Assembly(self, state).jacobian()
+        jacobian = Assembly(self, state).jacobian()
         self.fill_half_width_column(jacobian, state)
         return jacobian
 
@@ -330,7 +393,7 @@ class NipEquations(ContactEquations):
         return u, np.append(roll_zones, drum_zones)
 
 
-class _Assembly:
+class Assembly:
     """Assembly of the Jacobian at a state, block by block (table in the docstring of the module).
 
     Rows of a block are equations, columns all ``size`` unknowns; each method returns its block in
@@ -416,7 +479,7 @@ class _Assembly:
             rows[:, layout.drum_p] -= T * tangent[0][nodes, layout.drum_p_nodes]
             rows[:, layout.drum_q] -= T * tangent[1][nodes, 1:-1]
 
-    def _chain_p_roll(self, matrix: Array) -> Array:
+    def chain_p_roll(self, matrix: Array) -> Array:
         """Return the derivatives by u, matrix @ dp+/du (chain rule).
 
         Parameters
@@ -450,7 +513,7 @@ class _Assembly:
         k, h = np.arange(n), self.a * mesh.cells[nip]
         by_p[k, k] += thinning[:-1] / h
         by_p[k, k + 1] -= thinning[1:] / h
-        rows = self._chain_p_roll(by_p)
+        rows = self.chain_p_roll(by_p)
         # c12 (q+ + q-)
         thickening = web.compliance.c12 * mesh.hats[nip]
         rows[:, layout.roll_q] += thickening[:, layout.roll_nodes] + self.roll.slope_q[:n, 1:-1]
@@ -475,7 +538,7 @@ class _Assembly:
             rows = np.eye(nodes.stop - nodes.start, layout.size, layout.wrap_p.start)  # dp+
             if self.kappa_roll is not None:
                 T = f.tension[nodes, None]
-                rows += self._chain_p_roll(-T * self.kappa_roll[0][on_face])
+                rows += self.chain_p_roll(-T * self.kappa_roll[0][on_face])
                 rows[:, layout.roll_q] -= T * self.kappa_roll[1][on_face, 1:-1]
             self._subtract_hoop(rows, nodes, f.roll_curvature[on_face], None)
             blocks.append(rows)
@@ -509,11 +572,17 @@ class _Assembly:
         ) * self.dp_roll[1:]
         web_strain[:, layout.roll_q] += stretch[:, layout.roll_nodes]
         web_strain[:, layout.drum_q] += stretch[:, layout.drum_nodes]
-        # both strains on the roll are relative to the end, where that of the web is -c12 p+
         n, m = layout.roll_nodes.size, layout.drum_nodes.size
-        strain_p, strain_q = (s[:n] - s[-1] for s in (self.roll.strain_p, self.roll.strain_q))
-        roll = web_strain[layout.first : layout.first + n] - self._chain_p_roll(strain_p)
-        roll += c12 * self.dp_roll[-1]
+        strain_p, strain_q = self.roll.strain_p[:n], self.roll.strain_q[:n]
+        if self.equations.is_last:
+            # strains are relative to the end, where that of the web is -c12 p+
+            strain_p, strain_q = (
+                strain_p - self.roll.strain_p[-1],
+                strain_q - self.roll.strain_q[-1],
+            )
+        roll = web_strain[layout.first : layout.first + n] - self.chain_p_roll(strain_p)
+        if self.equations.is_last:
+            roll += c12 * self.dp_roll[-1]
         roll[:, layout.roll_q] -= strain_q[:, 1:-1]
         drum = web_strain[:m].copy()
         drum[:, layout.drum_p] -= self.drum.strain_p[:m, layout.drum_p_nodes]

@@ -18,7 +18,7 @@ import numpy as np
 
 from ..contact.refinement import Refinement
 from .energy import dissipation, pressure_resultant, work_on_bodies
-from .equations import Geometry, NipEquations, NipState
+from .equations import Fields, Geometry, NipEquations, NipState
 from .zones import LEAST_OFFSET_ERROR, cusp_excess, has_traction_jump, slip_lengths
 
 __all__ = [
@@ -26,6 +26,7 @@ __all__ = [
     "NipSystem",
     "approach",
     "error_estimates",
+    "evaluation_weights",
     "roll_wound_on_tension",
     "slip_ratios",
     "strain_rounding",
@@ -51,16 +52,29 @@ def roll_wound_on_tension(equations: NipEquations, state: NipState) -> float:
     T_closed = T + (2h/c11) (eps_closed - eps_1) with T and eps_1 at EVALUATION_ANGLE downstream of
     the centre of the nip, or at the end of a shorter wrap.
     """
-    layout, f, problem = equations.layout, state.fields, equations.problem
-    mesh, a, R = f.geometry.mesh, f.geometry.a, problem.roll.radius
-    s = EVALUATION_ANGLE * R / a  # in units of the half width
-    if s < mesh.points[-1]:
-        T = float(np.interp(s, mesh.nodes, f.tension))
-        strain = float(np.interp(s, mesh.points[layout.first :], f.roll.strain[:-2]))
-    else:  # a shorter wrap: at its end
-        T, strain = float(f.tension[-1]), float(f.roll.strain[-1])
-    closed_strain = problem.roll.uniform_strain(T / R)  # under a closed layer
+    f, problem = state.fields, equations.problem
+    at_nodes, at_points = evaluation_weights(equations, f)
+    T, strain = float(at_nodes @ f.tension), float(at_points @ f.roll.strain)
+    closed_strain = problem.roll.uniform_strain(T / problem.roll.radius)  # under a closed layer
     return T + problem.web.thickness / problem.web.compliance.c11 * (closed_strain - strain)
+
+
+def evaluation_weights(equations: NipEquations, f: Fields) -> tuple[Array, Array]:
+    """Return the weights with which T and eps_1 are interpolated at EVALUATION_ANGLE.
+
+    They are those of the values at the nodes of the mesh, and at the points of the roll's face.
+    """
+    mesh, a, face = f.geometry.mesh, f.geometry.a, f.geometry.roll.face
+    at_nodes, at_points = np.zeros(mesh.nodes.size), np.zeros(face.points.size)
+    s = EVALUATION_ANGLE * equations.problem.roll.radius / a  # in units of the half width
+    if s >= mesh.points[-1]:  # a shorter wrap: at its end
+        at_nodes[-1] = at_points[-1] = 1.0
+        return at_nodes, at_points
+    for weights, positions in ((at_nodes, mesh.nodes), (at_points, face.points[:-2])):
+        k = int(np.searchsorted(positions, s)) - 1
+        weights[k + 1] = (s - positions[k]) / (positions[k + 1] - positions[k])
+        weights[k] = 1.0 - weights[k + 1]
+    return at_nodes, at_points
 
 
 def approach(equations: NipEquations, state: NipState) -> float:
@@ -106,7 +120,9 @@ def web_arrays(equations: NipEquations, state: NipState, active: Array) -> dict[
     """
     layout, f = equations.layout, state.fields
     a, mesh, n = f.geometry.a, f.geometry.mesh, layout.end + 1
-    roll_slip, drum_slip = equations.slip_velocities(float(state.u[layout.xi]), f)
+    roll_slip, drum_slip = equations.slip_velocities(
+        float(state.u[layout.xi]), f, state.laid_strain
+    )
     roll_zone, drum_zone = _zones_at_nodes(equations, active)
     # where a face ends at the trailing edge, p = q = 0 and the friction law permits either zone:
     # the sign of the slip tells whether a slip zone shorter than the last cell ends there
@@ -223,21 +239,22 @@ def error_estimates(refinement: Refinement, arrays: Mapping[str, Array]) -> dict
     arrays : mapping
         As :func:`web_arrays` returns them, of the last mesh.
     """
-    errors, mesh = refinement.errors(), refinement.last.state.fields.geometry.mesh
+    last = refinement.last
+    first_nip, geometry = last.system.nips[0], last.state.nips[0].geometry
+    errors, mesh = refinement.errors(), geometry.mesh
     half_cell = float(mesh.cells[mesh.nip_cells].max()) / 2  # relative to the nip width
-    least_error = LEAST_OFFSET_ERROR * refinement.last.outputs["half_width"]
+    least_error = LEAST_OFFSET_ERROR * last.outputs["half_width"]
     errors["offset"] = max(errors["offset"], least_error)
     for name in SLIP_RATIOS:
         errors[name] = max(errors[name], half_cell)
     nip = mesh.nip_nodes
     if any(_reverses_at_edge(arrays, name, nip) for name in ("roll_slip", "drum_slip")):
-        errors["dual"] = max(errors["dual"], abs(refinement.last.outputs["dual"]))
+        errors["dual"] = max(errors["dual"], abs(last.outputs["dual"]))
     zones, pressure = (arrays["roll_zone"], arrays["drum_zone"]), arrays["drum_pressure"]
     errors["peak_pressure"] = max(errors["peak_pressure"], cusp_excess(pressure, *zones))
     if any(has_traction_jump(zone) for zone in zones):
         errors["drum_creepage"] = refinement.errors(order=1)["drum_creepage"]
-    last = refinement.last
-    unresolved_strain = _unresolved_wrap_strain(last.system, last.state.fields.geometry)
+    unresolved_strain = _unresolved_wrap_strain(first_nip, geometry)
     errors["drum_creepage"] = max(errors["drum_creepage"], unresolved_strain)
     return errors
 
@@ -263,6 +280,14 @@ def _unresolved_wrap_strain(equations: NipEquations, geometry: Geometry) -> floa
 
 class NipSystem(NipEquations):
     """The equations of a nip with their outputs, as mesh refinement needs them."""
+
+    def arrays(self, state: NipState, active: Array) -> dict[str, Array]:
+        """Return the fields along the web by the names of the results (:func:`web_arrays`)."""
+        return web_arrays(self, state, active)
+
+    def parts_of(self, result: Any) -> list[Any]:
+        """Return the arrays and scalars of each nip in a result: the result itself."""
+        return [result]
 
     def main_outputs(self, state: NipState) -> dict[str, float]:
         """Return the tensions whose error estimates end the mesh refinement [N/m]."""

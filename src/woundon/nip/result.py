@@ -22,6 +22,7 @@ from .air_films import friction_between
 from .energy import pressure_resultant
 from .entrained_air import AirFilm
 from .layer_slip import LayerSlip, layer_slip
+from .roll_contact import RollContact, contacts_of, tensions_of_first_nips
 
 if TYPE_CHECKING:
     from ..contact.refinement import MeshSolution
@@ -115,7 +116,8 @@ class NipResult(ContactOutputs, Result):
     """The solution of a winding nip; the arrays run along the web.
 
     With wraps the arrays run from the web's first contact with the drum through the nip (the nodes
-    ``in_nip``) to where it is held to the roll.  Slips are nan where the web does not touch the
+    ``in_nip``) to where it is held to the roll, through all further nips.  Scalars without a word
+    on the further nips are those of the first one.  Slips are nan where the web does not touch the
     body, and roll strains upstream of the nip.
 
     Attributes
@@ -155,6 +157,9 @@ class NipResult(ContactOutputs, Result):
         T kappa, the pressure of the web on what it is wrapped on [Pa]; length 0 without wraps.
     curvature : (M,) array
         kappa of the web on the wraps, centre on the roll's side > 0 [1/m]; length 0 without wraps.
+    next_positions, next_half_widths, next_offsets, next_creepages : (K-1,) arrays
+        Of the contacts of ``next_nips``: centre along the roll from the first contact [m], a [m],
+        Delta [m], xi-; length 0 without further nips.  ``contacts`` describes all nips.
     air : AirFilm or None
         Film of entrained air, and the friction coefficients that it leaves.
     iterations : int
@@ -234,6 +239,18 @@ class NipResult(ContactOutputs, Result):
     )
     curvature: Annotated[
         Array, Quantity("kappa", "1/m", "curvature of the web, > 0: centre in the roll")
+    ] = field(default_factory=lambda: np.zeros(0))
+    next_positions: Annotated[
+        Array, length("x_k", "centres of the further nips along the roll, from the first one")
+    ] = field(default_factory=lambda: np.zeros(0))
+    next_half_widths: Annotated[Array, length("a_k", "half-widths of the further nips")] = field(
+        default_factory=lambda: np.zeros(0)
+    )
+    next_offsets: Annotated[
+        Array, length("Delta_k", "offsets of the line of centres of the further nips")
+    ] = field(default_factory=lambda: np.zeros(0))
+    next_creepages: Annotated[
+        Array, strain("xi_k-", "creepages between the web and the further drums")
     ] = field(default_factory=lambda: np.zeros(0))
     air: AirFilm | None = None
     iterations: Annotated[int, pure("n_it", "number of Newton iterations")] = 0
@@ -368,8 +385,9 @@ class NipResult(ContactOutputs, Result):
     ) -> Annotated[
         float, line_load("Q_w+", "tangential force on the roll downstream of the nip, per width")
     ]:
-        """Q_w+ [N/m]."""
-        return self.wound_on_tension - self.outlet_tension
+        """Q_w+, that of the roll alone if there are further nips [N/m]."""
+        by_drums = sum(nip.winding_force for nip in self.problem.next_nips)
+        return self.wound_on_tension - self.outlet_tension - by_drums
 
     @property
     def drum_wrap_traction(
@@ -399,6 +417,18 @@ class NipResult(ContactOutputs, Result):
         if self.problem.roll_wrap > 0 and not self.slip_angle:
             return Zone.STICK
         return Zone(int(self.roll_zone[self.in_nip.stop - 1]))
+
+    # ---- several nips ---------------------------------------------------------------------------
+
+    @cached_property
+    def contacts(self) -> tuple[RollContact, ...]:
+        """The nips in the direction of travel: the first one, then those of ``next_nips``."""
+        return tuple(contacts_of(self))
+
+    @cached_property
+    def _tensions_of_first_nips(self) -> list[float]:
+        """Wound-on tensions of the first nips alone, for :attr:`.RollContact.added_tension`."""
+        return tensions_of_first_nips(self)
 
     # ---- entrained air --------------------------------------------------------------------------
 

@@ -40,7 +40,7 @@ def state_of(result: Any) -> tuple[RollerEquations, RollerState] | None:
     if {array.shape for array in arrays} != {(size,)}:
         return None
     equations = RollerEquations(result.problem, size)
-    if not a > 0 or log(a) > equations.largest_ln_a + 1e-9:
+    if not a > 0 or log(a) > equations.largest_ln_a[0] + 1e-9:
         return None
     layout = equations.layout
     u = np.zeros(layout.size)

@@ -109,7 +109,7 @@ class RollerEquations(ContactEquations):
         self.size, self.friction = size, problem.friction
         self.mesh = nip_mesh(size, Wrap(), Wrap())
         self.layout = Unknowns(size - 2, size - 2 if problem.friction else 0)
-        self.drive_row = self.load_row - 1
+        self.drive_row = self.load_rows[0] - 1
         self.static = problem.motion == "static"
         if self.static:
             self.slip_scale = self.slope_scale * self.guessed_half_width
@@ -117,9 +117,10 @@ class RollerEquations(ContactEquations):
     # ---- interface of the semismooth Newton method ---------------------------------------------
 
     @cached_property
-    def creepage_nodes(self) -> Array:
-        """All traction nodes, unless the creepage is given."""
-        return np.arange(self.layout.traction_count if self.problem.creepage is None else 0)
+    def creepage_nodes(self) -> list[Array]:
+        """All traction nodes, unless the creepage is given or there is no friction."""
+        k = self.layout.traction_count
+        return [np.arange(k)] if k and self.problem.creepage is None else []
 
     def for_problem(self, problem: RollerProblem) -> RollerEquations:
         """Return the equations of a neighbouring problem on the same mesh."""
@@ -417,7 +418,7 @@ class RollerEquations(ContactEquations):
         u, zones = np.zeros(new.size), np.zeros(new.traction_count, dtype=np.int8)
         u[new.p] = np.interp(x_new, x_old, state.p)
         u[new.shift] = state.u[old.shift]
-        u[new.ln_a] = min(state.u[old.ln_a], self.largest_ln_a)
+        u[new.ln_a] = min(state.u[old.ln_a], self.largest_ln_a[0])
         if self.static == coarse.static:
             u[new.xi] = state.u[old.xi]
         if zones.size and active.size:

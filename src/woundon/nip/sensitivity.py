@@ -203,20 +203,27 @@ class _Linearisation:
         self.value_count = self.size + len(self.frictions) + len(outputs)
         self.surface_of = _each_surface_once()
         self.system = self._system(dry)
-        a = mesh.state.geometry.a
-        for sign in (1, -1):  # responses next to a are interpolated between these
-            self.system.geometry(a * np.exp(sign * STEP))
+        # responses next to a half width are interpolated between these
+        for sign in (1, -1):
+            self.system.evaluate(self._at_ln_a(sign * STEP))
         matrix = system_matrix(self.system, self.system.jacobian(mesh.state), mesh.active)
-        by_ln_a = self._along(np.eye(1, self.size, self.system.ln_a)[0])
-        matrix[:, self.system.ln_a] = by_ln_a[: self.size]
+        for column in self.system.ln_a:
+            matrix[:, column] = self._along(np.eye(1, self.size, column)[0])[: self.size]
         matrix *= self.system.scales
         self.row_size = np.abs(matrix).max(axis=1)
         self.factors = lu_factor(matrix / self.row_size[:, None], check_finite=False)
 
+    def _at_ln_a(self, change: float) -> Array:
+        """Return the unknowns with every ln a changed."""
+        u = self.u.copy()
+        u[self.system.ln_a] += change
+        return u
+
     def _system(self, problem: Any) -> Any:
         """Return the equations of a problem, with the known surfaces of bodies that it shares."""
         system = self.mesh.system.for_problem(problem)
-        system.surfaces.surface_of = self.surface_of
+        for contact in getattr(system, "nips", (system,)):
+            contact.surfaces.surface_of = self.surface_of
         return system
 
     def _values(self, system: Any, u: Array, problem: Any) -> Array:

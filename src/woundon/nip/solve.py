@@ -11,7 +11,7 @@ nip with entrained air is solved with the friction coefficients that its air fil
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from math import nan, pi
 from typing import Annotated, Any
@@ -38,8 +38,9 @@ from .certificate import certificate, inconsistencies
 from .entrained_air import AirFilm, air_film, air_warnings
 from .equations import NipEquations
 from .load_limit import bending_text, check_load
-from .outputs import SLIP_RATIOS, NipSystem, error_estimates, web_arrays
+from .outputs import SLIP_RATIOS, NipSystem, error_estimates
 from .result import NipResult
+from .several_nips import check_nips, system_of
 from .validity import nip_warnings, web_far_outside
 
 __all__ = ["check_options", "solve_nip", "solve_with_film"]
@@ -104,8 +105,8 @@ def solve_nip(
         A solved neighbouring case, which replaces the initial guess on every mesh.  The result
         does not depend on it beyond the tolerance of the solver.
     errors : bool
-        False omits the error estimates if ``start`` has ``nodes`` too: only the last mesh is
-        solved, which takes less than half the time.
+        False omits the error estimates if there is a ``start``, and ``nodes`` is given: only the
+        last mesh is solved, which takes less than half the time.
     progress : callable, optional
         Called with the fraction of the work that is done.
 
@@ -187,6 +188,8 @@ def solve_with_film(
 def _solve(problem: NipProblem, *, start: NipResult | None = None, **options: Any) -> NipResult:
     """Solve a nip without air; options as of :func:`solve_nip`."""
     check_load(problem, "nip_load")
+    if problem.next_nips:
+        check_nips(problem)
     _check_force(problem)
     return _refined(problem, start=_longer_wrap(problem) or start, **options)
 
@@ -200,11 +203,13 @@ def _refined(
     tolerances = _tolerances(problem, rtol or default)
     try:
         refinement = refine(
-            lambda size: NipSystem(problem, size),
+            lambda size: system_of(problem, size),
             nodes=nodes,
             tolerances=tolerances,
             most_nodes=MOST_NODES_RTOL if rtol else max_nodes,
             start=getattr(start, "refinement", None),
+            # of the same problem only the coarse meshes are solved
+            last=start.refinement.last if start and start.problem == problem else None,
             check=lambda mesh: _check_taut(problem, mesh, CERTAINLY_SLACK),
             **options,
         )
@@ -324,15 +329,16 @@ def _check_taut(problem: Any, mesh: MeshSolution, permitted: float = 0.0) -> Non
     permitted : float
         Slackness that counts as an error of a coarse mesh, relative to the largest tension.
     """
-    equations: NipEquations = mesh.system
-    layout, T, T_in = equations.layout, mesh.state.fields.tension, problem.web_tension
-    for name, tension, wrapped in (
-        ("downstream", T[layout.roll_wrap_nodes], problem.roll_wrap > 0),
-        ("upstream", T[layout.drum_wrap_nodes], problem.drum_wrap > 0),
-    ):
-        min_tension = float(tension.min())
-        if wrapped and min_tension <= -permitted * float(np.abs(T).max()):
-            raise _slack(T_in, name, min_tension)
+    nips: Sequence[NipEquations] = mesh.system.nips
+    for nip, state in zip(nips, mesh.state.nips, strict=True):
+        layout, T = nip.layout, state.fields.tension
+        for name, tension, wrapped in (
+            ("downstream", T[layout.roll_wrap_nodes], problem.roll_wrap > 0),
+            ("upstream", T[layout.drum_wrap_nodes], nip.drum_wrap > 0),
+        ):
+            min_tension = float(tension.min())
+            if wrapped and min_tension <= -permitted * float(np.abs(T).max()):
+                raise _slack(problem.web_tension, name, min_tension)
 
 
 def _slack(T_in: float, name: str, tension: float) -> NoSteadyState:
@@ -346,11 +352,13 @@ def _slack(T_in: float, name: str, tension: float) -> NoSteadyState:
 
 def _check_pressed(problem: Any, mesh: MeshSolution) -> None:
     """Raise where a body is deformed so that it is concave on its wrap: the web lifts off it."""
-    layout, f = mesh.system.layout, mesh.state.fields
-    for name, pressure, wrapped in (
-        ("roll", f.p_roll[layout.roll_wrap_nodes], problem.roll_wrap > 0),
-        ("drum", f.p_drum[layout.drum_wrap_nodes], problem.drum_wrap > 0),
-    ):
+    nips: Sequence[NipEquations] = mesh.system.nips
+    faces = []
+    for nip, state in zip(nips, mesh.state.nips, strict=True):
+        layout, f = nip.layout, state.fields
+        faces.append(("roll", f.p_roll[layout.roll_wrap_nodes], problem.roll_wrap > 0, f))
+        faces.append(("drum", f.p_drum[layout.drum_wrap_nodes], nip.drum_wrap > 0, f))
+    for name, pressure, wrapped, f in faces:
         min_pressure = float(pressure.min())
         if wrapped and min_pressure < -ACCEPTED_RESIDUAL * f.p_drum.max():
             raise InvalidProblem.at(
@@ -366,7 +374,7 @@ def result_of(
 ) -> NipResult:
     """Return the result of the last mesh with its certificate, errors and warnings."""
     equations, state, active = refinement.last.system, refinement.last.state, refinement.last.active
-    arrays, outputs = web_arrays(equations, state, active), refinement.last.outputs
+    arrays, outputs = equations.arrays(state, active), refinement.last.outputs
     kernels = [body.kernels() for body in problem.bodies if hasattr(body, "kernels")]
     scalars = "roll_wound_on_tension", "half_width", "approach", "offset", "drum_creepage"
     values: dict[str, Any] = {name: outputs[name] for name in (*scalars, *SLIP_RATIOS)} | arrays

@@ -22,6 +22,17 @@ AIR = (
     "The air film is isothermal, as wide as the web, and escapes only through the web; friction "
     "falls linearly with its thickness."
 )
+# sizes: an estimate with slip planes between the layers and the moduli of newsprint
+BONDED_ON_DRUMS = (
+    "The layers of the roll are bonded: below the outer layer, on which all nips act, none slips. "
+    "Slipping layers would be moved by each nip, the outer one by 5 to 20 N/m in each pass, the "
+    "second one by up to 90 N/m (an estimate)."
+)
+BALANCE = (
+    "The forces on the roll are in balance: the web leaves the rear drum along its common tangent "
+    "with the roll, the rider idles, and rolling resistance is neglected (about 1 N/m of elastic "
+    "drums and roll; slip between layers would add 0.5 to 2 % of the loads)."
+)
 WRAPPED = "The web is held to the roll at the end of the roll wrap."
 NO_WRAP = (
     "The web is held to the roll at the trailing edge of the nip and does not slip downstream."
@@ -113,13 +124,14 @@ def of_winding(problem: Any) -> tuple[str, ...]:
             FRICTION,
             ROLL_BODIES[problem.roll_body],
             *filter(None, [drum]),
-            BONDED,
+            BONDED if problem.winder is None else BONDED_ON_DRUMS,
         )
     else:
         text = LAWS.get(law, "") if isinstance(law, str) else ""
         assumptions = (text or "The wound-on tension is given over the radius.",)
     return (
         *assumptions,
+        *(() if problem.winder is None else (BALANCE,)),
         "The roll is axisymmetric, its layers elastic, and without creep.",
         UNLOADED_THICKNESS if problem.caliper_pressure is None else CALIPER_THICKNESS,
         _across(problem, UNIFORM),

@@ -26,7 +26,8 @@ from ..elasticity.layers import stacked_compliance
 from ..elasticity.surface import RigidSurface, SurfaceResponse
 from ..errors import InvalidProblem
 from ..quantities import length
-from . import viscoelastic as viscoelastic  # registers its materials
+from . import measured_moduli as measured_moduli  # registers its materials
+from . import viscoelastic as viscoelastic
 from .description import Description
 from .family import Family
 from .fields import Number, listed
@@ -38,7 +39,7 @@ if TYPE_CHECKING:
 
     from ..elasticity.layers import Layers as Stacked
     from ..elasticity.mesh import Face
-    from .fields import CoercedField, Nested
+    from .fields import CoercedField, Nested, OptionalNested
 
 __all__ = [
     "AnyBody",
@@ -49,6 +50,7 @@ __all__ = [
     "KernelBody",
     "Layer",
     "Layered",
+    "OptionalBody",
     "Radius",
     "Rigid",
     "check_core",
@@ -203,8 +205,10 @@ class Body(Family):
 
 if TYPE_CHECKING:
     AnyBody = Nested[Body]
+    OptionalBody = OptionalNested[Body]
 else:
     AnyBody = Annotated[SerializeAsAny[Body], BeforeValidator(Body.coerce)]
+    OptionalBody = AnyBody | None
 
 
 class Rigid(Body):
@@ -309,7 +313,10 @@ class LayeredBody(KernelBody, abstract=True):
         if speed is None:
             return cylinder.layered_kernels(self.radius, self._stack, self._is_open)
         relaxations = tuple(material.relaxation(speed) for material in self.materials)
-        return rolling.layered_kernels(self.radius, self._stack, relaxations, self._is_open)
+        constant_bulk = tuple(material.bulk_is_constant for material in self.materials)
+        return rolling.layered_kernels(
+            self.radius, self._stack, relaxations, self._is_open, constant_bulk
+        )
 
     def _sections(
         self, x: np.ndarray, p: np.ndarray, q: np.ndarray, depths: np.ndarray
@@ -352,7 +359,9 @@ class HalfPlane(KernelBody):
         if speed is None:
             return half_plane.surface_kernels(*stiffness)
         reach = (pi + 1) * self.radius  # covers the largest wrap angle, pi
-        return rolling.half_plane_kernels(stiffness, self.material.relaxation(speed), reach)
+        return rolling.half_plane_kernels(
+            stiffness, self.material.relaxation(speed), reach, self.material.bulk_is_constant
+        )
 
     def _sections(
         self, x: np.ndarray, p: np.ndarray, q: np.ndarray, depths: np.ndarray

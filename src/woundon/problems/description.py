@@ -26,7 +26,7 @@ from .inputs import Inputs
 from .messages import check_names, validation_error
 from .paths import Faults, change_fields, halve_diameters
 
-__all__ = ["Description"]
+__all__ = ["Description", "is_unset"]
 
 if TYPE_CHECKING:
     from pydantic._internal._model_construction import ModelMetaclass
@@ -58,6 +58,11 @@ class DocumentedMeta(ModelMetaclass):
     def __dir__(cls) -> list[str]:  # noqa: N805
         names = set(super().__dir__()) - set(dir(BaseModel))
         return sorted(name for name in names if not name.startswith(("_", "model_")))
+
+
+def is_unset(value: Any) -> bool:
+    """Return True for the value of an optional field that is not set: None, or an empty list."""
+    return value is None or value == ()
 
 
 class Description(BaseModel, metaclass=DocumentedMeta):

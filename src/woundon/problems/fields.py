@@ -35,6 +35,7 @@ __all__ = [
     "NumbersOfField",
     "OptionalNested",
     "OptionalNumber",
+    "OptionalNumbers",
     "check_equal_lengths",
     "check_rising",
     "default",
@@ -122,6 +123,7 @@ if TYPE_CHECKING:
     Number = CoercedField[float, float | str]
     OptionalNumber = CoercedField[float | None, float | str | None]
     Numbers = CoercedField[tuple[float, ...], Iterable[float | str]]
+    OptionalNumbers = CoercedField[tuple[float, ...] | None, Iterable[float | str] | None]
     Nested = CoercedField[T, T | Mapping[str, Any]]
     OptionalNested = CoercedField[T | None, T | Mapping[str, Any] | None]
     NumberOfField = Number
@@ -130,6 +132,7 @@ else:
     Number = Annotated[float, BeforeValidator(_number)]
     OptionalNumber = Number | None
     Numbers = Annotated[tuple[Number, ...], BeforeValidator(listed)]
+    OptionalNumbers = Numbers | None
     Nested = Annotated[T, "or a table of its fields"]  # pydantic ignores the text
     OptionalNested = T | None
     # Values of a schedule: they have the unit of the field that holds the schedule.

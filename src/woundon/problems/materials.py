@@ -41,6 +41,7 @@ __all__ = [
     "PronyTerm",
     "Solid",
     "Stiffness",
+    "isotropic_stiffness",
     "material",
 ]
 
@@ -82,8 +83,16 @@ class Solid(Family):
         """Range of frequencies in which a viscoelastic material is known [Hz]; None for all."""
         return None
 
+    @property
+    def bulk_is_constant(self) -> bool:
+        """True if the shear modulus alone relaxes, False if all moduli relax in proportion."""
+        return False
+
     def relaxation(self, speed: float) -> tuple[tuple[float, float], ...]:
-        """Return the relaxation in rolling: pairs E_k/E_inf [1], speed * tau_k [m]."""
+        """Return the relaxation in rolling: pairs E_k/E_inf [1], speed * tau_k [m].
+
+        They are those of the shear modulus if the bulk modulus is constant.
+        """
         return ()
 
 
@@ -186,6 +195,22 @@ class Orthotropic(Material):
 PoissonsRatio = Annotated[Number, pure("nu", "Poisson's ratio", (0.0, 0.49)), Field(ge=0, le=0.5)]
 
 
+def isotropic_stiffness(E: float, nu: float) -> Stiffness:
+    """Return the plane-strain stiffness A_rr = A_tt, A_rt, G, D of an isotropic material [Pa].
+
+    A_rr varies as 1/(1 - 2 nu); D stays bounded and is therefore given separately.
+
+    Parameters
+    ----------
+    E, nu : float
+        Young's modulus [Pa] and Poisson's ratio.
+    """
+    direct = E * (1 - nu) / ((1 + nu) * max(1 - 2 * nu, INCOMPRESSIBLE))
+    return Stiffness(
+        direct, direct, direct * nu / (1 - nu), E / (2 * (1 + nu)), E / ((1 - nu) * (1 + nu))
+    )
+
+
 class OneModulus(Material, abstract=True):
     """An isotropic material with one modulus: Poisson's ratio does not depend on time."""
 
@@ -216,15 +241,8 @@ class OneModulus(Material, abstract=True):
 
     @cached_property
     def stiffness(self) -> Stiffness:
-        """The plane-strain stiffness A_rr = A_tt, A_rt, G [Pa].
-
-        A_rr varies as 1/(1 - 2 nu); D stays bounded and is therefore given separately.
-        """
-        E, nu = self.long_term_modulus, self.poissons_ratio
-        direct = E * (1 - nu) / ((1 + nu) * max(1 - 2 * nu, INCOMPRESSIBLE))
-        return Stiffness(
-            direct, direct, direct * nu / (1 - nu), E / (2 * (1 + nu)), E / ((1 - nu) * (1 + nu))
-        )
+        """The plane-strain stiffness A_rr = A_tt, A_rt, G, D after all relaxation [Pa]."""
+        return isotropic_stiffness(self.long_term_modulus, self.poissons_ratio)
 
 
 # Sum of the moduli of a Prony series relative to E_inf below which it has no effect on a nip: the
@@ -327,9 +345,9 @@ class Isotropic(OneModulus):
             raise InvalidProblem.at(
                 "prony",
                 f"moduli with the sum {quote(total)} are out of range; must be >= "
-                f"{SMALLEST_RELAXATION:g} * youngs_modulus = {quote(least)} [Pa]; relative moduli "
-                "g_k are entered as E_k = g_k E_0, with the instantaneous modulus E_0 and "
-                "youngs_modulus = E_0 (1 - sum of g_k)",
+                f"{SMALLEST_RELAXATION:g} * youngs_modulus = {quote(least)} [Pa]; fractions g_k of "
+                "the instantaneous modulus are entered as prony_relative, with "
+                "instantaneous_modulus in place of youngs_modulus (RelativeProny)",
             )
         return self
 

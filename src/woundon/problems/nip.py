@@ -22,6 +22,7 @@ from .consistency import different_moduli
 from .contact_problem import ContactProblem
 from .fields import Nested, Number, OptionalNested, OptionalNumber, default
 from .materials import material
+from .next_nip import NextNips
 from .permitted import Conditional
 from .problem import OF_FINISHED_ROLL, only_in
 from .stack import Stack
@@ -44,7 +45,8 @@ __all__ = [
 
 LEAST_FRICTION = 1e-8  # below, rounding errors decide between stick and slip
 _FRICTION = Field(ge=LEAST_FRICTION, le=10.0)
-_HALF_TURN = Field(ge=0, le=pi * (1 + 1e-12))
+_ROUND = 1 + 1e-12  # an angle in degrees may be rounded up
+_HALF_TURN = Field(ge=0, le=pi * _ROUND)
 
 Width = Annotated[
     OptionalNumber, length("w", "width of the web", "m", (0.2, 10.0)), Field(gt=0, le=100)
@@ -57,11 +59,8 @@ RollFriction = Annotated[
 DrumFriction = Annotated[
     Number, pure("mu-", "friction coefficient of web and drum", (0.1, 0.6)), _FRICTION
 ]
-RollWrap = Annotated[
-    Number,
-    angle("theta+", "wrap angle on the roll downstream of the nip", (0.0, pi)),
-    _HALF_TURN,
-]
+_ROLL_WRAP = angle("theta+", "wrap angle on the roll downstream of the nip", (0.0, pi))
+RollWrap = Annotated[Number, _ROLL_WRAP, _HALF_TURN]
 DrumWrap = Annotated[
     Number, angle("theta-", "wrap angle on the drum upstream of the nip", (0.0, pi)), _HALF_TURN
 ]
@@ -122,6 +121,7 @@ class NipProblem(ContactProblem):
     roll_wrap : float
         Angle from the line of centres to where the web is held to the roll [rad]: 0, or from 2 % of
         the half width downstream of the trailing edge to pi.
+        Behind ``next_nips`` it goes on for at most pi after the last one, less than 2 pi in all.
     drum_wrap : float
         Angle of the arc on which the web lies on the drum upstream of the nip [rad], 0 to pi.
     wrap_friction : float, optional
@@ -131,6 +131,8 @@ class NipProblem(ContactProblem):
         viscoelastic bodies (> 0).  Otherwise nothing depends on it, and the report says so.
     air : Air, optional
         The air that the web entrains, which reduces the friction.
+    next_nips : sequence of NextNip, optional
+        Further nips through which the laid web runs: front drum and rider roll.
     width : float, optional
         Of the web [m].  With it, loads and tensions may be entered as totals, "3.6 kN"; they are
         held per metre of width.
@@ -193,7 +195,7 @@ class NipProblem(ContactProblem):
         tension("T_in", "web tension upstream of the nip", (50.0, 1000.0)),
         Field(ge=0, le=1e6),
     ] = default(0.0)
-    roll_wrap: RollWrap = default(pi)
+    roll_wrap: Annotated[Number, _ROLL_WRAP, Field(ge=0, le=2 * pi * _ROUND)] = default(pi)
     drum_wrap: DrumWrap = default(0.0)
     wrap_friction: WrapFriction = default(None)
     web_speed: Annotated[
@@ -203,6 +205,9 @@ class NipProblem(ContactProblem):
         Conditional("required with air or a viscoelastic body"),
     ] = default(None)
     air: Annotated[OptionalNested[Air], Field(description="entrained air")] = default(None)
+    next_nips: Annotated[
+        NextNips, Field(max_length=5, description="further nips of the laid web, in its direction")
+    ] = default(())
     width: Width = default(None)
 
     @model_validator(mode="after")
@@ -233,6 +238,32 @@ class NipProblem(ContactProblem):
                     "represent the frictionless limit",
                 )
         return fields
+
+    @model_validator(mode="after")
+    def _check_next_nips(self) -> Self:
+        """Reject nips beyond the roll wrap, a longer wrap than their model, and slipping drums."""
+        arc = sum(nip.angle for nip in self.next_nips)
+        low, high = arc, min(arc + pi, 2 * pi)
+        if not self.next_nips and self.roll_wrap > high * _ROUND:
+            text = f"{self.roll_wrap:.6g} is out of range; must be >= 0 and <= {high:.6g} [rad]"
+            raise InvalidProblem.at("roll_wrap", text)
+        if self.next_nips and not low < self.roll_wrap <= high * _ROUND:
+            raise InvalidProblem.at(
+                "roll_wrap",
+                f"{self.roll_wrap:.6g} is out of range; must be > {low:.6g}, the sum of the angles "
+                f"of next_nips, and <= {high:.6g} [rad]",
+            )
+        for k, nip in enumerate(self.next_nips):
+            mu = self.drum_friction if nip.drum_friction is None else nip.drum_friction
+            capacity = mu * nip.nip_load
+            if not abs(nip.winding_force) < capacity:
+                raise NoSteadyState.at(
+                    f"next_nips.{k}.winding_force",
+                    f"{nip.winding_force:.10g} is out of range; must be > {-capacity:.10g} and < "
+                    f"{capacity:.10g} [N/m], the friction capacity drum_friction * nip_load; "
+                    "otherwise the drum slips",
+                )
+        return self
 
     @property
     def input_warnings(self) -> tuple[str, ...]:

@@ -38,6 +38,7 @@ __all__ = [
     "RadialLaw",
     "SolidLaw",
     "StackTest",
+    "pfeiffer_line",
 ]
 
 Array = np.ndarray
@@ -481,17 +482,11 @@ class StackTest(SolidLaw):
     def _fit(self) -> tuple[float, BSpline]:
         """K1 [Pa] and the monotone least-squares spline of the strain over ln(1 + P/K1)."""
         from scipy.interpolate import BSpline
-        from scipy.optimize import lsq_linear, minimize_scalar
+        from scipy.optimize import lsq_linear
 
         P, e = np.array(self.pressure), np.array(self.strain)
-
-        def squared_error(log_K1: float) -> float:
-            return float(_fit_line(np.log1p(P / exp(log_K1)), e)[1])
-
-        ln_K1_range = log(P[-1]) + SMALLEST_LN_K1, log(P[-1]) + LARGEST_LN_K1
-        K1 = exp(minimize_scalar(squared_error, bounds=ln_K1_range, method="bounded").x)
+        K1, slope = pfeiffer_line(P, e)
         x = np.log1p(P / K1)
-        (_, slope), _ = _fit_line(x, e)
         inner_count = min((P.size - CUBIC) // POINTS_PER_KNOT, MOST_KNOTS)
         count = CUBIC + inner_count
         # Inner knots at quantiles of the data: every interval contains data.
@@ -551,6 +546,26 @@ def _composite_gauss_rule() -> tuple[Array, Array]:
     """Return the points and weights of 6 panels of 24 Gauss points each on [0, 1]."""
     x, w = np.polynomial.legendre.leggauss(24)
     return ((np.arange(6)[:, None] + (x + 1) / 2) / 6).ravel(), np.tile(w / 12, 6)
+
+
+def pfeiffer_line(P: Array, strain: Array) -> tuple[float, float]:
+    """Return K1 [Pa] and 1/K2 of the least-squares line of the strain over ln(1 + P/K1).
+
+    Parameters
+    ----------
+    P, strain : (n,) arrays
+        Pressures [Pa], the largest one > 0, and strains with any origin.
+    """
+    from scipy.optimize import minimize_scalar
+
+    def squared_error(log_K1: float) -> float:
+        return float(_fit_line(np.log1p(P / exp(log_K1)), strain)[1])
+
+    ln_P = log(P.max())
+    ln_K1_range = ln_P + SMALLEST_LN_K1, ln_P + LARGEST_LN_K1
+    K1 = exp(minimize_scalar(squared_error, bounds=ln_K1_range, method="bounded").x)
+    (_, slope), _ = _fit_line(np.log1p(P / K1), strain)
+    return K1, slope
 
 
 def _fit_line(x: Array, y: Array) -> tuple[tuple[float, float], float]:

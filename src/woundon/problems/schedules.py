@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import BaseModel, BeforeValidator, Field, ValidationInfo, model_validator
 
 from ..errors import InvalidProblem
-from ..quantities import OF_FIELD, length, pure
+from ..quantities import OF_FIELD, Quantity, length, members_of, pure, quantity_of
 from .description import Description
 from .family import from_table
 from .fields import (
@@ -25,6 +25,7 @@ from .fields import (
 )
 from .inputs import FloatWithUnit, Inputs
 from .messages import quote
+from .paths import field_or_none
 from .permitted import is_within
 
 if TYPE_CHECKING:
@@ -39,6 +40,7 @@ __all__ = [
     "WindingSchedule",
     "as_schedule",
     "at_radius",
+    "schedule_fields",
     "uncovered_ends",
     "unused_in_tapers",
     "values_of",
@@ -225,6 +227,21 @@ else:
     OptionalWindingSchedule = WindingSchedule | None
 
 
+def schedule_fields(problem: type[BaseModel]) -> dict[str, Quantity]:
+    """Return the quantities of the fields of a problem that may be profiles over the radius.
+
+    >>> import woundon as wo
+    >>> list(schedule_fields(wo.RollProblem))
+    ['wound_on_tension']
+    """
+    fields = {
+        name: quantity_of(field)
+        for name, field in problem.model_fields.items()
+        if Profile in members_of(field.annotation)
+    }
+    return {name: quantity for name, quantity in fields.items() if quantity is not None}
+
+
 class Curve:
     """A schedule between two radii: values, slopes and kinks.
 
@@ -232,8 +249,9 @@ class Curve:
     ----------
     kinks : (k,) array
         Radii between core and surface at which the slope jumps [m].
-    bends : (k,) array
-        Sharpness of the kinks, r |d slope|/|value| [1].
+    jumps, bends : (k,) arrays
+        Jump of the slope at the kinks, |d slope| [1/m], and their sharpness, r |d slope|/|value|
+        [1]; inf or nan where the value is zero.
 
     Parameters
     ----------
@@ -251,7 +269,10 @@ class Curve:
         inner = schedule.kinks if isinstance(schedule, Profile) else ()
         self.kinks = np.array([r for r in inner if core < r < radius])
         slope_left, slope_right = (self.slope(self.kinks, side) for side in (-1, 1))
-        self.bends = self.kinks * np.abs(slope_right - slope_left) / np.abs(self.at(self.kinks))
+        self.jumps = np.abs(slope_right - slope_left)
+        # a value of zero at a kink: infinitely sharp, or no kink if the slope does not jump
+        with np.errstate(divide="ignore", invalid="ignore"):
+            self.bends = self.kinks * self.jumps / np.abs(self.at(self.kinks))
 
     def at(self, r: Array) -> Array:
         """Return the values at radii [m]."""
@@ -321,6 +342,6 @@ def uncovered_ends(
 def unused_in_tapers(problem: BaseModel, names: Iterable[str]) -> Iterator[str]:
     """Yield the dotted names of the tapers of a constant torque, which determines them."""
     for name in names:
-        schedule = getattr(problem, name)
+        schedule = field_or_none(problem, name)
         if isinstance(schedule, Taper) and schedule.law == "constant_torque":
             yield f"{name}.taper"

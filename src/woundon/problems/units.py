@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from decimal import Decimal
 from fractions import Fraction
 from functools import cache, lru_cache
-from math import isfinite
+from math import isfinite, pi
 from typing import Any, NamedTuple
 
 from ..errors import InvalidProblem, did_you_mean
@@ -112,6 +112,8 @@ _SPELLINGS = {
     "\N{GREEK SMALL LETTER MU}m": "um",
     "\N{GREEK SMALL LETTER MU}": "um",
 }
+
+TURN = Fraction(2 * pi)  # [rad]
 
 # Masses that are read as forces where the dimension of a quantity is that of the force: "lb/in".
 # kg and g are forces per width only: kg/m^2 is a basis weight, and mills weigh in kg.
@@ -460,7 +462,11 @@ def _in_unit_of(text: str, unit: str, forces: Mapping[str, str]) -> Fraction | N
     known = _definitions()
     target = _product(unit, known)
     source = _product(text, known | {name: known[force] for name, force in forces.items()})
-    return source.factor / target.factor if source.powers == target.powers else None
+    if source.powers == target.powers:
+        return source.factor / target.factor
+    if target.powers == {"s": -1} and source.powers == {"rad": 1, "s": -1}:
+        return source.factor / target.factor / TURN  # an angular frequency
+    return None
 
 
 def _nearest(name: str) -> str:

@@ -1,40 +1,43 @@
-"""Viscoelastic materials from measurements: a loss angle, or storage and loss moduli.
+"""Viscoelastic materials by a loss angle, or by a Prony list of relative moduli.
 
-Both are converted to a Prony series, which :class:`~.materials.Isotropic` accepts directly.
+Both are converted to a Prony series of absolute moduli, which :class:`~.materials.Isotropic`
+accepts directly.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from functools import cached_property
-from math import hypot, log10, pi, sqrt, tan
-from typing import Annotated, Self
+from math import hypot, pi, sqrt, tan
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
-import numpy as np
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from ..errors import InvalidProblem
-from ..quantities import Quantity, angle, stress
-from .fields import Number, Numbers, check_equal_lengths, check_rising
-from .materials import SOFTEST, STIFFEST, OneModulus, PoissonsRatio
+from ..quantities import Quantity, angle, share, stress
+from .description import Description
+from .family import from_table
+from .fields import Number, listed
+from .materials import (
+    SOFTEST,
+    STIFFEST,
+    Material,
+    OneModulus,
+    PoissonsRatio,
+    Stiffness,
+    isotropic_stiffness,
+)
+from .measured_moduli import frequency_quantity
 from .messages import quote
 
-__all__ = ["DynamicTest", "LossAngle"]
+if TYPE_CHECKING:
+    from .fields import CoercedField
 
-# Relaxation times of the fitted series: number per decade, and decades by which they extend beyond
-# the measured frequencies on both sides.
-TIMES_PER_DECADE = 5
-EXTENSION = 0.5
-# Relative rms misfit above which a table is rejected, and above which a warning is given.  Tables
-# with a scatter of 5 % are usual; 10 % is more than scatter explains.
-LARGEST_MISFIT = 0.1
-WARNING_MISFIT = 0.05
-# Ratio of loss and storage modulus that a table must exceed somewhere.  Steel has about 2e-4; tan
-# delta in place of the loss modulus gives 1e-7.
-SMALLEST_LOSS = 1e-4
+__all__ = ["LossAngle", "RelativeProny", "RelativeTerm"]
 
-
-def _frequency(meaning: str) -> Quantity:
-    return Quantity("f", "1/s", meaning, shown_unit="Hz", typical=(0.1, 1e4))
+# Largest sum of the relative moduli of a Prony list: E_0/E_inf of a glassy polymer is at most 1e4.
+# A larger sum is 1 but for rounding.
+LARGEST_SUM = 1 - 1e-4
 
 
 class LossAngle(OneModulus):
@@ -75,7 +78,9 @@ class LossAngle(OneModulus):
     ]
     poissons_ratio: PoissonsRatio
     loss_angle: Annotated[Number, angle("delta", "loss angle", (0.02, 0.5)), Field(ge=1e-6, le=1.5)]
-    frequency: Annotated[Number, _frequency("frequency of the loss angle"), Field(ge=1e-9, le=1e12)]
+    frequency: Annotated[
+        Number, frequency_quantity("frequency of the loss angle"), Field(ge=1e-9, le=1e12)
+    ]
 
     @property
     def long_term_modulus(self) -> float:
@@ -90,128 +95,162 @@ class LossAngle(OneModulus):
         return ((g * self.youngs_modulus, 1 / (2 * pi * self.frequency * sqrt(1 + g))),)
 
 
-class DynamicTest(OneModulus):
-    """An isotropic material with a measured table of storage and loss moduli.
-
-    A Prony series is fitted by non-negative least squares of the relative residuals of storage and
-    loss modulus, with five relaxation times per decade, from half a decade below to half a decade
-    above the measured frequencies.  A table that no such series follows within 10 % violates the
-    Kramers-Kronig relations and is rejected.
+class RelativeTerm(Description):
+    """A term g_k exp(-t/tau_k) of a relative Prony list; fields also accept a pair (g_k, tau_k).
 
     Parameters
     ----------
-    frequency : sequence of float
-        f [Hz], rising; at least 3.
-    storage_modulus, loss_modulus : sequence of float
-        E' and E'' of Young's modulus [Pa], > 0.
-    poissons_ratio : float
-        nu, 0 <= nu <= 0.5.
-
-    Raises
-    ------
-    InvalidProblem
-        For columns of different lengths, frequencies that do not rise, moduli that are not causal,
-        or loss moduli below 1e-4 of the storage moduli, such as tan delta.
+    fraction : float
+        g_k, the part of the instantaneous modulus that relaxes with tau_k, > 0 and < 1.
+    time : float
+        tau_k [s], > 0.
 
     Examples
     --------
     >>> import woundon as wo
-    >>> cover = wo.DynamicTest(
-    ...     frequency=[1.0, 10.0, 100.0],
-    ...     storage_modulus=[11e6, 15e6, 19e6],
-    ...     loss_modulus=[1.7e6, 3e6, 1.7e6],
-    ...     poissons_ratio=0.48,
-    ... )
-    >>> len(cover.frequency)
-    3
+    >>> wo.RelativeTerm(fraction="30 %", time="1 ms").fraction
+    0.3
     """
 
-    frequency: Annotated[
-        Numbers, _frequency("frequencies of a dynamic test"), Field(min_length=3, max_length=10_000)
+    fraction: Annotated[
+        Number, share("g_k", "relaxing fraction of the instantaneous modulus"), Field(gt=0, lt=1)
     ]
-    storage_modulus: Annotated[
-        Numbers, stress("E'", "storage moduli", "MPa"), Field(min_length=3, max_length=10_000)
+    time: Annotated[
+        Number, Quantity("tau_k", "s", "relaxation time", "ms", (1e-6, 10.0)), Field(gt=0, le=1e15)
     ]
-    loss_modulus: Annotated[
-        Numbers, stress("E''", "loss moduli", "MPa"), Field(min_length=3, max_length=10_000)
+
+    @classmethod
+    def coerce(cls, value: Any) -> Any:
+        """Return the term of a pair or of a table."""
+        if isinstance(value, (tuple, list)) and len(value) == 2:
+            return cls(fraction=value[0], time=value[1])
+        return from_table(value, [cls]) if isinstance(value, Mapping) else value
+
+
+if TYPE_CHECKING:
+    RelativeTerms = CoercedField[
+        tuple[RelativeTerm, ...],
+        Iterable[RelativeTerm | tuple[float | str, float | str] | Mapping[str, Any]],
+    ]
+else:
+    RelativeTerms = Annotated[
+        tuple[Annotated[RelativeTerm, BeforeValidator(RelativeTerm.coerce)], ...],
+        BeforeValidator(listed),
+    ]
+
+
+class RelativeProny(Material):
+    """An isotropic material by a Prony list of relative moduli, as finite element programs use it.
+
+    With ``bulk="relaxing"`` Young's modulus relaxes and Poisson's ratio is constant,
+
+        E(t) = E_0 [1 - sum_k g_k (1 - exp(-t/tau_k))],
+
+    with ``bulk="constant"`` the shear modulus G relaxes in this way and the bulk modulus K does
+    not: Poisson's ratio increases with time.  This is the meaning of a list without terms for the
+    bulk modulus in Abaqus (g_i without k_i) and Ansys (shear without bulk terms).
+
+    Parameters
+    ----------
+    instantaneous_modulus : float
+        E_0, Young's modulus before any relaxation [Pa], 1e-3 to 1e14.
+    poissons_ratio : float
+        nu, 0 <= nu <= 0.5; with a constant bulk modulus the ratio before any relaxation.
+    prony_relative : sequence of (float, float)
+        g_k, > 0 with a sum of less than 1, and tau_k [s], > 0.
+    bulk : "relaxing" or "constant"
+        Whether the bulk modulus relaxes like the shear modulus.
+
+    Raises
+    ------
+    InvalidProblem
+        For values out of range, and terms whose sum is 1: they leave no modulus after relaxation.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> rubber = wo.RelativeProny(
+    ...     instantaneous_modulus="10 MPa", poissons_ratio=0.45, prony_relative=[(0.3, "1 ms")]
+    ... )
+    >>> round(rubber.long_term_modulus)
+    7000000
+    """
+
+    instantaneous_modulus: Annotated[
+        Number,
+        stress("E_0", "instantaneous Young's modulus", "MPa", (1e6, 1e8)),
+        Field(ge=SOFTEST, le=STIFFEST),
     ]
     poissons_ratio: PoissonsRatio
+    prony_relative: Annotated[
+        RelativeTerms,
+        Field(min_length=1, max_length=100, description="terms of the modulus relative to E_0"),
+    ]
+    bulk: Literal["relaxing", "constant"] = "relaxing"
 
     @model_validator(mode="after")
-    def _check_table(self) -> Self:
-        """Reject columns of different lengths and values out of range."""
-        check_equal_lengths(self, "frequency", "storage_modulus", "loss_modulus")
-        for name in ("storage_modulus", "loss_modulus"):
-            for k, value in enumerate(getattr(self, name)):
-                if not SOFTEST <= value <= STIFFEST:
-                    text = f"{quote(value)} is out of range; must be >= 0.001 and <= 1e+14 [Pa]"
-                    raise InvalidProblem.at(f"{name}.{k}", text)
-        check_rising(self, "frequency", above=0.0)
-        losses = zip(self.loss_modulus, self.storage_modulus, strict=True)
-        ratio = max(loss / storage for loss, storage in losses)
-        if ratio < SMALLEST_LOSS:
+    def _check_sum(self) -> Self:
+        """Reject terms that leave no modulus after relaxation."""
+        total = self._relaxing_fraction
+        if total > LARGEST_SUM:
             raise InvalidProblem.at(
-                "loss_modulus",
-                f"is at most {ratio:.2g} of the storage modulus; must reach {SMALLEST_LOSS:g} of "
-                "it; values of tan delta are entered multiplied by the storage moduli",
+                "prony_relative",
+                f"fractions with the sum {quote(total)} are out of range; must be <= "
+                f"{LARGEST_SUM:g}, or no modulus is left after relaxation, as of a fluid; some "
+                "programs normalise the fractions to the sum 1 by default (pyvisco without "
+                "opt=True): repeat the fit with the long-term modulus as a parameter",
             )
         return self
 
     @property
-    def measured_frequencies(self) -> tuple[float, float]:
-        """The lowest and the highest measured frequency [Hz]."""
-        return self.frequency[0], self.frequency[-1]
-
-    @model_validator(mode="after")
-    def _check_causality(self) -> Self:
-        """Reject moduli that contradict the Kramers-Kronig relations."""
-        if self.misfit > LARGEST_MISFIT:
-            raise InvalidProblem.at(
-                "loss_modulus",
-                f"disagrees with the storage moduli (Kramers-Kronig relations): the best Prony "
-                f"series deviates from the table by {self.misfit:.2g} (rms); must be <= "
-                f"{LARGEST_MISFIT:g}",
-            )
-        return self
-
-    @cached_property
-    def _fit(self) -> tuple[tuple[float, ...], tuple[float, ...], float]:
-        """(E_inf, E_1, E_2, ...) [Pa], tau_k [s], and the rms of the relative residuals."""
-        from scipy.optimize import nnls
-
-        omega = 2 * pi * np.array(self.frequency)
-        low, high = log10(1 / omega[-1]) - EXTENSION, log10(1 / omega[0]) + EXTENSION
-        tau = np.logspace(low, high, 1 + max(1, round(TIMES_PER_DECADE * (high - low))))
-        i_omega_tau = 1j * omega[:, None] * tau
-        terms = np.hstack([np.ones((omega.size, 1)), i_omega_tau / (1 + i_omega_tau)])
-        storage, loss = np.array(self.storage_modulus), np.array(self.loss_modulus)
-        rows = np.vstack([terms.real / storage[:, None], terms.imag / loss[:, None]])
-        scale = storage.max()  # the unknown moduli are of the order of 1
-        E, residual = nnls(rows * scale, np.ones(2 * omega.size))
-        moduli, times = (E * scale).tolist(), tau.tolist()
-        return tuple(moduli), tuple(times), float(residual / sqrt(2 * omega.size))
+    def _relaxing_fraction(self) -> float:
+        """The sum of g_k."""
+        return sum(term.fraction for term in self.prony_relative)
 
     @property
-    def misfit(self) -> float:
-        """Root mean square of the relative residuals of storage and loss moduli [1]."""
-        _, _, rms = self._fit
-        return rms
+    def bulk_is_constant(self) -> bool:
+        """True if the shear modulus alone relaxes."""
+        return self.bulk == "constant"
+
+    @property
+    def _long_term(self) -> tuple[float, float]:
+        """Young's modulus [Pa] and Poisson's ratio after all relaxation.
+
+        With a constant bulk modulus 1/E = 1/(3 G) + 1/(9 K) and nu = E/(2 G) - 1, where
+        1/(9 K) = (1 - 2 nu_0)/(3 E_0) and G = (1 - sum g) G_0.
+        """
+        E, nu, left = self.instantaneous_modulus, self.poissons_ratio, 1 - self._relaxing_fraction
+        if not self.bulk_is_constant:
+            return left * E, nu
+        shear = left * E / (2 * (1 + nu))
+        relaxed = 1 / (1 / (3 * shear) + (1 - 2 * nu) / (3 * E))
+        # nu = 1/2 - E/(6 K), without the cancellation of E/(2 G) - 1 near 1/2
+        return relaxed, 0.5 - relaxed * (1 - 2 * nu) / (2 * E)
 
     @property
     def long_term_modulus(self) -> float:
-        """E_inf [Pa], at least 1e-6 of the smallest storage modulus, as for a solid."""
-        (E_inf, *_), _, _ = self._fit
-        return max(E_inf, 1e-6 * min(self.storage_modulus))
-
-    @cached_property
-    def prony_series(self) -> tuple[tuple[float, float], ...]:
-        """E_k [Pa] and tau_k [s] of the terms with E_k > 0."""
-        E, tau, _ = self._fit
-        return tuple((e, t) for e, t in zip(E[1:], tau, strict=True) if e > 0)
+        """E_inf, Young's modulus after all relaxation [Pa]."""
+        return self._long_term[0]
 
     @property
-    def validity_warning(self) -> str:
-        """A warning if the fit of the series has an error above 5 %, otherwise empty."""
-        if self.misfit <= WARNING_MISFIT:
-            return ""
-        return f"its Prony series deviates from the measured moduli by {self.misfit:.1%} (rms)"
+    def long_term_poissons_ratio(self) -> float:
+        """nu after all relaxation [1]."""
+        return self._long_term[1]
+
+    @property
+    def relaxes(self) -> bool:
+        """True: a viscoelastic material."""
+        return True
+
+    def relaxation(self, speed: float) -> tuple[tuple[float, float], ...]:
+        """Return the relaxation in rolling: pairs g_k/(1 - sum g) [1], speed * tau_k [m].
+
+        They belong to all moduli, or with a constant bulk modulus to the shear modulus.
+        """
+        left = 1 - self._relaxing_fraction
+        return tuple((term.fraction / left, speed * term.time) for term in self.prony_relative)
+
+    @cached_property
+    def stiffness(self) -> Stiffness:
+        """The plane-strain stiffness A_rr = A_tt, A_rt, G, D after all relaxation [Pa]."""
+        return isotropic_stiffness(*self._long_term)

@@ -21,6 +21,7 @@ from .fields import Nested, Number, OptionalNested, OptionalNumber, default
 from .limits import Limits
 from .materials import Material, material
 from .messages import not_one_of, quote
+from .next_nip import NextNip
 from .nip import (
     WRAP_TABLE,
     DrumFriction,
@@ -32,7 +33,8 @@ from .nip import (
     WrapFriction,
     friction_capacity,
 )
-from .permitted import Conditional
+from .paths import field_or_none, field_quantity
+from .permitted import Conditional, in_brackets
 from .problem import OF_FINISHED_ROLL, Problem, only_in
 from .radial_laws import Pfeiffer
 from .roll import Core, GaugeExcess, RollProblem
@@ -49,6 +51,7 @@ from .schedules import (
 )
 from .stack import AnyStack, Stack
 from .thickness_profile import Oscillation, ThicknessProfile, faults_across, warnings_across
+from .two_drums import DrumLoads, TwoDrums, balanced_loads, roll_weight
 from .web import CaliperPressure, Web, WebDensity
 
 if TYPE_CHECKING:
@@ -69,12 +72,16 @@ SCHEDULES: dict[str, tuple[float, float]] = {
     "torque_split": (0.0, 1.0),
     "nip_induced_tension": (-1e6, 1e6),
     "tension_law": (1e-6, 1e6),
+    "winder.rider_load": (0.0, 1e7),
+    "winder.core_torque": (-1e7, 1e7),
 }
+WITH_WINDER = {"torque_split": (-10.0, 10.0)}  # a drum may drive more than the web pulls, or brake
 LOADS = ("nip_load", "winding_force", "web_tension")
 # Fields of the nip that do not depend on the radius.
 NIP_FIELDS = frozenset({"web", "drum", "roll_friction", "drum_friction", *WRAP_TABLE["wrap"]})
-# Parts of a winding whose only effect is that of its nips.
-OF_NIP = ("web.material", "drum", *WRAP_TABLE["wrap"], "roll_body")
+# Parts of a winding whose only effect is that of its nips; without a winder the drum is another.
+OF_NIP = ("web.material", *WRAP_TABLE["wrap"], "roll_body")
+HELD = 0.8  # largest part of the arc from the last nip to the rear drum that is the roll wrap
 CHECKED_RADII = 257  # radii, in addition to all kinks, at which a steady state must exist
 
 
@@ -107,15 +114,19 @@ class WindingProblem(Problem):
         The web's layers in the roll.
     core : Core
     drum : Rigid, HalfPlane, Cylinder or another Body
+        On which the web arrives; of a two-drum winder the rear drum.
     radius : float
         R of the finished roll [m].
     roll_friction, drum_friction, roll_wrap, drum_wrap, wrap_friction
         As of :class:`~woundon.NipProblem`.
     web_tension, nip_load, winding_force : float, Taper or Profile
-        T_in, P and F over the radius [N/m]; F = 0: centre winding.
+        T_in, P and F over the radius [N/m]; F = 0: centre winding.  With a ``winder`` P and F
+        follow from it and the torque split.
     torque_split : float, Taper or Profile, optional
         Fraction of the web tension carried by the drum, F = -torque_split T_in, instead of F: 0 is
-        centre winding, 1 surface winding.
+        centre winding, 1 surface winding.  Of a two-drum winder, that of the rear drum.
+    winder : TwoDrums, optional
+        Front drum and rider roll of a two-drum winder; needs the density and the torque split.
     roll_body : "effective", "direct" or "linear"
         Model of the roll in the nip.  "effective": a linear cylinder with E_r at the pressure of
         wound roll and nip, an estimate.  "direct": the hardening roll with its wound-in pressure.
@@ -201,7 +212,11 @@ class WindingProblem(Problem):
     web_tension: Annotated[
         WindingSchedule, tension("T_in", "web tension upstream of the nip", (50.0, 1000.0))
     ]
-    nip_load: Annotated[WindingSchedule, line_load("P", "nip load", (500.0, 10e3))]
+    nip_load: Annotated[
+        OptionalWindingSchedule,
+        line_load("P", "nip load", (500.0, 10e3)),
+        Conditional("required without winder, not allowed with one"),
+    ] = default(None)
     winding_force: Annotated[
         WindingSchedule,
         line_load("F", "winding force (drum traction resultant), F = -M2/R2", (-500.0, 500.0)),
@@ -209,6 +224,9 @@ class WindingProblem(Problem):
     torque_split: Annotated[
         OptionalWindingSchedule,
         pure("s_F", "fraction of the web tension carried by the drum, -F/T_in", (0.0, 1.0)),
+    ] = default(None)
+    winder: Annotated[
+        OptionalNested[TwoDrums], Field(description="front drum and rider of a two-drum winder")
     ] = default(None)
     roll_wrap: RollWrap = default(pi)
     drum_wrap: DrumWrap = default(0.0)
@@ -226,7 +244,9 @@ class WindingProblem(Problem):
         Conditional('required with tension_law = "fixed", not allowed otherwise'),
     ] = default(None)
     caliper_pressure: CaliperPressure = default(None)
-    density: Annotated[WebDensity, Conditional("required with limits.acceleration")] = default(None)
+    density: Annotated[
+        WebDensity, Conditional("required with limits.acceleration and with a winder")
+    ] = default(None)
     gauge_excess: GaugeExcess = default(0.0)
     thickness_profile: OptionalNested[ThicknessProfile] = default(None)
     oscillation: Oscillation = default(0.0)
@@ -255,8 +275,12 @@ class WindingProblem(Problem):
         faults = [fault for name in SCHEDULES for fault in self._faults_of(name)]
         faults += self._contradictions()
         faults += faults_across(self, self.width)
+        if self.winder is not None:
+            faults += self._contradictions_of_winder(self.winder)
         if faults:
             raise InvalidProblem(faults)
+        if self.winder is not None:
+            self._check_drum_loads(self.winder)
         if self.tension_law in ("nip", "friction"):
             self._check_steady_state()
         return self
@@ -272,6 +296,8 @@ class WindingProblem(Problem):
                 if fixed
                 else f"is given together with tension_law = {law}; must be left out",
             )
+        if self.nip_load is None and self.winder is None:
+            yield "nip_load", "missing; must be given [N/m], or a winder"
         if self.torque_split is not None and self.winding_force != 0.0:
             yield ("torque_split", "is given together with winding_force; must be one of the two")
         if self.roll_body == "linear" and not isinstance(self.web.material, Material):
@@ -281,20 +307,50 @@ class WindingProblem(Problem):
             yield "limits.acceleration", f"{text}; must be 0, or density be given [kg/m^3]"
         if self.air is not None and self.web_speed is None:
             yield "web_speed", "missing; must be given with air"
-        if self.drum.viscoelastic:
-            if self.web_speed is None:
+        for name in self._viscoelastic_drums[:1]:
+            if not self.web_speed:
+                wrong = "missing" if self.web_speed is None else "0 is out of range"
                 yield (
                     "web_speed",
-                    "missing; must be > 0 [m/s], as drum is of a viscoelastic material",
+                    f"{wrong}; must be > 0 [m/s], as {name} is of a viscoelastic material",
                 )
-            elif self.web_speed == 0:
-                text = "0 is out of range; must be > 0 [m/s], as drum is of a viscoelastic material"
-                yield "web_speed", text
         if self.air is not None:
             for field, text in self.air.too_rough(self.web.thickness):
                 yield f"air.{field}", text
         if self.air is not None and self.tension_law != "nip":
             yield "air", "needs tension_law = 'nip', which computes the entrained air"
+
+    def _contradictions_of_winder(self, winder: TwoDrums) -> Iterator[tuple[str, str]]:
+        """Yield (field, message) for fields that do not fit to a two-drum winder."""
+        if self.nip_load is not None:
+            text = "is given together with winder; must be left out"
+            yield "nip_load", f"{text}: it follows from the weight of the roll and the rider load"
+        if self.winding_force != 0.0:
+            text = "is given together with winder; must be left out"
+            yield "winding_force", f"{text}: it follows from the torque split"
+        if self.torque_split is None:
+            text = "missing; must be given with a winder"
+            yield "torque_split", f"{text}: the share of the web tension that the rear drum drives"
+        if self.density is None:
+            yield "density", "missing; must be given [kg/m^3] with a winder, for the roll's weight"
+        if self.tension_law == "nip" and self.roll_wrap == 0:
+            yield "roll_wrap", "0 is out of range; must be > 0 and <= 3.14159 [rad] with a winder"
+        yield from winder.geometry_faults(self.drum.radius, *self.ends)
+
+    @property
+    def drums(self) -> dict[str, Body]:
+        """The winding drum and, of a two-drum winder, front drum and rider, by dotted name."""
+        bodies = {"drum": self.drum}
+        if self.winder is not None:
+            bodies["winder.front_drum"] = self.winder.front_drum
+            if self.winder.rider is not None:
+                bodies["winder.rider"] = self.winder.rider
+        return bodies
+
+    @property
+    def _viscoelastic_drums(self) -> list[str]:
+        """Dotted names of the drums that are viscoelastic."""
+        return [name for name, drum in self.drums.items() if drum.viscoelastic]
 
     @property
     def input_warnings(self) -> tuple[str, ...]:
@@ -305,7 +361,7 @@ class WindingProblem(Problem):
             *self.stack.input_warnings("stack"),
             *warnings_across(self, self.web.thickness),
         ]
-        if self.web_speed is not None and self.air is None and not self.drum.viscoelastic:
+        if self.web_speed is not None and self.air is None and not self._viscoelastic_drums:
             texts.append(unused_speed("web_speed", self.web_speed))
         return tuple(texts)
 
@@ -314,11 +370,14 @@ class WindingProblem(Problem):
 
         The numbers of the schedule are checked, and the value that a taper leaves at the surface.
         """
-        schedule = getattr(self, name)
+        schedule = field_or_none(self, name)
         if schedule is None or isinstance(schedule, str):
             return
         low, high = SCHEDULES[name]
-        unit = "" if name == "torque_split" else " [N/m]"
+        if self.winder is not None:
+            low, high = WITH_WINDER.get(name, (low, high))
+        quantity = field_quantity(self, name)
+        unit = "" if quantity is None else in_brackets(quantity.unit)
         must = f"must be >= {low:g} and <= {high:g}{unit}"
         wrong = [
             (f"{name}{part}", f"{quote(value)} is out of range; {must}")
@@ -354,6 +413,60 @@ class WindingProblem(Problem):
                 "otherwise the drum slips",
             )
 
+    def _check_drum_loads(self, winder: TwoDrums) -> None:
+        """Reject a roll that is not pressed onto a drum or the rider, or a front drum that slips.
+
+        The friction of the rear drum is that of the nip, see :meth:`_check_steady_state`.
+        """
+        r = self.radii(CHECKED_RADII)
+        loads = self.drum_loads(r)
+        # balance of forces on the drums: how much more rider load makes each load positive
+        arc = np.sin(loads.front_arc)
+        for name, load, share in (
+            ("rear", loads.rear_load, np.sin(loads.front_angle) / arc),
+            ("front", loads.front_load, np.sin(loads.rear_angle) / arc),
+        ):
+            if (load <= 0).any():
+                k = int(np.argmin(load))
+                least = loads.rider_load[k] - load[k] / share[k]
+                raise InvalidProblem.at(
+                    "winder.rider_load",
+                    f"{quote(float(loads.rider_load[k]))} at the radius {r[k]:.6g} [m] is out of "
+                    f"range; must be > {least:.6g} [N/m] there, or the roll lifts off the {name} "
+                    "drum",
+                )
+        if winder.rider is not None and (loads.rider_load <= 0).any():
+            k = int(np.argmin(loads.rider_load))
+            raise InvalidProblem.at(
+                "winder.rider_load",
+                f"{quote(float(loads.rider_load[k]))} at the radius {r[k]:.6g} [m] is out of "
+                "range; must be > 0 [N/m] with a rider, or the rider lifts off the roll",
+            )
+        capacity = self.front_friction * loads.front_load
+        slides = np.abs(loads.front_force) >= capacity
+        if self.tension_law in ("nip", "friction") and slides.any():
+            k = int(np.argmax(slides))
+            split = float(self.curve("torque_split").at(r[k]))
+            raise NoSteadyState.at(
+                "torque_split",
+                f"{quote(split)} at the radius {r[k]:.6g} [m] means a winding force of the front "
+                f"drum of {loads.front_force[k]:.6g} [N/m], which is out of range; must be > "
+                f"{-capacity[k]:.6g} and < {capacity[k]:.6g} [N/m] there, the friction capacity; "
+                "otherwise the front drum slips",
+            )
+
+    @property
+    def front_friction(self) -> float:
+        """mu- of the front drum of a two-drum winder."""
+        friction = None if self.winder is None else self.winder.front_friction
+        return self.drum_friction if friction is None else friction
+
+    @property
+    def rider_friction(self) -> float:
+        """mu- of the rider roll of a two-drum winder."""
+        friction = None if self.winder is None else self.winder.rider_friction
+        return self.drum_friction if friction is None else friction
+
     # ---- schedules ------------------------------------------------------------------------------
 
     @property
@@ -363,26 +476,82 @@ class WindingProblem(Problem):
 
     def curve(self, name: str) -> Curve:
         """Return the schedule of a field over the radius."""
-        return Curve(getattr(self, name), *self.ends)
+        return Curve(field_or_none(self, name), *self.ends)
 
     def at(self, name: str, r: ArrayLike) -> Array:
-        """Return the values of a schedule at radii [m]; F may be given by the torque split."""
+        """Return the values of a schedule at radii [m].
+
+        F may be given by the torque split, P by the balance of a two-drum winder.
+        """
         r = np.asarray(r, dtype=float)
+        if name == "nip_load" and self.winder is not None:
+            return self.drum_loads(r).rear_load
         if name == "winding_force" and self.torque_split is not None:
             return -self.curve("torque_split").at(r) * self.curve("web_tension").at(r)
         return self.curve(name).at(r)
+
+    def drum_loads(self, r: ArrayLike) -> DrumLoads:
+        """Return loads, forces and angles of a two-drum winder at radii of the roll [m].
+
+        Raises
+        ------
+        InvalidProblem
+            Without a winder.
+
+        Examples
+        --------
+        >>> import woundon as wo
+        >>> winder = wo.TwoDrums(front_drum=wo.Rigid(radius=0.25), gap=0.02, rider_load=2500.0)
+        >>> problem = wo.WindingProblem.example().replace(
+        ...     winder=winder, nip_load=None, torque_split=1.0
+        ... )
+        >>> float(problem.drum_loads(0.4).front_force)
+        0.0
+        """
+        if self.winder is None:
+            raise InvalidProblem.at("winder", "missing; must be given for the loads of its drums")
+        r = np.asarray(r, dtype=float)
+        assert self.density is not None  # required with a winder
+        return balanced_loads(
+            r,
+            (self.drum.radius, self.winder.front_drum.radius),
+            self.winder.gap,
+            roll_weight(r, self.core.radius, self.density, self.winder.core_mass),
+            self.at("winder.rider_load", r),
+            self.at("web_tension", r),
+            self.at("winding_force", r),
+            self.at("winder.core_torque", r) / r,
+        )
+
+    def friction_used(self, r: ArrayLike) -> dict[str, Array]:
+        """Return |F| of each drum over its friction capacity at radii [m], by dotted name [1].
+
+        The capacity is that of the nip, and of the drum wrap.  A rider idles.
+        """
+        r = np.asarray(r, dtype=float)
+        P, T, F = (self.at(name, r) for name in ("nip_load", "web_tension", "winding_force"))
+        low, high = friction_capacity(P, T, self.drum_friction, self.drum_wrap)
+        used = {"drum": F / np.where(F < 0, low, high)}
+        if self.winder is not None:
+            loads = self.drum_loads(r)
+            capacity = self.front_friction * loads.front_load
+            used["winder.front_drum"] = np.abs(loads.front_force) / capacity
+        return used
 
     @property
     def kinks(self) -> dict[float, float]:
         """Radii of the kinks of all schedules [m], with their sharpness r |d slope|/value."""
         sharpness: dict[float, float] = {}
         for name in SCHEDULES:
-            schedule = getattr(self, name)
+            schedule = field_or_none(self, name)
             if isinstance(schedule, Profile):
                 curve = self.curve(name)
-                # a value of zero at a kink: infinitely sharp, or no kink if the slope does not jump
-                with np.errstate(divide="ignore", invalid="ignore"):
-                    sharp = np.nan_to_num(curve.bends, nan=0.0, posinf=1e9)
+                sharp = np.nan_to_num(curve.bends, nan=0.0, posinf=1e9)
+                # of the winder's inputs, which may be zero, relative to what they change
+                if name == "winder.rider_load":
+                    sharp = curve.kinks * curve.jumps / np.abs(self.at("nip_load", curve.kinks))
+                elif name == "winder.core_torque":
+                    sharp = curve.jumps / self.at("web_tension", curve.kinks)
                 for r, bend in zip(curve.kinks.tolist(), sharp.tolist(), strict=True):
                     sharpness[r] = max(sharpness.get(r, 0.0), bend)
         return dict(sorted(sharpness.items()))
@@ -399,9 +568,41 @@ class WindingProblem(Problem):
             name: getattr(self, name) for name in NipProblem.model_fields if name in NIP_FIELDS
         }
         fields |= {name: float(self.at(name, radius)) for name in LOADS}
-        if self.drum.viscoelastic or self.air is not None:  # else a warning that it has no effect
+        if self.winder is not None:
+            fields |= self._next_nips(self.winder, radius)
+        if self._viscoelastic_drums or self.air is not None:  # else a warning that it has no effect
             fields |= {"web_speed": self.web_speed, "air": self.air}
         return NipProblem(**fields, roll=roll)
+
+    def _next_nips(self, winder: TwoDrums, radius: float) -> dict[str, Any]:
+        """Return the fields of a nip for the front drum and the rider at a radius of the roll [m].
+
+        The web is held to the roll ``roll_wrap`` downstream of the last nip, but not beyond HELD of
+        the arc on to the rear drum, next to which the roll is deformed by its nip.
+        """
+        loads = self.drum_loads(radius)
+        nips = [
+            NextNip(
+                angle=float(loads.front_arc),
+                drum=winder.front_drum,
+                nip_load=float(loads.front_load),
+                winding_force=float(loads.front_force),
+                drum_friction=self.front_friction,
+            )
+        ]
+        to_rear_drum = float(loads.rider_arc + loads.returning_arc)
+        if winder.rider is not None:
+            nips.append(
+                NextNip(
+                    angle=float(loads.rider_arc),
+                    drum=winder.rider,
+                    nip_load=float(loads.rider_load),
+                    drum_friction=self.rider_friction,
+                )
+            )
+            to_rear_drum = float(loads.returning_arc)
+        last_arc = min(self.roll_wrap, HELD * to_rear_drum)
+        return {"next_nips": nips, "roll_wrap": sum(nip.angle for nip in nips) + last_arc}
 
     def wound_roll(
         self, wound_on_tension: float | Taper | Profile, film: float = 0.0
@@ -431,6 +632,7 @@ class WindingProblem(Problem):
             *(() if self.torque_split is None else ("winding_force",)),
             *(() if solves_nips else OF_NIP),
             *(("oscillation",) if self.thickness_profile is None else ()),
+            *(() if solves_nips or self.winder is not None else ("drum",)),
         )
 
     @property

@@ -10,6 +10,7 @@ from .. import kinds, quantities
 from ..errors import InvalidProblem, NoSteadyState, NotConverged, unwarned
 from ..nip.result import NipResult
 from ..nip.roller_result import RollerResult
+from ..problems.description import is_unset
 from ..problems.problem import Problem
 from ..quantities import walk
 from ..results import Result
@@ -17,6 +18,7 @@ from ..winding.result import WindingResult
 from .margins_report import verdict_lines
 from .outputs_report import LEAST_FRICTION
 from .report_parts import Line, Section, output_row, quantity_of, value_row
+from .winder_report import drum_sentences
 
 __all__ = [
     "answer",
@@ -39,7 +41,8 @@ def answer_lines(result: Result, full: bool = True) -> list[Line]:
         return [*lines, *map(Line, _air(result))] if full and result.air is not None else lines
     if isinstance(result, WindingResult):
         names = [name for name in result.MAIN if name != "least_hoop_stress"]  # it is a margin
-        return [*verdict_lines(result.margins), Line(_values(result, names))]
+        further = map(Line, drum_sentences(result))
+        return [*verdict_lines(result.margins), Line(_values(result, names)), *further]
     main = main_outputs(result)
     return [Line(_values(result, main), "answer")] if main else []
 
@@ -174,7 +177,7 @@ def defaults_section(problem: Problem) -> list[Section]:
         default = getattr(place.field, "default", None)
         value = place.value
         # of the same type: True equals 1
-        if value is None or type(value) is not type(default) or value != default:
+        if is_unset(value) or type(value) is not type(default) or value != default:
             continue
         if place.quantity is None or isinstance(value, str | int | float):
             texts.append(f"{place.path} = {value_row(place.quantity, value).text}")

@@ -317,6 +317,9 @@ def draw_panel(axes: Axes, cases: Sequence[Panel], colours: Colours = (None,)) -
         _write_note(axes, panel.note)
     if panel.heading:
         axes.set_title(formulas(panel.heading), fontsize=9, loc="left")
+    if panel.to_scale:
+        axes.set_aspect("equal")
+        axes.grid(visible=False)
     x = [curve.x for case in cases for curve in case.curves]
     _format_axis(axes, "x", [case.x for case in cases], x, panel.width)
     left = [curve.y for case in cases for curve in case.curves if not curve.right]

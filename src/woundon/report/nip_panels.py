@@ -13,6 +13,7 @@ from ..nip.layer_slip import LayerSlip, friction_limit, interior_stress, wound_i
 from ..nip.result import NipResult
 from ..nip.roller_result import RollerResult
 from ..results import zone_runs
+from .moduli_panels import moduli
 from .panels import Area, Axis, Contour, Curve, Map, Mark, Panel, PanelMaker, Scale, Strip
 from .report_parts import friction_bounds, quantity_of, zone_strips
 
@@ -36,6 +37,8 @@ def nip_panels(result: NipResult) -> dict[str, PanelMaker]:
     - layer_slip, layer_shear: if asked for, the shear between the layers of the roll less what
       friction carries over x and depth, and its largest values over the depth
 
+    - moduli: with a viscoelastic body, its moduli over the frequency with V/2a, if asked for
+
     With a wrap, over the distance from the nip as an angle, on a logarithmic scale:
 
     - wrap_tension: the web tension
@@ -50,6 +53,8 @@ def nip_panels(result: NipResult) -> dict[str, PanelMaker]:
     }
     if result.air is not None:
         panels["air_film"] = PanelMaker(air_film, by_default=False)
+    if result.problem.viscoelastic:
+        panels["moduli"] = PanelMaker(moduli, by_default=False)
     if result.problem.is_wrapped:
         panels["wrap_tension"] = PanelMaker(wrap_tension)
         panels["wrap_pressure"] = PanelMaker(wrap_pressure)

@@ -298,6 +298,8 @@ class Panel:
     column : str
         Panels of one column are drawn below each other; those with the same x axis share it.  By
         default a panel has a column of its own, named after it.
+    to_scale : bool
+        True for a drawing: lengths along both axes have the same scale.
     width, height : float
         Inches; a column has the width of its widest panel.
     legend : {"above", "stacked", "inside", "right", "figure below", "figure right"}
@@ -323,6 +325,7 @@ class Panel:
     heading: str = ""
     note: str = ""
     column: str = ""
+    to_scale: bool = False
     width: float = 6.3
     height: float = 3.2
     legend: Legend = "above"

@@ -18,7 +18,7 @@ from .. import quantities
 from ..nip.result import NipResult
 from ..nip.roller_result import RollerResult
 from ..problems.description import Description
-from ..problems.paths import field_quantity
+from ..problems.paths import field_quantity, get_field
 from ..problems.problem import Problem
 from ..problems.schedules import Profile, Taper
 from ..quantities import Quantity, in_chosen_units
@@ -289,7 +289,7 @@ def field_row(problem: Description, name: str, *, empty: float = nan, **texts: s
 
     ``texts`` as of :func:`row_of`.
     """
-    value = getattr(problem, name)
+    value = get_field(problem, name)
     return row_of(quantity_of_field(problem, name), empty if value is None else value, nan, **texts)
 
 
@@ -304,7 +304,7 @@ def schedule_rows(problem: Problem, name: str, ends: Iterable[float]) -> list[Ro
     ends : (2,) iterable of float
         Values of the schedule at the core and at the surface [SI].
     """
-    if not isinstance(getattr(problem, name), Taper | Profile):
+    if not isinstance(get_field(problem, name), Taper | Profile):
         return [field_row(problem, name)]
     quantity = quantity_of_field(problem, name)
     return [

@@ -10,6 +10,7 @@ import numpy as np
 from .. import theories
 from ..errors import InvalidProblem
 from ..nip.roller_result import RollerResult
+from .moduli_panels import moduli
 from .nip_panels import along_contact, bounds_of_friction, zones_panel
 from .panels import Axis, Curve, Panel, PanelMaker
 from .report_parts import quantity_of
@@ -29,12 +30,16 @@ def roller_panels(result: RollerResult) -> dict[str, PanelMaker]:
       rollers that roll freely without slip
     - slip: a speed over the speed in rolling, a length in static contact
     - zones
+    - moduli: with a viscoelastic roller, its moduli over the frequency with V/2a, if asked for
     """
-    return {
+    panels = {
         "tractions": PanelMaker(tractions),
         "slip": PanelMaker(slip),
         "zones": PanelMaker(zones),
     }
+    if result.problem.viscoelastic:
+        panels["moduli"] = PanelMaker(moduli, by_default=False)
+    return panels
 
 
 def tractions(result: RollerResult) -> Panel:

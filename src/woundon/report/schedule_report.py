@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ..io.spreadsheets import in_csv_style
 from ..problems.roll import RollProblem
 from ..quantities import length, share, stress
 from ..roll.design import TensionDesign
@@ -44,7 +45,7 @@ def csv_text(design: TensionDesign) -> str:
     header = ",".join(f"{name} [{quantity.display}]" for name, (quantity, _) in columns.items())
     shown = [quantity.shown(np.array(values)) for quantity, values in columns.values()]
     rows = (f"{r:.12g},{T:.12g}" for r, T in zip(*shown, strict=True))
-    return "\n".join([header, *rows, ""])
+    return in_csv_style("\n".join([header, *rows, ""]))
 
 
 def interior_deviation(design: TensionDesign, roll: RollResult) -> float:

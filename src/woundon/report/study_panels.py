@@ -373,10 +373,11 @@ def window_panels(window: OperatingWindow) -> list[Panel]:
     contours = tuple(
         Contour(level, f"P = {level:g}", line) for level, line in zip(LEVELS, LINES, strict=True)
     )
+    best_x, best_y = (np.array([best.values[name]]) for name in window.names[:2])
     point = Curve(
         "",
-        np.array([best.values["web_tension"]]),
-        np.array([best.values["nip_load"]]),
+        best_x,
+        best_y,
         label=f"largest P = {best.probability:.2f}",
         colour="ink",
         line="none",

@@ -14,12 +14,17 @@ from matplotlib.figure import Figure
 from ..studies.compare_result import Comparison
 from ..studies.find import FindResult
 from ..studies.fit_result import FitResult
+from ..studies.master_curve import MasterCurve
 from ..studies.outcome import Outcome
 from ..studies.plan_result import NextExperiment
 from ..studies.schedule import OptimisedSchedule
 from ..studies.sobol import SobolIndices
+from ..studies.stack_fit import StackFit
+from ..studies.winder_log import WinderLog
 from ..studies.window_result import OperatingWindow
 from .drawing import check_axes, show_panels
+from .measured_panels import log_panels, stack_panels
+from .moduli_panels import master_curve_panels
 from .panels import Axis, Bars, Mark, Panel
 from .result_panels import chosen, named_panels
 from .study_panels import (
@@ -40,9 +45,12 @@ PANELS: Mapping[type[Any], Callable[[Any], list[Panel]]] = {
     Comparison: comparison_panels,
     FindResult: find_panels,
     FitResult: fit_panels,
+    MasterCurve: master_curve_panels,
     NextExperiment: plan_panels,
     OperatingWindow: window_panels,
     SobolIndices: indices_panels,
+    StackFit: stack_panels,
+    WinderLog: log_panels,
 }
 
 

@@ -24,6 +24,7 @@ from .roll_panels import (
     scale_of,
     with_compression,
 )
+from .winder_panel import between_panel, winder_panel
 
 __all__ = ["winding_panels"]
 
@@ -48,6 +49,8 @@ def winding_panels(result: WindingResult) -> dict[str, PanelMaker]:
     - disc, hoop_disc: the roll from its side, coloured by pressure and hoop stress (if asked for)
     - film: its pressure as it grows, on one scale (if asked for)
     - those of the lanes across the width, with a thickness profile (:mod:`.lane_panels`)
+    - winder: roll, drums and rider of a two-drum winder to scale
+    - between: tensions of the web between its nips
     """
     of_roll = roll_panels.roll_panels(result.roll)
     panels = {
@@ -63,6 +66,10 @@ def winding_panels(result: WindingResult) -> dict[str, PanelMaker]:
         "film": PanelMaker(film, by_default=False, slow=True),
         **lane_panels(result),
     }
+    if result.problem.winder is not None:
+        panels["winder"] = PanelMaker(winder_panel)
+    if result.front is not None:
+        panels["between"] = PanelMaker(between_panel)
     if "compression" not in of_roll:
         del panels["compression"]
     return panels
@@ -108,12 +115,19 @@ def tension(result: WindingResult) -> Panel:
 def loads(result: WindingResult) -> Panel:
     """Return the panel of nip load and winding force."""
     r = result.radius
+    has_winder = result.problem.winder is not None
+    load, force = ("rear drum",) * 2 if has_winder else ("nip load", "winding force")
     curves = [
-        Curve.of_output(result, "nip_load", r, label="nip load"),
-        Curve.of_output(
-            result, "winding_force", r, label="winding force", colour="drum", line="dashed"
-        ),
+        Curve.of_output(result, "nip_load", r, label=load),
+        Curve.of_output(result, "winding_force", r, label=force, colour="drum", line="dashed"),
     ]
+    if has_winder:
+        loads = result.problem.drum_loads(r)
+        curves += [
+            Curve("", r, loads.front_load, "P_2", "front drum", "green"),
+            Curve("", r, loads.rider_load, "P_3", "rider", "purple"),
+            Curve("", r, loads.front_force, "F_2", "front drum", "amber", "dashed"),
+        ]
     y = Axis("Load", quantity_of(result, "nip_load"))
     return over_radius(r, "loads", "Nip load and winding force", y, curves)
 
@@ -207,7 +221,7 @@ def reserves(result: WindingResult) -> Panel:
     deepest = min(reserves_drawn, default=0.0)
     low = 1.2 * deepest if deepest < 0 else LEAST
     curves: list[Curve] = []
-    for margin, colour in zip(margins, SERIES, strict=False):
+    for margin, colour in zip(margins, (*SERIES, "web"), strict=False):
         if margin.checked:
             curves += _curves_of_margin(margin, colour, low, float(r[1]))
     return over_radius(

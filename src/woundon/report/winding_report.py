@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from ..problems.paths import field_or_none
 from ..winding.margins import TITLES
 from ..winding.result import WindingResult
 from .lanes_report import WORST_LANE, lanes_sections
@@ -21,10 +22,19 @@ from .report_parts import (
 )
 from .roll_report import ROLL, thin_layers_note
 from .trade_rule import winding_trade_rule
+from .winder_report import winder_parts
 
 __all__ = ["winding_report"]
 
-SCHEDULES = ("web_tension", "nip_load", "winding_force", "torque_split", "nip_induced_tension")
+SCHEDULES = (
+    "web_tension",
+    "nip_load",
+    "winding_force",
+    "torque_split",
+    "nip_induced_tension",
+    "winder.rider_load",
+    "winder.core_torque",
+)
 # in other rows, or among the margins
 LEFT_OUT = frozenset(
     {
@@ -47,6 +57,14 @@ LEFT_OUT = frozenset(
         "least_reserve",
         "band_strain",
         "ridge_height",
+        "drum_friction_used",
+        "mean_front_added_tension",
+        "mean_rider_added_tension",
+        *(
+            f"{drum}.{name}"
+            for drum in ("front", "rider")
+            for name in ("least_tension", "largest_tension", "largest_added_tension")
+        ),
         *(f"margins.{name}" for name in TITLES),
         "lane_count",
         *WORST_LANE,
@@ -75,6 +93,7 @@ def winding_report(result: WindingResult) -> list[Part]:
     if law == "table":
         text = "Wound-on tension as prescribed over the radius."
     means = ["mean_wound_on_tension", "mean_nip_induced_tension"]
+    means += [f"mean_{drum}_added_tension" for drum in ("front", "rider") if getattr(result, drum)]
     errors = ["interpolation_error", "core_interpolation_error"] if nips else []
     mass = ["mass"] if problem.density is not None else []
     air = ["air_film"] if problem.air is not None else []
@@ -90,6 +109,7 @@ def winding_report(result: WindingResult) -> list[Part]:
                 *_schedules(result),
             ),
         ),
+        *winder_parts(result),
         Section("Tension", tuple(output_row(result, name) for name in means + errors), text),
         winding_trade_rule(result),
         Section(
@@ -109,5 +129,5 @@ def _schedules(result: WindingResult) -> Iterator[Row]:
         # the winding force follows from the torque split
         if name == "winding_force" and problem.torque_split is not None:
             continue
-        if getattr(problem, name) is not None:
+        if field_or_none(problem, name) is not None:
             yield from schedule_rows(problem, name, problem.at(name, problem.ends))

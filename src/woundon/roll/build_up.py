@@ -18,15 +18,24 @@ stack that is wound under p (:class:`Layers`): F(P) is replaced by F(P + p) - F(
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import exp, log
+from typing import NamedTuple
 
 import numpy as np
 
-from .equations import StageData, StageEquations, StageSolution, interpolate_pressure
-from .growth import ORDER, Growth
-from .stage_nodes import Tension, cell_source, evaluate_in_cells, kinks_of, nodes_between
+from .equations import (
+    GrowthEffect,
+    StageData,
+    StageEquations,
+    StageSolution,
+    interpolate_stages,
+    joined,
+    stretched,
+)
+from .growth import ORDER, Growth, point_counts_of
+from .stage_nodes import Tension, cell_source, kinks_of, nodes_between, points_of_cells
 
 __all__ = [
     "IMPLICIT_ERROR",
@@ -37,7 +46,6 @@ __all__ = [
     "NotWoundError",
     "no_stage_beyond",
     "step_factor",
-    "stretched_guess",
     "wind",
     "wind_finite_layers",
     "wind_with_stages",
@@ -47,6 +55,9 @@ Array = np.ndarray
 
 STAGE_TOLERANCE = 0.02  # error of a stage, relative to the tolerance
 ONE_NEWTON_STEP = 0.04  # accepted error of kappa for which one Newton step usually suffices
+# Accepted error of kappa at known stages: the last Newton step is at most 5e-8, and the error is
+# about its square.
+SAME_STAGES = 1e-14
 WEAK_KINK = 0.05  # of the tolerance: kinks that change the source by less are ignored
 STEP_STRETCH = 0.3  # a step is extended by up to this fraction to a kink, to prevent a tiny step
 STRETCH_REDUCTION = 0.75  # factor for an extended step that was rejected, < 1/(1 + STEP_STRETCH)
@@ -102,7 +113,7 @@ def wind(
     # x is ln r of the surface; it equals last_kink only after a step that ended at a kink
     x, end, step, last_kink = roll.start, log(radius), first_step, -np.inf
     while x < end:
-        kinks, changes = kinks_of(tension, roll.growth)
+        kinks, changes = roll.kinks
         # the next kink that counts, or the end
         kink = float(np.append(kinks[(kinks > x) & (changes > WEAK_KINK * tolerance)], end)[0])
         length = min(step, kink - x)
@@ -135,7 +146,6 @@ def wind_with_stages(
     tension: Tension,
     reference: BuildUp,
     *,
-    tolerance: float,
     cells: int,
     surface_layer: float,
     report: Callable[[float], None] | None = None,
@@ -143,12 +153,12 @@ def wind_with_stages(
     """Wind a roll with the stages of a reference build-up.
 
     The reference is the same roll with fewer cells, or a roll with a similar tension: differences
-    between both are then free of the errors of the stages, which they share.  Other parameters as
-    of :func:`wind`.
+    between both are then free of the errors of the stages, which they share, and of Newton's
+    method.  Other parameters as of :func:`wind`.
     """
     layers, all_stages = Layers(equations, tension), range(1, reference.growth.x.size)
     return _wind_selected_stages(
-        layers, reference, all_stages, STAGE_TOLERANCE * tolerance, cells, surface_layer, report
+        layers, reference, all_stages, SAME_STAGES, cells, surface_layer, report
     )
 
 
@@ -176,7 +186,7 @@ def wind_finite_layers(
     """
     thin = reference.growth
     kinks = thin.kinks[thin.kinks > 0]  # without the core
-    stage_numbers = np.union1d(np.arange(thin.x.size - 1, 0, -2), kinks)
+    stage_numbers = np.union1d(np.arange(thin.x.size - 1, 0, -2), kinks).tolist()
     finite = _wind_selected_stages(
         layers, reference, stage_numbers, ONE_NEWTON_STEP, cells, surface_layer, None
     ).growth
@@ -187,48 +197,84 @@ def wind_finite_layers(
 def _wind_selected_stages(
     layers: Layers,
     reference: BuildUp,
-    stage_numbers: Iterable[int],
+    stage_numbers: Sequence[int],
     accepted_error: float,
     cells: int,
     surface_layer: float,
     report: Callable[[float], None] | None,
 ) -> BuildUp:
-    """Solve some stages of a reference build-up, with its pressures as initial guesses.
+    """Solve some stages of a reference build-up together, from its solution as initial guess.
 
     Parameters
     ----------
     layers : Layers
     reference : BuildUp
-    stage_numbers : iterable of int
+    stage_numbers : sequence of int
         The stages, in increasing order; they include all kinks of the reference.
     accepted_error : float
         Of kappa.
     cells, surface_layer, report
         As of :func:`wind`.
     """
-    roll = _Roll(layers, exp(reference.growth.x[0]), cells, surface_layer, report)
-    stages, kinks = reference.stages(), reference.growth.kinks
-    previous_number = 0  # stage 0 is the core, which is not in stages
-    for number in stage_numbers:
-        if previous_number in kinks:
-            roll.growth.start_new_polynomial()
-        known = stages[number - 1]
-        stage, _ = roll.stage(known.x[-1], accepted_error, known)
-        if stage is None:
-            raise NotWoundError(no_stage_beyond(known.x[-1]))
-        roll.append(stage)
-        previous_number = number
-    return roll.finished()
+    equations, tension, known = layers.equations, layers.tension, reference.growth
+    numbers, core = [0, *stage_numbers], float(known.x[0])
+    growth = Growth.of(
+        known.x[numbers], known.kappa[numbers], point_counts_of(stage_numbers, known.kinks)
+    )
+    kinks = kinks_of(tension, growth)
+    nodes = [
+        nodes_between(core, surface, cells, surface_layer, *kinks, equations.core_layer)
+        for surface in growth.x[1:].tolist()
+    ]
+    x, gaps = joined(nodes)
+    stage = StageData(
+        x,
+        cell_source(tension, growth, x),
+        float(tension.at(np.array([exp(core)]))[0]),
+        gaps=gaps,
+    )
+    solved = equations.solve_with_growth(
+        stage,
+        _effect_of(growth, tension, x),
+        *interpolate_stages(
+            [(reference.nodes[k - 1], reference.solutions[k - 1]) for k in stage_numbers], nodes
+        ),
+        growth.kappa[1:],
+        accepted_error,
+    )
+    if solved is None:
+        raise NotWoundError(
+            "the stages of the roll, known from a similar one, do not converge with its tension"
+        )
+    if report is not None:
+        for surface in growth.x[1:].tolist():
+            report(exp(surface))
+    return BuildUp(
+        Growth.of(growth.x, np.append(growth.kappa[0], solved.growth), growth.point_counts),
+        nodes,
+        solved.parts(gaps),
+    )
 
 
-def _extrapolation_error(stage: BuildUp | None, guess: float) -> float:
+def _effect_of(growth: Growth, tension: Tension, x: Array) -> GrowthEffect:
+    """Return the effect of the kappa of all stages on the source in cells, with nodes x = ln r.
+
+    The source C = -r T' - T (2 + kappa) depends on kappa by -T.  That of the core is known.
+    """
+    points = points_of_cells(x)
+    numbers, derivatives = growth.basis(points)
+    factors = -tension.at(np.exp(points))[:, None] * derivatives
+    return GrowthEffect(np.maximum(numbers - 1, 0), np.where(numbers > 0, factors, 0.0))
+
+
+def _extrapolation_error(stage: WoundStage | None, guess: float) -> float:
     """Estimate the error of kappa at a stage, relative to kappa + 2; inf without a solution.
 
     ``guess`` is kappa extrapolated from the previous stages.
     """
     if stage is None:
         return np.inf
-    return float(IMPLICIT_ERROR * abs(stage.growth.kappa[-1] - guess) / (2 + abs(guess)))
+    return float(IMPLICIT_ERROR * abs(stage.kappa - guess) / (2 + abs(guess)))
 
 
 def step_factor(ratio: float) -> float:
@@ -236,34 +282,45 @@ def step_factor(ratio: float) -> float:
     return float(0.8 * ratio ** (1 / (ORDER + 0.5)))
 
 
+class WoundStage(NamedTuple):
+    """A solved stage: ln r of its nodes, (n + 1,), and its pressure."""
+
+    x: Array
+    solved: StageSolution
+
+    @property
+    def kappa(self) -> float:
+        """Growth of the pressure of a further layer below the surface."""
+        return float(self.solved.growth[0])
+
+
 @dataclass
 class BuildUp:
-    """A roll at one stage.
+    """A roll at one stage, and the stages before.
 
     Attributes
     ----------
     growth : Growth
-        Kappa at this stage and all earlier ones.
-    x : (n + 1,) array
-        ln r of the nodes.
-    solved : StageSolution
-    previous : BuildUp, optional
-        The previous stage.
+        Kappa at the stages and at the core.
+    nodes : list of (n + 1,) arrays
+        ln r of the nodes of each stage.
+    solutions : list of StageSolution
+        Pressure of each stage.
     """
 
     growth: Growth
-    x: Array
-    solved: StageSolution
-    previous: BuildUp | None = None
+    nodes: list[Array]
+    solutions: list[StageSolution]
 
-    def stages(self) -> list[BuildUp]:
-        """Return all stages up to this one."""
-        stage: BuildUp | None = self
-        stages = []
-        while stage is not None:
-            stages.append(stage)
-            stage = stage.previous
-        return stages[::-1]
+    @property
+    def x(self) -> Array:
+        """The nodes ln r of the last stage, (n + 1,)."""
+        return self.nodes[-1]
+
+    @property
+    def solved(self) -> StageSolution:
+        """The pressure of the last stage."""
+        return self.solutions[-1]
 
 
 @dataclass(frozen=True)
@@ -317,8 +374,10 @@ class _Roll:
         ln of the core radius, and the wound-on stress there [Pa].
     growth : Growth
         Kappa at the previous stages.
-    last : BuildUp or None
-        The previous stage.
+    kinks : pair of arrays
+        Kinks of the tension, and the changes of the source there, as of :func:`.kinks_of`.
+    nodes, solutions : list
+        Of the previous stages, as of :class:`BuildUp`.
     """
 
     def __init__(
@@ -338,65 +397,59 @@ class _Roll:
         )
         self.T_c = float(self.tension.at(np.array([core]))[0])
         self.growth = Growth(self.start, self.equations.core)
-        self.last: BuildUp | None = None
+        self.kinks = kinks_of(self.tension, self.growth)
+        self.nodes: list[Array] = []
+        self.solutions: list[StageSolution] = []
 
-    def stage(
-        self, surface: float, accepted_error: float, reference: BuildUp | None = None
-    ) -> tuple[BuildUp | None, float]:
+    def stage(self, surface: float, accepted_error: float) -> tuple[WoundStage | None, float]:
         """Return the next stage, None if it cannot be solved, and the initial guess of its kappa.
 
-        The guess is extrapolated from the previous stages, or taken from ``reference``, another
-        solution of the same stage.
+        The guess is extrapolated from the previous stages.
         """
+        previous, kappa = self.growth, self.growth.extrapolate(surface)
         nodes = nodes_between(
             self.start,
             surface,
             self.cells,
             self.surface_layer,
-            *kinks_of(self.tension, self.growth),
+            *self.kinks,
             self.equations.core_layer,
         )
-        previous = self.growth
-        if reference is None:
-            kappa = previous.extrapolate(surface)
-            guess = stretched_guess(self.last, nodes, self.T_c)
-        else:
-            kappa = reference.solved.growth
-            guess = interpolate_pressure(reference.x, reference.solved.P, reference.solved.Q, nodes)
         source = cell_source(self.tension, previous.with_stage(surface, kappa), nodes)
-        source_by_kappa = evaluate_in_cells(
-            nodes, lambda x, _: -self.tension.at(np.exp(x)) * previous.lagrange_basis(surface, x)
-        )
+        points = points_of_cells(nodes)
+        by_kappa = -self.tension.at(np.exp(points)) * previous.lagrange_basis(surface, points)
         solved = self.equations.solve_with_growth(
-            StageData(nodes, source, self.T_c), source_by_kappa, *guess, kappa, accepted_error
+            StageData(nodes, source, self.T_c),
+            GrowthEffect(np.zeros((points.size, 1), dtype=int), by_kappa[:, None]),
+            *self._stretched_guess(nodes),
+            np.array([kappa]),
+            accepted_error,
         )
-        if solved is None:
-            return None, kappa
-        return BuildUp(previous.with_stage(surface, solved.growth), nodes, solved, self.last), kappa
+        return (solved and WoundStage(nodes, solved)), kappa
 
-    def append(self, stage: BuildUp) -> None:
+    def _stretched_guess(self, nodes: Array) -> tuple[Array, Array]:
+        """Return the initial guess of P and Q = r dP/dr at the nodes ln r, (n + 1,) each [Pa].
+
+        It is the previous stage, stretched linearly to the new surface.  Without one, on the core,
+        the pressure decreases from the surface with the slope of the wound-on stress there.
+        """
+        if not self.nodes:
+            return self.T_c * (nodes[-1] - nodes), np.full_like(nodes, -self.T_c)
+        last, solved = self.nodes[-1], self.solutions[-1]
+        return stretched(last, solved.P, solved.Q, nodes)
+
+    def append(self, stage: WoundStage) -> None:
         """Append a stage."""
-        self.last, self.growth = stage, stage.growth
+        self.nodes.append(stage.x)
+        self.solutions.append(stage.solved)
+        self.growth = self.growth.with_stage(float(stage.x[-1]), stage.kappa)
+        self.kinks = kinks_of(self.tension, self.growth)
         if self.report is not None:
             self.report(exp(stage.x[-1]))
 
     def finished(self) -> BuildUp:
-        """Return the last stage."""
-        assert self.last is not None
-        return self.last
-
-
-def stretched_guess(last: BuildUp | None, nodes: Array, T_c: float) -> tuple[Array, Array]:
-    """Return the initial guess of P and Q = r dP/dr at the nodes ln r, (n + 1,) each [Pa].
-
-    It is the previous stage, stretched linearly to the new surface.  Without one, on the core, the
-    pressure decreases from the surface with the slope of the wound-on stress ``T_c`` there.
-    """
-    if last is None:
-        return T_c * (nodes[-1] - nodes), np.full_like(nodes, -T_c)
-    t = (nodes - nodes[0]) / (nodes[-1] - nodes[0])
-    stretched = nodes - (nodes[-1] - last.x[-1]) * t
-    return interpolate_pressure(last.x, last.solved.P, last.solved.Q, stretched)
+        """Return all stages."""
+        return BuildUp(self.growth, self.nodes, self.solutions)
 
 
 class NotWoundError(ArithmeticError):

@@ -34,14 +34,17 @@ The unknowns P0, Q0, P1, Q1, ... have a matrix of five diagonals:
     cell 1    [         L   L   R  R ]  2 rows
     surface   [                 1  0 ]
 
-Arrays may have a leading axis of lanes across the web, which are then solved together: their
-matrices are the diagonal blocks of one with the same five diagonals.
+Stages do not depend on each other but for their source.  Several of them, one after the other, are
+one system of the same form: the two rows of the *gap* between the last node of a stage and the
+first of the next one are the conditions at this surface and at that core.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from copy import copy
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -49,11 +52,15 @@ from scipy.linalg import lapack
 
 __all__ = [
     "CellSource",
+    "GrowthEffect",
     "StageData",
     "StageEquations",
     "StageSolution",
     "interpolate_pressure",
+    "interpolate_stages",
+    "joined",
     "source_residual",
+    "stretched",
 ]
 
 Array = np.ndarray
@@ -73,32 +80,123 @@ class CellSource(NamedTuple):
     right: Array
 
 
-class StageData(NamedTuple):
-    """Nodes, source and boundary values of one stage.
+@dataclass
+class StageData:
+    """Nodes, source and boundary values of one stage, or of J stages, one after the other.
 
     Attributes
     ----------
     x : (n + 1,) array
         ln r of the nodes.
     source : CellSource
+        Without meaning in gaps, but finite.
     tension : float
-        T_c of the core condition [Pa]; of lanes (L,).
+        T_c of the core condition [Pa], one of all stages or (J,) of each.
     surface_pressure : float
         P_s [Pa].
+    gaps : (J - 1,) int array
+        Last node of each stage but the last one, which is also the number of the gap behind it
+        among the cells.
     """
 
     x: Array
     source: CellSource
-    tension: Any
+    tension: float | Array
     surface_pressure: float = 0.0
+    gaps: Array = field(default_factory=lambda: np.zeros(0, dtype=int))
+
+    @cached_property
+    def firsts(self) -> Array:
+        """First node of each stage, (J,)."""
+        return np.append(0, self.gaps + 1)
+
+    @cached_property
+    def lasts(self) -> Array:
+        """Last node of each stage, (J,)."""
+        return np.append(self.gaps, self.x.size - 1)
+
+    @cached_property
+    def lengths(self) -> Array:
+        """Lengths of the cells in ln r, (n,); zero in gaps."""
+        h = self.x[1:] - self.x[:-1]
+        h[self.gaps] = 0.0
+        return h
+
+    def with_source_changed(self, change: CellSource) -> StageData:
+        """Return the stages with a change added to the source."""
+        changed = copy(self)
+        changed.source = CellSource(*(C + dC for C, dC in zip(self.source, change, strict=True)))
+        return changed
 
 
 class StageSolution(NamedTuple):
-    """Pressure P and Q = r P' at the nodes, (n + 1,) each [Pa]; kappa = D p/p at the surface."""
+    """Pressure P and Q = r dP/dr at the nodes, (n + 1,) each [Pa]; kappa = D p/p, (J,) surfaces."""
 
     P: Array
     Q: Array
-    growth: Any
+    growth: Array
+
+    def parts(self, gaps: Array) -> list[StageSolution]:
+        """Return the solution of each stage; ``gaps`` as of :class:`StageData`."""
+        kappa = np.split(self.growth, self.growth.size)
+        P, Q = (np.split(values, gaps + 1) for values in (self.P, self.Q))
+        return [StageSolution(*part) for part in zip(P, Q, kappa, strict=True)]
+
+
+class GrowthEffect(NamedTuple):
+    """Effect of unknown kappa on the source at the 3 n points of the cells.
+
+    The points are the left ends, the middles and the right ends of all cells.  Each depends on K
+    of the kappa of J stages.
+
+    Attributes
+    ----------
+    stages : (3 n, K) int array
+        The stages of these kappa, counted from 0.
+    factors : (3 n, K) array
+        Derivatives of the source with respect to them [Pa].
+    """
+
+    stages: Array
+    factors: Array
+
+    def of(self, kappa: Array) -> CellSource:
+        """Return the change of the source by changes of kappa, (J,) [Pa]."""
+        change = np.einsum("pk,pk->p", self.factors, kappa[self.stages])
+        return CellSource(*change.reshape(3, -1))
+
+    def by_stage(self, weights: Array, owners: Array, count: int) -> Array:
+        """Return weighted sums of the derivatives over the points of each stage.
+
+        Parameters
+        ----------
+        weights : (3 n,) array
+        owners : (n,) int array
+            The stage of each cell.
+        count : int
+            J.
+
+        Returns
+        -------
+        (J, J) array
+            Rows: stages of the points, columns: stages of kappa.
+        """
+        pairs = (owners * count)[:, None] + self.stages.reshape(3, owners.size, -1)
+        weighted = weights[:, None] * self.factors
+        sums = np.bincount(pairs.ravel(), weighted.ravel(), minlength=count**2)
+        return sums.reshape(count, count)
+
+
+class _Factors(NamedTuple):
+    """LU factors of the Jacobian of the residual, and their pivots."""
+
+    lu: Array
+    pivots: Array
+
+    def solve(self, right: Array, *, transposed: bool = False) -> Array:
+        """Return the solutions for right-hand sides, (2 n + 2,) or (2 n + 2, k)."""
+        solutions, _ = lapack.dgbtrs(self.lu, BAND, BAND, right, self.pivots, trans=int(transposed))
+        return np.asarray(solutions).reshape(right.shape)
 
 
 @dataclass
@@ -123,7 +221,7 @@ class StageEquations:
     tangential: float
     core: float
     own_pressure: Callable[[Array], Array] | None = None
-    steps: int = field(default=0, init=False)  # number of Newton steps
+    steps: int = field(default=0, init=False)  # number of linear systems
 
     @property
     def core_layer(self) -> float:
@@ -159,29 +257,26 @@ class StageEquations:
         P, Q : (n + 1,) arrays
             Pressure, and Q = r dP/dr [Pa].
         """
-        x, source = stage.x, stage.source
-        x_left, P_left, Q_left = (values[..., :-1] for values in (x, P, Q))
-        x_right, P_right, Q_right = (values[..., 1:] for values in (x, P, Q))
-        h = x_right - x_left
+        x, source, h = stage.x, stage.source, stage.lengths
         slope = self._slope_of_Q(x, P, Q)
-        left, right = slope[..., :-1] + source.left, slope[..., 1:] + source.right
-        middle_P = (P_right + P_left) / 2 - h / 8 * (Q_right - Q_left)
-        middle_Q = (Q_right + Q_left) / 2 - h / 8 * (right - left)
-        middle = self._slope_of_Q(x_left + h / 2, middle_P, middle_Q) + source.middle
-        out = np.empty((*x.shape[:-1], 2 * x.shape[-1]))
-        out[..., 0] = Q[..., 0] - self.core * P[..., 0] + stage.tension
-        out[..., -1] = P[..., -1] - stage.surface_pressure
-        out[..., 1:-1:2] = P_right - P_left - h / 6 * (Q_left + 4 * middle_Q + Q_right)
-        out[..., 2:-1:2] = Q_right - Q_left - h / 6 * (left + 4 * middle + right)
+        left, right = slope[:-1] + source.left, slope[1:] + source.right
+        middle_P = (P[1:] + P[:-1]) / 2 - h / 8 * (Q[1:] - Q[:-1])
+        middle_Q = (Q[1:] + Q[:-1]) / 2 - h / 8 * (right - left)
+        middle = self._slope_of_Q(x[:-1] + h / 2, middle_P, middle_Q) + source.middle
+        out = np.empty(2 * x.size)
+        out[1:-1:2] = P[1:] - P[:-1] - h / 6 * (Q[:-1] + 4 * middle_Q + Q[1:])
+        out[2:-1:2] = Q[1:] - Q[:-1] - h / 6 * (left + 4 * middle + right)
+        firsts, lasts = stage.firsts, stage.lasts
+        out[2 * firsts] = Q[firsts] - self.core * P[firsts] + stage.tension
+        out[2 * lasts + 1] = P[lasts] - stage.surface_pressure
         return out, middle_P
 
     def _moduli(self, x: Array, P: Array, middle_P: Array) -> Array:
         """Return E_r at the nodes, then in mid-cell, (2 n + 1,) [Pa]."""
-        points = np.concatenate([x, (x[..., 1:] + x[..., :-1]) / 2], axis=-1)
-        pressures = np.concatenate([P, middle_P], axis=-1)
-        return np.asarray(self.modulus(self._total(points, pressures)))
+        points = np.concatenate([x, (x[1:] + x[:-1]) / 2])
+        return np.asarray(self.modulus(self._total(points, np.concatenate([P, middle_P]))))
 
-    def _matrix(self, x: Array, E: Array) -> Array:
+    def _matrix(self, stage: StageData, E: Array) -> Array:
         """Return the Jacobian of the residual with respect to P and Q in LAPACK's band storage.
 
         With g = E_t/E_r - 1, J = [[0, 1], [g, -2]] at an end of a cell, and M = 1/2 -+ h/8 J, the
@@ -190,19 +285,18 @@ class StageEquations:
 
         Parameters
         ----------
-        x : (n + 1,) array
+        stage : StageData
         E : (2 n + 1,) array
             E_r at the nodes, then in mid-cell [Pa].
         """
-        n, h = x.shape[-1] - 1, x[..., 1:] - x[..., :-1]
+        n, h, gaps = stage.x.size - 1, stage.lengths, stage.gaps
         g = self.tangential / E - 1
-        g_node, g_mid = g[..., : n + 1], g[..., n + 1 :]
+        g_node, g_mid = g[: n + 1], g[n + 1 :]
         twelfth_h2, mid_term = h * h / 12, h / 3 * g_mid
         product = twelfth_h2 * g_mid
-        band = np.zeros((3 * BAND + 1, 2 * x.size), order="F")
-        # a view with the columns of every lane; entry (i, j) is in row diagonal + i - j
-        columns, diagonal = band.T.reshape(*x.shape[:-1], 2 * (n + 1), 3 * BAND + 1), 2 * BAND
-        for first, side, end in ((0, -1.0, g_node[..., :-1]), (2, 1.0, g_node[..., 1:])):
+        band = np.zeros((3 * BAND + 1, 2 * (n + 1)), order="F")
+        diagonal = 2 * BAND  # entry (i, j) is in row diagonal + i - j
+        for first, side, end in ((0, -1.0, g_node[:-1]), (2, 1.0, g_node[1:])):
             # the columns of P and Q at the left and at the right end of each cell
             for i, j, value in (
                 (1, first, side + side * twelfth_h2 * end),
@@ -210,39 +304,50 @@ class StageEquations:
                 (2, first, -h / 6 * (1 + side * h) * end - mid_term),
                 (2, first + 1, side + h + side * (4 * twelfth_h2 + product)),
             ):
-                columns[..., j : j + 2 * n : 2, diagonal + i - j] = value
-        columns[..., 0, diagonal], columns[..., 1, diagonal - 1] = -self.core, 1.0
-        columns[..., -2, diagonal + 1] = 1.0
+                value[gaps] = 0.0
+                band[diagonal + i - j, j : j + 2 * n : 2] = value
+        # the first and the last equation, and both of each gap
+        band[diagonal, 2 * stage.firsts] = -self.core
+        band[diagonal - 1, 2 * stage.firsts + 1] = 1.0
+        band[diagonal + 1, 2 * stage.lasts] = 1.0
         return band
 
-    def solve_linearised(
-        self, stage: StageData, P: Array, Q: Array, *right_hand_sides: Array
-    ) -> tuple[Array, Array] | None:
-        """Solve the linearised equations for several right-hand sides; None if that fails.
+    def _factorised(self, stage: StageData, P: Array, middle_P: Array) -> tuple[_Factors, Array]:
+        """Return the factorised Jacobian, and E_r at the nodes, (n + 1,) [Pa].
 
-        Returns
-        -------
-        (2 + k, 2 n + 2) array
-            In its rows, with P and Q alternating: the negative Newton step, p and D p of a
-            further layer, and the solutions for the k further right-hand sides; of lanes
-            (2 + k, L, 2 n + 2).
-        (n + 1,) array
-            E_r at the nodes.
+        ``P`` and ``middle_P`` are the pressures at the nodes and in mid-cell.
+
+        Raises
+        ------
+        SingularStageError
         """
-        x = stage.x
-        residual, middle_P = self.residual(stage, P, Q)
-        E = self._moduli(x, P, middle_P)
+        E = self._moduli(stage.x, P, middle_P)
         self.steps += 1
-        factors, pivots, info = lapack.dgbtrf(self._matrix(x, E), BAND, BAND, overwrite_ab=1)
-        if info != 0 or not np.isfinite(residual).all():
-            return None
-        right = np.zeros((2 + len(right_hand_sides), *residual.shape))
-        right[0], right[1, ..., -1] = residual, 1.0
-        for k, values in enumerate(right_hand_sides):
-            right[2 + k] = values
-        columns = right.reshape(len(right), residual.size).T
-        solved = lapack.dgbtrs(factors, BAND, BAND, columns, pivots, overwrite_b=1)[0]
-        return solved.T.reshape(right.shape), E[..., : x.shape[-1]]
+        factors, pivots, info = lapack.dgbtrf(self._matrix(stage, E), BAND, BAND, overwrite_ab=1)
+        if info != 0:
+            raise SingularStageError
+        return _Factors(factors, pivots), E[: P.size]
+
+    def linearised(
+        self, stage: StageData, P: Array, Q: Array
+    ) -> tuple[_Factors, Array, Array, Array]:
+        """Return the factorised Jacobian, E_r at the nodes, the Newton step and a further layer.
+
+        The negative step of P and Q and the p and D p of a layer are (2 n + 2,) arrays, the values
+        of each node alternating.
+
+        Raises
+        ------
+        SingularStageError
+        """
+        residual, middle_P = self.residual(stage, P, Q)
+        if not np.isfinite(residual).all():
+            raise SingularStageError
+        factors, E = self._factorised(stage, P, middle_P)
+        right = np.zeros((residual.size, 2), order="F")
+        right[:, 0], right[2 * stage.lasts + 1, 1] = residual, 1.0
+        step, layer = factors.solve(right).T
+        return factors, E, step, layer
 
     def solve(self, stage: StageData, P: Array, Q: Array) -> StageSolution | None:
         """Solve by Newton's method from an initial guess; None if it does not converge.
@@ -254,17 +359,17 @@ class StageEquations:
             Initial guess [Pa].
         """
         for _ in range(MAX_ITERATIONS):
-            solutions = self.solve_linearised(stage, P, Q)
-            if solutions is None:
+            try:
+                _, _, step, layer = self.linearised(stage, P, Q)
+            except SingularStageError:
                 return None
-            step, layer = solutions[0]  # each with P and Q alternating
-            P, Q = P - step[..., ::2], Q - step[..., 1::2]
-            if np.max(np.abs(step[..., ::2])) <= NEWTON_TOLERANCE * np.max(np.abs(P)):
-                return StageSolution(P, Q, layer[..., -1][()])  # the last D p: kappa, for p = 1
+            P, Q = P - step[::2], Q - step[1::2]
+            if _relative_step(stage, step, P) <= NEWTON_TOLERANCE:
+                return StageSolution(P, Q, layer[2 * stage.lasts + 1])  # D p: kappa, for p = 1
         return None
 
-    def kappa_by_pressure(self, x: Array, P: Array, layer: Array, E: Array) -> Array:
-        """Return the derivatives of kappa of a stage by the pressures at its nodes [1/Pa].
+    def kappa_by_pressure(self, stage: StageData, P: Array, layer: Array, E: Array) -> Array:
+        """Return the derivatives of kappa of each stage by the pressures at its nodes [1/Pa].
 
         With g = E_t/E_r - 1, kappa(x) = D p/p satisfies the Riccati equation
         D kappa + kappa^2 + 2 kappa = g.  Hence a change dg(x) changes kappa at the surface by the
@@ -272,70 +377,81 @@ class StageEquations:
 
         Parameters
         ----------
-        x, P, layer, E : (n + 1,) arrays
-            ln r of the nodes, pressure, p of a further layer and E_r there.
+        stage : StageData
+        P, layer, E : (n + 1,) arrays
+            Pressure, p of a further layer and E_r at the nodes.
         """
-        half = np.diff(x) / 2
-        quadrature = np.exp(2 * (x - x[..., -1:]))
-        quadrature[..., :-1] *= half + np.concatenate([0 * half[..., :1], half[..., :-1]], axis=-1)
-        quadrature[..., -1] *= half[..., -1]
+        x, firsts, lasts, half = stage.x, stage.firsts, stage.lasts, stage.lengths / 2
+        to_surface = 2 * (x - np.repeat(x[lasts], lasts - firsts + 1))
+        quadrature = np.exp(to_surface) * (np.append(half, 0) + np.append(0, half))
         # some laws have an infinite slope at P = 0, where p has no effect
-        E_slope = np.nan_to_num(self.modulus_slope(self._total(x, P)), posinf=0.0)
-        return -quadrature * layer**2 * self.tangential * E_slope / E**2
+        E_slope = self.modulus_slope(self._total(x, P))
+        E_slope = np.where(np.isfinite(E_slope), E_slope, 0.0)
+        return np.asarray(-quadrature * layer**2 * self.tangential * E_slope / E**2)
 
     def solve_with_growth(
         self,
         stage: StageData,
-        source_by_kappa: CellSource,
+        effect: GrowthEffect,
         P: Array,
         Q: Array,
-        growth: float,
+        growth: Array,
         accepted_error: float,
     ) -> StageSolution | None:
-        """Solve for pressure and kappa of a stage together; None if that does not converge.
+        """Solve for pressure and kappa of stages together; None if that does not converge.
 
-        The unknowns (P, Q) and kappa are eliminated in turn.  For a change d of kappa the step of
-        (P, Q) is step + d by_kappa, and kappa must equal the D p of a further layer on it:
+        The unknowns U = (P, Q) and kappa are eliminated in turn.  For changes d of all kappa the
+        step is step + J^-1 R d, J the Jacobian and R d the change of the residual by the source,
+        and kappa of each stage must equal the D p of a further layer on it:
 
-            kappa + d = D p - kappa_by_P (step + d by_kappa).
+            kappa + d = D p - kappa_by_P (step + J^-1 R d).
+
+        kappa_by_P J^-1 follows from one solution with the transpose of J.  A stage depends on the
+        kappa of no later one.
 
         Parameters
         ----------
         stage : StageData
             With the source for the guess of kappa.
-        source_by_kappa : CellSource
-            Derivative of the source with respect to kappa.
+        effect : GrowthEffect
+            Of kappa on the source.
         P, Q : (n + 1,) arrays
             Initial guess [Pa].
-        growth : float
+        growth : (J,) array
             Initial guess of kappa.
         accepted_error : float
             Accepted error of kappa, relative to kappa + 2.  Newton's method converges
             quadratically: the error after a step is about the square of the step.
         """
-        x = stage.x
-        residual_by_kappa = source_residual(x, source_by_kappa)
+        firsts, lasts, h = stage.firsts, stage.lasts, stage.lengths
+        count = lasts.size
+        owners = np.repeat(np.arange(count), lasts - firsts + 1)[:-1]
         for _ in range(MAX_ITERATIONS):
-            solutions = self.solve_linearised(stage, P, Q, residual_by_kappa)
-            if solutions is None:
+            try:
+                factors, E, step, layer = self.linearised(stage, P, Q)
+            except SingularStageError:
                 return None
-            (step, layer, by_kappa), E = solutions  # P, Q -= step
-            kappa_by_P = self.kappa_by_pressure(x, P, layer[::2], E)
-            change = layer[-1] - growth - kappa_by_P @ step[::2]
-            change /= 1 + kappa_by_P @ by_kappa[::2]
-            step += change * by_kappa
-            P, Q, growth = P - step[::2], Q - step[1::2], growth + float(change)
-            relative = np.max(np.abs(step[::2])) / np.max(np.abs(P))
-            if max(relative, abs(change) / (2 + abs(growth))) <= LAST_STEP * accepted_error**0.5:
+            kappa_by_P = self.kappa_by_pressure(stage, P, layer[::2], E)
+            adjoint = np.zeros_like(step)
+            adjoint[::2] = kappa_by_P
+            weights = _source_weights(h, factors.solve(adjoint, transposed=True))
+            coupling = np.eye(count) + effect.by_stage(weights, owners, count)
+            missing = layer[2 * lasts + 1] - growth
+            missing -= np.add.reduceat(kappa_by_P * step[::2], firsts)
+            change, _ = lapack.dtrtrs(coupling, missing, lower=1)
+            source_change = effect.of(change)
+            step += factors.solve(source_residual(h, source_change))
+            P, Q, growth = P - step[::2], Q - step[1::2], growth + change
+            relative = np.max(np.abs(change) / (2 + np.abs(growth)))
+            if max(_relative_step(stage, step, P), relative) <= LAST_STEP * accepted_error**0.5:
                 return StageSolution(P, Q, growth)
-            C = zip(stage.source, source_by_kappa, strict=True)
-            stage = stage._replace(source=CellSource(*(c + change * dc for c, dc in C)))
+            stage = stage.with_source_changed(source_change)
         return None
 
     def linear_response(
         self, x: Array, P: Array, Q: Array, change: CellSource
     ) -> tuple[Array, Array]:
-        """Return the linear response of P and Q to a small change of the source [Pa].
+        """Return the linear response of P and Q of a stage to a small change of the source [Pa].
 
         Two (n + 1,) arrays, infinite if the linearised equations are singular.
 
@@ -346,26 +462,49 @@ class StageEquations:
         change : CellSource
             Change of the source C in every cell [Pa].
         """
-        middle = (P[1:] + P[:-1]) / 2 - np.diff(x) / 8 * np.diff(Q)
-        band = self._matrix(x, self._moduli(x, P, middle))
-        factors, pivots, info = lapack.dgbtrf(band, BAND, BAND, overwrite_ab=1)
-        self.steps += 1
-        if info != 0:
+        h = np.diff(x)
+        try:
+            middle_P = (P[1:] + P[:-1]) / 2 - h / 8 * np.diff(Q)
+            factors, _ = self._factorised(StageData(x, change, 0.0), P, middle_P)
+        except SingularStageError:
             return np.full_like(P, np.inf), np.full_like(Q, np.inf)
-        out, _ = lapack.dgbtrs(factors, BAND, BAND, -source_residual(x, change), pivots)
+        out = factors.solve(-source_residual(h, change))
         return out[::2], out[1::2]
 
 
-def source_residual(x: Array, source: CellSource) -> Array:
+class SingularStageError(ArithmeticError):
+    """The linearised equations of a stage have no solution."""
+
+
+def _relative_step(stage: StageData, step: Array, P: Array) -> float:
+    """Return the largest Newton step of P, relative to the largest P of its stage.
+
+    ``step`` has the values of P and Q at the nodes, alternating, (2 n + 2,).
+    """
+    largest = np.maximum.reduceat(np.abs([step[::2], P]), stage.firsts, axis=1)
+    return float(np.max(largest[0] / largest[1]))
+
+
+def source_residual(h: Array, source: CellSource) -> Array:
     """Return the contribution of a source to the residual of :class:`StageEquations`, (2 n + 2,).
 
-    ``x`` is ln r of the nodes, (n + 1,); of lanes (L, n + 1).
+    ``h`` are the lengths of the cells, (n,); it is zero in gaps.
     """
-    h, (left, middle, right) = np.diff(x), source
-    out = np.zeros((*x.shape[:-1], 2 * x.shape[-1]))
-    out[..., 1:-1:2] = h * h / 12 * (right - left)
-    out[..., 2:-1:2] = -h / 6 * (left + 4 * middle + right + h * (right - left))
+    left, middle, right = source
+    out = np.zeros(2 * h.size + 2)
+    out[1:-1:2] = h * h / 12 * (right - left)
+    out[2:-1:2] = -h / 6 * (left + 4 * middle + right + h * (right - left))
     return out
+
+
+def _source_weights(h: Array, factors: Array) -> Array:
+    """Return the derivatives of factors @ :func:`source_residual` by the source, (3 n,).
+
+    ``factors`` are (2 n + 2,); the derivatives are those by the values at the left ends, in the
+    middles and at the right ends of the cells.
+    """
+    of_P, of_Q = h * h / 12 * factors[1:-1:2], -h / 6 * factors[2:-1:2]
+    return np.concatenate([(1 - h) * of_Q - of_P, 4 * of_Q, (1 + h) * of_Q + of_P])
 
 
 def interpolate_pressure(x: Array, P: Array, Q: Array, x_new: Array) -> tuple[Array, Array]:
@@ -374,13 +513,13 @@ def interpolate_pressure(x: Array, P: Array, Q: Array, x_new: Array) -> tuple[Ar
     Parameters
     ----------
     x, P, Q : (n + 1,) arrays
-        ln r of the nodes, and the values there [Pa]; of lanes (L, n + 1) on the same nodes.
+        ln r of the nodes, and the values there [Pa]; of several rolls (L, n + 1) on the same nodes.
     x_new : (k,) array
         ln r between the first and the last node.
 
     Returns
     -------
-    two (k,) arrays
+    two (k,) arrays, or (L, k)
     """
     k = np.clip(np.searchsorted(x, x_new, side="right") - 1, 0, x.size - 2)
     h = x[k + 1] - x[k]
@@ -389,3 +528,52 @@ def interpolate_pressure(x: Array, P: Array, Q: Array, x_new: Array) -> tuple[Ar
     chord = (P[..., k + 1] - P0) / h
     c2, c3 = 3 * chord - 2 * q0 - q1, q0 + q1 - 2 * chord
     return P0 + h * t * (q0 + t * (c2 + t * c3)), q0 + t * (2 * c2 + 3 * t * c3)
+
+
+def stretched(x: Array, P: Array, Q: Array, x_new: Array) -> tuple[Array, Array]:
+    """Return P and Q of a stage, stretched linearly in ln r to another surface, at new nodes.
+
+    Parameters
+    ----------
+    x, P, Q : (n + 1,) arrays
+        ln r of the nodes, and the values there [Pa].
+    x_new : (k,) array
+        ln r of all new nodes.
+
+    Returns
+    -------
+    two (k,) arrays
+    """
+    t = (x_new - x_new[0]) / (x_new[-1] - x_new[0])
+    return interpolate_pressure(x, P, Q, x_new - (x_new[-1] - x[-1]) * t)
+
+
+def joined(nodes: Sequence[Array]) -> tuple[Array, Array]:
+    """Return the nodes of several stages, one after the other, and the gaps between them."""
+    return np.concatenate(nodes), np.cumsum([x.size for x in nodes])[:-1] - 1
+
+
+def interpolate_stages(
+    stages: Sequence[tuple[Array, StageSolution]], nodes: Sequence[Array]
+) -> tuple[Array, Array]:
+    """Interpolate P and Q of several stages at other nodes of the same stages.
+
+    Parameters
+    ----------
+    stages : sequence of (x, solution)
+        Nodes ln r of each stage, and the solution there.
+    nodes : sequence of arrays
+        The other nodes of each stage.
+
+    Returns
+    -------
+    two arrays
+        Of all stages, one after the other [Pa].
+    """
+    # shifted so that ln r increases over all stages
+    shifts = (1 + nodes[-1][-1] - nodes[-1][0]) * np.arange(len(nodes))
+    x = np.concatenate([x + shift for (x, _), shift in zip(stages, shifts, strict=True)])
+    x_new = np.concatenate([x + shift for x, shift in zip(nodes, shifts, strict=True)])
+    P = np.concatenate([solved.P for _, solved in stages])
+    Q = np.concatenate([solved.Q for _, solved in stages])
+    return interpolate_pressure(x, P, Q, x_new)

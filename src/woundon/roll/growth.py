@@ -6,11 +6,13 @@ Kappa is defined in :mod:`.equations` and integrated in :mod:`.build_up`; in a r
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
-__all__ = ["ORDER", "Growth"]
+__all__ = ["ORDER", "Growth", "point_counts_of"]
 
 Array = np.ndarray
 
@@ -113,6 +115,35 @@ class Growth:
             slope = slope + term
         return np.where(x >= self.x[-1], slope, 0.0)
 
+    def basis(self, x: Array) -> tuple[Array, Array]:
+        """Return the stages on whose kappa that at x depends, and its derivatives by them.
+
+        Parameters
+        ----------
+        x : (k,) array
+
+        Returns
+        -------
+        two (k, ORDER + 1) arrays
+            Numbers of stages, and derivatives [1]; those of stages that are not used are zero.
+        """
+        # of the polynomials that end at each stage
+        back = np.arange(ORDER + 1)
+        is_used = back < self.point_counts[:, None]
+        stages = np.maximum(np.arange(self.x.size)[:, None] - back, 0)
+        nodes = self.x[stages]
+        spans = nodes[:, :, None] - nodes[:, None, :]
+        is_pair = is_used[:, :, None] & is_used[:, None, :] & ~np.eye(ORDER + 1, dtype=bool)
+        denominators = np.where(is_pair, spans, 1.0).prod(axis=2)
+        # Lagrange polynomials at the points
+        last = np.clip(np.searchsorted(self.x, x, side="left"), 1, self.x.size - 1)
+        distances = np.where(is_used[last], x[:, None] - nodes[last], 1.0)
+        numerators = np.stack(
+            [np.delete(distances, k, axis=1).prod(axis=1) for k in back.tolist()], axis=1
+        )
+        factors = is_used[last] * numerators / denominators[last]
+        return stages[last], factors
+
     def with_stage(self, x: float, kappa: float | Array) -> Growth:
         """Return a copy with one more stage."""
         # all attributes of the new object follow
@@ -182,6 +213,23 @@ class Growth:
         k = np.clip(interval - 1, 0, self._coefficients.shape[1] - 1)
         t = x - self.x[k]
         return t.reshape(t.shape + (1,) * (self.kappa.ndim - 1)), self._coefficients[:, k]
+
+
+def point_counts_of(stages: Sequence[int], kinks: Array) -> Array:
+    """Return the point counts of a function through some stages of another one.
+
+    Parameters
+    ----------
+    stages : sequence of int
+        Numbers of the stages behind the core, which is stage 0, in increasing order.
+    kinks : int array
+        Stages at which new polynomials start, among them the core.
+    """
+    counts, points = [1], 1
+    for previous, _ in pairwise([0, *stages]):
+        points = 2 if previous in kinks else min(points + 1, ORDER + 1)
+        counts.append(points)
+    return np.array(counts)
 
 
 def _newton_polynomial(x: Array, y: Array) -> list[Any]:

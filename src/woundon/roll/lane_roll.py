@@ -12,8 +12,8 @@ import numpy as np
 from ..errors import NotConverged
 from ..problems.thickness_profile import Lanes
 from ..quantities import Quantity, length, line_load, on_request, share, strain, stress
-from .build_up import BuildUp, NotWoundError, stretched_guess
-from .equations import StageData
+from .build_up import BuildUp, NotWoundError
+from .equations import StageData, StageSolution, stretched
 from .finished import add_constant, equations_of, final_changes, surface_layer_depth
 from .lane_tension import tension_of_web
 from .lanes import LOAD, RHO, THETA, WEB, LaneBuildUp, TensionAt, wind_lanes
@@ -232,7 +232,8 @@ def build_up_of(result: Any) -> BuildUp:
     problem, growth = result.problem, result.kappa
     equations, curve = equations_of(problem), problem.tension_curve
     T_c = float(curve.at(result.radius[:1])[0])
-    last: BuildUp | None = None
+    all_nodes: list[Array] = []
+    solutions: list[StageSolution] = []
     for number in range(1, growth.x.size):
         nodes = np.log(result.radius)
         if number < growth.x.size - 1:
@@ -245,13 +246,15 @@ def build_up_of(result: Any) -> BuildUp:
                 equations.core_layer,
             )
         source = cell_source(curve, growth, nodes)
-        guess = stretched_guess(last, nodes, T_c)
+        guess = T_c * (nodes[-1] - nodes), np.full_like(nodes, -T_c)
+        if solutions:
+            guess = stretched(all_nodes[-1], solutions[-1].P, solutions[-1].Q, nodes)
         solved = equations.solve(StageData(nodes, source, T_c), *guess)
         if solved is None:
             raise NotConverged("a stage of the roll could not be solved again")
-        last = BuildUp(growth, nodes, solved, last)
-    assert last is not None
-    return last
+        all_nodes.append(nodes)
+        solutions.append(solved)
+    return BuildUp(growth, all_nodes, solutions)
 
 
 def _cells(result: Any) -> int:
@@ -305,9 +308,10 @@ def solve_lanes(
     errors = {}
     for part in fields(WorstLane):
         value, extreme = (getattr(each.worst, part.name) for each in (roll, solved))
-        # the tension of the mean web is given
-        relative = tolerance + (of_mean if part.name in PRESSURES else 0.0)
-        errors[f"worst_lane.{part.name}"] = abs(value - extreme) + relative * abs(value)
+        # the tolerance of the tension is relative to that of the mean web, which is given
+        scale = roll.worst.tension if part.name == "least_tension" else abs(value)
+        of_stages = tolerance * scale + (of_mean * abs(value) if part.name in PRESSURES else 0.0)
+        errors[f"worst_lane.{part.name}"] = abs(value - extreme) + of_stages
     # the boundary of a slack part lies anywhere within a lane
     is_partly_slack = 0 < roll.worst.slack_share < 1 or solved.worst.least_tension == 0
     errors["worst_lane.slack_share"] = float(np.max(lanes.share)) if is_partly_slack else 0.0
@@ -381,21 +385,23 @@ def _finished(problem: Any, wound: LaneBuildUp, lanes: Lanes) -> tuple[Array, Ar
     """Return P and Q of the lanes after the changes of the finished roll, (L, M) arrays [Pa]."""
     assert wound.data is not None
     source_change, core_change = final_changes(problem)
-    data = wound.data._replace(
+    data = replace(
+        wound.data,
         source=add_constant(wound.data.source, source_change),
         tension=wound.data.tension + core_change,
     )
-    solved = equations_of(problem).solve(data, wound.P, wound.Q)
+    solved = equations_of(problem).solve(data, wound.P.ravel(), wound.Q.ravel())
     if solved is None:
         raise NotConverged("no equilibrium of the lanes after the change of temperature or core")
-    loosest = np.unravel_index(np.argmin(solved.P), solved.P.shape)
+    P, Q = solved.P.reshape(wound.P.shape), solved.Q.reshape(wound.P.shape)
+    loosest = np.unravel_index(np.argmin(P), P.shape)
     changed = source_change or core_change
-    if changed and solved.P[loosest] < -ROUNDING * float(np.max(solved.P)):
+    if changed and P[loosest] < -ROUNDING * float(np.max(P)):
         place = f"the lane at {lanes.position[loosest[0]]:.4g} m across the web"
         raise NotConverged(
             f"the layers of {place} separate: the changes after winding reduce the pressure to zero"
         )
-    return solved.P, solved.Q
+    return P, Q
 
 
 def _check_law(roll: LaneRoll, stack: Any) -> None:

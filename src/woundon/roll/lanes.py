@@ -49,7 +49,15 @@ from .build_up import (
     no_stage_beyond,
     step_factor,
 )
-from .equations import CellSource, StageData, StageEquations, interpolate_pressure, source_residual
+from .equations import (
+    CellSource,
+    SingularStageError,
+    StageData,
+    StageEquations,
+    StageSolution,
+    source_residual,
+    stretched,
+)
 from .growth import Growth
 from .lane_tension import TensionOfLanes
 from .stage_nodes import Tension, cell_source, kinks_of, nodes_between
@@ -109,7 +117,8 @@ class LaneBuildUp:
     reference_P, reference_Q : (n + 1,) arrays
         Those of the mean roll.
     data : StageData, optional
-        Nodes, source and core tension of the lanes; None before the last stage.
+        Nodes, source and core tension of the lanes, one after the other; None before the last
+        stage.
     """
 
     curves: Growth
@@ -163,8 +172,9 @@ def wind_lanes(
     """
     roll = _Lanes(equations, tension, lanes, tension_at, reference, cells, surface_layer)
     kinks, step = reference.growth.kinks, np.inf
-    for number, known in enumerate(reference.stages(), start=1):
-        target = float(known.x[-1])
+    stages = zip(reference.nodes, reference.solutions, strict=True)
+    for number, known in enumerate(stages, start=1):
+        target = float(known[0][-1])
         while roll.x < target:
             remaining = target - roll.x
             # two equal steps rather than a full and a tiny one
@@ -237,20 +247,22 @@ class _Lanes:
         """ln s of the last stage."""
         return float(self.last.curves.x[-1])
 
-    def stage(self, surface: float, known: BuildUp | None) -> tuple[LaneBuildUp | None, float]:
+    def stage(
+        self, surface: float, known: tuple[Array, StageSolution] | None
+    ) -> tuple[LaneBuildUp | None, float]:
         """Return the next stage and its error estimate; None and inf if it cannot be solved.
 
         Parameters
         ----------
         surface : float
             ln s.
-        known : BuildUp, optional
+        known : (nodes, solution), optional
             The stage of the mean roll; without it, that is solved with its known kappa.
         """
         if known is None:
             nodes, P, Q = self._reference_stage(surface)
         else:
-            nodes, P, Q = known.x, known.solved.P, known.solved.Q
+            nodes, P, Q = known[0], known[1].P, known[1].Q
         curves = self.last.curves
         guess = np.array(curves.extrapolate(surface)).reshape(FUNCTIONS, -1)
         solved = self._solve(nodes, P, Q, guess)
@@ -277,10 +289,8 @@ class _Lanes:
         source = cell_source(self.tension, growth, nodes)
         guess = self.T_c * (surface - nodes), np.full_like(nodes, -self.T_c)
         if isinstance(self.last, LaneBuildUp):
-            stretched = _stretched(self.last.x, nodes)
-            guess = interpolate_pressure(
-                self.last.x, self.last.reference_P, self.last.reference_Q, stretched
-            )
+            last = self.last
+            guess = stretched(last.x, last.reference_P, last.reference_Q, nodes)
         solved = self.equations.solve(StageData(nodes, source, self.T_c), *guess)
         if solved is None:
             raise NotWoundError(no_stage_beyond(surface))
@@ -295,10 +305,7 @@ class _Lanes:
         if isinstance(last, _Core):
             theta = last.curves.kappa[0].reshape(FUNCTIONS, -1)[THETA][:, None]
             return theta * P, theta * Q
-        stretched = _stretched(last.x, nodes)
-        dP, dQ = interpolate_pressure(
-            last.x, last.P - last.reference_P, last.Q - last.reference_Q, stretched
-        )
+        dP, dQ = stretched(last.x, last.P - last.reference_P, last.Q - last.reference_Q, nodes)
         return np.maximum(P + dP, 0.0), Q + dQ
 
     def finished(self) -> LaneBuildUp:
@@ -307,7 +314,7 @@ class _Lanes:
         assert isinstance(last, LaneBuildUp)
         points = self._points(last.x, last.curves)
         X, source, *_ = self._sources(last.x, points, np.zeros((FUNCTIONS, 1)))
-        return replace(last, data=StageData(X, source, self.core_tension))
+        return replace(last, data=stage_data(X, source, self.core_tension))
 
     def _points(self, nodes: Array, candidate: Growth) -> _Points:
         """Return the values in the cells of a stage; ``candidate`` has the functions up to it."""
@@ -364,23 +371,26 @@ class _Lanes:
         values[THETA] = np.maximum(values[THETA], 0.0)
         for _ in range(MAX_ITERATIONS):
             X, source, by_kappa, by_theta = self._sources(nodes, points, values - guess)
-            solved = equations.solve_linearised(
-                StageData(X, source, self.core_tension),
-                P,
-                Q,
-                source_residual(X, by_kappa),
-                source_residual(X, by_theta),
-            )
-            if solved is None:
+            data = stage_data(X, source, self.core_tension)
+            try:
+                factors, E, step, layer = equations.linearised(data, P.ravel(), Q.ravel())
+            except SingularStageError:
                 return None
-            (step, layer, of_kappa, of_theta), E = solved  # P, Q -= step
-            kappa_by_P = equations.kappa_by_pressure(X, P, layer[:, ::2], E)
+            right = [
+                source_residual(data.lengths, CellSource(*map(_joined, each)))
+                for each in (by_kappa, by_theta)
+            ]
+            of_kappa, of_theta = factors.solve(np.array(right).T).T.reshape(2, *P.shape, 2)
+            kappa_by_P = equations.kappa_by_pressure(data, P.ravel(), layer[::2], E)
+            # in the last axis P and Q; P, Q -= step
+            step, layer = (part.reshape(*P.shape, 2) for part in (step, layer))
             own, of_step, of_tension = (
-                (kappa_by_P * part[:, ::2]).sum(axis=1) for part in (of_kappa, step, of_theta)
+                (kappa_by_P.reshape(P.shape) * part[..., 0]).sum(axis=1)
+                for part in (of_kappa, step, of_theta)
             )
             # kappa + free - softening dtheta is that of a further layer
             kappa, theta = mean_kappa + values[KAPPA], values[THETA]
-            free = (layer[:, -1] - kappa - of_step) / (1 + own)
+            free = (layer[:, -1, 1] - kappa - of_step) / (1 + own)
             softening = of_tension / (1 + own)
             # (1 + kappa) theta = inward theta + rest, linearised; the bound of inward only slows
             # Newton's method
@@ -395,8 +405,8 @@ class _Lanes:
             tension = self.tension_at(surface, c, mu, theta)
             dtheta = tension.wound_on - theta
             dkappa = free - softening * dtheta
-            step += dkappa[:, None] * of_kappa + dtheta[:, None] * of_theta
-            P, Q = P - step[:, ::2], Q - step[:, 1::2]
+            step = step + dkappa[:, None, None] * of_kappa + dtheta[:, None, None] * of_theta
+            P, Q = P - step[..., 0], Q - step[..., 1]
             rho = c - mu * tension.wound_on
             drho = rho - values[RHO]
             values = np.array(
@@ -408,7 +418,7 @@ class _Lanes:
             scale = np.maximum(largest, SMALLEST_PRESSURE * np.max(largest))
             if (
                 max(
-                    np.max(np.abs(step[:, ::2]).max(axis=1) / scale),
+                    np.max(np.abs(step[..., 0]).max(axis=1) / scale),
                     np.max(np.abs(dkappa) / (2 + np.abs(kappa))),
                     np.max(np.abs(dtheta)),
                     np.max(np.abs(drho)) / strain,
@@ -462,7 +472,25 @@ class _Lanes:
         return X, *sources
 
 
-def _stretched(x: Array, nodes: Array) -> Array:
-    """Return nodes of a stage, stretched linearly to the interval of other nodes ``x``."""
-    t = (nodes - nodes[0]) / (nodes[-1] - nodes[0])
-    return np.minimum(nodes - (nodes[-1] - x[-1]) * t, x[-1])
+def _joined(values: Array) -> Array:
+    """Return values in the cells of lanes, (L, n), as those of cells with gaps between lanes."""
+    with_gaps = np.zeros((values.shape[0], values.shape[1] + 1))
+    with_gaps[:, :-1] = values
+    return with_gaps.ravel()[:-1]
+
+
+def stage_data(X: Array, source: CellSource, tension: Array) -> StageData:
+    """Return the stages of all lanes, one after the other.
+
+    Parameters
+    ----------
+    X : (L, n + 1) array
+        ln r of the nodes of each lane.
+    source : CellSource
+        Of (L, n) arrays [Pa].
+    tension : (L,) array
+        T_c [Pa].
+    """
+    lanes, nodes = X.shape
+    gaps = nodes * np.arange(1, lanes) - 1
+    return StageData(X.ravel(), CellSource(*map(_joined, source)), tension, gaps=gaps)

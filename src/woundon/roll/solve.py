@@ -12,7 +12,7 @@ The published layer-by-layer scheme (Hakiel 1987) is available as ``theories.lay
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import inf, log
+from math import inf, log, nan
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
@@ -77,9 +77,6 @@ MAX_LEVELS = 12
 PASSES = (0.0, 0.4, 0.9, 0.95, 0.975, 0.99)
 COARSE = 1e-2  # rtol reached by the second level; smaller values start at a finer level
 ROUNDING = 1e-9
-# Tolerance of the stages of a neighbouring roll: the last Newton step is at most 5e-8, and the
-# error is about its square.
-NEIGHBOUR_TOLERANCE = 5e-13
 ESTIMATED = "peak_pressure", "core_pressure", "mid_pressure", "least_hoop_stress"
 
 
@@ -174,9 +171,7 @@ class ThinLayerRoll(NamedTuple):
 
         The discretisation errors cancel in the difference; the error estimates are copied.
         """
-        build_up, result = _wind(
-            problem, NEIGHBOUR_TOLERANCE, self.cells, reference=self.build_up, report=None
-        )
+        build_up, result = _wind(problem, nan, self.cells, self.build_up, report=None)
         return ThinLayerRoll(result.replace(errors=self.result.errors), build_up, self.cells)
 
 
@@ -285,7 +280,7 @@ def _wind(
     ----------
     problem : RollProblem
     tolerance : float
-        Of kappa at the stages, relative to kappa + 2.
+        Of kappa at the stages, relative to kappa + 2, for their choice.
     cells : int
         Cells of each stage.
     reference : BuildUp or None
@@ -300,15 +295,11 @@ def _wind(
     """
     equations, curve = equations_of(problem), problem.tension_curve
     radii = problem.core.radius, problem.radius
-    options: Any = {
-        "tolerance": tolerance,
-        "cells": cells,
-        "surface_layer": surface_layer_depth(problem),
-        "report": report,
-    }
+    depth = surface_layer_depth(problem)
+    options: Any = {"cells": cells, "surface_layer": depth, "report": report}
     try:
         if reference is None:
-            build_up = wind(equations, curve, *radii, **options)
+            build_up = wind(equations, curve, *radii, tolerance=tolerance, **options)
         else:
             build_up = wind_with_stages(equations, curve, reference, **options)
     except NotWoundError as stop:

@@ -16,6 +16,7 @@ __all__ = [
     "evaluate_in_cells",
     "kinks_of",
     "nodes_between",
+    "points_of_cells",
     "source_error",
 ]
 
@@ -123,19 +124,21 @@ def _kink_nodes(ends: Array, counts: Array, surface_layer: float) -> list[Array]
     return nodes
 
 
-def kinks_of(tension: Tension, growth: Growth) -> tuple[Array, Array]:
+def kinks_of(tension: Tension, growth: Growth, surface: float = np.inf) -> tuple[Array, Array]:
     """Return ln r of a tension's kinks, and the relative changes of the source there.
 
-    After the last stage, kappa of the last stage is used.  Kinks that are closer together than
-    1/(2 + kappa) approximate a smooth curve: they are weighted by their distance.
+    Kinks from ln r = ``surface`` on are left out.  After the last stage, kappa of the last stage is
+    used.  Kinks that are closer together than 1/(2 + kappa) approximate a smooth curve: they are
+    weighted by their distance.
     """
     x = np.log(tension.kinks)
+    x, bends = x[x < surface], tension.bends[x < surface]
     if not x.size:
         return x, x
     factor = 2 + growth(np.minimum(x, growth.x[-1]))  # of T in the source
     gaps = np.diff(x, prepend=-np.inf, append=np.inf)
     weight = np.minimum(1.0, factor * np.maximum(gaps[1:], gaps[:-1]) / 2)
-    return x, tension.bends / factor * weight
+    return x, bends / factor * weight
 
 
 def cell_source(tension: Tension, growth: Growth, nodes: Array) -> CellSource:
@@ -166,7 +169,14 @@ def evaluate_in_cells(nodes: Array, values: Callable[[Array, Array], Array]) -> 
     ``nodes`` are x = ln r, (n + 1,).  ``side`` is 1 or -1 for values just outside or inside of x,
     which differ where the function has a kink.
     """
-    x = np.concatenate([nodes[:-1], (nodes[1:] + nodes[:-1]) / 2, nodes[1:]])
     n = nodes.size - 1
-    C = values(x, np.repeat([1, 1, -1], n))  # side: inner or outer side of a kink that is a node
-    return CellSource(C[:n], C[n : 2 * n], C[2 * n :])
+    side = np.repeat([1, 1, -1], n)  # inner or outer side of a kink that is a node
+    return CellSource(*values(points_of_cells(nodes), side).reshape(3, n))
+
+
+def points_of_cells(nodes: Array) -> Array:
+    """Return ln r at the left ends, then in the middles, then at the right ends of cells, (3 n,).
+
+    ``nodes`` are ln r, (n + 1,).
+    """
+    return np.concatenate([nodes[:-1], (nodes[1:] + nodes[:-1]) / 2, nodes[1:]])

@@ -7,6 +7,7 @@ as a function of the surface radius (:mod:`.build_up`).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import inf
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -17,15 +18,14 @@ from ..problems.messages import quote
 from ..problems.permitted import is_within
 from ..problems.roll import FEWEST_LAYERS, RollProblem
 from ..problems.schedules import Profile, Taper
-from .equations import StageData, StageSolution, interpolate_pressure
+from .equations import StageData, StageSolution, interpolate_pressure, joined, stretched
 from .finished import equations_of, finished_arrays, surface_layer_depth
-from .growth import Growth
 from .stage_nodes import cell_source, kinks_of, nodes_between
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-__all__ = ["Stage", "stage_arrays", "stage_at", "stresses_between"]
+__all__ = ["Stage", "stage_arrays", "stages_at", "stresses_between"]
 
 Array = np.ndarray
 FEWEST_CELLS = 23
@@ -47,9 +47,10 @@ class Stage(NamedTuple):
     gradient: Array
     tension: float
 
-    def pressure_at(self, r: Array) -> Array:
-        """Return P at radii [Pa]."""
-        return interpolate_pressure(np.log(self.radius), self.pressure, self.gradient, np.log(r))[0]
+    def stresses_at(self, r: Array) -> tuple[Array, Array]:
+        """Return P and the hoop stress at radii [Pa]."""
+        P, Q = interpolate_pressure(np.log(self.radius), self.pressure, self.gradient, np.log(r))
+        return P, -(P + Q)
 
 
 def stresses_between(result: Any, radius: ArrayLike) -> dict[str, Any]:
@@ -90,31 +91,49 @@ def stage_arrays(result: Any, radius: float) -> dict[str, Any]:
     if not is_within(surface, smallest, inf):
         text = f"{quote(surface)} is out of range; must be >= {smallest:.6g} [m]"
         raise InvalidProblem.at("radius", f"{text}, {FEWEST_LAYERS} layers")
-    stage = _solve_stage(result, surface, result.radius.size - 1)
-    arrays = finished_arrays(stage.problem, stage.x, stage.growth, stage.solved)
-    layer_growth = result.layer_kappa.truncate(stage.growth.x[-1]).kappa
-    return {**arrays, "problem": stage.problem, "layer_growth": layer_growth}
+    growth = result.kappa.truncate(float(np.log(surface)))
+    x, solved = _solve_stages(result, [surface], result.radius.size - 1)[0]
+    stage = problem.replace(
+        radius=surface,
+        wound_on_tension=_schedule_until(problem, surface),
+        # the changes after winding do not apply to a stage
+        temperature_change=0.0,
+        core_shrinkage=0.0,
+    )
+    arrays = finished_arrays(stage, x, growth, solved)
+    layer_growth = result.layer_kappa.truncate(growth.x[-1]).kappa
+    return {**arrays, "problem": stage, "layer_growth": layer_growth}
 
 
-def stage_at(result: Any, radius: float) -> Stage:
-    """Return the pressure at a stage of the build-up, without residuals and error estimates.
+def stages_at(result: Any, radii: Sequence[float], cells: int | None = None) -> list[Stage]:
+    """Return the pressure at stages of the build-up, without residuals and error estimates.
 
     Parameters
     ----------
     result : RollResult
-    radius : float
-        Of the roll's surface at this stage, ten layers or more above the core [m].
+    radii : sequence of float
+        Of the roll's surface at these stages, ten layers or more above the core [m].
+    cells : int, optional
+        Approximate number of cells without those at kinks of the tension; by default so many that
+        there are about as many cells as in the result.
     """
-    T = float(result.problem.tension_curve.at(np.array([radius]))[0])
-    tension = T * float(result.problem.web_thickness)
-    if radius == result.problem.radius:
-        return Stage(result.radius, result.pressure, result.pressure_gradient, tension)
-    # kinks of the tension are additional nodes
-    cells = max(result.radius.size - 1 - result.problem.tension_curve.kinks.size, FEWEST_CELLS)
-    stage = _solve_stage(result, radius, cells)
-    r = np.exp(stage.x)
-    r[0], r[-1] = result.problem.core.radius, radius  # without rounding
-    return Stage(r, stage.solved.P, stage.solved.Q, tension)
+    curve, core, R = result.problem.tension_curve, result.problem.core.radius, result.problem.radius
+    if cells is None:
+        cells = max(result.radius.size - 1 - curve.kinks.size, FEWEST_CELLS)
+    earlier = sorted({radius for radius in radii if radius != R})
+    solutions = dict(zip(earlier, _solve_stages(result, earlier, cells), strict=True))
+    tensions = curve.at(np.array(radii)) * float(result.problem.web_thickness)
+    stages = []
+    for radius, tension in zip(radii, tensions.tolist(), strict=True):
+        if radius == R:
+            arrays = result.radius, result.pressure, result.pressure_gradient
+        else:
+            x, solved = solutions[radius]
+            r = np.exp(x)
+            r[0], r[-1] = core, radius  # without rounding
+            arrays = r, solved.P, solved.Q
+        stages.append(Stage(*arrays, tension))
+    return stages
 
 
 def _radii_on_roll(result: Any, radius: ArrayLike) -> Array:
@@ -141,57 +160,46 @@ def _radii_on_roll(result: Any, radius: ArrayLike) -> Array:
     return np.clip(r, core, surface)
 
 
-class _SolvedStage(NamedTuple):
-    """A stage of the build-up, solved again.
-
-    Attributes
-    ----------
-    problem : RollProblem
-        The roll with the radius of the stage, as wound.
-    x : (n + 1,) array
-        ln r of the nodes.
-    growth : Growth
-        Kappa, the growth of a layer's pressure below the surface, up to this stage.
-    solved : StageSolution
-        P and Q = r dP/dr at the nodes [Pa].
-    """
-
-    problem: RollProblem
-    x: Array
-    growth: Growth
-    solved: StageSolution
-
-
-def _solve_stage(result: Any, surface: float, cells: int) -> _SolvedStage:
-    """Solve a stage of a result again, with the kappa of the result.
+def _solve_stages(
+    result: Any, surfaces: Sequence[float], cells: int
+) -> list[tuple[Array, StageSolution]]:
+    """Solve stages of a result again, together, with the kappa of the result.
 
     Parameters
     ----------
     result : RollResult
-    surface : float
-        Radius of the roll at this stage [m].
+    surfaces : sequence of float
+        Radii of the roll at these stages [m].
     cells : int
         Approximate number of cells without those at kinks of the tension.
+
+    Returns
+    -------
+    list of (x, solution)
+        Nodes ln r of each stage, and P and Q = r dP/dr there [Pa].
     """
-    problem, core, x = result.problem, result.problem.core.radius, float(np.log(surface))
-    growth = result.kappa.truncate(x)
-    stage = problem.replace(
-        radius=surface,
-        wound_on_tension=_schedule_until(problem, surface),
-        # the changes after winding do not apply to a stage
-        temperature_change=0.0,
-        core_shrinkage=0.0,
-    )
-    curve, equations = stage.tension_curve, equations_of(stage)
-    kinks, depth = kinks_of(curve, growth), surface_layer_depth(problem)
-    nodes = nodes_between(float(np.log(core)), x, cells, depth, *kinks, equations.core_layer)
-    T_c = float(curve.at(np.array([core]))[0])
-    # of P and r P': zero at the surface, with the slope of the tension at the core
-    guess = T_c * (x - nodes), np.full_like(nodes, -T_c)
-    solved = equations.solve(StageData(nodes, cell_source(curve, growth, nodes), T_c), *guess)
+    if not surfaces:
+        return []
+    problem, growth = result.problem, result.kappa
+    curve, equations = problem.tension_curve, equations_of(problem)
+    depth, core_radius = surface_layer_depth(problem), problem.core.radius
+    nodes = []
+    for surface in np.log(surfaces).tolist():
+        kinks = kinks_of(curve, growth, surface)
+        ends = float(np.log(core_radius)), surface
+        nodes.append(nodes_between(*ends, cells, depth, *kinks, equations.core_layer))
+    x, gaps = joined(nodes)
+    T_c = float(curve.at(np.array([core_radius]))[0])
+    # the finished roll, whose changes after winding may separate layers
+    finished = np.log(result.radius), np.maximum(result.pressure, 0.0), result.pressure_gradient
+    guesses = [stretched(*finished, own) for own in nodes]
+    P, Q = (np.concatenate(parts) for parts in zip(*guesses, strict=True))
+    stage = StageData(x, cell_source(curve, growth, x), T_c, gaps=gaps)
+    solved = equations.solve(stage, P, Q)
     if solved is None:
-        raise NotConverged(f"the stage at the radius {surface:.6g} m could not be solved")
-    return _SolvedStage(stage, nodes, growth, solved)
+        radii = ", ".join(f"{surface:.6g}" for surface in surfaces)
+        raise NotConverged(f"the stages at the radii {radii} m could not be solved")
+    return list(zip(nodes, solved.parts(gaps), strict=True))
 
 
 def _schedule_until(problem: RollProblem, surface: float) -> float | Profile | Taper:

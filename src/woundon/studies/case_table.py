@@ -9,7 +9,7 @@ faulty row does not reject the table, and an empty cell stands for the value of 
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import inf, isnan
 from pathlib import Path
@@ -23,7 +23,7 @@ from ..errors import InvalidProblem, one_of
 from ..io.case_files import check_like_a_case, load_case, make_problem
 from ..io.cells import MAX_COUNTED, Fault, as_plain_number, decimal_sign, numbers, raise_faults
 from ..io.sheets import Sheet, read_sheet
-from ..io.tables import Column, Names, match_columns
+from ..io.tables import Column, Names, is_known_header, match_columns
 from ..problems.description import Description
 from ..problems.family import field_from_table
 from ..problems.paths import field_or_none, is_part_of, nest_tables
@@ -112,7 +112,7 @@ def solve_table(
     >>> solved["failure"][2]
     'load: -1000 is out of range; must be >= 1e-12 and <= 1e+09 [N/m]'
     """
-    sheet = read_sheet(table, "table")
+    sheet = read_sheet(table, "table", _is_known_to_any(case, kind, columns))
     problem, complete = _base_problem(sheet, case, kind, columns)
     fields = input_columns(problem)
     matched = match_columns(sheet, column_names(problem), columns)
@@ -191,9 +191,10 @@ def read_cases(
     >>> read_cases({"load [kN/m]": [89.0, 178.0]}, wo.RollerProblem.example())
     {'load': [89000.0, 178000.0]}
     """
-    sheet = read_sheet(data, "over")
+    names = column_names(problem)
+    sheet = read_sheet(data, "over", is_known_header(names, columns))
     fields, outputs = input_columns(problem), output_columns(problem)
-    matched = match_columns(sheet, column_names(problem), columns)
+    matched = match_columns(sheet, names, columns)
     # a quantity that is both input and output, such as the creepage of rollers, is an output in the
     # table of a study, and an input in other tables
     written = any(column.name in ANNOTATIONS for column in matched)
@@ -277,6 +278,19 @@ def _is_missing(value: Any) -> bool:
 
 
 # ---- columns ------------------------------------------------------------------------------------
+
+
+def _is_known_to_any(
+    case: Problem | str | Path | None, kind: str | None, columns: Mapping[str, str | None] | None
+) -> Callable[[str], bool]:
+    """Return a function that tells whether a header is known, of the case or of any kind."""
+    if isinstance(case, Problem):
+        examples = [case]
+    else:
+        kinds_of_table = kinds.every() if kind is None else [kinds.named(kind)]
+        examples = [each.example() for each in kinds_of_table]
+    known = [is_known_header(column_names(example), columns) for example in examples]
+    return lambda header: any(is_known(header) for is_known in known)
 
 
 def _kind_of_columns(sheet: Sheet, columns: Mapping[str, str | None] | None) -> kinds.Kind:

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import InvalidProblem, one_of
 from ..io.files import replaced_file
-from ..io.sheets import need_openpyxl
 from ..io.spreadsheets import record_table, write_csv, write_workbook
+from ..io.table_files import need_openpyxl
 from .cases import is_numeric
 from .run import Table
 

@@ -17,7 +17,7 @@ import numpy as np
 from ..errors import InvalidProblem
 from ..io.cells import Conversion, Fault, numbers, raise_faults
 from ..io.sheets import read_sheet
-from ..io.tables import Column, Names, match_columns
+from ..io.tables import Column, Names, is_known_header, match_columns
 from ..quantities import Quantity
 from .columns import ANNOTATIONS
 
@@ -89,10 +89,10 @@ def read_measured(
     >>> read_measured({"nip_width [mm]": [4.0]}, {}, outputs).outputs["nip_width"]
     array([0.004])
     """
-    sheet = read_sheet(data, "measured")
     replacements = replaced or {}
     known = {**inputs, **outputs, **conversion.helpers}
     names = Names({**dict.fromkeys((*ANNOTATIONS, *replacements)), **known})
+    sheet = read_sheet(data, "measured", is_known_header(names, columns))
     matched = [c for c in match_columns(sheet, names, columns) if c.name not in ANNOTATIONS]
     for column in matched:
         if column.name in replacements and column.name not in inputs:

@@ -33,6 +33,7 @@ __all__ = [
     "arrays_over_radius",
     "definitions",
     "error_at",
+    "measured_columns",
     "predict",
     "read_deviation",
     "read_observations",
@@ -136,13 +137,11 @@ def read_observations(
     InvalidProblem
         For an invalid table.
     """
-    fields, scalars = columns_of(problem), measurable_outputs(problem)
+    if hasattr(data, "measured"):  # the log of a winder
+        data = data.measured()
     result = kind_of(problem).result
-    arrays = arrays_over_radius(result, fields) if over_radius else {}
-    known = {**arrays, **scalars}
-    if arrays:
-        positions = dict.fromkeys(POSITIONS, length("r", "where it was measured"))
-        known |= {**positions, TAB_FORCE: FORCE}
+    fields, known = columns_of(problem), measured_columns(problem, over_radius)
+    scalars = measurable_outputs(problem)
     replacements = {name: text for name, text in result.REPLACED.items() if name not in known}
     table = read_measured(data, fields, known, columns, replacements, conversion_of(problem))
     values_of, deviations = dict(table.outputs), dict(table.deviations)
@@ -181,6 +180,24 @@ def read_observations(
         quantities=quantities,
         where=table.where,
     )
+
+
+def measured_columns(problem: Problem, over_radius: bool = True) -> dict[str, Quantity]:
+    """Return the columns that a table of measured values may have in addition to inputs.
+
+    Parameters
+    ----------
+    problem : Problem
+    over_radius : bool
+        Whether the table may contain values that belong to a radius of a roll.
+    """
+    result = kind_of(problem).result
+    arrays = arrays_over_radius(result, columns_of(problem)) if over_radius else {}
+    known = {**arrays, **measurable_outputs(problem)}
+    if arrays:
+        positions = dict.fromkeys(POSITIONS, length("r", "where it was measured"))
+        known |= {**positions, TAB_FORCE: FORCE}
+    return known
 
 
 def _convert_tab_forces(

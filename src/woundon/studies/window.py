@@ -35,6 +35,7 @@ from .window_cases import (
     Shares,
     Windings,
     joined,
+    load_axis,
     margin_names,
     range_of,
     share_polynomials,
@@ -76,9 +77,10 @@ CHECKS = ((OUTER, MIDDLE), (-MIDDLE, OUTER), (-OUTER, -MIDDLE), (MIDDLE, -OUTER)
 def operating_window(
     problem: Problem,
     web_tension: Sequence[float | str],
-    nip_load: Sequence[float | str],
+    nip_load: Sequence[float | str] | None = None,
     torque_split: Sequence[float | str] | None = None,
     *,
+    rider_load: Sequence[float | str] | None = None,
     uncertain: Mapping[str, float] | Grade | str | None = None,
     tie: Mapping[str, str] | None = None,
     samples: int = 2048,
@@ -93,6 +95,7 @@ def operating_window(
 ) -> OperatingWindow:
     """Map the probability that all margins of a winding hold, over web tension and nip load.
 
+    Of a two-drum winder, whose nip loads follow from its geometry, over web tension and rider load.
     Schedules keep their shape; the ranges are of their values at the core.
 
     Parameters
@@ -101,6 +104,8 @@ def operating_window(
         With at least one limit.
     web_tension, nip_load, torque_split : (low, high)
         At the core, SI or texts with units.  Without ``torque_split`` it stays as it is.
+    rider_load : (low, high)
+        With a ``winder``, in place of ``nip_load``.
     uncertain : mapping, Grade or str, optional
         Dotted name of a field -> relative standard deviation of its log-normal distribution, whose
         median is the value of the problem.  A grade, or its name, gives the spreads of the grade.
@@ -165,7 +170,8 @@ def operating_window(
     model = window_model(problem, ties, options)
     for name in spreads:
         model.check_varied([name])
-    given = {"web_tension": web_tension, "nip_load": nip_load}
+    load_name, load = load_axis(problem, nip_load, rider_load)
+    given = {"web_tension": web_tension, load_name: load}
     if torque_split is not None:
         given["torque_split"] = torque_split
     ranges = np.array([range_of(problem, name, ends) for name, ends in given.items()])

@@ -53,8 +53,9 @@ __all__ = [
 Array = np.ndarray
 Shares = Callable[[Array, Array], Array]  # set points x, inputs z -> friction shares
 
-# Accuracy of the windings: changes of the margins by 0.01, a tenth of what the usual spreads cause
-ACCURACY: dict[str, Any] = {"rtol": 1e-2, "nodes": 33, "coupling_rtol": 1e-3}
+# Accuracy of the windings: changes of the margins by 0.01, a tenth of what the usual spreads cause;
+# the errors of a window follow from its checks, not from estimates of single windings
+ACCURACY: dict[str, Any] = {"rtol": 1e-2, "nodes": 33, "coupling_rtol": 1e-3, "errors": False}
 FRICTION_SHARE = "friction_share"  # the column of the shares, one tuple for each case
 # depths at which the shares are known: even in the logarithm, for they change near the core, and
 # even in the radius
@@ -103,10 +104,24 @@ def _check_spread(problem: Problem, name: str, spread: Any) -> None:
     varied_number(problem, name, f"uncertain.{name}", is_relative=True)
 
 
-def range_of(problem: Problem, name: str, ends: Any) -> tuple[float, float]:
-    """Return a range in SI units; only the torque split may be 0."""
+def load_axis(problem: WindingProblem, nip_load: Any, rider_load: Any) -> tuple[str, Any]:
+    """Return name and range of the load of a window: of the nip, or of the rider with a winder."""
+    if problem.winder is None:
+        if rider_load is not None:
+            text = "is given for a winding without a winder; must be left out"
+            raise InvalidProblem.at("rider_load", f"{text}: the load is nip_load")
+        return "nip_load", nip_load
+    if nip_load is not None:
+        text = "is given for a winding with a winder; must be left out"
+        raise InvalidProblem.at("nip_load", f"{text}: it follows from rider_load")
+    return "winder.rider_load", rider_load
+
+
+def range_of(problem: WindingProblem, name: str, ends: Any) -> tuple[float, float]:
+    """Return a range in SI units; only the torque split may be 0, that of a winder negative."""
     low, high = range_in_si(problem, name, ends)
-    if low < 0 or (low == 0 and name != "torque_split"):
+    is_split = name == "torque_split"
+    if (low < 0 and not (is_split and problem.winder)) or (low == 0 and not is_split):
         text = f"({low:g}, {high:g}) is out of range; must be 0 < low < high"
         raise InvalidProblem.at(name, text)
     return low, high
@@ -123,7 +138,8 @@ class WindowModel(KindModel):
     ----------
     depths : tuple of float
         Relative depths d at which the friction shares are outputs, behind the other outputs; none
-        if a wound-on tension takes no nip, or nips and roll are also coupled by entrained air.
+        if a wound-on tension takes no nip, or nips and roll are also coupled by entrained air, or
+        margins depend on the tensions between the nips of a two-drum winder.
     """
 
     problem: WindingProblem
@@ -200,7 +216,7 @@ def margin_names(problem: WindingProblem) -> tuple[str, ...]:
 
 def _depths(problem: WindingProblem) -> tuple[float, ...]:
     """Return the relative depths at which the friction shares of a winding are interpolated."""
-    if problem.tension_law != "nip" or problem.air is not None:
+    if problem.tension_law != "nip" or problem.air is not None or problem.winder is not None:
         return ()
     core, R = problem.ends  # radii of the core and of the finished roll
     first = problem.web.thickness / (R - core)

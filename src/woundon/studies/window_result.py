@@ -12,6 +12,7 @@ import numpy as np
 from ..arguments import check_arguments, whole_number
 from ..errors import InvalidProblem
 from ..problems.paths import number_in_si
+from ..problems.permitted import is_within
 from ..problems.winding import WindingProblem
 from ..quantities import Quantity
 from .outcome import Outcome
@@ -75,7 +76,8 @@ class OperatingWindow(Outcome):
     ----------
     problem : WindingProblem
     names : tuple of str
-        ``web_tension``, ``nip_load`` and, if it is varied, ``torque_split``.
+        ``web_tension``, ``nip_load`` (``winder.rider_load`` of a two-drum winder) and, if it is
+        varied, ``torque_split``.
     ranges : (d, 2) array
         Values at the core, SI units.
     margins : tuple of str
@@ -224,7 +226,7 @@ class OperatingWindow(Outcome):
         given = zip(self.names, values, strict=True)
         point = np.array([number_in_si(self.problem, name, value) for name, value in given])
         for name, value, (low, high) in zip(self.names, point, self.ranges, strict=True):
-            if not low * (1 - 1e-9) <= value <= high * (1 + 1e-9):  # the ends after rounding too
+            if not is_within(value, low, high):  # the ends after rounding too
                 must = f"must be >= {low:g} and <= {high:g}, the range of the map"
                 raise InvalidProblem.at(name, f"{value:g} is out of range; {must}")
         return point

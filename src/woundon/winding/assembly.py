@@ -13,6 +13,7 @@ from ..results import Residuals
 from ..roll.solve import ThinLayerRoll
 from ..roll.validity import yield_warnings
 from .bodies import tension_on_roll
+from .drum_nips import drum_nips
 from .nips import Nips
 from .result import WindingResult
 from .roll import recomputed
@@ -85,6 +86,8 @@ def assemble_result(
         roll_rtol=rtol,
         coupling_rtol=coupling_rtol,
         nips_solved=nips.solved,
+        front=drum_nips(results, 1),
+        rider=drum_nips(results, 2),
         residuals=Residuals(),
         warnings=(
             *nips.warnings(),

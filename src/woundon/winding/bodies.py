@@ -21,6 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..contact.refinement import neighbouring_solution
 from ..errors import NotConverged
 from ..nip.result import NipResult
 from ..problems.bodies import Body, Cylinder
@@ -40,6 +41,7 @@ __all__ = [
     "predicted_nip",
     "solved_nip",
     "tension_on_roll",
+    "with_exponents",
 ]
 
 Array = np.ndarray
@@ -47,6 +49,7 @@ Solve = Callable[[Body, NipResult | None], NipResult]
 
 PEAK_COEFFICIENT = 0.25  # of p_max in P_e
 DEPTHS = 33  # at which the wound pressure is averaged
+EXPONENT_STEP = 0.01  # relative difference of P_e for its exponents
 MAX_NIPS = 25  # in the iteration for P_e
 # Relative differences of P_e below this are too noisy to determine the exponents.
 SMALLEST_STEP = 2e-3
@@ -133,6 +136,7 @@ def solved_nip(
     neighbour: NipSample | None,
     solve: Solve,
     coupling_rtol: float,
+    pressure: float | None = None,
 ) -> NipSample:
     """Solve the nip on the roll at a stage of its build-up.
 
@@ -149,6 +153,8 @@ def solved_nip(
         (roll, neighbouring result for a warm start, or None) -> result of the nip.
     coupling_rtol : float
         Relative tolerance of the effective pressure P_e, at which the moduli of the roll are taken.
+    pressure : float, optional
+        Guess of P_e without a solution on a similar roll [Pa].
     """
     guess = previous or neighbour
     start = guess.result if guess else None
@@ -156,7 +162,7 @@ def solved_nip(
         return NipSample(solve(linear_cylinder(problem, radius), start))
     if problem.roll_body == "direct":
         return NipSample(solve(hardening_roll(problem, stage), start))
-    return _effective(problem, stage, previous, neighbour, solve, coupling_rtol)
+    return _effective(problem, stage, previous, neighbour, solve, coupling_rtol, pressure)
 
 
 def _effective(
@@ -166,6 +172,7 @@ def _effective(
     neighbour: NipSample | None,
     solve: Solve,
     coupling_rtol: float,
+    pressure: float | None,
 ) -> NipSample:
     """Solve the nip on an effective cylinder by a fixed-point iteration for P_e.
 
@@ -175,6 +182,8 @@ def _effective(
     guess, radius = previous or neighbour, float(stage.radius[-1])
     if previous:
         P = predicted_nip(problem, stage, previous).implied_pressure
+    elif pressure:
+        P = min(pressure, _largest_pressure(problem))
     else:
         P = _initial_pressure(problem, stage, neighbour)
     result = guess.result if guess else None
@@ -183,7 +192,8 @@ def _effective(
         result = solve(effective_cylinder(problem, radius, P), result)
         sample = NipSample(result, P, exponents=guess.exponents if guess else HERTZ)
         if last is not None and abs(P - last.pressure) > SMALLEST_STEP * P:
-            sample = sample._replace(exponents=_exponents(sample, last))
+            outputs = _nip_outputs(result), _nip_outputs(last.result)
+            sample = sample._replace(exponents=_exponents(*outputs, P / last.pressure))
         sample = predicted_nip(problem, stage, sample)
         if abs(sample.implied_pressure - P) <= coupling_rtol * P:
             return sample
@@ -242,6 +252,25 @@ def _initial_pressure(problem: WindingProblem, stage: Stage, neighbour: NipSampl
     return min(P, _largest_pressure(problem))
 
 
+def with_exponents(problem: WindingProblem, stage: Stage, sample: NipSample) -> NipSample:
+    """Return a nip with its exponents of P_e, from the same nip under a slightly higher P_e.
+
+    They stay as they are if this nip cannot be solved on the same mesh.  Parameters as of
+    :func:`predicted_nip`.
+    """
+    mesh, P = sample.result.refinement.last, (1 + EXPONENT_STEP) * sample.pressure
+    roll = effective_cylinder(problem, sample.radius, P)
+    try:
+        outputs = neighbouring_solution(mesh, mesh.system.problem.replace(roll=roll)).outputs
+    except ArithmeticError:  # of the iteration, or of a body under an iterate
+        return sample
+    neighbour = NipOutputs(
+        outputs["roll_wound_on_tension"], outputs["half_width"], outputs["peak_pressure"]
+    )
+    exponents = _exponents(neighbour, _nip_outputs(sample.result), 1 + EXPONENT_STEP)
+    return predicted_nip(problem, stage, sample._replace(exponents=exponents))
+
+
 def tension_on_roll(result: NipResult) -> float:
     """Return the tension with which the web is wound into the roll [N/m].
 
@@ -255,15 +284,15 @@ def _nip_outputs(result: NipResult) -> NipOutputs:
     return NipOutputs(tension_on_roll(result), result.half_width, result.peak_pressure)
 
 
-def _exponents(sample: NipSample, last: NipSample) -> NipOutputs:
+def _exponents(outputs: NipOutputs, others: NipOutputs, ratio: float) -> NipOutputs:
     """Return the exponents of P_e in the outputs of a nip from its solutions for two P_e.
 
-    The exponent of a tension that changes its sign is 0.
+    ``ratio`` is that of the two P_e.  The exponent of a tension that changes its sign is 0.
     """
-    # x = c P_e^k for two P_e: k = ln(x/x_last)/ln(P_e/P_e_last)
-    ratios = np.divide(_nip_outputs(sample.result), _nip_outputs(last.result))
+    # x = c P_e^k for two P_e: k = ln(x/x_other)/ln(ratio)
+    ratios = np.divide(outputs, others)
     logarithms = np.log(np.where(ratios > 0, ratios, 1.0))
-    return NipOutputs(*(logarithms / np.log(sample.pressure / last.pressure)).tolist())
+    return NipOutputs(*(logarithms / np.log(ratio)).tolist())
 
 
 def _largest_pressure(problem: WindingProblem) -> float:
@@ -282,7 +311,7 @@ def effective_pressure(stage: Stage, tension: float, half_width: float, peak: fl
     """
     surface, core = float(stage.radius[-1]), float(stage.radius[0])
     r = np.linspace(max(core, surface - half_width), surface, DEPTHS)
-    wound = np.trapezoid(stage.pressure_at(r), r) / (r[-1] - r[0])
+    wound = np.trapezoid(stage.stresses_at(r)[0], r) / (r[-1] - r[0])
     # Near the surface the pressure is proportional to the tension of the last layers: it is scaled
     # to the tension of this nip.
     return float(max(wound, 0.0) * tension / stage.tension + PEAK_COEFFICIENT * peak)

@@ -8,13 +8,15 @@ from typing import Any
 import numpy as np
 
 from ..errors import unwarned
+from ..nip.result import NipResult
 from ..problems.bodies import Body
 from ..problems.schedules import Curve
 from ..problems.winding import WindingProblem
 from ..results import ACCEPTED_RESIDUAL, Residuals, largest, positive
 from ..roll.result import RollResult
-from ..roll.stages import stage_at
+from ..roll.stages import stages_at
 from .bodies import effective_cylinder, effective_pressure, hardening_roll, linear_cylinder
+from .drum_nips import drum_nips
 from .measured import smoothed
 from .nips import PRESSURE_TOLERANCE, Nips
 
@@ -111,6 +113,8 @@ def _positivity_residual(result: Any) -> float:
     expected = result.nip_radius.shape if result.problem.tension_law == "nip" else (0,)
     if any(getattr(result, name).shape != expected for name in NIP_ARRAYS):
         return np.inf
+    if not _has_drum_nips(result, expected):
+        return np.inf
     if result.nip_radius.size > MOST_NIPS or result.nodes > MOST_NODES:
         return np.inf
     quantities = [result.nip_half_width, result.nip_peak_pressure, result.nip_friction]
@@ -120,6 +124,20 @@ def _positivity_residual(result: Any) -> float:
     elif not np.isnan(result.nip_effective_pressure).all():
         return np.inf
     return largest([positive(*quantities), 0.0 if (result.nip_residual >= 0).all() else np.inf])
+
+
+def _has_drum_nips(result: Any, expected: tuple[int, ...]) -> bool:
+    """Return whether the nips of front drum and rider are those of the problem's winder."""
+    winder, has_nips = result.problem.winder, bool(expected[0])
+    for nips, is_solved in (
+        (result.front, has_nips and winder is not None),
+        (result.rider, has_nips and winder is not None and winder.rider is not None),
+    ):
+        if (nips is not None) != is_solved:
+            return False
+        if nips is not None and any(array.shape != expected for array in vars(nips).values()):
+            return False
+    return True
 
 
 def _air_film_residual(result: Any) -> float:
@@ -142,20 +160,26 @@ def recomputed_nips(result: Any) -> Mapping[str, tuple[Array, Array]]:
         return {}
     nips = Nips(problem, result.nodes, result.coupling_rtol, report=lambda _: None)
     solved, rows, pressures = None, [], []  # solved: the previous nip, a warm start
+    again: list[NipResult] = []
     for radius, P_e in zip(result.nip_radius.tolist(), result.nip_effective_pressure, strict=True):
         body = _roll_body(problem.replace(stack=roll.problem.stack), radius, P_e, roll)
         with unwarned():
             solved = nips.solve(body, solved)
         outputs = solved.roll_wound_on_tension, solved.half_width, solved.peak_pressure
+        again.append(solved)
         rows.append((*outputs, nips.films[radius], solved.without_air.roll_friction))
         if problem.roll_body == "effective" and smooth is None:
-            pressures.append(effective_pressure(stage_at(roll, radius), *outputs))
+            pressures.append(effective_pressure(stages_at(roll, [radius])[0], *outputs))
     names = "wound_on_tension", "half_width", "peak_pressure", "air_film", "friction"
     within = max(FACTOR * result.coupling_rtol, LEAST_DIFFERENCE)
     values = {
         f"nip_{name}": (column, within * np.abs(column))
         for name, column in zip(names, np.array(rows).T, strict=True)
     }
+    for name, index in (("front", 1), ("rider", 2)):
+        drum = drum_nips(again, index)
+        for field, column in vars(drum).items() if drum is not None else ():
+            values[f"{name}.{field}"] = column, within * np.abs(column)
     if pressures:
         P = np.array(pressures)
         values["nip_effective_pressure"] = P, PRESSURE_TOLERANCE * P
@@ -167,5 +191,5 @@ def _roll_body(problem: WindingProblem, radius: float, P_e: float, roll: RollRes
     if problem.roll_body == "effective":
         return effective_cylinder(problem, radius, P_e)
     if problem.roll_body == "direct":
-        return hardening_roll(problem, stage_at(roll, radius))
+        return hardening_roll(problem, stages_at(roll, [radius])[0])
     return linear_cylinder(problem, radius)

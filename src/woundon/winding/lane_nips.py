@@ -10,8 +10,8 @@ that vary little over the radius and are interpolated in ln(r - r_c).  Monotone 
 the samples; beyond them P is a power of delta, and A is linear.  Without load A = 0.  The winding
 force is shared like the load.
 
-A tension law without solved nips has no load-approach curve: the nip then adds the same tension to
-all lanes, and its load is not shared.
+A tension law without solved nips has no load-approach curve, and on a two-drum winder several nips
+share the load: the nips then add the same tension to all lanes, and their load is not shared.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from ..roll.lane_tension import TensionOfLanes, tension_in_nip, tension_of_web
 from ..roll.lanes import TensionAt
 from ..roll.result import RollResult
 from ..roll.solve import lanes_of
-from ..roll.stages import stage_at
+from ..roll.stages import stages_at
 from .bodies import NipSample, solved_nip, tension_on_roll
 from .nips import PRESSURE_TOLERANCE
 from .roll import wind
@@ -124,7 +124,8 @@ class _Nips:
     def __init__(self, result: Any, roll: RollResult) -> None:
         self.result, self.problem, self.roll = result, result.problem, roll
         self.core = float(self.problem.core.radius)
-        self.samples = self._samples() if self.problem.tension_law == "nip" else None
+        solves_nip = self.problem.tension_law == "nip" and self.problem.winder is None
+        self.samples = self._samples() if solves_nip else None
 
     def web_tension(self, r: Array) -> Array:
         """Return T_in at radii [N/m]."""
@@ -183,7 +184,7 @@ class _Nips:
         """
         problem = self.problem
         load = float(problem.at("nip_load", radius))
-        stage = None if problem.roll_body == "linear" else stage_at(self.roll, radius)
+        stage = None if problem.roll_body == "linear" else stages_at(self.roll, [radius])[0]
         sample: NipSample | None = None
         outputs = []
         with_air = problem.replace(stack=self.roll.problem.stack)

@@ -7,15 +7,17 @@ r"""Margins of a wound roll against known defects.
     core         P at the core           against E/(4 (1 - nu^2)) (t/r)^3, collapse of a thin tube
     strength     max of WOT, h sigma_t   against the strength of the web
     slack        min of T_in, WOT        against a minimum tension
+    drum_slip    |F|/(mu P) of each drum of a two-drum winder, at most 1
     gauge_band   max of WOT_b/(h E_t)    strain of the thickest lane, against the yield strain
 
-Each margin is evaluated over the radius of the finished roll and, except blocking, which takes
+Of a two-drum winder strength and slack contain the tensions between the nips.  Each margin is
+evaluated over the radius of the finished roll and, except blocking, which takes
 time, of stages of the build-up.  Sources: docs/theory/margins.md.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from math import isclose, isinf, isnan, nan
@@ -34,6 +36,7 @@ from ..quantities import Quantity, length, line_load, share, strain, stress
 from ..results import Presented
 from ..roll.gauge_band import gauge_band_over, lane_strain
 from ..roll.result import RollResult
+from ..roll.stages import Stage, stages_at
 from ..roll.validity import yield_warnings
 from .criteria import (
     collapse_pressure,
@@ -59,6 +62,7 @@ TITLES = {
     "strength": "web break",
     "slack": "slack web",
     "gauge_band": "gauge band (baggy lane)",
+    "drum_slip": "slip of a drum",
 }
 SMALL = 0.25  # reserve below which reports give advice
 FIELDS = {
@@ -77,6 +81,7 @@ HINTS = {
     "strength": "reduce web tension or nip load",
     "slack": "increase the web tension",
     "gauge_band": "reduce the wound-on tension, even out the thickness, or oscillate the web",
+    "drum_slip": "let the other drum carry more of the torque, or increase the rider load",
 }
 ALIKE = 1e-3  # relative difference below which stages count as equal: their default error
 
@@ -88,7 +93,8 @@ class Margin:
     Attributes
     ----------
     name : str
-        "slip", "compression", "blocking", "core", "strength", "slack" or "gauge_band".
+        "slip", "compression", "blocking", "core", "strength", "slack", "gauge_band" or, of a
+        two-drum winder, "drum_slip".
     value : float
         Worst value in the roll; SI, nan if it is unknown.
     limit : float
@@ -178,8 +184,9 @@ class Margin:
 class Margins(Presented, tuple[Margin, ...]):
     """All margins of a roll, including those without a limit; indexed by number or name.
 
-    The attributes ``slip``, ``compression``, ``blocking``, ``core``, ``strength``, ``slack`` and
-    ``gauge_band`` are the reserves, outputs of a winding: ``"margins.blocking"`` in studies.
+    The attributes ``slip``, ``compression``, ``blocking``, ``core``, ``strength``, ``slack``,
+    ``gauge_band`` and ``drum_slip`` are the reserves, outputs of a winding: ``"margins.blocking"``
+    in studies.
 
     >>> import woundon as wo
     >>> problem = wo.WindingProblem.example().replace(radius=0.12, tension_law="friction")
@@ -260,9 +267,14 @@ class Margins(Presented, tuple[Margin, ...]):
         """Reserve of gauge band (baggy lane), as a share of the limit [1]."""
         return self._reserve("gauge_band")
 
+    @property
+    def drum_slip(self) -> Annotated[float, share("m_d", "margin against slip of a drum")]:
+        """Reserve of the friction of both drums, as a share of it [1]; nan without a winder."""
+        return self._reserve("drum_slip")
+
     def _reserve(self, name: str) -> float:
-        """Return the reserve of a margin."""
-        return float(self[name].reserve)
+        """Return the reserve of a margin; nan for one that this winding does not have."""
+        return next((float(margin.reserve) for margin in self if margin.name == name), nan)
 
     def __getitem__(self, key: Any) -> Any:
         """Return a margin by its number or name."""
@@ -301,6 +313,9 @@ class WindingTorque:
         Tension from the core torque [N/m].
     web_tension : (K,) array
         Web tension upstream of the nip [N/m]; empty if unknown.
+    on_arcs : dict of str to (n,) arrays
+        Radii [m] and, of a two-drum winder, the smallest and largest tension of the web before a
+        nip [N/m], by the name of its drum.
     assumed : str
         Description of the assumptions.
     friction_ratio : callable
@@ -311,6 +326,7 @@ class WindingTorque:
     radius: Array
     core: Array
     web_tension: Array
+    on_arcs: Mapping[str, tuple[Array, Array, Array]] = field(default_factory=dict)
     assumed: str = ""
     friction_ratio: Callable[[Array], Array] = np.ones_like
 
@@ -323,15 +339,22 @@ class WindingTorque:
     def of(cls, result: Any) -> WindingTorque:
         """Return the quantities of a winding; a roll alone is taken as centre-wound."""
         if not isinstance(result, RollResult):
-            # moment balance of the roll about its axis: core torque / r = T_in + F
-            r, core_tension = result.radius, result.web_tension + result.winding_force
-            problem = result.problem
+            problem, r = result.problem, result.radius
+            # moment balance of the roll about its axis: core torque / r = T_in + F, with the forces
+            # of all drums
+            core_tension = result.web_tension + result.winding_force
+            if problem.winder is not None:
+                core_tension = problem.at("winder.core_torque", r) / r
+            on_arcs = {
+                name: (result.nip_radius, nips.arc_least_tension, nips.arc_largest_tension)
+                for name, nips in (("front drum", result.front), ("rider", result.rider))
+                if nips is not None
+            }
+            data = cls(problem.roll_friction, r, core_tension, result.web_tension, on_arcs)
             if problem.air is None:
-                return cls(problem.roll_friction, r, core_tension, result.web_tension)
+                return data
             ratio = partial(_friction_ratio, result.air_film, air=problem.air)
-            return cls(
-                problem.roll_friction, r, core_tension, result.web_tension, friction_ratio=ratio
-            )
+            return replace(data, friction_ratio=ratio)
         r, unknown = result.radius, np.zeros(0)
         tension = result.problem.web_thickness * result.problem.tension_curve.at(r)
         assumed = "taken as centre-wound without a nip"
@@ -372,15 +395,14 @@ def _states(roll: RollResult) -> list[_State]:
     # smaller rolls would have few layers below the excluded outermost ones
     smallest = core + 2 * TAIL_LAYERS * roll.problem.web_thickness
     surfaces = np.linspace(core, radius, STAGES + 1)[1:-1]
-    stages = [roll.at(s) for s in surfaces[surfaces >= smallest].tolist()]
-    return [_state(stage) for stage in (*stages, roll)]
+    surfaces = np.append(surfaces[surfaces >= smallest], radius)
+    return [_state(stage) for stage in stages_at(roll, surfaces.tolist(), roll.radius.size - 1)]
 
 
-def _state(roll: RollResult) -> _State:
+def _state(stage: Stage) -> _State:
     """Return the stresses at a stage, at its nodes and at PLACES even radii."""
-    r = np.unique([*roll.radius, *np.linspace(roll.radius[0], roll.radius[-1], PLACES)])
-    stresses = roll.at_radius(r)
-    return _State(float(roll.radius[-1]), r, stresses["pressure"], stresses["hoop_stress"])
+    r = np.unique([*stage.radius, *np.linspace(stage.radius[0], stage.radius[-1], PLACES)])
+    return _State(float(stage.radius[-1]), r, *stage.stresses_at(r))
 
 
 # ---- the margins --------------------------------------------------------------------------------
@@ -393,6 +415,9 @@ CORE = stress("P_c,max", "largest pressure on the core").named("largest_core_pre
 STRENGTH = line_load("T_max", "largest tension of the web").named("largest_tension")
 SLACK = line_load("T_min", "minimum web tension upstream and downstream of the nip").named(
     "least_tension"
+)
+DRUMS = share("F/mu P", "largest winding force of a drum / its friction").named(
+    "drum_friction_used"
 )
 BAND = strain("eps_b", "largest strain of the thickest lane (gauge band)").named("band_strain")
 EVEN = "of a web of even thickness"
@@ -415,6 +440,7 @@ LEFT_OUT = {
     "gauge_band": "shear between lanes, by which the neighbours take part of the load, the "
     "curvature of the layers, creep, how long the lane stays at its strain",
     "slack": "baggy lanes and tension that is uneven across the width or in time, flutter",
+    "drum_slip": "torques at a start or stop, rolling resistance of covers and rider, worn drums",
 }
 NO_LIMIT = "no limit given"
 
@@ -471,6 +497,7 @@ def margins(result: Any, limits: Limits | None = None) -> Margins:
         _strength(states[-1], roll, limits, torque_data),
         _slack(roll, limits, torque_data),
         _gauge_band(roll, limits),
+        *_drum_slip(result),
     )
     if (lanes := result.lanes) is not None:
         worst = tuple(_of_worst_lane(margin, lanes) for margin in worst)
@@ -560,20 +587,21 @@ class _WorstValue(NamedTuple):
     ----------
     value, radius : float
         In the SI unit of the margin, nan if it is unknown; where it occurs [m].
-    stage : str
-        The stage of the build-up at which it occurs, as text; empty for the finished roll.
+    occasion : str
+        The stage of the build-up at which it occurs, or the place in the winder, as text; empty for
+        the finished roll.
     r, values : (k,) arrays
         Radii [m], and the worst value at each over all stages.
     """
 
     value: float
     radius: float
-    stage: str
+    occasion: str
     r: Array
     values: Array
 
 
-UNKNOWN = _WorstValue(value=nan, radius=nan, stage="", r=np.zeros(0), values=np.zeros(0))
+UNKNOWN = _WorstValue(value=nan, radius=nan, occasion="", r=np.zeros(0), values=np.zeros(0))
 
 
 def _margin(
@@ -611,7 +639,7 @@ def _margin(
         scale=bound or scale,
         quantity=quantity,
         left_out=LEFT_OUT[name],
-        note="; ".join(filter(None, (worst.stage, remark))),
+        note="; ".join(filter(None, (worst.occasion, remark))),
         over_radius=worst.r,
         values=worst.values,
     )
@@ -737,14 +765,35 @@ def _strength(
     """Return the margin of the largest tension: web, wound-on and residual."""
     # at the surface the hoop stress equals the wound-on stress up to the discretisation error
     hoop = roll.problem.web_thickness * final.hoop[:-1]
-    worst = _extreme(np.argmax, *_tensions(roll, torque_data), (final.r[:-1], hoop))
+    on_arcs = [
+        _OverRadius(f"before the {name}", r, largest)
+        for name, (r, _, largest) in torque_data.on_arcs.items()
+    ]
+    in_roll = _OverRadius("", final.r[:-1], hoop)
+    worst = _extreme(np.argmax, *_tensions(roll, torque_data), in_roll, *on_arcs)
     return _margin("strength", worst, limits.web_strength, STRENGTH)
 
 
 def _slack(roll: RollResult, limits: Limits, torque_data: WindingTorque) -> Margin:
     """Return the margin of the smallest tension, upstream and downstream of the nip."""
-    worst = _extreme(np.argmin, *_tensions(roll, torque_data))
+    on_arcs = [
+        _OverRadius(f"before the {name}", r, least)
+        for name, (r, least, _) in torque_data.on_arcs.items()
+    ]
+    worst = _extreme(np.argmin, *_tensions(roll, torque_data), *on_arcs)
     return _margin("slack", worst, limits.slack_tension, SLACK)
+
+
+def _drum_slip(result: Any) -> list[Margin]:
+    """Return the margin of the friction between the drums of a two-drum winder and the web."""
+    problem = result.problem
+    if getattr(problem, "winder", None) is None:
+        return []
+    r = result.radius
+    used = problem.friction_used(r)
+    words = {"drum": "of the rear drum", "winder.front_drum": "of the front drum"}
+    drums = [_OverRadius(words[name], r, values) for name, values in used.items()]
+    return [_margin("drum_slip", _extreme(np.argmax, *drums), 1.0, DRUMS)]
 
 
 def _gauge_band(roll: RollResult, limits: Limits) -> Margin:
@@ -760,7 +809,7 @@ def _gauge_band(roll: RollResult, limits: Limits) -> Margin:
         return _margin("gauge_band", UNKNOWN, nan, BAND, note=str(fault))
     k = int(np.argmax(strains))
     worst = _WorstValue(
-        float(strains[k]), float(roll.radius[k]), stage="", r=roll.radius, values=strains
+        float(strains[k]), float(roll.radius[k]), occasion="", r=roll.radius, values=strains
     )
     if excess:
         ridge = RIDGE.stored_text(ridge_height(roll), ".3g")
@@ -784,35 +833,44 @@ def ridge_height(roll: RollResult) -> float:
     return float((gauge_band_over(roll.problem, roll.radius[-1:]).lead * roll.radius[-1:])[0])
 
 
-def _tensions(roll: RollResult, torque_data: WindingTorque) -> list[tuple[Array, Array]]:
-    """Return the web tensions as pairs of radii [m] and values there [N/m], (k,) arrays.
+class _OverRadius(NamedTuple):
+    """A function of the radius: a text for where in the winder it is, radii [m], values, (k,)."""
+
+    place: str
+    r: Array
+    values: Array
+
+
+def _tensions(roll: RollResult, torque_data: WindingTorque) -> list[_OverRadius]:
+    """Return the web tensions over the radius [N/m].
 
     The first is the wound-on tension, the second that upstream of the nip, if it is known.
     """
     wound_on = roll.problem.web_thickness * roll.problem.tension_curve.at(roll.radius)
     upstream = (
-        [(torque_data.radius, torque_data.web_tension)] if torque_data.web_tension.size else []
+        [_OverRadius("", torque_data.radius, torque_data.web_tension)]
+        if torque_data.web_tension.size
+        else []
     )
-    return [(roll.radius, wound_on), *upstream]
+    return [_OverRadius("", roll.radius, wound_on), *upstream]
 
 
-def _extreme(
-    argextreme: Callable[..., Any], first: tuple[Array, Array], *more: tuple[Array, Array]
-) -> _WorstValue:
-    """Return the maximum or minimum of several functions of the radius.
+def _extreme(argextreme: Callable[..., Any], first: _OverRadius, *more: _OverRadius) -> _WorstValue:
+    """Return the maximum or minimum of several functions of the radius, with its place.
 
     Parameters
     ----------
     argextreme : callable
         ``np.argmax`` or ``np.argmin``.
-    first, more : (radii, values)
+    first, more : _OverRadius
         The functions ``more`` are interpolated at the radii of the first one.
     """
-    r = first[0]
-    values = np.array([first[1], *(np.interp(r, *other) for other in more)])
+    r, functions = first.r, (first, *more)
+    values = np.array([np.interp(r, each.r, each.values) for each in functions])
     row, k = np.unravel_index(argextreme(values), values.shape)
     over_radius = values[argextreme(values, axis=0), np.arange(r.size)]
-    return _WorstValue(float(values[row, k]), float(r[k]), stage="", r=r, values=over_radius)
+    place = functions[row].place
+    return _WorstValue(float(values[row, k]), float(r[k]), place, r=r, values=over_radius)
 
 
 class WithMargins:
@@ -849,6 +907,14 @@ class WithMargins:
     def least_tension(self) -> Annotated[float, SLACK]:
         """Smallest tension of the web upstream and downstream of the nip [N/m]."""
         return float(self.margins["slack"].value)
+
+    @property
+    def drum_friction_used(self) -> Annotated[float, DRUMS]:
+        """Largest winding force of a drum of a two-drum winder over its friction capacity [1].
+
+        nan without a winder.
+        """
+        return next((m.value for m in self.margins if m.name == "drum_slip"), nan)
 
     @property
     def band_strain(self) -> Annotated[float, BAND]:

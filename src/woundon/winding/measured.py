@@ -1,7 +1,8 @@
 r"""Windings with measured schedules, which fluctuate over the radius.
 
 A fluctuating wound-on tension cannot be interpolated from a few nips.  But the tension of a nip is
-a smooth function of the radius and of its loads L = (T_in, P, F).  The winding is therefore solved
+a smooth function of the radius and of its loads L = (P, F, T_in), with those of the further nips of
+a two-drum winder.  The winding is therefore solved
 with smoothed schedules L0, and the tension is linearised about this solution:
 
     WOT(r) = WOT0(r) + dWOT/dL(r) . (L(r) - L0(r)).
@@ -21,6 +22,7 @@ from math import isnan
 
 import numpy as np
 
+from ..problems.paths import field_or_none
 from ..problems.schedules import Profile
 from ..problems.winding import LOADS, WindingProblem
 from ..roll.result import RollResult
@@ -32,7 +34,14 @@ __all__ = ["CHECKS", "Departure", "largest_mismatch", "smoothed"]
 
 Array = np.ndarray
 
-SCHEDULES = ("web_tension", "nip_load", "winding_force", "torque_split")
+SCHEDULES = (
+    "web_tension",
+    "nip_load",
+    "winding_force",
+    "torque_split",
+    "winder.rider_load",
+    "winder.core_torque",
+)
 MAX_SMOOTH_VALUES = 12  # a table with more values may fluctuate
 DEGREE = 5  # of the polynomial that replaces it
 FIT_RADII, TABLE_RADII = 1025, 33  # numbers of radii of the fit and of the smoothed table
@@ -48,7 +57,7 @@ def smoothed(problem: WindingProblem, rtol: float) -> WindingProblem | None:
     r = np.linspace(*problem.ends, FIT_RADII)
     changes = {}
     for name in SCHEDULES:
-        table = getattr(problem, name)
+        table = field_or_none(problem, name)
         if not isinstance(table, Profile):
             continue
         has_many_values = len(table.radius) > MAX_SMOOTH_VALUES
@@ -81,12 +90,15 @@ class Departure:
         self, problem: WindingProblem, smooth: WindingProblem, curve: TensionCurve, nips: Nips
     ) -> None:
         self.problem, self.smooth, self.curve = problem, smooth, curve
-        slopes = {place: _slopes(nips.samples[curve.radius(place)]) for place in curve.places}
+        self.names = tuple(nip_loads(problem, np.array(problem.radius)))
+        slopes = {
+            place: _slopes(nips.samples[curve.radius(place)], self.names) for place in curve.places
+        }
         # derivatives of the tension by place, a mapping for each of the loads
-        self.slopes = [{place: s[k] for place, s in slopes.items()} for k in range(len(LOADS))]
+        self.slopes = [{place: s[k] for place, s in slopes.items()} for k in range(len(self.names))]
 
     def parts(self, r: Array) -> Array:
-        """Return the changes of the wound-on tension at radii, (3, k) [N/m], a row for each load.
+        """Return the changes of the wound-on tension at radii, (loads, k) [N/m].
 
         A change is the derivative of the tension by the load, known at the nips and interpolated
         over the radius, times the measured minus the smoothed schedule.  The nip load is linearised
@@ -98,9 +110,10 @@ class Departure:
             Radii [m].
         """
         changes = []
-        for name, slope in zip(LOADS, self.slopes, strict=True):
-            L, L0 = self.problem.at(name, r), self.smooth.at(name, r)
-            dL = 2 * L0 * (np.sqrt(L / L0) - 1) if name == "nip_load" else L - L0
+        measured, smooth = nip_loads(self.problem, r), nip_loads(self.smooth, r)
+        for name, slope in zip(self.names, self.slopes, strict=True):
+            L, L0 = measured[name], smooth[name]
+            dL = 2 * L0 * (np.sqrt(L / L0) - 1) if name.endswith("nip_load") else L - L0
             changes.append(self.curve.shares(slope, r) * dL)
         return np.array(changes)
 
@@ -109,8 +122,23 @@ class Departure:
         return np.asarray(self.parts(r).sum(axis=0))
 
 
-def _slopes(sample: NipSample) -> Array:
-    """Return the derivatives of WOT by the LOADS P, F and T_in, (3,) [1].
+def nip_loads(problem: WindingProblem, r: Array) -> dict[str, Array]:
+    """Return the loads of the nips at radii, (k,) each, by the name of the field of a nip [N/m]."""
+    loads = {name: problem.at(name, r) for name in LOADS}
+    if problem.winder is None:
+        return loads
+    drums = problem.drum_loads(r)
+    loads |= {
+        "next_nips.0.nip_load": drums.front_load,
+        "next_nips.0.winding_force": drums.front_force,
+    }
+    if problem.winder.rider is not None:
+        loads["next_nips.1.nip_load"] = drums.rider_load
+    return loads
+
+
+def _slopes(sample: NipSample, names: tuple[str, ...]) -> Array:
+    """Return the derivatives of WOT by the named loads of the nips, (loads,) [1].
 
     They include the change of the roll: on an effective roll a load changes the effective pressure
     P_e, and with it the moduli.  P_e = wound + 0.25 p_max, where the wound pressure, a mean down to
@@ -118,14 +146,14 @@ def _slopes(sample: NipSample) -> Array:
     the further changes of P_e by the change of the nip.
     """
     result, P_e = sample.result, sample.pressure
-    sensitivity = result.sensitivity(*LOADS, outputs=("roll_wound_on_tension", "half_width"))
+    sensitivity = result.sensitivity(*names, outputs=("roll_wound_on_tension", "half_width"))
     tension, width = sensitivity.derivatives
     if isnan(P_e):
         return np.asarray(tension)
     contact_part = PEAK_COEFFICIENT * result.peak_pressure
     # derivatives of ln a and ln P by the loads, and of P_e at a fixed roll
     ln_a = width / result.half_width
-    ln_P = np.array([1 / result.problem.nip_load if name == "nip_load" else 0.0 for name in LOADS])
+    ln_P = np.array([1 / result.problem.nip_load if name == "nip_load" else 0.0 for name in names])
     wound_part = P_e - contact_part
     pressure_change = (wound_part - contact_part) * ln_a + contact_part * ln_P
     by_pressure = sample.exponents.tension * tension_on_roll(result) / P_e

@@ -15,14 +15,17 @@ from ..problems.bodies import Body
 from ..problems.nip import NipProblem
 from ..problems.winding import WindingProblem
 from ..roll.result import RollResult
-from ..roll.stages import stage_at
-from .bodies import NipSample, predicted_nip, solved_nip
+from ..roll.stages import Stage, stages_at
+from .bodies import NipSample, predicted_nip, solved_nip, with_exponents
 
 __all__ = ["PRESSURE_TOLERANCE", "Nips", "warnings_of"]
 
 COARSE_NODES = 33
 # relative tolerances of the effective pressure in one nip-roll iteration
-COARSE_PRESSURE_TOLERANCE, PRESSURE_TOLERANCE = 0.02, 3e-3
+COARSE_PRESSURE_TOLERANCE, PRESSURE_TOLERANCE = 0.05, 3e-3
+# ``coupling_rtol`` from which on the exponents of P_e of a neighbouring nip suffice: they differ by
+# up to 0.02, and P_e changes by some percent after the first solution
+COARSE_COUPLING_RTOL = 3e-4
 
 
 class Nips:
@@ -41,6 +44,8 @@ class Nips:
         Nips of a neighbouring winding, for warm starts.
     solved : int
         Number of nips solved before.
+    errors : bool
+        False omits the error estimates.
 
     Attributes
     ----------
@@ -65,31 +70,40 @@ class Nips:
         report: Callable[[int], None],
         neighbours: Iterable[NipSample] = (),
         solved: int = 0,
+        errors: bool = True,
     ) -> None:
         self.problem, self.nodes, self.coupling_rtol = problem, nodes, coupling_rtol
         self.report = report
         self.neighbours = {sample.radius: sample for sample in neighbours}
         self.samples: dict[float, NipSample] = {}
         self.solved, self.coarse, self.rough = solved, False, False
+        self.errors = errors
         self.films: dict[float, float] = {}
         self.frictions: dict[float, tuple[float, float]] = {}
+        self._differentiated: set[float] = set()  # radii of the nips with exponents of P_e
+        # stages of the latest roll at the nips
+        self._staged: RollResult | None = None
+        self._stages: dict[float, Stage] = {}
 
     @property
     def is_roll_independent(self) -> bool:
         """True if the wound-on tension of a nip does not depend on the wound roll."""
         return self.problem.roll_body == "linear" and self.problem.air is None
 
-    def tension(self, radius: float, roll: RollResult | None) -> float:
+    def tension(
+        self, radius: float, roll: RollResult | None, pressure: float | None = None
+    ) -> float:
         """Solve the nip at a radius on a roll; return its wound-on tension [N/m].
 
-        ``roll`` may be None if :attr:`is_roll_independent`.
+        ``roll`` may be None if :attr:`is_roll_independent`.  ``pressure`` is a guess of P_e [Pa]
+        for a nip that has no solution yet.
         """
         previous = self.samples.get(radius)
         if self.is_roll_independent and previous is not None:
             return previous.tension
         with _radius_in_errors(radius):
             linear = self.problem.roll_body == "linear"
-            stage = None if roll is None or linear else stage_at(roll, radius)
+            stage = None if roll is None or linear else self._stage(radius, roll)
             sample = solved_nip(
                 self._with_stack_of(roll),
                 radius,
@@ -98,13 +112,23 @@ class Nips:
                 self._nearest(radius),
                 self.solve,
                 COARSE_PRESSURE_TOLERANCE if self.rough else PRESSURE_TOLERANCE,
+                pressure,
             )
+            if self._needs_exponents(radius) and stage is not None:
+                sample = with_exponents(self._with_stack_of(roll), stage, sample)
+                self._differentiated.add(radius)
         self.samples[radius] = sample
         return sample.tension
 
+    def _needs_exponents(self, radius: float) -> bool:
+        """True for the first solution of a nip on its last mesh, for fine tolerances."""
+        is_fine = self.coupling_rtol < COARSE_COUPLING_RTOL and not (self.coarse or self.rough)
+        is_effective = self.problem.roll_body == "effective"
+        return is_fine and is_effective and radius not in self._differentiated
+
     def predict(self, radius: float, roll: RollResult) -> float:
         """Return the tension of a nip predicted on another effective roll [N/m]."""
-        stage = stage_at(roll, radius)
+        stage = self._stage(radius, roll)
         self.samples[radius] = predicted_nip(self._with_stack_of(roll), stage, self.samples[radius])
         return self.samples[radius].tension
 
@@ -118,7 +142,7 @@ class Nips:
         The solution on the last mesh stays the same.
         """
         for radius, sample in self.samples.items():
-            if not self._has_estimates:
+            if self.errors and not self._has_estimates:
                 nip = sample.result
                 result = solve_nip(nip.problem, nodes=self.nodes, start=nip)
                 self.samples[radius] = sample._replace(result=result)
@@ -126,7 +150,7 @@ class Nips:
     @property
     def _has_estimates(self) -> bool:
         """True if nips are solved with estimates: once, or with the iteration of their air."""
-        return self.is_roll_independent or self.problem.air is not None
+        return self.errors and (self.is_roll_independent or self.problem.air is not None)
 
     def mean_film(self) -> float:
         """Return the mean air film of the nips over the length of web [m]."""
@@ -141,6 +165,15 @@ class Nips:
         return warnings_of(
             [(sample.radius, sample.result.warnings) for sample in self.from_core_to_surface()]
         )
+
+    def _stage(self, radius: float, roll: RollResult) -> Stage:
+        """Return a stage of the roll; those at all nips are solved together."""
+        if roll is not self._staged:
+            self._staged, self._stages = roll, {}
+        if radius not in self._stages:
+            radii = [radius, *(r for r in self.samples if r not in self._stages and r != radius)]
+            self._stages |= zip(radii, stages_at(roll, radii), strict=True)
+        return self._stages[radius]
 
     def _with_stack_of(self, roll: RollResult | None) -> WindingProblem:
         """Return the problem with the stack of a roll, including its air film."""

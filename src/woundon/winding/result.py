@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from types import MappingProxyType
 from typing import Annotated, ClassVar
 
@@ -16,6 +16,7 @@ from ..roll.lane_roll import LANES, LaneRoll, WithLanes
 from ..roll.result import RollResult
 from .bodies import NipSample
 from .certificate import certificate, recomputed_nips
+from .drum_nips import DrumNips
 from .margins import WithMargins
 from .roll import recompute_roll
 
@@ -56,6 +57,9 @@ class WindingResult(WithMargins, WithLanes, Result):
     interpolation_error, core_interpolation_error : float
         Relative interpolation error of the wound-on tension, and that within 5 % of the core radius
         from the core [1].
+    front, rider : DrumNips or None
+        Nips of the front drum and of the rider of a two-drum winder, at the radii of the solved
+        nips; None without a winder, a rider or nips.
     nodes, nips_solved : int
         Number of nodes of each nip; number of nips solved in all iterations.
     roll_rtol, coupling_rtol : float
@@ -105,6 +109,11 @@ class WindingResult(WithMargins, WithLanes, Result):
                 "nip_departure",
                 "nip_error",
                 "nip_residual",
+                *(
+                    f"{drum}.{name.name}"
+                    for drum in ("front", "rider")
+                    for name in fields(DrumNips)
+                ),
             ),
             "nip_radius",
         )
@@ -158,6 +167,8 @@ class WindingResult(WithMargins, WithLanes, Result):
     core_interpolation_error: Annotated[
         float, share("e_ic", "relative interpolation error near the core")
     ] = 0.0
+    front: DrumNips | None = None
+    rider: DrumNips | None = None
     wound: RollResult | None = field(default=None, compare=False, metadata={"saved": False})
     nips: tuple[NipSample, ...] = field(default=(), compare=False, metadata={"saved": False})
     lane_count: Annotated[int, pure("L", "number of lanes across the width")] = 0
@@ -195,6 +206,27 @@ class WindingResult(WithMargins, WithLanes, Result):
         """Mean of NIT over the web's length [N/m]."""
         r = self.radius
         return float(np.trapezoid(self.nip_induced_tension * r, r) / np.trapezoid(r, r))
+
+    @property
+    def mean_front_added_tension(
+        self,
+    ) -> Annotated[float, line_load("WOT_2m", "part of WOT that the front drum adds, mean")]:
+        """Mean over the web's length of the tension that the front drum adds [N/m]; else nan."""
+        return self._mean_added(self.front)
+
+    @property
+    def mean_rider_added_tension(
+        self,
+    ) -> Annotated[float, line_load("WOT_3m", "part of WOT that the rider roll adds, mean")]:
+        """Mean over the web's length of the tension that the rider adds [N/m]; else nan."""
+        return self._mean_added(self.rider)
+
+    def _mean_added(self, drum: DrumNips | None) -> float:
+        """Return the mean over the length of web of the tension that a nip adds [N/m]."""
+        if drum is None:
+            return float("nan")
+        r = self.nip_radius
+        return float(np.trapezoid(drum.added_tension * r, r) / np.trapezoid(r, r))
 
     @property
     def core_pressure(self) -> Annotated[float, stress("P_c", "pressure on the core")]:

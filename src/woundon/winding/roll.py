@@ -43,11 +43,7 @@ def wind(
     NoSteadyState
         For a tension that is not positive everywhere.
     """
-    roll = _roll_problem(problem, r, tension, film)
-    # Recompute the roll with its own stages, to the tolerance of all later rolls: the first
-    # solution has an error of Newton's method of up to 1e-4 of the pressure, which would prevent
-    # the convergence of the nip-roll iteration.
-    return solve_thin_layers(roll, rtol).wound_with(roll)
+    return solve_thin_layers(_roll_problem(problem, r, tension, film), rtol)
 
 
 def recomputed(

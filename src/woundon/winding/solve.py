@@ -10,8 +10,9 @@ The nip-induced tension depends on the radius and on the pressure of the outermo
 hardly on the layers below.  The iteration therefore converges quickly, separately at each radius:
 
     linear      no iteration: the nips do not depend on the wound roll
-    effective   every second iteration recomputes only the roll and extrapolates the tensions of the
-                nips to it; two iterations with nips usually suffice
+    effective   between iterations with nips, only the roll is recomputed, and the tensions of the
+                nips are extrapolated to it until both agree; three iterations with nips usually
+                suffice, the first on a coarse mesh
     direct      secant method
 
 Radii are added until the error estimate of the interpolation is below rtol.
@@ -19,7 +20,7 @@ Radii are added until the error estimate of the interpolation is below rtol.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Annotated
 
@@ -66,7 +67,11 @@ ROUGH_CHANGE = 0.03  # relative change of the tension above which lower accuraci
 # Relative change below which radii may be added.  With larger changes the choice of the radii would
 # depend on the initial guess.
 REFINEMENT_CHANGE = {"effective": 5e-3, "linear": 1.0, "direct": 1e-3}
-COARSE_RTOL = 0.05  # of the roll, while the change is larger than ROUGH_CHANGE
+# Iterations with extrapolated nips: the most, and the relative difference of the tension at which
+# they end: while the nips are coarse, and before the nips are solved on the next roll in units of
+# the tolerance.
+MAX_EXTRAPOLATIONS, SETTLED_ROUGHLY, BEFORE_NIPS = 5, 1e-3, 5.0
+FEWEST_PRESSURES = 3  # from which effective pressures are interpolated
 MIN_SECANT_STEP = 1e-6  # of a share; the slope of a smaller one is too noisy
 POWER = 0.75  # exponent of the nip load in the initial guess of the nip-induced tension
 STOP_FRACTION = 0.9  # fraction of ``coupling_rtol`` at which the iteration stops
@@ -97,6 +102,7 @@ def solve_winding(
     coupling_rtol: Annotated[float | None, COUPLING_RTOL_OPTION] = None,
     lanes: Annotated[int, LANES_OPTION] = LANES,
     start: WindingResult | None = None,
+    errors: bool = True,
     progress: Progress | None = None,
 ) -> WindingResult:
     """Solve a winding: the nips on the growing roll and the stresses in the roll.
@@ -117,6 +123,8 @@ def solve_winding(
     start : WindingResult, optional
         A neighbouring case whose tension and nips are the initial guess.  It does not change the
         result beyond the tolerances.
+    errors : bool
+        False omits the error estimates of the nips and what follows from them, a fifth of the time.
     progress : callable, optional
         Called with the estimated fraction of the work that is done.
 
@@ -134,7 +142,7 @@ def solve_winding(
         If a nip or the roll cannot be solved, or the nip-roll iteration does not converge.
     """
     check_type("problem", problem, WindingProblem)
-    check_options(rtol=rtol, nodes=nodes, coupling_rtol=coupling_rtol, lanes=lanes)
+    check_options(rtol=rtol, nodes=nodes, coupling_rtol=coupling_rtol, lanes=lanes, errors=errors)
     if start is not None:
         check_type("start", start, WindingResult)
     coupling_tolerance = coupling_rtol
@@ -144,16 +152,19 @@ def solve_winding(
         if problem.tension_law != "nip":
             result = _solve_prescribed(problem, rtol, nodes, coupling_tolerance)
         elif (smooth := smoothed(problem, rtol)) is not None:
-            result = _Winder(
-                smooth, rtol, nodes, coupling_tolerance, start, progress
-            ).solve_measured(problem)
+            winder = _Winder(smooth, rtol, nodes, coupling_tolerance, start, errors, progress)
+            result = winder.solve_measured(problem)
         else:
-            result = _Winder(problem, rtol, nodes, coupling_tolerance, start, progress).solve()
+            winder = _Winder(problem, rtol, nodes, coupling_tolerance, start, errors, progress)
+            result = winder.solve()
     result = result.replace(residuals=certificate(result)).checked()
     if problem.thickness_profile is not None:
         lane_roll = lanes_of_winding(result, rtol, lanes)
-        errors = {**result.errors, **lane_roll.errors}
-        result = result.replace(lane_roll=lane_roll, lane_count=lanes, errors=errors)
+        result = result.replace(
+            lane_roll=lane_roll,
+            lane_count=lanes,
+            errors={**result.errors, **lane_roll.errors},
+        )
     if progress is not None:
         progress(1.0)
     return result.warned()
@@ -166,6 +177,7 @@ def check_options(
     coupling_rtol: object = None,
     lanes: object = LANES,
     start: object = None,
+    errors: object = True,
 ) -> None:
     """Check the options of :func:`solve_winding`.
 
@@ -177,6 +189,7 @@ def check_options(
     tolerance("rtol", rtol, LEAST_RTOL, 0.1)
     whole_number("nodes", nodes, LEAST_NODES, 1025)
     whole_number("lanes", lanes, FEWEST_LANES, MOST_LANES)
+    check_type("errors", errors, bool)
     if coupling_rtol is not None:
         tolerance("coupling_rtol", coupling_rtol, SMALLEST_COUPLING_RTOL, LARGEST_COUPLING_RTOL)
 
@@ -193,6 +206,8 @@ class _Iteration:
     r : (M,) array
         Radii of the tension of the roll [m].
     roll : ThinLayerRoll
+    has_own_stages : bool
+        True if the stages of the roll were chosen for its own tension.
     film : float
         Air film between the layers of the roll [m].
     change : float
@@ -203,6 +218,7 @@ class _Iteration:
     nip_shares: dict[float, float]
     r: Array
     roll: ThinLayerRoll
+    has_own_stages: bool
     film: float
     change: float
 
@@ -222,9 +238,10 @@ class _Winder:
         nodes: int,
         coupling_rtol: float,
         start: WindingResult | None,
+        errors: bool,
         progress: Progress | None,
     ) -> None:
-        self.problem, self.rtol, self.nodes = problem, rtol, nodes
+        self.problem, self.rtol, self.nodes, self.errors = problem, rtol, nodes, errors
         self.coupling_rtol = coupling_rtol
         self.start, self.progress = start, progress
         self.curve = TensionCurve(problem, rtol)
@@ -234,6 +251,7 @@ class _Winder:
             coupling_rtol,
             self._report_progress,
             () if start is None else start.nips,
+            errors=errors,
         )
         # the progress before and after the present iteration, and the nips solved before it
         self.reached, self.expected, self.solved_before = 0.0, FIRST_GAIN, 0
@@ -252,38 +270,80 @@ class _Winder:
         shares, change = self._initial_shares()
         previous: _Iteration | None = None
         slopes: dict[float, float] = {}
-        solves_nips, may_refine = True, False
+        has_close_stages = False  # True once they were chosen for a tension close to the solution
         # warm starts from a neighbouring winding need no coarse mesh
         self.nips.coarse = change > ROUGH_CHANGE and not self.nips.neighbours
         for number in range(MAX_ITERATIONS):
-            if solves_nips and self.nips.coarse and change <= ROUGH_CHANGE:
+            self.nips.rough = rough = change > ROUGH_CHANGE
+            if self.nips.coarse and not rough:
                 # tensions on another mesh do not continue the secant steps
-                self.nips.coarse, previous = False, None
-            rough = change > ROUGH_CHANGE
-            iteration = self._iterate(shares, rough, previous=None if solves_nips else previous)
-            if solves_nips:
-                is_close = (
-                    iteration.change <= REFINEMENT_CHANGE[self.problem.roll_body]
-                    or number >= MAX_UNREFINED_ITERATIONS
-                )
-                may_refine = is_close and not self.nips.coarse
-            added = solves_nips and may_refine and self._refine(iteration)
-            change = iteration.change
+                self.nips.coarse, slopes = False, {}
+                previous = previous if self._extrapolates else None
+            stages = previous if self._extrapolates else None
+            iteration = self._iterate(shares, self._nip_share, stages)
+            is_close = (
+                iteration.change <= REFINEMENT_CHANGE[self.problem.roll_body]
+                or number >= MAX_UNREFINED_ITERATIONS
+            )
+            may_refine = is_close and not self.nips.coarse
+            added = may_refine and self._refine(iteration)
+            agrees = not added and iteration.change <= STOP_FRACTION * self.coupling_rtol
+            if self._extrapolates and not agrees:
+                iteration = self._extrapolate(iteration, may_refine and not has_close_stages)
+                has_close_stages = has_close_stages or may_refine
+                shares, added = iteration.nip_shares, False  # what was added is included
+            else:
+                shares = _secant_update(iteration, previous, slopes)
+            previous, change = iteration, iteration.change
             self._note_progress(change)
             is_final = may_refine and not (added or rough)
             if is_final and change <= STOP_FRACTION * self.coupling_rtol:
-                # an extrapolated roll has the stages of earlier iterations: compute it once more
-                return iteration if solves_nips else self._recompute_roll(iteration)
-            direct = self.problem.roll_body == "direct"
-            shares = _secant_update(iteration, previous, slopes) if direct else iteration.nip_shares
-            previous = iteration
-            # with effective rolls every second iteration solves no nips
-            solves_nips = not (solves_nips and self.problem.roll_body == "effective")
+                return iteration if iteration.has_own_stages else self._recompute_roll(iteration)
         raise NotConverged(
             f"the nip-roll iteration does not converge: after {MAX_ITERATIONS} iterations the "
             f"relative change of the wound-on tension is still {change:.2g}",
             self._assemble(previous) if previous else None,
         )
+
+    @property
+    def _extrapolates(self) -> bool:
+        """True if nips are extrapolated to other rolls between their solutions."""
+        return self.problem.roll_body == "effective"
+
+    def _extrapolate(self, iteration: _Iteration, chooses_stages: bool) -> _Iteration:
+        """Iterate between the roll and nips that are extrapolated to it, until both agree.
+
+        ``chooses_stages`` chooses the stages of the roll anew, once: a change of the stages could
+        exceed the tolerance.
+        """
+        goal = STOP_FRACTION * self.coupling_rtol
+        if chooses_stages:  # the nips are solved again in any case
+            goal *= BEFORE_NIPS
+        elif self.nips.coarse:
+            goal = SETTLED_ROUGHLY
+        slopes: dict[float, float] = {}
+        previous: _Iteration | None = None
+        shares, stages = iteration.nip_shares, None if chooses_stages else iteration
+        for _ in range(MAX_EXTRAPOLATIONS):
+            iteration = self._iterate(shares, self._predicted_share, stages)
+            if max(self._differences(iteration.shares, iteration.nip_shares)) <= goal:
+                break
+            shares = _secant_update(iteration, previous, slopes)
+            previous = stages = iteration
+        return iteration
+
+    def _recompute_roll(self, iteration: _Iteration) -> _Iteration:
+        """Recompute the roll from its tension alone, independent of earlier iterations."""
+        tension = self.curve.tension(iteration.shares, iteration.r)
+        roll = wind(self.problem, iteration.r, tension, self.rtol, iteration.film)
+        return replace(iteration, roll=roll, has_own_stages=True)
+
+    def _differences(
+        self, shares: dict[float, float], others: dict[float, float]
+    ) -> Iterator[float]:
+        """Yield the relative difference of the tensions of two shares at each place."""
+        for place, share in shares.items():
+            yield abs(self._tension(place, others[place]) / self._tension(place, share) - 1)
 
     def _initial_shares(self) -> tuple[dict[float, float], float]:
         """Return the initial shares by place, and the relative error of their tension.
@@ -302,35 +362,33 @@ class _Winder:
         return shares, 0.0
 
     def _iterate(
-        self, shares: dict[float, float], rough: bool, previous: _Iteration | None
+        self,
+        shares: dict[float, float],
+        share_of_nip: Callable[[float, RollResult], float],
+        stages: _Iteration | None,
     ) -> _Iteration:
-        """Compute the roll from the shares, and solve the nips on this roll.
+        """Compute the roll from the shares, and the shares of the nips on this roll.
 
-        With ``previous``, the tensions of the nips are extrapolated to the new roll instead.  The
-        roll is then computed in the same stages, because a change of the stages could exceed the
-        tolerance of the iteration.  ``rough`` permits a lower accuracy of roll and nips.
+        Parameters
+        ----------
+        shares : dict of float to float
+            Of the roll, by place.
+        share_of_nip : callable
+            (place, roll) -> share of a nip, solved or extrapolated.
+        stages : _Iteration, optional
+            The roll is computed in the stages of this one, by default in its own.
         """
         film, r = self.nips.mean_film(), self.curve.knots()
-        self.nips.rough = rough
         tension = self.curve.tension(shares, r)
-        if previous is None:
-            rtol = max(self.rtol, COARSE_RTOL) if rough else self.rtol
-            roll = wind(self.problem, r, tension, rtol, film)
-            nip_shares = {place: self._nip_share(place, roll.result) for place in shares}
+        if stages is None:
+            roll = wind(self.problem, r, tension, self.rtol, film)
         else:
-            roll = recomputed(self.problem, previous.roll, r, tension, film)
-            nip_shares = {place: self._predicted_share(place, roll.result) for place in shares}
+            roll = recomputed(self.problem, stages.roll, r, tension, film)
+        nip_shares = {place: share_of_nip(place, roll.result) for place in shares}
         change = max(self._mismatch(place, share) for place, share in shares.items())
         # the change of the air film counts relative to the web thickness
         change = max(change, abs(self.nips.mean_film() - film) / self.problem.web.thickness)
-        return _Iteration(shares, nip_shares, r, roll, film, change)
-
-    def _recompute_roll(self, iteration: _Iteration) -> _Iteration:
-        """Recompute the roll from its tension alone, independent of earlier iterations."""
-        tension = self.curve.tension(iteration.shares, iteration.r)
-        return replace(
-            iteration, roll=wind(self.problem, iteration.r, tension, self.rtol, iteration.film)
-        )
+        return _Iteration(shares, nip_shares, r, roll, stages is None, film, change)
 
     def _predicted_share(self, place: float, roll: RollResult) -> float:
         """Return the friction share of the nip at a place, extrapolated to another roll [1]."""
@@ -339,8 +397,25 @@ class _Winder:
 
     def _nip_share(self, place: float, roll: RollResult | None) -> float:
         """Solve the nip at a place on a roll; return its friction share [1]."""
-        radius = self.curve.radius(place)
-        return self.curve.share(self.nips.tension(radius, roll), radius)
+        radius, pressure = self.curve.radius(place), self._interpolated_pressure(place)
+        return self.curve.share(self.nips.tension(radius, roll, pressure), radius)
+
+    def _interpolated_pressure(self, place: float) -> float | None:
+        """Return the effective pressure P_e at a place from the nips of its piece, solved before.
+
+        It is their interpolating polynomial in ln P_e; None below FEWEST_PRESSURES nips, and where
+        the same nip of a neighbouring winding is the better guess.
+        """
+        if not self._extrapolates or self.curve.radius(place) in self.nips.neighbours:
+            return None
+        piece = next(piece for piece in self.curve.pieces if place <= piece.end)
+        before = piece.places.index(place) if place in piece.places else len(piece.places)
+        samples = [self.nips.samples.get(self.curve.radius(p)) for p in piece.places[:before]]
+        known = [sample.implied_pressure for sample in samples if sample is not None]
+        if before < FEWEST_PRESSURES or len(known) < before:
+            return None
+        logarithms = dict(zip(piece.places, np.log(known).tolist(), strict=False))
+        return float(np.exp(piece.at(np.array(place), logarithms, first=before)))
 
     def _tension(self, place: float, share: float) -> float:
         """Return the wound-on tension of a friction share at a place [N/m]."""
@@ -441,7 +516,7 @@ class _Winder:
             rtol=self.rtol,
             coupling_rtol=self.coupling_rtol,
             film=iteration.film,
-            curved=curve.tension(iteration.shares, r, curved=True),
+            curved=curve.tension(iteration.shares, r, curved=True) if self.errors else None,
         )
 
     def solve_measured(self, problem: WindingProblem) -> WindingResult:
@@ -490,7 +565,7 @@ class _Winder:
             rtol=self.rtol,
             coupling_rtol=self.coupling_rtol,
             film=iteration.film,
-            curved=tension(r, curved=True),
+            curved=tension(r, curved=True) if self.errors else None,
             departure=departure(np.array(nip_radii)),
         )
 
@@ -537,9 +612,8 @@ def _solve_prescribed(
         tension = problem.curve("tension_law").at(r)
     elif law == "fixed":
         tension = schedule("web_tension", r) + schedule("nip_induced_tension", r)
-    else:  # "friction": the web slips on the whole roll, WOT = T_in + F + mu+ P
-        tension = schedule("web_tension", r) + schedule("winding_force", r)
-        tension = tension + problem.roll_friction * schedule("nip_load", r)
+    else:
+        tension = _full_slip_tension(problem, r)
     radii = polyline_radii(problem, r, tension, rtol)
     reported = np.interp(radii, r, tension)
     difference = np.abs(np.interp(r, radii, reported) - tension)
@@ -555,3 +629,25 @@ def _solve_prescribed(
         coupling_rtol=coupling_rtol,
         film=0.0,
     )
+
+
+def _full_slip_tension(problem: WindingProblem, r: Array) -> Array:
+    """Return the wound-on tension at radii, (k,) [N/m], of a web that slips in the whole nip.
+
+    T_1 = T_in + F + mu+ P.  Of a two-drum winder the web slips in each nip.  The arc upstream of a
+    nip holds T_1 exp(-mu_w theta) by its friction (Euler-Eytelwein); what a nip adds beyond that
+    pulls web through the nip before: T_k = max{T_k-1, T_k-1 exp(-mu_w theta_k) + F_k + mu+ P_k}.
+    """
+    mu = problem.roll_friction
+    on_wrap = mu if problem.wrap_friction is None else problem.wrap_friction
+    tension = problem.at("web_tension", r) + problem.at("winding_force", r)
+    tension = tension + mu * problem.at("nip_load", r)
+    if problem.winder is None:
+        return tension
+    loads = problem.drum_loads(r)
+    further = [(loads.front_arc, loads.front_force + mu * loads.front_load)]
+    if problem.winder.rider is not None:
+        further.append((loads.rider_arc, mu * loads.rider_load))
+    for arc, added in further:
+        tension = np.maximum(tension, tension * np.exp(-on_wrap * arc) + added)
+    return tension

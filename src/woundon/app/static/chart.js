@@ -55,7 +55,7 @@ function newHatch(ctx, zone, size) {
 
 /** A panel that the page makes itself, as the server describes panels. */
 export const newPanel = (parts) => ({
-  right: null, areas: [], marks: [], strips: [], words: [], discs: [], map: null, scale: null, note: "", column: parts.name, ...parts,
+  right: null, areas: [], marks: [], strips: [], words: [], discs: [], map: null, to_scale: false, scale: null, note: "", column: parts.name, ...parts,
 });
 
 /** A curve of such a panel. */

@@ -56,13 +56,18 @@ export function csvColumn(units, words, quantity, values) {
 }
 
 /** The text of a CSV file with these columns. */
+/** Decimal commas and semicolons in CSV files, for spreadsheets that expect them. */
+export const csvStyle = { commas: false };
+
 export function csvOf(columns) {
+  const separator = csvStyle.commas ? ";" : ",";
+  const number = (value) => (csvStyle.commas ? String(value).replace(".", ",") : value);
   const quote = (text) => {
     const cell = /^'*[=+@\t\r-]/.test(text) ? `'${text}` : text; // a spreadsheet would take it for a formula
-    return /[",\r\n]/.test(cell) ? `"${cell.replaceAll('"', '""')}"` : cell;
+    return cell.includes(separator) || /["\r\n]/.test(cell) ? `"${cell.replaceAll('"', '""')}"` : cell;
   };
-  const heads = columns.map(({ head }) => quote(head)).join(",");
-  const rows = columns[0].values.map((_, k) => columns.map(({ values }) => (values[k] == null ? "" : Number(values[k].toPrecision(9)))).join(","));
+  const heads = columns.map(({ head }) => quote(head)).join(separator);
+  const rows = columns[0].values.map((_, k) => columns.map(({ values }) => (values[k] == null ? "" : number(Number(values[k].toPrecision(9))))).join(separator));
   return `${[heads, ...rows].join("\n")}\n`;
 }
 
@@ -120,6 +125,7 @@ export function Menu({ store }) {
   const leave = (event) => { if (event.key === "Escape") { details.current.open = false; details.current.querySelector("summary").focus(); } };
   return html`<details class="menu" ref=${details} onKeyDown=${leave}><summary>${T.header.menu}</summary>
       <div class="menu-list">${acts.map(([label, act]) => html`<button type="button" key=${label} onClick=${guarded(act)}>${label}</button>`)}
+        <label><input type="checkbox" id="csv-commas" checked=${csvStyle.commas} onChange=${(event) => { csvStyle.commas = event.target.checked; }} /> ${T.menu.commas}</label>
         <a href="/api" target="_blank" rel="noopener">${T.menu.api}</a>
         <label class="theme">${T.header.theme}<select value=${store.state.theme} onChange=${(event) => store.prefer("theme", event.target.value)}>
           ${[["", T.header.auto], ["light", T.header.light], ["dark", T.header.dark]].map(([value, word]) => html`<option value=${value} selected=${value === store.state.theme}>${word}</option>`)}</select></label></div>

@@ -38,7 +38,8 @@ const base64 = async (file) => btoa(Array.from(new Uint8Array(await file.arrayBu
 export function Fit({ store }) {
   const { state, catalogue } = store;
   const { limits } = catalogue;
-  const [table, setTable] = useState({ text: "", name: "" }); // a workbook has a name, a text has none
+  const [table, setTable] = useState({ text: "", name: "" }); // a file has a name, a text that is typed has none
+  const [sheet, setSheet] = useState(""); // of an Excel or instrument file
   const [picked, pick] = useState([]);
   const [ends, setEnds] = useState({});
   const fields = variables(store);
@@ -51,13 +52,14 @@ export function Fit({ store }) {
   const ready = table.text.trim() && unknown.every((one) => { const [low, high] = endsOf(one); return low < high; });
   const load = async (file) => {
     if (!file) return;
-    const excel = /\.xls[xm]$/i.test(file.name);
+    const binary = /\.(xls[xm]|tdms)$/i.test(file.name);
     // base64 has four characters for three bytes
-    if (file.size * (excel ? 4 / 3 : 1) > 0.9 * limits.body_bytes) return setTable({ text: "", name: "", fault: T.fit.tooBig(digits(file.size / 1e6, 3)) });
-    setTable(excel ? { text: await base64(file), name: file.name } : { text: await file.text(), name: "" });
+    if (file.size * (binary ? 4 / 3 : 1) > 0.9 * limits.body_bytes) return setTable({ text: "", name: "", fault: T.fit.tooBig(digits(file.size / 1e6, 3)) });
+    if (binary || /\.lvm$/i.test(file.name)) setTable({ text: await (binary ? base64(file) : file.text()), name: file.name });
+    else setTable({ text: await file.text(), name: "" });
   };
   const run = () => {
-    const body = { case: state.case, table: table.text, is_workbook: !!table.name, vary: Object.fromEntries(unknown.map((one) => [one.path, endsOf(one)])) };
+    const body = { case: state.case, table: table.text, ...(table.name && { file: sheet.trim() ? `${table.name}#${sheet.trim()}` : table.name }), vary: Object.fromEntries(unknown.map((one) => [one.path, endsOf(one)])) };
     const take = (event, { of }) => (event.event === "fitted" ? { found: event, done: of } : {});
     return runStudy(store, "fit", (handle, signal) => api.fit(body, handle, signal), take);
   };
@@ -70,8 +72,8 @@ export function Fit({ store }) {
   return html`<section class="tab-card fit"><h2>${T.fit.title}</h2><p class="quiet">${T.fit.about}</p>
     <label class="stacked">${T.fit.table(limits.fit_rows)}<textarea id="fit-table" rows="6" spellcheck="false" placeholder=${T.fit.example}
       value=${table.name ? "" : table.text} disabled=${!!table.name} onInput=${(event) => setTable({ text: event.target.value, name: "" })}></textarea></label>
-    <div class="bar-row"><label class="file">${T.fit.file} <input type="file" id="fit-file" accept=".csv,.txt,.tsv,.xlsx,.xlsm" onChange=${(event) => load(event.target.files[0])} /></label>
-      ${table.name ? html`<span>${table.name} <button type="button" onClick=${() => setTable({ text: "", name: "" })}>${T.fit.drop}</button></span>`
+    <div class="bar-row"><label class="file">${T.fit.file} <input type="file" id="fit-file" accept=".csv,.txt,.tsv,.xlsx,.xlsm,.lvm,.tdms" onChange=${(event) => load(event.target.files[0])} /></label>
+      ${table.name ? html`<span>${table.name} <label>${T.fit.sheet} <input id="fit-sheet" size="12" value=${sheet} onInput=${(event) => setSheet(event.target.value)} /></label> <button type="button" onClick=${() => setTable({ text: "", name: "" })}>${T.fit.drop}</button></span>`
     : state.result?.kind === state.kind && html`<button type="button" id="fit-example" onClick=${() => setTable({ text: exampleTable(store), name: "" })}>${T.fit.columns}</button>`}</div>
     ${table.fault && html`<p class="fault" role="alert">${table.fault}</p>`}
     <div class="study-form">${[first, second].map((one, k) => unknownRow(k, one))}

@@ -14,7 +14,7 @@ const SEQUENTIAL = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [
 const DIVERGING = [[33, 102, 172], [146, 197, 222], [247, 247, 247], [244, 165, 130], [178, 24, 43]];
 
 /** Whether a panel is drawn here, and not as curves over x. */
-export const isPlane = (panel) => !!(panel.map || panel.discs.length || panel.note || (panel.y.limits && panel.y.limits[0] > panel.y.limits[1]));
+export const isPlane = (panel) => !!(panel.map || panel.to_scale || panel.discs.length || panel.note || (panel.y.limits && panel.y.limits[0] > panel.y.limits[1]));
 
 /** The colour of a value on a scale: red, green, blue. */
 function colourAt(value, { axis: { limits: [low, high] }, palette }) {
@@ -156,6 +156,19 @@ function drawAxes(pen, panel, axes, units, right, bottom) {
   pen.line([[LEFT, 8], [LEFT, bottom], [right, bottom]], colourOf("line"), [], 1);
 }
 
+/** Let both axes have the same scale, the smaller of the two; the other axis shows more around its middle. */
+function alike(axes, ends) {
+  const [x, y] = [axes.x, axes.y].map(({ limits: [low, high] }) => high - low);
+  const [width, height] = [ends.x[1] - ends.x[0], ends.y[0] - ends.y[1]];
+  const scale = Math.min(width / x, height / y);
+  for (const [name, size] of [["x", width], ["y", height]]) {
+    const axis = axes[name];
+    const middle = (axis.limits[0] + axis.limits[1]) / 2;
+    axis.limits = [middle - size / scale / 2, middle + size / scale / 2];
+    axis.at = scaled(axis, ...ends[name]);
+  }
+}
+
 function drawPlane(pen, cases, units, width, height) {
   const { panel } = cases[0];
   const lines = linesOf(cases);
@@ -165,6 +178,7 @@ function drawPlane(pen, cases, units, width, height) {
     const axis = limited(panel[name], lines.flatMap(({ curve }) => curve[name]));
     return [name, { ...axis, at: scaled(axis, ...ends[name]), factor: units.of(axis.quantity).factor }];
   }));
+  if (panel.to_scale) alike(axes, ends);
   const at = ([x, y]) => [axes.x.at(x), axes.y.at(y)];
   pen.ctx.save();
   pen.ctx.beginPath();

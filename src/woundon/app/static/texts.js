@@ -21,7 +21,7 @@ export const T = {
     "leading_roll", "trailing_roll", "dual", "air.film", "air.friction_share"],
   groups: {
     operation: "Operation", friction: "Friction", wrap: "Wrap", web: "Web", roll: "Wound roll", drum: "Winding drum",
-    air: "Entrained air", core: "Core", stack: "Wound stack", upper: "Upper roller", lower: "Lower roller",
+    winder: "Two-drum winder", air: "Entrained air", core: "Core", stack: "Wound stack", upper: "Upper roller", lower: "Lower roller",
   },
   bodies: { roll: "wound roll", drum: "winding drum", upper: "upper roller", lower: "lower roller" },
   kinds: {
@@ -31,7 +31,8 @@ export const T = {
     Rigid: "rigid", HalfPlane: "elastic half-plane", Cylinder: "elastic cylinder on a core", Layered: "layered (cover)",
     WoundRoll: "wound roll with pressure-dependent modulus", Layer: "Layer", Orthotropic: "orthotropic", Isotropic: "isotropic",
     Stack: "stack with pressure-dependent modulus", Pfeiffer: "Pfeiffer's law", PowerLaw: "power law", StackTest: "measured stack test",
-    LossAngle: "viscoelastic, by loss angle", DynamicTest: "viscoelastic, measured", PronyTerm: "viscoelastic term", AirBetween: "air between the layers", Air: "entrained air",
+    LossAngle: "viscoelastic, by loss angle", DynamicTest: "viscoelastic, dynamic test", RelaxationTest: "viscoelastic, relaxation test",
+    RelativeProny: "viscoelastic, relative terms", RelativeTerm: "relative term", PronyTerm: "viscoelastic term", TwoDrums: "front drum and rider", AirBetween: "air between the layers", Air: "entrained air",
     Constant: "constant", Polynomial: "polynomial", Profile: "points over the radius", Taper: "taper",
   },
   fields: { material: "material", radial: "hardening law", core: "core", layers: "layers", kind: "kind", law: "law", hardening: "hardening model" },
@@ -79,7 +80,7 @@ export const T = {
     results: "Results", inputs: "Inputs that differ",
   },
   menu: {
-    open: "Open a case file …", save: "Save the case (TOML)", csv: "Export plotted data (CSV)", png: "Picture (PNG)",
+    open: "Open a case file …", save: "Save the case (TOML)", csv: "Export plotted data (CSV)", commas: "decimal commas and semicolons in CSV files", png: "Picture (PNG)",
     svg: "Picture (SVG)", link: "Copy link to this case", python: "Export as Python script", report: "Report …",
     tooBig: (size) => `The file has ${size}; a case file has at most 1 MB`, notText: "This is not a text file",
     copied: "Copied", opened: (name) => `${name} is open`,
@@ -102,7 +103,7 @@ export const T = {
   fit: {
     title: "Fit to measured values", about: "Estimates unknown inputs of the case from your measured values, such as a friction coefficient from wound-on tensions.",
     table: (most) => `Table: a header with names and units, then one measurement a row (at most ${most}); paste it from a spreadsheet`,
-    example: "nip_load [kN/m]\twound_on_tension [N/m]\n2\t520\n3\t620\n4\t705", file: "or a CSV or Excel file", drop: "Remove", columns: "Insert an example to overwrite",
+    example: "nip_load [kN/m]\twound_on_tension [N/m]\n2\t520\n3\t620\n4\t705", file: "or a CSV, Excel, .lvm or .tdms file", sheet: "sheet, segment or group", drop: "Remove", columns: "Insert an example to overwrite",
     unknown: (k) => (k === 1 ? "Unknown input" : "Second unknown input"), low: "between", high: "and", run: "Fit",
     progress: (done, of) => (of ? `${done} of ${of} steps` : "solving"), tooBig: (size) => `The file has ${size} MB, which is too large for the page; use 'woundon fit'`,
     measured: "measured", fitted: "fitted", row: "row", rows: "rows of the table", equal: "fitted = measured", difference: "difference", take: "Use these values",

@@ -1,6 +1,6 @@
 // The operating window: the probability that a roll keeps its limits, over web tension and nip load.
 import * as api from "./api.js";
-import { at } from "./cases.js";
+import { at, changed } from "./cases.js";
 import { html, useState } from "./html.js";
 import { atCore } from "./schedules.js";
 import { ValueMap } from "./plane.js";
@@ -9,7 +9,8 @@ import { End } from "./study.js";
 import { T } from "./texts.js";
 import { digits } from "./units.js";
 
-const NAMES = ["web_tension", "nip_load"];
+const TENSION = "web_tension";
+const loadOf = ({ winder }) => (winder ? "winder.rider_load" : "nip_load"); // the second range
 const SPLIT = "torque_split"; // a third range, if it is chosen
 const USUAL_SPLIT = [0, 0.5];
 const PROBABILITY = { label: T.window.probability, unit: "1", shown_unit: "" };
@@ -22,11 +23,11 @@ export function Window({ store }) {
   if (state.kind !== "winding") return html`<p class="quiet">${T.window.onlyWindings}</p>`;
   const found = state.window;
   const rangeOf = (name) => ends[name] ?? (name === SPLIT ? USUAL_SPLIT : [0.5, 1.5].map((factor) => Number((factor * atCore(at(state.case, name))).toPrecision(3))));
-  const names = withSplit ? [...NAMES, SPLIT] : NAMES;
+  const names = [TENSION, loadOf(state.case), ...(withSplit ? [SPLIT] : [])];
   const chosen = grade || store.grade || catalogue.grades[0].name;
-  const ready = names.every((name) => { const [low, high] = rangeOf(name); return (name === SPLIT ? low >= 0 : low > 0) && high > low; });
+  const ready = names.every((name) => { const [low, high] = rangeOf(name); return (name === SPLIT ? low >= 0 || state.case.winder : low > 0) && high > low; });
   const run = () => {
-    const body = { case: state.case, uncertain: chosen, ...Object.fromEntries(names.map((name) => [name, rangeOf(name)])) };
+    const body = { case: state.case, uncertain: chosen, ...Object.fromEntries(names.map((name) => [name.split(".").at(-1), rangeOf(name)])) };
     const take = (event) => (event.event === "window" ? { map: event } : {});
     return runStudy(store, "window", (handle, signal) => api.operatingWindow(body, handle, signal), take);
   };
@@ -64,7 +65,7 @@ function WindowMap({ store, map }) {
   const { values, probability, binding: least, contributions } = map.best;
   const best = map.names.map((name) => `${store.fieldAt(name).label} ${digits(units.shown(store.fieldAt(name), values[name]), 4)} ${units.text(store.fieldAt(name))}`).join(", ");
   const [input, share] = Object.entries(contributions)[0] ?? [];
-  const take = () => store.take("winding", { ...store.state.case, ...Object.fromEntries(map.names.map((name) => [name, Number(values[name].toPrecision(4))])) });
+  const take = () => store.take("winding", map.names.reduce((tables, name) => changed(tables, name, Number(values[name].toPrecision(4))), store.state.case));
   return html`<section class="tab-card"><p class="answer">${T.window.best(digits(probability, 2), best)} <button type="button" onClick=${take}>${T.window.take}</button></p>
     <p>${T.window.binding(titleOf(least)).replace(/^b/, "B")}${input ? `; ${T.window.contributes(input, digits(100 * share, 2))}` : ""}</p>
     <ul class="remarks">${map.remarks.map((line) => html`<li key=${line}>${units.sentence(line)}</li>`)}</ul>

@@ -1,0 +1,396 @@
+"""Master curves: moduli over many decades of frequency from isotherms of a dynamic test."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+
+import numpy as np
+
+from ..arguments import check_arguments
+from ..errors import InvalidProblem
+from ..io.cells import Fault, numbers, raise_faults
+from ..io.sheets import Sheet, read_sheet
+from ..io.spreadsheets import write_csv
+from ..io.tables import Column, Names, match_columns
+from ..problems.measured_moduli import DynamicTest, frequency_quantity
+from ..problems.messages import not_one_of, quote
+from ..problems.superposition import (
+    Isotherm,
+    log_shift_at,
+    superpose,
+    wlf_shifts,
+)
+from ..problems.units import parse
+from ..quantities import Quantity, pure, stress
+from .outcome import Outcome
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+__all__ = ["MasterCurve", "master_curve"]
+
+Array = np.ndarray
+
+TEMPERATURE = Quantity("T", "K", "temperature", "degC")
+COLUMNS = {
+    "temperature": TEMPERATURE,
+    "frequency": frequency_quantity("frequency"),
+    "storage_modulus": stress("E'", "storage modulus", "MPa"),
+    "loss_modulus": stress("E''", "loss modulus", "MPa"),
+    "tan_delta": pure("tan delta", "loss over storage modulus"),
+}
+# Rows whose temperatures differ by less belong to one isotherm: an instrument holds a temperature
+# within a few tenths of a kelvin, and isotherms are at least 3 K apart [K].
+SAME_TEMPERATURE = 1.0
+LEAST_ROWS = 3  # of an isotherm
+UNCERTAIN = 0.1  # decades, standard error of a shift that is remarked on
+POOR = 0.05  # misfit that is remarked on, as of a dynamic test
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class MasterCurve(Outcome):
+    """Isotherms shifted to one master curve.
+
+    Attributes
+    ----------
+    reference_temperature : float
+        T_ref at which the moduli hold, in the scale of the isotherms.
+    temperatures : (m,) array
+        Of the isotherms, rising; degC or K.
+    shifts, errors : (m,) arrays
+        log10 a(T) relative to T_ref, and their standard errors.  An isotherm measured at f gives
+        the moduli at a f and T_ref.
+    frequency, storage_modulus, loss_modulus : (n,) arrays
+        a f [Hz], E' and E'' [Pa] of all points, frequencies rising.
+    isotherm : (n,) int array
+        Index of the isotherm of each point.
+    misfit : float
+        Root mean square of the relative residuals of the Prony series that follows all points [1].
+    wlf : (C1, C2), optional
+        Constants of the law of Williams, Landel and Ferry at T_ref [1], [K]; None for free shifts.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import woundon as wo
+    >>> f = np.logspace(-1, 2, 13)
+    >>> cold, warm = (
+    ...     {"frequency": f, "storage_modulus": 1e7 * (a * f) ** 0.2, "tan_delta": 13 * [0.325]}
+    ...     for a in (10.0, 1.0)
+    ... )
+    >>> curve = wo.master_curve({20: cold, 40: warm}, 40)
+    >>> round(float(curve.shifts[0]), 1), curve.material(poissons_ratio=0.48).frequency[-1]
+    (1.0, 1000.0)
+    """
+
+    reference_temperature: float
+    temperatures: Array
+    shifts: Array
+    errors: Array
+    frequency: Array
+    storage_modulus: Array
+    loss_modulus: Array
+    isotherm: Array
+    misfit: float
+    wlf: tuple[float, float] | None = None
+
+    def __repr__(self) -> str:
+        low, high = self.frequency[[0, -1]]
+        return (
+            f"MasterCurve({self.temperatures.size} isotherms, {low:.3g} to {high:.3g} Hz at "
+            f"{self.reference_temperature:g}, misfit {self.misfit:.2g})"
+        )
+
+    def material(self, poissons_ratio: float | str, **options: Any) -> DynamicTest:
+        """Return the material of a cover at the reference temperature.
+
+        Parameters
+        ----------
+        poissons_ratio : float
+        **options
+            Further fields of :class:`woundon.DynamicTest`, such as ``frequency_range``.
+
+        Raises
+        ------
+        InvalidProblem
+            If no Prony series follows the curve within 10 %.
+        """
+        return DynamicTest(
+            frequency=self.frequency,
+            storage_modulus=self.storage_modulus,
+            loss_modulus=self.loss_modulus,
+            poissons_ratio=poissons_ratio,
+            **options,
+        )
+
+    def answer(self) -> list[str]:
+        """Return the range of the curve with its misfit, then the shift of each isotherm."""
+        low, high = self.frequency[[0, -1]]
+        lines = [
+            f"{low:.3g} to {high:.3g} Hz at {self.reference_temperature:g} from "
+            f"{self.temperatures.size} isotherms; misfit {self.misfit:.2%} (rms)"
+        ]
+        if self.wlf is not None:
+            C1, C2 = self.wlf
+            lines.append(
+                f"log10 a = -C1 (T - T_ref)/(C2 + T - T_ref): C1 = {C1:.4g}, C2 = {C2:.4g} K"
+            )
+        for k, T in enumerate(self.temperatures):
+            lines.append(f"T = {T:g}: log10 a = {self.shifts[k] + 0.0:.3f} ± {self.errors[k]:.2g}")
+        return lines
+
+    def remarks(self) -> list[str]:
+        """Return what makes the curve doubtful."""
+        found = []
+        if self.misfit > POOR:
+            found.append(
+                f"the shifted moduli deviate from any Prony series by {self.misfit:.1%} (rms): the "
+                "material has several kinds of relaxation, or the moduli change with the "
+                "temperature besides (vertical shifts are not applied)"
+            )
+        uncertain = self.temperatures[self.errors > UNCERTAIN]
+        if uncertain.size:
+            found.append(
+                f"the shifts at {', '.join(f'{T:g}' for T in uncertain)} are known to more than "
+                f"{UNCERTAIN:g} decades only: measure over more decades, or at temperatures between"
+            )
+        if (np.diff(self.shifts) > 0).any():
+            found.append("a hotter isotherm is shifted up: check the temperatures")
+        return found
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Return the points of the curve, SI units: temperature, frequency a f, moduli."""
+        import pandas as pd
+
+        return pd.DataFrame(
+            {
+                "temperature": self.temperatures[self.isotherm],
+                "frequency": self.frequency,
+                "storage_modulus": self.storage_modulus,
+                "loss_modulus": self.loss_modulus,
+            }
+        )
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the curve as the CSV table that ``csv =`` of a case file reads.
+
+        Parameters
+        ----------
+        path : path
+            ``.csv`` file.
+        """
+        units = {"frequency": "Hz", "storage_modulus": "Pa", "loss_modulus": "Pa"}
+        frame = self.to_dataframe()[list(units)]
+        write_csv(Path(path), frame.rename(columns=lambda name: f"{name} [{units[name]}]"))
+
+    def shift_at(self, temperature: Any) -> Array:
+        """Return log10 a at temperatures in the range of the isotherms, by the law if there is one.
+
+        Parameters
+        ----------
+        temperature : float or array
+        """
+        T = np.asarray(temperature, dtype=float)
+        if self.wlf is not None:
+            return wlf_shifts(*self.wlf, T - self.reference_temperature)
+        flat = [log_shift_at(each, self.temperatures, self.shifts) for each in T.ravel().tolist()]
+        return np.reshape(flat, T.shape)
+
+
+def master_curve(
+    isotherms: Any,
+    reference_temperature: float | str,
+    *,
+    shifts: Literal["free", "wlf"] = "free",
+    columns: Mapping[str, str | None] | None = None,
+) -> MasterCurve:
+    """Shift isotherms of a dynamic test to one master curve (time-temperature superposition).
+
+    The shift factors a(T) are those for which one Prony series with positive terms follows the
+    storage and loss moduli of all isotherms at the frequencies a f best.
+
+    Parameters
+    ----------
+    isotherms : path, table, or mapping of temperature to path or table
+        A table with the columns temperature, frequency, storage_modulus, and loss_modulus or
+        tan_delta; or such a table without temperature for each temperature (20.0 or "20 degC").
+        Rows of one table within 1 K are one isotherm.
+    reference_temperature : float or str
+        Temperature of the cover in the nip, within the range of the isotherms and in their scale.
+    shifts : "free" or "wlf"
+        Free factors, or those of the law of Williams, Landel and Ferry (three isotherms or more).
+    columns : mapping, optional
+        Header -> name [unit], as of :func:`woundon.fit`; ``{"*": None}`` ignores other columns.
+
+    Returns
+    -------
+    MasterCurve
+
+    Raises
+    ------
+    InvalidProblem
+        For tables that cannot be read, fewer than two isotherms, isotherms that do not overlap, or
+        a reference outside their range.
+
+    References
+    ----------
+    M. L. Williams, R. F. Landel, J. D. Ferry, J. Am. Chem. Soc. 77 (1955) 3701, eq. (19).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import woundon as wo
+    >>> f = np.logspace(-1, 2, 13)
+    >>> def isotherm(a):  # of E = 5 MPa + sum of terms from 1 ms to 10 s at 20 degC
+    ...     w = 2j * np.pi * a * f[:, None] * np.logspace(-5, 1, 13)
+    ...     E = 5e6 + 1e6 * (w / (1 + w)).sum(axis=1)
+    ...     return {"frequency": f, "storage_modulus": E.real, "loss_modulus": E.imag}
+    >>> curve = wo.master_curve({20: isotherm(1.0), 40: isotherm(0.1), 60: isotherm(0.02)}, 20)
+    >>> [round(float(shift), 1) for shift in curve.shifts]
+    [0.0, -1.0, -1.7]
+    """
+    check_arguments(columns=columns)
+    if shifts not in ("free", "wlf"):
+        raise InvalidProblem.at("shifts", not_one_of(shifts, ("free", "wlf")))
+    reference = parse(reference_temperature, "K", "reference_temperature")
+    known = _isotherms(isotherms, columns or {})
+    least = 3 if shifts == "wlf" else 2
+    if len(known) < least:
+        text = f"{len(known)} given; must be at least {least} with shifts = {quote(shifts)}"
+        raise InvalidProblem.at("isotherms", text)
+    T = np.array([each.temperature for each in known])
+    if not T[0] - SAME_TEMPERATURE <= reference <= T[-1] + SAME_TEMPERATURE:
+        text = f"{reference:g} is out of range; must be >= {T[0]:g} and <= {T[-1]:g}, as measured"
+        raise InvalidProblem.at("reference_temperature", text)
+    found = superpose(known, reference, wlf=shifts == "wlf")
+    wlf = found.wlf and found.wlf[:2]
+    if wlf is None:
+        at_reference = log_shift_at(float(np.clip(reference, T[0], T[-1])), T, found.shift)
+        shift = found.shift - at_reference
+    else:
+        shift = wlf_shifts(*wlf, T - reference)
+    reduced = np.concatenate(
+        [10.0**x * each.frequency for x, each in zip(shift, known, strict=True)]
+    )
+    order = np.argsort(reduced, kind="stable")
+    isotherm = np.repeat(np.arange(len(known)), [each.frequency.size for each in known])
+    return MasterCurve(
+        reference_temperature=reference,
+        temperatures=T,
+        shifts=shift,
+        errors=_errors(found.covariance, T, reference),
+        frequency=reduced[order],
+        storage_modulus=np.concatenate([each.storage for each in known])[order],
+        loss_modulus=np.concatenate([each.loss for each in known])[order],
+        isotherm=isotherm[order],
+        misfit=found.fit.misfit,
+        wlf=wlf,
+    )
+
+
+def _errors(covariance: Array, temperatures: Array, reference: float) -> Array:
+    """Return the standard errors of shifts relative to that at the reference temperature, (m,).
+
+    That shift is interpolated linearly between the neighbouring isotherms.
+    """
+    identity = np.eye(temperatures.size)
+    weights = [np.interp(reference, temperatures, row) for row in identity]
+    difference = identity - np.array(weights)
+    variance = np.einsum("ki,ij,kj->k", difference, covariance, difference)
+    return np.sqrt(np.maximum(variance, 0.0))
+
+
+# ---- tables -------------------------------------------------------------------------------------
+
+
+class _Rows(NamedTuple):
+    """The columns of a table in SI, (n,) each; temperature None where the table has none."""
+
+    temperature: Array | None
+    frequency: Array
+    storage: Array
+    loss: Array
+    where: str
+
+
+def _isotherms(tables: Any, columns: Mapping[str, str | None]) -> list[Isotherm]:
+    """Return the isotherms of one table, or of a table for each temperature, the coldest first."""
+    by_temperature = _tables_by_temperature(tables)
+    if by_temperature is None:
+        rows = _read(read_sheet(tables, "isotherms"), columns)
+        if rows.temperature is None:
+            raise InvalidProblem.at(rows.where, "has no column temperature; must have one [degC]")
+        # a new isotherm begins where sorted temperatures differ by more than the control's scatter
+        order = np.argsort(rows.temperature, kind="stable")
+        steps = np.diff(rows.temperature[order]) > SAME_TEMPERATURE
+        groups = np.split(order, np.flatnonzero(steps) + 1)
+        found = [_isotherm(float(rows.temperature[k].mean()), rows, k) for k in groups]
+    else:
+        found = []
+        for T, table in by_temperature.items():
+            rows = _read(read_sheet(table, f"isotherms[{T:g}]"), columns)
+            found.append(_isotherm(T, rows, np.arange(rows.frequency.size)))
+    return sorted(found, key=lambda each: each.temperature)
+
+
+def _tables_by_temperature(tables: Any) -> dict[float, Any] | None:
+    """Return the tables by temperature; None if it is one table, whose keys are headers."""
+    if not isinstance(tables, Mapping):
+        return None
+    by_temperature = {}
+    for key, table in tables.items():
+        try:
+            by_temperature[parse(key, "K", "isotherms")] = table
+        except InvalidProblem:  # a header
+            return None
+    return by_temperature
+
+
+def _read(sheet: Sheet, columns: Mapping[str, str | None]) -> _Rows:
+    """Return the columns of a sheet; loss moduli from tan delta where the table has only these."""
+    names = Names(COLUMNS)
+    matched = match_columns(sheet, names, columns)
+    faults: list[Fault] = []
+
+    def has_no_gaps(column: Column) -> bool:
+        return False
+
+    cells = numbers(sheet, matched, names, faults, gaps=has_no_gaps)
+    raise_faults(faults)
+    values = {column.name: of_rows for column, of_rows in zip(matched, cells, strict=True)}
+    missing = [name for name in ("frequency", "storage_modulus") if name not in values]
+    if "loss_modulus" not in values and "tan_delta" not in values:
+        missing.append("loss_modulus or tan_delta")
+    if missing:
+        raise InvalidProblem.at(sheet.where, f"has no column {', '.join(missing)}")
+    for name in ("frequency", "storage_modulus", "loss_modulus", "tan_delta"):
+        if name in values and not (values[name] > 0).all():
+            row = sheet.numbers[int((~(values[name] > 0)).argmax())]
+            raise InvalidProblem.at(sheet.where, f"row {row}: {name} must be > 0")
+    storage = values["storage_modulus"]
+    loss = values.get("loss_modulus", values.get("tan_delta", storage) * storage)
+    return _Rows(values.get("temperature"), values["frequency"], storage, loss, sheet.where)
+
+
+def _isotherm(temperature: float, rows: _Rows, index: Array) -> Isotherm:
+    """Return the isotherm of some rows of a table.
+
+    Raises
+    ------
+    InvalidProblem
+        For too few rows, and frequencies that are measured twice.
+    """
+    index = index[np.argsort(rows.frequency[index], kind="stable")]
+    f = rows.frequency[index]
+    if f.size < LEAST_ROWS or (np.diff(f) <= 0).any():
+        reason = f"{f.size} rows" if f.size < LEAST_ROWS else "a frequency that is measured twice"
+        text = (
+            f"the isotherm at {temperature:g} has {reason}; must have at least {LEAST_ROWS} rows "
+        )
+        text += f"of different frequencies; rows within {SAME_TEMPERATURE:g} K are one isotherm"
+        raise InvalidProblem.at(rows.where, text)
+    return Isotherm(temperature, f, rows.storage[index], rows.loss[index])

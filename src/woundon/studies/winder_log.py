@@ -1,0 +1,212 @@
+"""``wo.read_log``: the log of a winder, averaged over the radius, for problems and comparisons."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..arguments import check_type
+from ..errors import InvalidProblem
+from ..io.logs import POSITIONS, BinnedLog, read_binned
+from ..problems.problem import Problem
+from ..problems.schedules import Profile, schedule_fields
+from ..quantities import Quantity
+from .columns import columns_of, conversion_of
+from .measurements import measured_columns
+from .outcome import Outcome
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+__all__ = ["WinderLog", "read_log"]
+
+Array = np.ndarray
+
+
+def read_log(
+    log: Any,
+    problem: Problem,
+    *,
+    columns: Mapping[str, str | None] | None = None,
+    bins: int | None = None,
+    sheet: str = "",
+) -> WinderLog:
+    """Read the log of a winder and average it over bins of the radius.
+
+    Rows without a radius, and those during a stop (web speed or web tension below 5 % of its
+    median), are left out; the result states how many.  Columns with unknown names are ignored.
+
+    Parameters
+    ----------
+    log : path, mapping or pandas.DataFrame
+        CSV, Excel, ``.lvm`` or ``.tdms`` file, of up to a million rows, with a column of the radius
+        or the diameter and columns of inputs or outputs of the problem, with their units.
+    problem : Problem
+        Its fields and outputs are the names of the columns; its width converts total forces.
+    columns : mapping
+        Header -> name, with or without unit; None omits a column.
+    bins : int, optional
+        Number of bins of equal width, 2 to 1000; by default 50, with 20 rows a bin at least.
+    sheet : str
+        Sheet of an Excel file, segment or group of an instrument file.
+
+    Returns
+    -------
+    WinderLog
+        Its ``problem`` contains the profiles of the log; :func:`woundon.fit` and
+        :func:`woundon.compare` take it as measured values.
+
+    Raises
+    ------
+    InvalidProblem
+        For a file that cannot be read, without a radius or any quantity, or with several rolls.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import woundon as wo
+    >>> rows = {"diameter [mm]": np.linspace(100, 1200, 5000),
+    ...         "web_tension [N/m]": np.linspace(400, 320, 5000)}
+    >>> log = wo.read_log(rows, wo.WindingProblem.example())
+    >>> print(log.answer()[0])
+    5000 rows in 50 bins over the radius; none left out
+    >>> round(float(log.problem.web_tension.at(0.25)))
+    371
+    """
+    check_type("problem", problem, Problem)
+    known = {
+        name: quantity
+        for name, quantity in {**columns_of(problem), **measured_columns(problem)}.items()
+        if quantity is not None
+    }
+    # a field that is a schedule is no column of numbers, but may be one of a log
+    known |= schedule_fields(type(problem))
+    known = {name: quantity for name, quantity in known.items() if name not in POSITIONS}
+    result = read_binned(
+        log,
+        known,
+        columns=columns,
+        bins=bins,
+        sheet=sheet,
+        conversion=conversion_of(problem),
+    )
+    quantities = {name: known[name] for name in result.names}
+    return WinderLog(bins=result, quantities=quantities, base=problem)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class WinderLog(Outcome):
+    """The log of a winder in bins over the radius; result of :func:`read_log`.
+
+    Attributes
+    ----------
+    bins : BinnedLog
+        Arrays over the k bins: ``radius`` and ``rows``, (k,); ``mean``, ``scatter`` and ``error``,
+        (quantities, k).
+    quantities : mapping of str to Quantity
+        By name, in the order of the arrays.
+    base : Problem
+        The problem with whose names the log was read.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> rows = {"radius [m]": [0.1, 0.2, 0.3, 0.4], "nip_load [kN/m]": [2.0, 2.0, 3.0, 3.0]}
+    >>> log = wo.read_log(rows, wo.WindingProblem.example(), bins=2)
+    >>> float(log.profile("nip_load").at(0.25))
+    2500.0
+    """
+
+    bins: BinnedLog
+    quantities: Mapping[str, Quantity]
+    base: Problem
+
+    def profile(self, name: str) -> Profile:
+        """Return the means of a quantity over the radius as a profile, SI.
+
+        It reaches 2 % of the range of the radii beyond the log, along straight lines.
+
+        Raises
+        ------
+        InvalidProblem
+            If the log has no such quantity.
+        """
+        if name not in self.bins.names:
+            text = f"{name!r} is not in the log; it has {', '.join(self.bins.names)}"
+            raise InvalidProblem.at("name", text)
+        radius, values = self.bins.profile(name)
+        return Profile(radius=radius, value=values)
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """The quantities that are schedules of the problem."""
+        return tuple(name for name in self.bins.names if name in schedule_fields(type(self.base)))
+
+    @property
+    def problem(self) -> Problem:
+        """The problem with the schedules of the log in place of its own."""
+        return self.base.replace(**{name: self.profile(name) for name in self.inputs})
+
+    def measured(self) -> pd.DataFrame:
+        """Return the table of measured values for :func:`woundon.fit` and :func:`woundon.compare`.
+
+        A row is a bin.  Outputs have the standard errors of their means; schedules of the problem
+        are no columns, because they are fields of :attr:`problem`.
+
+        Raises
+        ------
+        InvalidProblem
+            If no quantity of the log is an output.
+        """
+        import pandas as pd
+
+        outputs = [name for name in self.bins.names if name not in self.inputs]
+        if not outputs:
+            names = ", ".join(self.bins.names)
+            text = f"has {names} only, which are inputs; its problem contains them"
+            raise InvalidProblem.at(self.bins.where, text)
+        measurable = measured_columns(self.base)
+        place = "measured_radius" if "measured_radius" in measurable else "roll.radius"
+        columns: dict[str, Array] = {place: self.bins.radius}
+        for name in outputs:
+            k = self.bins.names.index(name)
+            columns[name] = self.bins.mean[k]
+            if name in measurable and (self.bins.error[k] > 0).all():
+                columns[f"{name} +-"] = self.bins.error[k]
+        return pd.DataFrame(columns)
+
+    def answer(self) -> list[str]:
+        """Return what was done with the rows, and the range and scatter of each quantity."""
+        lines = [self.bins.account()]
+        for k, name in enumerate(self.bins.names):
+            quantity = self.quantities[name]
+            low, high = np.nanmin(self.bins.mean[k]), np.nanmax(self.bins.mean[k])
+            scatter, error = (
+                float(np.sqrt(np.nanmean(each**2)))
+                for each in (self.bins.scatter[k], self.bins.error[k])
+            )
+            unit = f" {quantity.display}".removesuffix(" 1")
+            shown = [f"{quantity.shown(value):.4g}" for value in (low, high, scatter, error)]
+            lines.append(
+                f"{name}: {shown[0]} to {shown[1]}{unit}; scatter of the rows {shown[2]}{unit}, "
+                f"standard error of a mean {shown[3]}{unit}"
+            )
+        return lines
+
+    def remarks(self) -> list[str]:
+        """Return what the reader left out or joined."""
+        return list(self.bins.remarks)
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Return the bins as a table, SI units: radius, number of rows, means, scatter, errors."""
+        import pandas as pd
+
+        columns: dict[str, Array] = {"radius": self.bins.radius, "rows": self.bins.rows}
+        for k, name in enumerate(self.bins.names):
+            columns[name] = self.bins.mean[k]
+            columns[f"{name} scatter"] = self.bins.scatter[k]
+            columns[f"{name} +-"] = self.bins.error[k]
+        return pd.DataFrame(columns)
