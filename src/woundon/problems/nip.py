@@ -172,6 +172,7 @@ class NipProblem(ContactProblem):
         "roll_body": "give roll, a cylinder or a wound roll",
         **only_in("WindingProblem", "tension_law", "limits"),
         **only_in("WindingProblem", "density", "gauge_excess", "caliper_pressure"),
+        **only_in("WindingProblem", "thickness_profile", "oscillation"),
         **only_in("RollProblem", *OF_FINISHED_ROLL),
         **only_in("RollerProblem", "motion"),
     }

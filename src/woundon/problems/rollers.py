@@ -75,6 +75,7 @@ class RollerProblem(ContactProblem):
         **only_in("WindingProblem", "torque_split", "roll_body", "tension_law", "limits"),
         **only_in("WindingProblem", "nip_induced_tension", "winder"),
         **only_in("WindingProblem", "density", "gauge_excess", "caliper_pressure"),
+        **only_in("WindingProblem", "thickness_profile", "oscillation"),
     }
 
     upper: Annotated[AnyBody, Field(description="the upper roller")]
