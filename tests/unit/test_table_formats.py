@@ -17,6 +17,7 @@ import pytest
 import woundon as wo
 from woundon.cli.commands import main
 from woundon.errors import InputWarning, InvalidProblem
+from woundon.io import instruments
 from woundon.io.case_texts import template
 from woundon.io.columns import read_columns
 from woundon.io.sheets import TableFile, find_table, read_sheet
@@ -395,6 +396,20 @@ def test_a_tdms_file_that_ends_early_is_rejected(tmp_path: Path, cut: int, words
     message = faults(find_table, path, "run")
     assert words in message
     assert "copy the file again" in message
+
+
+def test_the_samples_of_a_tdms_file_are_counted_before_they_are_read(tmp_path, monkeypatch):
+    path = tdms(tmp_path, {"rig/Kraft": (np.arange(500.0), rate(0.1, "N"))})
+    monkeypatch.setattr(instruments, "MAX_SAMPLES", 499)
+    monkeypatch.setattr(instruments, "_tdms_channel", None)  # is not called
+    assert "has more than 499 samples" in faults(find_table, path, "run")
+
+
+@pytest.mark.parametrize("content", [b"", b"TDSm" + bytes(200), b"\x00" * 50, b"TDSm\xff" * 99])
+def test_a_file_that_is_none_of_an_instrument_is_rejected(tmp_path: Path, content: bytes):
+    for name in ("run.tdms", "run.lvm"):
+        (tmp_path / name).write_bytes(content)
+        assert faults(find_table, tmp_path / name, "run")
 
 
 @pytest.mark.parametrize(("name", "package"), [("run.lvm", "lvmio"), ("run.tdms", "nptdms")])

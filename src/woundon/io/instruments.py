@@ -240,25 +240,31 @@ def _tdms_groups(content: bytes, where: str) -> dict[str, list[Channel]]:
     import nptdms
 
     try:
-        file = nptdms.TdmsFile.read(io.BytesIO(content))
-        groups = {
-            group.name: _since_the_first(
-                [
-                    _tdms_channel(channel)
-                    for channel in group.channels()
-                    if len(channel) and channel.dtype.kind in "iuf"
-                ]
-            )
-            for group in file.groups()
-        }
-        is_incomplete = bool(file.file_status.incomplete_final_segment)
+        with nptdms.TdmsFile.open(io.BytesIO(content)) as file:  # reads no samples yet
+            channels = {
+                group.name: [each for each in group.channels() if _has_numbers(each)]
+                for group in file.groups()
+            }
+            count = sum(len(each) for of_group in channels.values() for each in of_group)
+            if count > MAX_SAMPLES:
+                raise InvalidProblem.at(where, f"has more than {MAX_SAMPLES} samples")
+            if file.file_status.incomplete_final_segment:  # the samples that are there are read
+                text = "ends in the middle of a segment; copy the file again"
+                raise InvalidProblem.at(where, text)
+            groups = {
+                name: _since_the_first([_tdms_channel(each) for each in of_group])
+                for name, of_group in channels.items()
+            }
+    except InvalidProblem:
+        raise
     except Exception as fault:  # the reader raises many types for damaged files
         raise InvalidProblem.at(where, f"is not a .tdms file that can be read: {fault}") from None
-    if is_incomplete:  # the reader returns the samples that are there
-        raise InvalidProblem.at(where, "ends in the middle of a segment; copy the file again")
-    if sum(channel.values.size for each in groups.values() for channel in each) > MAX_SAMPLES:
-        raise InvalidProblem.at(where, f"has more than {MAX_SAMPLES} samples")
     return {name: channels for name, channels in groups.items() if channels}
+
+
+def _has_numbers(channel: Any) -> bool:
+    """Return True for a channel of a .tdms file with samples that are numbers."""
+    return len(channel) > 0 and channel.dtype.kind in "iuf"
 
 
 def _tdms_channel(channel: Any) -> Channel:

@@ -35,7 +35,7 @@ from .table_files import (
     text_rows,
 )
 
-__all__ = ["BINARY", "Sheet", "TableFile", "find_table", "read_sheet"]
+__all__ = ["BINARY", "TABLES", "Sheet", "TableFile", "find_table", "read_sheet"]
 
 MAX_BYTES = 200_000_000  # of a file
 MAX_HEADER = 200  # characters; the time to search names is proportional to the square of it
@@ -45,6 +45,7 @@ MAX_BELOW = 3  # rows from a header to the first row with numbers
 SCANNED = 5000  # first rows, in which a header with known names is searched
 EXCEL = (".xlsx", ".xlsm")
 BINARY = (*EXCEL, ".tdms")  # formats that are no text
+TABLES = (".csv", ".txt", ".tsv", *EXCEL, *INSTRUMENTS)
 
 # a number of any locale, and the text behind it: "1.5", "1,5 kN", ".5e3"
 _NUMBER = re.compile(r"[+-]?(?:\d[\d.,]*|[.,]\d+)(?:[eE][+-]?\d{1,3})?\s*(.*)", re.DOTALL)
