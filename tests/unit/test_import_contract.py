@@ -70,8 +70,9 @@ def _names_of_root(node: ast.AST, depth: int) -> set[str]:
 def test_every_imported_package_is_declared() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
     extras = project["optional-dependencies"]
-    given = [*project["dependencies"], *(one for name in USERS_EXTRAS for one in extras[name])]
-    names = (re.split(r"[>=<\[]", one)[0].lower().replace("-", "_") for one in given)
+    of_extras = [one for name in USERS_EXTRAS for one in extras[name]]
+    given = [*project["dependencies"], *of_extras]
+    names = [re.split(r"[>=<\[]", one)[0].lower().replace("-", "_") for one in given]
     declared = {name.replace("scikit_fem", "skfem") for name in names}
     imported = {name for path in (ROOT / "src").rglob("*.py") for name in absolute_imports(path)}
     assert imported - {"woundon", *sys.stdlib_module_names} == declared
