@@ -266,8 +266,10 @@ def _table_in(rows: Rows, path: str, is_known: IsKnown) -> Sheet:
         # cells without a header may only be empty
         if len(row) != len(names) and (len(row) < len(names) or any(map(_text, row[len(names) :]))):
             _reject_length(rows, k, header, len(names), where)
+    # longer rows end with empty cells
+    transposed = zip(*(rows.cells[k] for k in body), strict=False)
     columns: dict[str, ColumnCells] = {
-        name: [rows.cells[k][j] for k in body] for j, name in enumerate(names) if name
+        name: list(cells) for name, cells in zip(names, transposed, strict=False) if name
     }
     numbers = [1 + k for k in body]
     # a row with several cells and a number may be one of another table
