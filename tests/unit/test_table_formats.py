@@ -287,6 +287,19 @@ def test_a_segment_of_a_labview_file_is_chosen_by_its_number(tmp_path: Path):
     assert find_table(f"{path}#2", "run").columns["nip load"].tolist() == [11.5, 12.5, 13.5]
 
 
+def test_all_segments_of_a_labview_file_are_read_one_after_the_other(tmp_path: Path):
+    """A recording that was interrupted, as by the stops of a winder, has several segments."""
+    pytest.importorskip("lvmio")
+    path = tmp_path / "run.lvm"
+    path.write_text(lvm(segments=2), encoding="utf-8", newline="")
+    sheet = find_table(f"{path}#all", "run")
+    assert sheet.columns["nip load"].tolist() == [1.5, 2.5, 3.5, 11.5, 12.5, 13.5]
+    assert sheet.remarks == ("2 segments are read one after the other, without their times",)
+    other = lvm(segments=1).replace("nip load", "torque")
+    path.write_text(lvm() + other[other.index("Channels") :], encoding="utf-8", newline="")
+    assert "has tables with different channels" in faults(find_table, f"{path}#all", "run")
+
+
 def test_a_damaged_labview_file_is_rejected_by_its_line(tmp_path: Path):
     pytest.importorskip("lvmio")
     path = tmp_path / "run.lvm"

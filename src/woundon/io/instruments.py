@@ -23,6 +23,7 @@ __all__ = ["ENDINGS", "Channel", "Channels", "joined", "need_reader", "read_chan
 Array = np.ndarray
 
 ENDINGS = {".lvm": "lvmio", ".tdms": "nptdms"}  # ending of a file -> the package that reads it
+ALL = "all"  # name of all segments or groups
 MAX_SAMPLES = 50_000_000  # of all channels
 ROUNDING = 1e-6  # relative differences of periods, and of instants to a period
 
@@ -106,7 +107,8 @@ def read_channels(
     path, ending : str
         Name of the file in error messages, and its ending.
     sheet : str
-        Number of the segment or name of the group; may be empty if the file has only one.
+        Number of the segment or name of the group; may be empty if the file has only one.  "all"
+        reads all of them, which must have the same channels, one after the other.
     is_known : callable
         Whether a header, with its unit, is a known name: the channels that are used.
 
@@ -125,11 +127,35 @@ def read_channels(
     paths = one_of([f"{path}#{name}" for name in names], "and")
     if not sheet and len(names) > 1:
         text = f"has {len(names)} {word}, each a table; name one of {paths}"
-        raise InvalidProblem.at(path, text)
+        raise InvalidProblem.at(path, f"{text}; {path}#{ALL} reads them one after the other")
+    if sheet.casefold() == ALL and ALL not in names:
+        channels = _one_after_the_other(list(tables.values()), path)
+        found = joined(channels, f"{path}#{ALL}", is_known)
+        remark = f"{len(names)} {word} are read one after the other, without their times"
+        return found._replace(remarks=(remark, *found.remarks))
     name = sheet_name(sheet, names, path)
     where = f"{path}#{name}" if len(names) > 1 else path
     others = f"other {word} are those of {paths}" if len(names) > 1 else ""
     return joined(tables[name], where, is_known)._replace(others=others)
+
+
+def _one_after_the_other(tables: Sequence[Sequence[Channel]], where: str) -> list[Channel]:
+    """Return the channels of several tables with all their samples, without times.
+
+    Raises
+    ------
+    InvalidProblem
+        If the tables have not the same channels, with the same units.
+    """
+    first = [(channel.name, channel.unit) for channel in tables[0]]
+    for table in tables[1:]:
+        if [(channel.name, channel.unit) for channel in table] != first:
+            text = "has tables with different channels, which cannot be read one after the other"
+            raise InvalidProblem.at(where, f"{text}; name one of them")
+    return [
+        Channel(name, unit, np.concatenate([table[k].values for table in tables]), 0.0, np.nan)
+        for k, (name, unit) in enumerate(first)
+    ]
 
 
 def joined(channels: Sequence[Channel], where: str, is_known: Callable[[str], bool]) -> Channels:
