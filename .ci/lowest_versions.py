@@ -22,6 +22,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 NEWSPRINT = "newsprint_table2.toml"
 TABLE = "nip_load [kN/m],wound_on_tension [N/m]\n2,520\n3.5,700\n5,760\n"
+STACK = "pressure [kPa],strain [%]\n10,1.73\n50,4.48\n100,5.99\n200,7.61\n500,9.83\n"
 CASES = "nip_load [kN/m],web_tension [N/m]\n2,300\n3,350\n"
 STUDY = f"""schema = 1
 case = "{NEWSPRINT}"
@@ -47,6 +48,7 @@ solve winding.toml --set tension_law=friction --plot winding.png
 report {NEWSPRINT} roll.toml --out report.html --unit mill
 find {NEWSPRINT} --vary nip_load=3kN/m:4kN/m --target wound_on_tension=700
 compare measured.csv {NEWSPRINT} --nodes 33
+stack stack.csv --plot stack.png
 table cases.csv --case {NEWSPRINT} --out solved.csv
 schedule roll.toml --pressure 200kPa
 window winding.toml --set tension_law=friction --web-tension 300:400 --nip-load 2000:3000 \
@@ -115,7 +117,12 @@ def main(folder):
         (work / example.name).write_bytes(example.read_bytes())
     for kind in ("rollers", "roll", "winding"):
         (work / f"{kind}.toml").write_text(run(woundon, "new", kind), encoding="utf-8")
-    for name, text in (("measured.csv", TABLE), ("cases.csv", CASES), ("study.toml", STUDY)):
+    for name, text in (
+        ("measured.csv", TABLE),
+        ("cases.csv", CASES),
+        ("stack.csv", STACK),
+        ("study.toml", STUDY),
+    ):
         (work / name).write_text(text, encoding="utf-8")
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
     example, answer = re.search(r"```python\n(.*?)```.*?```text\n(.*?)```", readme, re.S).groups()

@@ -50,7 +50,7 @@ def test_the_rising_branch_is_taken_and_the_other_is_named():
     assert test.account == (
         "used: loading in rows 1 to 300",
         "not used: unloading in rows 300 to 599",
-        "3 rows of the branch are below the preload of 6000 Pa",
+        "3 rows of the branch are below the preload of 6 kPa",
     )
     unloading = read_compression_test(
         machine(unload=True), area=AREA, height=HEIGHT, branch="unloading"

@@ -17,6 +17,7 @@ import pytest
 import woundon as wo
 from woundon.cli.commands import main
 from woundon.errors import InputWarning, InvalidProblem
+from woundon.io import instruments
 from woundon.io.case_texts import template
 from woundon.io.columns import read_columns
 from woundon.io.sheets import TableFile, find_table, read_sheet
@@ -286,6 +287,19 @@ def test_a_segment_of_a_labview_file_is_chosen_by_its_number(tmp_path: Path):
     assert find_table(f"{path}#2", "run").columns["nip load"].tolist() == [11.5, 12.5, 13.5]
 
 
+def test_all_segments_of_a_labview_file_are_read_one_after_the_other(tmp_path: Path):
+    """A recording that was interrupted, as by the stops of a winder, has several segments."""
+    pytest.importorskip("lvmio")
+    path = tmp_path / "run.lvm"
+    path.write_text(lvm(segments=2), encoding="utf-8", newline="")
+    sheet = find_table(f"{path}#all", "run")
+    assert sheet.columns["nip load"].tolist() == [1.5, 2.5, 3.5, 11.5, 12.5, 13.5]
+    assert sheet.remarks == ("2 segments are read one after the other, without their times",)
+    other = lvm(segments=1).replace("nip load", "torque")
+    path.write_text(lvm() + other[other.index("Channels") :], encoding="utf-8", newline="")
+    assert "has tables with different channels" in faults(find_table, f"{path}#all", "run")
+
+
 def test_a_damaged_labview_file_is_rejected_by_its_line(tmp_path: Path):
     pytest.importorskip("lvmio")
     path = tmp_path / "run.lvm"
@@ -395,6 +409,20 @@ def test_a_tdms_file_that_ends_early_is_rejected(tmp_path: Path, cut: int, words
     message = faults(find_table, path, "run")
     assert words in message
     assert "copy the file again" in message
+
+
+def test_the_samples_of_a_tdms_file_are_counted_before_they_are_read(tmp_path, monkeypatch):
+    path = tdms(tmp_path, {"rig/Kraft": (np.arange(500.0), rate(0.1, "N"))})
+    monkeypatch.setattr(instruments, "MAX_SAMPLES", 499)
+    monkeypatch.setattr(instruments, "_tdms_channel", None)  # is not called
+    assert "has more than 499 samples" in faults(find_table, path, "run")
+
+
+@pytest.mark.parametrize("content", [b"", b"TDSm" + bytes(200), b"\x00" * 50, b"TDSm\xff" * 99])
+def test_a_file_that_is_none_of_an_instrument_is_rejected(tmp_path: Path, content: bytes):
+    for name in ("run.tdms", "run.lvm"):
+        (tmp_path / name).write_bytes(content)
+        assert faults(find_table, tmp_path / name, "run")
 
 
 @pytest.mark.parametrize(("name", "package"), [("run.lvm", "lvmio"), ("run.tdms", "nptdms")])

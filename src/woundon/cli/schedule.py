@@ -33,7 +33,7 @@ __all__ = ["schedule"]
     "target",
     required=True,
     metavar="TABLE|VALUE",
-    help="Target pressure between the layers: a CSV or Excel file with the columns radius and "
+    help="Target pressure between the layers: a table with the columns radius and "
     'pressure, from the core to the surface, or one value, as "200 kPa".',
 )
 @click.option(
@@ -93,10 +93,11 @@ def schedule(
 def _target_pressure(text: str, smooth: bool) -> float | str | Profile:
     """Return a target pressure: a number [Pa], a text with a unit, or the profile in a file."""
     from ..io.columns import read_columns
+    from ..io.sheets import TABLES
     from ..problems.schedules import Profile
     from ..quantities import length, stress
 
-    if not text.lower().endswith((".csv", ".xlsx")):
+    if Path(text.rpartition("#")[0] or text).suffix.lower() not in TABLES:
         if smooth:
             raise InvalidProblem.at("--smooth", "is given with one value; must be with a table")
         return options.as_number(text)

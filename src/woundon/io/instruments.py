@@ -23,6 +23,7 @@ __all__ = ["ENDINGS", "Channel", "Channels", "joined", "need_reader", "read_chan
 Array = np.ndarray
 
 ENDINGS = {".lvm": "lvmio", ".tdms": "nptdms"}  # ending of a file -> the package that reads it
+ALL = "all"  # name of all segments or groups
 MAX_SAMPLES = 50_000_000  # of all channels
 ROUNDING = 1e-6  # relative differences of periods, and of instants to a period
 
@@ -106,7 +107,8 @@ def read_channels(
     path, ending : str
         Name of the file in error messages, and its ending.
     sheet : str
-        Number of the segment or name of the group; may be empty if the file has only one.
+        Number of the segment or name of the group; may be empty if the file has only one.  "all"
+        reads all of them, which must have the same channels, one after the other.
     is_known : callable
         Whether a header, with its unit, is a known name: the channels that are used.
 
@@ -125,11 +127,35 @@ def read_channels(
     paths = one_of([f"{path}#{name}" for name in names], "and")
     if not sheet and len(names) > 1:
         text = f"has {len(names)} {word}, each a table; name one of {paths}"
-        raise InvalidProblem.at(path, text)
+        raise InvalidProblem.at(path, f"{text}; {path}#{ALL} reads them one after the other")
+    if sheet.casefold() == ALL and ALL not in names:
+        channels = _one_after_the_other(list(tables.values()), path)
+        found = joined(channels, f"{path}#{ALL}", is_known)
+        remark = f"{len(names)} {word} are read one after the other, without their times"
+        return found._replace(remarks=(remark, *found.remarks))
     name = sheet_name(sheet, names, path)
     where = f"{path}#{name}" if len(names) > 1 else path
     others = f"other {word} are those of {paths}" if len(names) > 1 else ""
     return joined(tables[name], where, is_known)._replace(others=others)
+
+
+def _one_after_the_other(tables: Sequence[Sequence[Channel]], where: str) -> list[Channel]:
+    """Return the channels of several tables with all their samples, without times.
+
+    Raises
+    ------
+    InvalidProblem
+        If the tables have not the same channels, with the same units.
+    """
+    first = [(channel.name, channel.unit) for channel in tables[0]]
+    for table in tables[1:]:
+        if [(channel.name, channel.unit) for channel in table] != first:
+            text = "has tables with different channels, which cannot be read one after the other"
+            raise InvalidProblem.at(where, f"{text}; name one of them")
+    return [
+        Channel(name, unit, np.concatenate([table[k].values for table in tables]), 0.0, np.nan)
+        for k, (name, unit) in enumerate(first)
+    ]
 
 
 def joined(channels: Sequence[Channel], where: str, is_known: Callable[[str], bool]) -> Channels:
@@ -240,25 +266,31 @@ def _tdms_groups(content: bytes, where: str) -> dict[str, list[Channel]]:
     import nptdms
 
     try:
-        file = nptdms.TdmsFile.read(io.BytesIO(content))
-        groups = {
-            group.name: _since_the_first(
-                [
-                    _tdms_channel(channel)
-                    for channel in group.channels()
-                    if len(channel) and channel.dtype.kind in "iuf"
-                ]
-            )
-            for group in file.groups()
-        }
-        is_incomplete = bool(file.file_status.incomplete_final_segment)
+        with nptdms.TdmsFile.open(io.BytesIO(content)) as file:  # reads no samples yet
+            channels = {
+                group.name: [each for each in group.channels() if _has_numbers(each)]
+                for group in file.groups()
+            }
+            count = sum(len(each) for of_group in channels.values() for each in of_group)
+            if count > MAX_SAMPLES:
+                raise InvalidProblem.at(where, f"has more than {MAX_SAMPLES} samples")
+            if file.file_status.incomplete_final_segment:  # the samples that are there are read
+                text = "ends in the middle of a segment; copy the file again"
+                raise InvalidProblem.at(where, text)
+            groups = {
+                name: _since_the_first([_tdms_channel(each) for each in of_group])
+                for name, of_group in channels.items()
+            }
+    except InvalidProblem:
+        raise
     except Exception as fault:  # the reader raises many types for damaged files
         raise InvalidProblem.at(where, f"is not a .tdms file that can be read: {fault}") from None
-    if is_incomplete:  # the reader returns the samples that are there
-        raise InvalidProblem.at(where, "ends in the middle of a segment; copy the file again")
-    if sum(channel.values.size for each in groups.values() for channel in each) > MAX_SAMPLES:
-        raise InvalidProblem.at(where, f"has more than {MAX_SAMPLES} samples")
     return {name: channels for name, channels in groups.items() if channels}
+
+
+def _has_numbers(channel: Any) -> bool:
+    """Return True for a channel of a .tdms file with samples that are numbers."""
+    return len(channel) > 0 and channel.dtype.kind in "iuf"
 
 
 def _tdms_channel(channel: Any) -> Channel:

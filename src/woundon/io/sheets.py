@@ -35,7 +35,7 @@ from .table_files import (
     text_rows,
 )
 
-__all__ = ["BINARY", "Sheet", "TableFile", "find_table", "read_sheet"]
+__all__ = ["BINARY", "TABLES", "Sheet", "TableFile", "find_table", "read_sheet"]
 
 MAX_BYTES = 200_000_000  # of a file
 MAX_HEADER = 200  # characters; the time to search names is proportional to the square of it
@@ -45,6 +45,7 @@ MAX_BELOW = 3  # rows from a header to the first row with numbers
 SCANNED = 5000  # first rows, in which a header with known names is searched
 EXCEL = (".xlsx", ".xlsm")
 BINARY = (*EXCEL, ".tdms")  # formats that are no text
+TABLES = (".csv", ".txt", ".tsv", *EXCEL, *INSTRUMENTS)
 
 # a number of any locale, and the text behind it: "1.5", "1,5 kN", ".5e3"
 _NUMBER = re.compile(r"[+-]?(?:\d[\d.,]*|[.,]\d+)(?:[eE][+-]?\d{1,3})?\s*(.*)", re.DOTALL)
@@ -265,8 +266,10 @@ def _table_in(rows: Rows, path: str, is_known: IsKnown) -> Sheet:
         # cells without a header may only be empty
         if len(row) != len(names) and (len(row) < len(names) or any(map(_text, row[len(names) :]))):
             _reject_length(rows, k, header, len(names), where)
+    # longer rows end with empty cells
+    transposed = zip(*(rows.cells[k] for k in body), strict=False)
     columns: dict[str, ColumnCells] = {
-        name: [rows.cells[k][j] for k in body] for j, name in enumerate(names) if name
+        name: list(cells) for name, cells in zip(names, transposed, strict=False) if name
     }
     numbers = [1 + k for k in body]
     # a row with several cells and a number may be one of another table

@@ -154,7 +154,7 @@ def read_compression_test(
         account.append(f"not used: {'; '.join(others[:5])}{'; ...' if len(others) > 5 else ''}")
     below = int(np.count_nonzero(in_branch & ~is_used))
     if below:
-        account.append(f"{below} rows of the branch are below the preload of {least:.4g} Pa")
+        account.append(f"{below} rows of the branch are below the preload of {least / 1e3:.4g} kPa")
     if is_used.sum() < 4:
         text = f"has {is_used.sum()} rows of the branch above the preload of {least:.4g} [Pa]"
         raise InvalidProblem.at(table.where, f"{text}; must have at least 4")

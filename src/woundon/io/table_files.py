@@ -43,6 +43,7 @@ MAX_ROWS = 1_048_576  # the limit of Excel
 MAX_CELL = 32_767  # characters, the limit of Excel
 MAX_BLANK_ROWS = 1000  # between rows of an Excel table
 MAX_MERGED = 1000  # blocks of merged cells
+PART = 1_000_000  # characters of a text that are divided into lines at once
 SAMPLE = 1000  # lines from which the separator is determined
 _BINARY = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0", b"MDF ")  # zip archives, Excel before 2007, MDF
 
@@ -146,7 +147,9 @@ def text_rows(content: bytes, where: str) -> Rows:
         number = next(k for k, row in enumerate(rows, 1) if len(row) > MAX_COLUMNS)
         check_column(len(rows[number - 1]), where, number)
     # without quotes a cell is not longer than its line
-    if '"' in text or re.search(f"[^\n]{{{MAX_CELL + 1}}}", text):
+    ends = np.flatnonzero(np.frombuffer(content, np.uint8) == ord("\n"))  # of the lines
+    longest = np.diff(ends, prepend=-1, append=len(content)).max()  # bytes
+    if '"' in text or longest > MAX_CELL:
         for number, row in enumerate(rows, 1):
             if max(map(len, row), default=0) > MAX_CELL:
                 raise _long_cell(row, where, number)
@@ -158,10 +161,11 @@ def text_rows(content: bytes, where: str) -> Rows:
 def _lines(text: str) -> Iterator[str]:
     """Yield the lines of a text with their ends; a StringIO would hold it with 4 bytes a letter."""
     start = 0
-    while end := text.find("\n", start) + 1:
-        yield text[start:end]
-        start = end
-    yield text[start:]
+    while start <= len(text):
+        end = text.find("\n", start + PART)  # a part ends with a line
+        end = len(text) if end < 0 else end
+        yield from (f"{line}\n" for line in text[start:end].split("\n"))
+        start = end + 1
 
 
 def _long_cell(row: Cells, where: str, number: int) -> InvalidProblem:

@@ -39,7 +39,7 @@ from ..problems.radial_laws import (
     StackTest,
     pfeiffer_line,
 )
-from ..quantities import Quantity, quantity_of, stress
+from ..quantities import Quantity, in_chosen_units, quantity_of, stress
 from .outcome import Outcome
 
 if TYPE_CHECKING:
@@ -431,7 +431,7 @@ class StackFit(Outcome):
 
     def remarks(self) -> list[str]:
         """Return which rows are used, and laws that follow the test as well as the best one."""
-        texts = list(self.test.account)
+        texts = [in_chosen_units(text) for text in self.test.account]
         limit = (1 + EQUAL) * self.best.misfit
         equal = [each.name for each in self.laws[1:] if each.misfit <= limit]
         if equal:
