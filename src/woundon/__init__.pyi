@@ -13,6 +13,7 @@ from .errors import ResolutionWarning as ResolutionWarning
 from .errors import ValidityWarning as ValidityWarning
 from .io.case_files import load_case as load_case
 from .io.chosen_units import units as units
+from .io.profile_tables import read_thickness_profile as read_thickness_profile
 from .io.result_files import load_result as load_result
 from .io.spreadsheets import decimal_commas as decimal_commas
 from .kinds import solve as solve
@@ -51,6 +52,7 @@ from .problems.rollers import RollerProblem as RollerProblem
 from .problems.schedules import Profile as Profile
 from .problems.schedules import Taper as Taper
 from .problems.stack import Stack as Stack
+from .problems.thickness_profile import ThicknessProfile as ThicknessProfile
 from .problems.two_drums import TwoDrums as TwoDrums
 from .problems.viscoelastic import LossAngle as LossAngle
 from .problems.viscoelastic import RelativeProny as RelativeProny

@@ -312,7 +312,7 @@ def solve(
 ) -> RollerResult: ...
 @overload
 def solve(
-    problem: RollProblem, *, rtol: float = ..., progress: Progress | None = None
+    problem: RollProblem, *, rtol: float = ..., lanes: int = ..., progress: Progress | None = None
 ) -> RollResult: ...
 @overload
 def solve(
@@ -321,6 +321,7 @@ def solve(
     rtol: float = ...,
     nodes: int = ...,
     coupling_rtol: float | None = None,
+    lanes: int = ...,
     start: WindingResult | None = None,
     progress: Progress | None = None,
 ) -> WindingResult: ...

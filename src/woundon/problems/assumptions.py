@@ -16,6 +16,7 @@ UNIFORM_THICKNESS = "The web has a uniform thickness across its width."
 UNLOADED_THICKNESS = "The web thickness is that without pressure, as caliper_pressure is not given."
 CALIPER_THICKNESS = "The web thickness is that under the caliper pressure."
 LANE = "The thickest lane does not change the stresses in the rest of the roll."
+LANES = "The lanes across the width share the web and the drum, without shear between them."
 BONDED = "The layers of the roll are bonded: they do not slip on each other."
 AIR = (
     "The air film is isothermal, as wide as the web, and escapes only through the web; friction "
@@ -78,6 +79,13 @@ def _body(name: str, body: Any) -> Iterator[str]:
         yield f"The {name} hardens under wound-in and nip pressure, without hysteresis."
 
 
+def _across(problem: Any, uniform: str) -> str:
+    """Return the assumption on the thickness across the width; ``uniform`` for an even web."""
+    if problem.thickness_profile is not None:
+        return LANES
+    return uniform if problem.gauge_excess == 0 else LANE
+
+
 def of_roll(problem: Any) -> tuple[str, ...]:
     """Return the assumptions of a wound roll."""
     axisymmetric = "The roll is axisymmetric, its layers in static equilibrium and elastic."
@@ -85,7 +93,7 @@ def of_roll(problem: Any) -> tuple[str, ...]:
     changes = problem.temperature_change or problem.core_shrinkage
     return (
         axisymmetric,
-        UNIFORM_THICKNESS if problem.gauge_excess == 0 else LANE,
+        _across(problem, UNIFORM_THICKNESS),
         UNLOADED_THICKNESS if problem.caliper_pressure is None else CALIPER_THICKNESS,
         "The radial stiffness depends on the pressure alone, loading and unloading alike.",
         "The layers neither slip nor creep.",
@@ -126,7 +134,7 @@ def of_winding(problem: Any) -> tuple[str, ...]:
         *(() if problem.winder is None else (BALANCE,)),
         "The roll is axisymmetric, its layers elastic, and without creep.",
         UNLOADED_THICKNESS if problem.caliper_pressure is None else CALIPER_THICKNESS,
-        UNIFORM if problem.gauge_excess == 0 else LANE,
+        _across(problem, UNIFORM),
         *([AIR] if problem.air is not None else []),
         *_centrifugal(problem, low=float(tensions.min()), high=float(tensions.max())),
     )

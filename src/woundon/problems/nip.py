@@ -167,10 +167,12 @@ class NipProblem(ContactProblem):
         "stack": "give roll.stack of a wound roll, or web.material",
         "web_thickness": "give web.thickness",
         "wound_on_tension": "it is an output",
+        "winder": "give next_nips, the nips of front drum and rider",
         "nip_induced_tension": "it is an output; a WindingProblem may prescribe it",
         "roll_body": "give roll, a cylinder or a wound roll",
         **only_in("WindingProblem", "tension_law", "limits"),
         **only_in("WindingProblem", "density", "gauge_excess", "caliper_pressure"),
+        **only_in("WindingProblem", "thickness_profile", "oscillation"),
         **only_in("RollProblem", *OF_FINISHED_ROLL),
         **only_in("RollerProblem", "motion"),
     }

@@ -14,7 +14,7 @@ from ..quantities import Quantity, length, share, strain, stress, tension, thick
 from .air_law import AirBetween
 from .assumptions import of_roll
 from .description import Description
-from .fields import Nested, Number, OptionalNumber, default
+from .fields import Nested, Number, OptionalNested, OptionalNumber, default
 from .materials import Isotropic, OptionalMaterial
 from .messages import quote
 from .permitted import Conditional, is_within
@@ -30,6 +30,7 @@ from .schedules import (
     values_of,
 )
 from .stack import AnyStack, Stack
+from .thickness_profile import Oscillation, ThicknessProfile, faults_across, warnings_across
 from .web import CaliperPressure, WebDensity
 
 if TYPE_CHECKING:
@@ -165,8 +166,12 @@ class RollProblem(Problem):
     density : float, optional
         Density of the web [kg/m^3]; with it the result contains the mass of the roll.
     gauge_excess : float
-        d, relative additional thickness of the thickest lane across the width [1].  It affects only
-        the margin and the ridge height of that lane.
+        d, relative additional thickness of a lone thick lane across the width [1], in closed form.
+        It affects only the margin and the ridge height of that lane.
+    thickness_profile : ThicknessProfile, optional
+        Thickness across the width, instead of ``gauge_excess``: the result then has ``lanes``.
+    oscillation : float
+        Amplitude by which the web moves to and fro across the roll [m]: the profile is averaged.
     temperature_change : float
         Temperature change of the finished roll including its core [K].
     tangential_expansion, radial_expansion, core_expansion : float
@@ -197,7 +202,10 @@ class RollProblem(Problem):
         "limits": "give them to woundon.margins; a WindingProblem has it",
         **only_in("WindingProblem", "drum", "roll_friction", "drum_friction", "nip_load"),
         **only_in("WindingProblem", "winding_force", "torque_split", "roll_wrap", "drum_wrap"),
-        **only_in("WindingProblem", "wrap_friction", "roll_body", "web_speed", "air", "width"),
+        **only_in("NipProblem", "next_nips"),
+        **only_in(
+            "WindingProblem", "winder", "wrap_friction", "roll_body", "web_speed", "air", "width"
+        ),
         **only_in("RollerProblem", "upper", "lower", "load", "friction", "tangential_load"),
         **only_in("RollerProblem", "creepage", "motion", "speed"),
     }
@@ -240,6 +248,8 @@ class RollProblem(Problem):
         Field(ge=-PER_KELVIN, le=PER_KELVIN),
     ] = default(0.0)
     gauge_excess: GaugeExcess = default(0.0)
+    thickness_profile: OptionalNested[ThicknessProfile] = default(None)
+    oscillation: Oscillation = default(0.0)
     core_shrinkage: Annotated[
         Number, strain("e_c", "shrinkage of the core in the finished roll"), Field(ge=-0.1, le=0.1)
     ] = default(0.0)
@@ -261,6 +271,8 @@ class RollProblem(Problem):
                 f"{thickest:.4g} [m]: {FEWEST_LAYERS} to {MOST_LAYERS:.0e} layers",
             )
         self._check_tension()
+        if faults := list(faults_across(self)):
+            raise InvalidProblem(faults)
         highest = self._law_of_web.max_pressure
         # 1e7 Pa is the largest caliper pressure that its field admits
         if float(self._law_of_web.strain_at(1e7)) > MOST_COMPRESSED:
@@ -315,12 +327,17 @@ class RollProblem(Problem):
             *(expansions if self.temperature_change == 0 else ()),
             *(() if expands else ("temperature_change",)),
             *unused_in_tapers(self, ("wound_on_tension",)),
+            *(("oscillation",) if self.thickness_profile is None else ()),
         )
 
     @property
     def input_warnings(self) -> tuple[str, ...]:
         """Inputs that have no effect or contradict each other, as sentences."""
-        return (*super().input_warnings, *self.stack.input_warnings("stack"))
+        return (
+            *super().input_warnings,
+            *self.stack.input_warnings("stack"),
+            *warnings_across(self, self.web_thickness),
+        )
 
     @property
     def _law_of_web(self) -> RadialLaw:

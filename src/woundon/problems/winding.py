@@ -50,6 +50,7 @@ from .schedules import (
     values_of,
 )
 from .stack import AnyStack, Stack
+from .thickness_profile import Oscillation, ThicknessProfile, faults_across, warnings_across
 from .two_drums import DrumLoads, TwoDrums, balanced_loads, roll_weight
 from .web import CaliperPressure, Web, WebDensity
 
@@ -143,8 +144,12 @@ class WindingProblem(Problem):
         Density [kg/m^3] or basis weight, "45 gsm", of the web; with it the result contains the mass
         of the roll.
     gauge_excess : float
-        d, relative additional thickness of the thickest lane across the width [1], for the margin
-        ``gauge_band`` and the ridge height.
+        d, relative additional thickness of a lone thick lane across the width [1], in closed form,
+        for the margin ``gauge_band`` and the ridge height.
+    thickness_profile : ThicknessProfile, optional
+        Thickness across the width, instead of ``gauge_excess``: the result then has ``lanes``.
+    oscillation : float
+        Amplitude by which the web moves to and fro across the roll [m]: the profile is averaged.
     web_speed : float, optional
         V [m/s], needed with air or a viscoelastic drum.
     air : Air, optional
@@ -185,6 +190,7 @@ class WindingProblem(Problem):
         "wound_on_tension": "give it as tension_law, a Profile",
         "tangential_load": "give winding_force or torque_split",
         "lower": "give drum",
+        "next_nips": "give winder, whose drums are further nips",
         **only_in("RollProblem", *OF_FINISHED_ROLL),
         **only_in("RollerProblem", "upper", "creepage", "motion"),
     }
@@ -243,6 +249,8 @@ class WindingProblem(Problem):
         WebDensity, Conditional("required with limits.acceleration and with a winder")
     ] = default(None)
     gauge_excess: GaugeExcess = default(0.0)
+    thickness_profile: OptionalNested[ThicknessProfile] = default(None)
+    oscillation: Oscillation = default(0.0)
     limits: Annotated[Nested[Limits], Field(description="limits of web, roll and core")] = default(
         Limits()
     )
@@ -267,6 +275,7 @@ class WindingProblem(Problem):
             raise InvalidProblem(faults) from None
         faults = [fault for name in SCHEDULES for fault in self._faults_of(name)]
         faults += self._contradictions()
+        faults += faults_across(self, self.width)
         if self.winder is not None:
             faults += self._contradictions_of_winder(self.winder)
         if faults:
@@ -351,6 +360,7 @@ class WindingProblem(Problem):
             *super().input_warnings,
             *different_moduli(self.web, "stack", self.stack),
             *self.stack.input_warnings("stack"),
+            *warnings_across(self, self.web.thickness),
         ]
         if self.web_speed is not None and self.air is None and not self._viscoelastic_drums:
             texts.append(unused_speed("web_speed", self.web_speed))
@@ -622,6 +632,7 @@ class WindingProblem(Problem):
             *(() if hardens else ("stack.shear_exponent",)),
             *(() if self.torque_split is None else ("winding_force",)),
             *(() if solves_nips else OF_NIP),
+            *(("oscillation",) if self.thickness_profile is None else ()),
             *(() if solves_nips or self.winder is not None else ("drum",)),
         )
 

@@ -555,7 +555,8 @@ def _draw_map(axes: Axes, panel: Panel, plane: Map, colour: str | None) -> list[
     values = _shown(scale.axis if scale else None, plane.values)
     if scale and scale.axis.limits and colour is None:
         low, high = _shown(scale.axis, np.array(scale.axis.limits))
-        levels = MaxNLocator(LEVELS, symmetric=True).tick_values(low, high)
+        about_zero = scale.palette != "sequential"
+        levels = MaxNLocator(LEVELS, symmetric=about_zero).tick_values(low, high)
         palette, extend = PALETTES[scale.palette], EXTENDED[scale.clipped]
         filled = axes.contourf(x, y, values, levels, cmap=palette, extend=extend)
         _add_colour_bar(axes, panel, scale, filled)

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..problems.roll import RollProblem
 from ..roll.result import RollResult
+from .lane_panels import lane_panels
 from .panels import Area, Axis, Curve, Disc, Limits, Mark, Panel, PanelMaker, Scale
 from .report_parts import quantity_of, quantity_of_field
 
@@ -51,6 +52,7 @@ def roll_panels(result: RollResult) -> dict[str, PanelMaker]:
     - residual_tension of the layers, and their outward displacement since they were wound (if
       asked for)
     - disc, hoop_disc: the roll from its side, coloured by pressure and hoop stress (if asked for)
+    - those of the lanes across the width, with a thickness profile (:mod:`.lane_panels`)
     """
     panels = {
         "pressure": PanelMaker(pressure),
@@ -63,6 +65,7 @@ def roll_panels(result: RollResult) -> dict[str, PanelMaker]:
         "displacement": PanelMaker(displacement, by_default=False),
         "disc": PanelMaker(disc, by_default=False),
         "hoop_disc": PanelMaker(hoop_disc, by_default=False),
+        **lane_panels(result),
     }
     if result.problem.density is None:
         del panels["density"]

@@ -12,6 +12,7 @@ from ..quantities import in_chosen_units, length, line_load, strain, stress
 from ..roll.gauge_band import gauge_band_over
 from ..roll.result import RollResult
 from ..roll.theories import plateau_pressure
+from .lanes_report import WORST_LANE, lanes_sections
 from .outputs_report import rows_of
 from .report_parts import (
     Line,
@@ -27,7 +28,8 @@ from .report_parts import (
 
 __all__ = ["ROLL", "roll_report", "thin_layers_note"]
 
-LEFT_OUT = frozenset({"residual", "steps", "compressed_share"})  # in other rows
+# in other rows
+LEFT_OUT = frozenset({"residual", "steps", "compressed_share", "lane_count"}) | WORST_LANE
 BAND = "Thickest lane across the width (closed form)"
 # of a roll alone, and of the roll of a winding
 ROLL = [
@@ -83,6 +85,7 @@ def roll_report(result: RollResult) -> list[Part]:
         ),
         *([Section("Changes of the finished roll", tuple(changes))] if changes else []),
         *_gauge_band(result),
+        *lanes_sections(result),
         *_other_theories(result),
     ]
 

@@ -12,6 +12,7 @@ from ..roll.result import RollResult
 from ..winding.margins import Margin
 from ..winding.result import WindingResult
 from . import roll_panels
+from .lane_panels import lane_panels
 from .panels import SERIES, Area, Axis, Curve, Mark, Panel, PanelMaker
 from .report_parts import quantity_of
 from .roll_panels import (
@@ -47,6 +48,7 @@ def winding_panels(result: WindingResult) -> dict[str, PanelMaker]:
     - hardness, loads: modulus of the roll, nip load and winding force (if asked for)
     - disc, hoop_disc: the roll from its side, coloured by pressure and hoop stress (if asked for)
     - film: its pressure as it grows, on one scale (if asked for)
+    - those of the lanes across the width, with a thickness profile (:mod:`.lane_panels`)
     - winder: roll, drums and rider of a two-drum winder to scale
     - between: tensions of the web between its nips
     """
@@ -62,6 +64,7 @@ def winding_panels(result: WindingResult) -> dict[str, PanelMaker]:
         "disc": PanelMaker(OfRoll(roll_panels.disc), by_default=False, slow=True),
         "hoop_disc": PanelMaker(OfRoll(roll_panels.hoop_disc), by_default=False, slow=True),
         "film": PanelMaker(film, by_default=False, slow=True),
+        **lane_panels(result),
     }
     if result.problem.winder is not None:
         panels["winder"] = PanelMaker(winder_panel)

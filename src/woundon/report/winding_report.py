@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from ..problems.paths import field_or_none
 from ..winding.margins import TITLES
 from ..winding.result import WindingResult
+from .lanes_report import WORST_LANE, lanes_sections
 from .margins_report import margins_part
 from .outputs_report import rows_of
 from .report_parts import (
@@ -65,6 +66,8 @@ LEFT_OUT = frozenset(
             for name in ("least_tension", "largest_tension", "largest_added_tension")
         ),
         *(f"margins.{name}" for name in TITLES),
+        "lane_count",
+        *WORST_LANE,
     }
 )
 LAWS = {
@@ -114,6 +117,7 @@ def winding_report(result: WindingResult) -> list[Part]:
             rows_of(result, ROLL + mass + air + ridge, leave=LEFT_OUT),
             thin_layers_note(result.roll),
         ),
+        *lanes_sections(result),
         margins_part(result.margins),
     ]
 

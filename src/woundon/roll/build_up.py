@@ -38,9 +38,14 @@ from .growth import ORDER, Growth, point_counts_of
 from .stage_nodes import Tension, cell_source, kinks_of, nodes_between, points_of_cells
 
 __all__ = [
+    "IMPLICIT_ERROR",
+    "KINK_STEP",
+    "SMALLEST_STEP",
     "BuildUp",
     "Layers",
     "NotWoundError",
+    "no_stage_beyond",
+    "step_factor",
     "wind",
     "wind_finite_layers",
     "wind_with_stages",
@@ -116,14 +121,14 @@ def wind(
         stage, guess = roll.stage(surface, accepted_error)
         error = _extrapolation_error(stage, guess)
         if stage is None or error > tolerance:
-            step = (surface - x) * max(0.3, _step_factor(tolerance / error))
+            step = (surface - x) * max(0.3, step_factor(tolerance / error))
             if surface == kink:  # prevents a repetition of the same extended step
                 step = min(step, STRETCH_REDUCTION * (kink - x))
             if x == last_kink:  # start the polynomials of kappa at this kink
                 roll.growth.start_new_polynomial()
                 step, last_kink = min(step, surface_layer), -np.inf
             if step < SMALLEST_STEP:
-                raise NotWoundError(_no_stage_beyond(x))
+                raise NotWoundError(no_stage_beyond(x))
             if stage is None or step > KINK_STEP * surface_layer:
                 continue
             roll.growth.start_new_polynomial()  # an unknown kink, or the discretisation error
@@ -131,7 +136,7 @@ def wind(
             if stage is None:
                 continue
         roll.append(stage)
-        step = (surface - x) * min(3.0, _step_factor(tolerance / max(error, 1e-99)))
+        step = (surface - x) * min(3.0, step_factor(tolerance / max(error, 1e-99)))
         x, last_kink = surface, kink
     return roll.finished()
 
@@ -272,7 +277,7 @@ def _extrapolation_error(stage: WoundStage | None, guess: float) -> float:
     return float(IMPLICIT_ERROR * abs(stage.kappa - guess) / (2 + abs(guess)))
 
 
-def _step_factor(ratio: float) -> float:
+def step_factor(ratio: float) -> float:
     """Return the factor of the step size from tolerance/error, with a safety factor of 0.8."""
     return float(0.8 * ratio ** (1 / (ORDER + 0.5)))
 
@@ -451,7 +456,7 @@ class NotWoundError(ArithmeticError):
     """A stage has no solution, or the steps became too small."""
 
 
-def _no_stage_beyond(x: float) -> str:
+def no_stage_beyond(x: float) -> str:
     """Return the message for a stage that cannot be solved."""
     return (
         f"no stage beyond the radius {exp(x):.6g} m can be solved: the stack at low pressure, or "

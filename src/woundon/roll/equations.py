@@ -59,6 +59,7 @@ __all__ = [
     "interpolate_pressure",
     "interpolate_stages",
     "joined",
+    "source_residual",
     "stretched",
 ]
 
@@ -90,7 +91,7 @@ class StageData:
     source : CellSource
         Without meaning in gaps, but finite.
     tension : float
-        T_c of the core condition [Pa].
+        T_c of the core condition [Pa], one of all stages or (J,) of each.
     surface_pressure : float
         P_s [Pa].
     gaps : (J - 1,) int array
@@ -100,7 +101,7 @@ class StageData:
 
     x: Array
     source: CellSource
-    tension: float
+    tension: float | Array
     surface_pressure: float = 0.0
     gaps: Array = field(default_factory=lambda: np.zeros(0, dtype=int))
 
@@ -256,7 +257,7 @@ class StageEquations:
         P, Q : (n + 1,) arrays
             Pressure, and Q = r dP/dr [Pa].
         """
-        x, source, gaps, h = stage.x, stage.source, stage.gaps, stage.lengths
+        x, source, h = stage.x, stage.source, stage.lengths
         slope = self._slope_of_Q(x, P, Q)
         left, right = slope[:-1] + source.left, slope[1:] + source.right
         middle_P = (P[1:] + P[:-1]) / 2 - h / 8 * (Q[1:] - Q[:-1])
@@ -265,10 +266,9 @@ class StageEquations:
         out = np.empty(2 * x.size)
         out[1:-1:2] = P[1:] - P[:-1] - h / 6 * (Q[:-1] + 4 * middle_Q + Q[1:])
         out[2:-1:2] = Q[1:] - Q[:-1] - h / 6 * (left + 4 * middle + right)
-        out[0], out[-1] = Q[0] - self.core * P[0] + stage.tension, P[-1] - stage.surface_pressure
-        if gaps.size:
-            out[2 * gaps + 1] = P[gaps] - stage.surface_pressure
-            out[2 * gaps + 2] = Q[gaps + 1] - self.core * P[gaps + 1] + stage.tension
+        firsts, lasts = stage.firsts, stage.lasts
+        out[2 * firsts] = Q[firsts] - self.core * P[firsts] + stage.tension
+        out[2 * lasts + 1] = P[lasts] - stage.surface_pressure
         return out, middle_P
 
     def _moduli(self, x: Array, P: Array, middle_P: Array) -> Array:
@@ -328,7 +328,7 @@ class StageEquations:
             raise SingularStageError
         return _Factors(factors, pivots), E[: P.size]
 
-    def _linearised(
+    def linearised(
         self, stage: StageData, P: Array, Q: Array
     ) -> tuple[_Factors, Array, Array, Array]:
         """Return the factorised Jacobian, E_r at the nodes, the Newton step and a further layer.
@@ -360,13 +360,34 @@ class StageEquations:
         """
         for _ in range(MAX_ITERATIONS):
             try:
-                _, _, step, layer = self._linearised(stage, P, Q)
+                _, _, step, layer = self.linearised(stage, P, Q)
             except SingularStageError:
                 return None
             P, Q = P - step[::2], Q - step[1::2]
             if _relative_step(stage, step, P) <= NEWTON_TOLERANCE:
                 return StageSolution(P, Q, layer[2 * stage.lasts + 1])  # D p: kappa, for p = 1
         return None
+
+    def kappa_by_pressure(self, stage: StageData, P: Array, layer: Array, E: Array) -> Array:
+        """Return the derivatives of kappa of each stage by the pressures at its nodes [1/Pa].
+
+        With g = E_t/E_r - 1, kappa(x) = D p/p satisfies the Riccati equation
+        D kappa + kappa^2 + 2 kappa = g.  Hence a change dg(x) changes kappa at the surface by the
+        integral of exp(2 (x - ln s)) p^2 dg, for p = 1 at s.
+
+        Parameters
+        ----------
+        stage : StageData
+        P, layer, E : (n + 1,) arrays
+            Pressure, p of a further layer and E_r at the nodes.
+        """
+        x, firsts, lasts, half = stage.x, stage.firsts, stage.lasts, stage.lengths / 2
+        to_surface = 2 * (x - np.repeat(x[lasts], lasts - firsts + 1))
+        quadrature = np.exp(to_surface) * (np.append(half, 0) + np.append(0, half))
+        # some laws have an infinite slope at P = 0, where p has no effect
+        E_slope = self.modulus_slope(self._total(x, P))
+        E_slope = np.where(np.isfinite(E_slope), E_slope, 0.0)
+        return np.asarray(-quadrature * layer**2 * self.tangential * E_slope / E**2)
 
     def solve_with_growth(
         self,
@@ -378,10 +399,6 @@ class StageEquations:
         accepted_error: float,
     ) -> StageSolution | None:
         """Solve for pressure and kappa of stages together; None if that does not converge.
-
-        With g = E_t/E_r - 1, kappa(x) = D p/p satisfies the Riccati equation
-        D kappa + kappa^2 + 2 kappa = g.  Hence a change dg(x) changes kappa at the surface by the
-        integral of exp(2 (x - ln s)) p^2 dg, for p = 1 at s.
 
         The unknowns U = (P, Q) and kappa are eliminated in turn.  For changes d of all kappa the
         step is step + J^-1 R d, J the Jacobian and R d the change of the residual by the source,
@@ -406,20 +423,15 @@ class StageEquations:
             Accepted error of kappa, relative to kappa + 2.  Newton's method converges
             quadratically: the error after a step is about the square of the step.
         """
-        x, firsts, lasts, h = stage.x, stage.firsts, stage.lasts, stage.lengths
-        half, count = h / 2, lasts.size
-        to_surface = 2 * (x - np.repeat(x[lasts], lasts - firsts + 1))
-        quadrature = np.exp(to_surface) * (np.append(half, 0) + np.append(0, half))
+        firsts, lasts, h = stage.firsts, stage.lasts, stage.lengths
+        count = lasts.size
         owners = np.repeat(np.arange(count), lasts - firsts + 1)[:-1]
         for _ in range(MAX_ITERATIONS):
             try:
-                factors, E, step, layer = self._linearised(stage, P, Q)
+                factors, E, step, layer = self.linearised(stage, P, Q)
             except SingularStageError:
                 return None
-            # some laws have an infinite slope at P = 0, where p has no effect
-            E_slope = self.modulus_slope(self._total(x, P))
-            E_slope = np.where(np.isfinite(E_slope), E_slope, 0.0)
-            kappa_by_P = -quadrature * layer[::2] ** 2 * self.tangential * E_slope / E**2
+            kappa_by_P = self.kappa_by_pressure(stage, P, layer[::2], E)
             adjoint = np.zeros_like(step)
             adjoint[::2] = kappa_by_P
             weights = _source_weights(h, factors.solve(adjoint, transposed=True))
@@ -428,7 +440,7 @@ class StageEquations:
             missing -= np.add.reduceat(kappa_by_P * step[::2], firsts)
             change, _ = lapack.dtrtrs(coupling, missing, lower=1)
             source_change = effect.of(change)
-            step += factors.solve(_source_residual(h, source_change))
+            step += factors.solve(source_residual(h, source_change))
             P, Q, growth = P - step[::2], Q - step[1::2], growth + change
             relative = np.max(np.abs(change) / (2 + np.abs(growth)))
             if max(_relative_step(stage, step, P), relative) <= LAST_STEP * accepted_error**0.5:
@@ -456,7 +468,7 @@ class StageEquations:
             factors, _ = self._factorised(StageData(x, change, 0.0), P, middle_P)
         except SingularStageError:
             return np.full_like(P, np.inf), np.full_like(Q, np.inf)
-        out = factors.solve(-_source_residual(h, change))
+        out = factors.solve(-source_residual(h, change))
         return out[::2], out[1::2]
 
 
@@ -473,7 +485,7 @@ def _relative_step(stage: StageData, step: Array, P: Array) -> float:
     return float(np.max(largest[0] / largest[1]))
 
 
-def _source_residual(h: Array, source: CellSource) -> Array:
+def source_residual(h: Array, source: CellSource) -> Array:
     """Return the contribution of a source to the residual of :class:`StageEquations`, (2 n + 2,).
 
     ``h`` are the lengths of the cells, (n,); it is zero in gaps.
@@ -486,7 +498,7 @@ def _source_residual(h: Array, source: CellSource) -> Array:
 
 
 def _source_weights(h: Array, factors: Array) -> Array:
-    """Return the derivatives of factors @ :func:`_source_residual` by the source, (3 n,).
+    """Return the derivatives of factors @ :func:`source_residual` by the source, (3 n,).
 
     ``factors`` are (2 n + 2,); the derivatives are those by the values at the left ends, in the
     middles and at the right ends of the cells.
@@ -501,20 +513,21 @@ def interpolate_pressure(x: Array, P: Array, Q: Array, x_new: Array) -> tuple[Ar
     Parameters
     ----------
     x, P, Q : (n + 1,) arrays
-        ln r of the nodes, and the values there [Pa].
+        ln r of the nodes, and the values there [Pa]; of several rolls (L, n + 1) on the same nodes.
     x_new : (k,) array
         ln r between the first and the last node.
 
     Returns
     -------
-    two (k,) arrays
+    two (k,) arrays, or (L, k)
     """
     k = np.clip(np.searchsorted(x, x_new, side="right") - 1, 0, x.size - 2)
     h = x[k + 1] - x[k]
     t = (x_new - x[k]) / h
-    chord, q0, q1 = (P[k + 1] - P[k]) / h, Q[k], Q[k + 1]
+    P0, q0, q1 = P[..., k], Q[..., k], Q[..., k + 1]
+    chord = (P[..., k + 1] - P0) / h
     c2, c3 = 3 * chord - 2 * q0 - q1, q0 + q1 - 2 * chord
-    return P[k] + h * t * (q0 + t * (c2 + t * c3)), q0 + t * (2 * c2 + 3 * t * c3)
+    return P0 + h * t * (q0 + t * (c2 + t * c3)), q0 + t * (2 * c2 + 3 * t * c3)
 
 
 def stretched(x: Array, P: Array, Q: Array, x_new: Array) -> tuple[Array, Array]:

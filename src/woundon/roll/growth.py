@@ -1,12 +1,14 @@
 """Kappa as a function of the surface radius: the growth of a layer's pressure below the surface.
 
-Kappa is defined in :mod:`.equations` and integrated in :mod:`.build_up`.
+Kappa is defined in :mod:`.equations` and integrated in :mod:`.build_up`; in a roll of lanes
+(:mod:`.lanes`) further functions of the surface radius are interpolated in the same way.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -15,6 +17,7 @@ __all__ = ["ORDER", "Growth", "point_counts_of"]
 Array = np.ndarray
 
 ORDER = 3  # of the polynomial through the last stages
+SAME = 1e-12  # of ln r: closer points are one
 SMALLEST_SPACING = 0.5  # of a step: closer stages give an error estimate dominated by noise
 
 
@@ -23,22 +26,26 @@ class Growth:
 
     Parameters
     ----------
-    x, kappa : float
-        Values at the core.
+    x : float
+        ln r of the core.
+    kappa : float, or (K,) array
+        Value there, or the values of K functions that are interpolated together.
 
     Attributes
     ----------
-    x, kappa : (J,) arrays
+    x : (J,) array
         The stages.
+    kappa : (J,) or (J, K) array
+        The values there.
     point_counts : (J,) int array
         Number of stages that the polynomial ending at each stage interpolates.
     """
 
-    def __init__(self, x: float, kappa: float) -> None:
+    def __init__(self, x: float, kappa: float | Array) -> None:
         self.x, self.kappa = np.array([x]), np.array([kappa])
         self.point_counts = np.array([1])
         self.first = 0  # first stage of the next polynomials
-        self._coefficients = np.zeros((ORDER + 1, 0))
+        self._coefficients = np.zeros((ORDER + 1, 0, *self.kappa.shape[1:]))
 
     @classmethod
     def of(cls, x: Array, kappa: Array, point_counts: Array) -> Growth:
@@ -80,7 +87,7 @@ class Growth:
         """Return the stages that the next polynomial interpolates."""
         return slice(max(self.first, self.x.size - ORDER), None)
 
-    def extrapolate(self, x: float) -> float:
+    def extrapolate(self, x: float) -> Any:
         """Extrapolate kappa to x by the polynomial through the last stages."""
         stages = self._last_stages()
         # with the origin at x the constant coefficient is the value there
@@ -96,6 +103,17 @@ class Growth:
         for stage in self.x[self._last_stages()]:
             basis *= (x - stage) / (surface - stage)
         return basis
+
+    def lagrange_slope(self, surface: float, x: Array) -> Array:
+        """Return the derivative of :meth:`lagrange_basis` by x, at the last stage its outer one."""
+        stages = self.x[self._last_stages()]
+        slope = np.zeros(np.shape(x))
+        for left_out in stages:
+            term = 1 / (surface - left_out)
+            for stage in stages[stages != left_out]:
+                term = term * (x - stage) / (surface - stage)
+            slope = slope + term
+        return np.where(x >= self.x[-1], slope, 0.0)
 
     def basis(self, x: Array) -> tuple[Array, Array]:
         """Return the stages on whose kappa that at x depends, and its derivatives by them.
@@ -126,17 +144,18 @@ class Growth:
         factors = is_used[last] * numerators / denominators[last]
         return stages[last], factors
 
-    def with_stage(self, x: float, kappa: float) -> Growth:
+    def with_stage(self, x: float, kappa: float | Array) -> Growth:
         """Return a copy with one more stage."""
         # all attributes of the new object follow
         extended, start = Growth.__new__(Growth), self._last_stages().start
-        extended.x, extended.kappa = np.append(self.x, x), np.append(self.kappa, kappa)
+        extended.x = np.append(self.x, x)
+        extended.kappa = np.concatenate([self.kappa, np.asarray(kappa)[None]])
         extended.first = self.first
         extended.point_counts = np.append(self.point_counts, extended.x.size - start)
-        column = np.zeros((ORDER + 1, 1))
+        column = np.zeros((ORDER + 1, 1, *self.kappa.shape[1:]))
         coefficients = _newton_polynomial(extended.x[start:] - self.x[-1], extended.kappa[start:])
         column[: len(coefficients), 0] = coefficients
-        extended._coefficients = np.hstack([self._coefficients, column])
+        extended._coefficients = np.concatenate([self._coefficients, column], axis=1)
         return extended
 
     def interpolation_error(self, x: Array) -> Array:
@@ -167,12 +186,33 @@ class Growth:
         return 0
 
     def __call__(self, x: Array) -> Array:
-        """Return kappa at any x."""
+        """Return kappa at any x; of K functions with the shape (x.size, K), of x in one row."""
         if not self._coefficients.shape[1]:
-            return np.full(np.shape(x), self.kappa[0])
-        k = np.clip(np.searchsorted(self.x, x, side="left") - 1, 0, self._coefficients.shape[1] - 1)
-        t, c = x - self.x[k], self._coefficients[:, k]
+            return np.broadcast_to(self.kappa[0], (*np.shape(x), *self.kappa.shape[1:]))
+        t, c = self._local(x, np.searchsorted(self.x, x, side="left"))
         return np.asarray(c[0] + t * (c[1] + t * (c[2] + t * c[3])))
+
+    def slope(self, x: Array, side: Array) -> Array:
+        """Return d kappa/dx at x (n,); at a stage, of its inner (-1) or outer (1) side.
+
+        Of K functions with the shape (n, K).
+        """
+        interval = np.where(
+            side > 0,
+            np.searchsorted(self.x, x + SAME, side="left"),
+            np.searchsorted(self.x, x - SAME, side="left"),
+        )
+        t, c = self._local(x, interval)
+        return np.asarray(c[1] + t * (2 * c[2] + t * 3 * c[3]))
+
+    def _local(self, x: Array, interval: Array) -> tuple[Array, Array]:
+        """Return x - x_k and the coefficients of the polynomials of the intervals that hold x.
+
+        ``interval`` is the number of the stage at which each of them ends.
+        """
+        k = np.clip(interval - 1, 0, self._coefficients.shape[1] - 1)
+        t = x - self.x[k]
+        return t.reshape(t.shape + (1,) * (self.kappa.ndim - 1)), self._coefficients[:, k]
 
 
 def point_counts_of(stages: Sequence[int], kinks: Array) -> Array:
@@ -192,9 +232,12 @@ def point_counts_of(stages: Sequence[int], kinks: Array) -> Array:
     return np.array(counts)
 
 
-def _newton_polynomial(x: Array, y: Array) -> list[float]:
-    """Return the ascending coefficients of the polynomial through points, by Newton's formula."""
-    nodes, differences = x.tolist(), y.tolist()
+def _newton_polynomial(x: Array, y: Array) -> list[Any]:
+    """Return the ascending coefficients of the polynomial through points, by Newton's formula.
+
+    The values are (k,), or (k, K) of K functions; the coefficients are numbers or (K,) arrays.
+    """
+    nodes, differences = x.tolist(), y.tolist() if y.ndim == 1 else list(y)
     for k in range(1, len(nodes)):
         for j in range(len(nodes) - 1, k - 1, -1):
             differences[j] = (differences[j] - differences[j - 1]) / (nodes[j] - nodes[j - k])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from math import pi
 from types import MappingProxyType
@@ -17,6 +17,7 @@ from .certificate import certificate
 from .density import density_during_winding, finished_density, volume, wound_length
 from .finite_layers import finite_layer_effects, finite_layer_stresses
 from .growth import Growth
+from .lane_roll import LANES, LaneRoll, WithLanes, build_up_of, solve_lanes
 from .stages import stage_arrays, stresses_between
 from .validity import roll_warnings
 
@@ -30,7 +31,7 @@ SAMPLES = 1001  # radii at which the sign of the hoop stress is evaluated
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class RollResult(Result):
+class RollResult(WithLanes, Result):
     """The stresses in a wound roll, over its radius.
 
     Attributes
@@ -63,6 +64,10 @@ class RollResult(Result):
         -r P'/T - 1 at the surface, 0 except for the discretisation error [1].
     steps : int
         Number of linear systems solved.
+    lane_count : int
+        Number of lanes across the width; 0 without a thickness profile.
+    lane_roll : LaneRoll, optional
+        The lanes, if the problem has a thickness profile; recomputed for a loaded result.
 
     Examples
     --------
@@ -106,6 +111,13 @@ class RollResult(Result):
     ]
     surface_slope: Annotated[float, share("e_s", "relative error of the slope at the surface")]
     steps: Annotated[int, pure("n_it", "number of linear systems solved")] = 0
+    lane_count: Annotated[int, pure("L", "number of lanes across the width")] = 0
+    lane_roll: LaneRoll | None = field(default=None, compare=False, metadata={"saved": False})
+
+    def recompute_lanes(self) -> LaneRoll:
+        """Solve for the lanes again, with the default tolerance of the solver."""
+        lanes = solve_lanes(self, build_up_of(self), self.problem, count=self.lane_count or LANES)
+        return lanes.with_finite_layers(abs(self.finite_layer_effect))
 
     @property
     def core_pressure(self) -> Annotated[float, stress("P_c", "pressure on the core")]:
@@ -276,7 +288,9 @@ class RollResult(Result):
         # a stage has fewer layers than the finished roll, so that their thickness changes it more
         finished, at_stage = finite_layer_effects(self), finite_layer_effects(stage)
         errors = {
-            name: error - finished[name] + at_stage[name] for name, error in self.errors.items()
+            name: self.errors[name] - effect + at_stage[name]
+            for name, effect in finished.items()
+            if name in self.errors
         }
         residuals, warnings = certificate(stage), roll_warnings(stage)
         return stage.replace(residuals=residuals, errors=errors, warnings=warnings).checked()

@@ -17,7 +17,7 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from ..arguments import Option, check_type, tolerance
+from ..arguments import Option, check_type, tolerance, whole_number
 from ..errors import NotConverged
 from ..parallel import one_thread
 from ..problems.roll import RollProblem
@@ -33,13 +33,18 @@ from .certificate import certificate
 from .equations import interpolate_pressure
 from .finished import equations_of, final_changes, finished_arrays, surface_layer_depth
 from .finite_layers import NEIGHBOURHOOD, finite_layer_effects, layers_of
+from .lane_roll import LANES, LaneRoll, NipsAcross, solve_lanes
 from .result import RollResult
 from .stage_nodes import source_error
 from .validity import roll_warnings
 
 __all__ = [
+    "FEWEST_LANES",
+    "LANES_OPTION",
+    "MOST_LANES",
     "ThinLayerRoll",
     "check_options",
+    "lanes_of",
     "solve_thin_layers",
     "solve_wound_roll",
 ]
@@ -51,6 +56,11 @@ DEFAULT_RTOL = 1e-3
 RTOL_OPTION = Option(
     "Relative error of the solver.",
     "1e-8 to 0.1, of the pressure relative to the largest; default 1e-3.",
+)
+FEWEST_LANES, MOST_LANES = 4, 1000
+LANES_OPTION = Option(
+    "Number of lanes across the width.",
+    "4 to 1000, with a thickness profile; default 50.",
 )
 # Tolerance of kappa and cells of a stage for the largest rtol, and their factors when rtol is
 # reduced by a factor of four.  Then the cells are refined until the estimated error is below rtol.
@@ -75,6 +85,7 @@ def solve_wound_roll(
     problem: RollProblem,
     *,
     rtol: Annotated[float, RTOL_OPTION] = DEFAULT_RTOL,
+    lanes: Annotated[int, LANES_OPTION] = LANES,
     progress: Callable[[float], None] | None = None,
 ) -> RollResult:
     """Solve for the pressure and the stresses in a wound roll.
@@ -87,6 +98,8 @@ def solve_wound_roll(
     problem : RollProblem
     rtol : float
         Accepted error of the pressure, relative to the largest; 1e-8 to 0.1.
+    lanes : int
+        Number of lanes into which the width is divided if the problem has a thickness profile.
     progress : callable, optional
         Called with the computed fraction of the build-up, for each discretisation.
 
@@ -103,7 +116,7 @@ def solve_wound_roll(
         not reached.
     """
     check_type("problem", problem, RollProblem)
-    check_options(rtol=rtol)
+    check_options(rtol=rtol, lanes=lanes)
     core, R = problem.core.radius, problem.radius
 
     passes, last = 0, 0.0
@@ -118,7 +131,14 @@ def solve_wound_roll(
             share = min(max((radius - core) / (R - core), 0.0), 1.0)
             progress(begin + share * (end - begin))
 
-    result = solve_thin_layers(problem, rtol, report).with_finite_layers().warned()
+    roll = solve_thin_layers(problem, rtol, report)
+    if problem.thickness_profile is not None:
+        # the stages of the lanes are those of a roll without the error of Newton's method
+        roll = roll.wound_with(problem)
+        lane_roll = lanes_of(roll, problem, rtol, lanes)
+        result = roll.result.replace(lane_roll=lane_roll, lane_count=lanes)
+        roll = roll._replace(result=result)
+    result = roll.with_finite_layers().warned()
     if progress is not None:
         progress(1.0)
     return result
@@ -172,8 +192,7 @@ def solve_thin_layers(
     report : callable, optional
         Is called with each stage's radius [m].
     """
-    # number of reductions by TOLERANCE_FACTOR from COARSE to rtol
-    level = max(0, int(log(rtol / COARSE, TOLERANCE_FACTOR)))
+    level = _first_level(rtol)
     tolerance = FIRST_TOLERANCE * TOLERANCE_FACTOR**level
     cells = round(FIRST_CELLS * CELL_FACTOR**level)
     smallest_tolerance = tolerance * TOLERANCE_FACTOR**3
@@ -207,7 +226,36 @@ def solve_thin_layers(
     )
 
 
-def check_options(*, rtol: object = DEFAULT_RTOL) -> None:
+def _first_level(rtol: float) -> int:
+    """Return the number of reductions of the tolerance by TOLERANCE_FACTOR from COARSE to rtol."""
+    return max(0, int(log(rtol / COARSE, TOLERANCE_FACTOR)))
+
+
+def lanes_of(
+    roll: ThinLayerRoll, problem: Any, rtol: float, lanes: int, nips: NipsAcross | None = None
+) -> LaneRoll:
+    """Return the lanes of a roll.
+
+    Parameters
+    ----------
+    roll : ThinLayerRoll
+        The roll of the mean web, whose stages have the tolerance of :meth:`wound_with`.
+    problem : RollProblem or WindingProblem
+        With a ``thickness_profile``.
+    rtol : float
+        Accepted error of the pressure, relative to the largest.
+    lanes : int
+        Number of lanes.
+    nips : NipsAcross, optional
+        The nips of a winding.
+    """
+    tolerance = FIRST_TOLERANCE * TOLERANCE_FACTOR ** _first_level(rtol)
+    return solve_lanes(
+        roll.result, roll.build_up, problem, tolerance=tolerance, count=lanes, nips=nips
+    )
+
+
+def check_options(*, rtol: object = DEFAULT_RTOL, lanes: object = LANES) -> None:
     """Check the options of :func:`solve_wound_roll`.
 
     Raises
@@ -216,6 +264,7 @@ def check_options(*, rtol: object = DEFAULT_RTOL) -> None:
         For an option out of range.
     """
     tolerance("rtol", rtol, 1e-8, 0.1)
+    whole_number("lanes", lanes, FEWEST_LANES, MOST_LANES)
 
 
 def _wind(
@@ -283,7 +332,10 @@ def _with_finite_layers(result: RollResult, build_up: BuildUp, cells: int) -> Ro
     result = result.replace(layer_growth=growth, steps=result.steps + layers.equations.steps)
     effects = finite_layer_effects(result)
     errors = {name: error + effects[name] for name, error in result.errors.items()}
-    return result.replace(errors=errors)
+    if result.lane_roll is None:
+        return result.replace(errors=errors)
+    lanes = result.lane_roll.with_finite_layers(effects["peak_pressure"] / result.peak_pressure)
+    return result.replace(errors={**errors, **lanes.errors}, lane_roll=lanes)
 
 
 def _node_errors(coarse: RollResult, fine: RollResult) -> dict[str, float]:

@@ -420,6 +420,8 @@ DRUMS = share("F/mu P", "largest winding force of a drum / its friction").named(
     "drum_friction_used"
 )
 BAND = strain("eps_b", "largest strain of the thickest lane (gauge band)").named("band_strain")
+EVEN = "of a web of even thickness"
+POSITION = length("y", "position across the web")
 RIDGE = length("dR", "height of the ridge over the thickest lane", "um").named("ridge_height")
 # where the torque meets no capacity at all: the margin is infinite
 NO_FRICTION = "friction between the layers carries nothing"
@@ -487,7 +489,7 @@ def margins(result: Any, limits: Limits | None = None) -> Margins:
         )
         raise InvalidProblem.at("limits.acceleration", text)
     torque_data, states = WindingTorque.of(result), _states(roll)
-    worst = (
+    worst: tuple[Margin, ...] = (
         _slip(states, roll, limits, torque_data),
         _compression(states, roll, limits),
         _blocking(states[-1], limits),
@@ -497,8 +499,73 @@ def margins(result: Any, limits: Limits | None = None) -> Margins:
         _gauge_band(roll, limits),
         *_drum_slip(result),
     )
+    if (lanes := result.lanes) is not None:
+        worst = tuple(_of_worst_lane(margin, lanes) for margin in worst)
     named_grade = result.problem.named_grade
     return Margins(_with_source(margin, roll.problem, named_grade) for margin in worst)
+
+
+# Values of a margin in the lanes, (M, L) over radius and position; the worst is the largest, or the
+# smallest of "slack".
+LANE_VALUES: dict[str, Callable[[Any], Array]] = {
+    "compression": lambda lanes: -lanes.hoop_stress.values,
+    "blocking": lambda lanes: lanes.pressure.values,
+    "core": lambda lanes: lanes.pressure.values[:1],
+    "strength": lambda lanes: np.maximum(lanes.wound_on_tension, lanes.web_tension).values,
+    "slack": lambda lanes: np.minimum(lanes.wound_on_tension, lanes.web_tension).values,
+    "gauge_band": lambda lanes: lanes.band_strain.values,
+}
+# What the criterion neglects in a roll of lanes, in place of the variation across the width.
+LANES_LEFT_OUT = {
+    "compression": (", uneven thickness", ", shear between lanes"),
+    "blocking": (
+        "ridges across the width, where the pressure is higher",
+        "shear between lanes, which levels ridges",
+    ),
+    "core": ("chucks, notches and ends", "chucks, notches and ends; shear between lanes"),
+    "strength": ("tension that is uneven across the width, creep", "creep"),
+    "slack": (
+        "baggy lanes and tension that is uneven across the width or in time",
+        "tension that is uneven in time",
+    ),
+    "gauge_band": ("the curvature of the layers, ", ""),
+}
+
+
+def _of_worst_lane(margin: Margin, lanes: Any) -> Margin:
+    """Return a margin with the value of the worst lane of the finished roll.
+
+    Parameters
+    ----------
+    margin : Margin
+        Of the mean web, at all stages of the build-up.
+    lanes : xarray.Dataset
+        See :attr:`RollResult.lanes`.
+    """
+    if margin.name not in LANE_VALUES:  # the torque is carried by the whole width
+        return margin
+    values = LANE_VALUES[margin.name](lanes)
+    least = margin.name == "slack"
+    radius, lane = np.unravel_index(np.argmin(values) if least else np.argmax(values), values.shape)
+    worst = float(values[radius, lane])
+    left_out = margin.left_out.replace(*LANES_LEFT_OUT[margin.name])
+    margin = replace(margin, left_out=left_out)
+    if margin.name != "gauge_band" and (worst >= margin.value if least else worst <= margin.value):
+        return margin
+    excess, position = float(lanes.thickness_excess[lane]), float(lanes.position[lane])
+    place = (
+        f"in the lane at {POSITION.stored_text(position, '.4g')} across the web, "
+        f"{abs(100 * excess):.2g} % {'thicker' if excess > 0 else 'thinner'} than the mean"
+    )
+    note = margin.note.replace(EVEN, "").strip("; ")
+    return replace(
+        margin,
+        value=worst,
+        radius=float(lanes.radius[radius]),
+        over_radius=lanes.radius.values[: values.shape[0]],
+        values=values.min(axis=1) if least else values.max(axis=1),
+        note="; ".join(filter(None, (place, note))),
+    )
 
 
 def _with_source(margin: Margin, problem: RollProblem, named_grade: Grade | None) -> Margin:
@@ -735,7 +802,7 @@ def _gauge_band(roll: RollResult, limits: Limits) -> Margin:
     The note contains the warnings about the yield of the web, also by bending on the core; units in
     it are converted where it is displayed.
     """
-    excess, note = roll.problem.gauge_excess, "of a web of even thickness"
+    excess, note = roll.problem.gauge_excess, EVEN
     try:
         strains = lane_strain(roll.problem, roll.radius)
     except InvalidProblem as fault:  # the law of the stack ends
@@ -857,6 +924,8 @@ class WithMargins:
     @property
     def ridge_height(self) -> Annotated[float, RIDGE]:
         """Height of the ridge over the thickest lane [m]; nan if unknown."""
+        if self.worst_lane is not None:  # type: ignore[attr-defined]
+            return float(self.worst_lane.ridge_height)  # type: ignore[attr-defined]
         try:
             return ridge_height(self.roll)  # type: ignore[attr-defined]
         except InvalidProblem:

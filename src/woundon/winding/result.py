@@ -12,6 +12,7 @@ import numpy as np
 from ..problems.winding import WindingProblem
 from ..quantities import Quantity, length, line_load, pure, share, stress
 from ..results import Residuals, Result
+from ..roll.lane_roll import LANES, LaneRoll, WithLanes
 from ..roll.result import RollResult
 from .bodies import NipSample
 from .certificate import certificate, recomputed_nips
@@ -25,7 +26,7 @@ Array = np.ndarray
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class WindingResult(WithMargins, Result):
+class WindingResult(WithMargins, WithLanes, Result):
     """Loads and tensions of a winding over the radius, with its nips and the wound roll.
 
     Arrays of length M are piecewise linear functions of the radius.  Arrays of length n belong to
@@ -66,6 +67,10 @@ class WindingResult(WithMargins, Result):
         [1].
     nips : tuple of NipSample
         The solved nips, for warm starts of neighbouring windings; empty after loading.
+    lane_count : int
+        Number of lanes across the width; 0 without a thickness profile.
+    lane_roll : LaneRoll, optional
+        The lanes, if the problem has a thickness profile; recomputed for a loaded result.
 
     Examples
     --------
@@ -166,6 +171,8 @@ class WindingResult(WithMargins, Result):
     rider: DrumNips | None = None
     wound: RollResult | None = field(default=None, compare=False, metadata={"saved": False})
     nips: tuple[NipSample, ...] = field(default=(), compare=False, metadata={"saved": False})
+    lane_count: Annotated[int, pure("L", "number of lanes across the width")] = 0
+    lane_roll: LaneRoll | None = field(default=None, compare=False, metadata={"saved": False})
 
     @property
     def roll(self) -> RollResult:
@@ -177,6 +184,12 @@ class WindingResult(WithMargins, Result):
             object.__setattr__(self, "wound", recompute_roll(self))
         assert self.wound is not None
         return self.wound
+
+    def recompute_lanes(self) -> LaneRoll:
+        """Solve for the lanes again, with a few of the nips."""
+        from .lane_nips import lanes_of_winding
+
+        return lanes_of_winding(self, self.roll_rtol, self.lane_count or LANES)
 
     @property
     def mean_wound_on_tension(

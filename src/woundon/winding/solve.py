@@ -31,13 +31,15 @@ from ..errors import NotConverged, unwarned
 from ..parallel import one_thread
 from ..problems.schedules import Profile
 from ..problems.winding import WindingProblem
+from ..roll.lane_roll import LANES
 from ..roll.result import RollResult
-from ..roll.solve import ThinLayerRoll
+from ..roll.solve import FEWEST_LANES, LANES_OPTION, MOST_LANES, ThinLayerRoll
 from .assembly import assemble_result
 from .bodies import tension_on_roll
 from .certificate import LARGEST_COUPLING_RTOL, certificate
 from .curve import NOMINAL, TensionCurve, polyline_radii, sampling_radii
 from .interpolation import Piece
+from .lane_nips import lanes_of_winding
 from .measured import CHECKS, Departure, largest_mismatch, smoothed
 from .nips import Nips
 from .result import WindingResult
@@ -98,6 +100,7 @@ def solve_winding(
     rtol: Annotated[float, RTOL_OPTION] = RTOL,
     nodes: Annotated[int, NODES_OPTION] = NODES,
     coupling_rtol: Annotated[float | None, COUPLING_RTOL_OPTION] = None,
+    lanes: Annotated[int, LANES_OPTION] = LANES,
     start: WindingResult | None = None,
     errors: bool = True,
     progress: Progress | None = None,
@@ -115,6 +118,8 @@ def solve_winding(
     coupling_rtol : float, optional
         Tolerance of the nip-roll iteration, relative to the wound-on tension, 1e-8 to 1e-2; by
         default 1e-6, and 1e-5 with a direct roll, multiplied by rtol/1e-3 if rtol is larger.
+    lanes : int
+        Number of lanes into which the width is divided if the problem has a thickness profile.
     start : WindingResult, optional
         A neighbouring case whose tension and nips are the initial guess.  It does not change the
         result beyond the tolerances.
@@ -137,7 +142,7 @@ def solve_winding(
         If a nip or the roll cannot be solved, or the nip-roll iteration does not converge.
     """
     check_type("problem", problem, WindingProblem)
-    check_options(rtol=rtol, nodes=nodes, coupling_rtol=coupling_rtol, errors=errors)
+    check_options(rtol=rtol, nodes=nodes, coupling_rtol=coupling_rtol, lanes=lanes, errors=errors)
     if start is not None:
         check_type("start", start, WindingResult)
     coupling_tolerance = coupling_rtol
@@ -153,6 +158,13 @@ def solve_winding(
             winder = _Winder(problem, rtol, nodes, coupling_tolerance, start, errors, progress)
             result = winder.solve()
     result = result.replace(residuals=certificate(result)).checked()
+    if problem.thickness_profile is not None:
+        lane_roll = lanes_of_winding(result, rtol, lanes)
+        result = result.replace(
+            lane_roll=lane_roll,
+            lane_count=lanes,
+            errors={**result.errors, **lane_roll.errors},
+        )
     if progress is not None:
         progress(1.0)
     return result.warned()
@@ -163,6 +175,7 @@ def check_options(
     rtol: object = RTOL,
     nodes: object = NODES,
     coupling_rtol: object = None,
+    lanes: object = LANES,
     start: object = None,
     errors: object = True,
 ) -> None:
@@ -175,6 +188,7 @@ def check_options(
     """
     tolerance("rtol", rtol, LEAST_RTOL, 0.1)
     whole_number("nodes", nodes, LEAST_NODES, 1025)
+    whole_number("lanes", lanes, FEWEST_LANES, MOST_LANES)
     check_type("errors", errors, bool)
     if coupling_rtol is not None:
         tolerance("coupling_rtol", coupling_rtol, SMALLEST_COUPLING_RTOL, LARGEST_COUPLING_RTOL)

@@ -1,0 +1,84 @@
+"""Thickness profiles from the tables of scanners: one scan or several, CSV or Excel."""
+
+from __future__ import annotations
+
+from os import PathLike
+from pathlib import Path
+
+import numpy as np
+
+from ..problems.thickness_profile import ThicknessProfile
+from ..problems.units import has_dimension, parse
+from ..quantities import Quantity, walk
+from .columns import read_columns
+
+__all__ = ["read_thickness_profile"]
+
+FIELDS = ("position", "thickness", "slack")
+
+
+def read_thickness_profile(path: str | PathLike[str]) -> ThicknessProfile:
+    r"""Return the profile in a table with the columns ``position`` and ``thickness``.
+
+    The headers have units, ``position [mm]``, ``thickness [um]`` or ``thickness [gsm]``; the latter
+    is a basis weight, of which only the variation is used.  A column ``slack [%]`` is optional.
+    Positions that occur in several rows, as in a list of several scans, have the mean thickness of
+    these rows; their standard deviation is ``spread``.
+
+    Parameters
+    ----------
+    path : path
+        CSV or Excel file.
+
+    Raises
+    ------
+    InvalidProblem
+        For a file that is not such a table, with the row; for a profile that is not admissible.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> import woundon as wo
+    >>> scans = "position [mm], thickness [um]\n0, 66\n500, 66.4\n0, 66.2\n500, 66.2\n"
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = pathlib.Path(folder) / "scans.csv"
+    ...     _ = file.write_text(scans)
+    ...     profile = wo.read_thickness_profile(file)
+    >>> [round(1e6 * h, 3) for h in profile.thickness], [round(1e6 * s, 3) for s in profile.spread]
+    ([66.1, 66.3], [0.1, 0.1])
+    """
+    known = {
+        place.path: place.quantity
+        for place in walk(ThicknessProfile)
+        if place.path in FIELDS and place.quantity is not None
+    }
+    columns = read_columns(Path(path), known)
+    values = {name: _numbers(cells, known[name]) for name, cells in columns.items()}
+    # a column that is missing is reported by the profile
+    if not {"position", "thickness"} <= values.keys():
+        return ThicknessProfile(**{name: cells.tolist() for name, cells in values.items()})
+    position, scan = np.unique(values["position"], return_inverse=True)
+    counts = np.bincount(scan)
+    means = {
+        name: np.bincount(scan, cells) / counts
+        for name, cells in values.items()
+        if name != "position"
+    }
+    if counts.max() > 1:
+        deviation = (values["thickness"] - means["thickness"][scan]) ** 2
+        means["spread"] = np.sqrt(np.bincount(scan, deviation) / counts)
+    # with one scan the order of the rows is kept, so that the profile rejects an unsorted one
+    places = position if counts.max() > 1 else values["position"]
+    ordered = means if counts.max() > 1 else {name: values[name] for name in means}
+    return ThicknessProfile(
+        position=places.tolist(), **{name: cells.tolist() for name, cells in ordered.items()}
+    )
+
+
+def _numbers(cells: list[str], quantity: Quantity) -> np.ndarray:
+    """Return the numbers of a column of texts with units, a basis weight in kg/m^2, else SI."""
+    units = [
+        "kg/m^2" if quantity.unit == "m" and has_dimension(cell, "kg/m^2") else quantity.unit
+        for cell in cells
+    ]
+    return np.array([parse(cell, unit) for cell, unit in zip(cells, units, strict=True)])

@@ -1,0 +1,211 @@
+"""The panels of the lanes across the width of the web, of a roll or a winding."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..quantities import Quantity, length
+from ..roll.lane_roll import LANE_QUANTITIES
+from ..roll.result import RollResult
+from .panels import Axis, Curve, Map, Mark, Panel, PanelMaker, Scale
+from .report_parts import quantity_of
+
+__all__ = ["lane_panels"]
+
+Array = np.ndarray
+POSITION = length("y", "position across the web")
+RADII = 200  # of a map
+# Part of the build-up, from the surface, over which the hardness across the width is averaged: a
+# tester that strikes the surface feels the layers below it.
+STRUCK = 0.1
+DRAWN = 0.15  # height of the largest ridge in the drawing of the roll, of its radius
+ENLARGEMENTS = (1, 2, 5)  # times a power of ten
+GAP = 0.06  # of the width, between the end of the roll and the bar of the scale
+
+
+def lane_panels(result: Any) -> dict[str, PanelMaker]:
+    """Return the panels of the lanes; none without a thickness profile.
+
+    - thickness_across: thickness of the lanes relative to the mean, and the ridges
+    - lane_pressure, lane_tension: maps over the position across the web and the radius
+    - roll_surface: the roll from the front, its ridges enlarged, with a scale
+    - hardness_across: modulus through the stack below the surface, as a hardness tester measures it
+    - nip_load_across: nip load on the lanes of the finished roll, if nips are solved
+    """
+    if result.problem.thickness_profile is None:
+        return {}
+    panels = {
+        "lane_pressure": PanelMaker(lane_pressure),
+        "lane_tension": PanelMaker(lane_tension),
+        "roll_surface": PanelMaker(roll_surface),
+        "thickness_across": PanelMaker(thickness_across),
+        "hardness_across": PanelMaker(hardness_across),
+        "nip_load_across": PanelMaker(nip_load_across),
+    }
+    if np.isnan(result.lanes.nip_load.values).any():
+        del panels["nip_load_across"]
+    return panels
+
+
+def _across(lanes: Any) -> Axis:
+    """Return the axis across the web."""
+    y = lanes.position.values
+    half = (y[1] - y[0]) / 2
+    return Axis(
+        "Position across the web $y$", POSITION, limits=(float(y[0] - half), float(y[-1] + half))
+    )
+
+
+def _panel(name: str, title: str, lanes: Any, y: Axis, **others: Any) -> Panel:
+    """Return a panel over the position across the web."""
+    place = {"column": "across", "height": 2.6, **others}
+    return Panel(name, _across(lanes), y, title, **place)
+
+
+def thickness_across(result: Any) -> Panel:
+    """Return the panel of the thickness of the lanes, and of the ridges of the finished roll."""
+    lanes = result.lanes
+    y, share = lanes.position.values, Quantity("d", "1", "thickness above the mean", "%")
+    ridge = LANE_QUANTITIES["ridge_height"]
+    curves = (
+        Curve("thickness_excess", y, lanes.thickness_excess.values, "d", "thickness"),
+        Curve(
+            "ridge_height",
+            y,
+            lanes.ridge_height.values[-1],
+            "dR",
+            "ridge",
+            colour="drum",
+            line="dashed",
+            right=True,
+        ),
+    )
+    return _panel(
+        "thickness_across",
+        "Thickness profile and ridges",
+        lanes,
+        Axis("Thickness above the mean $d$", share),
+        right=Axis("Height of the surface over the mean", ridge),
+        curves=curves,
+        marks=(Mark("x", 0.0, alone=False),),
+    )
+
+
+def lane_pressure(result: Any) -> Panel:
+    """Return the map of the pressure over position and radius."""
+    title, label = "Pressure in the roll across the width", "Pressure $P$"
+    return _map(result, "lane_pressure", title=title, output="pressure", label=label)
+
+
+def lane_tension(result: Any) -> Panel:
+    """Return the map of the wound-on tension over position and radius."""
+    title, label = "Wound-on tension across the width", "Wound-on tension"
+    return _map(result, "lane_tension", title=title, output="wound_on_tension", label=label)
+
+
+def _map(result: Any, name: str, title: str, output: str, label: str) -> Panel:
+    """Return the map of a variable of the lanes over position and radius."""
+    lanes, quantity = result.lanes, LANE_QUANTITIES[output]
+    r = np.linspace(float(lanes.radius.values[0]), float(lanes.radius.values[-1]), RADII)
+    values = np.array([np.interp(r, lanes.radius.values, row) for row in lanes[output].values.T]).T
+    limits = (float(values.min()) if output != "pressure" else 0.0, float(values.max()))
+    if limits[1] <= limits[0] * (1 + 1e-9):  # lanes of equal thickness
+        limits = (0.0, limits[1])
+    radius = Axis("Radius $r$", quantity_of(RollResult, "radius"), limits=(r[0], r[-1]))
+    return _panel(
+        name,
+        title,
+        lanes,
+        radius,
+        map=Map(lanes.position.values, r, values),
+        scale=Scale(Axis(label, quantity, limits=limits)),
+        column="lanes",
+        height=2.8,
+    )
+
+
+def roll_surface(result: Any) -> Panel:
+    """Return the drawing of the roll from the front, with the ridges of its surface enlarged."""
+    lanes = result.lanes
+    y, R = lanes.position.values, float(lanes.radius.values[-1])
+    core, ridge = float(lanes.radius.values[0]), lanes.ridge_height.values[-1]
+    factor = _enlargement(DRAWN * R / max(float(np.max(np.abs(ridge))), 1e-12))
+    surface = R + factor * ridge
+    half = (y[1] - y[0]) / 2
+    left, right = float(y[0] - half), float(y[-1] + half)
+    ends, outline = (
+        np.concatenate([[left], y, [right]]),
+        np.concatenate([surface[:1], surface, surface[-1:]]),
+    )
+    # a bar as high as the largest ridge, with its true height, inside the drawing
+    height = float(np.max(np.abs(ridge)))
+    bar = right - GAP * (right - left)
+    quantity = LANE_QUANTITIES["ridge_height"]
+    curves = [
+        Curve("surface", ends, outline, label="surface"),
+        Curve("surface", ends, -outline, in_legend=False),
+        Curve("", np.full(2, left), np.array([-1, 1]) * outline[0], in_legend=False),
+        Curve("", np.full(2, right), np.array([-1, 1]) * outline[-1], in_legend=False),
+        Curve("", ends[[0, -1]], np.full(2, R), "", "mean", colour="soft", line="dotted"),
+        Curve("", ends[[0, -1]], np.full(2, -R), colour="soft", line="dotted", in_legend=False),
+        Curve("", ends[[0, -1]], np.full(2, core), "", "core", colour="ink", line="dashed"),
+        Curve("", ends[[0, -1]], np.full(2, -core), colour="ink", line="dashed", in_legend=False),
+        Curve(
+            "",
+            np.full(2, bar),
+            np.array([-0.5, 0.5]) * factor * height,
+            label=f"scale: {quantity.text(height, '.3g')}",
+            colour="drum",
+            width=3.0,
+        ),
+    ]
+    return Panel(
+        "roll_surface",
+        _across(lanes),
+        Axis("Radius, ridges enlarged", quantity_of(RollResult, "radius")),
+        f"Surface of the roll, ridges enlarged {factor:g} times",
+        curves=tuple(curves),
+        column="lanes",
+        height=3.4,
+    )
+
+
+def _enlargement(largest: float) -> float:
+    """Return the largest 1, 2 or 5 times a power of ten that is not above a factor."""
+    power = 10.0 ** np.floor(np.log10(max(largest, 1.0)))
+    return float(max(step for step in ENLARGEMENTS if step * power <= max(largest, 1.0)) * power)
+
+
+def hardness_across(result: Any) -> Panel:
+    """Return the panel of the modulus below the surface, averaged over a part of the build-up."""
+    lanes = result.lanes
+    roll = result if isinstance(result, RollResult) else result.roll
+    r = lanes.radius.values
+    start = r[-1] - STRUCK * (r[-1] - r[0])
+    points = np.linspace(start, r[-1], 50)
+    pressure = np.array([np.interp(points, r, row) for row in lanes.pressure.values.T])
+    hardness = np.trapezoid(roll.problem.stack.radial.modulus(pressure), points) / (r[-1] - start)
+    quantity = quantity_of(RollResult, "radial_modulus")
+    depth = quantity_of(RollResult, "radius").text(float(r[-1] - start), ".3g")
+    return _panel(
+        "hardness_across",
+        f"Hardness across the width, mean of the outer {depth}",
+        lanes,
+        Axis("Hardness $E_r$", quantity, from_zero=True),
+        curves=(Curve("hardness", lanes.position.values, hardness, quantity.symbol),),
+    )
+
+
+def nip_load_across(result: Any) -> Panel:
+    """Return the panel of the nip load on the lanes of the finished roll."""
+    lanes, quantity = result.lanes, LANE_QUANTITIES["nip_load"]
+    curve = Curve("nip_load", lanes.position.values, lanes.nip_load.values[-1], quantity.symbol)
+    return _panel(
+        "nip_load_across",
+        "Nip load on the lanes of the finished roll",
+        lanes,
+        Axis("Nip load $P$", quantity, from_zero=True),
+        curves=(curve,),
+    )

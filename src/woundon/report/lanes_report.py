@@ -1,0 +1,120 @@
+"""The section of a report on the lanes across the width of the web."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import nan
+from typing import Any
+
+import numpy as np
+
+from ..problems.thickness_profile import ThicknessProfile
+from ..quantities import length, share
+from ..roll.lane_roll import LANE_QUANTITIES
+from .report_parts import Row, Section, field_row, quantity_of, row_of
+
+__all__ = ["WORST_LANE", "lanes_sections"]
+
+Array = np.ndarray
+NAMES = (
+    "tension",
+    "least_tension",
+    "pressure",
+    "core_pressure",
+    "compression",
+    "strain",
+    "ridge_height",
+)
+# outputs that the section shows; the rest is in its text
+WORST_LANE = frozenset(f"worst_lane.{name}" for name in (*NAMES, "slack_share"))
+SLACK = 1e-9  # of the mean tension
+POSITION = length("y", "position across the web")
+
+
+def lanes_sections(result: Any) -> Iterator[Section]:
+    """Yield the section of the lanes, if the problem has a thickness profile.
+
+    Parameters
+    ----------
+    result : RollResult or WindingResult
+    """
+    lanes, problem = result.lanes, result.problem
+    if lanes is None:
+        return
+    excess = lanes.thickness_excess.values
+    rows = [
+        *_range("thickness of the lanes relative to the mean", "d", excess),
+        *_spread(problem.thickness_profile),
+        *([field_row(problem, "oscillation")] if problem.oscillation else []),
+        *(_worst(result, name) for name in NAMES),
+    ]
+    texts = [
+        f"{lanes.position.size} lanes across the width.",
+        _nip_load(lanes),
+        _slack_lanes(lanes),
+        _neglected(result.problem),
+    ]
+    yield Section("Lanes across the width", tuple(rows), " ".join(filter(None, texts)))
+
+
+def _range(meaning: str, symbol: str, excess: Array) -> list[Row]:
+    """Return the rows of the smallest and the largest deviation of the thickness."""
+    return [
+        row_of(share(symbol, f"{word} {meaning}"), float(value))
+        for word, value in (("smallest", excess.min()), ("largest", excess.max()))
+    ]
+
+
+def _worst(result: Any, name: str) -> Row:
+    """Return the row of a value of the worst lane, with its error estimate."""
+    output = f"worst_lane.{name}"
+    error = result.errors.get(output, nan)
+    return row_of(quantity_of(type(result), output), getattr(result.worst_lane, name), error)
+
+
+def _spread(profile: ThicknessProfile) -> list[Row]:
+    """Return the row of the largest standard deviation between scans, if several were taken."""
+    if profile.spread is None:
+        return []
+    meaning = "largest standard deviation between the scans, of the mean"
+    return [row_of(share("s_h", meaning), max(profile.spread) / profile.mean)]
+
+
+def _nip_load(lanes: Any) -> str:
+    """Return a sentence on the nip load of the lanes; "" without solved nips."""
+    load = lanes.nip_load.values
+    if np.isnan(load).any():
+        return ""
+    quantity = LANE_QUANTITIES["nip_load"]
+    low, high = quantity.text(float(load.min())), quantity.text(float(load.max()))
+    return (
+        f"The nip load on a lane is between {low} and {high}; the ridges are those under the nip."
+    )
+
+
+def _slack_lanes(lanes: Any) -> str:
+    """Return a sentence on lanes without tension; "" if there is none."""
+    tension = lanes.wound_on_tension.values
+    slack = (tension <= SLACK * tension.mean()).any(axis=0)
+    if not slack.any():
+        return "No lane is slack."
+    y = lanes.position.values
+    half = (y[1] - y[0]) / 2
+    # ends of the runs of slack lanes
+    changes = np.flatnonzero(np.diff(np.concatenate([[False], slack, [False]])))
+    places = [
+        f"{POSITION.text(float(y[first] - half))} to {POSITION.text(float(y[last - 1] + half))}"
+        for first, last in changes.reshape(-1, 2)
+    ]
+    share = 100 * float(lanes.share.values[slack].sum())
+    where = ", ".join(places)
+    return f"Slack, without tension at some radius: {where} across the web, {share:.3g} % of it."
+
+
+def _neglected(problem: Any) -> str:
+    """Return a sentence on the shear between the lanes."""
+    build_up = POSITION.text(problem.radius - problem.core.radius)
+    return (
+        "Shear between the lanes is neglected: stresses and ridges are upper bounds, and too large "
+        f"for ridges narrower than about the build-up of the roll, {build_up}."
+    )

@@ -1,0 +1,418 @@
+"""The lanes of a finished roll: solution with error estimates, arrays, and the worst lane."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Protocol
+
+import numpy as np
+
+from ..errors import NotConverged
+from ..problems.thickness_profile import Lanes
+from ..quantities import Quantity, length, line_load, on_request, share, strain, stress
+from .build_up import BuildUp, NotWoundError
+from .equations import StageData, StageSolution, stretched
+from .finished import add_constant, equations_of, final_changes, surface_layer_depth
+from .lane_tension import tension_of_web
+from .lanes import LOAD, RHO, THETA, WEB, LaneBuildUp, TensionAt, wind_lanes
+from .stage_nodes import cell_source, kinks_of, nodes_between
+
+if TYPE_CHECKING:
+    import xarray
+
+__all__ = [
+    "LANES",
+    "LANE_QUANTITIES",
+    "LaneRoll",
+    "NipsAcross",
+    "WithLanes",
+    "WorstLane",
+    "build_up_of",
+    "solve_lanes",
+]
+
+Array = np.ndarray
+
+LANES = 50  # by default: they resolve smooth profiles to 0.1 % of the tension
+TOLERANCE = 2e-3  # of the stages by default, that of a roll with the default rtol
+ROUNDING = 1e-9  # of the largest pressure: a smaller negative one is a rounding error
+SLACK = 1e-9  # of the mean tension: a lane with less is slack
+
+PRESSURES = ("pressure", "core_pressure", "compression")  # among the worst values
+# Variables of the lanes over radius and position.
+LANE_QUANTITIES: Mapping[str, Quantity] = {
+    "pressure": stress("P_j", "pressure between the layers of a lane"),
+    "hoop_stress": stress("sigma_t,j", "hoop (MD) stress of a lane, > 0: tension"),
+    "wound_on_tension": line_load("WOT_j", "wound-on tension of a lane"),
+    "web_tension": line_load("T_in,j", "web tension of a lane, upstream of the nip"),
+    "nip_load": line_load("P_N,j", "nip load on a lane"),
+    "ridge_height": length("dR_j", "height of the surface of a lane over the mean one", "um"),
+    "band_strain": strain("eps_j", "strain along the web of a lane as wound"),
+}
+
+
+class NipsAcross(Protocol):
+    """The nips of a winding across the width."""
+
+    def tension_at(self, lanes: Lanes) -> TensionAt:
+        """Return the function that gives the tension of lanes."""
+        ...
+
+    def web_tension(self, r: Array) -> Array:
+        """Return T_in at radii [N/m]."""
+        ...
+
+    def nip_load(self, r: Array) -> Array:
+        """Return N at radii [N/m]; nan if no load is shared between the lanes."""
+        ...
+
+
+@dataclass(frozen=True)
+class WorstLane:
+    """The worst values of all lanes of the finished roll, each of another lane perhaps.
+
+    Examples
+    --------
+    >>> import woundon as wo
+    >>> profile = wo.ThicknessProfile(position=[0, 1, 2], thickness=[0.995, 1.005, 0.995])
+    >>> result = wo.solve(wo.RollProblem.example().replace(thickness_profile=profile), lanes=20)
+    >>> result.worst_lane.pressure > result.peak_pressure
+    True
+    """
+
+    part_of_result: ClassVar[bool] = True
+
+    pressure: Annotated[float, stress("P_w", "largest pressure in a lane")]
+    core_pressure: Annotated[float, stress("P_c,w", "largest pressure of a lane on the core")]
+    compression: Annotated[float, stress("S_w", "largest hoop (MD) compression of a lane")]
+    tension: Annotated[float, line_load("WOT_w", "largest wound-on tension of a lane")]
+    least_tension: Annotated[float, line_load("WOT_l", "smallest wound-on tension of a lane")]
+    strain: Annotated[float, strain("eps_w", "largest strain along the web of a lane as wound")]
+    ridge_height: Annotated[
+        float, length("dR_w", "height of the highest lane over the mean surface", "um")
+    ]
+    slack_share: Annotated[float, share("s_w", "part of the width that is slack at some radius")]
+
+
+@dataclass(frozen=True, eq=False)
+class LaneRoll:
+    """The lanes of a finished roll.
+
+    Attributes
+    ----------
+    lanes : Lanes
+    radius : (M,) array
+        Of the layers in the mean roll [m].
+    pressure, hoop_stress, wound_on_tension, web_tension, nip_load, ridge_height, band_strain
+        (L, M) arrays, see :data:`LANE_QUANTITIES` [SI].
+    stages : int
+        Number of stages of the build-up.
+    errors : mapping of str to float
+        Estimated errors of the worst values, by the name of the output [SI].
+    """
+
+    lanes: Lanes
+    radius: Array
+    pressure: Array
+    hoop_stress: Array
+    wound_on_tension: Array
+    web_tension: Array
+    nip_load: Array
+    ridge_height: Array
+    band_strain: Array
+    stages: int
+    errors: Mapping[str, float] = field(default_factory=dict)
+
+    @cached_property
+    def worst(self) -> WorstLane:
+        """The worst values of all lanes."""
+        mean = float(np.max(self.lanes.share @ self.wound_on_tension))
+        slack = (self.wound_on_tension <= SLACK * mean).any(axis=1)
+        return WorstLane(
+            pressure=float(np.max(self.pressure)),
+            core_pressure=float(np.max(self.pressure[:, 0])),
+            compression=float(np.max(-self.hoop_stress)),
+            tension=float(np.max(self.wound_on_tension)),
+            # interpolated between the stages, the tension of a slack lane is zero up to its error
+            least_tension=max(0.0, float(np.min(self.wound_on_tension))),
+            strain=float(np.max(self.band_strain)),
+            ridge_height=float(np.max(self.ridge_height[:, -1])),
+            slack_share=float(np.sum(self.lanes.share[slack])),
+        )
+
+    def of_lanes(self, lanes: Lanes) -> LaneRoll:
+        """Return the first lanes, which are ``lanes``."""
+        arrays = {name: getattr(self, name)[: lanes.share.size] for name in LANE_QUANTITIES}
+        return replace(self, lanes=lanes, **arrays)
+
+    def with_finite_layers(self, effect: float) -> LaneRoll:
+        """Return the lanes with the effect of the thickness of the layers in their errors.
+
+        ``effect`` is that on the pressure, relative to the largest pressure; the tension, a
+        property of the surface, hardly depends on it.
+        """
+        errors = dict(self.errors)
+        for name in PRESSURES:
+            errors[f"worst_lane.{name}"] += effect * getattr(self.worst, name)
+        return replace(self, errors=errors)
+
+    def dataset(self) -> xarray.Dataset:
+        """Return the lanes as an xarray Dataset over radius and position; see RollResult.lanes."""
+        import xarray
+
+        variables = {
+            name: (
+                ("radius", "position"),
+                getattr(self, name).T,
+                {"units": q.unit, "long_name": q.meaning, "symbol": q.symbol},
+            )
+            for name, q in LANE_QUANTITIES.items()
+        }
+        across = {
+            "share": ("position", self.lanes.share, {"units": "1"}),
+            "thickness_excess": ("position", self.lanes.excess, {"units": "1"}),
+            "slack": ("position", self.lanes.slack, {"units": "1"}),
+        }
+        places = {
+            "radius": ("radius", self.radius, {"units": "m"}),
+            "position": ("position", self.lanes.position, {"units": "m"}),
+        }
+        return xarray.Dataset({**variables, **across}, places)
+
+
+class WithLanes:
+    """Base class of a result that has lanes if its problem has a thickness profile."""
+
+    problem: Any
+    lane_roll: LaneRoll | None
+
+    @property
+    def lanes(self) -> xarray.Dataset | None:
+        """The lanes across the width over the radius; None without a thickness profile.
+
+        Variables over (``radius``, ``position``), in SI units: ``pressure`` and ``hoop_stress``
+        [Pa], ``wound_on_tension``, ``web_tension`` and ``nip_load`` per width of the lane [N/m],
+        ``ridge_height`` of the surface over the mean one [m], ``band_strain`` of the web as wound
+        [1]; over ``position`` ``share``, ``thickness_excess`` and ``slack`` [1].  A radius is that
+        of the same layer in the mean roll.
+        """
+        return None if (lanes := self._lanes()) is None else lanes.dataset()
+
+    @on_request
+    def worst_lane(self) -> WorstLane | None:
+        """The worst values of all lanes; None without a thickness profile.
+
+        Files do not contain them: those of a loaded result are recomputed, in a winding
+        with a few of the nips.
+        """
+        return None if (lanes := self._lanes()) is None else lanes.worst
+
+    def recompute_lanes(self) -> LaneRoll:
+        """Solve for the lanes of a result that was loaded from a file."""
+        raise NotImplementedError
+
+    def _lanes(self) -> LaneRoll | None:
+        """Return the lanes, recomputed for a loaded result; None without a thickness profile."""
+        if self.lane_roll is None and self.problem.thickness_profile is not None:
+            object.__setattr__(self, "lane_roll", self.recompute_lanes())
+        return self.lane_roll
+
+
+def build_up_of(result: Any) -> BuildUp:
+    """Return the build-up of a result that was loaded from a file.
+
+    The pressure of the stages is solved again with the known kappa.
+
+    Raises
+    ------
+    NotConverged
+    """
+    problem, growth = result.problem, result.kappa
+    equations, curve = equations_of(problem), problem.tension_curve
+    T_c = float(curve.at(result.radius[:1])[0])
+    all_nodes: list[Array] = []
+    solutions: list[StageSolution] = []
+    for number in range(1, growth.x.size):
+        nodes = np.log(result.radius)
+        if number < growth.x.size - 1:
+            nodes = nodes_between(
+                float(growth.x[0]),
+                float(growth.x[number]),
+                _cells(result),
+                surface_layer_depth(problem),
+                *kinks_of(curve, growth),
+                equations.core_layer,
+            )
+        source = cell_source(curve, growth, nodes)
+        guess = T_c * (nodes[-1] - nodes), np.full_like(nodes, -T_c)
+        if solutions:
+            guess = stretched(all_nodes[-1], solutions[-1].P, solutions[-1].Q, nodes)
+        solved = equations.solve(StageData(nodes, source, T_c), *guess)
+        if solved is None:
+            raise NotConverged("a stage of the roll could not be solved again")
+        all_nodes.append(nodes)
+        solutions.append(solved)
+    return BuildUp(growth, all_nodes, solutions)
+
+
+def _cells(result: Any) -> int:
+    """Return the approximate number of cells of a stage, without those at kinks of the tension."""
+    return max(int(result.radius.size) - 1 - int(result.problem.tension_curve.kinks.size), 1)
+
+
+def solve_lanes(
+    result: Any,
+    build_up: BuildUp,
+    problem: Any,
+    *,
+    count: int,
+    tolerance: float = TOLERANCE,
+    nips: NipsAcross | None = None,
+) -> LaneRoll:
+    """Solve for the lanes of a roll, and estimate the errors of their worst values.
+
+    A lane has the mean thickness of its part of the width.  Further lanes without a share of the
+    width, which do not affect the others, have the extreme thicknesses of the profile: the
+    difference of their worst values from those of the lanes is the error of the number of lanes.
+    The stages add an error below their tolerance, and the mean roll its own.
+
+    Parameters
+    ----------
+    result : RollResult
+        The roll of the mean web.
+    build_up : BuildUp
+        Its stages.
+    problem : RollProblem or WindingProblem
+        With the thickness profile and the oscillation.
+    count : int
+        Number of lanes.
+    tolerance : float
+        Of the stages, relative to kappa + 2 and to the tension.
+    nips : NipsAcross, optional
+
+    Raises
+    ------
+    NotConverged
+        If a stage has no solution, the layers of a lane separate, or its pressure exceeds the range
+        of the law of the stack.
+    """
+    profile, oscillation = problem.thickness_profile, problem.oscillation
+    lanes, extremes = profile.lanes(count, oscillation), profile.extremes(oscillation)
+    together = Lanes(*(np.concatenate(pair) for pair in zip(lanes, extremes, strict=True)))
+    solved = _solve(result, build_up, together, nips, tolerance)
+    roll = solved.of_lanes(lanes)
+    _check_law(roll, result.problem.stack)
+    of_mean = result.errors.get("peak_pressure", np.nan) / result.peak_pressure
+    errors = {}
+    for part in fields(WorstLane):
+        value, extreme = (getattr(each.worst, part.name) for each in (roll, solved))
+        # the tolerance of the tension is relative to that of the mean web, which is given
+        scale = roll.worst.tension if part.name == "least_tension" else abs(value)
+        of_stages = tolerance * scale + (of_mean * abs(value) if part.name in PRESSURES else 0.0)
+        errors[f"worst_lane.{part.name}"] = abs(value - extreme) + of_stages
+    # the boundary of a slack part lies anywhere within a lane
+    is_partly_slack = 0 < roll.worst.slack_share < 1 or solved.worst.least_tension == 0
+    errors["worst_lane.slack_share"] = float(np.max(lanes.share)) if is_partly_slack else 0.0
+    return replace(roll, errors=errors)
+
+
+def _solve(
+    result: Any, build_up: BuildUp, lanes: Lanes, nips: NipsAcross | None, tolerance: float
+) -> LaneRoll:
+    """Wind the lanes and apply the changes after winding; errors are not estimated.
+
+    Parameters as of :func:`solve_lanes`.
+    """
+    problem, curve = result.problem, result.problem.tension_curve
+    equations = equations_of(problem)
+
+    def tension_at(x: float, c: Array, mu: Array, guess: Array) -> Any:
+        """Return the tension of the lanes of a roll without a nip."""
+        T = float(curve.at(np.array([np.exp(x)]))[0])
+        return tension_of_web(lanes, c, mu, T / equations.tangential)
+
+    try:
+        wound = wind_lanes(
+            equations,
+            curve,
+            lanes,
+            tension_at if nips is None else nips.tension_at(lanes),
+            build_up,
+            tolerance=tolerance,
+            cells=_cells(result),
+            surface_layer=surface_layer_depth(problem),
+        )
+    except NotWoundError as stop:
+        raise NotConverged(f"with lanes across the width {stop}") from None
+    P, Q = _finished(problem, wound, lanes)
+    r, functions = result.radius, wound.functions(wound.x)
+    T, h, thickness = curve.at(r), float(problem.web_thickness), (1 + lanes.excess)[:, None]
+    theta = _shared(functions[THETA], lanes.share * (1 + lanes.excess))
+    tension = h * T * theta * thickness
+    web = tension
+    load = np.full_like(tension, np.nan)
+    if nips is not None:
+        of_web = _shared(functions[WEB], lanes.share * (1 + lanes.excess))
+        web = nips.web_tension(r) * of_web * thickness
+        load = nips.nip_load(r) * _shared(functions[LOAD], lanes.share)
+    return LaneRoll(
+        lanes=lanes,
+        radius=r,
+        # where a lane becomes slack between two stages, the interpolated source is not exact
+        pressure=np.maximum(P, 0.0),
+        hoop_stress=-(P + Q),
+        wound_on_tension=tension,
+        web_tension=web,
+        nip_load=load,
+        ridge_height=functions[RHO] * r,
+        band_strain=T * theta / equations.tangential,
+        stages=wound.curves.x.size - 1,
+    )
+
+
+def _shared(functions: Array, weight: Array) -> Array:
+    """Return shares of the lanes (L, M) that are interpolated between the stages.
+
+    They are not negative, and their mean with a ``weight`` (L,) is the same as before.
+    """
+    positive = np.maximum(functions, 0.0)
+    return np.asarray(positive * (weight @ functions) / (weight @ positive))
+
+
+def _finished(problem: Any, wound: LaneBuildUp, lanes: Lanes) -> tuple[Array, Array]:
+    """Return P and Q of the lanes after the changes of the finished roll, (L, M) arrays [Pa]."""
+    assert wound.data is not None
+    source_change, core_change = final_changes(problem)
+    data = replace(
+        wound.data,
+        source=add_constant(wound.data.source, source_change),
+        tension=wound.data.tension + core_change,
+    )
+    solved = equations_of(problem).solve(data, wound.P.ravel(), wound.Q.ravel())
+    if solved is None:
+        raise NotConverged("no equilibrium of the lanes after the change of temperature or core")
+    P, Q = solved.P.reshape(wound.P.shape), solved.Q.reshape(wound.P.shape)
+    loosest = np.unravel_index(np.argmin(P), P.shape)
+    changed = source_change or core_change
+    if changed and P[loosest] < -ROUNDING * float(np.max(P)):
+        place = f"the lane at {lanes.position[loosest[0]]:.4g} m across the web"
+        raise NotConverged(
+            f"the layers of {place} separate: the changes after winding reduce the pressure to zero"
+        )
+    return P, Q
+
+
+def _check_law(roll: LaneRoll, stack: Any) -> None:
+    """Raise an error for a pressure beyond the range of the stack's law."""
+    lane = int(np.argmax(np.max(roll.pressure, axis=1)))
+    P = float(np.max(roll.pressure[lane]))
+    if min(stack.limit, stack.radial.max_pressure) > P:
+        return
+    end = min(stack.limit, stack.radial.max_pressure)
+    raise NotConverged(
+        f"the pressure of the lane at {roll.lanes.position[lane]:.4g} m across the web reaches "
+        f"{P:.4g} Pa, beyond the range of the stack law, which ends at {end:.4g} Pa; lower the "
+        "tension, oscillate the web, or extend the law"
+    )

@@ -1,0 +1,328 @@
+"""Thickness profiles: validation, lanes, files; results, margins and studies of lanes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import woundon as wo
+from woundon.io.chosen_units import units_of
+
+Y = np.linspace(0, 2, 101)
+BAND = wo.ThicknessProfile(position=Y, thickness=66e-6 * (1 + 0.008 * (np.abs(Y - 1.2) < 0.11)))
+ROLL = wo.RollProblem.example().replace(thickness_profile=BAND)
+
+
+@pytest.mark.parametrize(
+    ("fields", "message"),
+    [
+        ({"position": [0, 1], "thickness": [1, -1]}, r"thickness\.1: -1 .*> 0 \[m\]"),
+        ({"position": [0, 1], "thickness": [1, 0]}, r"thickness\.1: 0 .*> 0 \[m\]"),
+        ({"position": [0, 1], "thickness": [1, 4]}, r"thickness\.0: 1 .*>= 1\.25 and <= 3\.75"),
+        ({"position": [0, 2, 1], "thickness": [1, 1, 1]}, r"position\.2: 1 .*> 2"),
+        ({"position": [0, 1, 1], "thickness": [1, 1, 1]}, r"position\.2: 1 .*> 1"),
+        ({"position": [0, 1, 2], "thickness": [1, 1]}, "thickness: 2 values.*position, 3"),
+        ({"position": [0, 1], "thickness": [1, float("nan")]}, r"thickness\.1: nan"),
+        ({"position": [0, 1], "thickness": [1, None]}, r"thickness\.1"),
+        ({"position": [0], "thickness": [1]}, "position"),
+        ({"position": [0, 1], "thickness": [1, 1], "slack": [0, 0.2]}, r"slack\.1: 0\.2 .*<= 0\.1"),
+        ({"position": [0, 1], "thickness": [1, 1], "slack": [0]}, "slack"),
+        ({"position": [0, 1], "thickness": [1, 1.2], "variation": 8}, "variation: 8 .*<= 5.5"),
+        ({"position": [0, 1], "thickness": ["45 gsm", "46 gsm"]}, "basis weight.*density"),
+    ],
+)
+def test_rejected_profiles(fields, message):
+    with pytest.raises(wo.InvalidProblem, match=message):
+        wo.ThicknessProfile(**fields)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"gauge_excess": 0.01}, "gauge_excess: 0.01 .*thickness_profile; must be one of the two"),
+        ({"oscillation": 1.2}, r"oscillation: 1\.2 .*<= 1 \[m\], half the width"),
+        ({"oscillation": -0.1}, "oscillation: -0.1 .*>= 0"),
+    ],
+)
+def test_rejected_rolls(changes, message):
+    with pytest.raises(wo.InvalidProblem, match=message):
+        ROLL.replace(**changes)
+
+
+def test_a_profile_of_another_width_is_rejected():
+    winding = wo.WindingProblem.example()
+    with pytest.raises(
+        wo.InvalidProblem, match=r"position: covers a width of 2 .*2\.94 and <= 3\.06"
+    ):
+        winding.replace(width=3.0, thickness_profile=BAND)
+    winding.replace(width=2.01, thickness_profile=BAND)
+
+
+def test_a_profile_of_another_web_is_an_input_warning():
+    with pytest.warns(wo.InputWarning, match="the mean is .* the web is 80 um thick"):
+        wo.solve(ROLL.replace(web_thickness=80e-6), lanes=4)
+
+
+# ---- lanes --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("oscillation", [0.0, 0.013, 0.7])
+@pytest.mark.parametrize("count", [1, 7, 50])
+def test_the_volume_is_conserved(count, oscillation):
+    """Conservation: the mean over the lanes is that over the profile."""
+    lanes = BAND.lanes(count, oscillation)
+    assert lanes.share @ lanes.excess == pytest.approx(0.0, abs=1e-15)
+    assert lanes.share.sum() == pytest.approx(1.0, rel=1e-14)
+
+
+def test_lanes_are_means_of_the_lines():
+    """Closed form: the mean of a straight line is its value in the middle."""
+    profile = wo.ThicknessProfile(position=[0, 4], thickness=[0.99, 1.01], slack=[0, 1e-3])
+    lanes = profile.lanes(4)
+    assert_allclose(lanes.position, [0.5, 1.5, 2.5, 3.5])
+    assert_allclose(lanes.excess, [-0.0075, -0.0025, 0.0025, 0.0075], atol=1e-15)
+    assert_allclose(lanes.slack, np.array([0.125, 0.375, 0.625, 0.875]) * 1e-3)
+
+
+def test_an_oscillation_is_the_moving_average():
+    """Closed form: a cosine of wave number k is multiplied by sin(k a)/(k a)."""
+    y, k, a = np.linspace(0, 2, 4001), np.pi * 4, 0.1
+    wave = wo.ThicknessProfile(position=y, thickness=1 + 0.01 * np.cos(k * y))
+    still, moved = wave.lanes(40).excess, wave.lanes(40, a).excess
+    # the lines between the points miss (k dy)^2/12 of the wave, 3e-6
+    assert_allclose(moved, still * np.sin(k * a) / (k * a), atol=1e-7)
+
+
+def test_the_variation_scales_the_deviations():
+    assert_allclose(BAND.replace(variation=0.5).lanes(20).excess, BAND.lanes(20).excess / 2)
+    assert not BAND.replace(variation=0.0).lanes(20).excess.any()
+
+
+def test_extremes_are_those_of_the_profile():
+    d = BAND.extremes().excess
+    assert d == pytest.approx([1.008 / (BAND.mean / 66e-6) - 1, 66e-6 / BAND.mean - 1])
+    assert BAND.extremes().share.sum() == 0
+    moved = BAND.extremes(0.3).excess
+    # far from the band the thickness stays that of the thinnest place
+    assert moved[1] == pytest.approx(d[1])
+    assert moved[0] < 0.5 * d[0]
+
+
+# ---- files --------------------------------------------------------------------------------------
+
+CASE = """schema = 1
+core.radius = "44.5 mm"
+core.stiffness = "1 GPa"
+radius = "0.15 m"
+web_thickness = "66 um"
+wound_on_tension = "350 N/m"
+density = "680 kg/m^3"
+oscillation = "5 mm"
+stack.tangential = "3.38 GPa"
+stack.poissons_ratio = 0.01
+stack.shear = "10 MPa"
+stack.radial.K1 = "10 kPa"
+stack.radial.K2 = 40
+[thickness_profile]
+csv = "scan.csv"
+"""
+
+
+@pytest.mark.parametrize(
+    ("header", "factor"),
+    [("position [mm],thickness [um]", 1.0), ("position [mm],thickness [gsm]", 0.68)],
+)
+def test_a_scan_in_a_case_file(tmp_path, header, factor):
+    rows = [f"{1e3 * y},{1e6 * h * factor}" for y, h in zip(Y, BAND.thickness, strict=True)]
+    (tmp_path / "scan.csv").write_text("\n".join([header, *rows]))
+    (tmp_path / "roll.toml").write_text(CASE)
+    problem = wo.load_case(tmp_path / "roll.toml")
+    assert_allclose(problem.thickness_profile.thickness, BAND.thickness)
+    assert_allclose(problem.thickness_profile.position, BAND.position, atol=1e-15)
+    assert problem.oscillation == 0.005
+
+
+def test_a_scan_with_a_gap_is_rejected(tmp_path):
+    (tmp_path / "scan.csv").write_text("position [mm],thickness [um]\n0,66\n10,\n20,66\n")
+    (tmp_path / "roll.toml").write_text(CASE)
+    with pytest.raises(wo.InvalidProblem, match="the cell is empty"):
+        wo.load_case(tmp_path / "roll.toml")
+
+
+def test_several_scans_in_a_spreadsheet(tmp_path):
+    openpyxl = pytest.importorskip("openpyxl")
+    book = openpyxl.Workbook()
+    book.active.append(["position [mm]", "thickness [gsm]"])
+    for weight in (45.0, 45.4):
+        for y in (0, 1000, 2000):
+            book.active.append([y, weight + y / 1e4])
+    book.save(tmp_path / "scans.xlsx")
+    profile = wo.read_thickness_profile(tmp_path / "scans.xlsx")
+    assert_allclose(profile.position, [0, 1, 2])
+    assert_allclose(np.array(profile.thickness) * 1e3, [45.2, 45.3, 45.4])
+    assert_allclose(np.array(profile.spread) * 1e3, 0.2)
+    text = str(wo.solve(wo.RollProblem.example().replace(thickness_profile=profile), lanes=6))
+    assert "standard deviation between the scans" in text
+
+
+def test_a_table_without_thickness_is_rejected(tmp_path):
+    (tmp_path / "scan.csv").write_text("position [mm]\n0\n10\n")
+    with pytest.raises(wo.InvalidProblem, match="thickness: missing"):
+        wo.read_thickness_profile(tmp_path / "scan.csv")
+
+
+# ---- results ------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def result():
+    return wo.solve(ROLL)
+
+
+def test_the_dataset(result):
+    lanes = result.lanes
+    assert lanes.pressure.dims == ("radius", "position")
+    assert lanes.pressure.attrs["units"] == "Pa"
+    assert_allclose(lanes.wound_on_tension @ lanes.share, 350.0, rtol=1e-12)
+    assert_allclose(lanes.hoop_stress[-1] * 66e-6 * (1 + lanes.thickness_excess),
+                    lanes.wound_on_tension[-1], rtol=1e-3)  # fmt: skip
+    # the free surface carries its own tension, except for the discretisation error
+    assert np.isnan(lanes.nip_load).all()
+
+
+def test_results_without_a_profile_have_no_lanes():
+    plain = wo.solve(wo.RollProblem.example())
+    assert plain.lanes is None
+    assert plain.worst_lane is None
+    assert "Lanes across the width" not in str(plain)
+    assert not any(name.startswith("worst_lane") for name in plain.to_xarray().variables)
+
+
+def test_a_loaded_result_has_the_same_lanes(result, tmp_path):
+    result.save(tmp_path / "roll.nc")
+    loaded = wo.load_result(tmp_path / "roll.nc")
+    assert loaded == result
+    assert loaded.worst_lane.pressure == pytest.approx(result.worst_lane.pressure, rel=1e-4)
+    assert loaded.worst_lane.tension == pytest.approx(result.worst_lane.tension, rel=1e-6)
+
+
+def test_the_report_names_slack_lanes():
+    y = np.linspace(0, 1, 201)
+    thin = wo.ThicknessProfile(position=y, thickness=1 - 0.2 * (np.abs(y - 0.5) < 0.1))
+    result = wo.solve(wo.RollProblem.example().replace(thickness_profile=thin), lanes=20)
+    text = " ".join(str(result).split())
+    assert "Slack, without tension at some radius: 400 mm to 600 mm across the web, 20 %" in text
+    with units_of(["mill"]):
+        assert "15.75 in to 23.62 in across the web" in " ".join(str(result).split())
+
+
+@pytest.mark.parametrize("name", ["blocking", "core", "strength", "compression", "gauge_band"])
+def test_margins_are_those_of_the_worst_lane(result, name):
+    limits = wo.Limits(
+        blocking_pressure=1e6, core_pressure=1e6, web_strength=1e3, compression=1e6,
+        yield_strain=0.01,
+    )  # fmt: skip
+    worst = {
+        "blocking": result.worst_lane.pressure,
+        "core": result.worst_lane.core_pressure,
+        "strength": result.worst_lane.tension,
+        "compression": result.worst_lane.compression,
+        "gauge_band": result.worst_lane.strain,
+    }
+    margin = wo.margins(result, limits)[name]
+    assert margin.value == pytest.approx(worst[name], rel=1e-12)
+    assert "in the lane at 1220 mm across the web" in margin.note or "1180 mm" in margin.note
+    assert "thicker than the mean" in margin.note
+
+
+def test_the_smallest_tension_is_that_of_the_thinnest_lane(result):
+    margin = wo.margins(result, wo.Limits(slack_tension=100.0))["slack"]
+    assert margin.value == pytest.approx(result.worst_lane.least_tension, rel=1e-9)
+    assert "thinner than the mean" in margin.note
+
+
+def test_figures_of_the_lanes(result, tmp_path):
+    panels = [
+        "lane_pressure",
+        "lane_tension",
+        "roll_surface",
+        "thickness_across",
+        "hardness_across",
+    ]
+    result.plot(tmp_path / "lanes.png", panels=panels)
+    with units_of(["mill"]):
+        result.plot(tmp_path / "mill.png", panels=panels)
+    with pytest.raises(wo.InvalidProblem, match="nip_load_across"):
+        result.plot(tmp_path / "lanes.png", panels="nip_load_across")
+
+
+# ---- studies ------------------------------------------------------------------------------------
+
+
+def test_find_the_oscillation_that_keeps_a_band_below_yield():
+    limit = 0.00168
+    assert wo.solve(ROLL).worst_lane.strain > limit
+    found = wo.find(
+        ROLL, "oscillation", between=(0.0, 0.9), points=5, **{"worst_lane.strain": limit}
+    )
+    assert found.result.worst_lane.strain == pytest.approx(limit, rel=1e-5)
+    assert 0.05 < found.value < 0.9
+
+
+def test_a_sweep_over_the_size_of_a_band():
+    table = wo.sweep(
+        ROLL, {"thickness_profile.variation": [0.5, 1.0, 2.0]}, outputs=["worst_lane.ridge_height"]
+    )
+    ridges = table["worst_lane.ridge_height"].values
+    # about in proportion: the tension stiffens the stack
+    assert ridges[1] / ridges[0] == pytest.approx(2.0, rel=0.2)
+    assert (np.diff(ridges) > 0).all()
+
+
+# ---- windings -----------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def winding():
+    problem = wo.WindingProblem.example().replace(radius=0.15, thickness_profile=BAND)
+    return wo.solve(problem, rtol=0.01, lanes=30)
+
+
+def test_a_winding_shares_tension_and_nip_load(winding):
+    lanes, r = winding.lanes, winding.lanes.radius.values
+    load = np.interp(r, winding.radius, winding.nip_load)
+    web = np.interp(r, winding.radius, winding.web_tension)
+    assert_allclose(lanes.nip_load @ lanes.share, load, rtol=1e-12)
+    assert_allclose(lanes.web_tension @ lanes.share, web, rtol=1e-12)
+    band = int(np.argmax(lanes.thickness_excess.values))
+    assert (lanes.nip_load[-1, band] > load[-1]).all()
+    assert winding.ridge_height == winding.worst_lane.ridge_height > 0
+    assert winding.band_strain == pytest.approx(winding.worst_lane.strain)
+    assert "The nip load on a lane is between" in str(winding)
+
+
+def test_the_nip_lowers_the_ridge(winding):
+    """The same roll with the same wound-on tension in all lanes' web, without a nip."""
+    fixed = winding.problem.replace(
+        tension_law=wo.Profile(radius=winding.radius, value=winding.wound_on_tension),
+        web_tension=winding.problem.web_tension,
+    )
+    without = wo.solve(fixed, rtol=0.01, lanes=30)
+    ratio = winding.worst_lane.ridge_height / without.worst_lane.ridge_height
+    # 1/(1 + mu k s/(E_t h)) with k of about 1e7 N/m^2 and dA/dP of 0.08, less than mu at this load:
+    # 0.08 * 1e7 * 0.15/(3.38e9 * 66e-6) = 0.54
+    assert ratio == pytest.approx(1 / 1.54, rel=0.1)
+
+
+def test_a_loaded_winding_has_lanes(winding, tmp_path):
+    winding.save(tmp_path / "winding.nc")
+    loaded = wo.load_result(tmp_path / "winding.nc")
+    assert loaded.worst_lane.tension == pytest.approx(winding.worst_lane.tension, rel=1e-8)
+    assert loaded.lanes.sizes["position"] == 30
+
+
+@pytest.mark.parametrize("value", [3, 1001, "many"])
+def test_the_number_of_lanes_is_checked(value):
+    with pytest.raises(wo.InvalidProblem, match="lanes"):
+        wo.solve(ROLL, lanes=value)

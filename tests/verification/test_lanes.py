@@ -1,0 +1,348 @@
+"""Lanes across the width of a roll: an independent program, closed forms, limits, conservation."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from lane_nips import PowerNip
+from lane_profiles import STACKS, random_roll
+from lane_rings import wind_lanes
+from slow_cases import campaign_case, slow_case
+
+import woundon as wo
+from woundon.problems.thickness_profile import Lanes
+from woundon.roll.lane_roll import solve_lanes
+from woundon.roll.solve import solve_thin_layers
+
+CORE, E_C, NU = 0.05, 1e9, 0.01
+
+
+def lanes_of(excess, share=None, slack=None):
+    d = np.asarray(excess, dtype=float)
+    w = np.full(d.size, 1 / d.size) if share is None else np.asarray(share, dtype=float)
+    b = np.zeros(d.size) if slack is None else np.asarray(slack, dtype=float)
+    return Lanes(np.arange(d.size, dtype=float), w, d, b)
+
+
+def roll_of(web, radius, tension=None):
+    law, E_t, h, usual = STACKS[web]
+    stack = wo.Stack(radial=wo.Pfeiffer(**law), tangential=E_t, poissons_ratio=NU, shear=10e6)
+    return wo.RollProblem(
+        core=wo.Core(radius=CORE, stiffness=E_C), radius=radius, stack=stack, web_thickness=h,
+        wound_on_tension=usual if tension is None else tension,
+    )  # fmt: skip
+
+
+def solve(problem, lanes, nips=None, tolerance=2e-3):
+    """Return the lanes of any shares: profiles have lanes of one width."""
+    roll = solve_thin_layers(problem, 1e-3).wound_with(problem)
+    none = Lanes(*(np.zeros(0) for _ in range(4)))
+    profile = SimpleNamespace(lanes=lambda count, oscillation: lanes, extremes=lambda _: none)
+    case = SimpleNamespace(thickness_profile=profile, oscillation=0.0)
+    return solve_lanes(roll.result, roll.build_up, case, count=1, tolerance=tolerance, nips=nips)
+
+
+def rings(web, lanes, layers, *, refine=1, tension=None, **options):
+    law, E_t, h, usual = STACKS[web]
+    return wind_lanes(
+        **law, E_t=E_t, nu=NU, thickness=h / refine, excess=lanes.excess, share=lanes.share,
+        slack=lanes.slack, core=CORE, core_stiffness=E_C, layers=layers * refine,
+        tension=(usual if tension is None else tension) / refine, **options,
+    )  # fmt: skip
+
+
+def at(radius, x, values):
+    """Interpolate values (k, L) over x (k,) at a radius."""
+    return np.array([np.interp(radius, x, column) for column in np.asarray(values).T])
+
+
+# ---- the independent program --------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("web", "tensions", "ratios"),
+    [
+        ("newsprint, K2 40", (373.9, 434.3), (1.12, 1.46)),
+        slow_case("newsprint, K2 127", (420.2, 628.4), (1.41, 2.92)),
+        slow_case("PET", (232.6, 433.7), (1.72, 5.2)),
+    ],
+)
+def test_lone_bands_of_three_rolls(web, tensions, ratios):
+    """Independent program: bands of 0.3 and 1 % without a share of the width, 1500 layers."""
+    lanes = lanes_of([0, 0.003, 0.01], share=[1, 0, 0])
+    laid = rings(web, lanes, 1500)
+    problem = roll_of(web, float(lanes.share @ laid.surface))
+    lane = solve(problem, lanes)
+    E_t, h = problem.stack.tangential, problem.web_thickness
+    # The table of the rolls of strips, of longer rolls: 0.6 % covers their greater depth.
+    assert laid.tension[-1, 1:] * h * (1 + lanes.excess[1:]) == pytest.approx(tensions, rel=0.012)
+    assert lane.wound_on_tension[1:, -1] == pytest.approx(tensions, rel=0.012)
+    # layers of finite thickness, 0.3 % in the hardest band; 1 % is requested
+    assert lane.wound_on_tension[:, -1] == pytest.approx(
+        laid.tension[-1] * h * (1 + lanes.excess), rel=4e-3
+    )
+    # the pressure at a third of the layers, in long rolls a little larger
+    mid = laid.laid[500, 0]
+    P = at(mid, lane.radius, lane.pressure.T)
+    assert P[1:] / P[0] == pytest.approx(ratios, rel=0.06)
+    assert lane.band_strain * E_t * h * (1 + lanes.excess)[:, None] == pytest.approx(
+        lane.wound_on_tension
+    )
+
+
+@pytest.mark.parametrize(
+    ("web", "excess", "share", "slack"),
+    [
+        ("newsprint, K2 40", [-0.006, -0.002, 0.0, 0.01], [0.3, 0.3, 0.25, 0.15], None),
+        ("PET", [-0.004, 0.0, 0.004], [0.3, 0.4, 0.3], [0.0, 0.0002, 0.0]),
+        slow_case("newsprint, K2 127", [-0.004, 0.0, 0.008], [0.4, 0.4, 0.2], None),
+        # the thin lane is slack from the core on
+        slow_case("PET", [-0.03, 0.001, 0.0012], [0.1, 0.5, 0.4], None),
+    ],
+)
+def test_layers_of_finite_thickness(web, excess, share, slack):
+    """Independent program: tension within 1 % and pressure within 2 % of the largest.
+
+    Layers of the web thickness h and of h/2 are extrapolated to thin ones: their error is of order
+    one in h.
+    """
+    lanes = lanes_of(np.array(excess) - np.dot(share, excess), share, slack)
+    R = 0.08
+    lane = solve(roll_of(web, R), lanes)
+    # both end at the radius R, except for a layer, which counts near the surface
+    coarse, fine = (rings(web, lanes, 900, refine=k, until=R) for k in (1, 2))
+    mean = [laid.laid @ lanes.share for laid in (coarse, fine)]
+    h = STACKS[web][2]
+    largest = lane.pressure.max()
+    for radius in (CORE + 10 * h, 0.053, 0.06, 0.07, 0.073):
+        tension = at(radius, lane.radius, lane.wound_on_tension.T)
+        finite = [
+            at(radius, r, laid.tension * h * (1 + lanes.excess))
+            for r, laid in zip(mean, (coarse, fine), strict=True)
+        ]
+        thin = 2 * finite[1] - finite[0]
+        assert tension == pytest.approx(thin, rel=2e-3, abs=0.1)
+        pressure = at(radius, lane.radius, lane.pressure.T)
+        finite = [
+            at(radius, r, laid.pressure) for r, laid in zip(mean, (coarse, fine), strict=True)
+        ]
+        thin = 2 * finite[1] - finite[0]
+        assert pressure == pytest.approx(thin, abs=0.02 * largest)
+        ridge = at(radius, lane.radius, lane.ridge_height.T)
+        finite = [
+            at(radius, r, laid.laid - r[:, None])
+            for r, laid in zip(mean, (coarse, fine), strict=True)
+        ]
+        size = np.max(np.abs(lane.ridge_height))
+        assert ridge == pytest.approx(2 * finite[1] - finite[0], abs=0.01 * size)
+
+
+NIPS = {0.0: 37.4, 1e6: 34.8, 4e6: 26.9, 2e7: 12.1, 1e8: 3.2}
+
+
+@pytest.mark.parametrize("stiffness", [2e7, slow_case(1e6), slow_case(4e6), slow_case(1e8)])
+def test_a_nip_takes_over_from_the_web(stiffness):
+    """Independent program: ridge, web tension and nip load of a band of 0.5 % on a tenth.
+
+    The ridges of 1500 layers in um were found by another independent program.
+    """
+    web = "newsprint, K2 40"
+    _, E_t, h, _ = STACKS[web]
+    lanes = lanes_of([-0.0005, 0.0045], share=[0.9, 0.1])
+    nip = PowerNip(2000.0, stiffness, 0.19, 250.0, E_t, h, exponent=1.2)
+    laid = rings(web, lanes, 700, tension=250.0, nip=nip.of_rings())
+    R = float(lanes.share @ laid.surface)
+    lane = solve(roll_of(web, R, nip.wound_on), lanes, nip)
+    assert lane.wound_on_tension[:, -1] == pytest.approx(
+        laid.tension[-1] * h * (1 + lanes.excess), rel=1e-3
+    )
+    assert lane.web_tension[:, -1] == pytest.approx(laid.web[-1] * h * (1 + lanes.excess), rel=1e-3)
+    assert lane.nip_load[:, -1] == pytest.approx(laid.load[-1], rel=1e-3)
+    ridge = laid.surface - R
+    assert lane.ridge_height[:, -1] == pytest.approx(ridge, abs=0.01 * np.max(np.abs(ridge)))
+    assert lanes.share @ lane.nip_load == pytest.approx(2000.0, rel=1e-12)
+    assert lanes.share @ lane.web_tension == pytest.approx(250.0, rel=1e-12)
+
+
+# ---- closed forms and limits --------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("web", list(STACKS))
+def test_equal_lanes_are_the_plain_roll(web):
+    problem = roll_of(web, 0.15, wo.Taper(start=STACKS[web][3], taper=0.3))
+    roll = solve_thin_layers(problem, 1e-3).wound_with(problem).result
+    for lanes in (lanes_of([0.0]), lanes_of(np.zeros(7), np.arange(1, 8) / 28)):
+        lane = solve(problem, lanes)
+        # 1e-9 is requested; the last Newton step leaves about 1e-11
+        assert lane.pressure == pytest.approx(
+            np.tile(roll.pressure, (lanes.share.size, 1)), abs=1e-9 * roll.peak_pressure
+        )
+        plain = problem.tension_curve.at(roll.radius) * problem.web_thickness
+        assert lane.wound_on_tension == pytest.approx(
+            np.tile(plain, (lanes.share.size, 1)), rel=1e-9
+        )
+        assert np.max(np.abs(lane.ridge_height)) <= 1e-9 * 0.15
+
+
+def test_the_public_result_of_equal_lanes():
+    even = wo.ThicknessProfile(position=[0, 1], thickness=["66 um", "66 um"])
+    result = wo.solve(wo.RollProblem.example().replace(thickness_profile=even), lanes=5)
+    assert result.lanes.pressure.values == pytest.approx(
+        np.tile(result.pressure[:, None], 5), abs=1e-9 * result.peak_pressure
+    )
+    assert result.worst_lane.pressure == pytest.approx(result.peak_pressure, rel=1e-9)
+    assert result.lanes.sizes == {"radius": result.radius.size, "position": 5}
+
+
+def test_thick_and_thin_lanes_are_symmetric_to_first_order():
+    """Invariance: lanes of +-d have opposite deviations, of second order in d apart."""
+    d = 1e-5
+    problem = roll_of("newsprint, K2 40", 0.1415)
+    high, low = solve(problem, lanes_of([d, -d]), tolerance=2e-4).band_strain[:, -1]
+    mean = 350.0 / 66e-6 / 3.38e9
+    assert high - mean == pytest.approx(mean - low, rel=1e-3)
+    # independent program, 1500 layers: the tension per width of the lane changes by 22.29 d, of
+    # which d is its thickness
+    assert (high / mean - 1) / d == pytest.approx(22.29 - 1, rel=0.003)
+
+
+def test_a_lane_without_a_share_changes_no_other_lane():
+    problem = roll_of("PET", 0.1)
+    base = lanes_of([-0.002, 0.002])
+    alone = solve(problem, base, tolerance=1e-4)
+    lanes = lanes_of([-0.002, 0.002, 0.01], share=[0.5, 0.5, 0.0])
+    with_band = solve(problem, lanes, tolerance=1e-4)
+    # the band adds stages; both have errors of the tolerance
+    assert with_band.wound_on_tension[:2, -1] == pytest.approx(
+        alone.wound_on_tension[:, -1], rel=2e-4
+    )
+    assert with_band.wound_on_tension[2, -1] > 1.5 * with_band.wound_on_tension[1, -1]
+
+
+@pytest.mark.parametrize("K2", [4e4, slow_case(40.0), slow_case(400.0), slow_case(4e3)])
+def test_the_ridge_of_stiffer_stacks(K2):
+    """Independent program, and the limit of n d h: n layers of a stack that does not yield."""
+    lanes = lanes_of([0.0005, -0.0005])
+    laid = wind_lanes(
+        K1=10e3, K2=K2, E_t=3.38e9, nu=NU, thickness=66e-6, excess=lanes.excess, share=lanes.share,
+        core=CORE, core_stiffness=1e12, layers=700, tension=350.0,
+    )  # fmt: skip
+    R = float(lanes.share @ laid.surface)
+    changes = {"stack.radial.K2": K2, "core.stiffness": 1e12}
+    lane = solve(roll_of("newsprint, K2 40", R).replace(**changes), lanes)
+    # layers of finite thickness: 0.3 % on the stiffest stacks, where a layer is felt everywhere
+    assert lane.ridge_height[:, -1] == pytest.approx(laid.surface - R, rel=5e-3)
+    if K2 == 4e4:
+        assert lane.ridge_height[0, -1] == pytest.approx(700 * 0.0005 * 66e-6, rel=0.02)
+
+
+def test_a_much_thinner_lane_is_slack():
+    """Independent program: 3 % thinner, PET; only the first layers, still on the core, are taut."""
+    lanes = lanes_of([-0.03, 0.0003], share=[0.01, 0.99])
+    lane = solve(roll_of("PET", 0.1), lanes)
+    laid = rings("PET", lanes, 200)
+    taut = laid.laid[laid.tension[:, 0] > 0, 0]
+    assert taut.size < 60
+    beyond = lane.radius > taut[-1] + 5e-5  # by a layer
+    assert np.max(lane.wound_on_tension[0][beyond]) <= 1e-3 * 175
+    assert np.max(lane.pressure[0][beyond]) <= 1e-3 * lane.worst.pressure
+    assert lane.worst.slack_share == pytest.approx(0.01)
+    assert lane.ridge_height[0, -1] < 0
+
+
+def test_a_long_lane_carries_less():
+    """Closed form at the core: the slack of a lane is missing from its strain."""
+    b = 2e-4
+    lane = solve(roll_of("PET", 0.08), lanes_of([0.0, 0.0], slack=[b, 0.0]))
+    on_core = lane.band_strain[:, 0]
+    assert on_core[1] - on_core[0] == pytest.approx(b, rel=1e-9)
+    assert on_core.mean() == pytest.approx(175.0 / 50e-6 / 4.8e9, rel=1e-9)
+    assert lane.wound_on_tension.mean(axis=0) == pytest.approx(
+        np.full(lane.radius.shape, 175.0), rel=1e-12
+    )
+
+
+# ---- profiles -----------------------------------------------------------------------------------
+
+
+def cosine(amplitude):
+    y = np.linspace(0, 1, 401)
+    return wo.ThicknessProfile(position=y, thickness=1 + amplitude * np.cos(2 * np.pi * y))
+
+
+def test_the_number_of_lanes():
+    """Convergence: the largest tension of a smooth profile, 50 lanes to 0.1 %."""
+    problem = roll_of("PET", 0.12).replace(thickness_profile=cosine(0.003))
+    largest = [wo.solve(problem, lanes=n).worst_lane.tension for n in (5, 10, 20, 50, 100)]
+    errors = np.abs(np.array(largest[:4]) - largest[4])
+    assert (np.diff(errors) < 0).all()
+    assert errors[3] < 1e-3 * largest[4]
+    # order two: a lane misses a part of a maximum that varies as the square of its width
+    assert errors[1] < 0.4 * errors[0]
+
+
+def test_an_oscillation_levels_a_band():
+    y = np.linspace(0, 2, 401)
+    band = wo.ThicknessProfile(position=y, thickness=1 + 0.01 * (np.abs(y - 1) < 0.05))
+    problem = wo.RollProblem.example().replace(thickness_profile=band)
+    strains = [
+        wo.solve(problem.replace(oscillation=a)).worst_lane.strain for a in (0.0, 0.05, 0.2, 0.8)
+    ]
+    assert (np.diff(strains) < 0).all()
+    # the band covers 5 % of the width: its mean is the thickness everywhere after 0.8 m
+    assert strains[-1] < 1.03 * 350 / 66e-6 / 3.38e9
+
+
+def run_random_roll(seed):
+    """Solve a random roll, every third with a nip; return its lanes and problem."""
+    rng = np.random.default_rng(seed)
+    problem = random_roll(rng)
+    if seed % 3:
+        return wo.solve(problem).lane_roll, problem
+    tension = float(problem.tension_curve.at(np.array([problem.radius]))[0])
+    h, E_t = problem.web_thickness, problem.stack.tangential
+    total = tension * h
+    nip = PowerNip(
+        load=10 ** rng.uniform(2, 3.7), stiffness=10 ** rng.uniform(5.5, 8), web=0.0,
+        friction=0.0, modulus=E_t, thickness=h, exponent=float(rng.uniform(1, 1.6)),
+    )  # fmt: skip
+    nip.friction = float(rng.uniform(0.05, 0.6)) * total / nip.load
+    nip.web = total - nip.friction * nip.load
+    problem = problem.replace(wound_on_tension=total)
+    roll = solve_thin_layers(problem, 1e-3).wound_with(problem)
+    lanes = solve_lanes(roll.result, roll.build_up, problem, count=50, nips=nip)
+    load = lanes.lanes.share @ lanes.nip_load
+    assert load == pytest.approx(np.full(load.shape, nip.load), rel=1e-12)
+    web = lanes.lanes.share @ lanes.web_tension
+    assert web == pytest.approx(np.full(web.shape, nip.web), rel=1e-12)
+    return lanes, problem
+
+
+@pytest.mark.parametrize("seed", [*range(3), *(campaign_case(k) for k in range(3, 500))])
+def test_random_profiles(seed):
+    """Robustness: 500 profiles of up to 2 %, every third with a nip; conservation of tension."""
+    lane, problem = run_random_roll(seed)
+    assert np.isfinite(lane.pressure).all()
+    if seed % 3:
+        tension = lane.lanes.share @ lane.wound_on_tension
+        expected = problem.tension_curve.at(lane.radius) * problem.web_thickness
+        assert tension == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize("seed", [1001, *(campaign_case(k) for k in range(1002, 1051))])
+def test_the_error_estimates_of_the_lanes(seed):
+    """Honesty: 200 lanes with an eight times smaller tolerance are within the estimates.
+
+    The estimates contain those of the mean roll, without the thickness of the layers here.
+    """
+    problem = random_roll(np.random.default_rng(seed))
+    roll = solve_thin_layers(problem, 1e-3).wound_with(problem)
+    usual = solve_lanes(roll.result, roll.build_up, problem, count=50)
+    accurate = solve_thin_layers(problem, 1e-4).wound_with(problem)
+    fine = solve_lanes(accurate.result, accurate.build_up, problem, count=200, tolerance=2.5e-4)
+    for name in ("pressure", "core_pressure", "tension", "least_tension", "strain", "ridge_height"):
+        value, exact = getattr(usual.worst, name), getattr(fine.worst, name)
+        rounding = 1e-9 * exact if name != "least_tension" else 1e-9 * fine.worst.tension
+        assert abs(value - exact) <= usual.errors[f"worst_lane.{name}"] + rounding, name
