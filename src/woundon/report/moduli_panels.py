@@ -45,12 +45,12 @@ def moduli(result: Any) -> Panel:
             where = name if len(relaxing) == 1 else f"{name}, material {k + 1}"
             colour = SERIES[sum(each.line == "dashed" for each in curves) % len(SERIES)]
             curves += _moduli_of(material, where, colour, lowest)
-    mark = Mark("y", lowest, label="$V/2a$", colour="ink", line="dotted")
+    mark = Mark("y", lowest, label="V/2a", colour="ink", line="dotted")
     return Panel(
         "moduli",
         Axis("Frequency $f$", FREQUENCY, log=True),
-        Axis("Storage and loss modulus", MODULUS, log=True),
-        title="Moduli of the covers, and the lowest frequency V/2a of the nip",
+        Axis("Modulus", MODULUS, log=True),
+        title="Moduli at the frequencies of the nip, from V/2a on",
         curves=tuple(curves),
         marks=(mark,),
         legend="right",

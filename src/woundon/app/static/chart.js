@@ -199,14 +199,16 @@ class Chart {
       ticks: { stroke: line, width: 1, size: 4 }, ...more,
     });
     const values = (_, ticks) => ticks.map((tick) => (tick === null ? "" : digits(tick, 6)));
-    const logarithmic = panel.x.log ? {
-      splits: (plot, _, min, max) => logTicks(min, max, plot.bbox.width / devicePixelRatio).ticks,
+    const logarithmic = (scale, room) => ({
+      splits: (plot, _, min, max) => logTicks(min, max, room(plot) / devicePixelRatio).ticks,
       filter: (plot, ticks) => ticks,
       values: (plot, ticks) => {
-        const { labelled } = logTicks(plot.scales.x.min, plot.scales.x.max, plot.bbox.width / devicePixelRatio);
+        const { labelled } = logTicks(plot.scales[scale].min, plot.scales[scale].max, room(plot) / devicePixelRatio);
         return ticks.map((tick) => (labelled.has(tick) ? digits(tick, 6) : ""));
       },
-    } : {};
+    });
+    const logX = panel.x.log ? logarithmic("x", (plot) => plot.bbox.width) : {};
+    const logY = panel.y.log ? logarithmic("y", (plot) => plot.bbox.height) : {};
     const { units } = this;
     const wide = this.place.clientWidth - LEFT - (panel.right ? RIGHT : 20);
     const { y: yAxis } = panel;
@@ -220,17 +222,17 @@ class Chart {
       },
       scales: {
         x: { time: false, distr: panel.x.log ? 3 : 1, range: (_, min, max) => [min, max] },
-        y: { range: rows ? [0, rows.length] : (_, min, max) => this.tall(min, max, yAxis) },
+        y: { distr: panel.y.log ? 3 : 1, range: rows ? [0, rows.length] : (_, min, max) => this.tall(min, max, yAxis) },
         ...(panel.right ? { right: { range: (_, min, max) => padded(min, max) } } : {}),
       },
       axes: [
         axis({ label: rows ? undefined : axisLabel(units, panel.x, wide), size: rows ? 4 : 28, show: !rows, values,
-          grid: { show: !rows, stroke: line, width: 1 }, ...logarithmic }),
+          grid: { show: !rows, stroke: line, width: 1 }, ...logX }),
         rows
           ? axis({ size: LEFT + 16, splits: () => rows.map((_, k) => rows.length - k - 0.5), grid: { show: false },
             ticks: { show: false }, stroke: ink,
             values: () => rows.map(({ one, strip }) => `${one.label} ${strip.face}`.trim()) })
-          : axis({ label: axisLabel(units, panel.y, height - MARGIN), size: LEFT, values }),
+          : axis({ label: axisLabel(units, panel.y, height - MARGIN), size: LEFT, values, ...logY }),
         ...(panel.right ? [axis({ scale: "right", side: 1, label: axisLabel(units, panel.right, height - MARGIN), size: RIGHT, grid: { show: false }, values })] : []),
       ],
       series: [{}, ...(rows ? [{ show: true, stroke: "transparent", points: { show: false } }] : this.lines.map(({ one, curve }) => ({
@@ -260,6 +262,7 @@ class Chart {
     const { panel } = this.cases[0];
     const { factor } = this.units.of(panel.y.quantity);
     if (limits) return limits.map((end) => end / factor);
+    if (panel.y.log && min > 0) return [min / 1.3, max * 1.3]; // a tenth of a decade of room
     let [low, high] = [min ?? 0, max ?? 1];
     if (this.cases.length === 1) {
       for (const area of panel.areas) {
