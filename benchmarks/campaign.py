@@ -111,7 +111,7 @@ def compared(problem: Any, result: Any, of: str) -> Row:
     """Return the true errors of a result's outputs, by "error NAME", and their estimates."""
     fine = FINE_HARDENING if of == "hardening" else FINE
     try:
-        if of in ("wrapped", "covers"):
+        if of in ("wrapped", "covers", "two_nips", "three_nips"):
             reference: Any = SimpleNamespace(**extrapolated(problem))
         else:
             reference = wo.solve(problem, nodes=fine)
@@ -150,6 +150,8 @@ def _nodes(result: Any) -> int:
 
 
 def _number(result: Any, name: str) -> float:
+    if name.startswith("contacts.") and hasattr(result, "refinement"):
+        return float(result.refinement.last.outputs[name])
     try:
         return float(getattr(result, name))
     except (AttributeError, TypeError, ValueError):

@@ -24,7 +24,7 @@ air           1 cm/s to 100 m/s, roughness 0.05 um to a third of the thickness, 
 low_friction  friction 1e-6 to 1e-2 on one face or on both, half of the nips wrapped
 hardening     rolls of a stack with any radial law, a few to fifty MPa at the wound pressure
 two_nips      wrapped, a further nip 0.3 to 2.5 rad downstream: a drum of any kind, 1e-3 to 2 times
-              the load, F within +-0.8 mu- P; every fifth roll is a hardening one
+              the load, F within +-0.8 mu- P; every twentieth roll is a hardening one
 three_nips    the same with one more nip
 """
 
@@ -340,7 +340,7 @@ def random_three_nips(seed: int) -> wo.NipProblem:
 
 def _with_further_nips(seed: int, count: int) -> wo.NipProblem:
     draw = _Draw(8_000_000 + seed)
-    nip = random_hardening(seed) if seed % 5 == 4 else random_wrapped_nip(seed)
+    nip = random_hardening(seed) if seed % 20 == 19 else random_wrapped_nip(seed)
     further = []
     for _ in range(count):
         radius, friction = draw.log(0.06, 1.0), draw.log(0.05, 0.8)

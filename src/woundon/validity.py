@@ -114,7 +114,7 @@ def _frequency_warnings(
     for low, high in dict.fromkeys(filter(None, (m.measured_frequencies for m in body.materials))):
         if not low <= frequency <= high:
             yield (
-                f"the {name}'s moduli were measured from {low:.3g} to {high:.3g} Hz and are "
+                f"the {name}'s moduli are known from {low:.3g} to {high:.3g} Hz and are "
                 f"extrapolated: the nip contains frequencies from V/2a = {frequency:.3g} Hz on; "
                 "measure at other temperatures too and shift the isotherms to one master curve "
                 "(wo.master_curve), or measure to higher frequencies"

@@ -181,6 +181,12 @@ def test_the_catalogue_has_every_field_and_output():
         assert {o["name"] for o in kind["outputs"]} == {p.path for p in outputs(own.result)}
 
 
+def test_a_list_of_numbers_that_may_be_left_out_is_no_list_of_pairs(catalogue):
+    fields = {field["name"]: field for field in catalogue["forms"]["DynamicTest"]["fields"]}
+    for name in ("frequency", "loss_modulus", "tan_delta", "frequency_range"):
+        assert fields[name]["type"] == "numbers", name
+
+
 def _paths(catalogue, form, prefix=""):
     for field in catalogue["forms"][form]["fields"]:
         path = prefix + field["name"]

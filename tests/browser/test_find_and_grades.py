@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 import woundon as wo
@@ -165,6 +166,41 @@ def test_a_pasted_table_is_fitted_and_the_estimate_taken_over(look):
     page.click("#fit-take")
     seen.rest()
     assert float(seen.box("upper.radius")) == pytest.approx(1e3 * radius, rel=1e-4)
+
+
+@pytest.mark.slow
+def test_a_file_of_an_instrument_is_fitted(look, tmp_path):
+    nptdms = pytest.importorskip("nptdms")
+    rate = {"wf_increment": 0.5, "wf_start_offset": 0.0}
+    path = tmp_path / "run.tdms"
+    with nptdms.TdmsWriter(path) as writer:
+        for group in ("idle", "loaded"):
+            writer.write_segment(
+                [
+                    nptdms.ChannelObject(
+                        group, name, np.array(values), rate | {"unit_string": unit}
+                    )
+                    for name, values, unit in (
+                        ("load", [50.0, 89.0, 120.0], "kN/m"),
+                        ("half_width", [265.0, 354.0, 411.0], "um"),
+                        ("Door 3", [0.0, 0.0, 0.0], ""),
+                    )
+                ]
+            )
+    page = look().page
+    page.click("button.tables")
+    page.select_option(".kind", "rollers")
+    page.click("#tab-fit")
+    page.set_input_files("#fit-file", path)
+    page.fill("#fit-sheet", "loaded")
+    page.select_option("#fit-field-0", "upper.radius")
+    page.click("#fit-run")
+    page.wait_for_selector("#fit-found", timeout=120_000)
+    radius = float(page.get_attribute("[data-parameter='upper.radius']", "data-si"))
+    data = {"load [kN/m]": [50, 89, 120], "half_width [um]": [265, 354, 411]}
+    found = wo.fit(wo.RollerProblem.example(), data, {"upper.radius": None})
+    assert radius == pytest.approx(found.estimates[0], rel=1e-6)
+    assert "channels without a known name are not read: Door 3" in page.inner_text(".remarks")
 
 
 @pytest.mark.slow

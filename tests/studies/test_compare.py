@@ -354,3 +354,27 @@ def test_the_command(tmp_path: Path, capsys, monkeypatch):
     assert json.loads(capsys.readouterr().out)["sources"] == ["wound_on_tension", "pull tab"]
     assert main(["compare", "tabs.csv", "roll.toml", "--column", "Nr="]) == 2
     assert main([*command, "--save", "x.txt"]) == 2
+
+
+def test_the_scatter_of_an_input_adds_its_effect_on_the_prediction():
+    """Hertz's law: the half width of two cylinders varies as the square root of the load."""
+    rollers = wo.RollerProblem.example()
+    load, width = 89e3, wo.solve(rollers.replace(load=89e3)).half_width
+    table = {"load": [load], "load +-": [0.04 * load], "half_width": [width]}
+    own = 0.01 * width
+    check = wo.compare(rollers, table | {"half_width +-": [own]})
+    # d ln a/d ln P = 1/2, so that 4 % of the load are 2 % of the half width
+    assert check.deviation[0] == pytest.approx(width * (0.01**2 + 0.02**2) ** 0.5, rel=1e-3)
+    # without a deviation of the output there is none: the residuals contain the scatter
+    assert np.isnan(wo.compare(rollers, table).deviation[0])
+    rows = {name: [*cells, *cells] for name, cells in table.items()} | {"half_width +-": [own] * 2}
+    found = wo.fit(rollers, rows, {"upper.radius": (0.1, 1.0)}, starts=1, profiles=False)
+    exact = wo.fit(
+        rollers,
+        {name: cells for name, cells in rows.items() if name != "load +-"},
+        {"upper.radius": (0.1, 1.0)},
+        starts=1,
+        profiles=False,
+    )
+    ratio = found.standard_errors[0] / exact.standard_errors[0]
+    assert ratio == pytest.approx(5**0.5, rel=1e-3)

@@ -111,7 +111,9 @@ def test_a_faulty_row_is_explained_and_the_others_are_solved():
     assert np.isfinite(found[WOT]).tolist() == [True, False, False, False, False]
     reasons = found.failure.tolist()
     assert reasons[0] == ""
-    assert reasons[1] == "column 'nip_load [N/m]': 'abc' is not a number"
+    assert (
+        reasons[1] == "column 'nip_load [N/m]': 'abc' is not a number; correct it or delete the row"
+    )
     assert reasons[2].startswith("nip_load: -5 is out of range; must be >= 1e-12")
     assert reasons[3].startswith("winding_force: -900 is out of range; must be > -600")
     assert "web.material: 'cheese'" in reasons[4]

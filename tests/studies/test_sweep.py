@@ -10,6 +10,7 @@ from thesis_cases import paper_nip
 import woundon as wo
 from woundon.problems.units import parse
 from woundon.studies.api import study_of
+from woundon.studies.model import model_of
 
 # both solve the same discrete equations; they differ by the load's tolerance of 1e-10 and rounding
 SAME = 1e-8
@@ -111,3 +112,21 @@ def test_a_sweep_without_any_solution_raises_with_its_reasons(
     assert "\n" not in str(fault.value)
     if kind is wo.NotConverged:
         assert set(fault.value.best.failure.values.ravel()) != {""}
+
+
+def test_estimates_that_no_output_is_are_omitted():
+    """With nodes, all but the first case are solved on the last mesh alone: the same numbers."""
+    nip = wo.NipProblem.example()
+    over = {"nip_load": [1800.0, 2000.0, 2200.0]}
+    outputs = ["wound_on_tension", "half_width"]
+    quick = wo.sweep(nip, over, outputs, nodes=33, workers=1)
+    full = wo.sweep(nip, over, [*outputs, "errors.half_width"], nodes=33, workers=1)
+    for name in outputs:
+        np.testing.assert_allclose(quick[name], full[name], rtol=1e-9)
+    assert (full["errors.half_width"] > 0).all()
+    assert (
+        model_of(nip, outputs, None, {"nodes": 33}).without_estimates().options["errors"] is False
+    )
+    for asked, options in ((["errors.half_width"], {"nodes": 33}), (outputs, {})):
+        model = model_of(nip, asked, None, options)
+        assert model.without_estimates() is model

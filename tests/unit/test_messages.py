@@ -52,6 +52,12 @@ def solve(problem: Any, **options: Any) -> Any:
     return wo.solve(problem, **options)
 
 
+def next_nips(*changed: Any, **fields: Any) -> Any:
+    """Return the example of a nip with further nips: each a table of changed fields."""
+    front = {"angle": 1.5, "drum": wo.Rigid(radius=0.25), "nip_load": 2000.0}
+    return NIP.replace(next_nips=[front | one for one in changed], **fields)
+
+
 ROLL, WINDING = wo.RollProblem.example(), wo.WindingProblem.example()
 WINDER = WINDING.replace(
     winder=wo.TwoDrums(front_drum=wo.Rigid(radius=0.25), gap=0.02, rider_load=2500.0),
@@ -115,7 +121,7 @@ NAMES = {
     "ORTHOTROPIC": ORTHOTROPIC, "CYLINDER": CYLINDER, "ROLL": ROLL, "WINDING": WINDING,
     "STACK": ROLL.stack, "WOUND": WOUND, "RUBBER": RUBBER, "WINDER": WINDER,
     "COVER": wo.Cylinder(radius=0.25, core_radius=0.235, material=RUBBER),
-    "plan": plan,
+    "plan": plan, "next_nips": next_nips,
     "fit": fit, "case": case, "study": study, "parse": parse, "written": written,
     "measured": measured, "cases": cases, "to_toml": to_toml, "make_problem": make_problem,
     "apply_settings": apply_settings,

@@ -224,7 +224,9 @@ def test_a_cell_in_minutes_that_was_meant_as_millimetres_is_rejected(tmp_path: P
         book.active.append(row)
     book.active["A2"].number_format = "0 mm"
     book.save(tmp_path / "rig.xlsx")
-    assert "row 2, column 'half_width [mm]'" in faults(read, tmp_path / "rig.xlsx")
+    message = faults(read, tmp_path / "rig.xlsx")
+    assert "row 2, column 'half_width [mm]': 1900-01-04 00:00:00 is a date, not a number" in message
+    assert 'write 0 "mm"' in message
     book.active["A2"].number_format = '0 "mm"'
     book.save(tmp_path / "rig.xlsx")
     assert read(tmp_path / "rig.xlsx").outputs["half_width"].tolist() == [4e-3]
@@ -316,7 +318,7 @@ def test_channels_of_one_rate_are_one_table(tmp_path: Path):
         {"rig/nip load": (np.array([1.5, 2.5]), rate(0.5, "kN/m")),
          "rig/WOT": (np.array([650.0, 700.0]), rate(0.5, "N/m"))},
     )  # fmt: skip
-    data = read(path, {"time": None})
+    data = read(path)
     assert data.inputs["nip_load"].tolist() == [1500.0, 2500.0]
     assert data.outputs["wound_on_tension"].tolist() == [650.0, 700.0]
 
@@ -348,12 +350,23 @@ def test_channels_of_two_rates_are_joined_by_time_and_never_by_number(tmp_path: 
     assert sheet.columns["time"] == pytest.approx([0.5, 1.0, 1.5, 2.0])
     assert sheet.columns["Kraft"] == pytest.approx([0.5, 1.0, 1.5, 2.0])
     assert sheet.columns["Weg"].tolist() == [1.0, 2.0, 3.0, 4.0]
-    joined, left_out, instants = sheet.remarks
+    joined, instants, left_out = sheet.remarks
     assert joined == (
         "joined by time to 'Weg', one sample each 0.5 s: 'Kraft', one sample each 0.1 s"
     )
-    assert left_out == "not read: Temperature"
+    assert left_out == "channels without a known name are not read: Temperature"
     assert instants == "2 instants left out, at which a channel has no sample"
+
+
+def test_a_channel_without_a_known_name_is_named_and_not_read(tmp_path: Path):
+    path = tdms(
+        tmp_path,
+        {"rig/nip load": (np.array([1.5, 2.5]), rate(0.5, "kN/m")),
+         "rig/WOT": (np.array([650.0, 700.0]), rate(0.5, "N/m")),
+         "rig/Door 3": (np.array([0.0, 1.0]), rate(0.5, ""))},
+    )  # fmt: skip
+    with pytest.warns(InputWarning, match="channels without a known name are not read: Door 3"):
+        assert list(read(path).inputs) == ["nip_load"]
 
 
 def test_channels_without_times_are_not_joined_by_number(tmp_path: Path):

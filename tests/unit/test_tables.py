@@ -234,7 +234,9 @@ def test_a_percentage_is_no_length(tmp_path: Path):
 def test_cells_of_excel_that_hold_no_number(tmp_path: Path):
     rows = [["nip_load [N/m]", "WOT [N/m]"], [True, 1]]
     message = faults(book(tmp_path, rows))
-    assert message == ["row 2, column 'nip_load [N/m]': True is not a number"]
+    assert message == [
+        "row 2, column 'nip_load [N/m]': True is not a number; correct it or delete the row"
+    ]
     message = faults(book(tmp_path, [*rows, ["=A1*2", 2]]))
     assert message[0].startswith("row 3, column 1: the formula has no value; open and save")
 

@@ -224,6 +224,28 @@ def test_the_certificate_needs_the_nips_of_all_drums() -> None:
     assert certificate(solved("two drums").replace(rider=front)).nips == np.inf
 
 
+def test_the_nips_of_all_drums_are_solved_again() -> None:
+    """Error injection: 0.1 % of any value of front drum and rider is noticed.
+
+    Only where a drum adds less than 1 % of the tension, 0.1 % of that may be within the tolerance.
+    """
+    problem = WITH_RIDER.replace(roll_body="effective", radius=0.09)
+    winding = wo.solve(problem, **COARSE, coupling_rtol=1e-6)
+    again = winding.recomputed_nips()
+    assert winding.front is not None
+    assert winding.rider is not None
+    for drum in ("front", "rider"):
+        for name, values in vars(getattr(winding, drum)).items():
+            expected, within = again[f"{drum}.{name}"]
+            assert (np.abs(values - expected) <= within).all(), (drum, name)
+            large = np.abs(values) > 0.01 * winding.nip_wound_on_tension
+            is_noticed = np.abs(1.001 * values - expected) > within
+            if name == "added_tension":
+                assert is_noticed[large].all(), drum
+            else:
+                assert is_noticed.any() or not values.any(), (drum, name)
+
+
 def test_the_drawing_is_that_of_the_geometry() -> None:
     """Closed form: bodies touch, distances of their centres are sums of their radii."""
     panel = winding_panels(solved("rider"))["winder"].make(solved("rider"))

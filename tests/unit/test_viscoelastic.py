@@ -90,6 +90,17 @@ def test_a_nip_beyond_the_measured_frequencies_is_reported(highest: float, is_kn
     assert (result.rolling_resistance > 10) is is_known
 
 
+@pytest.mark.parametrize(("share", "is_known"), [(0.02, False), (0.5, True), (50.0, False)])
+def test_a_loss_angle_far_from_the_nip_is_reported(share: float, is_known: bool) -> None:
+    """The loss of its single relaxation time is less than that of a rubber there."""
+    material = wo.LossAngle(
+        youngs_modulus=5e6, poissons_ratio=0.45, loss_angle=0.2, frequency=share * 450.0
+    )  # V/2a is 450 Hz within a third
+    result = wo.solve(nip(**{"drum.material": material}), nodes=17)
+    assert 300 < 5.0 / result.nip_width < 600
+    assert any("V/2a" in text for text in result.warnings) is not is_known
+
+
 # ---- cases, studies, reports, files -------------------------------------------------------------
 
 

@@ -45,6 +45,31 @@ def deviation(run: wo.WindingResult, r: float) -> float:
     return float(abs(wo.solve(nip, nodes=33).roll_wound_on_tension / tension - 1))
 
 
+# ---- fewer nips -------------------------------------------------------------------------------
+
+
+def test_without_error_estimates_a_winding_is_the_same():
+    run = wo.solve(CASE.replace(roll_body="effective"), **COARSE, errors=False)
+    np.testing.assert_array_equal(run.wound_on_tension, wound("effective").wound_on_tension)
+    assert run.core_pressure == wound("effective").core_pressure
+    assert np.isnan(run.nip_error).all()
+    assert np.isnan(run.errors["core_pressure"])
+    assert run.residuals.largest < ACCEPTED_RESIDUAL
+
+
+def test_exponents_of_the_effective_pressure_are_those_of_solved_nips():
+    """Central differences over 1 % of the same nip; one over 1 % upwards is off by their change."""
+    run = wound("effective")
+    for sample in run.nips[:: len(run.nips) // 3]:
+        outputs = []
+        for factor in (1.01, 0.99):
+            body = effective_cylinder(run.problem, sample.radius, factor * sample.pressure)
+            nip = wo.solve(sample.result.problem.replace(roll=body), nodes=33)
+            outputs.append([nip.roll_wound_on_tension, nip.half_width, nip.peak_pressure])
+        expected = np.log(np.divide(*outputs)) / np.log(1.01 / 0.99)
+        np.testing.assert_allclose(sample.exponents, expected, rtol=0, atol=5e-3)
+
+
 # ---- interpolation ------------------------------------------------------------------------------
 
 

@@ -170,7 +170,7 @@ def test_a_pressure_beyond_its_law_is_rejected(wrapped: bool) -> None:
 
 
 def test_only_a_web_may_be_of_a_stack() -> None:
-    with pytest.raises(wo.InvalidProblem, match=r"roll.material: .* LossAngle or DynamicTest"):
+    with pytest.raises(wo.InvalidProblem, match=r"roll.material: .* LossAngle or RelativeProny"):
         LINEAR.replace(**{"roll.material": stack(E_R)})
     with pytest.raises(wo.InvalidProblem, match=r"web.material: .*\bStack\b"):
         LINEAR.replace(**{"web.material": 3.0})

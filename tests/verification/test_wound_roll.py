@@ -15,9 +15,10 @@ from scipy.integrate import quad
 from slow_cases import slow_case
 
 import woundon as wo
-from woundon.roll.build_up import Layers, _Roll, wind
+from woundon.roll.build_up import Layers, _Roll, _wind_selected_stages, wind
 from woundon.roll.finished import equations_of, surface_layer_depth
 from woundon.roll.finite_layers import finite_layer_effects
+from woundon.roll.stages import stages_at
 from woundon.roll.theories import constant_moduli, layer_by_layer, plateau_pressure
 
 RADII = np.array([0.05, 0.06, 0.08, 0.10, 0.15, 0.19])
@@ -197,6 +198,47 @@ def test_the_order_in_stages(case: dict, order: int):
         misses.append(np.max(np.abs(wound.solved.P - exact)) / exact.max())
     orders = np.log2(np.array(misses[:-1]) / misses[1:])
     assert (np.abs(orders - order) < 0.25).all(), orders  # 2.8, 3.0; 4.2, 4.1
+
+
+KINKED = wo.Profile(radius=[0.0445, 0.08, 0.1, 0.15], value=[350.0, 300.0, 340.0, 250.0])
+
+
+@pytest.mark.parametrize("thickness", [0.0, 3e-4], ids=["thin layers", "layers of 0.3 mm"])
+def test_stages_solved_together_are_those_solved_one_after_the_other(thickness: float):
+    """The same equations: they agree to the accuracy of Newton's method, from another roll too."""
+    problem = NEWSPRINT.replace(wound_on_tension=KINKED)
+    layers = Layers(equations_of(problem), problem.tension_curve, thickness)
+    depth = surface_layer_depth(problem)
+    one_by_one = _Roll(layers, problem.core.radius, 30, depth, None)
+    curve = problem.tension_curve
+    other = wind(equations_of(problem), curve, problem.core.radius, problem.radius,
+                 tolerance=0.01, cells=25, surface_layer=depth)  # fmt: skip
+    kinks = other.growth.kinks.tolist()
+    for number, x in enumerate(other.growth.x[1:].tolist()):
+        if number in kinks:
+            one_by_one.growth.start_new_polynomial()
+        one_by_one.append(one_by_one.stage(x, 1e-14)[0])
+    numbers = range(1, other.growth.x.size)
+    together = _wind_selected_stages(layers, other, numbers, 1e-14, 30, depth, None)
+    kappa = one_by_one.growth.kappa
+    np.testing.assert_allclose(together.growth.kappa, kappa, rtol=0, atol=1e-9 * np.max(kappa))
+    assert other.growth.kappa != pytest.approx(kappa, abs=1e-5 * np.max(kappa))
+    expected, found = one_by_one.solutions[-1], together.solved
+    np.testing.assert_allclose(found.P, expected.P, rtol=0, atol=1e-9 * expected.P.max())
+
+
+def test_several_stages_of_a_result_are_those_of_each_alone():
+    result = wo.solve(NEWSPRINT.replace(wound_on_tension=KINKED))
+    radii = [0.05, 0.08, 0.0999, 0.15]
+    for radius, stage in zip(radii, stages_at(result, radii), strict=True):
+        r = np.linspace(0.0445, radius, 50)
+        alone = stages_at(result, [radius])[0]
+        pressure = stage.stresses_at(r)[0]
+        # of Newton's method, which the stages that need more steps continue for all
+        np.testing.assert_allclose(pressure, alone.stresses_at(r)[0], rtol=0, atol=1e-4)
+        # and with other nodes, those of a result of this stage
+        expected = result.at(radius).at_radius(r)
+        np.testing.assert_allclose(pressure, expected["pressure"], rtol=0, atol=300.0)
 
 
 def test_the_surface_slope_comes_out_by_itself():

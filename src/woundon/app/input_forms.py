@@ -197,7 +197,12 @@ def _type(annotation: Any) -> str:
     if members_of(annotation):
         return "members" if is_list(annotation) else "member"
     if is_list(annotation):
-        return "pairs" if any(is_list(part) for part in get_args(annotation)) else "numbers"
+        lists = [part for part in _parts(annotation) if get_origin(part) in (tuple, list)]
+        return (
+            "pairs"
+            if any(is_list(item) for each in lists for item in get_args(each))
+            else "numbers"
+        )
     if _literal_words(annotation):
         return "choice"
     return "number" if float in _parts(annotation) else "text"

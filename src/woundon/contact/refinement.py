@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
 __all__ = [
+    "CHANGES",
     "FINAL_TOLERANCE",
     "FIRST_SIZES",
     "MeshSolution",

@@ -11,6 +11,7 @@ import re
 import shlex
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
+from datetime import date, time
 from fractions import Fraction
 from types import MappingProxyType
 from typing import Any, NamedTuple
@@ -367,6 +368,9 @@ def _plain_text(cell: Any, sign: str) -> str:
         limit = "must have a number format without a comma after the last digit"
         reason = f"{cell:g} is displayed in thousands by its number format; {limit}"
         raise InvalidProblem(reason)
+    if isinstance(cell, date | time):
+        hint = "a unit in a number format needs quotes, as m, h and s are parts of a date"
+        raise InvalidProblem(f'{cell} is a date, not a number; {hint}: write 0 "mm"')
     # no float is as large, and Python limits the digits of the text of a whole number
     overflows = isinstance(cell, int) and cell.bit_length() > 1024
     text = "inf" if overflows else str(cell).strip()
@@ -378,7 +382,7 @@ def _plain_text(cell: Any, sign: str) -> str:
     if _NUMBER.fullmatch(text) or _has_unit(text):
         return text
     finite = " finite" if text in ("inf", "-inf") else ""
-    raise InvalidProblem(f"{quote(cell)} is not a{finite} number")
+    raise InvalidProblem(f"{quote(cell)} is not a{finite} number; correct it or delete the row")
 
 
 def _with_unit(text: str, unit: str) -> str:
@@ -394,7 +398,8 @@ def _with_point(text: str, sign: str) -> str:
         hint = "write a decimal point and no thousands separator"
         raise InvalidProblem(f"{text!r} is not a number; {hint}")
     if sign == "," and "." in text:
-        raise InvalidProblem(f"{text!r} has a point where other cells have decimal commas")
+        reason = f"{text!r} has a point where other cells have decimal commas"
+        raise InvalidProblem(f"{reason}; write one decimal sign")
     return text
 
 

@@ -3,7 +3,7 @@
 The channels of an instrument may have different rates.  Channels of one rate are the columns of one
 table.  Others are joined by time, never by the number of the sample: to each instant of the slowest
 channel that is used belongs the nearest sample of every other channel, at most half a period of
-that channel away.
+that channel away.  Channels without a known name are not read.
 """
 
 from __future__ import annotations
@@ -142,7 +142,7 @@ def joined(channels: Sequence[Channel], where: str, is_known: Callable[[str], bo
     where : str
         Name of the table in error messages.
     is_known : callable
-        Channels with other names are left out where the rates differ.
+        Channels with other names are left out, if any channel has a known name.
 
     Raises
     ------
@@ -161,10 +161,9 @@ def joined(channels: Sequence[Channel], where: str, is_known: Callable[[str], bo
         if channel.name in [other.name for other in channels[:k]]:
             raise InvalidProblem.at(where, f"two channels have the name {channel.name!r}")
     used = [channel for channel in channels if is_known(f"{channel.name} [{channel.unit}]")]
+    is_time_used = is_known("time [s]") or not used
     used = used or list(channels)
     base = max(used, key=lambda channel: (channel.period, -channel.values.size))
-    if all(channel.has_times_of(base) for channel in channels):
-        used = list(channels)  # one table, in which all channels have their place
     remarks: list[str] = []
     columns: dict[str, Array] = {}
     has_all = np.ones(base.values.size, dtype=bool)  # whether every channel has a sample
@@ -177,13 +176,15 @@ def joined(channels: Sequence[Channel], where: str, is_known: Callable[[str], bo
     if remarks:
         text = f"joined by time to {base.name!r}, one sample each {base.period:.4g} s: "
         remarks = [text + "; ".join(remarks)]
-        missing = [channel.name for channel in channels if channel not in used]
-        if missing:
-            remarks.append(f"not read: {', '.join(missing)}")
         if not has_all.all():
             count = int(np.count_nonzero(~has_all))
             remarks.append(f"{count} instants left out, at which a channel has no sample")
-    times = {} if np.isnan(base.period) or _has_time(columns) else {"time": base.time}
+    names = {channel.name for channel in used}
+    missing = [channel.name for channel in channels if channel.name not in names]
+    if missing:
+        remarks.append(f"channels without a known name are not read: {', '.join(missing)}")
+    has_times = is_time_used and not np.isnan(base.period) and not _has_time(columns)
+    times = {"time": base.time} if has_times else {}
     columns = {name: values[has_all] for name, values in (times | columns).items()}
     units = {channel.name: channel.unit for channel in used} | dict.fromkeys(times, "s")
     return Channels(where, columns, units, int(has_all.sum()), remarks=tuple(remarks))

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..contact.newton import SemismoothNewton
-from ..contact.refinement import FINAL_TOLERANCE, MeshSolution, richardson_estimates
+from ..contact.refinement import CHANGES, FINAL_TOLERANCE, MeshSolution, richardson_estimates
 from ..errors import RESOLUTION
 from ..results import ACCEPTED_RESIDUAL, Residuals, largest
 from .conditions import LARGEST_MESH, body_equilibrium, difference, friction_law, negative_pressure
@@ -282,8 +282,10 @@ def inconsistencies(meshes: Sequence[MeshSolution]) -> list[str]:
 
     A defect is of the order of the discretisation error, so that it is smaller than the error
     estimate of the defect itself.  An error of an influence function leaves a defect that does not
-    change with the mesh.
+    change with the mesh.  None without error estimates.
     """
+    if len(meshes) <= CHANGES:
+        return []
     history = [consistency_defects(mesh.system, mesh.state) for mesh in meshes]
     values = np.array([list(defects.values()) for defects in history])
     estimates = richardson_estimates([mesh.size for mesh in meshes], values)

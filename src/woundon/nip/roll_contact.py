@@ -14,7 +14,7 @@ import numpy as np
 from ..contact.refinement import refine
 from .several_nips import system_of
 
-__all__ = ["RollContact", "contacts_of"]
+__all__ = ["LEAST_STICK", "RollContact", "contacts_of", "nip_nodes", "tensions_of_first_nips"]
 
 
 # Shortest stick zone of an arc, relative to its length: about a cell of a coarse mesh.
@@ -42,11 +42,11 @@ class RollContact:
         Largest pressure on the drum [Pa].
     drum_creepage : float
         xi-, creepage of web and drum.
-    sticks_upstream : bool or None
-        True if the web sticks to the roll somewhere on the arc between the nip before and this one:
-        then this nip adds nothing to the wound-on tension.  None of the first nip.
-    slip_angle : float
-        Angle of the arc on which the web slips, back from this nip [rad]; nan of the first nip.
+    arc : float
+        Angle between the edges of the nip before and of this one [rad]; nan of the first nip.
+    slip_angle, stick_angle : float
+        Angle of the arc on which the web slips, back from this nip, and that on which it sticks
+        [rad]; nan of the first nip.
     least_tension, largest_tension : float
         On the arc upstream [N/m]; nan of the first nip.
 
@@ -69,12 +69,21 @@ class RollContact:
     nip_width: float
     peak_pressure: float
     drum_creepage: float
-    sticks_upstream: bool | None
+    arc: float
     slip_angle: float
+    stick_angle: float
     least_tension: float
     largest_tension: float
     number: int = field(repr=False)
     result: Any = field(repr=False, compare=False)
+
+    @property
+    def sticks_upstream(self) -> bool:
+        """True if the web sticks to the roll on a part of the arc between the nip before and this.
+
+        Then this nip adds nothing to the wound-on tension.  False of the first nip.
+        """
+        return self.stick_angle > LEAST_STICK * self.arc
 
     @property
     def added_tension(self) -> float:
@@ -109,7 +118,7 @@ def contacts_of(result: Any) -> Iterator[RollContact]:
     for k, (nip, arc) in enumerate(zip(nips, arcs, strict=True)):
         given: Any = problem.next_nips[k - 1] if k else problem
         angle += given.angle if k else 0.0
-        sticks, slip_angle = _slip_before(result, arc) if k else (None, nan)
+        length, slips, sticks = _angles_before(result, arc) if k else (nan, nan, nan)
         T = result.tension[arc]
         yield RollContact(
             angle=angle,
@@ -122,8 +131,9 @@ def contacts_of(result: Any) -> Iterator[RollContact]:
             nip_width=2 * float(halves[k]),
             peak_pressure=float(result.drum_pressure[nip].max()),
             drum_creepage=float(creepages[k]),
-            sticks_upstream=sticks,
-            slip_angle=slip_angle,
+            arc=length,
+            slip_angle=slips,
+            stick_angle=sticks,
             least_tension=float(T.min()) if k else nan,
             largest_tension=float(T.max()) if k else nan,
             number=k,
@@ -131,16 +141,17 @@ def contacts_of(result: Any) -> Iterator[RollContact]:
         )
 
 
-def _slip_before(result: Any, arc: slice) -> tuple[bool, float]:
-    """Return whether the web sticks on an arc, and the angle of slip back from its end [rad].
+def _angles_before(result: Any, arc: slice) -> tuple[float, float, float]:
+    """Return the angles of an arc, of the slip back from its end, and of stick [rad].
 
-    A shorter stick zone than LEAST_STICK is a place where the slip changes its direction.
+    A single sticking node is a place where the slip changes its direction.
     """
     x, zones = result.x[arc], result.roll_zone[arc]
     cells = np.nonzero((zones[1:] == 0) & (zones[:-1] == 0))[0]
-    sticks = bool((x[cells + 1] - x[cells]).sum() > LEAST_STICK * (x[-1] - x[0]))
-    start = cells[-1] + 1 if sticks else 0
-    return sticks, float(x[-1] - x[start]) / result.problem.roll.radius
+    length, sticks = float(x[-1] - x[0]), float((x[cells + 1] - x[cells]).sum())
+    end_of_stick = x[cells[-1] + 1] if sticks > LEAST_STICK * length else x[0]
+    R = float(result.problem.roll.radius)
+    return length / R, float(x[-1] - end_of_stick) / R, sticks / R
 
 
 def tensions_of_first_nips(result: Any) -> list[float]:

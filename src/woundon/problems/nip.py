@@ -167,6 +167,7 @@ class NipProblem(ContactProblem):
         "stack": "give roll.stack of a wound roll, or web.material",
         "web_thickness": "give web.thickness",
         "wound_on_tension": "it is an output",
+        "winder": "give next_nips, the nips of front drum and rider",
         "nip_induced_tension": "it is an output; a WindingProblem may prescribe it",
         "roll_body": "give roll, a cylinder or a wound roll",
         **only_in("WindingProblem", "tension_law", "limits"),

@@ -446,7 +446,8 @@ def _nothing_below(name: str) -> str:
 
 
 def _no_item(name: str, count: int) -> str:
-    return f"no item {name!r} in this list; known: 0 to {count - 1}"
+    known = f"known: 0 to {count - 1}" if count else "it is empty"
+    return f"no item {name!r} in this list; {known}"
 
 
 def _is_item(name: str, count: int) -> bool:

@@ -202,7 +202,10 @@ class RollProblem(Problem):
         "limits": "give them to woundon.margins; a WindingProblem has it",
         **only_in("WindingProblem", "drum", "roll_friction", "drum_friction", "nip_load"),
         **only_in("WindingProblem", "winding_force", "torque_split", "roll_wrap", "drum_wrap"),
-        **only_in("WindingProblem", "wrap_friction", "roll_body", "web_speed", "air", "width"),
+        **only_in("NipProblem", "next_nips"),
+        **only_in(
+            "WindingProblem", "winder", "wrap_friction", "roll_body", "web_speed", "air", "width"
+        ),
         **only_in("RollerProblem", "upper", "lower", "load", "friction", "tangential_load"),
         **only_in("RollerProblem", "creepage", "motion", "speed"),
     }

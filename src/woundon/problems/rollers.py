@@ -68,10 +68,12 @@ class RollerProblem(ContactProblem):
         "radius": "give upper.radius and lower.radius",
         "core": "give upper.core_radius",
         "stack": "give upper.stack of a wound roll",
-        **only_in("NipProblem", "web", "web_tension", "air", "width", *WRAP_TABLE["wrap"]),
+        **only_in(
+            "NipProblem", "next_nips", "web", "web_tension", "air", "width", *WRAP_TABLE["wrap"]
+        ),
         **only_in("RollProblem", "web_thickness", "wound_on_tension", *OF_FINISHED_ROLL),
         **only_in("WindingProblem", "torque_split", "roll_body", "tension_law", "limits"),
-        **only_in("WindingProblem", "nip_induced_tension"),
+        **only_in("WindingProblem", "nip_induced_tension", "winder"),
         **only_in("WindingProblem", "density", "gauge_excess", "caliper_pressure"),
         **only_in("WindingProblem", "thickness_profile", "oscillation"),
     }

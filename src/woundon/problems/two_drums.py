@@ -92,7 +92,7 @@ class TwoDrums(Description):
     '2910 and 4097 N/m, arc 0.75 rad'
     """
 
-    front_drum: Annotated[AnyBody, Field(description="the drum downstream of the winding drum")]
+    front_drum: Annotated[AnyBody, Field(description="the front drum")]
     gap: Annotated[
         Number,
         length("g", "gap between the surfaces of the drums", typical=(0.005, 0.05)),

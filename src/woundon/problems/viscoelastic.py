@@ -40,11 +40,17 @@ __all__ = ["LossAngle", "RelativeProny", "RelativeTerm"]
 LARGEST_SUM = 1 - 1e-4
 
 
+# Ratio of frequencies within which a single relaxation time stands for a real material: tan delta
+# is 2/(3 + 1/3) = 60 % of the given one there, that of rubber nearly the same.
+WIDTH = 3.0
+
+
 class LossAngle(OneModulus):
     """A standard linear solid with a given loss angle at one frequency.
 
     E(t) = E_inf + E_1 exp(-t/tau).  The loss angle is largest at the given frequency; far from it
-    the loss is smaller than that of a real rubber.
+    the loss is smaller than that of a real rubber.  A result has a warning if V/2a of the nip is
+    not within a third to three times the frequency.
 
     Parameters
     ----------
@@ -86,6 +92,11 @@ class LossAngle(OneModulus):
     def long_term_modulus(self) -> float:
         """E_inf [Pa]."""
         return self.youngs_modulus
+
+    @property
+    def measured_frequencies(self) -> tuple[float, float]:
+        """A third of the frequency and three times it [Hz]."""
+        return self.frequency / WIDTH, self.frequency * WIDTH
 
     @cached_property
     def prony_series(self) -> tuple[tuple[float, float], ...]:

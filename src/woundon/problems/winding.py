@@ -190,6 +190,7 @@ class WindingProblem(Problem):
         "wound_on_tension": "give it as tension_law, a Profile",
         "tangential_load": "give winding_force or torque_split",
         "lower": "give drum",
+        "next_nips": "give winder, whose drums are further nips",
         **only_in("RollProblem", *OF_FINISHED_ROLL),
         **only_in("RollerProblem", "upper", "creepage", "motion"),
     }

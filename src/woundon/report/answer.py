@@ -15,6 +15,7 @@ from ..problems.problem import Problem
 from ..quantities import walk
 from ..results import Result
 from ..winding.result import WindingResult
+from .contacts_report import contact_sentences
 from .margins_report import verdict_lines
 from .outputs_report import LEAST_FRICTION
 from .report_parts import Line, Section, output_row, quantity_of, value_row
@@ -38,7 +39,9 @@ def answer_lines(result: Result, full: bool = True) -> list[Line]:
     """Return the answer as lines; ``full`` adds the effect of entrained air, which solves a nip."""
     if isinstance(result, NipResult):
         lines = [Line(_tensions(result), "answer")]
-        return [*lines, *map(Line, _air(result))] if full and result.air is not None else lines
+        if full and result.air is not None:
+            lines += map(Line, _air(result))
+        return [*lines, *map(Line, contact_sentences(result))] if full else lines
     if isinstance(result, WindingResult):
         names = [name for name in result.MAIN if name != "least_hoop_stress"]  # it is a margin
         further = map(Line, drum_sentences(result))

@@ -11,6 +11,7 @@ import numpy as np
 from ..errors import unwarned
 from ..nip.layer_slip import LayerSlip, friction_limit, interior_stress, wound_in_pressure
 from ..nip.result import NipResult
+from ..nip.roll_contact import nip_nodes
 from ..nip.roller_result import RollerResult
 from ..results import zone_runs
 from .moduli_panels import moduli
@@ -43,6 +44,10 @@ def nip_panels(result: NipResult) -> dict[str, PanelMaker]:
 
     - wrap_tension: the web tension
     - wrap_pressure: the pressure on the body and |q|/mu, the pressure that its traction requires
+
+    With further nips:
+
+    - contacts_tension: the web tension along the roll through all nips, over the angle
     """
     panels = {
         "tractions": PanelMaker(tractions),
@@ -58,6 +63,8 @@ def nip_panels(result: NipResult) -> dict[str, PanelMaker]:
     if result.problem.is_wrapped:
         panels["wrap_tension"] = PanelMaker(wrap_tension)
         panels["wrap_pressure"] = PanelMaker(wrap_pressure)
+    if result.problem.next_nips:
+        panels["contacts_tension"] = PanelMaker(contacts_tension)
     return {
         **panels,
         "layer_slip": PanelMaker(layer_slip, by_default=False, slow=True),
@@ -201,11 +208,12 @@ def air_film(result: NipResult) -> Panel:
 
 
 def _wraps(result: NipResult) -> list[tuple[str, Array, slice]]:
-    """Return (name, angles from the nip [rad], slice of the nodes) of the wrapped faces."""
+    """Return (name, angles from the first nip [rad], slice of the nodes) of its wraps."""
     problem, nip, a, x = result.problem, result.in_nip, result.half_width, result.x
     faces = []
     if problem.roll_wrap:
-        downstream = slice(nip.stop, None)
+        nips = nip_nodes(result)
+        downstream = slice(nip.stop, nips[1].start if len(nips) > 1 else None)
         faces.append(("roll", (x[downstream] - a) / problem.roll.radius, downstream))
     if problem.drum_wrap:
         upstream = slice(0, nip.start)
@@ -247,6 +255,37 @@ def wrap_tension(result: NipResult) -> Panel:
         Axis("Web tension $T$", T),
         title="Web tension on the wraps",
         curves=tuple(curves),
+        marks=tuple(marks),
+        column="wraps",
+        width=6.1,
+    )
+
+
+def contacts_tension(result: NipResult) -> Panel:
+    """Return the panel of the web tension along the roll, with the nips and the zones of stick."""
+    on_roll = slice(result.in_nip.start, None)
+    theta = result.x[on_roll] / result.problem.roll.radius
+    T, sticks = result.tension[on_roll], result.roll_zone[on_roll] == 0
+    tension, WOT = quantity_of(result, "tension"), quantity_of(result, "wound_on_tension")
+    curves = (
+        Curve("tension", theta, T, symbol=tension.symbol, label="slips on the roll", colour="web"),
+        Curve(
+            "tension",
+            theta,
+            np.where(sticks, T, np.nan),
+            symbol=tension.symbol,
+            label="sticks to the roll",
+            colour="roll",
+        ),
+    )
+    marks = [Mark("x", result.wound_on_tension, label="wound-on tension", symbol=WOT.symbol)]
+    marks += [Mark("y", contact.angle, line="dotted", alone=False) for contact in result.contacts]
+    return Panel(
+        "contacts_tension",
+        Axis("Angle from the first nip $theta$", quantity_of(result, "slip_angle")),
+        Axis("Web tension $T$", tension),
+        title="Web tension through all nips",
+        curves=curves,
         marks=tuple(marks),
         column="wraps",
         width=6.1,

@@ -14,6 +14,7 @@ from ..problems.stack import Stack
 from ..problems.wound_roll import WoundRoll
 from ..quantities import in_chosen_units, pure
 from .closed_forms import nip_closed_forms
+from .contacts_report import contacts_parts
 from .outputs_report import LEFT_OUT, approach_note, rows_of
 from .report_parts import (
     Line,
@@ -75,6 +76,7 @@ def nip_report(result: NipResult) -> list[Part]:
             rows,
             "" if problem.is_wrapped else HELD_NOTE,
         ),
+        *contacts_parts(result),
         nip_trade_rule(result),
         nip_zones(result),
         *_without_wraps(result),
@@ -162,11 +164,13 @@ def _without_wraps(result: NipResult) -> Iterator[Section]:
     """Yield a section on the same nip without wraps, solved with the same number of nodes."""
     if result.problem.roll_wrap == 0:
         return  # held there already
-    title = "Same nip with the web held at the trailing edge"
+    name = "First nip alone" if result.problem.next_nips else "Same nip"
+    title = f"{name} with the web held at the trailing edge"
     try:
         with unwarned():
             nip = kinds.solve(
-                result.without_air.replace(roll_wrap=0.0, drum_wrap=0.0), nodes=result.nodes
+                result.without_air.replace(roll_wrap=0.0, drum_wrap=0.0, next_nips=()),
+                nodes=result.nodes,
             )
     except NoSteadyState as fault:
         yield Section(title, (), f"No steady state exists: {in_chosen_units(str(fault))}")

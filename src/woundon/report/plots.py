@@ -65,8 +65,9 @@ def plot(
         Axes for one panel; the first panel unless ``panels`` names another.
     panels : str or sequence of str, optional
         Panels in the order of drawing: of a nip "tractions", "slips", "zones", "pressure",
-        "tension", of a wrapped one "wrap_tension" and "wrap_pressure" too, of rollers "tractions",
-        "slip", "zones"; of every kind any array by its name.
+        "tension", of a wrapped one "wrap_tension" and "wrap_pressure" too, with further nips
+        "contacts_tension", of rollers "tractions", "slip", "zones"; of every kind any array by its
+        name.
     labels : sequence of str, optional
         Labels of several results; by default the fields in which their problems differ.
 

@@ -49,6 +49,7 @@ __all__ = [
     "rows_of_given",
     "schedule_rows",
     "value_row",
+    "values_row",
     "warning_lines",
     "zone_line",
     "zone_strips",
@@ -174,6 +175,12 @@ class Table:
     columns: tuple[Column, ...]
     rows: tuple[TableRow, ...]
     text: str = ""
+
+
+def values_row(label: str, quantity: Quantity, values: Array) -> TableRow:
+    """Return the row of several values in the unit for display, which the last cell states."""
+    shown = (f"{float(value) + 0.0:.4g}" for value in np.round(quantity.shown(values), 6))
+    return TableRow((label, *shown, quantity.display))
 
 
 @dataclass(frozen=True, eq=False)

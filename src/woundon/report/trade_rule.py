@@ -4,11 +4,11 @@ The rule is full slip: friction of the whole nip load pulls the web forward on t
 
     NIT = mu N + F;     F = 0 (centre winding): NIT = mu N,   F = -T_in (surface): WOT = mu N.
 
-The equilibrium of the web between its span and the end of the roll wrap is NIT = Q+ + F + Q_w+,
-Q+ and Q_w+ the tractions on the roll in the nip and on its wrap.  With the friction mu_e that an
-air film leaves,
+The equilibrium of the web between its span and the end of the roll wrap is
+NIT = Q+ + F + Q_w+ + sum F_k, with the tractions Q+ and Q_w+ on the roll in the nip and downstream
+of it, and the winding forces F_k of further drums.  With the friction mu_e that an air film leaves,
 
-    NIT - (mu N + F) = (Q+ - mu_e N) - (mu - mu_e) N + Q_w+.
+    NIT - (mu N + F) = (Q+ - mu_e N) - (mu - mu_e) N + Q_w+ + sum F_k.
 
 docs/theory/simple_formulas.md
 """
@@ -38,8 +38,8 @@ def nip_trade_rule(result: NipResult) -> Section:
     """Return the section of the rule for a nip; its rows add up to the computed tension."""
     problem, effective = result.problem, result.without_air
     N, F, T_in = problem.nip_load, problem.winding_force, problem.web_tension
-    Q_w = result.roll_wrap_traction
-    Q = result.nip_induced_tension - F - Q_w
+    Q_w, F_k = result.roll_wrap_traction, sum(nip.winding_force for nip in problem.next_nips)
+    Q = result.outlet_tension - problem.web_tension - F
     slip = Q - effective.roll_friction * N
     air = (effective.roll_friction - problem.roll_friction) * N
     rule = theories.friction_limit(problem)
@@ -48,7 +48,8 @@ def nip_trade_rule(result: NipResult) -> Section:
     for text, value in (
         ("stick or backward slip on the roll in the nip", slip),
         ("friction lost to the air film", air),
-        ("friction on the roll wrap", Q_w),
+        ("friction on the roll wrap" + (" and in further nips" if problem.next_nips else ""), Q_w),
+        ("winding forces of the further drums", F_k),
     ):
         if value:
             rows.append(
@@ -66,7 +67,7 @@ def _reason(result: NipResult) -> str:
     if forward > 1 - 5e-4:  # printed as 100.0 %
         return SLIPS
     mu = result.without_air.roll_friction
-    Q = result.nip_induced_tension - result.problem.winding_force - result.roll_wrap_traction
+    Q = result.outlet_tension - result.problem.web_tension - result.problem.winding_force
     return (
         "The rule assumes forward slip on the roll in the whole nip. The web slips forward under "
         f"{_percent(forward)} of the nip load, sticks under {_percent(stick)} and slips backward "
@@ -107,14 +108,21 @@ def _winding_reason(result: WindingResult, friction: float) -> str:
 
     ``friction`` is mu N averaged over the length of web [N/m].
     """
-    law = result.problem.tension_law
+    law, has_winder = result.problem.tension_law, result.problem.winder is not None
+    if law == "friction" and has_winder:
+        return "The rule is that of the rear drum; the web slips in all nips of both drums."
     if law == "friction":
         return "The wound-on tension is that of this rule: tension_law = 'friction'."
     if law != "nip":
         return PRESCRIBED
     roll_side = _mean(result, result.nip_induced_tension - result.winding_force)
+    if result.front is not None:
+        roll_side -= result.mean_front_added_tension
+    if result.rider is not None:
+        roll_side -= result.mean_rider_added_tension
+    nip = "the nip of the rear drum" if has_winder else "the nip"
     text = (
-        f"Friction on the roll, in the nip and on its wrap, is {_percent(roll_side / friction)} of "
+        f"Friction on the roll, in {nip} and on its wrap, is {_percent(roll_side / friction)} of "
         "mu N in the mean."
     )
     if result.problem.air is not None:

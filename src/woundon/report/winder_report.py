@@ -6,10 +6,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..quantities import Quantity, angle, line_load, share, value_of
+from ..quantities import angle, line_load, share, value_of
 from ..winding.drum_nips import DrumNips
 from ..winding.result import WindingResult
-from .report_parts import Column, Part, Table, TableRow, quantity_of
+from .report_parts import Column, Part, Table, TableRow, quantity_of, values_row
 
 __all__ = ["drum_sentences", "winder_parts"]
 
@@ -51,14 +51,14 @@ def winder_parts(result: WindingResult) -> list[Part]:
     r = _radii(result)
     loads, used = problem.drum_loads(r), problem.friction_used(r)
     rows = [
-        _row("load of the rear drum", LOAD, loads.rear_load),
-        _row("load of the front drum", LOAD, loads.front_load),
-        _row("load of the rider", LOAD, loads.rider_load),
-        _row("winding force of the rear drum", FORCE, loads.rear_force),
-        _row("winding force of the front drum", FORCE, loads.front_force),
-        _row("friction used by the rear drum", USED, used["drum"]),
-        _row("friction used by the front drum", USED, used["winder.front_drum"]),
-        _row("arc from the rear to the front drum", ARC, loads.front_arc),
+        values_row("load of the rear drum", LOAD, loads.rear_load),
+        values_row("load of the front drum", LOAD, loads.front_load),
+        values_row("load of the rider", LOAD, loads.rider_load),
+        values_row("winding force of the rear drum", FORCE, loads.rear_force),
+        values_row("winding force of the front drum", FORCE, loads.front_force),
+        values_row("friction used by the rear drum", USED, used["drum"]),
+        values_row("friction used by the front drum", USED, used["winder.front_drum"]),
+        values_row("arc from the rear to the front drum", ARC, loads.front_arc),
         *_rows_of_nips(result, result.front, "front drum", r),
         *_rows_of_nips(result, result.rider, "rider", r),
     ]
@@ -86,16 +86,12 @@ def _rows_of_nips(
         return
     at = np.searchsorted(result.nip_radius, r)
     least = drum.arc_least_tension[at]
-    yield _row(f"smallest tension before the {name}", TENSION, least)
-    yield _row("its share of the web tension", SHARE, least / result.problem.at("web_tension", r))
-    yield _row(f"largest tension before the {name}", TENSION, drum.arc_largest_tension[at])
-    yield _row(f"angle of slip before the {name}", ARC, drum.slip_angle[at])
-    yield _row(f"tension added by the {name}", TENSION, drum.added_tension[at])
+    yield values_row(f"smallest tension before the {name}", TENSION, least)
+    yield values_row(
+        "its share of the web tension", SHARE, least / result.problem.at("web_tension", r)
+    )
+    yield values_row(f"largest tension before the {name}", TENSION, drum.arc_largest_tension[at])
+    yield values_row(f"angle of slip before the {name}", ARC, drum.slip_angle[at])
+    yield values_row(f"tension added by the {name}", TENSION, drum.added_tension[at])
     words = ("sticks" if sticks else "slips" for sticks in drum.sticks[at])
     yield TableRow((f"web on the arc before the {name}", *words, ""))
-
-
-def _row(label: str, quantity: Quantity, values: Array) -> TableRow:
-    """Return the row of values over the radius in the unit for display."""
-    shown = (f"{float(value) + 0.0:.4g}" for value in np.round(quantity.shown(values), 6))
-    return TableRow((label, *shown, quantity.display))

@@ -176,7 +176,7 @@ def _model_of_study(
     options: Mapping[str, Any],
 ) -> KindModel:
     """Return the model of a study, its inputs checked."""
-    model = model_of(problem, outputs, tie, options)
+    model = model_of(problem, outputs, tie, options).without_estimates()
     model.check_varied(over)
     return model
 

@@ -20,6 +20,7 @@ from ..problems.paths import get_field, number_in_si, varied_number
 from ..problems.problem import Problem
 from .compare_result import Comparison
 from .explanations import InputEffects, SolvedCase, explain
+from .input_scatter import with_input_scatter
 from .measurements import (
     TAB,
     Observations,
@@ -61,10 +62,11 @@ def compare(
         The base case, with the fields that are not columns of the table.
     measured : path, mapping or pandas.DataFrame
         CSV or Excel file with units in its header, or columns by name, SI if they have no unit:
-        inputs ("nip_load [kN/m]"), outputs ("wound_on_tension [N/m]", "nip_width [mm]") and their
-        standard deviations ("nip_width +- [mm]").  Of a roll or a winding also arrays over the
-        radius ("pressure [kPa]", "wound_on_tension [N/m]"), "pull_tab_force [N]" and "length [m]",
-        with a column "measured_radius [mm]", "measured_diameter [mm]" or "diameter [mm]".
+        inputs ("nip_load [kN/m]"), outputs ("wound_on_tension [N/m]", "nip_width [mm]") and the
+        standard deviations of both ("nip_width +- [mm]").  Of a roll or a winding also arrays over
+        the radius ("pressure [kPa]", "wound_on_tension [N/m]"), "pull_tab_force [N]" and
+        "length [m]", with a column "measured_radius [mm]", "measured_diameter [mm]" or
+        "diameter [mm]".  Or the log of a winder, from :func:`woundon.read_log`.
     tab : PullTab, optional
         Calibration of the pull tab.
     spread : mapping of str to float or str, optional
@@ -104,6 +106,7 @@ def compare(
     model = model_of(problem, tuple(scalars) or ("residual",), tie, options)
     deviations = {name: _deviation(problem, name, value) for name, value in (spread or {}).items()}
     model.check_varied([*data.inputs, *deviations])
+    data = with_input_scatter(model, data)
     repeated = sorted(set(data.inputs) & set(deviations))
     if repeated:
         raise InvalidProblem.at(f"spread: {repeated[0]}", "is measured in a column of the table")

@@ -29,6 +29,7 @@ from ..problems.paths import varied_value
 from ..problems.problem import Problem
 from .api import range_in_si
 from .fit_result import FitResult
+from .input_scatter import with_input_scatter
 from .measurements import Observations, read_observations
 from .minimise import ACCURACY, Linearisation, minimise
 from .model import model_of, options_of, quantities_of, solver_options
@@ -72,7 +73,7 @@ def fit(
     measured : path, mapping or pandas.DataFrame
         CSV or Excel file with units in its header, or columns by name, SI if they have no unit:
         inputs ("nip_load [kN/m]"), outputs ("wound_on_tension [N/m]"), and standard deviations of
-        these ("wound_on_tension +- [N/m]").
+        both ("wound_on_tension +- [N/m]").
     vary : mapping or sequence of str
         Dotted name -> bounds (low, high), SI or texts with units; without bounds, a tenth to ten
         times the value.
@@ -131,6 +132,7 @@ def fit(
         _check_bounds(problem, parameter)
     _check_rows(problem, data)
     _check_units(data)
+    data = with_input_scatter(model, data)
     predictor, profiled = Predictor(model, data, parameters), _names_of_profiles(profiles, bounds)
     with progress_reporter(progress, "fitting") as report:
         result = fit_parameters(

@@ -41,7 +41,7 @@ class Measured:
     outputs : mapping of str to (rows,) array
         Measured values; nan where there is none.
     deviations : mapping of str to (rows,) array
-        Standard deviations of the outputs that have them.
+        Standard deviations of the outputs and inputs that have them.
     where : str
         Path of the file, for error messages.
     numbers : sequence of int
@@ -143,12 +143,14 @@ def _grouped(
 def _check(groups: Groups, where: str) -> None:
     """Reject measured data without outputs or with invalid standard deviations."""
     if not groups["outputs"]:
-        raise InvalidProblem.at(where, "has no column that is an output of the model")
+        text = "has no column that is an output of the model; write its name into the header, or "
+        raise InvalidProblem.at(where, f"{text}assign a column: --column 'HEADER=NAME [UNIT]'")
     for name, deviation in groups["deviations"].items():
-        if name not in groups["outputs"]:
+        values = groups["outputs"].get(name, groups["inputs"].get(name))
+        if values is None:
             text = f"has standard deviations of {name}, but no column of its values"
             raise InvalidProblem.at(where, text)
-        is_measured = np.isfinite(groups["outputs"][name])
+        is_measured = np.isfinite(values)
         if not np.all(deviation[is_measured] > 0):
             text = f"the standard deviations of {name} must be > 0 wherever it was measured"
             raise InvalidProblem.at(where, text)

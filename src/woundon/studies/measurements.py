@@ -10,7 +10,7 @@ pull_tab_force at a radius        converted to a pressure by the calibration of 
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import isfinite, nan
 from typing import Any, NamedTuple, get_args, get_type_hints
 
@@ -90,6 +90,8 @@ class Observations:
         Of inputs and outputs.
     where : str
         The table, for error texts.
+    input_deviations : mapping of str to (rows,) array
+        Standard deviations of the inputs that have them.
     """
 
     rows: Array
@@ -102,6 +104,7 @@ class Observations:
     inputs: Mapping[str, Array]
     quantities: Mapping[str, Quantity]
     where: str
+    input_deviations: Mapping[str, Array] = field(default_factory=dict)
 
     @property
     def observables(self) -> list[Observable]:
@@ -179,6 +182,7 @@ def read_observations(
         inputs=table.inputs,
         quantities=quantities,
         where=table.where,
+        input_deviations={n: s for n, s in table.deviations.items() if n in table.inputs},
     )
 
 

@@ -173,6 +173,18 @@ class KindModel:
             if not any(name != other and is_part_of(name, other) for other in varied):
                 get_field(self.problem, name)  # raises an error if it does not exist
 
+    def without_estimates(self) -> KindModel:
+        """Return the model that omits error estimates if no output is one and none are asked for.
+
+        With given nodes a case that starts from another one is then solved on its last mesh alone.
+        """
+        is_estimated = any(name.startswith(_ERROR) for name in self.outputs)
+        if is_estimated or {"errors", "rtol"} & self.options.keys() or "nodes" not in self.options:
+            return self
+        if "errors" not in options_of(self.problem):
+            return self
+        return replace(self, options={**self.options, "errors": False})
+
     # ---- one case -------------------------------------------------------------------------------
 
     def variant(self, inputs: Mapping[str, Any]) -> Problem:

@@ -153,8 +153,8 @@ class WinderLog(Outcome):
     def measured(self) -> pd.DataFrame:
         """Return the table of measured values for :func:`woundon.fit` and :func:`woundon.compare`.
 
-        A row is a bin.  Outputs have the standard errors of their means; schedules of the problem
-        are no columns, because they are fields of :attr:`problem`.
+        A row is a bin.  Outputs and inputs have the standard errors of their means; schedules of
+        the problem are no columns, because they are fields of :attr:`problem`.
 
         Raises
         ------
@@ -174,7 +174,7 @@ class WinderLog(Outcome):
         for name in outputs:
             k = self.bins.names.index(name)
             columns[name] = self.bins.mean[k]
-            if name in measurable and (self.bins.error[k] > 0).all():
+            if (self.bins.error[k] > 0).all():
                 columns[f"{name} +-"] = self.bins.error[k]
         return pd.DataFrame(columns)
 

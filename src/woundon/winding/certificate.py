@@ -179,7 +179,10 @@ def recomputed_nips(result: Any) -> Mapping[str, tuple[Array, Array]]:
     for name, index in (("front", 1), ("rider", 2)):
         drum = drum_nips(again, index)
         for field, column in vars(drum).items() if drum is not None else ():
-            values[f"{name}.{field}"] = column, within * np.abs(column)
+            # differences of tensions and of angles may be close to zero
+            sizes = {"added_tension": values["nip_wound_on_tension"][0]}
+            sizes |= dict.fromkeys(("slip_angle", "stick_angle"), drum.arc if drum else column)
+            values[f"{name}.{field}"] = column, within * np.abs(sizes.get(field, column))
     if pressures:
         P = np.array(pressures)
         values["nip_effective_pressure"] = P, PRESSURE_TOLERANCE * P

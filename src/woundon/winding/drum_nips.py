@@ -9,17 +9,13 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from ..nip.result import NipResult
-from ..nip.roll_contact import nip_nodes
+from ..nip.roll_contact import LEAST_STICK
 from ..quantities import angle, length, line_load, share, stress
 from ..results import ReadOnly
 
 __all__ = ["DrumNips", "drum_nips"]
 
 Array = np.ndarray
-
-# Part of an arc above which the web sticks on it.  A web that slips on the whole arc also has a
-# node that sticks: at the trailing edge of the nip before, where its slip changes direction.
-LEAST_STICK = 0.01
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -126,18 +122,10 @@ def drum_nips(nips: Sequence[NipResult], index: int) -> DrumNips | None:
         arc=column("angle") - [nip.contacts[index - 1].angle for nip in nips],
         added_tension=column("added_tension"),
         slip_angle=column("slip_angle"),
-        stick_angle=np.array([_stick_angle(nip, index) for nip in nips]),
+        stick_angle=column("stick_angle"),
         arc_least_tension=column("least_tension"),
         arc_largest_tension=column("largest_tension"),
         width=column("nip_width"),
         peak_pressure=column("peak_pressure"),
         friction_ratio=column("friction_ratio"),
     )
-
-
-def _stick_angle(nip: NipResult, index: int) -> float:
-    """Return the angle on which the web sticks on the arc upstream of a contact [rad]."""
-    nodes = nip_nodes(nip)
-    arc = slice(nodes[index - 1].stop - 1, nodes[index].start)  # between the edges of both nips
-    sticks = np.asarray(nip.roll_zone[arc]) == 0
-    return float(np.trapezoid(sticks.astype(float), nip.x[arc])) / float(nip.problem.roll.radius)

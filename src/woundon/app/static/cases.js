@@ -55,7 +55,7 @@ export function ofNip(catalogue, kind, nip, tension) {
 export function started(catalogue, field, before, holder) {
   const own = held(field, holder);
   if (own.type === "member") {
-    if (own.number) return middle(own);
+    if (own.number) return own.default ?? middle(own);
     // of materials the one that asks for the fewest numbers
     const size = (member) => fieldsOf(catalogue, member.form).filter((one) => !one.optional).length;
     const member = own.named ? [...own.members].sort((a, b) => size(a) - size(b))[0] : own.members[0];
@@ -73,13 +73,16 @@ export function startedMember(catalogue, field, member, before) {
   for (const inner of fieldsOf(catalogue, member.form)) {
     const old = before?.[inner.name];
     if (old !== undefined && fits(inner, old)) table[inner.name] = old;
-    else if (table[inner.name] === undefined) {
+    else if (table[inner.name] === undefined && !isLeftOut(inner)) {
       const value = started(catalogue, inner, before, field);
       if (value !== undefined) table[inner.name] = value;
     }
   }
   return member.kind === null ? table : { kind: member.kind, ...table };
 }
+
+/** An optional description without a default, such as the rider of a winder, is added by the user. */
+const isLeftOut = (field) => field.type === "member" && field.optional && field.default == null;
 
 function fits(field, value) {
   if (field.type === "number") return typeof value === "number";

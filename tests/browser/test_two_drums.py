@@ -1,0 +1,44 @@
+"""A two-drum winder on the page: chosen in the form, solved, drawn to scale."""
+
+from __future__ import annotations
+
+import tomllib
+
+import pytest
+
+import woundon as wo
+from woundon.io.case_files import make_problem
+
+
+def test_a_winding_gets_a_winder_in_the_form(look):
+    """The page's result is that of the case that it saves."""
+    seen = look(width=1366, height=900)
+    page = seen.page
+    page.click("#tab-winding")
+    page.wait_for_selector(".schedule-plot")
+    page.select_option(".kind", "winding")
+    page.wait_for_selector("[id='f-tension_law']")
+    page.select_option("[id='f-tension_law']", label="friction")  # no nip is solved
+    page.wait_for_selector(".margins", timeout=60_000)
+    for group in ("winder", "drum", "operation"):
+        page.evaluate(f"document.querySelector('[data-group={group}]').open = true")
+    page.select_option("#f-winder", "TwoDrums")
+    page.select_option("#f-nip_load", label="none")
+    page.select_option("#f-torque_split", label="one number")
+    for name, value in (
+        ("torque_split", "0.5"), ("winder.front_drum.radius", "250"), ("winder.gap", "20"),
+        ("winder.rider_load", "2500"),
+    ):  # fmt: skip
+        seen.put(name, value)
+    assert page.locator(".fault").count() == 0
+    problem = make_problem(tomllib.loads(seen.saved("Save the case").decode()))
+    assert problem.winder == wo.TwoDrums(
+        front_drum=wo.Rigid(radius=0.25), gap=0.02, rider_load=2500.0
+    )
+    result = wo.solve(problem)
+    tension = seen.output("mean_wound_on_tension")
+    assert tension == pytest.approx(result.mean_wound_on_tension, rel=1e-6)
+    assert page.inner_text(".margins").count("slip of a drum") == 1
+    before = seen.drawn("[data-panel=winder]")
+    seen.put("winder.gap", "40")
+    seen.redrawn("[data-panel=winder]", before)
