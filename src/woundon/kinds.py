@@ -8,7 +8,7 @@ up here.
 >>> import woundon as wo
 >>> kind = wo.kinds.named("roll")
 >>> kind.problem.__name__, kind.result.__name__, list(kind.solver_options())
-('RollProblem', 'RollResult', ['rtol'])
+('RollProblem', 'RollResult', ['rtol', 'lanes'])
 """
 
 from __future__ import annotations

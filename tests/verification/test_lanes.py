@@ -331,7 +331,9 @@ def test_random_profiles(seed):
         assert tension == pytest.approx(expected, rel=1e-12)
 
 
-@pytest.mark.parametrize("seed", [1001, *(campaign_case(k) for k in range(1002, 1051))])
+@pytest.mark.parametrize(
+    "seed", [slow_case(1003), *(campaign_case(k) for k in range(1001, 1051) if k != 1003)]
+)
 def test_the_error_estimates_of_the_lanes(seed):
     """Honesty: 200 lanes with an eight times smaller tolerance are within the estimates.
 

@@ -164,7 +164,7 @@ def roll_surface(result: Any) -> Panel:
     return Panel(
         "roll_surface",
         _across(lanes),
-        Axis("Radius, ridges enlarged", quantity_of(RollResult, "radius")),
+        Axis(f"Radius, ridges {factor:g} times larger", quantity_of(RollResult, "radius")),
         f"Surface of the roll, ridges enlarged {factor:g} times",
         curves=tuple(curves),
         column="lanes",

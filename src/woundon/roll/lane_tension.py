@@ -191,7 +191,8 @@ def tension_in_nip(
                 break
             fraction /= 2
         theta, e0, delta0 = trial
-        if fraction == 1.0 and np.max(np.abs(step)) <= ROUNDING * 100:
+        converged = np.max(np.abs(step)) <= 100 * ROUNDING
+        if fraction == 1.0 and converged and np.max(np.abs(balance(web, load))) <= 20 * ROUNDING:
             break
     _, web, load, *_ = state(theta, e0, delta0)
     return TensionOfLanes(theta, web * wound_on / web_tension, load / nip.load)
