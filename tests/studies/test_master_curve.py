@@ -192,7 +192,7 @@ def test_rejected_arguments(changes: dict[str, Any], text: str) -> None:
 
 
 def test_vertical_shifts_are_remarked_on() -> None:
-    """Moduli that fall by a third from one isotherm to the next besides: no superposition."""
+    """Moduli that fall by a third from one isotherm to the next as well: no superposition."""
     tables = {
         T: table | {"storage_modulus": table["storage_modulus"] * (1 - 0.1 * k)}
         for k, (T, table) in enumerate(exact_isotherms().items())

@@ -57,7 +57,7 @@ class RollContact:
     >>> nip = wo.NipProblem.example().replace(next_nips=[front])
     >>> rear, front = wo.solve(nip, nodes=41).contacts
     >>> front.sticks_upstream, round(front.slip_angle, 1)
-    (True, 1.1)
+    (True, 0.7)
     """
 
     angle: float

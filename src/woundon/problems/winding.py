@@ -225,6 +225,7 @@ class WindingProblem(Problem):
     torque_split: Annotated[
         OptionalWindingSchedule,
         pure("s_F", "fraction of the web tension carried by the drum, -F/T_in", (0.0, 1.0)),
+        Conditional("required with a winder"),
     ] = default(None)
     winder: Annotated[
         OptionalNested[TwoDrums], Field(description="front drum and rider of a two-drum winder")

@@ -151,7 +151,7 @@ class MasterCurve(Outcome):
             found.append(
                 f"the shifted moduli deviate from any Prony series by {self.misfit:.1%} (rms): the "
                 "material has several kinds of relaxation, or the moduli change with the "
-                "temperature besides (vertical shifts are not applied)"
+                "temperature, too (vertical shifts are not applied)"
             )
         uncertain = self.temperatures[self.errors > UNCERTAIN]
         if uncertain.size:

@@ -313,7 +313,7 @@ class _Winder:
     def _extrapolate(self, iteration: _Iteration, chooses_stages: bool) -> _Iteration:
         """Iterate between the roll and nips that are extrapolated to it, until both agree.
 
-        ``chooses_stages`` chooses the stages of the roll anew, once: a change of the stages could
+        ``chooses_stages`` chooses the stages of the roll again, once: a change of the stages could
         exceed the tolerance.
         """
         goal = STOP_FRACTION * self.coupling_rtol
