@@ -15,9 +15,9 @@ roll only.
     slip          v+ = eps - eps+ - E, E = (eps - eps+)(end);  v- = eps - eps- + xi_k
     friction      stick v = 0, |q| <= mu p;  slip q = s mu p, s v >= 0
 
-kappa+ = 1/R - v'' - v/R^2, and kappa- = 1/R_k - v-'' of the iterate before.  Per unit of the
-roll's speed the unstrained web and the unstrained surface of the roll are equally fast everywhere,
-so that there is one E for all nips.
+kappa+ = 1/R - v'' - v/R^2, and kappa- = 1/R_k - v-''; the product T kappa- is linearised about the
+iterate before.  Per unit of the roll's speed the unstrained web and the unstrained surface of the
+roll are equally fast everywhere, so that there is one E for all nips.
 
 The tractions are linear between nodes, and slopes and slips are collocated once in each cell, the
 slip of a node in the cell upstream of it.  All half widths are unknowns; the active set changes
@@ -202,12 +202,18 @@ class System:
         self.T = lumped - q * np.append(h, 0.0)[:, None] / 2  # T - T_in at the nodes
         self.p_roll, self.p0 = p.copy(), np.zeros(n + 1)
         self.p_drum = np.zeros((n + 1, size))
-        for nip, nodes_of in zip(case.nips, self.inside, strict=True):
+        for nodes_of in self.inside:
             self.p_drum[nodes_of] = p[nodes_of]
-            curvature = case.drum_curvature.get(nip, np.full(M - 1, 1 / nip.drum_radius))
-            self.p_roll[nodes_of] -= self.T[nodes_of] * curvature[:, None]
-            self.p0[nodes_of] = -self.T_in * curvature
         self.q_roll, self.q_drum = q_roll, q_drum
+        self.drums = [self._drum(k) for k in range(K)]
+        # p+ = p- - T kappa-, with T kappa- = T0 kappa- + kappa0 (T - T0)
+        for nip, nodes_of, (slope, _) in zip(case.nips, self.inside, self.drums, strict=True):
+            flat = np.full(M - 1, 1 / nip.drum_radius)
+            T0, kappa0 = case.latest.get(nip, (np.full(M - 1, self.T_in), flat))
+            start = int(nodes_of[0]) - 1
+            bent = -np.diff(slope, axis=0) / np.diff(y[start : start + M])[:, None]
+            self.p_roll[nodes_of] -= T0[:, None] * bent + kappa0[:, None] * self.T[nodes_of]
+            self.p0[nodes_of] = -T0 * flat - kappa0 * (self.T_in - T0)
         targets = np.append(y, s[-1] - 1e-9 * h[-1])
         slope_p, slope_q, strain_p, strain_q = influence(roll, targets, s)
         slope = slope_p @ self.p_roll + slope_q @ q_roll
@@ -224,7 +230,6 @@ class System:
         self.stretch = c11 / web.thickness
         # gap slope in the cells of the nips
         gap, gap0 = [], []
-        self.drums = [self._drum(k, h) for k in range(K)]
         for k, (nip, f) in enumerate(zip(case.nips, self.first, strict=True)):
             cells = np.arange(f, f + M)
             curvature = 1 / R + 1 / nip.drum_radius
@@ -256,7 +261,7 @@ class System:
         self.arc = np.setdiff1d(np.arange(1, n + 1), inner)
         self.kappa, self.kappa0 = self._curvature(roll, slope[:-1], slope0[:-1], h)
 
-    def _drum(self, k: int, h: Array) -> tuple[Array, Array]:
+    def _drum(self, k: int) -> tuple[Array, Array]:
         """Return slope and strain of drum k in the cells of its nip, as matrices on u."""
         drum, f, M = self.case.nips[k].drum, self.first[k], self.cells
         if drum is None:
@@ -266,13 +271,14 @@ class System:
         p, q = self.p_drum[nodes], self.q_drum[nodes]
         return slope_p @ p + slope_q @ q, strain_p @ p + strain_q @ q
 
-    def drum_curvatures(self, u: Array) -> dict[Nip, Array]:
-        """Return kappa- at the inner nodes of the nips with drums that deform."""
+    def tensions_and_curvatures(self, u: Array) -> dict[Nip, tuple[Array, Array]]:
+        """Return T and kappa- at the inner nodes of the nips."""
         out = {}
-        for nip, f, (slope, _) in zip(self.case.nips, self.first, self.drums, strict=True):
-            if nip.drum is not None:
-                distances = np.diff(self.y[f : f + self.cells])
-                out[nip] = 1 / nip.drum_radius - np.diff(slope @ u) / distances
+        parts = zip(self.case.nips, self.first, self.inside, self.drums, strict=True)
+        for nip, f, nodes, (slope, _) in parts:
+            distances = np.diff(self.y[f : f + self.cells])
+            kappa = 1 / nip.drum_radius - np.diff(slope @ u) / distances
+            out[nip] = self.T_in + self.T[nodes] @ u, kappa
         return out
 
     def _over(self, k: int, weights: Array, values: Array) -> Array:
@@ -387,7 +393,7 @@ class Case:
     pressure: float = 0.0
     slope: float = 0.0
     arcs: list[Array] = field(default_factory=list)
-    drum_curvature: dict[Nip, Array] = field(default_factory=dict)
+    latest: dict[Nip, tuple[Array, Array]] = field(default_factory=dict)
 
     def solve(self) -> Solution:
         """Solve: Newton steps, and after each of them the active set changes."""
@@ -419,7 +425,7 @@ class Case:
             step = self._step(system, u, active, ln_a, columns)
             step[ln_a] = np.clip(step[ln_a], -0.5, 0.5)
             u = u + step
-            self.drum_curvature = system.drum_curvatures(u)
+            self.latest = system.tensions_and_curvatures(u)
             system = System(self, np.exp(u[ln_a]))
             units = np.full(u.size, self.pressure)
             units[system.n : system.q_start] = np.tile([self.slope, self.slope, 1.0], len(a))
